@@ -1,2 +1,109 @@
-//! Compiles the shipped GLSL programs.
-fn main() {}
+//! Embeds the GLSL modules and compiles the programs listed in `glsl/variants`, through the very library and linker
+//! that the program uses at run time.
+
+mod glsl {
+    #[allow(dead_code)]
+    #[path = "../src/glsl/library.rs"]
+    pub mod library;
+    #[path = "../src/glsl/link.rs"]
+    pub mod link;
+}
+
+use glsl::library::{Library, Slots};
+use glsl::link::{Linker, Stage};
+use std::error::Error;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+const ENTRIES: [&str; 2] = ["slice.vert", "slice.frag"];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("cargo::rerun-if-changed=glsl");
+    println!("cargo::rerun-if-changed=src/glsl");
+    let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("glsl");
+    let out = PathBuf::from(env::var("OUT_DIR")?);
+    let mut files = Vec::new();
+    collect(&root, &root, &mut files)?;
+    files.sort();
+
+    let mut sources = String::from("static SHIPPED_SOURCES: &[(&str, &str)] = &[\n");
+    for (path, text) in &files {
+        writeln!(sources, "    ({path:?}, {text:?}),")?;
+    }
+    sources.push_str("];\n");
+    fs::write(out.join("library.rs"), sources)?;
+
+    let library = Library::new(files);
+    let linker = Linker::new()?;
+    let mut programs: Vec<(String, String)> = Vec::new();
+    for (number, line) in fs::read_to_string(root.join("variants"))?.lines().enumerate() {
+        if line.starts_with('#') || line.trim().is_empty() {
+            continue;
+        }
+        for choice in expand(line, &library) {
+            let fail = |error: &dyn Error| format!("glsl/variants:{}: {error}", number + 1);
+            let slots = library.needed(&ENTRIES, &choice).map_err(|error| fail(&error))?;
+            let name = format!("program_{:03}", programs.len());
+            for (entry, stage) in [(ENTRIES[0], Stage::Vertex), (ENTRIES[1], Stage::Fragment)] {
+                let spirv = linker.link(&library, (entry, stage), &ENTRIES, &slots).map_err(|error| fail(&error))?;
+                let bytes: Vec<u8> = spirv.iter().flat_map(|word| word.to_le_bytes()).collect();
+                fs::write(out.join(format!("{name}.{}", &entry[6..])), bytes)?;
+            }
+            programs.push((key(&slots), name));
+        }
+    }
+    programs.sort();
+    programs.dedup_by(|a, b| a.0 == b.0);
+    let mut table = String::from("static SHIPPED_PROGRAMS: &[(&str, &[u8], &[u8])] = &[\n");
+    for (key, name) in &programs {
+        writeln!(
+            table,
+            "    ({key:?}, include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.vert\")), \
+             include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.frag\"))),"
+        )?;
+    }
+    table.push_str("];\n");
+    fs::write(out.join("programs.rs"), table)?;
+    Ok(())
+}
+
+/// Every file below `folder` but the table of variants, by its path relative to `root`.
+fn collect(root: &Path, folder: &Path, files: &mut Vec<(String, String)>) -> Result<(), Box<dyn Error>> {
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            collect(root, &path, files)?;
+        } else if path.extension().is_some() {
+            let relative = path.strip_prefix(root)?.to_string_lossy().replace('\\', "/");
+            files.push((relative, fs::read_to_string(&path)?));
+        }
+    }
+    Ok(())
+}
+
+/// The combinations that one line of the table stands for. What a line does not say has one shipped default.
+fn expand(line: &str, library: &Library) -> Vec<Slots> {
+    let defaults = "proxy=polygons projection=perspective clip=none";
+    let mut choices = vec![Slots::new()];
+    for word in defaults.split_whitespace().chain(line.split_whitespace().skip(1)) {
+        let Some((slot, modules)) = word.split_once('=') else { continue };
+        let modules = if modules == "*" { library.modules(slot).join(",") } else { modules.to_string() };
+        choices = modules
+            .split(',')
+            .flat_map(|stack| {
+                let names: Vec<String> = stack.split('+').filter(|name| *name != "-").map(String::from).collect();
+                choices.iter().cloned().map(move |mut slots| {
+                    slots.insert(slot.to_string(), names.clone());
+                    slots
+                })
+            })
+            .collect();
+    }
+    choices
+}
+
+/// The name of a program: its slots and modules in alphabetical order of the slots.
+fn key(slots: &Slots) -> String {
+    slots.iter().map(|(slot, names)| format!("{slot}={}", names.join("+"))).collect::<Vec<_>>().join(" ")
+}

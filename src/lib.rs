@@ -1,4 +1,5 @@
 //! Texturing and hypertexturing of volumetric objects.
 
 pub mod field;
+pub mod glsl;
 pub mod shape;

@@ -1,0 +1,14 @@
+// Post-classification: the density is interpolated, then looked up in the transfer map.
+// Source: MJ 2.
+// x: object space; path: object units; result premultiplied linear RGBA.
+#include "sample.glsl"
+#include "transfer.glsl"
+#include <dmf>
+#include <opacity>
+
+vec4 classify(vec3 x, float path) {
+    Sample s = sample_object(x);
+    vec4 matter = transfer(clamp(modulate(s.density, s), 0.0, 1.0));
+    float alpha = opacity(matter.a, path);
+    return vec4(matter.rgb * alpha, alpha);
+}

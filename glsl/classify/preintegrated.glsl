@@ -1,0 +1,22 @@
+// Pre-integrated classification: the transfer map integrated over the segment between the densities at its two ends.
+// Source: Engel, Kraus and Ertl 2001 (cited by MJ 2); GG 39.6.1.
+// x: object space, middle of the segment; path: object units; result premultiplied linear RGBA.
+// The table holds the segment of one slice spacing; a longer path under perspective scales its optical depth.
+#include "sample.glsl"
+#include <dmf>
+#include "exponential.glsl"
+
+float end_density(vec3 x) {
+    Sample s = sample_object(x);
+    return clamp(modulate(s.density, s), 0.0, 1.0);
+}
+
+vec4 classify(vec3 x, float path) {
+    vec3 half_segment = mat3(texture_matrix) * (to_eye() * (0.5 * path));
+    vec2 size = vec2(textureSize(segment_map, 0));
+    vec2 ends = vec2(end_density(x + half_segment), end_density(x - half_segment));
+    vec4 matter = textureLod(segment_map, (ends * (size - 1.0) + 0.5) / size, 0.0);
+    if (matter.a <= 0.0) return vec4(0.0);
+    float alpha = matter.a >= 1.0 ? 1.0 : -exp_minus_one(path / step_size * log_one_minus(matter.a));
+    return vec4(matter.rgb / matter.a * alpha, alpha);
+}

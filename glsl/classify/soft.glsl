@@ -1,0 +1,18 @@
+// A hypertextured object: the surface in the hard region, the modulated density around it.
+// Source: MJ 6; the opacity is PH 3.1.
+// x: object space; path: object units; result premultiplied linear RGBA.
+#include "sample.glsl"
+#include <dmf>
+#include <opacity>
+#include <surface>
+#include <medium>
+
+vec4 classify(vec3 x, float path) {
+    Sample s = sample_object(x);
+    if (s.density <= 0.0) return vec4(0.0);                 // MJ 6: outside the soft region
+    float density = clamp(modulate(s.density, s), 0.0, 1.0);
+    if (density <= 0.0) return vec4(0.0);
+    vec3 shade = s.density >= 1.0 ? surface(s) : medium(s, density);
+    float alpha = opacity(density, path);
+    return vec4(shade * alpha, alpha);
+}

@@ -1,0 +1,34 @@
+// Fur: noise, constant along the direction of growth, sharpened into hairs that thin out towards their tips.
+// Source: PH 2.4: f = gain.9(bias.3(noise(frequency * project(x)))) * D(x), with the remap 0.5 + 0.5 noise it implies;
+// curl is the tribble's; droop and uneven length are ours.
+// density: D in [0, 1]; result in [0, 1].
+// @outer hair_length
+// @knob hair_length = 0.17 in [0.005, 0.8]: Length of the hair, object units: the width of the soft region.
+// @knob fineness = 26 in [2, 200]: Hairs per object unit.
+// @knob curliness = 0.05 in [0, 0.5]: Sideways wave of the hair, object units at the tip.
+// @knob droop = 0.35 in [0, 2]: How far gravity bends the tip, in hair lengths.
+// @knob unevenness = 0.5 in [0, 1]: Spread of the length from hair to hair.
+// @knob hair_bias = 0.3 in [0.01, 0.99]: Thickness of the hair: PH's bias.
+// @knob hair_gain = 0.9 in [0.01, 0.99]: Sharpness of its edge: PH's gain.
+#include <noise>
+#include "shaping.glsl"
+
+// The root of the hair through a point: back along the droop and the curl, then down to the skin.
+vec3 project(Sample s, float tip) {
+    vec3 curl = noise_gradient(3.0 * s.x + 17.0).xyz * (0.5 * curliness * gain(0.8, tip));
+    vec3 unbent = s.x + vec3(0.0, droop * hair_length * tip * tip, 0.0) + curl;
+    return unbent - (s.distance - iso_value) * s.normal;
+}
+
+vec3 hair_tangent(Sample s) {
+    float tip = clamp(1.0 - s.density, 0.0, 1.0);
+    return safe_normalize(s.normal - vec3(0.0, 2.0 * droop * tip, 0.0), s.normal);
+}
+
+float fur(float density, Sample s) {
+    if (density >= 1.0) return 1.0;
+    vec3 root = project(s, 1.0 - density);
+    float strand = gain(hair_gain, bias(hair_bias, 0.5 + 0.5 * noise(fineness * root) / 0.6));
+    float length_here = 1.0 - unevenness * clamp(0.5 + noise(0.23 * fineness * root), 0.0, 1.0);
+    return strand * max((density - 1.0 + length_here) / length_here, 0.0);
+}

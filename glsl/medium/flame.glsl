@@ -1,0 +1,13 @@
+// Burning gas: color by density through the transfer map, with relief from the gradient of the turbulence.
+// Source: PH 2.4 (low density red, high yellow); MJ Fig. 7f: fire (bumpy).
+// density: modulated, in [0, 1]; result: linear RGB.
+// @knob relief = 0.35 in [0, 1]: Strength of the relief.
+// @knob glow = 1.6 in [0, 10]: Brightness of the gas.
+#include "transfer.glsl"
+#include <turbulence>
+vec3 medium(Sample s, float density) {
+    vec3 b = safe_normalize(turbulence_gradient(2.0 * s.x - vec3(0.0, 0.6 * time, 0.0)).xyz, s.normal);
+    vec3 n = safe_normalize(mat3(normal_matrix) * (s.normal + b), to_eye());
+    float lit = clamp(0.5 + 0.5 * dot(n, safe_normalize(light_position.xyz - position_eye, n)), 0.0, 1.0);
+    return glow * transfer(density).rgb * mix(1.0, 0.35 + 1.1 * lit, relief);
+}

@@ -1,0 +1,7 @@
+// A soft region between two iso-values, density linear in the distance.
+// Source: MJ 6 (two iso-values); the paper prints no formula: a reconstruction.
+// distance: object units, positive outside; result in [0, 1].
+float soften(float distance) {
+    float width = outer_iso_value - iso_value;
+    return width > 0.0 ? clamp((outer_iso_value - distance) / width, 0.0, 1.0) : (distance <= iso_value ? 1.0 : 0.0);
+}

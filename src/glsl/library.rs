@@ -1,0 +1,325 @@
+//! The modules by path, and the declarations in their comments.
+//!
+//! A module declares its parameters where it uses them:
+//! ```glsl
+//! // @knob hair_length = 0.16 in [0.005, 0.6]: Length of the hair, object units.
+//! // @color tip_color = #d9a05f: Color of the hair at its tip.
+//! // @outer hair_length      the soft region ends at this signed distance
+//! // @reach drip_length      the matter reaches this much further than the object and its soft region
+//! ```
+//! The same lines feed the uniform block, the checks of a scene file and the documentation.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Which modules fill each slot: one name, or for a stack (`warp`, `dmf`) any number in order of application.
+pub type Slots = BTreeMap<String, Vec<String>>;
+
+/// GLSL sources by path relative to the `glsl` folder, such as `dmf/fur.glsl`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Library {
+    sources: BTreeMap<String, String>,
+}
+
+/// What a module declares.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Declarations {
+    /// Parameters, in the order of the file.
+    pub knobs: Vec<Knob>,
+    /// The knob that sets the outer iso-value of the soft region.
+    pub outer: Option<String>,
+    /// Knobs whose sum is how far the matter reaches beyond the soft region, object units.
+    pub reach: Vec<String>,
+}
+
+/// A parameter of a module.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Knob {
+    /// Name in GLSL, in scene files and on the command line.
+    pub name: String,
+    /// Value where the scene gives none, with the allowed range of a number.
+    pub default: Default,
+    /// One sentence with the unit.
+    pub doc: String,
+}
+
+/// Type, default and range of a [`Knob`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Default {
+    /// A finite number and the closed range it must lie in.
+    Number(f32, [f32; 2]),
+    /// A color: sRGB, 8 bits each.
+    Color([u8; 3]),
+}
+
+/// Why a library does not give what is asked of it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LibraryError {
+    /// There is no such module.
+    #[error("no module `{name}` in slot `{slot}`; choose one of: {known}")]
+    Unknown {
+        /// The slot.
+        slot: String,
+        /// The name asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// A declaration cannot be read.
+    #[error("{path}:{line}: `{text}` is not a declaration; write `// @knob name = 0.5 in [0, 1]: What it does.`")]
+    Declaration {
+        /// The module.
+        path: String,
+        /// Line, from 1.
+        line: usize,
+        /// The comment.
+        text: String,
+    },
+    /// Two modules of one program declare the same knob differently.
+    #[error("knob `{name}` is declared twice with different defaults; rename it in one of the modules")]
+    Twice {
+        /// The knob.
+        name: String,
+    },
+}
+
+impl Library {
+    /// A library of (path, text) pairs.
+    pub fn new(sources: impl IntoIterator<Item = (String, String)>) -> Library {
+        Library { sources: sources.into_iter().collect() }
+    }
+
+    /// The same library with one more module, or with that module replaced.
+    pub fn with_module(mut self, slot: &str, name: &str, text: &str) -> Library {
+        self.sources.insert(format!("{slot}/{name}.glsl"), text.to_string());
+        self
+    }
+
+    /// Text of a file, by its path relative to the `glsl` folder.
+    pub fn source(&self, path: &str) -> Option<&str> {
+        self.sources.get(path).map(String::as_str)
+    }
+
+    /// Names of the modules of a slot, sorted.
+    pub fn modules(&self, slot: &str) -> Vec<&str> {
+        let strip = |path: &'_ str| -> Option<(usize, usize)> {
+            let name = path.strip_prefix(slot)?.strip_prefix('/')?.strip_suffix(".glsl")?;
+            (!name.contains('/')).then_some((path.len() - name.len() - ".glsl".len(), path.len() - ".glsl".len()))
+        };
+        self.sources.keys().filter_map(|path| strip(path).map(|(from, to)| &path[from..to])).collect()
+    }
+
+    /// Path of a module.
+    ///
+    /// # Errors
+    /// [`LibraryError::Unknown`] lists the modules of the slot.
+    pub fn path(&self, slot: &str, name: &str) -> Result<String, LibraryError> {
+        let path = format!("{slot}/{name}.glsl");
+        if self.sources.contains_key(&path) {
+            return Ok(path);
+        }
+        let known = self.modules(slot).join(", ");
+        Err(LibraryError::Unknown { slot: slot.into(), name: name.into(), known })
+    }
+
+    /// The slots that `entries` really reach when filled from `choice`, directly or through the modules chosen:
+    /// the rest of `choice` is left out.
+    ///
+    /// # Errors
+    /// [`LibraryError::Unknown`] when a reached slot has no choice or the module does not exist.
+    pub fn needed(&self, entries: &[&str], choice: &Slots) -> Result<Slots, LibraryError> {
+        let mut needed = Slots::new();
+        self.visit(entries, choice, &mut |_, slot| {
+            if let Some(slot) = slot {
+                needed.insert(slot.to_string(), choice.get(slot).cloned().unwrap_or_default());
+            }
+            Ok(())
+        })?;
+        Ok(needed)
+    }
+
+    /// Everything that the files reached from `entries` declare.
+    ///
+    /// # Errors
+    /// A declaration that cannot be read, two that disagree, or a module that does not exist.
+    pub fn declarations(&self, entries: &[&str], choice: &Slots) -> Result<Declarations, LibraryError> {
+        let mut all = Declarations::default();
+        self.visit(entries, choice, &mut |path, _| {
+            let Some(path) = path else { return Ok(()) };
+            let one = parse(path, self.source(path).unwrap_or_default())?;
+            for knob in one.knobs {
+                match all.knobs.iter().find(|known| known.name == knob.name) {
+                    None => all.knobs.push(knob),
+                    Some(known) if *known == knob => {}
+                    Some(_) => return Err(LibraryError::Twice { name: knob.name }),
+                }
+            }
+            all.outer = one.outer.or(all.outer.take());
+            all.reach.extend(one.reach);
+            Ok(())
+        })?;
+        Ok(all)
+    }
+
+    /// Calls `on` once for each file and for each slot reached from `entries`.
+    fn visit(
+        &self,
+        entries: &[&str],
+        choice: &Slots,
+        on: &mut dyn FnMut(Option<&str>, Option<&str>) -> Result<(), LibraryError>,
+    ) -> Result<(), LibraryError> {
+        let mut queue: Vec<String> = entries.iter().rev().map(|entry| entry.to_string()).collect();
+        let mut seen = BTreeSet::new();
+        while let Some(path) = queue.pop() {
+            if !seen.insert(path.clone()) {
+                continue;
+            }
+            on(Some(&path), None)?;
+            let text = self.source(&path).unwrap_or_default();
+            for line in text.lines() {
+                match include(line) {
+                    Some(Include::File(file)) => queue.push(file.to_string()),
+                    Some(Include::Slot(KNOBS)) | None => {}
+                    Some(Include::Slot(slot)) => {
+                        let Some(names) = choice.get(slot) else {
+                            self.path(slot, "")?; // no module has an empty name: this lists what there is
+                            continue;
+                        };
+                        if seen.insert(format!("<{slot}>")) {
+                            on(None, Some(slot))?;
+                        }
+                        for name in names {
+                            queue.push(self.path(slot, name)?);
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The slot that the linker fills with the uniform block of all knobs.
+pub const KNOBS: &str = "knobs";
+
+enum Include<'a> {
+    File(&'a str),
+    Slot(&'a str),
+}
+
+fn include(line: &str) -> Option<Include<'_>> {
+    let what = line.trim_start().strip_prefix("#include")?.trim();
+    if let Some(file) = what.strip_prefix('"') {
+        return file.split_once('"').map(|(file, _)| Include::File(file));
+    }
+    what.strip_prefix('<')?.split_once('>').map(|(slot, _)| Include::Slot(slot))
+}
+
+fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError> {
+    let mut found = Declarations::default();
+    for (index, line) in text.lines().enumerate() {
+        let Some(declaration) = line.trim_start().strip_prefix("// @") else { continue };
+        let wrong =
+            || LibraryError::Declaration { path: path.into(), line: index + 1, text: line.trim_start().to_string() };
+        let (kind, rest) = declaration.split_once(' ').ok_or_else(wrong)?;
+        match kind {
+            "knob" => found.knobs.push(number(rest).ok_or_else(wrong)?),
+            "color" => found.knobs.push(color(rest).ok_or_else(wrong)?),
+            "outer" => found.outer = Some(identifier(rest).ok_or_else(wrong)?),
+            "reach" => {
+                for name in rest.split('+') {
+                    found.reach.push(identifier(name).ok_or_else(wrong)?);
+                }
+            }
+            _ => return Err(wrong()),
+        }
+    }
+    Ok(found)
+}
+
+fn number(text: &str) -> Option<Knob> {
+    let (name, rest) = text.split_once('=')?;
+    let (value, rest) = rest.split_once(" in [")?;
+    let (range, doc) = rest.split_once("]:")?;
+    let (low, high) = range.split_once(',')?;
+    let finite = |text: &str| text.trim().parse::<f32>().ok().filter(|value| value.is_finite());
+    let (value, low, high) = (finite(value)?, finite(low)?, finite(high)?);
+    let valid = low < high && (low..=high).contains(&value);
+    valid.then_some(Knob {
+        name: identifier(name)?,
+        default: Default::Number(value, [low, high]),
+        doc: doc.trim().into(),
+    })
+}
+
+fn color(text: &str) -> Option<Knob> {
+    let (name, rest) = text.split_once('=')?;
+    let (value, doc) = rest.split_once(": ")?;
+    Some(Knob { name: identifier(name)?, default: Default::Color(hex_color(value.trim())?), doc: doc.trim().into() })
+}
+
+/// Reads `#rrggbb`.
+pub fn hex_color(text: &str) -> Option<[u8; 3]> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
+    let channel = |from: usize| u8::from_str_radix(&digits[from..from + 2], 16).ok();
+    Some([channel(0)?, channel(2)?, channel(4)?])
+}
+
+fn identifier(text: &str) -> Option<String> {
+    let name = text.trim();
+    let valid = name.starts_with(|c: char| c.is_ascii_lowercase())
+        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+    valid.then(|| name.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn library(files: &[(&str, &str)]) -> Library {
+        Library::new(files.iter().map(|(path, text)| (path.to_string(), text.to_string())))
+    }
+
+    fn slots(pairs: &[(&str, &[&str])]) -> Slots {
+        pairs.iter().map(|(slot, names)| (slot.to_string(), names.iter().map(|n| n.to_string()).collect())).collect()
+    }
+
+    #[test]
+    fn knobs_are_read_with_default_range_and_sentence() {
+        let library = library(&[("a.frag", "// @knob size = 0.5 in [0, 2]: Size, in cells.\n// @color tint = #ff8000: Tint.")]);
+        let found = library.declarations(&["a.frag"], &Slots::new()).unwrap();
+        assert_eq!(found.knobs[0].default, Default::Number(0.5, [0.0, 2.0]));
+        assert_eq!(found.knobs[0].doc, "Size, in cells.");
+        assert_eq!(found.knobs[1].default, Default::Color([255, 128, 0]));
+    }
+
+    #[test]
+    fn a_bad_declaration_names_file_and_line() {
+        for text in ["// @knob x = 3 in [0, 2]: Out of range.", "// @knob Big = 1 in [0, 2]: Upper case.", "// @what x"] {
+            let library = library(&[("a.frag", &format!("\n{text}"))]);
+            let error = library.declarations(&["a.frag"], &Slots::new()).unwrap_err().to_string();
+            assert!(error.starts_with("a.frag:2:"), "{error}");
+        }
+    }
+
+    #[test]
+    fn slots_that_nothing_reaches_are_left_out() {
+        let library = library(&[
+            ("a.frag", "#include <dmf>"),
+            ("dmf/fur.glsl", "#include <noise>"),
+            ("dmf/plain.glsl", ""),
+            ("noise/block.glsl", ""),
+        ]);
+        let noise: (&str, &[&str]) = ("noise", &["block"]);
+        let fur = library.needed(&["a.frag"], &slots(&[("dmf", &["fur"]), noise])).unwrap();
+        assert!(fur.contains_key("noise"));
+        let plain = library.needed(&["a.frag"], &slots(&[("dmf", &["plain"]), noise])).unwrap();
+        assert!(!plain.contains_key("noise"));
+    }
+
+    #[test]
+    fn an_unknown_module_is_refused_with_the_known_ones() {
+        let library = library(&[("a.frag", "#include <dmf>"), ("dmf/fur.glsl", "")]);
+        let error = library.needed(&["a.frag"], &slots(&[("dmf", &["furr"])])).unwrap_err().to_string();
+        assert_eq!(error, "no module `furr` in slot `dmf`; choose one of: fur");
+    }
+}

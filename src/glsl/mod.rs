@@ -1,0 +1,19 @@
+//! The GLSL house: modules, what they declare, and how they are linked into one program.
+//!
+//! Role: the only place that knows GLSL text. A *module* is one file of a slot's folder (`dmf/fur.glsl`); a *slot* is
+//! filled for each program, so that a program holds the modules it needs and nothing else. Invariant: linking is a
+//! pure function of the library, the entry file and the chosen modules.
+//! `build.rs` compiles the shipped programs through the very same [`library`] and [`link`].
+
+pub mod library;
+pub mod link;
+
+pub use library::{Declarations, Default, Knob, Library, LibraryError, Slots};
+pub use link::{LinkError, Linker, Stage};
+
+include!(concat!(env!("OUT_DIR"), "/library.rs"));
+
+/// The modules that ship with the program.
+pub fn shipped() -> Library {
+    Library::new(SHIPPED_SOURCES.iter().map(|(path, text)| (path.to_string(), text.to_string())))
+}
