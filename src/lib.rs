@@ -2,4 +2,5 @@
 
 pub mod field;
 pub mod glsl;
+pub mod gpu;
 pub mod shape;

@@ -1,0 +1,270 @@
+//! Recording and submission: every submission is timed and waited for.
+
+use super::memory::COLOR;
+use super::{BindSet, Buffer, Gpu, GpuError, Image, Named, Pipeline};
+use ash::vk;
+use std::ops::Range;
+use std::time::Instant;
+
+/// A submission that takes longer is given up. Shorter: slow devices fail on large images. Longer: a hang looks like
+/// patience; a desktop resets the device after two seconds anyway.
+const TIMEOUT_SECONDS: u64 = 60;
+
+/// How long a submission took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Submitted {
+    /// Milliseconds on the device, by timestamps; those of the wall clock where the device has none.
+    pub gpu_ms: f64,
+    /// Milliseconds from submission to completion.
+    pub wall_ms: f64,
+}
+
+/// What is drawn into.
+#[derive(Clone, Copy)]
+pub struct Target<'a> {
+    /// The image that is blended into.
+    pub color: &'a Image,
+    /// Where its samples are averaged to, at the end of a rendering that asks for it.
+    pub resolved: Option<&'a Image>,
+}
+
+/// What a rendering begins with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Load {
+    /// A uniform color, premultiplied linear RGBA.
+    Clear([f32; 4]),
+    /// What is there.
+    Keep,
+}
+
+impl Gpu {
+    /// Records commands, submits them and waits until they are done.
+    ///
+    /// # Errors
+    /// A call fails, or the device does not finish within a minute.
+    pub fn submit(&self, what: &str, record: impl FnOnce(&mut Commands<'_>)) -> Result<Submitted, GpuError> {
+        let device = &self.0.device;
+        // The lock makes this the only user of pool and queue.
+        let queue = self.0.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut job = Job::new(self)?;
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the command buffer is new and in no use.
+        unsafe { device.begin_command_buffer(job.buffer, &begin) }.named("vkBeginCommandBuffer")?;
+        let mut commands = Commands { gpu: self, buffer: job.buffer };
+        let timed = self.0.facts.timestamp_period > 0.0;
+        // SAFETY: the command buffer is being recorded; the pool has two queries.
+        unsafe {
+            if timed {
+                device.cmd_reset_query_pool(job.buffer, job.queries, 0, 2);
+                device.cmd_write_timestamp2(job.buffer, vk::PipelineStageFlags2::ALL_COMMANDS, job.queries, 0);
+            }
+            record(&mut commands);
+            if timed {
+                device.cmd_write_timestamp2(job.buffer, vk::PipelineStageFlags2::ALL_COMMANDS, job.queries, 1);
+            }
+            device.end_command_buffer(job.buffer).named("vkEndCommandBuffer")?;
+        }
+        let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(job.buffer)];
+        let start = Instant::now();
+        // SAFETY: the queue is locked; what the commands use is borrowed by the caller for longer than this call, and
+        // the job stays until the fence is signaled or, after a timeout, until the device is idle.
+        unsafe {
+            let submits = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
+            device.queue_submit2(*queue, &submits, job.fence).named("vkQueueSubmit2")?;
+            job.submitted = true;
+            match device.wait_for_fences(&[job.fence], true, TIMEOUT_SECONDS * 1_000_000_000) {
+                Err(vk::Result::TIMEOUT) => Err(GpuError::Timeout { what: what.into(), seconds: TIMEOUT_SECONDS }),
+                other => other.named("vkWaitForFences"),
+            }?;
+            job.submitted = false;
+        }
+        let wall_ms = start.elapsed().as_secs_f64() * 1e3;
+        if !timed {
+            return Ok(Submitted { gpu_ms: wall_ms, wall_ms });
+        }
+        let mut ticks = [0u64; 2];
+        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
+        // SAFETY: both queries were written by the finished submission.
+        unsafe { device.get_query_pool_results(job.queries, 0, &mut ticks, flags) }.named("vkGetQueryPoolResults")?;
+        let gpu_ms = ticks[1].saturating_sub(ticks[0]) as f64 * f64::from(self.0.facts.timestamp_period) * 1e-6;
+        Ok(Submitted { gpu_ms, wall_ms })
+    }
+}
+
+/// What one submission needs, freed at its end.
+struct Job<'a> {
+    gpu: &'a Gpu,
+    buffer: vk::CommandBuffer,
+    fence: vk::Fence,
+    queries: vk::QueryPool,
+    submitted: bool,
+}
+
+impl<'a> Job<'a> {
+    fn new(gpu: &'a Gpu) -> Result<Job<'a>, GpuError> {
+        let device = &gpu.0.device;
+        let (fence, queries) = (vk::Fence::null(), vk::QueryPool::null());
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(gpu.0.pool.handle).command_buffer_count(1);
+        // SAFETY: the pool belongs to the device and is only used under the queue's lock.
+        let buffer = unsafe { device.allocate_command_buffers(&info) }.named("vkAllocateCommandBuffers")?[0];
+        let mut job = Job { gpu, buffer, fence, queries, submitted: false };
+        // SAFETY: the device is alive; each handle is owned as soon as it exists.
+        unsafe {
+            job.fence = device.create_fence(&vk::FenceCreateInfo::default(), None).named("vkCreateFence")?;
+            let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2);
+            job.queries = device.create_query_pool(&info, None).named("vkCreateQueryPool")?;
+        }
+        Ok(job)
+    }
+}
+
+impl Drop for Job<'_> {
+    fn drop(&mut self) {
+        let device = &self.gpu.0.device;
+        // SAFETY: nothing is in use any more: the fence was signaled, or the device is waited for here.
+        unsafe {
+            if self.submitted {
+                let _ = device.device_wait_idle();
+            }
+            device.free_command_buffers(self.gpu.0.pool.handle, &[self.buffer]);
+            device.destroy_fence(self.fence, None);
+            device.destroy_query_pool(self.queries, None);
+        }
+    }
+}
+
+/// Commands being recorded.
+pub struct Commands<'a> {
+    gpu: &'a Gpu,
+    pub(super) buffer: vk::CommandBuffer,
+}
+
+impl Commands<'_> {
+    /// Copies a buffer into a sampled image and leaves it ready to be sampled.
+    pub(super) fn upload(&mut self, from: &Buffer, to: &Image) {
+        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
+        self.transition(to, Layout::TRANSFER_DST_OPTIMAL, Stage::NONE, Access::NONE, Stage::COPY, Access::TRANSFER_WRITE);
+        let region = vk::BufferImageCopy::default().image_subresource(LAYERS).image_extent(to.extent);
+        // SAFETY: the image is in the layout named, and the buffer holds exactly its texels.
+        unsafe {
+            let layout = Layout::TRANSFER_DST_OPTIMAL;
+            self.gpu.0.device.cmd_copy_buffer_to_image(self.buffer, from.handle, to.handle, layout, &[region]);
+        }
+        let (stage, access) = (Stage::FRAGMENT_SHADER, Access::SHADER_SAMPLED_READ);
+        self.transition(to, Layout::SHADER_READ_ONLY_OPTIMAL, Stage::COPY, Access::TRANSFER_WRITE, stage, access);
+    }
+
+    /// Copies a target into a buffer, visible to the host.
+    pub(super) fn download(&mut self, from: &Image, to: &Buffer) {
+        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
+        let (stage, access) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
+        self.transition(from, Layout::TRANSFER_SRC_OPTIMAL, stage, access, Stage::COPY, Access::TRANSFER_READ);
+        let region = vk::BufferImageCopy::default().image_subresource(LAYERS).image_extent(from.extent);
+        let visible = [vk::MemoryBarrier2::default()
+            .src_stage_mask(Stage::COPY)
+            .src_access_mask(Access::TRANSFER_WRITE)
+            .dst_stage_mask(Stage::HOST)
+            .dst_access_mask(Access::HOST_READ)];
+        // SAFETY: the image is in the layout named, and the buffer has room for exactly its texels.
+        unsafe {
+            let layout = Layout::TRANSFER_SRC_OPTIMAL;
+            self.gpu.0.device.cmd_copy_image_to_buffer(self.buffer, from.handle, layout, to.handle, &[region]);
+            let dependency = vk::DependencyInfo::default().memory_barriers(&visible);
+            self.gpu.0.device.cmd_pipeline_barrier2(self.buffer, &dependency);
+        }
+    }
+
+    /// Draws into a target; its samples are resolved where it says so.
+    pub fn render(&mut self, target: Target<'_>, load: Load, draw: impl FnOnce(&mut Draw<'_>)) {
+        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
+        let (stage, write) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
+        let access = write | Access::COLOR_ATTACHMENT_READ;
+        for image in [Some(target.color), target.resolved].into_iter().flatten() {
+            self.transition(image, Layout::COLOR_ATTACHMENT_OPTIMAL, stage | Stage::COPY, write, stage, access);
+        }
+        let mut attachment = vk::RenderingAttachmentInfo::default()
+            .image_view(target.color.view)
+            .image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL)
+            .store_op(vk::AttachmentStoreOp::STORE)
+            .load_op(vk::AttachmentLoadOp::LOAD);
+        if let Load::Clear(float32) = load {
+            attachment = attachment.load_op(vk::AttachmentLoadOp::CLEAR);
+            attachment = attachment.clear_value(vk::ClearValue { color: vk::ClearColorValue { float32 } });
+        }
+        if let Some(resolved) = target.resolved {
+            attachment = attachment
+                .resolve_mode(vk::ResolveModeFlags::AVERAGE)
+                .resolve_image_view(resolved.view)
+                .resolve_image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL);
+        }
+        let attachments = [attachment];
+        let vk::Extent3D { width, height, .. } = target.color.extent;
+        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
+        let info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachments);
+        let viewport = vk::Viewport { width: width as f32, height: height as f32, max_depth: 1.0, ..Default::default() };
+        let device = &self.gpu.0.device;
+        // SAFETY: the command buffer is being recorded, and the images are in the layouts named.
+        unsafe {
+            device.cmd_begin_rendering(self.buffer, &info);
+            device.cmd_set_viewport(self.buffer, 0, &[viewport]);
+            device.cmd_set_scissor(self.buffer, 0, &[area]);
+            draw(&mut Draw { gpu: self.gpu, buffer: self.buffer });
+            device.cmd_end_rendering(self.buffer);
+        }
+    }
+
+    fn transition(
+        &mut self,
+        image: &Image,
+        layout: vk::ImageLayout,
+        after: vk::PipelineStageFlags2,
+        written: vk::AccessFlags2,
+        before: vk::PipelineStageFlags2,
+        access: vk::AccessFlags2,
+    ) {
+        let barriers = [vk::ImageMemoryBarrier2::default()
+            .image(image.handle)
+            .subresource_range(COLOR)
+            .old_layout(image.layout.replace(layout))
+            .new_layout(layout)
+            .src_stage_mask(after)
+            .src_access_mask(written)
+            .dst_stage_mask(before)
+            .dst_access_mask(access)];
+        let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
+        // SAFETY: the command buffer is being recorded outside a rendering, and the image belongs to the device.
+        unsafe { self.gpu.0.device.cmd_pipeline_barrier2(self.buffer, &dependency) };
+    }
+}
+
+/// The single layer of a color image.
+const LAYERS: vk::ImageSubresourceLayers = vk::ImageSubresourceLayers {
+    aspect_mask: vk::ImageAspectFlags::COLOR,
+    mip_level: 0,
+    base_array_layer: 0,
+    layer_count: 1,
+};
+
+/// Draws of one rendering.
+pub struct Draw<'a> {
+    gpu: &'a Gpu,
+    buffer: vk::CommandBuffer,
+}
+
+impl Draw<'_> {
+    /// Draws triangles: a range of the vertices of `buffer`, or of none where the program makes its own.
+    pub fn triangles(&mut self, pipeline: &Pipeline, set: &BindSet<'_>, buffer: Option<&Buffer>, vertices: Range<u32>) {
+        let device = &self.gpu.0.device;
+        // SAFETY: the command buffer is inside a rendering; the set was made for this pipeline's layout, and the
+        // caller holds all of them until the submission has been waited for.
+        unsafe {
+            let point = vk::PipelineBindPoint::GRAPHICS;
+            device.cmd_bind_pipeline(self.buffer, point, pipeline.handle);
+            device.cmd_bind_descriptor_sets(self.buffer, point, pipeline.layout, 0, &[set.handle], &[]);
+            if let Some(buffer) = buffer {
+                device.cmd_bind_vertex_buffers(self.buffer, 0, &[buffer.handle], &[0]);
+            }
+            device.cmd_draw(self.buffer, vertices.end - vertices.start, 1, vertices.start, 0);
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! Instance, physical device, device, queue, allocator and pipeline cache: one [`Gpu`] for each process.
+
+use super::instance::Instance;
+use super::{Format, GpuError, Messages, Named};
+use ash::vk;
+use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard};
+
+/// How to open a device.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Part of the device's name; `None` takes a discrete GPU before an integrated, virtual or CPU one.
+    pub device: Option<String>,
+    /// Core and synchronization validation; needs the layer.
+    pub validation: bool,
+    /// Folder in which compiled pipelines are kept between runs.
+    pub cache: Option<PathBuf>,
+}
+
+/// What a person wants to know about the device.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Facts {
+    /// Name of the device.
+    pub name: String,
+    /// Name and version of the driver.
+    pub driver: String,
+    /// Vulkan version of the device.
+    pub api: String,
+    /// Whether the device is a CPU.
+    pub cpu: bool,
+    /// Largest 3D image, texels per axis.
+    pub max_volume: u32,
+    /// Largest 2D image, texels per axis.
+    pub max_image: u32,
+    /// Largest anisotropy of a sampler; 1 where the device has none.
+    pub max_anisotropy: f32,
+    /// Whether every sample of a multisampled image can be shaded on its own.
+    pub sample_shading: bool,
+    /// Nanoseconds per timestamp tick; 0 where the queue has no timestamps.
+    pub timestamp_period: f32,
+}
+
+/// An open device. Clones share it; the last one closes it.
+#[derive(Clone)]
+pub struct Gpu(pub(super) Arc<Shared>);
+
+/// What a [`Gpu`] owns; the fields are dropped from the first to the last.
+pub(super) struct Shared {
+    pub(super) pipeline_cache: PipelineCache,
+    pub(super) pool: CommandPool,
+    allocator: Mutex<Allocator>,
+    pub(super) queue: Mutex<vk::Queue>,
+    pub(super) device: Device,
+    pub(super) facts: Facts,
+    physical: vk::PhysicalDevice,
+    pub(super) instance: Instance,
+}
+
+/// Owner of the logical device.
+pub(super) struct Device(ash::Device);
+
+impl std::ops::Deref for Device {
+    type Target = ash::Device;
+    fn deref(&self) -> &ash::Device {
+        &self.0
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // SAFETY: all that was made from the device is gone: its owners are fields before it, or hold it alive.
+        unsafe {
+            let _ = self.0.device_wait_idle();
+            self.0.destroy_device(None);
+        }
+    }
+}
+
+/// Owner of the pool of command buffers.
+pub(super) struct CommandPool {
+    device: ash::Device,
+    pub(super) handle: vk::CommandPool,
+}
+
+impl Drop for CommandPool {
+    fn drop(&mut self) {
+        // SAFETY: made from this device, which is a later field of the same owner; no command buffer is in use.
+        unsafe { self.device.destroy_command_pool(self.handle, None) };
+    }
+}
+
+/// Owner of the pipeline cache, which is written to its file at the end.
+pub(super) struct PipelineCache {
+    device: ash::Device,
+    pub(super) handle: vk::PipelineCache,
+    file: Option<PathBuf>,
+}
+
+impl Drop for PipelineCache {
+    fn drop(&mut self) {
+        // SAFETY: made from this device, which is a later field of the same owner.
+        unsafe {
+            if let (Some(file), Ok(data)) = (&self.file, self.device.get_pipeline_cache_data(self.handle)) {
+                write_cache(file, &data);
+            }
+            self.device.destroy_pipeline_cache(self.handle, None);
+        }
+    }
+}
+
+impl Gpu {
+    /// Opens a device.
+    ///
+    /// # Errors
+    /// No loader, driver, device or validation layer: the message says what to install.
+    pub fn new(options: &Options) -> Result<Gpu, GpuError> {
+        let instance = Instance::new(options.validation)?;
+        let (physical, family, facts) = choose(&instance.raw, options.device.as_deref().unwrap_or_default())?;
+        let device = Device(create_device(&instance.raw, physical, family)?);
+        // SAFETY: the device was just made with one queue of this family.
+        let queue = unsafe { device.get_device_queue(family, 0) };
+        let allocator = Allocator::new(&AllocatorCreateDesc {
+            instance: instance.raw.clone(),
+            device: device.0.clone(),
+            physical_device: physical,
+            debug_settings: Default::default(),
+            buffer_device_address: false,
+            allocation_sizes: gpu_allocator::AllocationSizes::new(16 << 20, 16 << 20),
+        })
+        .map_err(|error| GpuError::Memory { what: "the allocator".into(), bytes: 0, reason: error.to_string() })?;
+        let info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(family)
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT);
+        // SAFETY: the device is alive and has a queue of this family.
+        let handle = unsafe { device.create_command_pool(&info, None) }.named("vkCreateCommandPool")?;
+        let pool = CommandPool { device: device.0.clone(), handle };
+        let file = options.cache.as_ref().map(|folder| folder.join(cache_name(&instance.raw, physical)));
+        let known = file.as_ref().and_then(|file| read_cache(file)).unwrap_or_default();
+        let info = vk::PipelineCacheCreateInfo::default().initial_data(&known);
+        // SAFETY: the device is alive; the data was written by this very driver, as its file name and checksum say.
+        let handle = unsafe { device.create_pipeline_cache(&info, None) }.named("vkCreatePipelineCache")?;
+        let pipeline_cache = PipelineCache { device: device.0.clone(), handle, file };
+        let (allocator, queue) = (Mutex::new(allocator), Mutex::new(queue));
+        Ok(Gpu(Arc::new(Shared { pipeline_cache, pool, allocator, queue, device, facts, physical, instance })))
+    }
+
+    /// What the device is and can do.
+    pub fn facts(&self) -> &Facts {
+        &self.0.facts
+    }
+
+    /// What the validation layer has said; readable after the device is closed.
+    pub fn messages(&self) -> Messages {
+        self.0.instance.messages.clone()
+    }
+
+    /// Sample counts that a blended target of this format may have, ascending.
+    pub fn sample_counts(&self, format: Format) -> Vec<u32> {
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
+        // SAFETY: the physical device belongs to the instance, and both are alive.
+        let properties = unsafe {
+            self.0.instance.raw.get_physical_device_image_format_properties(
+                self.0.physical,
+                format.vk(),
+                vk::ImageType::TYPE_2D,
+                vk::ImageTiling::OPTIMAL,
+                usage,
+                vk::ImageCreateFlags::empty(),
+            )
+        };
+        let Ok(properties) = properties else { return Vec::new() };
+        (0..7).map(|bit| 1 << bit).filter(|count| properties.sample_counts.as_raw() & count != 0).collect()
+    }
+
+    /// Whether a target of this format can be blended into.
+    pub fn can_blend(&self, format: Format) -> bool {
+        self.features(format).contains(vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND)
+    }
+
+    /// Whether an image of this format can be sampled with linear filtering.
+    pub fn can_filter(&self, format: Format) -> bool {
+        self.features(format).contains(vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR)
+    }
+
+    fn features(&self, format: Format) -> vk::FormatFeatureFlags {
+        // SAFETY: the physical device belongs to the instance, and both are alive.
+        unsafe { self.0.instance.raw.get_physical_device_format_properties(self.0.physical, format.vk()) }
+            .optimal_tiling_features
+    }
+
+    pub(super) fn allocator(&self) -> MutexGuard<'_, Allocator> {
+        self.0.allocator.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+}
+
+fn create_device(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    family: u32,
+) -> Result<ash::Device, GpuError> {
+    // SAFETY: the physical device belongs to `instance`, which is alive.
+    let supported = unsafe { instance.get_physical_device_features(physical) };
+    let features = vk::PhysicalDeviceFeatures::default()
+        .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
+        .sample_rate_shading(supported.sample_rate_shading == vk::TRUE);
+    let mut features13 = vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
+    let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
+    let info = vk::DeviceCreateInfo::default()
+        .queue_create_infos(&queues)
+        .enabled_features(&features)
+        .push_next(&mut features13);
+    // SAFETY: every pointer in `info` outlives the call; the features are supported or core in 1.3.
+    unsafe { instance.create_device(physical, &info, None) }.named("vkCreateDevice")
+}
+
+fn choose(instance: &ash::Instance, wanted: &str) -> Result<(vk::PhysicalDevice, u32, Facts), GpuError> {
+    // SAFETY: the instance is alive.
+    let all = unsafe { instance.enumerate_physical_devices() }.named("vkEnumeratePhysicalDevices")?;
+    let mut found = Vec::new();
+    let mut fitting = Vec::new();
+    for physical in all {
+        // SAFETY: the physical device belongs to the instance.
+        let (properties, queues) = unsafe {
+            (
+                instance.get_physical_device_properties(physical),
+                instance.get_physical_device_queue_family_properties(physical),
+            )
+        };
+        let facts = facts(instance, physical, &properties);
+        found.push(facts.name.clone());
+        let family = queues.iter().position(|queue| queue.queue_flags.contains(vk::QueueFlags::GRAPHICS));
+        let named = facts.name.to_lowercase().contains(&wanted.to_lowercase());
+        if let (Some(family), true, true) = (family, named, properties.api_version >= vk::API_VERSION_1_3) {
+            let rank = match properties.device_type {
+                vk::PhysicalDeviceType::DISCRETE_GPU => 0,
+                vk::PhysicalDeviceType::INTEGRATED_GPU => 1,
+                vk::PhysicalDeviceType::VIRTUAL_GPU => 2,
+                _ => 3,
+            };
+            let period = if queues[family].timestamp_valid_bits == 0 { 0.0 } else { facts.timestamp_period };
+            fitting.push((rank, physical, family as u32, Facts { timestamp_period: period, ..facts }));
+        }
+    }
+    let best = fitting.into_iter().min_by_key(|candidate| candidate.0);
+    let (_, physical, family, facts) = best.ok_or_else(|| GpuError::NoDevice {
+        wanted: wanted.into(),
+        found: if found.is_empty() { "none".into() } else { found.join(", ") },
+    })?;
+    Ok((physical, family, facts))
+}
+
+fn facts(instance: &ash::Instance, physical: vk::PhysicalDevice, properties: &vk::PhysicalDeviceProperties) -> Facts {
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut properties2 = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+    // SAFETY: the physical device belongs to the instance; the chain outlives the call.
+    let supported = unsafe {
+        instance.get_physical_device_properties2(physical, &mut properties2);
+        instance.get_physical_device_features(physical)
+    };
+    let text = |name: Result<&std::ffi::CStr, _>| name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let version = properties.api_version;
+    let (major, minor, patch) =
+        (vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version));
+    Facts {
+        name: text(properties.device_name_as_c_str()),
+        driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
+        api: format!("{major}.{minor}.{patch}"),
+        cpu: properties.device_type == vk::PhysicalDeviceType::CPU,
+        max_volume: properties.limits.max_image_dimension3_d,
+        max_image: properties.limits.max_image_dimension2_d,
+        max_anisotropy: if supported.sampler_anisotropy == vk::TRUE { properties.limits.max_sampler_anisotropy } else { 1.0 },
+        sample_shading: supported.sample_rate_shading == vk::TRUE,
+        timestamp_period: properties.limits.timestamp_period,
+    }
+}
+
+/// A file name that changes with the device and its driver.
+fn cache_name(instance: &ash::Instance, physical: vk::PhysicalDevice) -> String {
+    // SAFETY: the physical device belongs to the instance, and both are alive.
+    let properties = unsafe { instance.get_physical_device_properties(physical) };
+    let uuid: String = properties.pipeline_cache_uuid.iter().map(|byte| format!("{byte:02x}")).collect();
+    format!("pipelines-{:x}-{:x}-{:x}-{uuid}", properties.vendor_id, properties.device_id, properties.driver_version)
+}
+
+/// The cache file without its checksum; `None` where it is missing or damaged.
+fn read_cache(file: &std::path::Path) -> Option<Vec<u8>> {
+    let bytes = std::fs::read(file).ok()?;
+    let (checksum, data) = bytes.split_at_checked(blake3::OUT_LEN)?;
+    (blake3::hash(data).as_bytes() == checksum).then(|| data.to_vec())
+}
+
+/// Keeps the cache for the next run; a folder that cannot be written costs time, not correctness.
+fn write_cache(file: &std::path::Path, data: &[u8]) {
+    let bytes = [blake3::hash(data).as_bytes(), data].concat();
+    let temporary = file.with_extension(format!("{}.tmp", std::process::id()));
+    let folder = file.parent().map(std::fs::create_dir_all).unwrap_or(Ok(()));
+    let written = folder.and_then(|()| std::fs::write(&temporary, bytes)).and_then(|()| std::fs::rename(&temporary, file));
+    if let Err(error) = written {
+        log::warn!("the pipeline cache {} could not be written: {error}", file.display());
+    }
+}

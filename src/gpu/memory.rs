@@ -1,0 +1,353 @@
+//! Buffers, images and samplers, each owning its memory.
+
+use super::{Gpu, GpuError, Named};
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+use std::cell::Cell;
+
+/// Texel formats that the renderer uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// One channel, 16 bits, [0, 1].
+    R16Unorm,
+    /// One channel, 32-bit float.
+    R32Float,
+    /// Four channels, 8 bits, [0, 1].
+    Rgba8Unorm,
+    /// Four channels, 16 bits, [0, 1].
+    Rgba16Unorm,
+    /// Four channels, 16-bit float.
+    Rgba16Float,
+    /// Four channels, 32-bit float.
+    Rgba32Float,
+}
+
+impl Format {
+    /// Bytes of one texel.
+    pub fn bytes(self) -> u64 {
+        match self {
+            Format::R16Unorm => 2,
+            Format::R32Float | Format::Rgba8Unorm => 4,
+            Format::Rgba16Unorm | Format::Rgba16Float => 8,
+            Format::Rgba32Float => 16,
+        }
+    }
+
+    pub(super) fn vk(self) -> vk::Format {
+        match self {
+            Format::R16Unorm => vk::Format::R16_UNORM,
+            Format::R32Float => vk::Format::R32_SFLOAT,
+            Format::Rgba8Unorm => vk::Format::R8G8B8A8_UNORM,
+            Format::Rgba16Unorm => vk::Format::R16G16B16A16_UNORM,
+            Format::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
+            Format::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
+        }
+    }
+}
+
+/// What a buffer is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BufferUse {
+    /// A uniform block.
+    Uniform,
+    /// Vertices.
+    Vertices,
+    /// The source of an upload.
+    Upload,
+    /// The destination of a download.
+    Download,
+}
+
+/// A buffer that the host can write, or read back.
+pub struct Buffer {
+    gpu: Gpu,
+    pub(super) handle: vk::Buffer,
+    allocation: Allocation,
+    bytes: u64,
+}
+
+impl Buffer {
+    /// A buffer of `bytes` bytes, not yet written.
+    pub(super) fn empty(gpu: &Gpu, name: &str, purpose: BufferUse, bytes: u64) -> Result<Buffer, GpuError> {
+        let (usage, location) = match purpose {
+            BufferUse::Uniform => (vk::BufferUsageFlags::UNIFORM_BUFFER, MemoryLocation::CpuToGpu),
+            BufferUse::Vertices => (vk::BufferUsageFlags::VERTEX_BUFFER, MemoryLocation::CpuToGpu),
+            BufferUse::Upload => (vk::BufferUsageFlags::TRANSFER_SRC, MemoryLocation::CpuToGpu),
+            BufferUse::Download => (vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu),
+        };
+        let device = &gpu.0.device;
+        let info = vk::BufferCreateInfo::default().size(bytes.max(1)).usage(usage);
+        // SAFETY: the device is alive; the new handle is owned before anything can fail.
+        let handle = unsafe { device.create_buffer(&info, None) }.named("vkCreateBuffer")?;
+        let mut buffer = Buffer { gpu: gpu.clone(), handle, allocation: Allocation::default(), bytes };
+        // SAFETY: the buffer belongs to the device.
+        let requirements = unsafe { device.get_buffer_memory_requirements(handle) };
+        buffer.allocation = allocate(gpu, name, requirements, location, true)?;
+        // SAFETY: the memory was allocated for this buffer and is bound once.
+        unsafe { device.bind_buffer_memory(handle, buffer.allocation.memory(), buffer.allocation.offset()) }
+            .named("vkBindBufferMemory")?;
+        Ok(buffer)
+    }
+
+    /// A buffer with this content.
+    ///
+    /// # Errors
+    /// Device memory is exhausted.
+    pub fn new(gpu: &Gpu, name: &str, purpose: BufferUse, content: &[u8]) -> Result<Buffer, GpuError> {
+        let mut buffer = Buffer::empty(gpu, name, purpose, content.len() as u64)?;
+        let mapped = buffer.allocation.mapped_slice_mut().ok_or_else(|| GpuError::Memory {
+            what: name.into(),
+            bytes: content.len() as u64,
+            reason: "its memory cannot be mapped".into(),
+        })?;
+        mapped[..content.len()].copy_from_slice(content);
+        Ok(buffer)
+    }
+
+    /// The content, as the device left it at the end of a submission that made it visible to the host.
+    pub(super) fn content(&self) -> &[u8] {
+        self.allocation.mapped_slice().map(|slice| &slice[..self.bytes as usize]).unwrap_or_default()
+    }
+}
+
+impl Drop for Buffer {
+    fn drop(&mut self) {
+        // SAFETY: submissions that used the buffer were waited for; it is destroyed once.
+        unsafe { self.gpu.0.device.destroy_buffer(self.handle, None) };
+        release(&self.gpu, &mut self.allocation);
+    }
+}
+
+/// Shape of an image, with its size in texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// A row.
+    Line(u32),
+    /// Width and height.
+    Plane(u32, u32),
+    /// Width, height and depth.
+    Volume(u32, u32, u32),
+}
+
+/// What an image is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageUse {
+    /// Uploaded once, then sampled.
+    Sampled,
+    /// Blended into, with this many samples per pixel, then read or resolved.
+    Target(u32),
+}
+
+/// An image on the device with one view of all of it.
+pub struct Image {
+    gpu: Gpu,
+    pub(super) handle: vk::Image,
+    pub(super) view: vk::ImageView,
+    allocation: Allocation,
+    pub(super) extent: vk::Extent3D,
+    pub(super) layout: Cell<vk::ImageLayout>,
+    format: Format,
+    name: String,
+}
+
+impl Image {
+    /// An image without content.
+    ///
+    /// # Errors
+    /// Larger than the device allows, or no memory left.
+    pub fn new(gpu: &Gpu, name: &str, dimension: Dimension, format: Format, purpose: ImageUse) -> Result<Image, GpuError> {
+        use vk::{ImageType as Type, ImageViewType as View};
+        let facts = gpu.facts();
+        let (kind, view_kind, size, limit) = match dimension {
+            Dimension::Line(x) => (Type::TYPE_1D, View::TYPE_1D, [x, 1, 1], facts.max_image),
+            Dimension::Plane(x, y) => (Type::TYPE_2D, View::TYPE_2D, [x, y, 1], facts.max_image),
+            Dimension::Volume(x, y, z) => (Type::TYPE_3D, View::TYPE_3D, [x, y, z], facts.max_volume),
+        };
+        if size.iter().any(|&side| side == 0 || side > limit) {
+            let asked = format!("{} x {} x {} texels", size[0], size[1], size[2]);
+            let limit = format!("1 to {limit} for each axis");
+            return Err(GpuError::TooLarge { device: facts.name.clone(), what: name.into(), asked, limit });
+        }
+        let extent = vk::Extent3D { width: size[0], height: size[1], depth: size[2] };
+        let (usage, samples) = match purpose {
+            ImageUse::Sampled => (vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST, 1),
+            ImageUse::Target(1) => (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC, 1),
+            ImageUse::Target(samples) => (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC, samples),
+        };
+        let info = vk::ImageCreateInfo::default()
+            .image_type(kind)
+            .format(format.vk())
+            .extent(extent)
+            .mip_levels(1)
+            .array_layers(1)
+            .samples(vk::SampleCountFlags::from_raw(samples))
+            .usage(usage);
+        let device = &gpu.0.device;
+        // SAFETY: the device is alive; the new handle is owned before anything can fail.
+        let handle = unsafe { device.create_image(&info, None) }.named("vkCreateImage")?;
+        let mut image = Image {
+            gpu: gpu.clone(),
+            handle,
+            view: vk::ImageView::null(),
+            allocation: Allocation::default(),
+            extent,
+            layout: Cell::new(vk::ImageLayout::UNDEFINED),
+            format,
+            name: name.into(),
+        };
+        // SAFETY: the image belongs to the device.
+        let requirements = unsafe { device.get_image_memory_requirements(handle) };
+        image.allocation = allocate(gpu, name, requirements, MemoryLocation::GpuOnly, false)?;
+        let info = vk::ImageViewCreateInfo::default()
+            .image(handle)
+            .view_type(view_kind)
+            .format(format.vk())
+            .subresource_range(COLOR);
+        // SAFETY: the memory was allocated for this image and is bound once, before the view is made.
+        unsafe {
+            device
+                .bind_image_memory(handle, image.allocation.memory(), image.allocation.offset())
+                .named("vkBindImageMemory")?;
+            image.view = device.create_image_view(&info, None).named("vkCreateImageView")?;
+        }
+        Ok(image)
+    }
+
+    /// A sampled image with these texels, x fastest, then y, then z.
+    ///
+    /// # Errors
+    /// Larger than the device allows, no memory left, or the upload fails.
+    ///
+    /// # Panics
+    /// When `texels` is not exactly as long as the image.
+    pub fn sampled(gpu: &Gpu, name: &str, dimension: Dimension, format: Format, texels: &[u8]) -> Result<Image, GpuError> {
+        let image = Image::new(gpu, name, dimension, format, ImageUse::Sampled)?;
+        assert_eq!(texels.len() as u64, image.texel_bytes(), "`{name}`: texels and size agree");
+        let staging = Buffer::new(gpu, "upload", BufferUse::Upload, texels)?;
+        gpu.submit("upload", |commands| commands.upload(&staging, &image))?;
+        Ok(image)
+    }
+
+    /// The texels of a single-sampled target, row by row.
+    ///
+    /// # Errors
+    /// No memory left, or the download fails.
+    pub fn read(&self) -> Result<Vec<u8>, GpuError> {
+        let buffer = Buffer::empty(&self.gpu, "download", BufferUse::Download, self.texel_bytes())?;
+        self.gpu.submit("download", |commands| commands.download(self, &buffer))?;
+        Ok(buffer.content().to_vec())
+    }
+
+    /// Bytes of device memory.
+    pub fn bytes(&self) -> u64 {
+        self.allocation.size()
+    }
+
+    /// The name given when it was made.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn texel_bytes(&self) -> u64 {
+        let vk::Extent3D { width, height, depth } = self.extent;
+        u64::from(width) * u64::from(height) * u64::from(depth) * self.format.bytes()
+    }
+}
+
+impl Drop for Image {
+    fn drop(&mut self) {
+        // SAFETY: submissions that used the image were waited for; view and image are destroyed once, in this order,
+        // and a null view is ignored.
+        unsafe {
+            self.gpu.0.device.destroy_image_view(self.view, None);
+            self.gpu.0.device.destroy_image(self.handle, None);
+        }
+        release(&self.gpu, &mut self.allocation);
+    }
+}
+
+/// All of a color image with one level and layer.
+pub(super) const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
+    aspect_mask: vk::ImageAspectFlags::COLOR,
+    base_mip_level: 0,
+    level_count: 1,
+    base_array_layer: 0,
+    layer_count: 1,
+};
+
+/// What a sampler returns outside [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Address {
+    /// The texel at the border.
+    Clamp,
+    /// The image again and again.
+    Repeat,
+}
+
+/// A sampler with linear filtering.
+pub struct Sampler {
+    gpu: Gpu,
+    pub(super) handle: vk::Sampler,
+}
+
+impl Sampler {
+    /// A linear sampler; `anisotropy` of 1 is off.
+    ///
+    /// # Errors
+    /// The device has no such anisotropy.
+    pub fn new(gpu: &Gpu, address: Address, anisotropy: f32) -> Result<Sampler, GpuError> {
+        let facts = gpu.facts();
+        if anisotropy > facts.max_anisotropy {
+            return Err(GpuError::Unsupported {
+                device: facts.name.clone(),
+                what: format!("anisotropy {anisotropy}"),
+                remedy: format!("use --anisotropy 1 to {}", facts.max_anisotropy),
+            });
+        }
+        let mode = match address {
+            Address::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+            Address::Repeat => vk::SamplerAddressMode::REPEAT,
+        };
+        let info = vk::SamplerCreateInfo::default()
+            .mag_filter(vk::Filter::LINEAR)
+            .min_filter(vk::Filter::LINEAR)
+            .address_mode_u(mode)
+            .address_mode_v(mode)
+            .address_mode_w(mode)
+            .anisotropy_enable(anisotropy > 1.0)
+            .max_anisotropy(anisotropy.max(1.0));
+        // SAFETY: the device is alive, and its anisotropy was enabled where it has any.
+        let handle = unsafe { gpu.0.device.create_sampler(&info, None) }.named("vkCreateSampler")?;
+        Ok(Sampler { gpu: gpu.clone(), handle })
+    }
+}
+
+impl Drop for Sampler {
+    fn drop(&mut self) {
+        // SAFETY: submissions that used the sampler were waited for; it is destroyed once.
+        unsafe { self.gpu.0.device.destroy_sampler(self.handle, None) };
+    }
+}
+
+fn allocate(
+    gpu: &Gpu,
+    name: &str,
+    requirements: vk::MemoryRequirements,
+    location: MemoryLocation,
+    linear: bool,
+) -> Result<Allocation, GpuError> {
+    let allocation_scheme = AllocationScheme::GpuAllocatorManaged;
+    let description = AllocationCreateDesc { name, requirements, location, linear, allocation_scheme };
+    gpu.allocator().allocate(&description).map_err(|error| GpuError::Memory {
+        what: name.into(),
+        bytes: requirements.size,
+        reason: error.to_string(),
+    })
+}
+
+fn release(gpu: &Gpu, allocation: &mut Allocation) {
+    if let Err(error) = gpu.allocator().free(std::mem::take(allocation)) {
+        log::error!("device memory could not be freed: {error}");
+    }
+}

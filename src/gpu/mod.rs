@@ -1,0 +1,110 @@
+//! Vulkan, and the only `unsafe` of the crate.
+//!
+//! Role: small safe owners around the parts of Vulkan 1.3 that the renderer uses (dynamic rendering,
+//! synchronization2), through `ash` and `gpu-allocator`. This room knows pixels, buffers and pipelines, and no scene.
+//! Invariants:
+//! - every owner frees itself, and holds the [`Gpu`] alive until then: the device goes last;
+//! - [`Gpu::submit`] waits for what it submitted, so a resource borrowed by a recording outlives its use;
+//! - a host read of device data goes through [`Image::read`], which makes the writes visible first.
+
+#![allow(unsafe_code)]
+
+mod commands;
+mod device;
+mod instance;
+mod memory;
+mod messages;
+mod pipeline;
+#[cfg(test)]
+mod planted;
+
+pub use commands::{Commands, Draw, Load, Submitted, Target};
+pub use device::{Facts, Gpu, Options};
+pub use memory::{Address, Buffer, BufferUse, Dimension, Format, Image, ImageUse, Sampler};
+pub use messages::Messages;
+pub use pipeline::{BindSet, Binding, BindingKind, Blend, Pipeline, PipelineDescription, Resource};
+
+use ash::vk;
+
+/// Why the device does not do what is asked of it.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GpuError {
+    /// The Vulkan loader is not installed.
+    #[error("no Vulkan loader ({0}); on Debian or Ubuntu: sudo apt install libvulkan1 mesa-vulkan-drivers")]
+    NoLoader(String),
+    /// No Vulkan driver is installed.
+    #[error("no Vulkan driver; on Debian or Ubuntu, also without a GPU: sudo apt install mesa-vulkan-drivers")]
+    NoDriver,
+    /// No device fits.
+    #[error(
+        "no Vulkan 1.3 device whose name contains `{wanted}`; found: {found}; set HYPERTEXTURE_DEVICE to one of them"
+    )]
+    NoDevice {
+        /// Part of a name; empty for any.
+        wanted: String,
+        /// Names of the devices present.
+        found: String,
+    },
+    /// The validation layer is asked for and not installed.
+    #[error("the Vulkan validation layer is not installed; on Debian or Ubuntu: sudo apt install vulkan-validationlayers")]
+    NoValidation,
+    /// The device lacks something the settings ask for.
+    #[error("{device} cannot do {what}: {remedy}")]
+    Unsupported {
+        /// The device.
+        device: String,
+        /// What is missing.
+        what: String,
+        /// What to do.
+        remedy: String,
+    },
+    /// An image or buffer is larger than the device allows.
+    #[error("{what} needs {asked}, and {device} allows {limit}; lower the resolution")]
+    TooLarge {
+        /// The device.
+        device: String,
+        /// Name of the resource.
+        what: String,
+        /// Size asked for.
+        asked: String,
+        /// The limit.
+        limit: String,
+    },
+    /// Device memory is exhausted.
+    #[error("{what} needs {bytes} bytes of device memory, which could not be had: {reason}; lower the resolution")]
+    Memory {
+        /// Name of the resource.
+        what: String,
+        /// Bytes asked for.
+        bytes: u64,
+        /// What the allocator says.
+        reason: String,
+    },
+    /// The device did not finish in time.
+    #[error("the device did not finish `{what}` within {seconds} s; lower --samples or --size")]
+    Timeout {
+        /// Name of the work.
+        what: String,
+        /// The limit.
+        seconds: u64,
+    },
+    /// A Vulkan call failed.
+    #[error("{call} failed: {result}")]
+    Call {
+        /// The call.
+        call: &'static str,
+        /// Its result.
+        result: vk::Result,
+    },
+}
+
+/// Names the call that failed.
+trait Named<T> {
+    fn named(self, call: &'static str) -> Result<T, GpuError>;
+}
+
+impl<T> Named<T> for Result<T, vk::Result> {
+    fn named(self, call: &'static str) -> Result<T, GpuError> {
+        self.map_err(|result| GpuError::Call { call, result })
+    }
+}

@@ -1,0 +1,343 @@
+//! Graphics pipelines, with layouts made from the bindings that their program really uses.
+
+use super::{Buffer, Format, Gpu, GpuError, Image, Named, Sampler};
+use ash::vk;
+use std::marker::PhantomData;
+
+/// A binding that a program reads; all bindings are in set 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Binding {
+    /// Number of the binding.
+    pub index: u32,
+    /// What it holds.
+    pub kind: BindingKind,
+    /// Whether the vertex stage reads it.
+    pub vertex: bool,
+    /// Whether the fragment stage reads it.
+    pub fragment: bool,
+}
+
+/// What a binding holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BindingKind {
+    /// A uniform block.
+    Uniform,
+    /// An image, to be combined with a sampler in the program.
+    Image,
+    /// A sampler.
+    Sampler,
+}
+
+/// How a fragment meets what is in the target; colors are premultiplied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Blend {
+    /// The fragment replaces it.
+    Replace,
+    /// The fragment is in front of it: for slices drawn back to front.
+    Over,
+    /// The fragment is behind it: for slices drawn front to back.
+    Under,
+}
+
+/// What a pipeline is made of.
+pub struct PipelineDescription<'a> {
+    /// SPIR-V of the vertex stage, entry point `main`.
+    pub vertex: &'a [u32],
+    /// SPIR-V of the fragment stage, entry point `main`.
+    pub fragment: &'a [u32],
+    /// Bindings that either stage reads.
+    pub bindings: &'a [Binding],
+    /// Floats of each vertex attribute, by location; the attributes lie one after another in one buffer.
+    pub attributes: &'a [u32],
+    /// Format of the target.
+    pub format: Format,
+    /// Samples per pixel of the target; above 1 every sample is shaded.
+    pub samples: u32,
+    /// How fragments meet the target.
+    pub blend: Blend,
+}
+
+/// A pipeline and its layout.
+pub struct Pipeline {
+    gpu: Gpu,
+    pub(super) handle: vk::Pipeline,
+    pub(super) layout: vk::PipelineLayout,
+    set_layout: vk::DescriptorSetLayout,
+    bindings: Vec<Binding>,
+}
+
+impl Pipeline {
+    /// Compiles a pipeline.
+    ///
+    /// # Errors
+    /// The device lacks the format, the sample count or sample shading, or refuses the program.
+    pub fn new(gpu: &Gpu, description: &PipelineDescription<'_>) -> Result<Pipeline, GpuError> {
+        check(gpu, description)?;
+        let device = &gpu.0.device;
+        let mut pipeline = Pipeline {
+            gpu: gpu.clone(),
+            handle: vk::Pipeline::null(),
+            layout: vk::PipelineLayout::null(),
+            set_layout: vk::DescriptorSetLayout::null(),
+            bindings: description.bindings.to_vec(),
+        };
+        let bindings: Vec<_> = description.bindings.iter().map(layout_binding).collect();
+        let set_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+        // SAFETY: the device is alive, and every pointer outlives its call; each handle is owned as soon as it exists.
+        unsafe {
+            pipeline.set_layout =
+                device.create_descriptor_set_layout(&set_info, None).named("vkCreateDescriptorSetLayout")?;
+            let layouts = [pipeline.set_layout];
+            let layout_info = vk::PipelineLayoutCreateInfo::default().set_layouts(&layouts);
+            pipeline.layout = device.create_pipeline_layout(&layout_info, None).named("vkCreatePipelineLayout")?;
+        }
+        let vertex = Module::new(gpu, description.vertex)?;
+        let fragment = Module::new(gpu, description.fragment)?;
+        let stage = |stage, module: &Module| {
+            vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.handle).name(c"main")
+        };
+        let stages =
+            [stage(vk::ShaderStageFlags::VERTEX, &vertex), stage(vk::ShaderStageFlags::FRAGMENT, &fragment)];
+        pipeline.handle = compile(gpu, description, &stages, pipeline.layout)?;
+        Ok(pipeline)
+    }
+
+    /// Binds resources for a draw.
+    ///
+    /// # Errors
+    /// No memory left.
+    ///
+    /// # Panics
+    /// When a binding of the pipeline has no resource of its kind.
+    pub fn bind<'a>(&self, resources: &[(u32, Resource<'a>)]) -> Result<BindSet<'a>, GpuError> {
+        let device = &self.gpu.0.device;
+        let sizes: Vec<_> = self
+            .bindings
+            .iter()
+            .map(|binding| vk::DescriptorPoolSize { ty: binding.kind.vk(), descriptor_count: 1 })
+            .collect();
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+        // SAFETY: the device is alive; the new handle is owned before anything can fail.
+        let pool = unsafe { device.create_descriptor_pool(&info, None) }.named("vkCreateDescriptorPool")?;
+        let mut set = BindSet { gpu: self.gpu.clone(), pool, handle: vk::DescriptorSet::null(), borrows: PhantomData };
+        let layouts = [self.set_layout];
+        let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+        // SAFETY: pool and layout belong to the device, and the pool has room for one set of this layout.
+        let allocated = unsafe { device.allocate_descriptor_sets(&info) }.named("vkAllocateDescriptorSets")?;
+        set.handle = allocated[0];
+        for binding in &self.bindings {
+            let (_, resource) = resources
+                .iter()
+                .find(|(index, resource)| *index == binding.index && resource.kind() == binding.kind)
+                .unwrap_or_else(|| panic!("binding {} has no resource of kind {:?}", binding.index, binding.kind));
+            set.write(binding, resource);
+        }
+        Ok(set)
+    }
+}
+
+impl Drop for Pipeline {
+    fn drop(&mut self) {
+        // SAFETY: submissions that used the pipeline were waited for; each handle is destroyed once, null is ignored.
+        unsafe {
+            self.gpu.0.device.destroy_pipeline(self.handle, None);
+            self.gpu.0.device.destroy_pipeline_layout(self.layout, None);
+            self.gpu.0.device.destroy_descriptor_set_layout(self.set_layout, None);
+        }
+    }
+}
+
+/// A resource to be bound.
+#[derive(Clone, Copy)]
+pub enum Resource<'a> {
+    /// A uniform block.
+    Uniform(&'a Buffer),
+    /// A sampled image.
+    Image(&'a Image),
+    /// A sampler.
+    Sampler(&'a Sampler),
+}
+
+impl Resource<'_> {
+    fn kind(&self) -> BindingKind {
+        match self {
+            Resource::Uniform(_) => BindingKind::Uniform,
+            Resource::Image(_) => BindingKind::Image,
+            Resource::Sampler(_) => BindingKind::Sampler,
+        }
+    }
+}
+
+/// Resources bound to a pipeline's layout, borrowed for as long as they are bound.
+pub struct BindSet<'a> {
+    gpu: Gpu,
+    pool: vk::DescriptorPool,
+    pub(super) handle: vk::DescriptorSet,
+    borrows: PhantomData<&'a ()>,
+}
+
+impl BindSet<'_> {
+    fn write(&self, binding: &Binding, resource: &Resource<'_>) {
+        let write = vk::WriteDescriptorSet::default().dst_set(self.handle).dst_binding(binding.index);
+        let write = write.descriptor_type(binding.kind.vk());
+        let mut image = [vk::DescriptorImageInfo::default()];
+        let mut buffer = [vk::DescriptorBufferInfo::default()];
+        let write = match resource {
+            Resource::Uniform(uniform) => {
+                buffer[0] = buffer[0].buffer(uniform.handle).range(vk::WHOLE_SIZE);
+                write.buffer_info(&buffer)
+            }
+            Resource::Image(sampled) => {
+                image[0] = image[0].image_view(sampled.view).image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+                write.image_info(&image)
+            }
+            Resource::Sampler(sampler) => {
+                image[0] = image[0].sampler(sampler.handle);
+                write.image_info(&image)
+            }
+        };
+        // SAFETY: the set is not in use, and the handles written belong to the device and outlive the set's borrow.
+        unsafe { self.gpu.0.device.update_descriptor_sets(&[write], &[]) };
+    }
+}
+
+impl Drop for BindSet<'_> {
+    fn drop(&mut self) {
+        // SAFETY: submissions that used the set were waited for; the pool frees the set with it.
+        unsafe { self.gpu.0.device.destroy_descriptor_pool(self.pool, None) };
+    }
+}
+
+impl BindingKind {
+    fn vk(self) -> vk::DescriptorType {
+        match self {
+            BindingKind::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
+            BindingKind::Image => vk::DescriptorType::SAMPLED_IMAGE,
+            BindingKind::Sampler => vk::DescriptorType::SAMPLER,
+        }
+    }
+}
+
+fn layout_binding(binding: &Binding) -> vk::DescriptorSetLayoutBinding<'static> {
+    let mut stages = vk::ShaderStageFlags::empty();
+    if binding.vertex {
+        stages |= vk::ShaderStageFlags::VERTEX;
+    }
+    if binding.fragment {
+        stages |= vk::ShaderStageFlags::FRAGMENT;
+    }
+    vk::DescriptorSetLayoutBinding::default()
+        .binding(binding.index)
+        .descriptor_type(binding.kind.vk())
+        .descriptor_count(1)
+        .stage_flags(stages)
+}
+
+fn check(gpu: &Gpu, description: &PipelineDescription<'_>) -> Result<(), GpuError> {
+    let unsupported = |what: String, remedy: String| {
+        Err(GpuError::Unsupported { device: gpu.facts().name.clone(), what, remedy })
+    };
+    if description.blend != Blend::Replace && !gpu.can_blend(description.format) {
+        return unsupported(format!("blending into {:?}", description.format), "choose another --target".into());
+    }
+    let counts = gpu.sample_counts(description.format);
+    if !counts.contains(&description.samples) {
+        let what = format!("{} samples per pixel in {:?}", description.samples, description.format);
+        return unsupported(what, format!("use --msaa with one of {counts:?}"));
+    }
+    if description.samples > 1 && !gpu.facts().sample_shading {
+        return unsupported("shading every sample of a pixel".into(), "use --msaa 1".into());
+    }
+    Ok(())
+}
+
+fn compile(
+    gpu: &Gpu,
+    description: &PipelineDescription<'_>,
+    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+    layout: vk::PipelineLayout,
+) -> Result<vk::Pipeline, GpuError> {
+    let mut offset = 0;
+    let mut attributes = Vec::new();
+    for (location, &floats) in description.attributes.iter().enumerate() {
+        let format = match floats {
+            1 => vk::Format::R32_SFLOAT,
+            2 => vk::Format::R32G32_SFLOAT,
+            3 => vk::Format::R32G32B32_SFLOAT,
+            _ => vk::Format::R32G32B32A32_SFLOAT,
+        };
+        let attribute = vk::VertexInputAttributeDescription::default().location(location as u32).offset(offset);
+        attributes.push(attribute.format(format));
+        offset += 4 * floats;
+    }
+    let buffers = [vk::VertexInputBindingDescription::default().stride(offset)];
+    let mut input = vk::PipelineVertexInputStateCreateInfo::default();
+    if !attributes.is_empty() {
+        input = input.vertex_binding_descriptions(&buffers).vertex_attribute_descriptions(&attributes);
+    }
+    let assembly =
+        vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+    let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+    let raster = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
+    let multisample = vk::PipelineMultisampleStateCreateInfo::default()
+        .rasterization_samples(vk::SampleCountFlags::from_raw(description.samples))
+        .sample_shading_enable(description.samples > 1)
+        .min_sample_shading(1.0);
+    let attachments = [blend_state(description.blend)];
+    let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&attachments);
+    let dynamic_states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
+    let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic_states);
+    let formats = [description.format.vk()];
+    let mut rendering = vk::PipelineRenderingCreateInfo::default().color_attachment_formats(&formats);
+    let info = vk::GraphicsPipelineCreateInfo::default()
+        .stages(stages)
+        .vertex_input_state(&input)
+        .input_assembly_state(&assembly)
+        .viewport_state(&viewport)
+        .rasterization_state(&raster)
+        .multisample_state(&multisample)
+        .color_blend_state(&blend)
+        .dynamic_state(&dynamic)
+        .layout(layout)
+        .push_next(&mut rendering);
+    // SAFETY: every handle belongs to the device and every pointer outlives the call.
+    let made = unsafe { gpu.0.device.create_graphics_pipelines(gpu.0.pipeline_cache.handle, &[info], None) };
+    made.map(|pipelines| pipelines[0]).map_err(|(_, result)| result).named("vkCreateGraphicsPipelines")
+}
+
+fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
+    let (source, destination) = match blend {
+        Blend::Replace => (vk::BlendFactor::ONE, vk::BlendFactor::ZERO),
+        Blend::Over => (vk::BlendFactor::ONE, vk::BlendFactor::ONE_MINUS_SRC_ALPHA),
+        Blend::Under => (vk::BlendFactor::ONE_MINUS_DST_ALPHA, vk::BlendFactor::ONE),
+    };
+    vk::PipelineColorBlendAttachmentState::default()
+        .blend_enable(blend != Blend::Replace)
+        .src_color_blend_factor(source)
+        .dst_color_blend_factor(destination)
+        .src_alpha_blend_factor(source)
+        .dst_alpha_blend_factor(destination)
+        .color_write_mask(vk::ColorComponentFlags::RGBA)
+}
+
+/// A shader module, alive while its pipeline is compiled.
+struct Module {
+    gpu: Gpu,
+    handle: vk::ShaderModule,
+}
+
+impl Module {
+    fn new(gpu: &Gpu, code: &[u32]) -> Result<Module, GpuError> {
+        let info = vk::ShaderModuleCreateInfo::default().code(code);
+        // SAFETY: the code was made by shaderc, which emits valid SPIR-V.
+        let handle = unsafe { gpu.0.device.create_shader_module(&info, None) }.named("vkCreateShaderModule")?;
+        Ok(Module { gpu: gpu.clone(), handle })
+    }
+}
+
+impl Drop for Module {
+    fn drop(&mut self) {
+        // SAFETY: a pipeline does not need its modules once it is compiled; destroyed once.
+        unsafe { self.gpu.0.device.destroy_shader_module(self.handle, None) };
+    }
+}
