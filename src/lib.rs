@@ -3,4 +3,6 @@
 pub mod field;
 pub mod glsl;
 pub mod gpu;
+pub mod noise;
+pub mod scene;
 pub mod shape;

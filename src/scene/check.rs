@@ -1,0 +1,244 @@
+//! The checks that make a scene valid.
+
+use super::{KnobValue, Scene, SceneError};
+use crate::glsl::library::{Default, Knob, Library};
+use crate::glsl::{Declarations, Slots};
+
+/// The declared parameters of a scene's modules with the values that the scene gives them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Knobs {
+    declared: Vec<(Knob, KnobValue)>,
+    outer: Option<String>,
+    reach: Vec<String>,
+}
+
+impl Knobs {
+    /// Every knob with its value, in the order of the modules.
+    pub fn iter(&self) -> impl Iterator<Item = (&Knob, &KnobValue)> {
+        self.declared.iter().map(|(knob, value)| (knob, value))
+    }
+
+    /// Signed distance at which the soft region starts, if a module says so; object units.
+    pub fn outer_iso(&self) -> Option<f32> {
+        self.outer.as_deref().map(|name| self.number(name))
+    }
+
+    /// How far matter reaches beyond the soft region, object units.
+    pub fn reach(&self) -> f32 {
+        self.reach.iter().map(|name| self.number(name)).sum()
+    }
+
+    fn number(&self, name: &str) -> f32 {
+        let found = self.declared.iter().find(|(knob, _)| knob.name == name);
+        match found.map(|(_, value)| value) {
+            Some(KnobValue::Number(value)) => *value,
+            _ => 0.0,
+        }
+    }
+}
+
+/// The entry files of a program: what its modules are reached from.
+pub(crate) const ENTRIES: [&str; 2] = ["slice.vert", "slice.frag"];
+
+impl Scene {
+    /// Checks every value, module and knob, and gives the knobs their values.
+    ///
+    /// # Errors
+    /// The first thing that is wrong: the field, its value, and what is allowed.
+    pub fn check(&self, library: &Library) -> Result<Knobs, SceneError> {
+        self.check_object()?;
+        self.check_look()?;
+        self.check_transfer()?;
+        self.check_quality()?;
+        let mut slots = self.slots();
+        slots.insert("object".into(), vec!["normals".into()]);
+        self.check_modules(library, &slots)?;
+        self.knobs(&library.declarations(&ENTRIES, &slots)?)
+    }
+
+    fn check_object(&self) -> Result<(), SceneError> {
+        let object = &self.object;
+        within("object.resolution", object.resolution as f32, 8.0, 1024.0)?;
+        if let Some(iso) = object.iso {
+            within("object.iso", iso, f32::MIN, f32::MAX)?;
+        }
+        within("object.inner_iso", object.inner_iso, -2.0, 2.0)?;
+        within("object.outer_iso", object.outer_iso, -2.0, 2.0)?;
+        if object.inner_iso > object.outer_iso {
+            return Err(SceneError::Value {
+                field: "object.inner_iso".into(),
+                value: object.inner_iso.to_string(),
+                limit: format!("at most object.outer_iso = {}; for a hard object use softness = \"hard\"", object.outer_iso),
+            });
+        }
+        Ok(())
+    }
+
+    fn check_look(&self) -> Result<(), SceneError> {
+        within("effect.opacity_rate", self.effect.opacity_rate, 0.0, 1e9)?;
+        within("material.specular", self.material.specular, 0.0, 10.0)?;
+        within("material.specular_power", self.material.specular_power, 1.0, 1000.0)?;
+        for value in self.light.position {
+            within("light.position", value, -1e6, 1e6)?;
+        }
+        within("light.intensity", self.light.intensity, 0.0, 1000.0)?;
+        let camera = &self.camera;
+        within("camera.azimuth", camera.azimuth, -1e6, 1e6)?;
+        within("camera.elevation", camera.elevation, -90.0, 90.0)?;
+        within("camera.zoom", camera.zoom, 0.01, 100.0)?;
+        within("camera.field_of_view", camera.field_of_view, 1.0, 120.0)?;
+        within("camera.time", camera.time, -1e9, 1e9)?;
+        if let Some(plane) = camera.clip {
+            for value in plane {
+                within("camera.clip", value, -1e6, 1e6)?;
+            }
+            if plane[..3].iter().all(|&value| value.abs() < 1e-6) {
+                return Err(SceneError::Value {
+                    field: "camera.clip".into(),
+                    value: format!("{plane:?}"),
+                    limit: "the first three numbers are the normal of the plane and must not all be 0".into(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_transfer(&self) -> Result<(), SceneError> {
+        let stops = &self.transfer.stops;
+        if stops.is_empty() || stops.len() > 256 {
+            return Err(SceneError::Value {
+                field: "transfer.stops".into(),
+                value: format!("{} stops", stops.len()),
+                limit: "1 to 256".into(),
+            });
+        }
+        for stop in stops {
+            within("transfer.stops.at", stop.at, 0.0, 1.0)?;
+            within("transfer.stops.density", stop.density, 0.0, 1.0)?;
+        }
+        match stops.windows(2).find(|pair| pair[0].at > pair[1].at) {
+            None => Ok(()),
+            Some(pair) => Err(SceneError::Value {
+                field: "transfer.stops.at".into(),
+                value: pair[1].at.to_string(),
+                limit: format!("at least that of the stop before it, {}", pair[0].at),
+            }),
+        }
+    }
+
+    fn check_quality(&self) -> Result<(), SceneError> {
+        for side in self.image.size {
+            within("image.size", side as f32, 1.0, 16384.0)?;
+        }
+        let quality = &self.quality;
+        within("quality.samples", quality.samples as f32, 1.0, 100_000.0)?;
+        within("quality.anisotropy", quality.anisotropy, 1.0, 16.0)?;
+        within("quality.block_size", quality.block_size as f32, 8.0, 256.0)?;
+        match quality.msaa {
+            1 | 2 | 4 | 8 => Ok(()),
+            other => Err(SceneError::Value {
+                field: "quality.msaa".into(),
+                value: other.to_string(),
+                limit: "1, 2, 4 or 8".into(),
+            }),
+        }
+    }
+
+    fn check_modules(&self, library: &Library, slots: &Slots) -> Result<(), SceneError> {
+        for (slot, names) in slots {
+            let known = library.modules(slot);
+            if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
+                return Err(SceneError::unknown(&format!("module of effect.{slot}"), name, &known));
+            }
+        }
+        Ok(())
+    }
+
+    fn knobs(&self, declarations: &Declarations) -> Result<Knobs, SceneError> {
+        let known: Vec<&str> = declarations.knobs.iter().map(|knob| knob.name.as_str()).collect();
+        if let Some(name) = self.knobs.keys().find(|name| !known.contains(&name.as_str())) {
+            return Err(SceneError::unknown("knob", name, &known));
+        }
+        let mut declared = Vec::new();
+        for knob in &declarations.knobs {
+            let value = match (knob.default, self.knobs.get(&knob.name)) {
+                (Default::Number(default, _), None) => KnobValue::Number(default),
+                (Default::Color(default), None) => KnobValue::Color(super::Color(default)),
+                (Default::Number(_, [low, high]), Some(KnobValue::Number(value))) => {
+                    within(&format!("knobs.{}", knob.name), *value, low, high)?;
+                    KnobValue::Number(*value)
+                }
+                (Default::Color(_), Some(KnobValue::Color(color))) => KnobValue::Color(*color),
+                (default, Some(value)) => {
+                    let limit = match default {
+                        Default::Number(_, [low, high]) => format!("must be a number from {low} to {high}"),
+                        Default::Color(_) => "must be a color, #rrggbb".into(),
+                    };
+                    let value = match value {
+                        KnobValue::Number(value) => value.to_string(),
+                        KnobValue::Color(color) => String::from(*color),
+                    };
+                    return Err(SceneError::Value { field: format!("knobs.{}", knob.name), value, limit });
+                }
+            };
+            declared.push((knob.clone(), value));
+        }
+        Ok(Knobs { declared, outer: declarations.outer.clone(), reach: declarations.reach.clone() })
+    }
+}
+
+/// NaN lies in no range.
+fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(), SceneError> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    let limit = format!("must be from {low} to {high}");
+    Err(SceneError::Value { field: field.into(), value: value.to_string(), limit })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::glsl;
+    use crate::scene::{Color, preset};
+
+    fn refusal(change: impl FnOnce(&mut Scene)) -> String {
+        let mut scene = preset("fur").unwrap();
+        change(&mut scene);
+        scene.check(&glsl::shipped()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused_with_field_value_and_limit() {
+        assert_eq!(refusal(|s| s.quality.samples = 0), "quality.samples = 0: must be from 1 to 100000");
+        assert_eq!(refusal(|s| s.camera.zoom = f32::NAN), "camera.zoom = NaN: must be from 0.01 to 100");
+        assert!(refusal(|s| s.object.inner_iso = 1.0).starts_with("object.inner_iso = 1: at most object.outer_iso"));
+        assert!(refusal(|s| s.camera.clip = Some([0.0, 0.0, 0.0, 1.0])).contains("normal of the plane"));
+        assert!(refusal(|s| s.transfer.stops.clear()).starts_with("transfer.stops = 0 stops"));
+        assert!(refusal(|s| s.quality.msaa = 3).ends_with("1, 2, 4 or 8"));
+        assert!(refusal(|s| s.image.size = [0, 5]).starts_with("image.size = 0"));
+    }
+
+    #[test]
+    fn unknown_modules_and_knobs_are_refused_with_the_nearest_name() {
+        assert!(refusal(|s| s.effect.medium = "hairs".into()).contains("did you mean `hair`?"));
+        let error = refusal(|s| {
+            s.knobs.insert("finenes".into(), KnobValue::Number(1.0));
+        });
+        assert!(error.starts_with("no knob `finenes` (did you mean `fineness`?)"), "{error}");
+    }
+
+    #[test]
+    fn a_knob_has_the_type_and_range_that_its_module_declares() {
+        let set = |value| move |s: &mut Scene| drop(s.knobs.insert("fineness".into(), value));
+        assert_eq!(refusal(set(KnobValue::Number(1e9))), "knobs.fineness = 1000000000: must be from 2 to 200");
+        assert!(refusal(set(KnobValue::Color(Color([1, 2, 3])))).contains("must be a number from 2 to 200"));
+    }
+
+    #[test]
+    fn m47_the_length_of_the_hair_is_the_outer_iso_value() {
+        let mut scene = preset("fur").unwrap();
+        scene.knobs.insert("hair_length".into(), KnobValue::Number(0.3));
+        assert_eq!(scene.check(&glsl::shipped()).unwrap().outer_iso(), Some(0.3));
+    }
+}

@@ -1,0 +1,118 @@
+//! Scene files: TOML, unknown fields refused with line and nearest name.
+
+use super::{Scene, SceneError, nearest, presets};
+use std::path::Path;
+
+/// The largest scene file that is read, in bytes: more is no scene.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// Reads a scene file; a path of an object in it is relative to the file.
+///
+/// # Errors
+/// [`SceneError::Read`] or [`SceneError::Syntax`]. Values are not checked yet: see [`Scene::check`].
+pub fn load(path: &Path) -> Result<Scene, SceneError> {
+    let name = path.display().to_string();
+    let fail = |reason: String| SceneError::Read { path: name.clone(), reason };
+    let size = std::fs::metadata(path).map_err(|error| fail(error.to_string()))?.len();
+    if size > MAX_BYTES {
+        return Err(fail(format!("{size} bytes, and a scene file has at most {MAX_BYTES}; is this a scene?")));
+    }
+    let text = std::fs::read_to_string(path).map_err(|error| fail(error.to_string()))?;
+    let mut scene = parse(&text, &name)?;
+    let beside = path.parent().unwrap_or(Path::new("")).join(&scene.object.input);
+    if beside.is_file() {
+        scene.object.input = beside.display().to_string();
+    }
+    Ok(scene)
+}
+
+/// Reads the text of a scene; `name` is what errors call it. A `preset` is read first, and the text goes over it.
+///
+/// # Errors
+/// [`SceneError::Syntax`] with the line, or an unknown preset.
+pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
+    let scene: Scene = toml::from_str(text).map_err(|error| syntax(&error, text, name))?;
+    let Some(preset) = &scene.preset else { return Ok(scene) };
+    let mut base: toml::Table = table(presets::text(preset)?, name)?;
+    merge(&mut base, table(text, name)?);
+    base.remove("preset");
+    let merged: Scene = base.try_into().map_err(|error| syntax(&error, text, name))?;
+    Ok(merged)
+}
+
+/// The scene as the text of a scene file, complete with defaults.
+pub fn to_text(scene: &Scene) -> String {
+    toml::to_string(scene).expect("a scene holds nothing that TOML cannot hold")
+}
+
+fn table(text: &str, name: &str) -> Result<toml::Table, SceneError> {
+    toml::from_str(text).map_err(|error| syntax(&error, text, name))
+}
+
+/// Puts `over` over `base`, table by table; anything but a table is replaced.
+fn merge(base: &mut toml::Table, over: toml::Table) {
+    for (key, value) in over {
+        match (base.get_mut(&key), value) {
+            (Some(toml::Value::Table(below)), toml::Value::Table(above)) => merge(below, above),
+            (_, value) => {
+                base.insert(key, value);
+            }
+        }
+    }
+}
+
+/// One line: where, what, and the nearest name where a name is wrong.
+fn syntax(error: &toml::de::Error, text: &str, name: &str) -> SceneError {
+    let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
+    let mut reason = error.message().replace('\n', " ");
+    let mut quoted = error.message().split('`').skip(1).step_by(2);
+    if let Some(found) = quoted.next() {
+        let known: Vec<&str> = quoted.collect();
+        if let Some(near) = nearest(found, &known) {
+            reason.push_str(&format!("; did you mean `{near}`?"));
+        }
+    }
+    SceneError::Syntax { path: name.into(), line, reason }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_field_is_refused_with_line_and_nearest_name() {
+        let error = parse("[quality]\nsamples = 64\nsample = 3\n", "x.toml").unwrap_err().to_string();
+        assert!(error.starts_with("x.toml:3: unknown field `sample`"), "{error}");
+        assert!(error.ends_with("did you mean `samples`?"), "{error}");
+        assert!(!error.contains('\n'));
+    }
+
+    #[test]
+    fn an_unknown_value_is_refused_with_the_nearest_name() {
+        let error = parse("[quality]\ntarget = \"float23\"", "x.toml").unwrap_err().to_string();
+        assert!(error.starts_with("x.toml:2:") && error.ends_with("did you mean `float32`?"), "{error}");
+    }
+
+    #[test]
+    fn a_bad_color_says_how_to_write_one() {
+        let error = parse("[material]\ncolor = \"red\"", "x.toml").unwrap_err().to_string();
+        assert!(error.contains("`red` is not a color; write #rrggbb"), "{error}");
+    }
+
+    #[test]
+    fn a_file_goes_over_its_preset() {
+        let scene = parse("preset = \"fur\"\n[knobs]\nfineness = 60\n", "x.toml").unwrap();
+        let fur = presets::preset("fur").unwrap();
+        assert_eq!(scene.knobs["fineness"], super::super::KnobValue::Number(60.0));
+        assert_eq!(scene.effect, fur.effect);
+    }
+
+    #[test]
+    fn a_saved_scene_reads_back_as_itself() {
+        for effect in super::super::EFFECTS {
+            let mut scene = presets::preset(effect).unwrap();
+            scene.camera.clip = Some([0.0, 0.0, 1.0, 0.25]);
+            assert_eq!(parse(&to_text(&scene), "saved").unwrap(), scene);
+        }
+    }
+}
