@@ -1,6 +1,7 @@
 // A cut-down point light, per fragment, in eye space.
 // Source: MJ 3.2, 3.5.
 // color: linear RGB; normal: unit, object space; result: linear RGB.
+// @needs normal
 vec3 lighting(vec3 color, vec3 normal) {
     vec3 n = safe_normalize(mat3(normal_matrix) * normal, to_eye());     // MJ 3.5: into eye space
     vec3 l = safe_normalize(light_position.xyz - position_eye, n);

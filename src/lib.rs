@@ -6,3 +6,4 @@ pub mod gpu;
 pub mod noise;
 pub mod scene;
 pub mod shape;
+pub mod variant;

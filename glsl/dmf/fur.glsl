@@ -2,6 +2,7 @@
 // Source: PH 2.4: f = gain.9(bias.3(noise(frequency * project(x)))) * D(x), with the remap 0.5 + 0.5 noise it implies;
 // curl is the tribble's; droop and uneven length are ours.
 // density: D in [0, 1]; result in [0, 1].
+// @needs normal
 // @outer hair_length
 // @knob hair_length = 0.17 in [0.005, 0.8]: Length of the hair, object units: the width of the soft region.
 // @knob fineness = 26 in [2, 200]: Hairs per object unit.

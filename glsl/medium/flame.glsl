@@ -1,6 +1,7 @@
 // Burning gas: color by density through the transfer map, with relief from the gradient of the turbulence.
 // Source: PH 2.4 (low density red, high yellow); MJ Fig. 7f: fire (bumpy).
 // density: modulated, in [0, 1]; result: linear RGB.
+// @needs normal
 // @knob relief = 0.35 in [0, 1]: Strength of the relief.
 // @knob glow = 1.6 in [0, 10]: Brightness of the gas.
 #include "transfer.glsl"

@@ -1,6 +1,7 @@
 // Hair: dark at the root, bright at the tip, with the highlight of thin cylinders.
 // Source: Kajiya and Kay 1989 (PH 4 asks for anisotropic fur shading).
 // density: modulated, in [0, 1]; result: linear RGB.
+// @needs normal
 // @color root_color = #2b1509: Color of the hair at the skin.
 // @color tip_color = #d9a05f: Color of the hair at its tip.
 // @knob sheen = 0.25 in [0, 2]: Strength of the highlight.

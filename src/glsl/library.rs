@@ -6,6 +6,7 @@
 //! // @color tip_color = #d9a05f: Color of the hair at its tip.
 //! // @outer hair_length      the soft region ends at this signed distance
 //! // @reach drip_length      the matter reaches this much further than the object and its soft region
+//! // @needs normal           the module reads the normal of a sample
 //! ```
 //! The same lines feed the uniform block, the checks of a scene file and the documentation.
 
@@ -29,6 +30,8 @@ pub struct Declarations {
     pub outer: Option<String>,
     /// Knobs whose sum is how far the matter reaches beyond the soft region, object units.
     pub reach: Vec<String>,
+    /// Whether the normal of a sample is read.
+    pub needs_normal: bool,
 }
 
 /// A parameter of a module.
@@ -155,6 +158,7 @@ impl Library {
             }
             all.outer = one.outer.or(all.outer.take());
             all.reach.extend(one.reach);
+            all.needs_normal |= one.needs_normal;
             Ok(())
         })?;
         Ok(all)
@@ -225,6 +229,7 @@ fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError> {
             "knob" => found.knobs.push(number(rest).ok_or_else(wrong)?),
             "color" => found.knobs.push(color(rest).ok_or_else(wrong)?),
             "outer" => found.outer = Some(identifier(rest).ok_or_else(wrong)?),
+            "needs" if rest.trim() == "normal" => found.needs_normal = true,
             "reach" => {
                 for name in rest.split('+') {
                     found.reach.push(identifier(name).ok_or_else(wrong)?);

@@ -7,6 +7,7 @@ mod check;
 mod file;
 mod presets;
 
+pub(crate) use check::ENTRIES;
 pub use check::Knobs;
 pub use file::{load, parse, to_text};
 pub use presets::{EFFECTS, preset};

@@ -1,0 +1,217 @@
+//! Variants: the program that a scene needs, and nothing else.
+//!
+//! Role: scene -> chosen modules -> SPIR-V with its live bindings. Invariant: [`Variant::of`] is pure, and what the
+//! scene does not reach is neither in the program nor in its layout; [`Program::left_out`] says so.
+
+mod reflect;
+
+pub use reflect::{Block, Member, ReflectError, Resource, Use};
+
+use crate::glsl::{Library, LibraryError, LinkError, Linker, Slots, Stage};
+use crate::scene::{ENTRIES, Knobs, Scene, SceneError, Source};
+
+include!(concat!(env!("OUT_DIR"), "/programs.rs"));
+
+/// Built-in objects that are a formula in `glsl/object` and need no volume.
+pub const FORMULAS: [&str; 3] = ["sphere", "cube", "torus"];
+
+/// The modules of a scene's program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variant {
+    /// The slots that the program reaches, with the modules that fill them.
+    pub slots: Slots,
+    /// The knobs that those modules declare, with their values.
+    pub knobs: Knobs,
+}
+
+/// A linked program and what it reads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Program {
+    /// SPIR-V of the vertex stage.
+    pub vertex: Vec<u32>,
+    /// SPIR-V of the fragment stage.
+    pub fragment: Vec<u32>,
+    /// Every binding that either stage reads.
+    pub resources: Vec<Resource>,
+    /// Whether it was linked when the crate was built.
+    pub shipped: bool,
+}
+
+/// Why there is no program for a scene.
+#[derive(Debug, thiserror::Error)]
+pub enum VariantError {
+    /// The scene is not valid.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A module is missing.
+    #[error(transparent)]
+    Library(#[from] LibraryError),
+    /// The program cannot be linked.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The linked program cannot be read back.
+    #[error(transparent)]
+    Reflect(#[from] ReflectError),
+}
+
+impl Variant {
+    /// The modules that `scene` needs out of `library`.
+    ///
+    /// # Errors
+    /// What [`Scene::check`] finds.
+    pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        scene.check(library)?;
+        let mut choice = scene.slots();
+        choice.insert("object".into(), vec!["normals".into()]);
+        let needs_normal = library.declarations(&ENTRIES, &choice)?.needs_normal;
+        choice.insert("object".into(), vec![object_module(scene, needs_normal).into()]);
+        let slots = library.needed(&ENTRIES, &choice)?;
+        Ok(Variant { slots, knobs: scene.check(library)? })
+    }
+
+    /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
+    pub fn module(&self, slot: &str) -> Option<&str> {
+        self.slots.get(slot)?.first().map(String::as_str)
+    }
+
+    /// The name of the program: its slots and modules.
+    pub fn key(&self) -> String {
+        self.slots.iter().map(|(slot, names)| format!("{slot}={}", names.join("+"))).collect::<Vec<_>>().join(" ")
+    }
+
+    /// The linked program: the one that ships, if `library` is the shipped one and has it, else linked here.
+    /// `linker` is called only for a program that does not ship.
+    ///
+    /// # Errors
+    /// What glslang says about a module.
+    pub fn program(
+        &self,
+        library: &Library,
+        linker: impl FnOnce() -> Result<Linker, LinkError>,
+    ) -> Result<Program, VariantError> {
+        let key = self.key();
+        let ships = SHIPPED_PROGRAMS.binary_search_by(|program| program.0.cmp(&key)).ok();
+        let shipped = ships.filter(|_| *library == crate::glsl::shipped()).map(|index| SHIPPED_PROGRAMS[index]);
+        let (vertex, fragment) = match shipped {
+            Some((_, vertex, fragment)) => (words(vertex), words(fragment)),
+            None => {
+                let linker = linker()?;
+                let link = |entry, stage| linker.link(library, (entry, stage), &ENTRIES, &self.slots);
+                (link(ENTRIES[0], Stage::Vertex)?, link(ENTRIES[1], Stage::Fragment)?)
+            }
+        };
+        let resources = reflect::resources(&vertex, &fragment)?;
+        Ok(Program { vertex, fragment, resources, shipped: shipped.is_some() })
+    }
+}
+
+impl Program {
+    /// Whether the program reads this binding.
+    pub fn reads(&self, name: &str) -> bool {
+        self.resources.iter().any(|resource| resource.name == name)
+    }
+
+    /// What the scene did not need: not in the program, not allocated, not uploaded, not bound.
+    pub fn left_out(&self) -> Vec<&'static str> {
+        const PARTS: [(&str, &str); 6] = [
+            ("volume_image", "volume"),
+            ("noise_image", "noise block"),
+            ("turbulence_image", "turbulence block"),
+            ("transfer_image", "transfer map"),
+            ("segment_image", "segment table"),
+            ("classified_image", "classified volume"),
+        ];
+        PARTS.iter().filter(|(binding, _)| !self.reads(binding)).map(|(_, part)| *part).collect()
+    }
+}
+
+fn object_module(scene: &Scene, needs_normal: bool) -> &str {
+    match scene.object.source {
+        Source::Normals16 | Source::Normals8 => "normals",
+        Source::Distance16 | Source::Distance32 => "distance",
+        Source::Auto if FORMULAS.contains(&scene.object.input.as_str()) => &scene.object.input,
+        Source::Auto if needs_normal => "normals",
+        Source::Auto => "distance",
+    }
+}
+
+fn words(bytes: &[u8]) -> Vec<u32> {
+    bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::glsl;
+    use crate::scene::{EFFECTS, preset};
+
+    fn program(scene: &Scene) -> Program {
+        let library = glsl::shipped();
+        Variant::of(scene, &library).unwrap().program(&library, Linker::new).unwrap()
+    }
+
+    #[test]
+    fn m19_the_six_effects_ship_as_linked_programs() {
+        for effect in EFFECTS {
+            for object in ["teapot", "sphere", "cube", "torus"] {
+                let mut scene = preset(effect).unwrap();
+                scene.object.input = object.into();
+                assert!(program(&scene).shipped, "{effect} on {object}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_shipped_program_is_the_one_that_run_time_links() {
+        let library = glsl::shipped();
+        for effect in EFFECTS {
+            let variant = Variant::of(&preset(effect).unwrap(), &library).unwrap();
+            let shipped = variant.program(&library, || unreachable!("it ships")).unwrap();
+            let other = library.clone().with_module("dmf", "unused", "");
+            let linked = variant.program(&other, Linker::new).unwrap();
+            assert!(!linked.shipped);
+            assert_eq!((shipped.vertex, shipped.fragment), (linked.vertex, linked.fragment), "{effect}");
+        }
+    }
+
+    #[test]
+    fn what_a_scene_does_not_need_is_not_bound() {
+        let mut scene = preset("lit").unwrap();
+        assert_eq!(program(&scene).left_out(), ["noise block", "turbulence block", "transfer map", "segment table", "classified volume"]);
+        scene.object.input = "sphere".into();
+        assert!(program(&scene).left_out().contains(&"volume"));
+        assert!(!program(&preset("fur").unwrap()).left_out().contains(&"noise block"));
+        assert!(program(&preset("fur").unwrap()).left_out().contains(&"transfer map"));
+        assert!(!program(&preset("fire").unwrap()).left_out().contains(&"transfer map"));
+    }
+
+    #[test]
+    fn normals_are_left_out_where_no_module_reads_them() {
+        let mut scene = preset("solid").unwrap();
+        scene.effect.surface = "solid_unlit".into();
+        assert_eq!(Variant::of(&scene, &glsl::shipped()).unwrap().module("object"), Some("distance"));
+        assert_eq!(Variant::of(&preset("solid").unwrap(), &glsl::shipped()).unwrap().module("object"), Some("normals"));
+    }
+
+    #[test]
+    fn m28_the_constants_are_those_of_the_paper() {
+        let program = program(&preset("lit").unwrap());
+        let Some(Use::Block(block)) =
+            program.resources.iter().find(|r| r.name == "Constants").map(|r| r.holds.clone())
+        else {
+            panic!("no block of constants")
+        };
+        let names: Vec<_> = block.members.iter().map(|member| member.name.as_str()).collect();
+        let expected = ["normal_matrix", "material_color", "ambient_color", "light_color", "light_position",
+            "specular_power", "specular_strength", "iso_value", "outer_iso_value"];
+        assert_eq!(names, expected);
+    }
+
+    #[test]
+    fn m12_any_two_dmfs_make_a_stack() {
+        let mut scene = preset("fur").unwrap();
+        scene.effect.dmf = vec!["fur".into(), "fire".into()];
+        let program = program(&scene);
+        assert!(program.reads("noise_image") && program.reads("turbulence_image"));
+    }
+}

@@ -1,0 +1,150 @@
+//! What a linked program reads: found in its SPIR-V, after the optimizer has dropped what is dead.
+
+use spirq::ReflectConfig;
+use spirq::ty::{DescriptorType, Type};
+use spirq::var::Variable;
+
+/// A binding of set 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resource {
+    /// Name in `interface.glsl`; of a block, the block's.
+    pub name: String,
+    /// Number of the binding.
+    pub binding: u32,
+    /// What it holds.
+    pub holds: Use,
+    /// Whether the vertex stage reads it.
+    pub vertex: bool,
+    /// Whether the fragment stage reads it.
+    pub fragment: bool,
+}
+
+/// What a binding holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Use {
+    /// A uniform block.
+    Block(Block),
+    /// A sampled image.
+    Image,
+    /// A sampler.
+    Sampler,
+}
+
+/// A uniform block in std140 layout.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Block {
+    /// Size.
+    pub bytes: usize,
+    /// Members by offset.
+    pub members: Vec<Member>,
+}
+
+/// A member of a block: floats, one after another from its offset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member {
+    /// Name in GLSL.
+    pub name: String,
+    /// Offset in bytes.
+    pub offset: usize,
+    /// Number of floats: 1, 4 (a vec4) or 16 (a mat4, column by column).
+    pub floats: usize,
+}
+
+/// Why a program cannot be read back.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ReflectError {
+    /// The SPIR-V is not understood.
+    #[error("the linked program cannot be reflected: {0}")]
+    Spirv(String),
+    /// A resource of a kind that the renderer does not provide.
+    #[error("`{0}` is no uniform block of floats, image or sampler of set 0; declare resources in interface.glsl only")]
+    Foreign(String),
+}
+
+impl Block {
+    /// The bytes of the block, each member filled from `value`.
+    ///
+    /// # Errors
+    /// The name of a member for which `value` has nothing, or not as many floats as the member.
+    pub fn fill<'a>(&self, value: impl Fn(&str) -> Option<&'a [f32]>) -> Result<Vec<u8>, String> {
+        let mut bytes = vec![0; self.bytes];
+        for member in &self.members {
+            let floats = value(&member.name).filter(|floats| floats.len() == member.floats);
+            let floats = floats.ok_or_else(|| member.name.clone())?;
+            bytes[member.offset..][..4 * floats.len()].copy_from_slice(bytemuck::cast_slice(floats));
+        }
+        Ok(bytes)
+    }
+}
+
+/// The bindings of both stages, by number.
+pub(super) fn resources(vertex: &[u32], fragment: &[u32]) -> Result<Vec<Resource>, ReflectError> {
+    let mut all: Vec<Resource> = Vec::new();
+    for (code, is_vertex) in [(vertex, true), (fragment, false)] {
+        for mut resource in stage(code)? {
+            match all.iter_mut().find(|known| known.binding == resource.binding) {
+                Some(known) => {
+                    known.vertex |= is_vertex;
+                    known.fragment |= !is_vertex;
+                }
+                None => {
+                    resource.vertex = is_vertex;
+                    resource.fragment = !is_vertex;
+                    all.push(resource);
+                }
+            }
+        }
+    }
+    all.sort_by_key(|resource| resource.binding);
+    Ok(all)
+}
+
+fn stage(code: &[u32]) -> Result<Vec<Resource>, ReflectError> {
+    let entries = ReflectConfig::new()
+        .spv(code)
+        .ref_all_rscs(false)
+        .reflect()
+        .map_err(|error| ReflectError::Spirv(error.to_string()))?;
+    let variables = entries.into_iter().flat_map(|entry| entry.vars);
+    variables.filter_map(|variable| match variable {
+        Variable::Descriptor { name, desc_bind, desc_ty, ty, .. } => {
+            let name = name.filter(|name| !name.is_empty()).or_else(|| type_name(&ty)).unwrap_or_default();
+            let holds = match (&desc_ty, &ty, desc_bind.set()) {
+                (DescriptorType::UniformBuffer(), Type::Struct(block), 0) => Some(block_of(block).map(Use::Block)),
+                (DescriptorType::SampledImage(), _, 0) => Some(Ok(Use::Image)),
+                (DescriptorType::Sampler(), _, 0) => Some(Ok(Use::Sampler)),
+                _ => None,
+            };
+            let holds = holds.unwrap_or_else(|| Err(ReflectError::Foreign(name.clone())));
+            let binding = desc_bind.bind();
+            Some(holds.map(|holds| Resource { name, binding, holds, vertex: false, fragment: false }))
+        }
+        Variable::PushConstant { name, .. } => Some(Err(ReflectError::Foreign(name.unwrap_or_default()))),
+        _ => None,
+    })
+    .collect()
+}
+
+fn type_name(ty: &Type) -> Option<String> {
+    match ty {
+        Type::Struct(block) => block.name.clone(),
+        _ => None,
+    }
+}
+
+fn block_of(block: &spirq::ty::StructType) -> Result<Block, ReflectError> {
+    let mut members = Vec::new();
+    for member in &block.members {
+        let name = member.name.clone().unwrap_or_default();
+        let floats = match &member.ty {
+            Type::Scalar(spirq::ty::ScalarType::Float { bits: 32 }) => 1,
+            Type::Vector(vector) if vector.nscalar == 4 => 4,
+            Type::Matrix(matrix) if matrix.nvector == 4 && matrix.vector_ty.nscalar == 4 => 16,
+            _ => return Err(ReflectError::Foreign(name)),
+        };
+        let offset = member.offset.ok_or_else(|| ReflectError::Foreign(name.clone()))?;
+        members.push(Member { name, offset, floats });
+    }
+    let end = members.last().map_or(0, |member| member.offset + 4 * member.floats);
+    Ok(Block { bytes: end.next_multiple_of(16), members })
+}
