@@ -17,6 +17,8 @@ pub struct Submitted {
     pub gpu_ms: f64,
     /// Milliseconds from submission to completion.
     pub wall_ms: f64,
+    /// Fragment shader invocations, where the device counts them.
+    pub fragments: Option<u64>,
 }
 
 /// What is drawn into.
@@ -58,7 +60,14 @@ impl Gpu {
                 device.cmd_reset_query_pool(job.buffer, job.queries, 0, 2);
                 device.cmd_write_timestamp2(job.buffer, vk::PipelineStageFlags2::ALL_COMMANDS, job.queries, 0);
             }
+            if job.statistics != vk::QueryPool::null() {
+                device.cmd_reset_query_pool(job.buffer, job.statistics, 0, 1);
+                device.cmd_begin_query(job.buffer, job.statistics, 0, vk::QueryControlFlags::empty());
+            }
             record(&mut commands);
+            if job.statistics != vk::QueryPool::null() {
+                device.cmd_end_query(job.buffer, job.statistics, 0);
+            }
             if timed {
                 device.cmd_write_timestamp2(job.buffer, vk::PipelineStageFlags2::ALL_COMMANDS, job.queries, 1);
             }
@@ -79,15 +88,23 @@ impl Gpu {
             job.submitted = false;
         }
         let wall_ms = start.elapsed().as_secs_f64() * 1e3;
+        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
+        let mut fragments = None;
+        if job.statistics != vk::QueryPool::null() {
+            let mut count = [0u64];
+            // SAFETY: the query was ended by the finished submission.
+            unsafe { device.get_query_pool_results(job.statistics, 0, &mut count, flags) }
+                .named("vkGetQueryPoolResults")?;
+            fragments = Some(count[0]);
+        }
         if !timed {
-            return Ok(Submitted { gpu_ms: wall_ms, wall_ms });
+            return Ok(Submitted { gpu_ms: wall_ms, wall_ms, fragments });
         }
         let mut ticks = [0u64; 2];
-        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
         // SAFETY: both queries were written by the finished submission.
         unsafe { device.get_query_pool_results(job.queries, 0, &mut ticks, flags) }.named("vkGetQueryPoolResults")?;
         let gpu_ms = ticks[1].saturating_sub(ticks[0]) as f64 * f64::from(self.0.facts.timestamp_period) * 1e-6;
-        Ok(Submitted { gpu_ms, wall_ms })
+        Ok(Submitted { gpu_ms, wall_ms, fragments })
     }
 }
 
@@ -97,6 +114,7 @@ struct Job<'a> {
     buffer: vk::CommandBuffer,
     fence: vk::Fence,
     queries: vk::QueryPool,
+    statistics: vk::QueryPool,
     submitted: bool,
 }
 
@@ -107,12 +125,19 @@ impl<'a> Job<'a> {
         let info = vk::CommandBufferAllocateInfo::default().command_pool(gpu.0.pool.handle).command_buffer_count(1);
         // SAFETY: the pool belongs to the device and is only used under the queue's lock.
         let buffer = unsafe { device.allocate_command_buffers(&info) }.named("vkAllocateCommandBuffers")?[0];
-        let mut job = Job { gpu, buffer, fence, queries, submitted: false };
+        let mut job = Job { gpu, buffer, fence, queries, statistics: queries, submitted: false };
         // SAFETY: the device is alive; each handle is owned as soon as it exists.
         unsafe {
             job.fence = device.create_fence(&vk::FenceCreateInfo::default(), None).named("vkCreateFence")?;
             let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2);
             job.queries = device.create_query_pool(&info, None).named("vkCreateQueryPool")?;
+            if gpu.facts().counts_fragments {
+                let info = vk::QueryPoolCreateInfo::default()
+                    .query_type(vk::QueryType::PIPELINE_STATISTICS)
+                    .pipeline_statistics(vk::QueryPipelineStatisticFlags::FRAGMENT_SHADER_INVOCATIONS)
+                    .query_count(1);
+                job.statistics = device.create_query_pool(&info, None).named("vkCreateQueryPool")?;
+            }
         }
         Ok(job)
     }
@@ -129,6 +154,7 @@ impl Drop for Job<'_> {
             device.free_command_buffers(self.gpu.0.pool.handle, &[self.buffer]);
             device.destroy_fence(self.fence, None);
             device.destroy_query_pool(self.queries, None);
+            device.destroy_query_pool(self.statistics, None);
         }
     }
 }

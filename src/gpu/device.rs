@@ -37,6 +37,8 @@ pub struct Facts {
     pub max_anisotropy: f32,
     /// Whether every sample of a multisampled image can be shaded on its own.
     pub sample_shading: bool,
+    /// Whether the device counts fragment shader invocations.
+    pub counts_fragments: bool,
     /// Nanoseconds per timestamp tick; 0 where the queue has no timestamps.
     pub timestamp_period: f32,
 }
@@ -203,7 +205,8 @@ fn create_device(
     let supported = unsafe { instance.get_physical_device_features(physical) };
     let features = vk::PhysicalDeviceFeatures::default()
         .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
-        .sample_rate_shading(supported.sample_rate_shading == vk::TRUE);
+        .sample_rate_shading(supported.sample_rate_shading == vk::TRUE)
+        .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE);
     let mut features13 = vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true);
     let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
     let info = vk::DeviceCreateInfo::default()
@@ -271,6 +274,7 @@ fn facts(instance: &ash::Instance, physical: vk::PhysicalDevice, properties: &vk
         max_image: properties.limits.max_image_dimension2_d,
         max_anisotropy: if supported.sampler_anisotropy == vk::TRUE { properties.limits.max_sampler_anisotropy } else { 1.0 },
         sample_shading: supported.sample_rate_shading == vk::TRUE,
+        counts_fragments: supported.pipeline_statistics_query == vk::TRUE,
         timestamp_period: properties.limits.timestamp_period,
     }
 }

@@ -1,0 +1,154 @@
+//! View-aligned slices: geometry and drawing.
+//!
+//! Role: cut the space around the object into proxy slices that stay where they are in eye space, and blend them.
+//! Invariant: the vertices depend on the eye's distance and on the size of the scene, never on the rotation (MJ 3.3).
+//! Source: MJ 2, 3.3, 3.6 and Fig. 1; GG 39.6.1.
+
+use crate::gpu::{BindSet, Buffer, Gpu, GpuError, Load, Pipeline, Target};
+use crate::scene::{Order, Proxy};
+use std::ops::Range;
+
+/// A submission should take about this many milliseconds. Shorter: the fixed cost of one shows. Longer: a desktop that
+/// shares the device stutters, and after two seconds it resets it.
+const SUBMISSION_MS: f64 = 40.0;
+
+/// The sphere that the slices cut, in eye space: its center lies on the axis of view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Distance of the center from the eye.
+    pub distance: f32,
+    /// Radius.
+    pub radius: f32,
+    /// Nothing nearer to the eye than this is drawn.
+    pub near: f32,
+}
+
+/// The vertices of a stack of slices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stack {
+    /// Vertices, in the order in which the slices are drawn.
+    pub vertices: Vec<f32>,
+    /// Floats of each vertex attribute.
+    pub attributes: &'static [u32],
+    /// Vertices of one slice.
+    pub per_slice: u32,
+    /// Number of slices.
+    pub slices: u32,
+    /// Distance between two slices.
+    pub step: f32,
+}
+
+/// Cuts the sphere of `extent` into `samples` slices of equal thickness, each drawn through its middle.
+///
+/// Slices nearer than `extent.near` are left out, so that the eye may be inside. `tint` colors a slice by its place
+/// in the stack, 0 at the eye to 1: linear RGBA.
+pub fn stack(extent: Extent, samples: u32, proxy: Proxy, order: Order, tint: impl Fn(f32) -> [f32; 4]) -> Stack {
+    let step = 2.0 * extent.radius / samples as f32;
+    let depth = |slice: u32| extent.distance - extent.radius + (slice as f32 + 0.5) * step;
+    let first = (0..samples).find(|&slice| depth(slice) >= extent.near).unwrap_or(samples);
+    let mut drawn: Vec<u32> = (first..samples).collect();
+    if order == Order::BackToFront {
+        drawn.reverse();
+    }
+    let mut vertices = Vec::new();
+    for &slice in &drawn {
+        let tint = tint((slice as f32 + 0.5) / samples as f32);
+        match proxy {
+            Proxy::Quads => {
+                for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                    let position = [x * extent.radius, y * extent.radius, -depth(slice)];
+                    vertices.extend(position.into_iter().chain(position).chain(tint));
+                }
+            }
+            Proxy::Polygons => {
+                for corner in [0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5] {
+                    vertices.extend([corner as f32, -depth(slice)].into_iter().chain(tint));
+                }
+            }
+        }
+    }
+    let (attributes, per_slice): (&[u32], u32) = match proxy {
+        Proxy::Quads => (&[3, 3, 4], 6),
+        Proxy::Polygons => (&[2, 4], 12),
+    };
+    Stack { vertices, attributes, per_slice, slices: drawn.len() as u32, step }
+}
+
+/// What drawing a stack cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drawn {
+    /// Milliseconds on the device.
+    pub gpu_ms: f64,
+    /// Longest submission, milliseconds.
+    pub longest_ms: f64,
+    /// Fragments shaded, where the device counts them.
+    pub fragments: Option<u64>,
+}
+
+/// Clears the target and blends the slices into it, in submissions of a length that a shared device bears.
+///
+/// # Errors
+/// What a submission may fail with.
+pub fn draw(
+    gpu: &Gpu,
+    pipeline: &Pipeline,
+    set: &BindSet<'_>,
+    vertices: &Buffer,
+    stack: &Stack,
+    target: Target<'_>,
+) -> Result<Drawn, GpuError> {
+    let into = Target { resolved: None, ..target };
+    let mut drawn = Drawn { fragments: Some(0), ..Default::default() };
+    let mut load = Load::Clear([0.0; 4]);
+    let mut next = 0;
+    let mut batch = 8;
+    while next < stack.slices {
+        let range: Range<u32> = next..(next + batch).min(stack.slices);
+        let span = range.start * stack.per_slice..range.end * stack.per_slice;
+        let cost = gpu.submit("slices", |commands| {
+            commands.render(into, load, |draw| draw.triangles(pipeline, set, Some(vertices), span.clone()));
+        })?;
+        drawn.gpu_ms += cost.gpu_ms;
+        drawn.longest_ms = drawn.longest_ms.max(cost.gpu_ms);
+        drawn.fragments = drawn.fragments.zip(cost.fragments).map(|(a, b)| a + b);
+        let per_slice = cost.gpu_ms / f64::from(range.end - range.start);
+        batch = (SUBMISSION_MS / per_slice.max(1e-3)).clamp(1.0, f64::from(4 * batch)) as u32;
+        next = range.end;
+        load = Load::Keep;
+    }
+    if target.resolved.is_some() || stack.slices == 0 {
+        gpu.submit("resolve", |commands| commands.render(target, load, |_| ()))?;
+    }
+    Ok(drawn)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EXTENT: Extent = Extent { distance: 5.0, radius: 2.0, near: 0.1 };
+
+    #[test]
+    fn m01_slices_are_the_middles_of_equal_parts_of_the_sphere() {
+        let stack = stack(EXTENT, 4, Proxy::Quads, Order::FrontToBack, |_| [1.0; 4]);
+        let depths: Vec<f32> = stack.vertices.chunks(60).map(|slice| -slice[2]).collect();
+        assert_eq!(depths, [3.5, 4.5, 5.5, 6.5]);
+        assert_eq!(stack.step, 1.0);
+    }
+
+    #[test]
+    fn back_to_front_is_the_same_stack_reversed() {
+        let [front, back] = [Order::FrontToBack, Order::BackToFront].map(|order| stack(EXTENT, 5, Proxy::Polygons, order, |_| [1.0; 4]));
+        let floats = 12 * 6;
+        let reversed: Vec<f32> = front.vertices.chunks(floats).rev().flatten().copied().collect();
+        assert_eq!(back.vertices, reversed);
+    }
+
+    #[test]
+    fn slices_behind_the_eye_are_left_out() {
+        let inside = Extent { distance: 0.5, ..EXTENT };
+        let stack = stack(inside, 8, Proxy::Polygons, Order::FrontToBack, |_| [1.0; 4]);
+        assert!(stack.vertices.chunks(6).all(|vertex| vertex[1] <= -inside.near));
+        assert_eq!(stack.slices, 5);
+    }
+}

@@ -1,0 +1,261 @@
+//! Texels: what the device samples.
+//!
+//! Role: encode a distance field or a transfer map into the bytes of an image. Invariant: `distance` is positive
+//! outside everywhere in the crate, and only the *stored* texel grows inward, in [0, 1]; [`encode`] is the one encoder,
+//! and the two numbers of [`Texels::decode`] are all that the one decoder in GLSL needs.
+//! Source: MJ 3.1 (gradient normal in RGB, density in A, at most 16 bits).
+
+use crate::field::DistanceField;
+use crate::scene::{Curve, Stop, Transfer};
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
+
+/// How a distance field is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// Normal and distance, 4 x 16 bits.
+    Normals16,
+    /// Normal and distance, 4 x 8 bits.
+    Normals8,
+    /// Distance alone, 16 bits.
+    Distance16,
+    /// Distance alone, 32-bit float.
+    Distance32,
+}
+
+/// A distance field ready for the device.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texels {
+    /// Texels per axis.
+    pub size: [u32; 3],
+    /// Texels, x fastest, then y, then z.
+    pub bytes: Vec<u8>,
+    /// The signed distance of a stored value s is `decode[0] + decode[1] * s`, in the units of the field.
+    pub decode: [f32; 2],
+    /// Largest error of a stored distance inside the range that is stored, in the units of the field.
+    pub quantization: f32,
+}
+
+/// Encodes a field. Distances beyond `range` (lowest, highest; units of the field) are held at its ends.
+///
+/// The normal is the gradient of the field by central differences, unit length, each component c stored as
+/// `0.5 + 0.5 c`; it is 0 where the gradient is.
+pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Texels {
+    let (lowest, highest) = field.range();
+    let low = range[0].max(lowest);
+    let high = range[1].min(highest).max(low + f32::EPSILON * low.abs().max(1.0));
+    let stored = |distance: f32| ((high - distance) / (high - low)).clamp(0.0, 1.0);
+    let [nx, ny, _] = field.grid.size;
+    let texel = |index: usize, out: &mut [u8]| {
+        let s = stored(field.values[index]);
+        let at = [index as u32 % nx, index as u32 / nx % ny, index as u32 / (nx * ny)];
+        let normal = || {
+            let gradient = field.gradient(at[0], at[1], at[2]);
+            0.5 + 0.5 * gradient.normalize_or_zero()
+        };
+        match encoding {
+            Encoding::Distance32 => out.copy_from_slice(&s.to_ne_bytes()),
+            Encoding::Distance16 => out.copy_from_slice(&code16(s).to_ne_bytes()),
+            Encoding::Normals16 => {
+                for (channel, out) in normal().extend(s).to_array().into_iter().zip(out.chunks_exact_mut(2)) {
+                    out.copy_from_slice(&code16(channel).to_ne_bytes());
+                }
+            }
+            Encoding::Normals8 => {
+                for (channel, out) in normal().extend(s).to_array().into_iter().zip(out) {
+                    *out = (channel * 255.0).round() as u8;
+                }
+            }
+        }
+    };
+    let (bytes_per_texel, codes) = match encoding {
+        Encoding::Normals16 => (8, 65535.0),
+        Encoding::Normals8 => (4, 255.0),
+        Encoding::Distance16 => (2, 65535.0),
+        Encoding::Distance32 => (4, f32::INFINITY),
+    };
+    let mut bytes = vec![0; field.values.len() * bytes_per_texel];
+    let slice = (nx * ny) as usize;
+    bytes.par_chunks_mut(slice * bytes_per_texel).enumerate().for_each(|(z, out)| {
+        for (index, out) in out.chunks_exact_mut(bytes_per_texel).enumerate() {
+            texel(z * slice + index, out);
+        }
+    });
+    let rounding = f32::EPSILON * low.abs().max(high.abs());
+    let quantization = (high - low) * 0.5 / codes + rounding;
+    Texels { size: field.grid.size, bytes, decode: [high, low - high], quantization }
+}
+
+/// Entries of a transfer map on the device. Fewer: steps smear over a visible range of density.
+const TRANSFER_SIZE: usize = 1024;
+
+/// The transfer map as a row of RGBA, 16 bits each: linear color, and density in A. Entry i is for the density
+/// `i / (length - 1)`.
+pub fn transfer_map(transfer: &Transfer) -> Vec<u16> {
+    let at = |index: usize| index as f32 / (TRANSFER_SIZE - 1) as f32;
+    (0..TRANSFER_SIZE).flat_map(|index| evaluate(transfer, at(index)).to_array().map(code16)).collect()
+}
+
+/// Color (linear RGB) and density of a transfer map at a density in [0, 1].
+pub fn evaluate(transfer: &Transfer, density: f32) -> Vec4 {
+    let stops = &transfer.stops;
+    let value = |stop: &Stop| Vec3::from(stop.color.linear()).extend(stop.density);
+    let above = stops.iter().position(|stop| stop.at > density);
+    let (low, high) = match above {
+        Some(0) => return value(&stops[0]),
+        Some(index) => (index - 1, index),
+        None => return stops.last().map(value).unwrap_or_default(),
+    };
+    let t = (density - stops[low].at) / (stops[high].at - stops[low].at);
+    match transfer.curve {
+        Curve::Steps => value(&stops[low]),
+        Curve::Linear => value(&stops[low]).lerp(value(&stops[high]), t),
+        Curve::Spline => {
+            let width = stops[high].at - stops[low].at;
+            let (m0, m1) = (tangent(stops, low, value) * width, tangent(stops, high, value) * width);
+            let (t2, t3) = (t * t, t * t * t);
+            let cubic = value(&stops[low]) * (2.0 * t3 - 3.0 * t2 + 1.0)
+                + m0 * (t3 - 2.0 * t2 + t)
+                + value(&stops[high]) * (3.0 * t2 - 2.0 * t3)
+                + m1 * (t3 - t2);
+            cubic.clamp(Vec4::ZERO, Vec4::ONE)
+        }
+    }
+}
+
+/// The slope at a stop that keeps the cubic monotone: the harmonic mean of its two sides, 0 at a turn or an end
+/// (Fritsch and Butland 1984).
+fn tangent(stops: &[Stop], index: usize, value: impl Fn(&Stop) -> Vec4) -> Vec4 {
+    if index == 0 || index + 1 == stops.len() {
+        return Vec4::ZERO;
+    }
+    let slope = |a: &Stop, b: &Stop| (value(b) - value(a)) / (b.at - a.at).max(1e-6);
+    let (left, right) = (slope(&stops[index - 1], &stops[index]), slope(&stops[index], &stops[index + 1]));
+    let mean = |l: f32, r: f32| if l * r > 0.0 { 2.0 * l * r / (l + r) } else { 0.0 };
+    Vec4::new(mean(left.x, right.x), mean(left.y, right.y), mean(left.z, right.z), mean(left.w, right.w))
+}
+
+/// Entries along each side of the segment table.
+pub const SEGMENT_SIZE: usize = 256;
+
+/// The transfer map integrated over one segment, for every pair of densities at its front (x) and back (y): premultiplied
+/// linear RGBA floats, x fastest. `opacity` gives the opacity of a path as a fraction of the segment through a density.
+///
+/// The density is taken as linear along the segment, and cut into at least as many parts as it crosses entries.
+/// Source: Engel, Kraus and Ertl 2001.
+pub fn segment_table(transfer: &Transfer, opacity: impl Fn(f32, f32) -> f32 + Sync) -> Vec<f32> {
+    let mut table = vec![0.0; SEGMENT_SIZE * SEGMENT_SIZE * 4];
+    let last = (SEGMENT_SIZE - 1) as f32;
+    table.par_chunks_mut(SEGMENT_SIZE * 4).enumerate().for_each(|(back, row)| {
+        for (front, out) in row.chunks_exact_mut(4).enumerate() {
+            let parts = 4 * front.abs_diff(back).max(1);
+            let mut sum = Vec4::ZERO;
+            for part in 0..parts {
+                let t = (part as f32 + 0.5) / parts as f32;
+                let matter = evaluate(transfer, (front as f32 + t * (back as f32 - front as f32)) / last);
+                let alpha = opacity(matter.w, 1.0 / parts as f32);
+                sum += (matter.truncate() * alpha).extend(alpha) * (1.0 - sum.w);
+            }
+            out.copy_from_slice(&sum.to_array());
+        }
+    });
+    table
+}
+
+/// The transfer map applied to the voxels: RGBA, 16 bits each, color weighted by density, for pre-classification.
+/// `density` gives the density of a signed distance in the units of the field.
+pub fn classify(field: &DistanceField, transfer: &Transfer, density: impl Fn(f32) -> f32 + Sync) -> Vec<u16> {
+    let mut texels = vec![0; field.values.len() * 4];
+    texels.par_chunks_mut(4).zip(&field.values).for_each(|(out, &distance)| {
+        let matter = evaluate(transfer, density(distance));
+        out.copy_from_slice(&(matter.truncate() * matter.w).extend(matter.w).to_array().map(code16));
+    });
+    texels
+}
+
+fn code16(value: f32) -> u16 {
+    (value * 65535.0).round() as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::Grid;
+    use crate::scene::Color;
+
+    fn sphere(side: u32) -> DistanceField {
+        let spacing = 3.0 / (side - 1) as f32;
+        let grid = Grid { size: [side; 3], origin: Vec3::splat(-1.5), spacing: Vec3::splat(spacing) };
+        let at = |i: u32| -1.5 + spacing * i as f32;
+        let points = (0..side.pow(3)).map(|i| Vec3::new(at(i % side), at(i / side % side), at(i / side / side)));
+        DistanceField { grid, values: points.map(|p| p.length() - 1.0).collect() }
+    }
+
+    fn decode(texels: &Texels, stored: f32) -> f32 {
+        texels.decode[0] + texels.decode[1] * stored
+    }
+
+    #[test]
+    fn m21_a_stored_distance_is_right_to_the_quantization_stated() {
+        let field = sphere(17);
+        for (encoding, expected) in [(Encoding::Distance16, 5e-5), (Encoding::Normals8, 1e-2)] {
+            let texels = encode(&field, encoding, [-10.0, 10.0]);
+            assert!(texels.quantization < expected);
+            for (index, &distance) in field.values.iter().enumerate() {
+                let stored = match encoding {
+                    Encoding::Distance16 => f32::from(u16::from_ne_bytes([texels.bytes[2 * index], texels.bytes[2 * index + 1]])) / 65535.0,
+                    _ => f32::from(texels.bytes[4 * index + 3]) / 255.0,
+                };
+                assert!((decode(&texels, stored) - distance).abs() <= texels.quantization * 1.001);
+            }
+        }
+    }
+
+    #[test]
+    fn the_stored_value_grows_inward_from_0_to_1() {
+        let field = sphere(17);
+        let texels = encode(&field, Encoding::Distance32, [-0.5, 0.5]);
+        let stored = |index: usize| f32::from_ne_bytes(texels.bytes[4 * index..][..4].try_into().unwrap());
+        assert_eq!(stored(0), 0.0);
+        assert_eq!(stored(8 + 17 * (8 + 17 * 8)), 1.0);
+    }
+
+    #[test]
+    fn m22_normals_point_outward_to_half_a_code() {
+        let field = sphere(33);
+        let texels = encode(&field, Encoding::Normals16, [-10.0, 10.0]);
+        let index = 30 + 33 * (16 + 33 * 16);
+        let channel = |c: usize| f32::from(u16::from_ne_bytes([texels.bytes[8 * index + 2 * c], texels.bytes[8 * index + 2 * c + 1]])) / 65535.0 * 2.0 - 1.0;
+        assert!((channel(0) - 1.0).abs() < 1e-3 && channel(1).abs() < 1e-3 && channel(2).abs() < 1e-3);
+    }
+
+    fn ramp(curve: Curve) -> Transfer {
+        let stop = |at, density| Stop { at, color: Color([255; 3]), density };
+        Transfer { curve, stops: vec![stop(0.2, 0.0), stop(0.4, 1.0), stop(0.8, 0.25)] }
+    }
+
+    #[test]
+    fn p23_steps_hold_and_splines_pass_through_their_stops_without_overshoot() {
+        assert_eq!(evaluate(&ramp(Curve::Steps), 0.39).w, 0.0);
+        assert_eq!(evaluate(&ramp(Curve::Steps), 0.41).w, 1.0);
+        for curve in [Curve::Linear, Curve::Spline] {
+            let map = ramp(curve);
+            for (at, density) in [(0.0, 0.0), (0.2, 0.0), (0.4, 1.0), (0.8, 0.25), (1.0, 0.25)] {
+                assert!((evaluate(&map, at).w - density).abs() < 1e-6);
+            }
+            let rising: Vec<f32> = (0..=20).map(|i| evaluate(&map, 0.2 + 0.01 * i as f32).w).collect();
+            assert!(rising.windows(2).all(|pair| pair[0] <= pair[1] + 1e-6), "{curve:?}");
+        }
+    }
+
+    #[test]
+    fn m05_a_segment_of_constant_density_has_the_opacity_of_its_path() {
+        let opacity = |density: f32, path: f32| 1.0 - (1.0 - 0.9 * density).powf(path);
+        let map = ramp(Curve::Linear);
+        let table = segment_table(&map, opacity);
+        for index in [0, 60, 102, 200, 255] {
+            let expected = opacity(evaluate(&map, index as f32 / 255.0).w, 1.0);
+            assert!((table[4 * (index * SEGMENT_SIZE + index) + 3] - expected).abs() < 1e-5);
+        }
+    }
+}
