@@ -1,0 +1,192 @@
+//! Fields kept on disk, so that a shape is transformed once.
+//!
+//! Invariant: a file is used only if every byte of it is accounted for: magic, version, key, sizes and a blake3 hash
+//! over all of it. Anything else is ignored and replaced. Files appear whole: written under another name in the
+//! same folder, synced, then renamed.
+
+use super::{DistanceField, FieldError, Grid, Progress, Report, Request, transform};
+use crate::shape::{Content, Shape, Solid};
+use glam::Vec3;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
+
+const MAGIC: &[u8; 8] = b"HYPERFLD";
+/// Raise it when a field computed from the same input changes, or the layout of the file does.
+const VERSION: u32 = 1;
+/// Magic, version, key, size, origin, spacing, five counts; the payload follows, then the hash of it all.
+const HEADER_BYTES: usize = 8 + 4 + 32 + 12 + 12 + 12 + 5 * 8;
+const HASH_BYTES: usize = 32;
+
+/// What a field depends on, hashed: geometry and values of the shape, the request, the version of this code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Key([u8; 32]);
+
+impl Key {
+    /// Key of the field of a shape; equal content gives equal keys, wherever it came from.
+    pub fn new(shape: &Shape, request: &Request) -> Key {
+        let mut hash = blake3::Hasher::new();
+        hash.update(&VERSION.to_le_bytes()).update(&request.resolution.to_le_bytes());
+        floats(&mut hash, &[request.margin, request.band]);
+        match shape {
+            Shape::Solid(solid) => {
+                let (kind, sizes) = match *solid {
+                    Solid::Sphere { radius } => (0u8, [radius, 0.0]),
+                    Solid::Cube { half } => (1, [half, 0.0]),
+                    Solid::Torus { major, minor } => (2, [major, minor]),
+                };
+                hash.update(&[0, kind]);
+                floats(&mut hash, &sizes);
+            }
+            Shape::Mesh(mesh) => {
+                hash.update(&[1]).update(&(mesh.positions.len() as u64).to_le_bytes());
+                hash.update(bytemuck::cast_slice(&mesh.positions)).update(bytemuck::cast_slice(&mesh.triangles));
+            }
+            Shape::Volume(volume) => {
+                hash.update(&[2, u8::from(volume.content == Content::SignedDistance)]);
+                hash.update(bytemuck::bytes_of(&volume.size));
+                floats(&mut hash, &[request.iso]);
+                floats(&mut hash, &volume.origin.to_array());
+                floats(&mut hash, &volume.spacing.to_array());
+                hash.update(bytemuck::cast_slice(&volume.values));
+            }
+        }
+        Key(*hash.finalize().as_bytes())
+    }
+
+    fn file(&self, folder: &Path) -> PathBuf {
+        folder.join(format!("{}.field", blake3::Hash::from_bytes(self.0).to_hex()))
+    }
+}
+
+/// [`transform`], through the cache in [`default_folder`].
+///
+/// A formula or a volume of signed distances is not cached: computing it is as fast as reading it.
+///
+/// # Errors
+/// Those of [`transform`]. A cache that cannot be read or written is a warning in the log.
+pub fn load_or_compute(
+    shape: &Shape,
+    request: &Request,
+    progress: Progress,
+) -> Result<(DistanceField, Report), FieldError> {
+    let compute = || transform(shape, request, progress);
+    match shape {
+        Shape::Solid(_) => compute(),
+        Shape::Volume(volume) if volume.content == Content::SignedDistance => compute(),
+        _ => match default_folder() {
+            Some(folder) => {
+                let result = cached(&Key::new(shape, request), &folder, compute)?;
+                progress(1.0);
+                Ok(result)
+            }
+            None => compute(),
+        },
+    }
+}
+
+/// The field stored under `key` in `folder`, or else the result of `compute`, which is then stored.
+///
+/// # Errors
+/// Those of `compute`; the cache itself only warns.
+pub fn cached(
+    key: &Key,
+    folder: &Path,
+    compute: impl FnOnce() -> Result<(DistanceField, Report), FieldError>,
+) -> Result<(DistanceField, Report), FieldError> {
+    let start = Instant::now();
+    let path = key.file(folder);
+    match fs::read(&path) {
+        Ok(bytes) => match decode(&bytes, key) {
+            Some((field, report)) => {
+                return Ok((field, Report { ms: start.elapsed().as_secs_f64() * 1e3, ..report }));
+            }
+            None => log::warn!("{}: damaged or foreign field file, computing it again", path.display()),
+        },
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => log::warn!("{}: cannot read the cached field: {error}", path.display()),
+    }
+    let (field, report) = compute()?;
+    if let Err(error) = store(&path, folder, &encode(key, &field, &report)) {
+        log::warn!("{}: cannot keep the field: {error}; set HYPERTEXTURE_CACHE to a writable folder", path.display());
+    }
+    Ok((field, report))
+}
+
+/// `$HYPERTEXTURE_CACHE`, else `$XDG_CACHE_HOME/hypertexture`, else `~/.cache/hypertexture`; none without a home.
+pub fn default_folder() -> Option<PathBuf> {
+    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    set("HYPERTEXTURE_CACHE")
+        .or_else(|| set("XDG_CACHE_HOME").map(|folder| folder.join("hypertexture")))
+        .or_else(|| set("HOME").map(|folder| folder.join(".cache").join("hypertexture")))
+}
+
+fn floats(hash: &mut blake3::Hasher, values: &[f32]) {
+    hash.update(bytemuck::cast_slice(values));
+}
+
+fn encode(key: &Key, field: &DistanceField, report: &Report) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(HEADER_BYTES + 4 * field.values.len() + HASH_BYTES);
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&VERSION.to_le_bytes());
+    bytes.extend_from_slice(&key.0);
+    let grid = &field.grid;
+    bytes.extend(grid.size.iter().flat_map(|n| n.to_le_bytes()));
+    bytes.extend([grid.origin, grid.spacing].iter().flat_map(|v| v.to_array()).flat_map(f32::to_le_bytes));
+    let turned = (report.turned_triangles as u64) << 1 | u64::from(report.buried);
+    let counts =
+        [report.triangles as u64, report.open_edges as u64, turned, report.closing_triangles as u64, report.exact];
+    bytes.extend(counts.iter().flat_map(|n| n.to_le_bytes()));
+    bytes.extend(field.values.iter().flat_map(|v| v.to_le_bytes()));
+    let hash = blake3::hash(&bytes);
+    bytes.extend_from_slice(hash.as_bytes());
+    bytes
+}
+
+fn decode(bytes: &[u8], key: &Key) -> Option<(DistanceField, Report)> {
+    let (content, hash) = bytes.split_at_checked(bytes.len().checked_sub(HASH_BYTES)?)?;
+    let (header, payload) = content.split_at_checked(HEADER_BYTES)?;
+    let head = header.strip_prefix(MAGIC)?.strip_prefix(&VERSION.to_le_bytes())?.strip_prefix(&key.0)?;
+    let (geometry, counts) = head.split_at_checked(36)?;
+    let mut words = geometry.as_chunks::<4>().0.iter();
+    let mut word = || words.next().copied();
+    let size = [word()?, word()?, word()?].map(u32::from_le_bytes);
+    let mut vector = || Some(Vec3::from_array([word()?, word()?, word()?].map(f32::from_le_bytes)));
+    let grid = Grid { size, origin: vector()?, spacing: vector()? };
+    let expected = size.iter().try_fold(4u64, |a, &n| a.checked_mul(u64::from(n)))?;
+    if payload.len() as u64 != expected || blake3::hash(content).as_bytes() != hash {
+        return None;
+    }
+    let counts: Vec<u64> = counts.as_chunks::<8>().0.iter().map(|&b| u64::from_le_bytes(b)).collect();
+    let report = Report {
+        triangles: counts[0] as usize,
+        open_edges: counts[1] as usize,
+        turned_triangles: (counts[2] >> 1) as usize,
+        buried: counts[2] & 1 == 1,
+        closing_triangles: counts[3] as usize,
+        exact: counts[4],
+        from_cache: true,
+        ms: 0.0,
+    };
+    let values = payload.as_chunks::<4>().0.iter().map(|&b| f32::from_le_bytes(b)).collect();
+    Some((DistanceField { grid, values }, report))
+}
+
+fn store(path: &Path, folder: &Path, bytes: &[u8]) -> io::Result<()> {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    fs::create_dir_all(folder)?;
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    let temporary = path.with_extension(format!("{}-{number}.tmp", std::process::id()));
+    let write = || {
+        let mut file = File::create(&temporary)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        fs::rename(&temporary, path)
+    };
+    write().inspect_err(|_| {
+        // Best effort: the error to report is the first one.
+        let _ = fs::remove_file(&temporary);
+    })
+}

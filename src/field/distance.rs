@@ -1,0 +1,194 @@
+//! Unsigned distances on a grid of cubic voxels: exact near the surface, safe lower bounds far from it.
+//!
+//! Invariant: voxel units; a value is the distance to f32 rounding, or less than it by at most [`GAP`].
+//! Exact distances are first found at the corners of blocks of 4 x 4 x 4 voxels. Far from the surface a block is then
+//! interpolated: where every surface point is at least `rho` away, the distance less `|x|^2 / (2 rho)` is a minimum of
+//! concave functions, so trilinear interpolation never exceeds it; adding the interpolation error of the square back
+//! gives a lower bound that is exact at the corners. The corners' nearest points bound the distance from above, and
+//! where the two bounds differ too much, or the band may be reached, the voxel is searched for exactly.
+
+use super::bvh::{Bvh, Hit};
+use super::stage::Stage;
+use glam::{UVec3, Vec3, Vec4};
+use rayon::prelude::*;
+
+/// Voxels along a side of a block. Smaller: the corners cost more than they save. Larger: blocks reach the medial
+/// axis or the surface more often and are searched voxel by voxel.
+pub(super) const BLOCK: usize = 4;
+/// Largest loss of a lower bound, in voxels. Smaller: more exact searches far away, for rays that leap there anyway.
+/// Larger: gradients outside the band become visibly wrong near the medial axis.
+const GAP: f32 = 1.0;
+/// Subtracted from lower bounds: the rounding of coordinates up to 1024 voxels, with room to spare.
+const ROUNDING: f32 = 1.0e-3;
+
+/// Distances of every voxel of a grid and of every corner of its blocks.
+pub(super) struct Distances {
+    size: [usize; 3],
+    corners: Vec<Hit>,
+    values: Vec<f32>,
+    exact: Vec<bool>,
+}
+
+/// Block corners per axis of a grid of `size`.
+pub(super) fn corner_size(size: [usize; 3]) -> [usize; 3] {
+    size.map(|n| n.div_ceil(BLOCK) + 1)
+}
+
+impl Distances {
+    /// Distances to nothing: infinite.
+    pub(super) fn new(size: [usize; 3]) -> Distances {
+        let voxels = size.iter().product();
+        let corners = corner_size(size).iter().product();
+        Distances {
+            size,
+            corners: vec![Hit::NONE; corners],
+            values: vec![f32::INFINITY; voxels],
+            exact: vec![false; voxels],
+        }
+    }
+
+    /// Adds the last of `surfaces`; the others have been added before. `band` is in voxels.
+    pub(super) fn add(&mut self, surfaces: &[&Bvh], band: f32, stage: &Stage) {
+        let Some(added) = surfaces.last() else { return };
+        let corners = corner_size(self.size);
+        self.corners.par_chunks_mut(corners[0]).enumerate().for_each(|(row, hits)| {
+            let (y, z) = (row % corners[1], row / corners[1]);
+            let mut warm = Hit::NONE;
+            for (x, hit) in hits.iter_mut().enumerate() {
+                let p = Vec3::new(x as f32, y as f32, z as f32) * BLOCK as f32;
+                let start = if warm.d2.is_finite() { hit.or_point(p, warm.point) } else { *hit };
+                *hit = added.closest(p, start);
+                warm = *hit;
+            }
+        });
+        let (size, known) = (self.size, &self.corners);
+        let slices = self.values.par_chunks_mut(size[0] * size[1]).zip(self.exact.par_chunks_mut(size[0] * size[1]));
+        slices.enumerate().for_each(|(z, (values, exact))| {
+            for y in 0..size[1] {
+                let row = y * size[0]..(y + 1) * size[0];
+                add_row([y, z], &mut values[row.clone()], &mut exact[row], corners, known, surfaces, band);
+            }
+            stage.advance(1);
+        });
+    }
+
+    /// One value for each voxel, x fastest.
+    pub(super) fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// Distance of every block corner.
+    pub(super) fn corner(&self, index: usize) -> f32 {
+        self.corners[index].d2.sqrt()
+    }
+
+    /// Voxels with exact distances.
+    pub(super) fn exact(&self) -> usize {
+        self.exact.par_iter().filter(|&&exact| exact).count()
+    }
+
+    /// The values, without the rest.
+    pub(super) fn into_values(self) -> Vec<f32> {
+        self.values
+    }
+}
+
+fn add_row(
+    [y, z]: [usize; 2],
+    values: &mut [f32],
+    exact: &mut [bool],
+    corners: [usize; 3],
+    known: &[Hit],
+    surfaces: &[&Bvh],
+    band: f32,
+) {
+    let mut warm: Option<Vec3> = None;
+    let blocks = values.chunks_mut(BLOCK).zip(exact.chunks_mut(BLOCK)).enumerate();
+    for (bx, (values, exact)) in blocks {
+        let cell = Cell::new(UVec3::new(bx as u32, (y / BLOCK) as u32, (z / BLOCK) as u32), corners, known);
+        for (i, (value, exact)) in values.iter_mut().zip(exact).enumerate() {
+            let p = Vec3::new((bx * BLOCK + i) as f32, y as f32, z as f32);
+            let mut hit = cell.nearest(p);
+            if !*exact {
+                let lower = cell.lower_bound(p);
+                if lower > band && hit.d2.sqrt() - lower <= GAP {
+                    *value = lower;
+                    continue;
+                }
+            }
+            if let Some(point) = warm {
+                hit = hit.or_point(p, point);
+            }
+            // What was exact before can only be shortened by the surface that has just been added.
+            let searched = if *exact { &surfaces[surfaces.len() - 1..] } else { surfaces };
+            for surface in searched {
+                hit = surface.closest(p, hit);
+            }
+            warm = Some(hit.point);
+            *value = if *exact { value.min(hit.d2.sqrt()) } else { hit.d2.sqrt() };
+            *exact = true;
+        }
+    }
+}
+
+/// The eight corners around a block.
+struct Cell {
+    origin: Vec3,
+    distance: [f32; 8],
+    points: [[Vec4; 3]; 2],
+    /// No surface point is nearer than this to any point of the cell; not positive if unknown.
+    rho: f32,
+}
+
+impl Cell {
+    fn new(block: UVec3, corners: [usize; 3], known: &[Hit]) -> Cell {
+        let hit = |i: usize| {
+            let [x, y, z] = [block.x as usize + (i & 1), block.y as usize + (i >> 1 & 1), block.z as usize + (i >> 2)];
+            known[(z * corners[1] + y) * corners[0] + x]
+        };
+        let hits: [Hit; 8] = std::array::from_fn(hit);
+        let distance = hits.map(|hit| hit.d2.sqrt());
+        let nearest = distance.iter().fold(f32::INFINITY, |a, &b| a.min(b));
+        let lanes = |first: usize| {
+            [0, 1, 2].map(|axis| Vec4::from_array(std::array::from_fn(|lane| hits[first + lane].point[axis])))
+        };
+        let farthest_corner = 0.5 * BLOCK as f32 * 3.0f32.sqrt();
+        Cell {
+            origin: block.as_vec3() * BLOCK as f32,
+            distance,
+            points: [lanes(0), lanes(4)],
+            rho: nearest - farthest_corner - ROUNDING,
+        }
+    }
+
+    /// The nearest of the corners' nearest points: an upper bound.
+    fn nearest(&self, p: Vec3) -> Hit {
+        let mut best = Hit::NONE;
+        for points in &self.points {
+            let axis = |i: usize| {
+                let d = points[i] - Vec4::splat(p[i]);
+                d * d
+            };
+            let d2 = axis(0) + axis(1) + axis(2);
+            let lane = d2.min_position();
+            if d2[lane] < best.d2 {
+                best = Hit { d2: d2[lane], point: Vec3::from_array([0, 1, 2].map(|i| points[i][lane])) };
+            }
+        }
+        best
+    }
+
+    /// See the head of this file; negative where the surface may be near.
+    fn lower_bound(&self, p: Vec3) -> f32 {
+        // Below one voxel the correction exceeds any distance of the cell.
+        if self.rho < 1.0 {
+            return -1.0;
+        }
+        let t = (p - self.origin) / BLOCK as f32;
+        let d = &self.distance;
+        let x = [0, 2, 4, 6].map(|i| d[i] + t.x * (d[i + 1] - d[i]));
+        let (near, far) = (x[0] + t.y * (x[1] - x[0]), x[2] + t.y * (x[3] - x[2]));
+        let square = (t * (Vec3::ONE - t)).element_sum() * (BLOCK * BLOCK) as f32;
+        near + t.z * (far - near) - square / (2.0 * self.rho) - ROUNDING
+    }
+}

@@ -1,0 +1,184 @@
+//! Sample points, and the field read at and between them.
+
+use super::{DistanceField, FieldError, Grid, Request};
+use crate::shape::{Bounds, Content, Volume};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// World positions to voxel units of a grid, in f64 before rounding.
+pub(super) struct Local {
+    origin: DVec3,
+    spacing: DVec3,
+}
+
+impl Local {
+    /// Voxel units of `grid`.
+    pub(super) fn new(grid: &Grid) -> Local {
+        Local { origin: grid.origin.as_dvec3(), spacing: grid.spacing.as_dvec3() }
+    }
+
+    /// Position in voxels.
+    pub(super) fn of_world(&self, p: Vec3) -> Vec3 {
+        self.of_f64(p.as_dvec3())
+    }
+
+    /// Position in voxels.
+    pub(super) fn of_f64(&self, p: DVec3) -> Vec3 {
+        ((p - self.origin) / self.spacing).as_vec3()
+    }
+
+    /// World position of a voxel.
+    pub(super) fn world(&self, voxel: [usize; 3]) -> DVec3 {
+        self.origin + DVec3::from_array(voxel.map(|c| c as f64)) * self.spacing
+    }
+}
+
+impl Grid {
+    /// The grid of cubic voxels that `request` asks for around `bounds`: centered, `resolution` samples along the
+    /// longest side, on the others as many as cover it, at least 2.
+    ///
+    /// # Errors
+    /// [`FieldError::Resolution`], [`FieldError::Length`] or [`FieldError::Extent`].
+    pub fn covering(bounds: &Bounds, request: &Request) -> Result<Grid, FieldError> {
+        if !(8..=1024).contains(&request.resolution) {
+            return Err(FieldError::Resolution { resolution: request.resolution });
+        }
+        for (name, value) in [("margin", request.margin), ("band", request.band)] {
+            if !value.is_finite() || value < 0.0 {
+                return Err(FieldError::Length { name, value });
+            }
+        }
+        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+        let sides = max - min + 2.0 * f64::from(request.margin);
+        let spacing = (sides.max_element() / f64::from(request.resolution - 1)) as f32;
+        // A side that is a whole number of voxels must not gain a sample by rounding.
+        let cells = (sides / f64::from(spacing) - 1.0e-4).ceil().max(DVec3::ONE);
+        let origin = (0.5 * (min + max) - 0.5 * cells * f64::from(spacing)).as_vec3();
+        let grid =
+            Grid { size: cells.to_array().map(|n| n as u32 + 1), origin, spacing: Vec3::splat(spacing) };
+        let far = grid.position(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
+        let magnitude = origin.abs().max(far.abs()).max_element();
+        // Positions must tell neighboring samples apart, with some bits to spare.
+        if !(spacing.is_normal() && magnitude.is_finite() && spacing > magnitude * 1.0e-6) {
+            return Err(FieldError::Extent { side: sides.max_element(), magnitude });
+        }
+        Ok(grid)
+    }
+
+    /// Number of samples.
+    pub fn samples(&self) -> u64 {
+        self.size.iter().map(|&n| u64::from(n)).product()
+    }
+
+    /// World position of sample (i, j, k).
+    pub fn position(&self, i: u32, j: u32, k: u32) -> Vec3 {
+        self.origin + Vec3::new(i as f32, j as f32, k as f32) * self.spacing
+    }
+
+    /// Samples per axis, for indexing.
+    pub(super) fn size(&self) -> [usize; 3] {
+        self.size.map(|n| n as usize)
+    }
+}
+
+impl DistanceField {
+    /// Value of sample (i, j, k), in world units.
+    ///
+    /// # Panics
+    /// Where an index is not below `grid.size`.
+    pub fn value(&self, i: u32, j: u32, k: u32) -> f32 {
+        self.values[self.index([i, j, k])]
+    }
+
+    /// Trilinear interpolation at a world position, held to the grid; NaN for a position that is not a number.
+    ///
+    /// Accuracy: half the square of the spacing times the curvature of the surface, next to that of the samples.
+    pub fn sample(&self, p: Vec3) -> f32 {
+        if p.is_nan() {
+            return f32::NAN;
+        }
+        let last = Vec3::from_array(self.grid.size.map(|n| n as f32 - 1.0));
+        let at = ((p - self.grid.origin) / self.grid.spacing).clamp(Vec3::ZERO, last);
+        let low = at.floor().min((last - 1.0).max(Vec3::ZERO));
+        let t = at - low;
+        let [i, j, k] = low.to_array().map(|c| c as u32);
+        let next = |c: u32, axis: usize| (c + 1).min(self.grid.size[axis] - 1);
+        let [i1, j1, k1] = [next(i, 0), next(j, 1), next(k, 2)];
+        let mix = |a: f32, b: f32, t: f32| a + t * (b - a);
+        let row = |j, k| mix(self.value(i, j, k), self.value(i1, j, k), t.x);
+        mix(mix(row(j, k), row(j1, k), t.y), mix(row(j, k1), row(j1, k1), t.y), t.z)
+    }
+
+    /// Smallest and largest value.
+    pub fn range(&self) -> (f32, f32) {
+        range(&self.values)
+    }
+
+    /// Change of the distance per world unit at sample (i, j, k): central differences, one-sided at the borders,
+    /// 0 on an axis of one sample. Its length is 1 in the band away from the medial axis, to second order in the
+    /// spacing (first at the borders).
+    ///
+    /// # Panics
+    /// Where an index is not below `grid.size`.
+    pub fn gradient(&self, i: u32, j: u32, k: u32) -> Vec3 {
+        let at = [i, j, k];
+        Vec3::from_array(std::array::from_fn(|axis| {
+            let (mut low, mut high) = (at, at);
+            low[axis] = at[axis].saturating_sub(1);
+            high[axis] = (at[axis] + 1).min(self.grid.size[axis] - 1);
+            let steps = high[axis] - low[axis];
+            if steps == 0 {
+                return 0.0;
+            }
+            let rise = self.values[self.index(high)] - self.values[self.index(low)];
+            rise / (steps as f32 * self.grid.spacing[axis])
+        }))
+    }
+
+    /// The field as a volume of [`Content::SignedDistance`], for a file.
+    pub fn to_volume(&self) -> Volume {
+        Volume {
+            size: self.grid.size,
+            origin: self.grid.origin,
+            spacing: self.grid.spacing,
+            values: self.values.clone(),
+            content: Content::SignedDistance,
+        }
+    }
+
+    /// The field that a volume of [`Content::SignedDistance`] holds: its own samples, nothing computed.
+    ///
+    /// # Errors
+    /// [`FieldError::Content`] for a scalar volume; [`FieldError::Samples`] if sizes and values disagree.
+    pub fn from_volume(volume: &Volume) -> Result<DistanceField, FieldError> {
+        if volume.content != Content::SignedDistance {
+            return Err(FieldError::Content);
+        }
+        check_samples(volume)?;
+        let grid = Grid { size: volume.size, origin: volume.origin, spacing: volume.spacing };
+        Ok(DistanceField { grid, values: volume.values.clone() })
+    }
+
+    fn index(&self, [i, j, k]: [u32; 3]) -> usize {
+        let [nx, ny, nz] = self.grid.size;
+        assert!(i < nx && j < ny && k < nz, "sample ({i}, {j}, {k}) of a grid of {nx} x {ny} x {nz}");
+        (k as usize * ny as usize + j as usize) * nx as usize + i as usize
+    }
+}
+
+/// Whether a volume holds the samples that it claims.
+pub(super) fn check_samples(volume: &Volume) -> Result<(), FieldError> {
+    let expected = volume.size.iter().try_fold(1u64, |a, &n| a.checked_mul(u64::from(n))).unwrap_or(u64::MAX);
+    let found = volume.values.len() as u64;
+    if expected == 0 || expected != found {
+        return Err(FieldError::Samples { size: volume.size, expected, found });
+    }
+    Ok(())
+}
+
+/// Smallest and largest of some values.
+pub(super) fn range(values: &[f32]) -> (f32, f32) {
+    let none = || (f32::INFINITY, f32::NEG_INFINITY);
+    let both = |a: (f32, f32), b: (f32, f32)| (a.0.min(b.0), a.1.max(b.1));
+    values.par_iter().fold(none, |a, &v| both(a, (v, v))).reduce(none, both)
+}

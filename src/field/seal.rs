@@ -1,0 +1,59 @@
+//! Triangles that close the holes of a mesh.
+//!
+//! Invariant: after adding them, neighbors of different sign have distances that add up to at most 1 voxel, so that
+//! the signed field is continuous. They are the level 1/2 of the winding number, in those tetrahedra of the grid where
+//! the sign changes across an edge that no triangle can cross.
+
+use super::tetra::{self, Triangle};
+use super::winding::Winding;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// Room for rounding in "distances add up to less than the edge".
+const ROUNDING: f32 = 1.0e-4;
+/// Least distance of a winding number from 1/2 at a voxel, so that a cut never leaves the edge that it closes.
+const OFF_HALF: f64 = 1.0e-3;
+
+/// Closing triangles, in voxel units; empty if the field is continuous as it is.
+pub(super) fn closing_triangles(
+    size: [usize; 3],
+    distances: &[f32],
+    inside: &[bool],
+    winding: &Winding,
+) -> Vec<Triangle> {
+    let [nx, ny, nz] = size;
+    let slabs = (0..nz - 1).into_par_iter().map(|z| {
+        let mut triangles = Vec::new();
+        for y in 0..ny - 1 {
+            for x in 0..nx - 1 {
+                let at = |i: usize| {
+                    let [dx, dy, dz] = tetra::corner(i);
+                    ((z + dz) * ny + y + dy) * nx + x + dx
+                };
+                let first = inside[at(0)];
+                if (1..8).all(|i| inside[at(i)] == first) {
+                    continue;
+                }
+                let uncrossed = |a: usize, b: usize| {
+                    let (u, v) = (at(a), at(b));
+                    let length = ((a ^ b).count_ones() as f32).sqrt();
+                    inside[u] != inside[v] && distances[u] + distances[v] > length * (1.0 + ROUNDING)
+                };
+                if !tetra::any_tetrahedron_edge(uncrossed) {
+                    continue;
+                }
+                let origin = Vec3::new(x as f32, y as f32, z as f32);
+                let values = std::array::from_fn(|i| {
+                    let number = winding.at(origin + Vec3::from_array(tetra::corner(i).map(|c| c as f32)));
+                    let level = f64::from(number.abs()) - 0.5;
+                    if inside[at(i)] { level.max(OFF_HALF) } else { level.min(-OFF_HALF) }
+                });
+                let place = |p: DVec3| (origin.as_dvec3() + p).as_vec3();
+                let wanted = |tetrahedron: &[usize; 4]| tetra::any_edge(tetrahedron, uncrossed);
+                tetra::march(&values, wanted, |triangle| triangles.push(triangle.map(place)));
+            }
+        }
+        triangles
+    });
+    slabs.collect::<Vec<_>>().concat()
+}

@@ -1,0 +1,150 @@
+//! Which voxels are inside a mesh.
+//!
+//! Invariant: voxel units; two neighbors whose distances add up to more than 1 have no surface between them.
+//! The winding number is evaluated only where it must be: in blocks where it is not clearly a whole number (near the
+//! rim of a hole and across it), at voxels cut off from all their neighbors by the surface, and once for each region
+//! of the rest, through which the sign is flooded.
+
+use super::distance::{BLOCK, Distances, corner_size};
+use super::winding::{Winding, inside};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::collections::VecDeque;
+
+/// Distance of a winding number from a whole one above which its block is evaluated voxel by voxel. At 0.5 the sign
+/// would be wrong; smaller than 0.1 the open region of a mesh costs several times more for nothing.
+const UNCLEAR: f32 = 0.25;
+/// The same for blocks without surface around them, where the number varies slowly from corner to corner.
+const NEAR_HALF: f32 = 0.1;
+/// From here on two solids overlap: 1 and 2 are the winding numbers to tell apart.
+const OVERLAP: f32 = 1.5;
+
+/// A voxel that is not decided yet, and the two decisions.
+const UNKNOWN: u8 = 0;
+const OUTSIDE: u8 = 1;
+const INSIDE: u8 = 2;
+
+/// The signs of a grid.
+pub(super) struct Signs {
+    /// Whether each voxel is inside, x fastest.
+    pub inside: Vec<bool>,
+    /// Whether some region is wound around more than once: it holds surfaces that are not its boundary.
+    pub overlap: bool,
+}
+
+/// Signs of all voxels; `rim` samples, at most a voxel apart, the edges where the mesh is open or badly wound.
+pub(super) fn signs(size: [usize; 3], distances: &Distances, winding: &Winding, rim: &[Vec3]) -> Signs {
+    let d = distances.values();
+    let [nx, ny, nz] = size;
+    let unclear = unclear_blocks(size, distances, winding, rim);
+    let blocks = size.map(|n| n.div_ceil(BLOCK));
+    let mut state = vec![UNKNOWN; d.len()];
+    let overlaps = state.par_chunks_mut(nx * ny).enumerate().map(|(z, slice)| {
+        let mut overlap = false;
+        for y in 0..ny {
+            let row = (z / BLOCK * blocks[1] + y / BLOCK) * blocks[0];
+            for x in 0..nx {
+                let i = (z * ny + y) * nx + x;
+                let needed = unclear.as_ref().is_some_and(|unclear| unclear[row + x / BLOCK]);
+                if needed || neighbors([x, y, z], size).all(|j| d[i] + d[j] <= 1.0) {
+                    let number = winding.at(Vec3::new(x as f32, y as f32, z as f32));
+                    slice[y * nx + x] = if inside(number) { INSIDE } else { OUTSIDE };
+                    overlap |= number.abs() > OVERLAP;
+                }
+            }
+        }
+        overlap
+    });
+    let mut overlap = overlaps.reduce(|| false, |a, b| a | b);
+    let mut queue = VecDeque::new();
+    for z in 0..nz {
+        for y in 0..ny {
+            for x in 0..nx {
+                let i = (z * ny + y) * nx + x;
+                if state[i] != UNKNOWN {
+                    continue;
+                }
+                let number = winding.at(Vec3::new(x as f32, y as f32, z as f32));
+                overlap |= number.abs() > OVERLAP;
+                let sign = if inside(number) { INSIDE } else { OUTSIDE };
+                state[i] = sign;
+                queue.push_back([x, y, z]);
+                while let Some(at) = queue.pop_front() {
+                    let i = (at[2] * ny + at[1]) * nx + at[0];
+                    for j in neighbors(at, size) {
+                        if state[j] == UNKNOWN && d[i] + d[j] > 1.0 {
+                            state[j] = sign;
+                            queue.push_back([j % nx, j / nx % ny, j / (nx * ny)]);
+                        }
+                    }
+                }
+            }
+        }
+    }
+    Signs { inside: state.into_par_iter().map(|s| s == INSIDE).collect(), overlap }
+}
+
+/// Blocks to evaluate voxel by voxel; none for a mesh without rim, where the winding number is whole everywhere.
+fn unclear_blocks(size: [usize; 3], distances: &Distances, winding: &Winding, rim: &[Vec3]) -> Option<Vec<bool>> {
+    if rim.is_empty() {
+        return None;
+    }
+    let corners = corner_size(size);
+    let numbers: Vec<f32> = (0..corners.iter().product())
+        .into_par_iter()
+        .map(|i| {
+            let at = [i % corners[0], i / corners[0] % corners[1], i / (corners[0] * corners[1])];
+            winding.at(Vec3::from_array(at.map(|c| (c * BLOCK) as f32)))
+        })
+        .collect();
+    let blocks = size.map(|n| n.div_ceil(BLOCK));
+    let count: usize = blocks.iter().product();
+    let mut unclear: Vec<bool> = (0..count)
+        .into_par_iter()
+        .map(|b| {
+            let at = [b % blocks[0], b / blocks[0] % blocks[1], b / (blocks[0] * blocks[1])];
+            let around: [usize; 8] = std::array::from_fn(|i| {
+                let [x, y, z] = [at[0] + (i & 1), at[1] + (i >> 1 & 1), at[2] + (i >> 2)];
+                (z * corners[1] + y) * corners[0] + x
+            });
+            // A surface in the block or within a block of it would be this near to a corner.
+            let free = around.iter().all(|&c| distances.corner(c) > 2.0 * 3.0f32.sqrt() * BLOCK as f32);
+            if free {
+                let first = inside(numbers[around[0]]);
+                around.iter().any(|&c| (numbers[c].abs() - 0.5).abs() < NEAR_HALF || inside(numbers[c]) != first)
+            } else {
+                around.iter().any(|&c| (numbers[c] - numbers[c].round()).abs() > UNCLEAR)
+            }
+        })
+        .collect();
+    for p in rim {
+        let block = (*p / BLOCK as f32).floor().as_i64vec3();
+        let range = |axis: usize| {
+            let last = blocks[axis] as i64 - 1;
+            (block[axis] - 1).clamp(0, last + 1)..=(block[axis] + 1).clamp(-1, last)
+        };
+        for z in range(2) {
+            for y in range(1) {
+                for x in range(0) {
+                    unclear[(z as usize * blocks[1] + y as usize) * blocks[0] + x as usize] = true;
+                }
+            }
+        }
+    }
+    Some(unclear)
+}
+
+/// Indices of the up to six neighbors of a voxel.
+fn neighbors([x, y, z]: [usize; 3], size: [usize; 3]) -> impl Iterator<Item = usize> {
+    let [nx, ny, nz] = size;
+    let i = (z * ny + y) * nx + x;
+    let list = [
+        (x > 0, 1, false),
+        (x + 1 < nx, 1, true),
+        (y > 0, nx, false),
+        (y + 1 < ny, nx, true),
+        (z > 0, nx * ny, false),
+        (z + 1 < nz, nx * ny, true),
+    ];
+    list.into_iter().filter(|n| n.0).map(move |(_, step, up)| if up { i + step } else { i - step })
+}

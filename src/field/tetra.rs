@@ -1,0 +1,115 @@
+//! The level set of a cube of eight samples, by six tetrahedra around its long diagonal.
+//!
+//! Invariant: neighboring cubes share the diagonals of their faces, so that the surface of a whole grid has no cracks,
+//! and [`interpolate`] is the function whose level set [`march`] extracts, exactly.
+//! Source: Kuhn 1960 (the decomposition); Doi & Koide 1991 (marching tetrahedra).
+
+use glam::{DVec3, Vec3};
+
+/// Corner numbers have bit 0 for x, bit 1 for y, bit 2 for z; every tetrahedron walks from corner 0 to corner 7.
+const TETRAHEDRA: [[usize; 4]; 6] =
+    [[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]];
+
+/// A triangle by its corners; no function of this room relies on their order.
+pub(super) type Triangle = [Vec3; 3];
+
+/// Position of a corner of the unit cube.
+pub(super) fn corner(index: usize) -> [usize; 3] {
+    [index & 1, (index >> 1) & 1, index >> 2]
+}
+
+/// Triangles of the zero level of `values` inside the unit cube: corner `i` is inside where `values[i] >= 0`.
+///
+/// Only tetrahedra that `wanted` accepts (by their corner numbers) are marched. At most 12 triangles are emitted.
+pub(super) fn march(values: &[f64; 8], wanted: impl Fn(&[usize; 4]) -> bool, mut emit: impl FnMut([DVec3; 3])) {
+    for tetrahedron in &TETRAHEDRA {
+        let (mut inside, mut outside) = ([0; 4], [0; 4]);
+        let (mut ins, mut outs) = (0, 0);
+        for &i in tetrahedron {
+            if values[i] >= 0.0 {
+                inside[ins] = i;
+                ins += 1;
+            } else {
+                outside[outs] = i;
+                outs += 1;
+            }
+        }
+        if ins == 0 || outs == 0 || !wanted(tetrahedron) {
+            continue;
+        }
+        let cut = |i: usize, o: usize| {
+            let t = values[i] / (values[i] - values[o]);
+            position(i).lerp(position(o), t)
+        };
+        match ins {
+            1 => emit([0, 1, 2].map(|o| cut(inside[0], outside[o]))),
+            3 => emit([0, 1, 2].map(|i| cut(inside[i], outside[0]))),
+            _ => {
+                let ring = [(0, 0), (0, 1), (1, 1), (1, 0)].map(|(i, o)| cut(inside[i], outside[o]));
+                emit([ring[0], ring[1], ring[2]]);
+                emit([ring[0], ring[2], ring[3]]);
+            }
+        }
+    }
+}
+
+/// Whether `accept` holds for some edge of the tetrahedron, given by two corner numbers.
+pub(super) fn any_edge(tetrahedron: &[usize; 4], accept: impl Fn(usize, usize) -> bool) -> bool {
+    (0..3).any(|a| (a + 1..4).any(|b| accept(tetrahedron[a], tetrahedron[b])))
+}
+
+/// Whether some tetrahedron has an edge that `accept` holds for.
+pub(super) fn any_tetrahedron_edge(accept: impl Fn(usize, usize) -> bool) -> bool {
+    TETRAHEDRA.iter().any(|tetrahedron| any_edge(tetrahedron, &accept))
+}
+
+/// The continuous function, linear in each tetrahedron, with the given corner values; `at` in the unit cube.
+pub(super) fn interpolate(values: &[f64; 8], at: DVec3) -> f64 {
+    let mut axes = [(at.x, 1), (at.y, 2), (at.z, 4)];
+    axes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (mut corner, mut value) = (0, values[0]);
+    for (fraction, bit) in axes {
+        value += fraction * (values[corner | bit] - values[corner]);
+        corner |= bit;
+    }
+    value
+}
+
+fn position(index: usize) -> DVec3 {
+    DVec3::from_array(corner(index).map(|c| c as f64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_level_set_lies_where_the_interpolant_is_zero() {
+        for pattern in 1..255u32 {
+            let values: [f64; 8] = std::array::from_fn(|i| {
+                let magnitude = 0.3 + 0.1 * ((i * 5 + pattern as usize) % 7) as f64;
+                if pattern >> i & 1 == 1 { magnitude } else { -magnitude }
+            });
+            let mut count = 0;
+            march(
+                &values,
+                |_| true,
+                |triangle| {
+                    count += 1;
+                    let center = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+                    assert!(interpolate(&values, center).abs() < 1e-12, "{pattern}");
+                },
+            );
+            assert!((1..=12).contains(&count), "{pattern}: {count}");
+        }
+    }
+
+    #[test]
+    fn a_linear_function_is_reproduced() {
+        let f = |p: DVec3| 0.7 * p.x - 1.3 * p.y + 0.4 * p.z - 0.1;
+        let values = std::array::from_fn(|i| f(position(i)));
+        for at in [DVec3::new(0.2, 0.9, 0.4), DVec3::ZERO, DVec3::ONE, DVec3::new(0.5, 0.5, 0.1)] {
+            assert!((interpolate(&values, at) - f(at)).abs() < 1e-14);
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! From a shape to its distance field: the story of one computation.
+
+use super::bvh::Bvh;
+use super::distance::Distances;
+use super::grid::{Local, check_samples, range};
+use super::iso_surface::Scalar;
+use super::soup::Soup;
+use super::stage::Stage;
+use super::winding::Winding;
+use super::{DistanceField, FieldError, Grid, Progress, Report, Request, overlap, seal, shim, sign};
+use crate::shape::{Content, Mesh, Shape, Volume};
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Most memory one computation may take. Larger: a laptop starts to swap. Smaller: 512 samples on each side of a cube
+/// would be refused.
+const MEMORY_LIMIT_BYTES: u64 = 2 << 30;
+/// Value, sign, state and the block corners' share of a voxel, with room for the queue that floods signs.
+const BYTES_PER_VOXEL: u64 = 10;
+/// Corners, packet, boxes, moments and edges of a triangle.
+const BYTES_PER_TRIANGLE: u64 = 320;
+
+/// Distance field of `shape`: signed, positive outside, world units; x fastest, then y, then z.
+///
+/// The grid has cubic voxels, see [`Grid::covering`]; a volume of signed distances is taken as it is, on its own grid.
+/// Where the magnitude is at most `request.band` it is the distance to the surface to f32 rounding (of positions up to
+/// `resolution` voxels from the origin: 1e-4 voxels). Elsewhere it is at most the distance and at least the distance
+/// less one voxel, with the right sign. The result does not depend on the number of threads.
+///
+/// - Solid: its formula at every sample.
+/// - Mesh: inside is where the surface winds around at least half a turn, either way; triangles that disagree with
+///   their neighbors are turned first, surfaces buried where solids overlap are dropped, and holes are closed by the
+///   level 1/2 of the winding number, so that the field is that of a closed solid.
+/// - Scalar volume: inside is where `value >= request.iso`, linear in tetrahedra between samples; the world beyond the
+///   samples is outside.
+///
+/// Sources: Barill et al. 2018 (winding number); Doi & Koide 1991 (tetrahedra); the interpolated lower bound far from
+/// the surface is derived in `distance.rs`.
+///
+/// # Errors
+/// Every variant of [`FieldError`].
+pub fn transform(
+    shape: &Shape,
+    request: &Request,
+    progress: Progress,
+) -> Result<(DistanceField, Report), FieldError> {
+    let start = Instant::now();
+    let (field, report) = match shape {
+        Shape::Volume(volume) if volume.content == Content::SignedDistance => {
+            (DistanceField::from_volume(volume)?, Report::default())
+        }
+        Shape::Volume(volume) => of_scalar(volume, shape, request, progress)?,
+        Shape::Mesh(mesh) => of_mesh(mesh, shape, request, progress)?,
+        Shape::Solid(solid) => {
+            let grid = budgeted(shape, request, 0)?;
+            let stage = Stage::new(progress, 0.0, 1.0, grid.size()[2]);
+            let values = sampled(&grid, &stage, |i, j, k| shim::distance(solid, grid.position(i, j, k)));
+            (DistanceField { grid, values }, Report { exact: grid.samples(), ..Report::default() })
+        }
+    };
+    progress(1.0);
+    Ok((field, Report { ms: start.elapsed().as_secs_f64() * 1e3, ..report }))
+}
+
+fn of_mesh(
+    mesh: &Mesh,
+    shape: &Shape,
+    request: &Request,
+    progress: Progress,
+) -> Result<(DistanceField, Report), FieldError> {
+    if mesh.triangles.is_empty() {
+        return Err(FieldError::EmptyMesh);
+    }
+    let vertices = mesh.positions.len();
+    if let Some(&index) = mesh.triangles.iter().flatten().find(|&&i| i as usize >= vertices) {
+        return Err(FieldError::Corner { index, vertices });
+    }
+    let grid = budgeted(shape, request, mesh.triangles.len())?;
+    let (size, band) = (grid.size(), request.band / grid.spacing.x);
+    let soup = Soup::new(mesh, &Local::new(&grid));
+    let mut report = Report {
+        triangles: soup.triangles.len(),
+        open_edges: soup.open_edges,
+        turned_triangles: soup.turned,
+        ..Report::default()
+    };
+
+    let whole = Bvh::new(&soup.triangles);
+    let winding = Winding::new(&whole);
+    progress(0.05);
+    let mut distances = Distances::new(size);
+    distances.add(&[&whole], band, &Stage::new(progress, 0.05, 0.5, size[2]));
+    let signs = sign::signs(size, &distances, &winding, &soup.rim);
+    progress(0.65);
+
+    let bared = signs.overlap.then(|| overlap::boundary(&soup.triangles, &winding));
+    let bared = bared.map(|triangles| Bvh::new(&triangles));
+    let surface = bared.as_ref().unwrap_or(&whole);
+    if bared.is_some() {
+        report.buried = true;
+        distances = Distances::new(size);
+        distances.add(&[surface], band, &Stage::new(progress, 0.65, 0.9, size[2]));
+    }
+    let closing = seal::closing_triangles(size, distances.values(), &signs.inside, &winding);
+    report.closing_triangles = closing.len();
+    if !closing.is_empty() {
+        distances.add(&[surface, &Bvh::new(&closing)], band, &Stage::new(progress, 0.9, 1.0, size[2]));
+    }
+    report.exact = distances.exact() as u64;
+    let mut values = distances.into_values();
+    values.par_iter_mut().zip(signs.inside).for_each(|(value, inside)| {
+        let distance = *value * grid.spacing.x;
+        *value = if inside { -distance } else { distance };
+    });
+    Ok((DistanceField { grid, values }, report))
+}
+
+fn of_scalar(
+    volume: &Volume,
+    shape: &Shape,
+    request: &Request,
+    progress: Progress,
+) -> Result<(DistanceField, Report), FieldError> {
+    check_samples(volume)?;
+    let iso = request.iso;
+    let (min, max) = range(&volume.values);
+    // A value at the iso-value is inside: without one below there is no outside among the samples.
+    if !(min < iso && iso <= max) {
+        return Err(FieldError::NoSurface { iso, min, max });
+    }
+    let grid = budgeted(shape, request, 0)?;
+    let (size, local) = (grid.size(), Local::new(&grid));
+    let scalar = Scalar::new(volume, iso, (min, max));
+    let triangles = scalar.triangles(&local);
+    let count = triangles.len();
+    budgeted(shape, request, count)?;
+    progress(0.1);
+    let surface = Bvh::new(&triangles);
+    drop(triangles);
+    progress(0.2);
+    let mut distances = Distances::new(size);
+    distances.add(&[&surface], request.band / grid.spacing.x, &Stage::new(progress, 0.2, 0.9, size[2]));
+    let exact = distances.exact() as u64;
+    let mut values = distances.into_values();
+    let stage = Stage::new(progress, 0.9, 1.0, size[2]);
+    values.par_chunks_mut(size[0] * size[1]).enumerate().for_each(|(z, slice)| {
+        for (i, value) in slice.iter_mut().enumerate() {
+            let inside = scalar.level(local.world([i % size[0], i / size[0], z])) >= 0.0;
+            let distance = *value * grid.spacing.x;
+            *value = if inside { -distance } else { distance };
+        }
+        stage.advance(1);
+    });
+    Ok((DistanceField { grid, values }, Report { triangles: count, exact, ..Report::default() }))
+}
+
+/// The grid, if the computation fits in memory.
+fn budgeted(shape: &Shape, request: &Request, triangles: usize) -> Result<Grid, FieldError> {
+    let grid = Grid::covering(&shim::bounds(shape), request)?;
+    let bytes = grid.samples() * BYTES_PER_VOXEL + triangles as u64 * BYTES_PER_TRIANGLE;
+    if bytes > MEMORY_LIMIT_BYTES {
+        return Err(FieldError::Memory { bytes, limit: MEMORY_LIMIT_BYTES, size: grid.size });
+    }
+    Ok(grid)
+}
+
+fn sampled(grid: &Grid, stage: &Stage, value: impl Fn(u32, u32, u32) -> f32 + Sync) -> Vec<f32> {
+    let [nx, ny, _] = grid.size();
+    let mut values = vec![0.0; grid.samples() as usize];
+    values.par_chunks_mut(nx * ny).enumerate().for_each(|(k, slice)| {
+        for (i, out) in slice.iter_mut().enumerate() {
+            *out = value((i % nx) as u32, (i / nx) as u32, k as u32);
+        }
+        stage.advance(1);
+    });
+    values
+}
