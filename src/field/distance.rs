@@ -1,11 +1,11 @@
 //! Unsigned distances on a grid of cubic voxels: exact near the surface, safe lower bounds far from it.
 //!
 //! Invariant: voxel units; a value is the distance to f32 rounding, or less than it by at most [`GAP`].
-//! Exact distances are first found at the corners of blocks of 4 x 4 x 4 voxels. Far from the surface a block is then
-//! interpolated: where every surface point is at least `rho` away, the distance less `|x|^2 / (2 rho)` is a minimum of
-//! concave functions, so trilinear interpolation never exceeds it; adding the interpolation error of the square back
-//! gives a lower bound that is exact at the corners. The corners' nearest points bound the distance from above, and
-//! where the two bounds differ too much, or the band may be reached, the voxel is searched for exactly.
+//! Exact distances are first found at the corners of blocks of 4 x 4 x 4 voxels. Between them, `d(x)^2 - |x|^2` is a
+//! minimum of linear functions of `x`, one for each surface point, hence concave: trilinear interpolation of its corner
+//! values never exceeds it. Adding `|x|^2` back gives a lower bound, exact at the corners and wherever they share a
+//! nearest point. The corners' nearest points give an upper bound, and where the two differ too much, or the band may
+//! be reached, the voxel is searched for exactly.
 
 use super::bvh::{Bvh, Hit};
 use super::stage::Stage;
@@ -16,8 +16,8 @@ use rayon::prelude::*;
 /// axis or the surface more often and are searched voxel by voxel.
 pub(super) const BLOCK: usize = 4;
 /// Largest loss of a lower bound, in voxels. Smaller: more exact searches far away, for rays that leap there anyway.
-/// Larger: gradients outside the band become visibly wrong near the medial axis.
-const GAP: f32 = 1.0;
+/// Larger: gradients outside the band go wrong by half of it where exact values and lower bounds meet.
+const GAP: f32 = 0.25;
 /// Subtracted from lower bounds: the rounding of coordinates up to 1024 voxels, with room to spare.
 const ROUNDING: f32 = 1.0e-3;
 
@@ -110,8 +110,9 @@ fn add_row(
             let p = Vec3::new((bx * BLOCK + i) as f32, y as f32, z as f32);
             let mut hit = cell.nearest(p);
             if !*exact {
+                // Within a voxel of the surface the sign needs the exact distance whatever the band.
                 let lower = cell.lower_bound(p);
-                if lower > band && hit.d2.sqrt() - lower <= GAP {
+                if lower > band.max(1.0) && hit.d2.sqrt() - lower <= GAP {
                     *value = lower;
                     continue;
                 }
@@ -134,10 +135,8 @@ fn add_row(
 /// The eight corners around a block.
 struct Cell {
     origin: Vec3,
-    distance: [f32; 8],
+    squares: [f32; 8],
     points: [[Vec4; 3]; 2],
-    /// No surface point is nearer than this to any point of the cell; not positive if unknown.
-    rho: f32,
 }
 
 impl Cell {
@@ -147,18 +146,10 @@ impl Cell {
             known[(z * corners[1] + y) * corners[0] + x]
         };
         let hits: [Hit; 8] = std::array::from_fn(hit);
-        let distance = hits.map(|hit| hit.d2.sqrt());
-        let nearest = distance.iter().fold(f32::INFINITY, |a, &b| a.min(b));
         let lanes = |first: usize| {
             [0, 1, 2].map(|axis| Vec4::from_array(std::array::from_fn(|lane| hits[first + lane].point[axis])))
         };
-        let farthest_corner = 0.5 * BLOCK as f32 * 3.0f32.sqrt();
-        Cell {
-            origin: block.as_vec3() * BLOCK as f32,
-            distance,
-            points: [lanes(0), lanes(4)],
-            rho: nearest - farthest_corner - ROUNDING,
-        }
+        Cell { origin: block.as_vec3() * BLOCK as f32, squares: hits.map(|hit| hit.d2), points: [lanes(0), lanes(4)] }
     }
 
     /// The nearest of the corners' nearest points: an upper bound.
@@ -178,17 +169,13 @@ impl Cell {
         best
     }
 
-    /// See the head of this file; negative where the surface may be near.
+    /// See the head of this file; about 0 where the surface may be near.
     fn lower_bound(&self, p: Vec3) -> f32 {
-        // Below one voxel the correction exceeds any distance of the cell.
-        if self.rho < 1.0 {
-            return -1.0;
-        }
         let t = (p - self.origin) / BLOCK as f32;
-        let d = &self.distance;
-        let x = [0, 2, 4, 6].map(|i| d[i] + t.x * (d[i + 1] - d[i]));
+        let d2 = &self.squares;
+        let x = [0, 2, 4, 6].map(|i| d2[i] + t.x * (d2[i + 1] - d2[i]));
         let (near, far) = (x[0] + t.y * (x[1] - x[0]), x[2] + t.y * (x[3] - x[2]));
-        let square = (t * (Vec3::ONE - t)).element_sum() * (BLOCK * BLOCK) as f32;
-        near + t.z * (far - near) - square / (2.0 * self.rho) - ROUNDING
+        let excess = (t * (Vec3::ONE - t)).element_sum() * (BLOCK * BLOCK) as f32;
+        (near + t.z * (far - near) - excess).max(0.0).sqrt() - ROUNDING
     }
 }
