@@ -9,7 +9,7 @@
 
 use super::bvh::{Bvh, Hit};
 use super::stage::Stage;
-use glam::{UVec3, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Voxels along a side of a block. Smaller: the corners cost more than they save. Larger: blocks reach the medial
@@ -62,13 +62,16 @@ impl Distances {
             }
         });
         let (size, known) = (self.size, &self.corners);
-        let slices = self.values.par_chunks_mut(size[0] * size[1]).zip(self.exact.par_chunks_mut(size[0] * size[1]));
-        slices.enumerate().for_each(|(z, (values, exact))| {
-            for y in 0..size[1] {
-                let row = y * size[0]..(y + 1) * size[0];
-                add_row([y, z], &mut values[row.clone()], &mut exact[row], corners, known, surfaces, band);
+        let slab = size[0] * size[1] * BLOCK;
+        let slabs = self.values.par_chunks_mut(slab).zip(self.exact.par_chunks_mut(slab));
+        slabs.enumerate().for_each(|(bz, (values, exact))| {
+            for by in 0..corners[1] - 1 {
+                for bx in 0..corners[0] - 1 {
+                    let cell = Cell::new([bx, by, bz], corners, known);
+                    cell.fill(size, values, exact, surfaces, band);
+                }
             }
-            stage.advance(1);
+            stage.advance(values.len() / (size[0] * size[1]));
         });
     }
 
@@ -93,63 +96,59 @@ impl Distances {
     }
 }
 
-fn add_row(
-    [y, z]: [usize; 2],
-    values: &mut [f32],
-    exact: &mut [bool],
-    corners: [usize; 3],
-    known: &[Hit],
-    surfaces: &[&Bvh],
-    band: f32,
-) {
-    let mut warm: Option<Vec3> = None;
-    let blocks = values.chunks_mut(BLOCK).zip(exact.chunks_mut(BLOCK)).enumerate();
-    for (bx, (values, exact)) in blocks {
-        let cell = Cell::new(UVec3::new(bx as u32, (y / BLOCK) as u32, (z / BLOCK) as u32), corners, known);
-        for (i, (value, exact)) in values.iter_mut().zip(exact).enumerate() {
-            let p = Vec3::new((bx * BLOCK + i) as f32, y as f32, z as f32);
-            let mut hit = cell.nearest(p);
-            if !*exact {
-                // Within a voxel of the surface the sign needs the exact distance whatever the band.
-                let lower = cell.lower_bound(p);
-                if lower > band.max(1.0) && hit.d2.sqrt() - lower <= GAP {
-                    *value = lower;
-                    continue;
-                }
-            }
-            if let Some(point) = warm {
-                hit = hit.or_point(p, point);
-            }
-            // What was exact before can only be shortened by the surface that has just been added.
-            let searched = if *exact { &surfaces[surfaces.len() - 1..] } else { surfaces };
-            for surface in searched {
-                hit = surface.closest(p, hit);
-            }
-            warm = Some(hit.point);
-            *value = if *exact { value.min(hit.d2.sqrt()) } else { hit.d2.sqrt() };
-            *exact = true;
-        }
-    }
-}
-
 /// The eight corners around a block.
 struct Cell {
-    origin: Vec3,
+    block: [usize; 3],
     squares: [f32; 8],
     points: [[Vec4; 3]; 2],
 }
 
 impl Cell {
-    fn new(block: UVec3, corners: [usize; 3], known: &[Hit]) -> Cell {
+    fn new(block: [usize; 3], corners: [usize; 3], known: &[Hit]) -> Cell {
         let hit = |i: usize| {
-            let [x, y, z] = [block.x as usize + (i & 1), block.y as usize + (i >> 1 & 1), block.z as usize + (i >> 2)];
+            let [x, y, z] = [block[0] + (i & 1), block[1] + (i >> 1 & 1), block[2] + (i >> 2)];
             known[(z * corners[1] + y) * corners[0] + x]
         };
         let hits: [Hit; 8] = std::array::from_fn(hit);
         let lanes = |first: usize| {
             [0, 1, 2].map(|axis| Vec4::from_array(std::array::from_fn(|lane| hits[first + lane].point[axis])))
         };
-        Cell { origin: block.as_vec3() * BLOCK as f32, squares: hits.map(|hit| hit.d2), points: [lanes(0), lanes(4)] }
+        Cell { block, squares: hits.map(|hit| hit.d2), points: [lanes(0), lanes(4)] }
+    }
+
+    /// Adds the last of `surfaces` to the voxels of the block, in its slab of the grid. Whole blocks, not rows: their
+    /// searches meet the same few boxes, which a cache can hold where it cannot hold those of a row.
+    fn fill(&self, size: [usize; 3], values: &mut [f32], exact: &mut [bool], surfaces: &[&Bvh], band: f32) {
+        let [x0, y0, z0] = self.block.map(|b| b * BLOCK);
+        let mut warm: Option<Vec3> = None;
+        for z in z0..size[2].min(z0 + BLOCK) {
+            for y in y0..size[1].min(y0 + BLOCK) {
+                for x in x0..size[0].min(x0 + BLOCK) {
+                    let i = ((z - z0) * size[1] + y) * size[0] + x;
+                    let p = Vec3::new(x as f32, y as f32, z as f32);
+                    let mut hit = self.nearest(p);
+                    if !exact[i] {
+                        // Within a voxel of the surface the sign needs the exact distance whatever the band.
+                        let lower = self.lower_bound(p);
+                        if lower > band.max(1.0) && hit.d2.sqrt() - lower <= GAP {
+                            values[i] = lower;
+                            continue;
+                        }
+                    }
+                    if let Some(point) = warm {
+                        hit = hit.or_point(p, point);
+                    }
+                    // What was exact before can only be shortened by the surface that has just been added.
+                    let searched = if exact[i] { &surfaces[surfaces.len() - 1..] } else { surfaces };
+                    for surface in searched {
+                        hit = surface.closest(p, hit);
+                    }
+                    warm = Some(hit.point);
+                    values[i] = if exact[i] { values[i].min(hit.d2.sqrt()) } else { hit.d2.sqrt() };
+                    exact[i] = true;
+                }
+            }
+        }
     }
 
     /// The nearest of the corners' nearest points: an upper bound.
@@ -171,7 +170,7 @@ impl Cell {
 
     /// See the head of this file; about 0 where the surface may be near.
     fn lower_bound(&self, p: Vec3) -> f32 {
-        let t = (p - self.origin) / BLOCK as f32;
+        let t = p / BLOCK as f32 - Vec3::from_array(self.block.map(|b| b as f32));
         let d2 = &self.squares;
         let x = [0, 2, 4, 6].map(|i| d2[i] + t.x * (d2[i + 1] - d2[i]));
         let (near, far) = (x[0] + t.y * (x[1] - x[0]), x[2] + t.y * (x[3] - x[2]));
