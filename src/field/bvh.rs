@@ -217,9 +217,8 @@ impl Packet {
         if ab.cross(ap).dot(normal) > 0.0 && bc.cross(bp).dot(normal) > 0.0 && ac.cross(ap).dot(normal) < 0.0 {
             return p - normal * normal.dot(ap);
         }
-        let on = |start: Vec3, edge: Vec3, inverse: f32| {
-            start + edge * ((p - start).dot(edge) * inverse).clamp(0.0, 1.0)
-        };
+        let on =
+            |start: Vec3, edge: Vec3, inverse: f32| start + edge * ((p - start).dot(edge) * inverse).clamp(0.0, 1.0);
         let points = [on(a, ab, inverse.x), on(a, ac, inverse.y), on(a + ab, bc, inverse.z)];
         points.into_iter().fold(Hit::NONE, |hit, point| hit.or_point(p, point)).point
     }

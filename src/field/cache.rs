@@ -190,3 +190,92 @@ fn store(path: &Path, folder: &Path, bytes: &[u8]) -> io::Result<()> {
         let _ = fs::remove_file(&temporary);
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::Mesh;
+    use std::cell::Cell;
+
+    const REQUEST: Request = Request { resolution: 8, margin: 0.1, band: 0.1, iso: 0.0 };
+
+    fn shape() -> Shape {
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        Shape::Mesh(Mesh { positions, triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] })
+    }
+
+    /// The cached field, and whether it had to be computed.
+    fn get(folder: &Path) -> (DistanceField, Report, bool) {
+        let computed = Cell::new(false);
+        let (field, report) = cached(&Key::new(&shape(), &REQUEST), folder, || {
+            computed.set(true);
+            transform(&shape(), &REQUEST, &|_| {})
+        })
+        .unwrap();
+        assert_eq!(report.from_cache, !computed.get());
+        (field, report, computed.get())
+    }
+
+    #[test]
+    fn a_field_is_computed_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path().join("new/folder");
+        let (first, report, computed) = get(&folder);
+        assert!(computed);
+        let (second, again, computed) = get(&folder);
+        assert!(!computed && first == second);
+        assert_eq!(Report { ms: 0.0, from_cache: false, ..again }, Report { ms: 0.0, ..report });
+        assert_eq!(fs::read_dir(folder).unwrap().count(), 1, "no temporary file is left");
+    }
+
+    #[test]
+    fn a_damaged_file_is_ignored_and_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        let key = Key::new(&shape(), &REQUEST);
+        let (truth, ..) = get(folder);
+        let path = key.file(folder);
+        let good = fs::read(&path).unwrap();
+        for at in 0..good.len() {
+            let mut bad = good.clone();
+            bad[at] ^= 1 << (at % 8);
+            assert!(decode(&bad, &key).is_none(), "byte {at} flipped");
+            assert!(decode(&good[..at], &key).is_none(), "cut to {at} bytes");
+        }
+        let long = [good.as_slice(), &[0]].concat();
+        for damaged in [&good[..good.len() / 2], &[], &long, b"something else"] {
+            fs::write(&path, damaged).unwrap();
+            let (field, _, computed) = get(folder);
+            assert!(computed && field == truth);
+            assert!(!get(folder).2, "it was replaced");
+        }
+    }
+
+    #[test]
+    fn the_key_depends_on_geometry_and_request() {
+        let key = Key::new(&shape(), &REQUEST);
+        assert_eq!(key, Key::new(&shape(), &Request { iso: 3.0, ..REQUEST }), "a mesh has no iso-value");
+        let Shape::Mesh(mut mesh) = shape() else { unreachable!() };
+        mesh.positions[3].z = 1.0 + f32::EPSILON;
+        let others = [
+            Key::new(&Shape::Mesh(mesh), &REQUEST),
+            Key::new(&shape(), &Request { resolution: 9, ..REQUEST }),
+            Key::new(&shape(), &Request { margin: 0.2, ..REQUEST }),
+            Key::new(&shape(), &Request { band: 0.2, ..REQUEST }),
+            Key::new(&Shape::Solid(Solid::Sphere { radius: 1.0 }), &REQUEST),
+            Key::new(&Shape::Solid(Solid::Cube { half: 1.0 }), &REQUEST),
+        ];
+        assert!(others.iter().all(|other| *other != key));
+        assert_ne!(others[4], others[5]);
+        let foreign = encode(&others[0], &transform(&shape(), &REQUEST, &|_| {}).unwrap().0, &Report::default());
+        assert!(decode(&foreign, &key).is_none());
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_written_is_no_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("file");
+        fs::write(&file, b"in the way").unwrap();
+        assert!(get(&file.join("below")).2 && get(&file).2);
+    }
+}

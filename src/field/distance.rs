@@ -1,23 +1,23 @@
 //! Unsigned distances on a grid of cubic voxels: exact near the surface, safe lower bounds far from it.
 //!
 //! Invariant: voxel units; a value is the distance to f32 rounding, or less than it by at most [`GAP`].
-//! Exact distances are first found at the corners of blocks of 4 x 4 x 4 voxels. Far from the surface a block is then
-//! interpolated: where every surface point is at least `rho` away, the distance less `|x|^2 / (2 rho)` is a minimum of
-//! concave functions, so trilinear interpolation never exceeds it; adding the interpolation error of the square back
-//! gives a lower bound that is exact at the corners. The corners' nearest points bound the distance from above, and
-//! where the two bounds differ too much, or the band may be reached, the voxel is searched for exactly.
+//! Exact distances are first found at the corners of blocks of 4 x 4 x 4 voxels. Between them, `d(x)^2 - |x|^2` is a
+//! minimum of linear functions of `x`, one for each surface point, hence concave: trilinear interpolation of its corner
+//! values never exceeds it. Adding `|x|^2` back gives a lower bound, exact at the corners and wherever they share a
+//! nearest point. The corners' nearest points give an upper bound, and where the two differ too much, or the band may
+//! be reached, the voxel is searched for exactly.
 
 use super::bvh::{Bvh, Hit};
 use super::stage::Stage;
-use glam::{UVec3, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Voxels along a side of a block. Smaller: the corners cost more than they save. Larger: blocks reach the medial
 /// axis or the surface more often and are searched voxel by voxel.
 pub(super) const BLOCK: usize = 4;
 /// Largest loss of a lower bound, in voxels. Smaller: more exact searches far away, for rays that leap there anyway.
-/// Larger: gradients outside the band become visibly wrong near the medial axis.
-const GAP: f32 = 1.0;
+/// Larger: gradients outside the band go wrong by half of it where exact values and lower bounds meet.
+const GAP: f32 = 0.25;
 /// Subtracted from lower bounds: the rounding of coordinates up to 1024 voxels, with room to spare.
 const ROUNDING: f32 = 1.0e-3;
 
@@ -62,13 +62,16 @@ impl Distances {
             }
         });
         let (size, known) = (self.size, &self.corners);
-        let slices = self.values.par_chunks_mut(size[0] * size[1]).zip(self.exact.par_chunks_mut(size[0] * size[1]));
-        slices.enumerate().for_each(|(z, (values, exact))| {
-            for y in 0..size[1] {
-                let row = y * size[0]..(y + 1) * size[0];
-                add_row([y, z], &mut values[row.clone()], &mut exact[row], corners, known, surfaces, band);
+        let slab = size[0] * size[1] * BLOCK;
+        let slabs = self.values.par_chunks_mut(slab).zip(self.exact.par_chunks_mut(slab));
+        slabs.enumerate().for_each(|(bz, (values, exact))| {
+            for by in 0..corners[1] - 1 {
+                for bx in 0..corners[0] - 1 {
+                    let cell = Cell::new([bx, by, bz], corners, known);
+                    cell.fill(size, values, exact, surfaces, band);
+                }
             }
-            stage.advance(1);
+            stage.advance(values.len() / (size[0] * size[1]));
         });
     }
 
@@ -93,71 +96,58 @@ impl Distances {
     }
 }
 
-fn add_row(
-    [y, z]: [usize; 2],
-    values: &mut [f32],
-    exact: &mut [bool],
-    corners: [usize; 3],
-    known: &[Hit],
-    surfaces: &[&Bvh],
-    band: f32,
-) {
-    let mut warm: Option<Vec3> = None;
-    let blocks = values.chunks_mut(BLOCK).zip(exact.chunks_mut(BLOCK)).enumerate();
-    for (bx, (values, exact)) in blocks {
-        let cell = Cell::new(UVec3::new(bx as u32, (y / BLOCK) as u32, (z / BLOCK) as u32), corners, known);
-        for (i, (value, exact)) in values.iter_mut().zip(exact).enumerate() {
-            let p = Vec3::new((bx * BLOCK + i) as f32, y as f32, z as f32);
-            let mut hit = cell.nearest(p);
-            if !*exact {
-                let lower = cell.lower_bound(p);
-                if lower > band && hit.d2.sqrt() - lower <= GAP {
-                    *value = lower;
-                    continue;
-                }
-            }
-            if let Some(point) = warm {
-                hit = hit.or_point(p, point);
-            }
-            // What was exact before can only be shortened by the surface that has just been added.
-            let searched = if *exact { &surfaces[surfaces.len() - 1..] } else { surfaces };
-            for surface in searched {
-                hit = surface.closest(p, hit);
-            }
-            warm = Some(hit.point);
-            *value = if *exact { value.min(hit.d2.sqrt()) } else { hit.d2.sqrt() };
-            *exact = true;
-        }
-    }
-}
-
 /// The eight corners around a block.
 struct Cell {
-    origin: Vec3,
-    distance: [f32; 8],
+    block: [usize; 3],
+    squares: [f32; 8],
     points: [[Vec4; 3]; 2],
-    /// No surface point is nearer than this to any point of the cell; not positive if unknown.
-    rho: f32,
 }
 
 impl Cell {
-    fn new(block: UVec3, corners: [usize; 3], known: &[Hit]) -> Cell {
+    fn new(block: [usize; 3], corners: [usize; 3], known: &[Hit]) -> Cell {
         let hit = |i: usize| {
-            let [x, y, z] = [block.x as usize + (i & 1), block.y as usize + (i >> 1 & 1), block.z as usize + (i >> 2)];
+            let [x, y, z] = [block[0] + (i & 1), block[1] + (i >> 1 & 1), block[2] + (i >> 2)];
             known[(z * corners[1] + y) * corners[0] + x]
         };
         let hits: [Hit; 8] = std::array::from_fn(hit);
-        let distance = hits.map(|hit| hit.d2.sqrt());
-        let nearest = distance.iter().fold(f32::INFINITY, |a, &b| a.min(b));
         let lanes = |first: usize| {
             [0, 1, 2].map(|axis| Vec4::from_array(std::array::from_fn(|lane| hits[first + lane].point[axis])))
         };
-        let farthest_corner = 0.5 * BLOCK as f32 * 3.0f32.sqrt();
-        Cell {
-            origin: block.as_vec3() * BLOCK as f32,
-            distance,
-            points: [lanes(0), lanes(4)],
-            rho: nearest - farthest_corner - ROUNDING,
+        Cell { block, squares: hits.map(|hit| hit.d2), points: [lanes(0), lanes(4)] }
+    }
+
+    /// Adds the last of `surfaces` to the voxels of the block, in its slab of the grid. Whole blocks, not rows: their
+    /// searches meet the same few boxes, which a cache can hold where it cannot hold those of a row.
+    fn fill(&self, size: [usize; 3], values: &mut [f32], exact: &mut [bool], surfaces: &[&Bvh], band: f32) {
+        let [x0, y0, z0] = self.block.map(|b| b * BLOCK);
+        let mut warm: Option<Vec3> = None;
+        for z in z0..size[2].min(z0 + BLOCK) {
+            for y in y0..size[1].min(y0 + BLOCK) {
+                for x in x0..size[0].min(x0 + BLOCK) {
+                    let i = ((z - z0) * size[1] + y) * size[0] + x;
+                    let p = Vec3::new(x as f32, y as f32, z as f32);
+                    let mut hit = self.nearest(p);
+                    if !exact[i] {
+                        // Within a voxel of the surface the sign needs the exact distance whatever the band.
+                        let lower = self.lower_bound(p);
+                        if lower > band.max(1.0) && hit.d2.sqrt() - lower <= GAP {
+                            values[i] = lower;
+                            continue;
+                        }
+                    }
+                    if let Some(point) = warm {
+                        hit = hit.or_point(p, point);
+                    }
+                    // What was exact before can only be shortened by the surface that has just been added.
+                    let searched = if exact[i] { &surfaces[surfaces.len() - 1..] } else { surfaces };
+                    for surface in searched {
+                        hit = surface.closest(p, hit);
+                    }
+                    warm = Some(hit.point);
+                    values[i] = if exact[i] { values[i].min(hit.d2.sqrt()) } else { hit.d2.sqrt() };
+                    exact[i] = true;
+                }
+            }
         }
     }
 
@@ -178,17 +168,13 @@ impl Cell {
         best
     }
 
-    /// See the head of this file; negative where the surface may be near.
+    /// See the head of this file; about 0 where the surface may be near.
     fn lower_bound(&self, p: Vec3) -> f32 {
-        // Below one voxel the correction exceeds any distance of the cell.
-        if self.rho < 1.0 {
-            return -1.0;
-        }
-        let t = (p - self.origin) / BLOCK as f32;
-        let d = &self.distance;
-        let x = [0, 2, 4, 6].map(|i| d[i] + t.x * (d[i + 1] - d[i]));
+        let t = p / BLOCK as f32 - Vec3::from_array(self.block.map(|b| b as f32));
+        let d2 = &self.squares;
+        let x = [0, 2, 4, 6].map(|i| d2[i] + t.x * (d2[i + 1] - d2[i]));
         let (near, far) = (x[0] + t.y * (x[1] - x[0]), x[2] + t.y * (x[3] - x[2]));
-        let square = (t * (Vec3::ONE - t)).element_sum() * (BLOCK * BLOCK) as f32;
-        near + t.z * (far - near) - square / (2.0 * self.rho) - ROUNDING
+        let excess = (t * (Vec3::ONE - t)).element_sum() * (BLOCK * BLOCK) as f32;
+        (near + t.z * (far - near) - excess).max(0.0).sqrt() - ROUNDING
     }
 }

@@ -54,12 +54,11 @@ impl Grid {
         // A side that is a whole number of voxels must not gain a sample by rounding.
         let cells = (sides / f64::from(spacing) - 1.0e-4).ceil().max(DVec3::ONE);
         let origin = (0.5 * (min + max) - 0.5 * cells * f64::from(spacing)).as_vec3();
-        let grid =
-            Grid { size: cells.to_array().map(|n| n as u32 + 1), origin, spacing: Vec3::splat(spacing) };
+        let grid = Grid { size: cells.to_array().map(|n| n as u32 + 1), origin, spacing: Vec3::splat(spacing) };
         let far = grid.position(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
         let magnitude = origin.abs().max(far.abs()).max_element();
-        // Positions must tell neighboring samples apart, with some bits to spare.
-        if !(spacing.is_normal() && magnitude.is_finite() && spacing > magnitude * 1.0e-6) {
+        // Positions must tell neighboring samples apart with some bits to spare, and the diagonal must stay finite.
+        if !(spacing.is_normal() && (8.0 * magnitude).is_finite() && spacing > magnitude * 1.0e-6) {
             return Err(FieldError::Extent { side: sides.max_element(), magnitude });
         }
         Ok(grid)

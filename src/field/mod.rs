@@ -15,9 +15,9 @@ mod shim;
 mod sign;
 mod soup;
 mod stage;
-mod tetra;
 #[cfg(test)]
 mod tests;
+mod tetra;
 mod transform;
 mod winding;
 
@@ -55,7 +55,7 @@ pub struct Request {
     /// World distance beyond the bounds of the shape that the grid also covers; at least 0.
     pub margin: f32,
     /// The field is exact where its magnitude is at most this (world units, at least 0); outside it is a safe lower
-    /// bound, less than the distance by at most a voxel.
+    /// bound, less than the distance by at most a quarter of a voxel.
     pub band: f32,
     /// Iso-value of the surface of a scalar volume; unused by other shapes.
     pub iso: f32,

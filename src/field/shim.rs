@@ -28,8 +28,7 @@ pub(super) fn bounds(shape: &Shape) -> Bounds {
         }
         Shape::Mesh(mesh) => {
             let corners = mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize]);
-            let (min, max) =
-                corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
+            let (min, max) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
             Bounds { min, max }
         }
         Shape::Volume(volume) => {

@@ -40,11 +40,8 @@ impl Soup {
             })
             .collect();
         uses.par_sort_unstable();
-        let triangles: Vec<Triangle> = mesh
-            .triangles
-            .par_iter()
-            .map(|t| t.map(|i| local.of_world(mesh.positions[i as usize])))
-            .collect();
+        let triangles: Vec<Triangle> =
+            mesh.triangles.par_iter().map(|t| t.map(|i| local.of_world(mesh.positions[i as usize]))).collect();
         let turn = turns(&uses, &triangles);
         let mut positions = vec![Vec3::ZERO; ids.len()];
         for (id, p) in ids.iter().zip(&mesh.positions) {

@@ -25,7 +25,7 @@ const BYTES_PER_TRIANGLE: u64 = 320;
 /// The grid has cubic voxels, see [`Grid::covering`]; a volume of signed distances is taken as it is, on its own grid.
 /// Where the magnitude is at most `request.band` it is the distance to the surface to f32 rounding (of positions up to
 /// `resolution` voxels from the origin: 1e-4 voxels). Elsewhere it is at most the distance and at least the distance
-/// less one voxel, with the right sign. The result does not depend on the number of threads.
+/// less a quarter of a voxel, with the right sign. The result does not depend on the number of threads.
 ///
 /// - Solid: its formula at every sample.
 /// - Mesh: inside is where the surface winds around at least half a turn, either way; triangles that disagree with
@@ -34,16 +34,12 @@ const BYTES_PER_TRIANGLE: u64 = 320;
 /// - Scalar volume: inside is where `value >= request.iso`, linear in tetrahedra between samples; the world beyond the
 ///   samples is outside.
 ///
-/// Sources: Barill et al. 2018 (winding number); Doi & Koide 1991 (tetrahedra); the interpolated lower bound far from
-/// the surface is derived in `distance.rs`.
+/// Sources: Barill et al. 2018 (winding number); Doi & Koide 1991 (tetrahedra); the lower bound far from the
+/// surface is derived in `distance.rs`.
 ///
 /// # Errors
 /// Every variant of [`FieldError`].
-pub fn transform(
-    shape: &Shape,
-    request: &Request,
-    progress: Progress,
-) -> Result<(DistanceField, Report), FieldError> {
+pub fn transform(shape: &Shape, request: &Request, progress: Progress) -> Result<(DistanceField, Report), FieldError> {
     let start = Instant::now();
     let (field, report) = match shape {
         Shape::Volume(volume) if volume.content == Content::SignedDistance => {

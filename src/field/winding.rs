@@ -38,7 +38,8 @@ pub(super) struct Winding<'a> {
 impl<'a> Winding<'a> {
     /// Gathers the moments of every node.
     pub(super) fn new(bvh: &'a Bvh) -> Winding<'a> {
-        let mut levels = vec![(0..bvh.packets()).into_par_iter().map(|i| Moment::of_packet(bvh, i)).collect::<Vec<_>>()];
+        let mut levels =
+            vec![(0..bvh.packets()).into_par_iter().map(|i| Moment::of_packet(bvh, i)).collect::<Vec<_>>()];
         while levels[levels.len() - 1].len() > 1 {
             let parents = levels[levels.len() - 1].par_chunks(WIDTH).map(Moment::of_children).collect();
             levels.push(parents);
