@@ -21,6 +21,14 @@ const ENTRIES: [&str; 2] = ["slice.vert", "slice.frag"];
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=glsl");
     println!("cargo::rerun-if-changed=src/glsl");
+    // Tests that need a device or the folder of real data are reported as ignored where there is none.
+    for (variable, name) in [("HYPERTEXTURE_NO_GPU", "no_gpu"), ("HYPERTEXTURE_DATA", "test_data")] {
+        println!("cargo::rerun-if-env-changed={variable}");
+        println!("cargo::rustc-check-cfg=cfg({name})");
+        if env::var_os(variable).is_some_and(|value| !value.is_empty()) {
+            println!("cargo::rustc-cfg={name}");
+        }
+    }
     let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("glsl");
     let out = PathBuf::from(env::var("OUT_DIR")?);
     let mut files = Vec::new();

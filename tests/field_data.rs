@@ -1,49 +1,27 @@
 //! Distance fields of real meshes and scans; HYPERTEXTURE_DATA names the folder with the files.
 #![expect(clippy::unwrap_used, reason = "a test fails where its data is not as described")]
 
-use flate2::read::GzDecoder;
 use glam::Vec3;
 use hypertexture::field::{DistanceField, Report, Request, transform};
-use hypertexture::shape::{Content, Mesh, Shape, Volume};
-use std::io::Read;
+use hypertexture::shape::{Mesh, Shape, Volume, open};
 use std::path::PathBuf;
 
 fn data(name: &str) -> PathBuf {
     PathBuf::from(std::env::var_os("HYPERTEXTURE_DATA").expect("HYPERTEXTURE_DATA is set")).join(name)
 }
 
-fn obj(name: &str) -> Mesh {
-    let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
-    let (models, _) = tobj::load_obj(data(name), &options).unwrap();
-    let mut mesh = Mesh::default();
-    for model in models {
-        let offset = mesh.positions.len() as u32;
-        mesh.positions.extend(model.mesh.positions.chunks_exact(3).map(Vec3::from_slice));
-        mesh.triangles
-            .extend(model.mesh.indices.chunks_exact(3).map(|t| [t[0] + offset, t[1] + offset, t[2] + offset]));
-    }
+fn shape(name: &str) -> Shape {
+    open(data(name).to_str().unwrap()).unwrap()
+}
+
+fn mesh(name: &str) -> Mesh {
+    let Shape::Mesh(mesh) = shape(name) else { panic!("{name} is a mesh") };
     mesh
 }
 
-fn spider() -> Mesh {
-    let mut file = std::fs::File::open(data("bad_spider.stl")).unwrap();
-    let mut stl = Vec::new();
-    file.read_to_end(&mut stl).unwrap();
-    let number = |bytes: &[u8]| f32::from_le_bytes(bytes.try_into().unwrap());
-    let corners = stl[84..].chunks_exact(50).flat_map(|t| t[12..48].chunks_exact(12));
-    let positions: Vec<Vec3> = corners.map(|p| Vec3::new(number(&p[..4]), number(&p[4..8]), number(&p[8..]))).collect();
-    let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-    Mesh { positions, triangles }
-}
-
 fn ct_head() -> Volume {
-    let bytes = std::fs::read(data("ct_head_unc.nrrd")).unwrap();
-    let header = bytes.windows(2).position(|w| w == b"\n\n").unwrap() + 2;
-    let mut raw = Vec::new();
-    GzDecoder::new(&bytes[header..]).read_to_end(&mut raw).unwrap();
-    let values = raw.chunks_exact(2).map(|b| f32::from(i16::from_le_bytes([b[0], b[1]]))).collect();
-    let spacing = Vec3::new(1.0, 1.0, 2.0);
-    Volume { size: [256, 256, 113], origin: Vec3::ZERO, spacing, values, content: Content::Scalar }
+    let Shape::Volume(volume) = shape("ct_head_unc.nrrd") else { panic!("the head is a volume") };
+    volume
 }
 
 /// Transforms, prints the measurements and checks that neighbors in the band differ by at most one voxel.
@@ -77,10 +55,11 @@ fn request(resolution: u32, side: f32, iso: f32) -> Request {
 }
 
 #[test]
-#[ignore = "needs HYPERTEXTURE_DATA"]
+#[cfg_attr(not(test_data), ignore = "needs HYPERTEXTURE_DATA")]
 fn the_bunny_is_closed_at_its_base() {
     for resolution in [64, 128, 256] {
-        let (field, report) = measure("bunny", Shape::Mesh(obj("stanford_bunny.obj")), request(resolution, 0.156, 0.0));
+        let (field, report) =
+            measure("bunny", Shape::Mesh(mesh("stanford_bunny.obj")), request(resolution, 0.156, 0.0));
         assert_eq!(report.open_edges, 223);
         assert!(report.closing_triangles > 0);
         let inside = field.values.iter().filter(|&&v| v < 0.0).count() as f32 * field.grid.spacing.x.powi(3);
@@ -90,21 +69,21 @@ fn the_bunny_is_closed_at_its_base() {
 }
 
 #[test]
-#[ignore = "needs HYPERTEXTURE_DATA"]
+#[cfg_attr(not(test_data), ignore = "needs HYPERTEXTURE_DATA")]
 fn the_teapot_is_a_continuous_solid() {
-    let (field, report) = measure("teapot", Shape::Mesh(obj("utah_teapot.obj")), request(128, 6.434, 0.0));
+    let (field, report) = measure("teapot", Shape::Mesh(mesh("utah_teapot.obj")), request(128, 6.434, 0.0));
     assert!(report.open_edges > 100 && report.closing_triangles > 0);
     assert!(field.sample(Vec3::new(0.0, 1.2, 0.0)) < -0.5, "the body is full");
 }
 
 #[test]
-#[ignore = "needs HYPERTEXTURE_DATA"]
+#[cfg_attr(not(test_data), ignore = "needs HYPERTEXTURE_DATA")]
 fn the_bad_spider_is_a_continuous_solid() {
-    measure("spider", Shape::Mesh(spider()), request(128, 8.0, 0.0));
+    measure("spider", Shape::Mesh(mesh("bad_spider.stl")), request(128, 8.0, 0.0));
 }
 
 #[test]
-#[ignore = "needs HYPERTEXTURE_DATA"]
+#[cfg_attr(not(test_data), ignore = "needs HYPERTEXTURE_DATA")]
 fn the_head_is_closed_at_skin_and_bone() {
     for (iso, voxels) in [(500.0, 2_005_740.0), (1300.0, 406_310.0)] {
         let (field, _) =

@@ -11,7 +11,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::Instant;
+use std::time::{Instant, SystemTime};
 
 const MAGIC: &[u8; 8] = b"HYPERFLD";
 /// Raise it when a field computed from the same input changes, or the layout of the file does.
@@ -19,6 +19,9 @@ const VERSION: u32 = 1;
 /// Magic, version, key, size, origin, spacing, five counts; the payload follows, then the hash of it all.
 const HEADER_BYTES: usize = 8 + 4 + 32 + 12 + 12 + 12 + 5 * 8;
 const HASH_BYTES: usize = 32;
+/// Fields kept on disk, all together. Less: a few scans at a high resolution push each other out. More: a person finds
+/// a full disk.
+const FOLDER_BYTES: u64 = 2 << 30;
 
 /// What a field depends on, hashed: geometry and values of the shape, the request, the version of this code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,6 +104,8 @@ pub fn cached(
     match fs::read(&path) {
         Ok(bytes) => match decode(&bytes, key) {
             Some((field, report)) => {
+                // Best effort: the time of use decides what goes first when the folder is full.
+                let _ = File::options().append(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
                 return Ok((field, Report { ms: start.elapsed().as_secs_f64() * 1e3, ..report }));
             }
             None => log::warn!("{}: damaged or foreign field file, computing it again", path.display()),
@@ -109,7 +114,8 @@ pub fn cached(
         Err(error) => log::warn!("{}: cannot read the cached field: {error}", path.display()),
     }
     let (field, report) = compute()?;
-    if let Err(error) = store(&path, folder, &encode(key, &field, &report)) {
+    let kept = store(&path, folder, &encode(key, &field, &report)).and_then(|()| trim(folder, FOLDER_BYTES));
+    if let Err(error) = kept {
         log::warn!("{}: cannot keep the field: {error}; set HYPERTEXTURE_CACHE to a writable folder", path.display());
     }
     Ok((field, report))
@@ -174,6 +180,28 @@ fn decode(bytes: &[u8], key: &Key) -> Option<(DistanceField, Report)> {
     Some((DistanceField { grid, values }, report))
 }
 
+/// Removes the fields used longest ago until the rest fit into `limit` bytes.
+fn trim(folder: &Path, limit: u64) -> io::Result<()> {
+    let mut fields = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let about = entry.metadata()?;
+        if entry.path().extension().is_some_and(|end| end == "field") {
+            fields.push((about.modified()?, about.len(), entry.path()));
+        }
+    }
+    fields.sort();
+    let mut total: u64 = fields.iter().map(|(_, bytes, _)| bytes).sum();
+    for (_, bytes, path) in fields {
+        if total <= limit {
+            break;
+        }
+        fs::remove_file(&path)?;
+        total -= bytes;
+    }
+    Ok(())
+}
+
 fn store(path: &Path, folder: &Path, bytes: &[u8]) -> io::Result<()> {
     static NEXT: AtomicU32 = AtomicU32::new(0);
     fs::create_dir_all(folder)?;
@@ -196,6 +224,19 @@ mod tests {
     use super::*;
     use crate::shape::Mesh;
     use std::cell::Cell;
+
+    #[test]
+    fn a_full_folder_loses_the_fields_used_longest_ago() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, age) in [("old.field", 30), ("new.field", 10), ("other.txt", 90)] {
+            let mut file = File::create(folder.path().join(name)).unwrap();
+            file.write_all(&[0; 100]).unwrap();
+            file.set_modified(SystemTime::now() - std::time::Duration::from_secs(age)).unwrap();
+        }
+        trim(folder.path(), 150).unwrap();
+        let left = |name: &str| folder.path().join(name).exists();
+        assert!(!left("old.field") && left("new.field") && left("other.txt"));
+    }
 
     const REQUEST: Request = Request { resolution: 8, margin: 0.1, band: 0.1, iso: 0.0 };
 

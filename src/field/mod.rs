@@ -11,7 +11,6 @@ mod grid;
 mod iso_surface;
 mod overlap;
 mod seal;
-mod shim;
 mod sign;
 mod soup;
 mod stage;

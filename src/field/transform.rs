@@ -7,7 +7,7 @@ use super::iso_surface::Scalar;
 use super::soup::Soup;
 use super::stage::Stage;
 use super::winding::Winding;
-use super::{DistanceField, FieldError, Grid, Progress, Report, Request, overlap, seal, shim, sign};
+use super::{DistanceField, FieldError, Grid, Progress, Report, Request, overlap, seal, sign};
 use crate::shape::{Content, Mesh, Shape, Volume};
 use rayon::prelude::*;
 use std::time::Instant;
@@ -50,7 +50,7 @@ pub fn transform(shape: &Shape, request: &Request, progress: Progress) -> Result
         Shape::Solid(solid) => {
             let grid = budgeted(shape, request, 0)?;
             let stage = Stage::new(progress, 0.0, 1.0, grid.size()[2]);
-            let values = sampled(&grid, &stage, |i, j, k| shim::distance(solid, grid.position(i, j, k)));
+            let values = sampled(&grid, &stage, |i, j, k| solid.distance(grid.position(i, j, k)));
             (DistanceField { grid, values }, Report { exact: grid.samples(), ..Report::default() })
         }
     };
@@ -152,7 +152,7 @@ fn of_scalar(
 
 /// The grid, if the computation fits in memory.
 fn budgeted(shape: &Shape, request: &Request, triangles: usize) -> Result<Grid, FieldError> {
-    let grid = Grid::covering(&shim::bounds(shape), request)?;
+    let grid = Grid::covering(&shape.bounds(), request)?;
     let bytes = grid.samples() * BYTES_PER_VOXEL + triangles as u64 * BYTES_PER_TRIANGLE;
     if bytes > MEMORY_LIMIT_BYTES {
         return Err(FieldError::Memory { bytes, limit: MEMORY_LIMIT_BYTES, size: grid.size });

@@ -3,6 +3,23 @@
 //! Role: turn a file, a name or a formula into a [`Shape`]. Invariant: every coordinate and value is finite.
 //! This room imports nothing else of the crate and needs no GPU.
 
+mod error;
+mod generated;
+mod mesh;
+mod nrrd;
+mod obj;
+mod open;
+mod phantom;
+mod stl;
+mod teapot;
+mod teapot_data;
+mod volume;
+
+pub use error::{Found, Place, ShapeError};
+pub use generated::BUILT_IN;
+pub use nrrd::write_nrrd;
+pub use open::open;
+
 use glam::Vec3;
 
 /// Something that has a surface.
@@ -78,4 +95,48 @@ pub enum Content {
     Scalar,
     /// A signed distance in world units, positive outside.
     SignedDistance,
+}
+
+impl Shape {
+    /// The box around the surface, world units; of a volume, around all its samples.
+    pub fn bounds(&self) -> Bounds {
+        match self {
+            Shape::Solid(solid) => solid.bounds(),
+            Shape::Mesh(mesh) => mesh.bounds(),
+            Shape::Volume(volume) => volume.bounds(),
+        }
+    }
+}
+
+impl Bounds {
+    /// The smallest box around some points; `None` where there are none.
+    pub fn around(points: &[Vec3]) -> Option<Bounds> {
+        let first = *points.first()?;
+        let start = Bounds { min: first, max: first };
+        Some(points.iter().fold(start, |box_, &p| Bounds { min: box_.min.min(p), max: box_.max.max(p) }))
+    }
+}
+
+impl Solid {
+    /// The box around the solid, world units.
+    pub fn bounds(&self) -> Bounds {
+        let half = match *self {
+            Solid::Sphere { radius } => Vec3::splat(radius),
+            Solid::Cube { half } => Vec3::splat(half),
+            Solid::Torus { major, minor } => Vec3::new(major + minor, minor, major + minor),
+        };
+        Bounds { min: -half, max: half }
+    }
+
+    /// Exact signed distance of `p`, positive outside; world units.
+    pub fn distance(&self, p: Vec3) -> f32 {
+        match *self {
+            Solid::Sphere { radius } => p.length() - radius,
+            Solid::Cube { half } => {
+                let q = p.abs() - half;
+                q.max(Vec3::ZERO).length() + q.max_element().min(0.0)
+            }
+            Solid::Torus { major, minor } => (p.x.hypot(p.z) - major).hypot(p.y) - minor,
+        }
+    }
 }

@@ -34,7 +34,7 @@ fn a_torus_mesh_is_exact_in_the_band_and_safely_below_outside() {
     let (mesh, solid) = (torus(1.0, 0.4, 60, 30), Solid::Torus { major: 1.0, minor: 0.4 });
     let (field, report) = field_of(&mesh, 64, 0.3, 0.15);
     assert_eq!((report.triangles, report.open_edges), (3600, 0));
-    compare_with_brute_force(&mesh, &field, 0.15, |p| crate::field::shim::distance(&solid, p), 0.01);
+    compare_with_brute_force(&mesh, &field, 0.15, |p| solid.distance(p), 0.01);
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn formulas_are_sampled() {
         let (field, report) = transform(&Shape::Solid(solid), &request, &|_| {}).unwrap();
         assert_eq!(field.grid.size.iter().max(), Some(&20));
         assert_eq!(report.exact, field.grid.samples());
-        assert!(samples(&field).all(|(_, p, value)| value == crate::field::shim::distance(&solid, p)));
+        assert!(samples(&field).all(|(_, p, value)| value == solid.distance(p)));
     }
 }
 

@@ -1,0 +1,173 @@
+//! What can be asked of a [`Mesh`].
+//!
+//! Role: bounds, cleaning, open edges, volume. Invariant: nothing here changes the surface; cleaning only removes
+//! what has no area.
+
+use super::{Bounds, Mesh, Shape, ShapeError};
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+
+impl Mesh {
+    /// Bounds of the positions. A mesh without positions gives the origin.
+    pub fn bounds(&self) -> Bounds {
+        Bounds::around(&self.positions).unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO })
+    }
+
+    /// The corners of triangle `index`, in winding order: counterclockwise seen from outside.
+    ///
+    /// Panics where `index` is not below `triangles.len()`.
+    pub fn corners(&self, index: usize) -> [Vec3; 3] {
+        self.triangles[index].map(|corner| self.positions[corner as usize])
+    }
+
+    /// Edges used by exactly one triangle once vertices at equal positions are one vertex; 0 for a closed mesh.
+    ///
+    /// Equal means equal numbers (0 and -0 are equal); there is no tolerance. Time and memory grow as the triangles.
+    pub fn open_edges(&self) -> usize {
+        let (_, welded) = weld(&self.positions);
+        let mut uses: HashMap<(u32, u32), u32> = HashMap::with_capacity(self.triangles.len() * 3 / 2);
+        for triangle in &self.triangles {
+            let corners = triangle.map(|corner| welded[corner as usize]);
+            for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+                let (a, b) = (corners[a], corners[b]);
+                *uses.entry((a.min(b), a.max(b))).or_default() += 1;
+            }
+        }
+        uses.values().filter(|&&count| count == 1).count()
+    }
+
+    /// Signed volume in cubic world units by the divergence theorem, in f64: positive for a closed mesh wound outward.
+    ///
+    /// For an open mesh the value depends on where the origin is and means little.
+    pub fn signed_volume(&self) -> f64 {
+        let volumes = (0..self.triangles.len()).map(|triangle| {
+            let [a, b, c] = self.corners(triangle).map(Vec3::as_dvec3);
+            a.dot(b.cross(c)) / 6.0
+        });
+        volumes.sum()
+    }
+
+    /// The mesh of these triangles without those of zero area, and without positions that no triangle uses.
+    ///
+    /// Also returns how many triangles were dropped. Every index must be below `positions.len()`.
+    pub(super) fn cleaned(positions: Vec<Vec3>, mut triangles: Vec<[u32; 3]>) -> (Mesh, usize) {
+        const UNUSED: u32 = u32::MAX;
+        let before = triangles.len();
+        triangles.retain(|triangle| {
+            let [a, b, c] = triangle.map(|corner| positions[corner as usize].as_dvec3());
+            (b - a).cross(c - a) != DVec3::ZERO
+        });
+        let mut renumbered = vec![UNUSED; positions.len()];
+        let mut kept = Vec::with_capacity(positions.len());
+        for corner in triangles.iter_mut().flatten() {
+            let new = &mut renumbered[*corner as usize];
+            if *new == UNUSED {
+                *new = kept.len() as u32;
+                kept.push(positions[*corner as usize]);
+            }
+            *corner = *new;
+        }
+        kept.shrink_to_fit();
+        let dropped = before - triangles.len();
+        (Mesh { positions: kept, triangles }, dropped)
+    }
+
+    /// Triangles given as three corners each, one after the other, with equal corners made one vertex.
+    pub(super) fn of_corners(corners: &[Vec3]) -> (Mesh, usize) {
+        let (positions, indices) = weld(corners);
+        Mesh::cleaned(positions, indices.as_chunks::<3>().0.to_vec())
+    }
+}
+
+/// Coordinates of a larger magnitude are refused: their squares, and the squares of distances, would overflow.
+const MAX_COORDINATE: f32 = 1e15;
+/// The largest mesh that is read.
+const MAX_TRIANGLES: u64 = 50_000_000;
+
+/// The shape of a mesh that was read from a file.
+///
+/// # Errors
+/// A coordinate that is not finite or too large, too many triangles, or none with an area.
+pub(super) fn checked(file: &str, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Shape, ShapeError> {
+    if let Some(first) = positions.iter().position(|p| !p.is_finite()) {
+        let (count, total) = (positions.iter().filter(|p| !p.is_finite()).count(), positions.len());
+        return Err(ShapeError::NotFinite { file: file.into(), what: "vertices", count, total, first });
+    }
+    if let Some(index) = positions.iter().position(|p| p.abs().max_element() > MAX_COORDINATE) {
+        let (what, value) = ("vertex", positions[index].abs().max_element());
+        return Err(ShapeError::CoordinateRange { file: file.into(), what, index, value, limit: MAX_COORDINATE });
+    }
+    if triangles.len() as u64 > MAX_TRIANGLES {
+        let (what, found) = ("triangles", triangles.len().to_string());
+        return Err(ShapeError::TooLarge { file: file.into(), what, found, limit: MAX_TRIANGLES });
+    }
+    let (mesh, zero_area) = Mesh::cleaned(positions, triangles);
+    match mesh.triangles.is_empty() {
+        true => Err(ShapeError::NoTriangles { file: file.into(), zero_area }),
+        false => Ok(Shape::Mesh(mesh)),
+    }
+}
+
+/// As [`checked`], for three corners each, one triangle after the other.
+pub(super) fn checked_corners(file: &str, corners: Vec<Vec3>) -> Result<Shape, ShapeError> {
+    let (positions, indices) = weld(&corners);
+    checked(file, positions, indices.as_chunks::<3>().0.to_vec())
+}
+
+/// The distinct positions in order of first use, and for each position the index of its representative.
+fn weld(positions: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
+    let mut distinct = Vec::new();
+    let mut seen = HashMap::with_capacity(positions.len() / 4);
+    let indices = positions.iter().map(|position| {
+        // Adding zero turns -0 into 0, so that equal numbers have equal bits.
+        let bits = position.to_array().map(|x| (x + 0.0).to_bits());
+        *seen.entry(bits).or_insert_with(|| {
+            distinct.push(*position);
+            distinct.len() as u32 - 1
+        })
+    });
+    let indices = indices.collect();
+    (distinct, indices)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Mesh {
+        Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y], triangles: vec![[0, 1, 2], [0, 2, 3]] }
+    }
+
+    #[test]
+    fn a_square_of_two_triangles_has_four_open_edges() {
+        assert_eq!(square().open_edges(), 4);
+    }
+
+    #[test]
+    fn open_edges_are_counted_after_equal_positions_are_welded() {
+        let mesh = square();
+        let split: Vec<Vec3> = (0..2).flat_map(|triangle| mesh.corners(triangle)).collect();
+        let split = Mesh { positions: split, triangles: vec![[0, 1, 2], [3, 4, 5]] };
+        assert_eq!(split.open_edges(), 4);
+    }
+
+    #[test]
+    fn zero_and_minus_zero_are_the_same_position() {
+        let mut mesh = square();
+        mesh.positions.push(Vec3::new(-0.0, 0.0, -0.0));
+        mesh.triangles[1][0] = 4;
+        assert_eq!(mesh.open_edges(), 4);
+    }
+
+    #[test]
+    fn cleaning_drops_flat_triangles_and_unused_positions_only() {
+        let mut mesh = square();
+        mesh.positions.insert(0, Vec3::splat(9.0));
+        let mut triangles: Vec<_> = mesh.triangles.iter().map(|t| t.map(|corner| corner + 1)).collect();
+        triangles.push([1, 1, 2]);
+        triangles.push([1, 2, 2]);
+        let (cleaned, dropped) = Mesh::cleaned(mesh.positions, triangles);
+        assert_eq!((cleaned.positions.len(), cleaned.triangles.len(), dropped), (4, 2, 2));
+        assert_eq!(cleaned.bounds(), square().bounds());
+    }
+}

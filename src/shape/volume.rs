@@ -1,0 +1,122 @@
+//! What can be asked of a [`Volume`].
+//!
+//! Role: where the samples are, and the value between them. Invariant: outside the samples there is no value.
+
+use super::{Bounds, ShapeError, Volume};
+use glam::{DVec3, Vec3};
+
+/// How far outside the outermost samples a point still counts as on them, in voxels.
+///
+/// The corners of [`Volume::bounds`] are rounded to f32; smaller than 1e-4 and they fall outside a large volume.
+const EDGE_TOLERANCE: f64 = 1e-3;
+
+impl Volume {
+    /// Box from the first to the last sample on each axis (sample positions, not voxel faces), in world units.
+    pub fn bounds(&self) -> Bounds {
+        Bounds { min: self.origin, max: self.position(self.size.map(|n| n.saturating_sub(1))) }
+    }
+
+    /// World position of the sample with index `[x, y, z]`.
+    pub fn position(&self, index: [u32; 3]) -> Vec3 {
+        let index = DVec3::from(index.map(f64::from));
+        (self.origin.as_dvec3() + index * self.spacing.as_dvec3()).as_vec3()
+    }
+
+    /// Smallest and largest value. Time grows as the volume; a volume without values gives (inf, -inf).
+    pub fn range(&self) -> (f32, f32) {
+        self.values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
+    }
+
+    /// Trilinear value at world position `p`; `None` outside [`Volume::bounds`] and for NaN.
+    ///
+    /// Exact at the samples. Up to 1/1000 of a voxel outside, where the rounding of the bounds may lie, the value is
+    /// that of the nearest point on the box.
+    pub fn sample(&self, p: Vec3) -> Option<f32> {
+        let local = (p.as_dvec3() - self.origin.as_dvec3()) / self.spacing.as_dvec3();
+        let mut cell = [(0_usize, 0_usize, 0.0_f64); 3];
+        for (axis, (cell, x)) in cell.iter_mut().zip(local.to_array()).enumerate() {
+            let last = self.size[axis].checked_sub(1)? as f64;
+            if !(-EDGE_TOLERANCE..=last + EDGE_TOLERANCE).contains(&x) {
+                return None;
+            }
+            let x = x.clamp(0.0, last);
+            let low = x.floor();
+            *cell = (low as usize, x.ceil() as usize, x - low);
+        }
+        let [x, y, z] = cell;
+        let [nx, ny, _] = self.size.map(|n| n as usize);
+        let row = |y: usize, z: usize| {
+            let start = (z * ny + y) * nx;
+            Some(lerp(*self.values.get(start + x.0)?, *self.values.get(start + x.1)?, x.2))
+        };
+        let near = row(y.0, z.0)? * (1.0 - y.2) + row(y.1, z.0)? * y.2;
+        let far = row(y.0, z.1)? * (1.0 - y.2) + row(y.1, z.1)? * y.2;
+        Some((near * (1.0 - z.2) + far * z.2) as f32)
+    }
+}
+
+fn lerp(a: f32, b: f32, t: f64) -> f64 {
+    f64::from(a) * (1.0 - t) + f64::from(b) * t
+}
+
+/// A volume that was read from a file.
+///
+/// # Errors
+/// Values that are not finite, or a box that is.
+pub(super) fn checked(file: &str, volume: Volume) -> Result<Volume, ShapeError> {
+    let Some(first) = volume.values.iter().position(|value| !value.is_finite()) else { return Ok(volume) };
+    let (count, total) = (volume.values.iter().filter(|value| !value.is_finite()).count(), volume.values.len());
+    Err(ShapeError::NotFinite { file: file.into(), what: "voxels", count, total, first })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Content;
+    use super::*;
+
+    /// Values of the trilinear function f, on a grid with different sizes and spacings per axis.
+    fn trilinear() -> (Volume, impl Fn(Vec3) -> f32) {
+        let f = |p: Vec3| 1.0 + 2.0 * p.x - 3.0 * p.y + p.z * p.x * p.y;
+        let mut volume = Volume {
+            size: [3, 4, 5],
+            origin: Vec3::new(-1.0, 2.0, 0.5),
+            spacing: Vec3::new(0.5, 0.25, 2.0),
+            values: Vec::new(),
+            content: Content::Scalar,
+        };
+        for z in 0..5 {
+            for y in 0..4 {
+                for x in 0..3 {
+                    volume.values.push(f(volume.position([x, y, z])));
+                }
+            }
+        }
+        (volume, f)
+    }
+
+    #[test]
+    fn sampling_a_trilinear_function_is_exact_between_the_samples() {
+        let (volume, f) = trilinear();
+        for p in [[-1.0, 2.0, 0.5], [0.0, 2.75, 8.5], [-0.3, 2.6, 3.1], [-0.01, 2.01, 8.4]].map(Vec3::from) {
+            assert!((volume.sample(p).unwrap() - f(p)).abs() < 1e-5, "{p}");
+        }
+    }
+
+    #[test]
+    fn there_is_no_value_outside_the_samples() {
+        let (volume, _) = trilinear();
+        let Bounds { min, max } = volume.bounds();
+        assert!(volume.sample(min).is_some() && volume.sample(max).is_some());
+        assert_eq!(volume.sample(min - Vec3::X * 0.01), None);
+        assert_eq!(volume.sample(max + Vec3::Z * 0.01), None);
+        assert_eq!(volume.sample(Vec3::new(f32::NAN, 2.5, 1.0)), None);
+    }
+
+    #[test]
+    fn the_range_of_a_volume_is_its_smallest_and_largest_value() {
+        let (mut volume, _) = trilinear();
+        volume.values[7] = 1e3;
+        volume.values[11] = -1e3;
+        assert_eq!(volume.range(), (-1e3, 1e3));
+    }
+}
