@@ -9,6 +9,7 @@ struct Sample {
     vec3 x;             // object position
     float distance;     // signed distance to the surface, positive outside
     vec3 normal;        // unit gradient of the distance, object space
+    float coherence;    // length of the interpolated gradient: 1, but less where the nearest surface changes sides
     float density;      // D in [0, 1]: 1 is the hard region, 0 is outside, between is the soft region
 };
 
@@ -21,6 +22,7 @@ Sample sample_object(vec3 x) {
     s.x = x;
     s.distance = surface.distance;
     s.normal = cap_normal(x, safe_normalize(transpose(jacobian) * surface.normal, vec3(0.0, 1.0, 0.0)));
+    s.coherence = length(surface.normal);
     s.density = soften(s.distance);
     return s;
 }

@@ -1,9 +1,52 @@
-//! Texturing and hypertexturing of volumetric objects.
+//! Texturing and hypertexturing of volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
+//!
+//! # Theory
+//! A *soft object* is a density D in \[0, 1\] over space: 1 in the hard region, 0 outside, between in the soft region
+//! (Perlin and Hoffert 1989). A *density modulation function* (DMF) changes that density before it is drawn. Miller and
+//! Jones 2005 take D from a signed distance field in a 3D texture, draw slices that face the eye through it, and let
+//! each fragment decide what it is: rejected, surface, or soft matter with an opacity of `1 - (1 - D)^(c step)`, which
+//! does not depend on how a path is cut into steps.
+//!
+//! # Practice
+//! ```no_run
+//! use hypertexture::{glsl, gpu, render, scene};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let library = glsl::shipped();
+//! let mut scene = scene::preset("fur")?;
+//! scene.object.input = "torus".into();
+//! let subject = render::Subject::load(&scene, &library, &|_| ())?;
+//! let gpu = gpu::Gpu::new(&gpu::Options::default())?;
+//! let frame = render::render(&gpu, &library, &scene, &subject)?;
+//! println!("{} slices in {:.1} ms", frame.measurements.slices, frame.measurements.gpu_ms);
+//! # Ok(())
+//! # }
+//! ```
+//! An effect of your own is one GLSL file in a slot: [`glsl::Library::with_module`].
+//!
+//! # Map
+//! ```text
+//! mesh | scalar volume | formula                      shape
+//!    -> signed distance field (world units)           field
+//! preset, file, command line -> scene                 scene
+//!    -> the GLSL modules it needs, linked             glsl, variant
+//! field, transfer map, noise -> texels                texture, noise
+//! proxy slices                                        pass
+//!    -> device                                        gpu
+//! all of it, top to bottom -> picture, measurements   render
+//!    -> PNG, EXR; a page                              output, gallery
+//! ```
 
+pub mod doctor;
 pub mod field;
+pub mod gallery;
 pub mod glsl;
 pub mod gpu;
 pub mod noise;
+pub mod output;
+pub mod pass;
+pub mod render;
 pub mod scene;
 pub mod shape;
+pub mod texture;
 pub mod variant;

@@ -95,8 +95,12 @@ impl Noise {
 pub fn noise_block(noise: &Noise, size: u32, cells: u32) -> Vec<u16> {
     bake(size, cells, |p| {
         let (gradient, value) = noise.sample(p, cells);
-        [signed(gradient[0] / NOISE_GRADIENT_BOUND), signed(gradient[1] / NOISE_GRADIENT_BOUND),
-            signed(gradient[2] / NOISE_GRADIENT_BOUND), signed(value)]
+        [
+            signed(gradient[0] / NOISE_GRADIENT_BOUND),
+            signed(gradient[1] / NOISE_GRADIENT_BOUND),
+            signed(gradient[2] / NOISE_GRADIENT_BOUND),
+            signed(value),
+        ]
     })
 }
 
@@ -108,8 +112,12 @@ pub fn turbulence_block(noise: &Noise, size: u32, cells: u32, octaves: u32) -> (
     let held = (0..octaves).take_while(|octave| (cells << octave) * 2 <= size).count() as u32;
     let texels = bake(size, cells, |p| {
         let (gradient, value) = noise.turbulence(p, cells, held);
-        [signed(gradient[0] / TURBULENCE_GRADIENT_BOUND), signed(gradient[1] / TURBULENCE_GRADIENT_BOUND),
-            signed(gradient[2] / TURBULENCE_GRADIENT_BOUND), unsigned(value / TURBULENCE_BOUND)]
+        [
+            signed(gradient[0] / TURBULENCE_GRADIENT_BOUND),
+            signed(gradient[1] / TURBULENCE_GRADIENT_BOUND),
+            signed(gradient[2] / TURBULENCE_GRADIENT_BOUND),
+            unsigned(value / TURBULENCE_BOUND),
+        ]
     });
     (texels, held)
 }
@@ -164,7 +172,8 @@ mod tests {
 
     fn points(count: u32) -> impl Iterator<Item = [f64; 3]> {
         let mut random = SplitMix(7);
-        (0..count).map(move |_| std::array::from_fn(|_| (random.next() >> 11) as f64 / (1u64 << 53) as f64 * 64.0 - 32.0))
+        (0..count)
+            .map(move |_| std::array::from_fn(|_| (random.next() >> 11) as f64 / (1u64 << 53) as f64 * 64.0 - 32.0))
     }
 
     #[test]

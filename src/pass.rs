@@ -138,7 +138,8 @@ mod tests {
 
     #[test]
     fn back_to_front_is_the_same_stack_reversed() {
-        let [front, back] = [Order::FrontToBack, Order::BackToFront].map(|order| stack(EXTENT, 5, Proxy::Polygons, order, |_| [1.0; 4]));
+        let [front, back] = [Order::FrontToBack, Order::BackToFront]
+            .map(|order| stack(EXTENT, 5, Proxy::Polygons, order, |_| [1.0; 4]));
         let floats = 12 * 6;
         let reversed: Vec<f32> = front.vertices.chunks(floats).rev().flatten().copied().collect();
         assert_eq!(back.vertices, reversed);

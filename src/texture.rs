@@ -203,7 +203,9 @@ mod tests {
             assert!(texels.quantization < expected);
             for (index, &distance) in field.values.iter().enumerate() {
                 let stored = match encoding {
-                    Encoding::Distance16 => f32::from(u16::from_ne_bytes([texels.bytes[2 * index], texels.bytes[2 * index + 1]])) / 65535.0,
+                    Encoding::Distance16 => {
+                        f32::from(u16::from_ne_bytes([texels.bytes[2 * index], texels.bytes[2 * index + 1]])) / 65535.0
+                    }
                     _ => f32::from(texels.bytes[4 * index + 3]) / 255.0,
                 };
                 assert!((decode(&texels, stored) - distance).abs() <= texels.quantization * 1.001);
@@ -225,7 +227,12 @@ mod tests {
         let field = sphere(33);
         let texels = encode(&field, Encoding::Normals16, [-10.0, 10.0]);
         let index = 30 + 33 * (16 + 33 * 16);
-        let channel = |c: usize| f32::from(u16::from_ne_bytes([texels.bytes[8 * index + 2 * c], texels.bytes[8 * index + 2 * c + 1]])) / 65535.0 * 2.0 - 1.0;
+        let channel = |c: usize| {
+            f32::from(u16::from_ne_bytes([texels.bytes[8 * index + 2 * c], texels.bytes[8 * index + 2 * c + 1]]))
+                / 65535.0
+                * 2.0
+                - 1.0
+        };
         assert!((channel(0) - 1.0).abs() < 1e-3 && channel(1).abs() < 1e-3 && channel(2).abs() < 1e-3);
     }
 

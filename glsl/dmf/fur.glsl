@@ -4,10 +4,10 @@
 // density: D in [0, 1]; result in [0, 1].
 // @needs normal
 // @outer hair_length
-// @knob hair_length = 0.17 in [0.005, 0.8]: Length of the hair, object units: the width of the soft region.
-// @knob fineness = 26 in [2, 200]: Hairs per object unit.
-// @knob curliness = 0.05 in [0, 0.5]: Sideways wave of the hair, object units at the tip.
-// @knob droop = 0.35 in [0, 2]: How far gravity bends the tip, in hair lengths.
+// @knob hair_length = 0.2 in [0.005, 0.8]: Length of the hair, object units: the width of the soft region.
+// @knob fineness = 40 in [2, 200]: Hairs per object unit.
+// @knob curliness = 0.04 in [0, 0.5]: Sideways wave of the hair, object units at the tip.
+// @knob droop = 0.45 in [0, 2]: How far gravity bends the tip, in hair lengths.
 // @knob unevenness = 0.5 in [0, 1]: Spread of the length from hair to hair.
 // @knob hair_bias = 0.3 in [0.01, 0.99]: Thickness of the hair: PH's bias.
 // @knob hair_gain = 0.9 in [0.01, 0.99]: Sharpness of its edge: PH's gain.
@@ -31,5 +31,7 @@ float fur(float density, Sample s) {
     vec3 root = project(s, 1.0 - density);
     float strand = gain(hair_gain, bias(hair_bias, 0.5 + 0.5 * noise(fineness * root) / 0.6));
     float length_here = 1.0 - unevenness * clamp(0.5 + noise(0.23 * fineness * root), 0.0, 1.0);
-    return strand * max((density - 1.0 + length_here) / length_here, 0.0);
+    float grown = max((density - 1.0 + length_here) / length_here, 0.0);
+    // Across a medial axis the roots jump from one side to the other: no hair stands there.
+    return strand * grown * smoothstep(0.35, 0.85, s.coherence);
 }

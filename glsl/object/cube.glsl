@@ -8,5 +8,5 @@ Surface object(vec3 x) {
     vec3 outside = max(q, 0.0);
     float inside = min(max(q.x, max(q.y, q.z)), 0.0);
     vec3 face = vec3(q.x >= q.y && q.x >= q.z, q.y > q.x && q.y >= q.z, q.z > q.x && q.z > q.y);
-    return Surface(length(outside) + inside, sign(x) * (inside < 0.0 ? face : outside));
+    return Surface(length(outside) + inside, sign(x) * (inside < 0.0 ? face : safe_normalize(outside, face)));
 }

@@ -14,6 +14,6 @@ Surface object(vec3 x) {
     surface.normal = vec3(volume_distance(tex_coord + u) - volume_distance(tex_coord - u),
                           volume_distance(tex_coord + v) - volume_distance(tex_coord - v),
                           volume_distance(tex_coord + w) - volume_distance(tex_coord - w)) *
-                     volume_scale.xyz / volume_texel.xyz;
+                     volume_scale.xyz / (2.0 * volume_texel.xyz);
     return surface;
 }

@@ -3,4 +3,4 @@
 // x: object space.
 #include "surface_point.glsl"
 
-Surface object(vec3 x) { return Surface(length(x) - 1.0, x); }
+Surface object(vec3 x) { return Surface(length(x) - 1.0, safe_normalize(x, vec3(0.0))); }

@@ -290,7 +290,8 @@ mod tests {
 
     #[test]
     fn knobs_are_read_with_default_range_and_sentence() {
-        let library = library(&[("a.frag", "// @knob size = 0.5 in [0, 2]: Size, in cells.\n// @color tint = #ff8000: Tint.")]);
+        let library =
+            library(&[("a.frag", "// @knob size = 0.5 in [0, 2]: Size, in cells.\n// @color tint = #ff8000: Tint.")]);
         let found = library.declarations(&["a.frag"], &Slots::new()).unwrap();
         assert_eq!(found.knobs[0].default, Default::Number(0.5, [0.0, 2.0]));
         assert_eq!(found.knobs[0].doc, "Size, in cells.");
@@ -299,7 +300,8 @@ mod tests {
 
     #[test]
     fn a_bad_declaration_names_file_and_line() {
-        for text in ["// @knob x = 3 in [0, 2]: Out of range.", "// @knob Big = 1 in [0, 2]: Upper case.", "// @what x"] {
+        for text in ["// @knob x = 3 in [0, 2]: Out of range.", "// @knob Big = 1 in [0, 2]: Upper case.", "// @what x"]
+        {
             let library = library(&[("a.frag", &format!("\n{text}"))]);
             let error = library.declarations(&["a.frag"], &Slots::new()).unwrap_err().to_string();
             assert!(error.starts_with("a.frag:2:"), "{error}");

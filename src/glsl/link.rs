@@ -99,7 +99,9 @@ impl Linker {
         };
         match self.compiler.compile_into_spirv(text, kind, entry, "main", Some(&options)) {
             Ok(artifact) => Ok(artifact.as_binary().to_vec()),
-            Err(shaderc::Error::CompilationError(_, message)) => Err(LinkError::Compile(message.trim_end().to_string())),
+            Err(shaderc::Error::CompilationError(_, message)) => {
+                Err(LinkError::Compile(message.trim_end().to_string()))
+            }
             Err(error) => Err(LinkError::Compile(error.to_string())),
         }
     }
@@ -183,7 +185,8 @@ mod tests {
 
     #[test]
     fn a_knob_is_a_member_of_the_block_under_its_bare_name() {
-        let module = "// @knob size = 1 in [0, 2]: Size.\nfloat one(float density, Sample s) { return size * density; }";
+        let module =
+            "// @knob size = 1 in [0, 2]: Size.\nfloat one(float density, Sample s) { return size * density; }";
         assert!(link(&library(module), &["one"]).is_ok());
     }
 }

@@ -169,7 +169,14 @@ impl Commands<'_> {
     /// Copies a buffer into a sampled image and leaves it ready to be sampled.
     pub(super) fn upload(&mut self, from: &Buffer, to: &Image) {
         use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
-        self.transition(to, Layout::TRANSFER_DST_OPTIMAL, Stage::NONE, Access::NONE, Stage::COPY, Access::TRANSFER_WRITE);
+        self.transition(
+            to,
+            Layout::TRANSFER_DST_OPTIMAL,
+            Stage::NONE,
+            Access::NONE,
+            Stage::COPY,
+            Access::TRANSFER_WRITE,
+        );
         let region = vk::BufferImageCopy::default().image_subresource(LAYERS).image_extent(to.extent);
         // SAFETY: the image is in the layout named, and the buffer holds exactly its texels.
         unsafe {
@@ -227,7 +234,8 @@ impl Commands<'_> {
         let vk::Extent3D { width, height, .. } = target.color.extent;
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
         let info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachments);
-        let viewport = vk::Viewport { width: width as f32, height: height as f32, max_depth: 1.0, ..Default::default() };
+        let viewport =
+            vk::Viewport { width: width as f32, height: height as f32, max_depth: 1.0, ..Default::default() };
         let device = &self.gpu.0.device;
         // SAFETY: the command buffer is being recorded, and the images are in the layouts named.
         unsafe {

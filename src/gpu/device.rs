@@ -130,7 +130,11 @@ impl Gpu {
             buffer_device_address: false,
             allocation_sizes: gpu_allocator::AllocationSizes::new(16 << 20, 16 << 20),
         })
-        .map_err(|error| GpuError::Memory { what: "the allocator".into(), bytes: 0, reason: error.to_string() })?;
+        .map_err(|error| GpuError::Memory {
+            what: "the allocator".into(),
+            bytes: 0,
+            reason: error.to_string(),
+        })?;
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(family)
             .flags(vk::CommandPoolCreateFlags::TRANSIENT);
@@ -196,11 +200,7 @@ impl Gpu {
     }
 }
 
-fn create_device(
-    instance: &ash::Instance,
-    physical: vk::PhysicalDevice,
-    family: u32,
-) -> Result<ash::Device, GpuError> {
+fn create_device(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> Result<ash::Device, GpuError> {
     // SAFETY: the physical device belongs to `instance`, which is alive.
     let supported = unsafe { instance.get_physical_device_features(physical) };
     let features = vk::PhysicalDeviceFeatures::default()
@@ -261,7 +261,8 @@ fn facts(instance: &ash::Instance, physical: vk::PhysicalDevice, properties: &vk
         instance.get_physical_device_properties2(physical, &mut properties2);
         instance.get_physical_device_features(physical)
     };
-    let text = |name: Result<&std::ffi::CStr, _>| name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let text =
+        |name: Result<&std::ffi::CStr, _>| name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let version = properties.api_version;
     let (major, minor, patch) =
         (vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version));
@@ -272,7 +273,11 @@ fn facts(instance: &ash::Instance, physical: vk::PhysicalDevice, properties: &vk
         cpu: properties.device_type == vk::PhysicalDeviceType::CPU,
         max_volume: properties.limits.max_image_dimension3_d,
         max_image: properties.limits.max_image_dimension2_d,
-        max_anisotropy: if supported.sampler_anisotropy == vk::TRUE { properties.limits.max_sampler_anisotropy } else { 1.0 },
+        max_anisotropy: if supported.sampler_anisotropy == vk::TRUE {
+            properties.limits.max_sampler_anisotropy
+        } else {
+            1.0
+        },
         sample_shading: supported.sample_rate_shading == vk::TRUE,
         counts_fragments: supported.pipeline_statistics_query == vk::TRUE,
         timestamp_period: properties.limits.timestamp_period,
@@ -299,7 +304,8 @@ fn write_cache(file: &std::path::Path, data: &[u8]) {
     let bytes = [blake3::hash(data).as_bytes(), data].concat();
     let temporary = file.with_extension(format!("{}.tmp", std::process::id()));
     let folder = file.parent().map(std::fs::create_dir_all).unwrap_or(Ok(()));
-    let written = folder.and_then(|()| std::fs::write(&temporary, bytes)).and_then(|()| std::fs::rename(&temporary, file));
+    let written =
+        folder.and_then(|()| std::fs::write(&temporary, bytes)).and_then(|()| std::fs::rename(&temporary, file));
     if let Err(error) = written {
         log::warn!("the pipeline cache {} could not be written: {error}", file.display());
     }

@@ -47,7 +47,8 @@ fn create_instance(entry: &ash::Entry, validation: bool, messages: &Messages) ->
     let extensions = [ash::ext::debug_utils::NAME.as_ptr()];
     if validation {
         // SAFETY: the loader is alive.
-        let present = unsafe { entry.enumerate_instance_layer_properties() }.named("vkEnumerateInstanceLayerProperties")?;
+        let present =
+            unsafe { entry.enumerate_instance_layer_properties() }.named("vkEnumerateInstanceLayerProperties")?;
         if !present.iter().any(|layer| layer.layer_name_as_c_str() == Ok(LAYER)) {
             return Err(GpuError::NoValidation);
         }

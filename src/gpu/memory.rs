@@ -156,7 +156,13 @@ impl Image {
     ///
     /// # Errors
     /// Larger than the device allows, or no memory left.
-    pub fn new(gpu: &Gpu, name: &str, dimension: Dimension, format: Format, purpose: ImageUse) -> Result<Image, GpuError> {
+    pub fn new(
+        gpu: &Gpu,
+        name: &str,
+        dimension: Dimension,
+        format: Format,
+        purpose: ImageUse,
+    ) -> Result<Image, GpuError> {
         use vk::{ImageType as Type, ImageViewType as View};
         let facts = gpu.facts();
         let (kind, view_kind, size, limit) = match dimension {
@@ -173,7 +179,9 @@ impl Image {
         let (usage, samples) = match purpose {
             ImageUse::Sampled => (vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST, 1),
             ImageUse::Target(1) => (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC, 1),
-            ImageUse::Target(samples) => (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC, samples),
+            ImageUse::Target(samples) => {
+                (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC, samples)
+            }
         };
         let info = vk::ImageCreateInfo::default()
             .image_type(kind)
@@ -221,7 +229,13 @@ impl Image {
     ///
     /// # Panics
     /// When `texels` is not exactly as long as the image.
-    pub fn sampled(gpu: &Gpu, name: &str, dimension: Dimension, format: Format, texels: &[u8]) -> Result<Image, GpuError> {
+    pub fn sampled(
+        gpu: &Gpu,
+        name: &str,
+        dimension: Dimension,
+        format: Format,
+        texels: &[u8],
+    ) -> Result<Image, GpuError> {
         let image = Image::new(gpu, name, dimension, format, ImageUse::Sampled)?;
         assert_eq!(texels.len() as u64, image.texel_bytes(), "`{name}`: texels and size agree");
         let staging = Buffer::new(gpu, "upload", BufferUse::Upload, texels)?;

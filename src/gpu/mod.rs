@@ -46,7 +46,9 @@ pub enum GpuError {
         found: String,
     },
     /// The validation layer is asked for and not installed.
-    #[error("the Vulkan validation layer is not installed; on Debian or Ubuntu: sudo apt install vulkan-validationlayers")]
+    #[error(
+        "the Vulkan validation layer is not installed; on Debian or Ubuntu: sudo apt install vulkan-validationlayers"
+    )]
     NoValidation,
     /// The device lacks something the settings ask for.
     #[error("{device} cannot do {what}: {remedy}")]

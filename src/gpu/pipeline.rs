@@ -96,8 +96,7 @@ impl Pipeline {
         let stage = |stage, module: &Module| {
             vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.handle).name(c"main")
         };
-        let stages =
-            [stage(vk::ShaderStageFlags::VERTEX, &vertex), stage(vk::ShaderStageFlags::FRAGMENT, &fragment)];
+        let stages = [stage(vk::ShaderStageFlags::VERTEX, &vertex), stage(vk::ShaderStageFlags::FRAGMENT, &fragment)];
         pipeline.handle = compile(gpu, description, &stages, pipeline.layout)?;
         Ok(pipeline)
     }
@@ -234,9 +233,8 @@ fn layout_binding(binding: &Binding) -> vk::DescriptorSetLayoutBinding<'static> 
 }
 
 fn check(gpu: &Gpu, description: &PipelineDescription<'_>) -> Result<(), GpuError> {
-    let unsupported = |what: String, remedy: String| {
-        Err(GpuError::Unsupported { device: gpu.facts().name.clone(), what, remedy })
-    };
+    let unsupported =
+        |what: String, remedy: String| Err(GpuError::Unsupported { device: gpu.facts().name.clone(), what, remedy });
     if description.blend != Blend::Replace && !gpu.can_blend(description.format) {
         return unsupported(format!("blending into {:?}", description.format), "choose another --target".into());
     }
@@ -275,8 +273,7 @@ fn compile(
     if !attributes.is_empty() {
         input = input.vertex_binding_descriptions(&buffers).vertex_attribute_descriptions(&attributes);
     }
-    let assembly =
-        vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
     let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
     let raster = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
     let multisample = vk::PipelineMultisampleStateCreateInfo::default()

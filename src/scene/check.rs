@@ -68,7 +68,10 @@ impl Scene {
             return Err(SceneError::Value {
                 field: "object.inner_iso".into(),
                 value: object.inner_iso.to_string(),
-                limit: format!("at most object.outer_iso = {}; for a hard object use softness = \"hard\"", object.outer_iso),
+                limit: format!(
+                    "at most object.outer_iso = {}; for a hard object use softness = \"hard\"",
+                    object.outer_iso
+                ),
             });
         }
         Ok(())

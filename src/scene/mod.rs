@@ -10,7 +10,7 @@ mod presets;
 pub(crate) use check::ENTRIES;
 pub use check::Knobs;
 pub use file::{load, parse, to_text};
-pub use presets::{EFFECTS, preset};
+pub use presets::{EFFECTS, names, preset};
 
 use crate::glsl::Slots;
 use serde::{Deserialize, Serialize};
@@ -55,6 +55,8 @@ pub struct Object {
     pub resolution: u32,
     /// Iso-value of the surface of a scalar volume; without one, the middle of its range.
     pub iso: Option<f32>,
+    /// Whether a volume holds signed distances, positive outside, although its file does not say so.
+    pub distance: bool,
     /// Signed distance at which the object starts, object units (the longest side of the object is 2).
     pub inner_iso: f32,
     /// Signed distance at which the soft region starts, object units; the effect's own knob goes before it.
@@ -67,8 +69,9 @@ impl std::default::Default for Object {
     fn default() -> Object {
         Object {
             input: "teapot".into(),
-            resolution: 128,
+            resolution: 192,
             iso: None,
+            distance: false,
             inner_iso: 0.0,
             outer_iso: 0.15,
             source: Source::Auto,

@@ -16,6 +16,11 @@ pub(super) const PRESETS: &[(&str, &str)] = &[
     ("shells", include_str!("../../presets/shells.toml")),
 ];
 
+/// Names of all presets.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    PRESETS.iter().map(|(name, _)| *name)
+}
+
 /// The preset of that name.
 ///
 /// # Errors

@@ -60,13 +60,12 @@ impl Variant {
     /// # Errors
     /// What [`Scene::check`] finds.
     pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        scene.check(library)?;
+        let knobs = scene.check(library)?;
         let mut choice = scene.slots();
         choice.insert("object".into(), vec!["normals".into()]);
         let needs_normal = library.declarations(&ENTRIES, &choice)?.needs_normal;
         choice.insert("object".into(), vec![object_module(scene, needs_normal).into()]);
-        let slots = library.needed(&ENTRIES, &choice)?;
-        Ok(Variant { slots, knobs: scene.check(library)? })
+        Ok(Variant { slots: library.needed(&ENTRIES, &choice)?, knobs })
     }
 
     /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
@@ -177,7 +176,10 @@ mod tests {
     #[test]
     fn what_a_scene_does_not_need_is_not_bound() {
         let mut scene = preset("lit").unwrap();
-        assert_eq!(program(&scene).left_out(), ["noise block", "turbulence block", "transfer map", "segment table", "classified volume"]);
+        assert_eq!(
+            program(&scene).left_out(),
+            ["noise block", "turbulence block", "transfer map", "segment table", "classified volume"]
+        );
         scene.object.input = "sphere".into();
         assert!(program(&scene).left_out().contains(&"volume"));
         assert!(!program(&preset("fur").unwrap()).left_out().contains(&"noise block"));
@@ -196,14 +198,22 @@ mod tests {
     #[test]
     fn m28_the_constants_are_those_of_the_paper() {
         let program = program(&preset("lit").unwrap());
-        let Some(Use::Block(block)) =
-            program.resources.iter().find(|r| r.name == "Constants").map(|r| r.holds.clone())
+        let Some(Use::Block(block)) = program.resources.iter().find(|r| r.name == "Constants").map(|r| r.holds.clone())
         else {
             panic!("no block of constants")
         };
         let names: Vec<_> = block.members.iter().map(|member| member.name.as_str()).collect();
-        let expected = ["normal_matrix", "material_color", "ambient_color", "light_color", "light_position",
-            "specular_power", "specular_strength", "iso_value", "outer_iso_value"];
+        let expected = [
+            "normal_matrix",
+            "material_color",
+            "ambient_color",
+            "light_color",
+            "light_position",
+            "specular_power",
+            "specular_strength",
+            "iso_value",
+            "outer_iso_value",
+        ];
         assert_eq!(names, expected);
     }
 

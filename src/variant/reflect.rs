@@ -106,23 +106,24 @@ fn stage(code: &[u32]) -> Result<Vec<Resource>, ReflectError> {
         .reflect()
         .map_err(|error| ReflectError::Spirv(error.to_string()))?;
     let variables = entries.into_iter().flat_map(|entry| entry.vars);
-    variables.filter_map(|variable| match variable {
-        Variable::Descriptor { name, desc_bind, desc_ty, ty, .. } => {
-            let name = name.filter(|name| !name.is_empty()).or_else(|| type_name(&ty)).unwrap_or_default();
-            let holds = match (&desc_ty, &ty, desc_bind.set()) {
-                (DescriptorType::UniformBuffer(), Type::Struct(block), 0) => Some(block_of(block).map(Use::Block)),
-                (DescriptorType::SampledImage(), _, 0) => Some(Ok(Use::Image)),
-                (DescriptorType::Sampler(), _, 0) => Some(Ok(Use::Sampler)),
-                _ => None,
-            };
-            let holds = holds.unwrap_or_else(|| Err(ReflectError::Foreign(name.clone())));
-            let binding = desc_bind.bind();
-            Some(holds.map(|holds| Resource { name, binding, holds, vertex: false, fragment: false }))
-        }
-        Variable::PushConstant { name, .. } => Some(Err(ReflectError::Foreign(name.unwrap_or_default()))),
-        _ => None,
-    })
-    .collect()
+    variables
+        .filter_map(|variable| match variable {
+            Variable::Descriptor { name, desc_bind, desc_ty, ty, .. } => {
+                let name = name.filter(|name| !name.is_empty()).or_else(|| type_name(&ty)).unwrap_or_default();
+                let holds = match (&desc_ty, &ty, desc_bind.set()) {
+                    (DescriptorType::UniformBuffer(), Type::Struct(block), 0) => Some(block_of(block).map(Use::Block)),
+                    (DescriptorType::SampledImage(), _, 0) => Some(Ok(Use::Image)),
+                    (DescriptorType::Sampler(), _, 0) => Some(Ok(Use::Sampler)),
+                    _ => None,
+                };
+                let holds = holds.unwrap_or_else(|| Err(ReflectError::Foreign(name.clone())));
+                let binding = desc_bind.bind();
+                Some(holds.map(|holds| Resource { name, binding, holds, vertex: false, fragment: false }))
+            }
+            Variable::PushConstant { name, .. } => Some(Err(ReflectError::Foreign(name.unwrap_or_default()))),
+            _ => None,
+        })
+        .collect()
 }
 
 fn type_name(ty: &Type) -> Option<String> {

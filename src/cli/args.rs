@@ -1,0 +1,375 @@
+//! The command line, and how it goes over a scene.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use hypertexture::glsl::library::hex_color;
+use hypertexture::scene::{self, Color, KnobValue, Scene, SceneError};
+use std::path::{Path, PathBuf};
+
+/// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
+#[derive(Parser)]
+#[command(version, max_term_width = 100)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Part of the name of the Vulkan device to use.
+    #[arg(long, global = true, env = "HYPERTEXTURE_DEVICE", value_name = "NAME")]
+    pub device: Option<String>,
+    /// Say nothing but errors.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+/// What the program does.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Render a picture.
+    Render(Render),
+    /// Compute the distance field of an object and write it as NRRD.
+    Field(Field),
+    /// Render all six effects on one object, with a page that explains them.
+    Gallery(Gallery),
+    /// List the effects and their knobs.
+    Effects,
+    /// Say which device was found, what is missing, and test what the renderer relies on.
+    Doctor,
+}
+
+/// Arguments of `render`.
+#[derive(Args)]
+pub struct Render {
+    /// A built-in object, a mesh, a scalar volume, a distance field, or a scene file (.toml).
+    pub input: String,
+    /// Where the picture goes: .png or .exr.
+    #[arg(long, short, default_value = "out.png", value_name = "FILE")]
+    pub output: PathBuf,
+    /// Bits of each channel of a PNG.
+    #[arg(long, default_value = "8", value_parser = ["8", "16"])]
+    pub depth: String,
+    /// Write the scene in use, complete with defaults.
+    #[arg(long, value_name = "FILE")]
+    pub save_scene: Option<PathBuf>,
+    /// What the picture shows.
+    #[command(flatten)]
+    pub look: Look,
+}
+
+/// Arguments of `field`.
+#[derive(Args)]
+pub struct Field {
+    /// A built-in object, a mesh, a scalar volume or a distance field.
+    pub input: String,
+    /// Where the field goes: .nrrd.
+    #[arg(long, short, default_value = "field.nrrd", value_name = "FILE")]
+    pub output: PathBuf,
+    /// Voxels along the longest side.
+    #[arg(long, default_value_t = 192)]
+    pub resolution: u32,
+    /// Iso-value of the surface of a scalar volume.
+    #[arg(long, allow_negative_numbers = true)]
+    pub iso: Option<f32>,
+    /// How far the field reaches beyond the object; 1 is half of its longest side.
+    #[arg(long, default_value_t = 0.25)]
+    pub margin: f32,
+}
+
+/// Arguments of `gallery`.
+#[derive(Args)]
+pub struct Gallery {
+    /// The object.
+    #[arg(default_value = "teapot")]
+    pub input: String,
+    /// Where pictures and page go.
+    #[arg(long, short, default_value = "out", value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Width and height in pixels.
+    #[arg(long, default_value = "512x512", value_parser = size, value_name = "WxH")]
+    pub size: [u32; 2],
+    /// Slices through the object.
+    #[arg(long, default_value_t = 256)]
+    pub samples: u32,
+    /// Voxels along the longest side of the distance field.
+    #[arg(long, default_value_t = 192)]
+    pub resolution: u32,
+    /// Iso-value of the surface of a scalar volume.
+    #[arg(long, allow_negative_numbers = true)]
+    pub iso: Option<f32>,
+}
+
+/// A look that shows how a picture is made.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Debug {
+    /// Normals as colors (MJ Fig. 3a).
+    Normals,
+    /// Texture coordinates as colors (MJ Fig. 3b).
+    TexCoord,
+    /// The soft region around the lit object (MJ Fig. 4).
+    SoftRegion,
+    /// The stack of slices from the side (MJ Fig. 1).
+    SliceStack,
+}
+
+/// What a picture shows: each goes over the scene.
+#[derive(Args)]
+pub struct Look {
+    /// The effect; `hypertexture effects` lists them.
+    #[arg(long, value_name = "NAME")]
+    pub effect: Option<String>,
+    /// A look that shows how the picture is made.
+    #[arg(long, value_enum)]
+    pub look: Option<Debug>,
+    /// A knob of the effect; may be given again.
+    #[arg(long = "set", value_name = "KNOB=VALUE")]
+    pub knobs: Vec<String>,
+    /// The module of a slot, such as noise=procedural, surface=solid_unlit or dmf=fur+fire; may be given again.
+    #[arg(long = "module", value_name = "SLOT=NAME")]
+    pub modules: Vec<String>,
+    /// Iso-value of the surface of a scalar volume.
+    #[arg(long, allow_negative_numbers = true)]
+    pub iso: Option<f32>,
+    /// The volume holds signed distances, positive outside, although its file does not say so.
+    #[arg(long)]
+    pub distance: bool,
+    /// Voxels along the longest side of the distance field.
+    #[arg(long)]
+    pub resolution: Option<u32>,
+    /// How the distance is stored: auto, normals16, normals8, distance16, distance32.
+    #[arg(long, value_name = "KIND")]
+    pub source: Option<String>,
+    /// Width and height in pixels.
+    #[arg(long, value_parser = size, value_name = "WxH")]
+    pub size: Option<[u32; 2]>,
+    /// Slices through the object.
+    #[arg(long)]
+    pub samples: Option<u32>,
+    /// Format that the slices are blended in: unorm8, float16, float32.
+    #[arg(long, value_name = "FORMAT")]
+    pub target: Option<String>,
+    /// Order of the slices: front_to_back, back_to_front.
+    #[arg(long)]
+    pub order: Option<String>,
+    /// Shape of the slices: polygons, quads.
+    #[arg(long)]
+    pub proxy: Option<String>,
+    /// Samples per pixel: 1, 2, 4, 8.
+    #[arg(long)]
+    pub msaa: Option<u32>,
+    /// Anisotropy of the texture filter, 1 to 16.
+    #[arg(long)]
+    pub anisotropy: Option<f32>,
+    /// Degrees around the object, degrees above the horizon, and how close.
+    #[arg(long, value_parser = numbers, value_name = "AZIMUTH,ELEVATION[,ZOOM]", allow_hyphen_values = true)]
+    pub camera: Option<Numbers>,
+    /// How rays leave the eye: perspective, parallel.
+    #[arg(long)]
+    pub projection: Option<String>,
+    /// Position of the light from the center of the object: right, up, toward the eye.
+    #[arg(long, value_parser = numbers, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub light: Option<Numbers>,
+    /// Time in seconds.
+    #[arg(long, allow_negative_numbers = true)]
+    pub time: Option<f32>,
+    /// Keeps the points with a x + b y + c z <= d; the object spans -1 to 1.
+    #[arg(long, value_parser = numbers, value_name = "A,B,C,D", allow_hyphen_values = true)]
+    pub clip: Option<Numbers>,
+    /// Color behind the object, #rrggbb, or `none` for transparent.
+    #[arg(long, value_name = "COLOR")]
+    pub background: Option<String>,
+}
+
+/// Comma-separated numbers.
+#[derive(Clone)]
+pub struct Numbers(Vec<f32>);
+
+fn numbers(text: &str) -> Result<Numbers, String> {
+    let parsed: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    parsed.map(Numbers).map_err(|_| "write numbers with commas between them".into())
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    parsed.ok_or_else(|| "write width x height in pixels, such as 640x480".into())
+}
+
+impl Look {
+    /// The scene of an input: its file or the preset of the effect, with the arguments over it.
+    pub fn scene(&self, input: &str) -> Result<Scene, SceneError> {
+        let is_scene = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
+        let mut scene = match (is_scene, &self.effect) {
+            (true, None) => scene::load(Path::new(input))?,
+            (true, Some(effect)) => {
+                let file = scene::load(Path::new(input))?;
+                let preset = scene::preset(effect)?;
+                Scene {
+                    object: file.object,
+                    camera: file.camera,
+                    image: file.image,
+                    light: file.light,
+                    quality: file.quality,
+                    ..preset
+                }
+            }
+            (false, effect) => {
+                let mut scene = scene::preset(effect.as_deref().unwrap_or("lit"))?;
+                scene.object.input = input.into();
+                scene
+            }
+        };
+        self.apply(&mut scene)?;
+        Ok(scene)
+    }
+
+    fn apply(&self, scene: &mut Scene) -> Result<(), SceneError> {
+        self.apply_effect(scene)?;
+        for text in &self.knobs {
+            let (name, value) = knob(text)?;
+            scene.knobs.insert(name, value);
+        }
+        let object = &mut scene.object;
+        object.iso = self.iso.or(object.iso);
+        object.distance |= self.distance;
+        put(&mut object.resolution, self.resolution);
+        name_into("--source", &self.source, &mut object.source)?;
+        let quality = &mut scene.quality;
+        put(&mut quality.samples, self.samples);
+        put(&mut quality.msaa, self.msaa);
+        put(&mut quality.anisotropy, self.anisotropy);
+        name_into("--target", &self.target, &mut quality.target)?;
+        name_into("--order", &self.order, &mut quality.order)?;
+        name_into("--proxy", &self.proxy, &mut quality.proxy)?;
+        put(&mut scene.image.size, self.size);
+        let camera = &mut scene.camera;
+        name_into("--projection", &self.projection, &mut camera.projection)?;
+        put(&mut camera.time, self.time);
+        match self.camera.as_ref().map(|numbers| numbers.0.as_slice()) {
+            None => {}
+            Some(&[azimuth, elevation]) => (camera.azimuth, camera.elevation) = (azimuth, elevation),
+            Some(&[azimuth, elevation, zoom]) => {
+                (camera.azimuth, camera.elevation, camera.zoom) = (azimuth, elevation, zoom);
+            }
+            Some(other) => return Err(count("--camera", other, "2 or 3 numbers: azimuth,elevation[,zoom]")),
+        }
+        if let Some(Numbers(light)) = &self.light {
+            let wrong = |_| count("--light", light, "3 numbers: x,y,z");
+            scene.light.position = light.as_slice().try_into().map_err(wrong)?;
+        }
+        if let Some(Numbers(clip)) = &self.clip {
+            let wrong = |_| count("--clip", clip, "4 numbers: a,b,c,d");
+            camera.clip = Some(clip.as_slice().try_into().map_err(wrong)?);
+        }
+        match self.background.as_deref() {
+            None => {}
+            Some("none") => scene.image.background = None,
+            Some(text) => scene.image.background = Some(color("--background", text)?),
+        }
+        Ok(())
+    }
+
+    fn apply_effect(&self, scene: &mut Scene) -> Result<(), SceneError> {
+        match self.look {
+            None => {}
+            Some(Debug::Normals) => show(scene, "surface", "normals"),
+            Some(Debug::TexCoord) => show(scene, "surface", "tex_coord"),
+            Some(Debug::SoftRegion) => {
+                show(scene, "soft", "lit");
+                scene.effect.softness = "linear".into();
+                scene.effect.medium = "soft_region".into();
+                scene.effect.opacity_rate = 4.0;
+            }
+            Some(Debug::SliceStack) => {
+                show(scene, "stack", "lit");
+                scene.camera.slice_stack = true;
+                scene.quality.samples = 24;
+            }
+        }
+        for text in &self.modules {
+            module(text, scene)?;
+        }
+        Ok(())
+    }
+}
+
+/// Puts the modules of one slot, separated by `+`, into the scene.
+fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
+    let limit = "write SLOT=MODULE, such as noise=procedural; a stack is DMF+DMF".to_string();
+    let wrong = || SceneError::Value { field: "--module".into(), value: text.into(), limit };
+    let (slot, names) = text.split_once('=').ok_or_else(wrong)?;
+    let effect = &mut scene.effect;
+    let single = match slot.trim() {
+        "classify" => &mut effect.classify,
+        "softness" => &mut effect.softness,
+        "surface" => &mut effect.surface,
+        "medium" => &mut effect.medium,
+        "noise" => &mut effect.noise,
+        "turbulence" => &mut effect.turbulence,
+        "opacity" => &mut effect.opacity,
+        stack @ ("warp" | "dmf") => {
+            let modules =
+                names.split('+').map(|name| name.trim().to_string()).filter(|name| !name.is_empty()).collect();
+            *if stack == "warp" { &mut effect.warp } else { &mut effect.dmf } = modules;
+            return Ok(());
+        }
+        other => {
+            let known = ["classify", "softness", "warp", "dmf", "surface", "medium", "noise", "turbulence", "opacity"];
+            return Err(SceneError::unknown("slot", other, &known));
+        }
+    };
+    *single = names.trim().into();
+    Ok(())
+}
+
+/// A plain effect without modulation, to look at one thing.
+fn show(scene: &mut Scene, classify: &str, surface: &str) {
+    scene.effect.classify = classify.into();
+    scene.effect.surface = surface.into();
+    scene.effect.softness = "hard".into();
+    scene.effect.dmf.clear();
+    scene.effect.warp.clear();
+    scene.knobs.clear();
+}
+
+fn put<T>(field: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *field = value;
+    }
+}
+
+/// A name as scene files spell it.
+fn name_into<T: serde::de::DeserializeOwned>(
+    flag: &str,
+    text: &Option<String>,
+    field: &mut T,
+) -> Result<(), SceneError> {
+    let Some(text) = text else { return Ok(()) };
+    let value = toml::Value::String(text.clone());
+    *field = value.try_into().map_err(|error: toml::de::Error| SceneError::Value {
+        field: flag.into(),
+        value: text.clone(),
+        limit: error.message().replace('\n', " "),
+    })?;
+    Ok(())
+}
+
+fn knob(text: &str) -> Result<(String, KnobValue), SceneError> {
+    let wrong = || SceneError::Value {
+        field: "--set".into(),
+        value: text.into(),
+        limit: "write KNOB=NUMBER or KNOB=#rrggbb, such as fineness=60".into(),
+    };
+    let (name, value) = text.split_once('=').ok_or_else(wrong)?;
+    let value = match value.trim().parse() {
+        Ok(number) => KnobValue::Number(number),
+        Err(_) => KnobValue::Color(Color(hex_color(value.trim()).ok_or_else(wrong)?)),
+    };
+    Ok((name.trim().into(), value))
+}
+
+fn color(flag: &str, text: &str) -> Result<Color, SceneError> {
+    let limit = "write #rrggbb, such as #203040, or none".to_string();
+    let wrong = || SceneError::Value { field: flag.into(), value: text.into(), limit };
+    hex_color(text).map(Color).ok_or_else(wrong)
+}
+
+fn count(flag: &str, found: &[f32], limit: &str) -> SceneError {
+    SceneError::Value { field: flag.into(), value: format!("{} numbers", found.len()), limit: limit.into() }
+}

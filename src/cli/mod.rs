@@ -1,0 +1,193 @@
+//! What each command does, in terms of the library.
+
+mod args;
+mod log;
+
+pub use args::Arguments;
+use args::{Command, Field, Gallery, Render};
+
+use hypertexture::glsl::{self, library::Default as KnobDefault};
+use hypertexture::gpu::{Gpu, Options};
+use hypertexture::output::{self, Depth};
+use hypertexture::render::{Frame, Subject, render};
+use hypertexture::scene::{self, Object, Scene};
+use hypertexture::{doctor, field, gallery, shape};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::error::Error;
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+/// Runs the command that was asked for.
+pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
+    log::start(arguments.quiet);
+    let options = Options {
+        device: arguments.device.filter(|name| !name.is_empty()),
+        validation: std::env::var_os("HYPERTEXTURE_VALIDATION").is_some_and(|value| value == "1"),
+        cache: field::default_folder(),
+    };
+    let quiet = arguments.quiet;
+    match arguments.command {
+        Command::Render(command) => render_picture(&command, &options, quiet),
+        Command::Field(command) => write_field(&command, quiet),
+        Command::Gallery(command) => write_gallery(&command, &options, quiet),
+        Command::Effects => list_effects(),
+        Command::Doctor => {
+            let report = doctor::examine(&options);
+            say(&report.text);
+            if report.healthy { Ok(()) } else { Err("the tests above did not all pass".into()) }
+        }
+    }
+}
+
+/// Writes to standard output; a closed pipe is no error.
+pub fn say(text: &str) {
+    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+}
+
+fn render_picture(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let scene = command.look.scene(&command.input)?;
+    let library = glsl::shipped();
+    scene.check(&library)?;
+    output::check(&command.output)?;
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let gpu = Gpu::new(options)?;
+    let frame = render(&gpu, &library, &scene, &subject)?;
+    let depth = if command.depth == "16" { Depth::Sixteen } else { Depth::Eight };
+    output::write(&frame, scene.image.background, depth, &frame.measurements.modules, &command.output)?;
+    if let Some(file) = &command.save_scene {
+        output::write_whole(file, scene::to_text(&scene).as_bytes())
+            .map_err(|error| format!("{}: {error}; nothing was written", file.display()))?;
+    }
+    if !quiet {
+        say(&summary(&gpu, &subject, &frame));
+        say(&format!("wrote {}\n", absolute(&command.output)));
+    }
+    Ok(())
+}
+
+/// What a render took, and what it left out.
+fn summary(gpu: &Gpu, subject: &Subject, frame: &Frame) -> String {
+    let facts = gpu.facts();
+    let m = &frame.measurements;
+    let mut lines = vec![
+        format!("device     {} ({}, Vulkan {})", facts.name, facts.driver, facts.api),
+        format!("program    {}{}", m.modules, if m.shipped { "" } else { " (linked now)" }),
+        format!("left out   {}", if m.left_out.is_empty() { "nothing".into() } else { m.left_out.join(", ") }),
+    ];
+    if let (Some(field), Some(report)) = (&subject.field, &subject.report) {
+        let [x, y, z] = field.grid.size;
+        let origin = if report.from_cache { "from the cache" } else { "computed" };
+        lines.push(format!(
+            "field      {x} x {y} x {z}, {origin} in {:.0} ms; {} triangles, {} open edges, {} closing; stored to {:.1e} object units",
+            report.ms, report.triangles, report.open_edges, report.closing_triangles, m.quantization
+        ));
+    }
+    let fragments = m.fragments.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
+    lines.push(format!("slices     {} of thickness {:.5} object units{fragments}", m.slices, m.step));
+    lines.push(format!(
+        "time       {:.1} ms on the device (longest submission {:.1} ms), {:.0} ms in all",
+        m.gpu_ms, m.longest_ms, m.total_ms
+    ));
+    lines.push(format!("memory     {:.1} MiB of images on the device\n", m.device_bytes as f64 / f64::from(1 << 20)));
+    lines.join("\n")
+}
+
+fn write_field(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let shape = shape::open(&command.input)?;
+    let object = Object { resolution: command.resolution, iso: command.iso, ..Object::default() };
+    if !(0.0..=4.0).contains(&command.margin) {
+        return Err(format!(
+            "--margin {}: must be from 0 to 4 (1 is half of the object's longest side)",
+            command.margin
+        )
+        .into());
+    }
+    let request = hypertexture::render::request(&shape, &object, command.margin);
+    let (field, report) =
+        with_progress(quiet, "distance field", |progress| field::load_or_compute(&shape, &request, progress))?;
+    let mut bytes = Vec::new();
+    shape::write_nrrd(&field.to_volume(), &mut bytes)?;
+    output::write_whole(&command.output, &bytes)
+        .map_err(|error| format!("{}: {error}; nothing was written", command.output.display()))?;
+    if !quiet {
+        let [x, y, z] = field.grid.size;
+        let (low, high) = field.range();
+        say(&format!(
+            "field      {x} x {y} x {z}, spacing {:?}, distances {low:.4} to {high:.4} world units\n\
+             exact      within {:.4} of the surface; a lower bound beyond\n\
+             surface    {} triangles, {} open edges, {} closing; {:.0} ms\nwrote {}\n",
+            field.grid.spacing.to_array(),
+            request.band,
+            report.triangles,
+            report.open_edges,
+            report.closing_triangles,
+            report.ms,
+            absolute(&command.output)
+        ));
+    }
+    Ok(())
+}
+
+fn write_gallery(command: &Gallery, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let library = glsl::shipped();
+    let scenes = gallery::scenes(&command.input)?;
+    let adjust = |scene: &mut Scene| {
+        scene.image.size = command.size;
+        scene.quality.samples = command.samples;
+        scene.object.resolution = command.resolution;
+        scene.object.iso = command.iso;
+    };
+    let mut scenes = scenes;
+    scenes.iter_mut().for_each(|(_, scene)| adjust(scene));
+    let gpu = Gpu::new(options)?;
+    let start = Instant::now();
+    let page =
+        with_progress(quiet, "gallery", |progress| gallery::write(&gpu, &library, &scenes, &command.output, progress))?;
+    if !quiet {
+        say(&format!(
+            "rendered {} scenes in {:.1} s on {}\nwrote {}\n",
+            scenes.len(),
+            start.elapsed().as_secs_f64(),
+            gpu.facts().name,
+            absolute(&page)
+        ));
+    }
+    Ok(())
+}
+
+fn list_effects() -> Result<(), Box<dyn Error>> {
+    let library = glsl::shipped();
+    let mut text = String::new();
+    for name in scene::names() {
+        let scene = scene::preset(name)?;
+        text.push_str(&format!("{name}: {}\n", scene.about));
+        for (knob, _) in scene.check(&library)?.iter() {
+            let default = match knob.default {
+                KnobDefault::Number(value, [low, high]) => format!("{value} in [{low}, {high}]"),
+                KnobDefault::Color([r, g, b]) => format!("#{r:02x}{g:02x}{b:02x}"),
+            };
+            text.push_str(&format!("    {:<16} {default:<24} {}\n", knob.name, knob.doc));
+        }
+    }
+    say(&text);
+    Ok(())
+}
+
+/// Runs a computation; a bar appears on a terminal when it takes longer than a second.
+fn with_progress<T>(quiet: bool, what: &'static str, run: impl FnOnce(field::Progress<'_>) -> T) -> T {
+    const STEPS: u64 = 1000;
+    let style = ProgressStyle::with_template("{msg} [{bar:40}] {percent} % {eta} left");
+    let bar = ProgressBar::new(STEPS).with_message(what).with_style(style.expect("the template is valid"));
+    let start = Instant::now();
+    let result = run(&|fraction| {
+        if !quiet && start.elapsed() > Duration::from_secs(1) {
+            bar.set_position((f64::from(fraction) * STEPS as f64) as u64);
+        }
+    });
+    bar.finish_and_clear();
+    result
+}
+
+fn absolute(path: &std::path::Path) -> String {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()).display().to_string()
+}

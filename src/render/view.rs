@@ -1,0 +1,97 @@
+//! Where eye, object and slices are: the matrices of a scene.
+//!
+//! Eye space: the eye at the origin, looking along -z, y up; one unit is one object unit. The slices live there, and the
+//! rotation of the object reaches them through the texture matrix alone (MJ 3.3).
+
+use super::Subject;
+use crate::pass::Extent;
+use crate::scene::{Projection, Scene};
+use crate::variant::Variant;
+use glam::camera::rh;
+use glam::{Mat4, Quat, Vec3};
+
+/// The object fills this part of the height of a picture at zoom 1. Larger: it touches the border.
+const FILL: f32 = 0.92;
+/// The part of the soft region that counts as object there. Smaller: flames are cut off. Larger: a little hair shrinks
+/// the object.
+const SOFT_FILL: f32 = 0.6;
+/// Nothing nearer to the eye than this is drawn, object units. Smaller: the perspective division loses its digits.
+const NEAR: f32 = 1e-3;
+/// How far the stack of slices is turned to be looked at from the side, degrees: MJ Fig. 1.
+const STACK_TURN: f32 = 62.0;
+
+/// The matrices of a scene.
+pub(super) struct View {
+    pub(super) projection: Mat4,
+    pub(super) object_matrix: Mat4,
+    pub(super) texture_matrix: Mat4,
+    pub(super) normal_matrix: Mat4,
+    pub(super) display_matrix: Mat4,
+    pub(super) light_eye: Vec3,
+    pub(super) box_min: Vec3,
+    pub(super) box_max: Vec3,
+    pub(super) extent: Extent,
+    pub(super) outer_iso: f32,
+    slice_stack: bool,
+}
+
+impl View {
+    pub(super) fn of(scene: &Scene, subject: &Subject, variant: &Variant) -> View {
+        let camera = &scene.camera;
+        let soft = variant.module("softness").is_some_and(|module| module != "hard");
+        let declared = variant.knobs.outer_iso().unwrap_or(scene.object.outer_iso);
+        let outer_iso = if soft { declared } else { scene.object.inner_iso };
+        let reach = outer_iso.max(0.0) + variant.knobs.reach();
+        let (box_min, box_max) = (-subject.half_size - reach, subject.half_size + reach);
+
+        // The trackball: azimuth around the object's vertical axis, then elevation.
+        let turn =
+            Quat::from_rotation_x(camera.elevation.to_radians()) * Quat::from_rotation_y(-camera.azimuth.to_radians());
+        let half_height = (subject.radius + SOFT_FILL * outer_iso.max(0.0)) / FILL / camera.zoom;
+        let [width, height] = scene.image.size.map(|side| side as f32);
+        let (aspect, fit) = (width / height, (width / height).min(1.0));
+        let half_angle = 0.5 * camera.field_of_view.to_radians();
+        let radius = box_max.length();
+        let (projection, distance) = match camera.projection {
+            Projection::Perspective => {
+                let distance = half_height / fit / half_angle.sin();
+                (rh::proj::vulkan::perspective_infinite_reverse(2.0 * half_angle, aspect, NEAR), distance)
+            }
+            Projection::Parallel => {
+                let (distance, y) = (2.0 * radius + NEAR, half_height / fit);
+                let far = distance + 2.0 * radius;
+                (rh::proj::vulkan::orthographic(-y * aspect, y * aspect, -y, y, 0.0, far), distance)
+            }
+        };
+        let center_eye = Vec3::new(0.0, 0.0, -distance);
+        let object_matrix = Mat4::from_rotation_translation(turn, center_eye);
+        let display_matrix = match camera.slice_stack {
+            false => Mat4::IDENTITY,
+            true => {
+                let tilt = Mat4::from_rotation_x(0.3) * Mat4::from_rotation_y(STACK_TURN.to_radians());
+                Mat4::from_translation(center_eye) * tilt * Mat4::from_translation(-center_eye)
+            }
+        };
+        View {
+            projection,
+            object_matrix,
+            texture_matrix: object_matrix.inverse(),
+            normal_matrix: object_matrix.inverse().transpose(),
+            display_matrix,
+            light_eye: center_eye + Vec3::from(scene.light.position),
+            box_min,
+            box_max,
+            extent: Extent { distance, radius, near: NEAR },
+            outer_iso,
+            slice_stack: camera.slice_stack,
+        }
+    }
+
+    /// The color of a slice by its place in the stack: white, unless the stack itself is looked at.
+    pub(super) fn tint(&self) -> impl Fn(f32) -> [f32; 4] + use<> {
+        let slice_stack = self.slice_stack;
+        move |place| {
+            if slice_stack { [1.0 - 0.8 * place, 0.25 + 0.3 * place, 0.2 + 0.8 * place, 1.0] } else { [1.0; 4] }
+        }
+    }
+}
