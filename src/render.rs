@@ -10,7 +10,7 @@ use crate::field::{self, DistanceField, FieldError, Progress};
 use crate::glsl::{Library, Linker};
 use crate::gpu::{self, Gpu, GpuError};
 use crate::pass;
-use crate::scene::{Object, Scene, TargetFormat};
+use crate::scene::{Axis, Object, Order, Scene, Source, TargetFormat};
 use crate::shape::{self, Shape, ShapeError};
 use crate::variant::{FORMULAS, Variant, VariantError};
 use glam::Vec3;
@@ -130,11 +130,14 @@ impl Subject {
     /// # Errors
     /// As [`Subject::load`].
     pub fn load_with_margin(object: &Object, margin: f32, progress: Progress<'_>) -> Result<Subject, RenderError> {
-        if object.source == crate::scene::Source::Auto && FORMULAS.contains(&object.input.as_str()) {
+        if object.source == Source::Auto && FORMULAS.contains(&object.input.as_str()) {
             return Ok(formula(&object.input));
         }
         let shape = open(object)?;
-        let (field, report) = field::load_or_compute(&shape, &request(&shape, object, margin), progress)?;
+        let (mut field, report) = field::load_or_compute(&shape, &request(&shape, object, margin), progress)?;
+        if object.up != Axis::Y {
+            field = field.turned(object.up.turn());
+        }
         let (low, high) = inside_bounds(&field);
         let center = 0.5 * (low + high);
         let scale = 2.0 / (high - low).max_element();
@@ -222,8 +225,8 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
         TargetFormat::Float32 => gpu::Format::Rgba32Float,
     };
     let blend = match quality.order {
-        crate::scene::Order::FrontToBack => gpu::Blend::Under,
-        crate::scene::Order::BackToFront => gpu::Blend::Over,
+        Order::FrontToBack => gpu::Blend::Under,
+        Order::BackToFront => gpu::Blend::Over,
     };
     let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
     let pipeline = gpu::Pipeline::new(

@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use hypertexture::glsl::library::hex_color;
-use hypertexture::scene::{self, Color, KnobValue, Scene, SceneError};
+use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
 use std::path::{Path, PathBuf};
 
 /// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
@@ -49,9 +49,43 @@ pub struct Render {
     /// Write the scene in use, complete with defaults.
     #[arg(long, value_name = "FILE")]
     pub save_scene: Option<PathBuf>,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectArguments,
     /// What the picture shows.
     #[command(flatten)]
     pub look: Look,
+}
+
+/// How an input becomes an object.
+#[derive(Args)]
+pub struct ObjectArguments {
+    /// Iso-value of the surface of a scalar volume; the middle of its range without one.
+    #[arg(long, allow_negative_numbers = true)]
+    iso: Option<f32>,
+    /// The axis of the file that points up: x, y, z, -x, -y, -z.
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    up: Option<String>,
+    /// The volume holds signed distances, positive outside, although its file does not say so.
+    #[arg(long)]
+    distance: bool,
+    /// Voxels along the longest side of the distance field.
+    #[arg(long)]
+    resolution: Option<u32>,
+    /// How the distance is stored: auto, normals16, normals8, distance16, distance32.
+    #[arg(long, value_name = "KIND")]
+    source: Option<String>,
+}
+
+impl ObjectArguments {
+    /// Puts what was given over an object.
+    pub fn apply(&self, object: &mut Object) -> Result<(), SceneError> {
+        object.iso = self.iso.or(object.iso);
+        object.distance |= self.distance;
+        put(&mut object.resolution, self.resolution);
+        name_into("--up", &self.up, &mut object.up)?;
+        name_into("--source", &self.source, &mut object.source)
+    }
 }
 
 /// Arguments of `field`.
@@ -62,12 +96,9 @@ pub struct Field {
     /// Where the field goes: .nrrd.
     #[arg(long, short, default_value = "field.nrrd", value_name = "FILE")]
     pub output: PathBuf,
-    /// Voxels along the longest side.
-    #[arg(long, default_value_t = 192)]
-    pub resolution: u32,
-    /// Iso-value of the surface of a scalar volume.
-    #[arg(long, allow_negative_numbers = true)]
-    pub iso: Option<f32>,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectArguments,
     /// How far the field reaches beyond the object; 1 is half of its longest side.
     #[arg(long, default_value_t = 0.25)]
     pub margin: f32,
@@ -88,12 +119,9 @@ pub struct Gallery {
     /// Slices through the object.
     #[arg(long, default_value_t = 256)]
     pub samples: u32,
-    /// Voxels along the longest side of the distance field.
-    #[arg(long, default_value_t = 192)]
-    pub resolution: u32,
-    /// Iso-value of the surface of a scalar volume.
-    #[arg(long, allow_negative_numbers = true)]
-    pub iso: Option<f32>,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectArguments,
 }
 
 /// A look that shows how a picture is made.
@@ -124,18 +152,6 @@ pub struct Look {
     /// The module of a slot, such as noise=procedural, surface=solid_unlit or dmf=fur+fire; may be given again.
     #[arg(long = "module", value_name = "SLOT=NAME")]
     pub modules: Vec<String>,
-    /// Iso-value of the surface of a scalar volume.
-    #[arg(long, allow_negative_numbers = true)]
-    pub iso: Option<f32>,
-    /// The volume holds signed distances, positive outside, although its file does not say so.
-    #[arg(long)]
-    pub distance: bool,
-    /// Voxels along the longest side of the distance field.
-    #[arg(long)]
-    pub resolution: Option<u32>,
-    /// How the distance is stored: auto, normals16, normals8, distance16, distance32.
-    #[arg(long, value_name = "KIND")]
-    pub source: Option<String>,
     /// Width and height in pixels.
     #[arg(long, value_parser = size, value_name = "WxH")]
     pub size: Option<[u32; 2]>,
@@ -193,7 +209,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 
 impl Look {
     /// The scene of an input: its file or the preset of the effect, with the arguments over it.
-    pub fn scene(&self, input: &str) -> Result<Scene, SceneError> {
+    pub fn scene(&self, input: &str, object: &ObjectArguments) -> Result<Scene, SceneError> {
         let is_scene = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
         let mut scene = match (is_scene, &self.effect) {
             (true, None) => scene::load(Path::new(input))?,
@@ -215,6 +231,7 @@ impl Look {
                 scene
             }
         };
+        object.apply(&mut scene.object)?;
         self.apply(&mut scene)?;
         Ok(scene)
     }
@@ -225,11 +242,6 @@ impl Look {
             let (name, value) = knob(text)?;
             scene.knobs.insert(name, value);
         }
-        let object = &mut scene.object;
-        object.iso = self.iso.or(object.iso);
-        object.distance |= self.distance;
-        put(&mut object.resolution, self.resolution);
-        name_into("--source", &self.source, &mut object.source)?;
         let quality = &mut scene.quality;
         put(&mut quality.samples, self.samples);
         put(&mut quality.msaa, self.msaa);

@@ -9,8 +9,8 @@ use args::{Command, Field, Gallery, Render};
 use hypertexture::glsl::{self, library::Default as KnobDefault};
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{self, Depth};
-use hypertexture::render::{Frame, Subject, render};
-use hypertexture::scene::{self, Object, Scene};
+use hypertexture::render::{Frame, Subject, open, render, request};
+use hypertexture::scene::{self, Object};
 use hypertexture::{doctor, field, gallery, shape};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
@@ -45,7 +45,7 @@ pub fn say(text: &str) {
 }
 
 fn render_picture(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let scene = command.look.scene(&command.input)?;
+    let scene = command.look.scene(&command.input, &command.object)?;
     let library = glsl::shipped();
     scene.check(&library)?;
     output::check(&command.output)?;
@@ -93,8 +93,8 @@ fn summary(gpu: &Gpu, subject: &Subject, frame: &Frame) -> String {
 }
 
 fn write_field(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let shape = shape::open(&command.input)?;
-    let object = Object { resolution: command.resolution, iso: command.iso, ..Object::default() };
+    let mut object = Object { input: command.input.clone(), ..Object::default() };
+    command.object.apply(&mut object)?;
     if !(0.0..=4.0).contains(&command.margin) {
         return Err(format!(
             "--margin {}: must be from 0 to 4 (1 is half of the object's longest side)",
@@ -102,9 +102,11 @@ fn write_field(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
         )
         .into());
     }
-    let request = hypertexture::render::request(&shape, &object, command.margin);
+    let shape = open(&object)?;
+    let request = request(&shape, &object, command.margin);
     let (field, report) =
         with_progress(quiet, "distance field", |progress| field::load_or_compute(&shape, &request, progress))?;
+    let field = field.turned(object.up.turn());
     let mut bytes = Vec::new();
     shape::write_nrrd(&field.to_volume(), &mut bytes)?;
     output::write_whole(&command.output, &bytes)
@@ -130,15 +132,12 @@ fn write_field(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
 
 fn write_gallery(command: &Gallery, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let library = glsl::shipped();
-    let scenes = gallery::scenes(&command.input)?;
-    let adjust = |scene: &mut Scene| {
+    let mut scenes = gallery::scenes(&command.input)?;
+    for (_, scene) in &mut scenes {
         scene.image.size = command.size;
         scene.quality.samples = command.samples;
-        scene.object.resolution = command.resolution;
-        scene.object.iso = command.iso;
-    };
-    let mut scenes = scenes;
-    scenes.iter_mut().for_each(|(_, scene)| adjust(scene));
+        command.object.apply(&mut scene.object)?;
+    }
     let gpu = Gpu::new(options)?;
     let start = Instant::now();
     let page =

@@ -134,6 +134,29 @@ impl DistanceField {
         }))
     }
 
+    /// The same field in a space with other axes: for each new axis the old one, and whether it is reversed.
+    ///
+    /// Each of the three old axes must be named once. No value changes.
+    pub fn turned(&self, axes: [(usize, bool); 3]) -> DistanceField {
+        let (from, to) = (&self.grid, |vector: Vec3| Vec3::from(axes.map(|(axis, _)| vector[axis])));
+        let size = axes.map(|(axis, _)| from.size[axis]);
+        let far = from.position(from.size[0] - 1, from.size[1] - 1, from.size[2] - 1);
+        let origin = Vec3::from(axes.map(|(axis, reversed)| if reversed { -far[axis] } else { from.origin[axis] }));
+        let strides = [1, from.size[0] as usize, from.size[0] as usize * from.size[1] as usize];
+        let old = |axis: usize, index: usize| {
+            let (source, reversed) = axes[axis];
+            strides[source] * if reversed { from.size[source] as usize - 1 - index } else { index }
+        };
+        let [nx, ny, nz] = size.map(|side| side as usize);
+        let mut values = Vec::with_capacity(self.values.len());
+        for k in 0..nz {
+            for j in 0..ny {
+                values.extend((0..nx).map(|i| self.values[old(0, i) + old(1, j) + old(2, k)]));
+            }
+        }
+        DistanceField { grid: Grid { size, origin, spacing: to(from.spacing) }, values }
+    }
+
     /// The field as a volume of [`Content::SignedDistance`], for a file.
     pub fn to_volume(&self) -> Volume {
         Volume {

@@ -55,6 +55,8 @@ pub struct Object {
     pub resolution: u32,
     /// Iso-value of the surface of a scalar volume; without one, the middle of its range.
     pub iso: Option<f32>,
+    /// The axis of the file that points up: `x`, `y`, `z`, or `-x`, `-y`, `-z`.
+    pub up: Axis,
     /// Whether a volume holds signed distances, positive outside, although its file does not say so.
     pub distance: bool,
     /// Signed distance at which the object starts, object units (the longest side of the object is 2).
@@ -71,10 +73,48 @@ impl std::default::Default for Object {
             input: "teapot".into(),
             resolution: 192,
             iso: None,
+            up: Axis::Y,
             distance: false,
             inner_iso: 0.0,
             outer_iso: 0.15,
             source: Source::Auto,
+        }
+    }
+}
+
+/// A direction along an axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Axis {
+    /// +x.
+    X,
+    /// +y.
+    #[default]
+    Y,
+    /// +z.
+    Z,
+    /// -x.
+    #[serde(rename = "-x")]
+    MinusX,
+    /// -y.
+    #[serde(rename = "-y")]
+    MinusY,
+    /// -z.
+    #[serde(rename = "-z")]
+    MinusZ,
+}
+
+impl Axis {
+    /// For each axis of a space whose y axis is this direction: the axis it comes from, and whether it is reversed. The
+    /// turn is a rotation, so that nothing is mirrored.
+    pub fn turn(self) -> [(usize, bool); 3] {
+        match self {
+            Axis::Y => [(0, false), (1, false), (2, false)],
+            Axis::MinusY => [(0, false), (1, true), (2, true)],
+            Axis::Z => [(0, false), (2, false), (1, true)],
+            Axis::MinusZ => [(0, false), (2, true), (1, false)],
+            Axis::X => [(1, true), (0, false), (2, false)],
+            Axis::MinusX => [(1, false), (0, true), (2, false)],
         }
     }
 }

@@ -37,7 +37,8 @@ fn dodecahedron() -> Mesh {
     }
     let mut corners = Vec::new();
     for (a, b) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
-        for normal in [Vec3::new(0.0, a, b * golden), Vec3::new(a, b * golden, 0.0), Vec3::new(b * golden, 0.0, a)] {
+        let (near, far) = (a, b * golden);
+        for normal in [Vec3::new(0.0, far, near), Vec3::new(far, near, 0.0), Vec3::new(near, 0.0, far)] {
             let mut face: Vec<Vec3> = vertices.clone();
             face.sort_by(|p, q| q.dot(normal).total_cmp(&p.dot(normal)));
             face.truncate(5);

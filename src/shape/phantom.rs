@@ -27,8 +27,9 @@ const ELLIPSOIDS: [Ellipsoid; 10] = [
 
 /// Samples per axis over [-1, 1].
 const SIZE: u32 = 128;
-/// Sub-samples per axis of a voxel: its value is their mean, so that an iso-surface is smooth.
-const SUBSAMPLES: u32 = 3;
+/// An edge rises over this many voxels on either side. Less: the iso-surface shows the steps of the grid, as a mask does.
+/// More: the skull, two voxels thick at its thinnest, sinks below 0.5.
+const EDGE_VOXELS: f32 = 1.5;
 
 /// The Shepp-Logan head: 128^3 scalars over [-1, 1]^3, y to the crown, z to the face.
 ///
@@ -36,22 +37,10 @@ const SUBSAMPLES: u32 = 3;
 /// tissue of 0.2); 0.1 everything but the ventricles.
 pub(super) fn head() -> Volume {
     let spacing = 2.0 / (SIZE - 1) as f32;
-    let sub = |i: u32| ((i as f32 + 0.5) / SUBSAMPLES as f32 - 0.5) * spacing;
     let value = |index: usize| {
         let index = index as u32;
         let at = Vec3::new((index % SIZE) as f32, (index / SIZE % SIZE) as f32, (index / SIZE / SIZE) as f32);
-        let center = at * spacing - 1.0;
-        let samples = (0..SUBSAMPLES.pow(3)).map(|s| {
-            density(
-                center
-                    + Vec3::new(
-                        sub(s % SUBSAMPLES),
-                        sub(s / SUBSAMPLES % SUBSAMPLES),
-                        sub(s / SUBSAMPLES / SUBSAMPLES),
-                    ),
-            )
-        });
-        samples.sum::<f32>() / SUBSAMPLES.pow(3) as f32
+        density(at * spacing - 1.0, EDGE_VOXELS * spacing)
     };
     Volume {
         size: [SIZE; 3],
@@ -62,14 +51,19 @@ pub(super) fn head() -> Volume {
     }
 }
 
-/// The sum of the ellipsoids at a point of our axes.
-fn density(p: Vec3) -> f32 {
+/// The sum of the ellipsoids at a point of our axes, each edge smoothed over `edge` on either side.
+fn density(p: Vec3, edge: f32) -> f32 {
     let q = Vec3::new(p.x, p.z, p.y);
-    let inside = ELLIPSOIDS.iter().filter(|Ellipsoid(_, axes, center, turn)| {
+    let part = |Ellipsoid(value, axes, center, turn): &Ellipsoid| {
         let local = Quat::from_rotation_z(-turn.to_radians()) * (q - Vec3::from(*center));
-        (local / Vec3::from(*axes)).length_squared() <= 1.0
-    });
-    inside.map(|ellipsoid| ellipsoid.0).sum()
+        let scaled = local / Vec3::from(*axes);
+        // First-order distance to the ellipsoid: exact on it, which is where it matters.
+        let slope = (scaled / Vec3::from(*axes)).length().max(1e-6);
+        let distance = scaled.length() * (scaled.length() - 1.0) / slope;
+        // A straight ramp: between two voxels of it the crossing of an iso-value is found exactly.
+        value * (0.5 - 0.5 * distance / edge).clamp(0.0, 1.0)
+    };
+    ELLIPSOIDS.iter().map(part).sum()
 }
 
 #[cfg(test)]
@@ -81,7 +75,7 @@ mod tests {
         let head = head();
         let at = |x, y, z| head.sample(Vec3::new(x, y, z)).unwrap();
         assert_eq!(at(-1.0, 0.0, 0.0), 0.0);
-        assert!((at(0.0, 0.795, 0.0) - 1.0).abs() < 0.01, "skull {}", at(0.0, 0.795, 0.0));
+        assert!((at(0.0, 0.795, 0.0) - 0.7).abs() < 0.1, "skull {}", at(0.0, 0.795, 0.0));
         assert!((at(0.0, -0.5, -0.3) - 0.2).abs() < 1e-3, "brain");
         assert!(at(0.22, 0.0, 0.0).abs() < 1e-3, "ventricle");
         assert!((at(0.0, -0.15, 0.4) - 0.3).abs() < 1e-3, "tumor");

@@ -19,7 +19,7 @@ pub(super) fn teapot() -> Mesh {
         for i in 0..DIVISIONS {
             for j in 0..DIVISIONS {
                 let (a, b, c, d) = (at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1));
-                corners.extend([a, c, d, a, d, b]);
+                corners.extend([a, d, c, a, b, d]);
             }
         }
     }
