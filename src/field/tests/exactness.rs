@@ -147,20 +147,3 @@ fn a_linear_field_is_interpolated_and_differentiated_exactly() {
         assert!(field.sample(Vec3::NAN).is_nan());
     }
 }
-
-#[test]
-#[ignore = "a measurement of speed, without verdict"]
-fn speed_of_a_sphere_of_20_thousand_triangles() {
-    let mesh = icosphere(Vec3::ZERO, 0.35, 5);
-    for resolution in [128, 256] {
-        for band in [0.02, 0.0875] {
-            let (field, report) = field_of(&mesh, resolution, 0.15, band);
-            let worst = samples(&field).filter(|s| s.2.abs() < band).map(|(_, p, v)| (p.length() - 0.35 - v).abs());
-            let worst = worst.fold(0.0, f32::max) / field.grid.spacing.x;
-            println!(
-                "{resolution}^3, band {band}: {report:?}, {:.2} Mvoxel/s, facets {worst:.3}",
-                field.values.len() as f64 / 1e3 / report.ms
-            );
-        }
-    }
-}

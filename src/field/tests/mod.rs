@@ -4,7 +4,6 @@ mod broken;
 mod exactness;
 mod input;
 mod scalar;
-mod turned;
 
 use super::{DistanceField, Report, Request, transform};
 use crate::shape::{Mesh, Shape};

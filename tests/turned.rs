@@ -1,7 +1,7 @@
 //! Fields in a space with other axes.
 
-use crate::field::{DistanceField, Grid};
-use crate::scene::Axis;
+use hypertexture::field::{DistanceField, Grid};
+use hypertexture::scene::Axis;
 use glam::{Mat3, Vec3};
 
 #[test]
