@@ -69,7 +69,7 @@ pub struct Field {
     #[arg(long, allow_negative_numbers = true)]
     pub iso: Option<f32>,
     /// How far the field reaches beyond the object; 1 is half of its longest side.
-    #[arg(long, default_value_t = 0.25)]
+    #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
     pub margin: f32,
 }
 

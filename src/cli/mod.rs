@@ -49,6 +49,7 @@ fn render_picture(command: &Render, options: &Options, quiet: bool) -> Result<()
     let library = glsl::shipped();
     scene.check(&library)?;
     output::check(&command.output)?;
+    command.save_scene.iter().try_for_each(|file| output::check_folder(file))?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let gpu = Gpu::new(options)?;
     let frame = render(&gpu, &library, &scene, &subject)?;
@@ -93,6 +94,10 @@ fn summary(gpu: &Gpu, subject: &Subject, frame: &Frame) -> String {
 }
 
 fn write_field(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
+    if !command.output.extension().is_some_and(|end| end.eq_ignore_ascii_case("nrrd")) {
+        return Err(format!("{}: a field is written as NRRD; end the name in .nrrd", command.output.display()).into());
+    }
+    output::check_folder(&command.output)?;
     let shape = shape::open(&command.input)?;
     let object = Object { resolution: command.resolution, iso: command.iso, ..Object::default() };
     if !(0.0..=4.0).contains(&command.margin) {
