@@ -15,10 +15,11 @@ use std::time::Instant;
 const REPEATS: usize = 5;
 const SIZE: [u32; 2] = [256, 256];
 const SAMPLES: u32 = 128;
+const RESOLUTION: u32 = 128;
 /// Slices of the run that is taken off a run with [`SAMPLES`] more: compiling and other fixed costs go with it.
 const FEW: u32 = 32;
 /// Runs with [`FEW`] slices, of which the fastest counts: what is above it is the machine's, not the program's.
-const FEW_REPEATS: usize = 3;
+const FEW_REPEATS: usize = 2;
 
 /// A pixel is off where a channel differs by more than this, of 1.
 const OFF: f64 = 0.02;
@@ -72,6 +73,7 @@ fn floor(second: &str) -> String {
 fn scene_of(effect: &str, object: &str) -> Scene {
     let mut scene = scene::preset(effect).unwrap();
     scene.object.input = object.into();
+    scene.object.resolution = RESOLUTION;
     scene.image.size = SIZE;
     scene.quality.samples = SAMPLES;
     scene
@@ -96,9 +98,9 @@ impl Bench {
     fn new() -> Bench {
         let device = std::env::var("HYPERTEXTURE_DEVICE").ok().filter(|name| !name.is_empty());
         let gpu = Gpu::new(&Options { device, validation: false, cache: None }).unwrap();
-        let library = FLOORS.iter().fold(glsl::shipped(), |library, (name, second)| {
-            library.with_module("classify", name, &floor(second))
-        });
+        let library = FLOORS
+            .iter()
+            .fold(glsl::shipped(), |library, (name, second)| library.with_module("classify", name, &floor(second)));
         Bench { gpu, library }
     }
 
@@ -139,7 +141,10 @@ impl Bench {
 
     fn effects(&self) {
         println!("\nEffects on the teapot, ns of the device per fragment, against floors over the same fragments");
-        println!("{:<9} {:>20} {:>20} {:>20} {:>16} {:>16}", "", "effect", "one fetch", "two fetches", "of one", "of two");
+        println!(
+            "{:<9} {:>20} {:>20} {:>20} {:>16} {:>16}",
+            "", "effect", "one fetch", "two fetches", "of one", "of two"
+        );
         for effect in EFFECTS {
             let scene = scene_of(effect, "teapot");
             let subject = self.load(&scene);
@@ -179,7 +184,9 @@ impl Bench {
 
     /// The torus as a volume in each encoding, against the torus as a formula.
     fn storage(&self) {
-        println!("\nThe lit torus stored in each way (128 voxels), against its formula: error against run time");
+        println!(
+            "\nThe lit torus stored in each way ({RESOLUTION} voxels), against its formula: error against run time"
+        );
         println!(
             "{:<11} {:>20} {:>9} {:>13} {:>11} {:>11}",
             "", "ms on the device", "MiB", "distance", "rms pixel", "pixels off"
@@ -222,8 +229,12 @@ impl Bench {
             let (ms, distance) = (Spread::of(times), frame.measurements.quantization);
             println!("{name:<11} {ms:>20} {bytes:>9.2} {distance:>13.1e} {rms:>11.5} {off:>9.2} %");
         }
-        println!("MiB: blocks and images beside the target. distance: largest rounding error of a stored distance, object");
-        println!("units. Pixels: linear RGBA in [0, 1]; off by more than {OFF}, mostly on the outline. Errors are exact.");
+        println!(
+            "MiB: blocks and images beside the target. distance: largest rounding error of a stored distance, object"
+        );
+        println!(
+            "units. Pixels: linear RGBA in [0, 1]; off by more than {OFF}, mostly on the outline. Errors are exact."
+        );
     }
 }
 
