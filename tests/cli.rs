@@ -1,6 +1,7 @@
 //! The command line, run as a person runs it: what it writes, what it says, and how it refuses.
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
+use hypertexture::scene::KnobValue;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -390,8 +391,15 @@ fn every_effect_is_listed_with_its_knobs() {
     for name in hypertexture::scene::names() {
         let scene = hypertexture::scene::preset(name).unwrap();
         assert!(said.contains(&format!("{name}: {}", scene.about)), "{name} is not listed");
-        for (knob, _) in scene.check(&hypertexture::glsl::shipped()).unwrap().iter() {
-            assert!(said.contains(&knob.name) && said.contains(&knob.doc), "{} of {name} is not listed", knob.name);
+        let about = said.split(&format!("{name}: ")).nth(1).unwrap_or_default();
+        for (knob, value) in scene.check(&hypertexture::glsl::shipped()).unwrap().iter() {
+            let line = about.lines().find(|line| line.trim_start().starts_with(&format!("{} ", knob.name)));
+            let line = line.unwrap_or_else(|| panic!("{} of {name} is not listed", knob.name));
+            let value = match value {
+                KnobValue::Number(number) => number.to_string(),
+                KnobValue::Color(color) => String::from(*color),
+            };
+            assert!(line.contains(&format!(" {value} ")) && line.ends_with(&knob.doc), "{line}: expected {value}");
         }
     }
 }

@@ -10,7 +10,7 @@ use hypertexture::glsl::{self, library::Default as KnobDefault};
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{self, Depth};
 use hypertexture::render::{Frame, Subject, render};
-use hypertexture::scene::{self, Object, Scene};
+use hypertexture::scene::{self, KnobValue, Object, Scene};
 use hypertexture::{doctor, field, gallery, shape};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
@@ -166,12 +166,15 @@ fn list_effects() -> Result<(), Box<dyn Error>> {
     for name in scene::names() {
         let scene = scene::preset(name)?;
         text.push_str(&format!("{name}: {}\n", scene.about));
-        for (knob, _) in scene.check(&library)?.iter() {
-            let default = match knob.default {
-                KnobDefault::Number(value, [low, high]) => format!("{value} in [{low}, {high}]"),
-                KnobDefault::Color([r, g, b]) => format!("#{r:02x}{g:02x}{b:02x}"),
+        for (knob, value) in scene.check(&library)?.iter() {
+            let value = match (value, knob.default) {
+                (KnobValue::Number(value), KnobDefault::Number(_, [low, high])) => {
+                    format!("{value} in [{low}, {high}]")
+                }
+                (KnobValue::Number(value), KnobDefault::Color(_)) => value.to_string(),
+                (KnobValue::Color(color), _) => String::from(*color),
             };
-            text.push_str(&format!("    {:<16} {default:<24} {}\n", knob.name, knob.doc));
+            text.push_str(&format!("    {:<16} {value:<24} {}\n", knob.name, knob.doc));
         }
     }
     say(&text);
