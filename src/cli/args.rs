@@ -24,7 +24,7 @@ pub struct Arguments {
 #[derive(Subcommand)]
 pub enum Command {
     /// Render a picture.
-    Render(Render),
+    Render(Box<Render>),
     /// Compute the distance field of an object and write it as NRRD.
     Field(Field),
     /// Render all six effects on one object, with a page that explains them.
