@@ -17,10 +17,13 @@ fn main() -> ExitCode {
             return ExitCode::SUCCESS;
         }
         Err(error) => {
-            let text = error.to_string();
-            let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
+            let text = match error.kind() {
+                ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => "error: no command".into(),
+                _ => error.to_string(),
+            };
+            let is_end = |line: &&str| line.starts_with("Usage:") || line.starts_with("For more information");
+            let lines = text.lines().map(str::trim).take_while(|line| !is_end(line));
             let line = lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join("; ");
-            let line = if line.is_empty() { "error: no command".into() } else { line };
             eprintln!("{line}; see `hypertexture --help`");
             return ExitCode::from(BAD_INPUT);
         }

@@ -60,6 +60,14 @@ enum Kind {
 /// An unknown format, or a folder that does not exist.
 pub fn check(path: &Path) -> Result<(), OutputError> {
     kind(path)?;
+    check_folder(path)
+}
+
+/// Checks, before any work is done, that there is a folder to write this file into.
+///
+/// # Errors
+/// A folder that does not exist.
+pub fn check_folder(path: &Path) -> Result<(), OutputError> {
     let folder = folder(path);
     match folder.is_dir() {
         true => Ok(()),

@@ -1,8 +1,8 @@
 //! Fields in a space with other axes.
 
+use glam::{Mat3, Vec3};
 use hypertexture::field::{DistanceField, Grid};
 use hypertexture::scene::Axis;
-use glam::{Mat3, Vec3};
 
 #[test]
 fn a_turned_field_is_the_same_field_rotated_so_that_the_axis_points_up() {

@@ -24,7 +24,7 @@ pub struct Arguments {
 #[derive(Subcommand)]
 pub enum Command {
     /// Render a picture.
-    Render(Render),
+    Render(Box<Render>),
     /// Compute the distance field of an object and write it as NRRD.
     Field(Field),
     /// Render all six effects on one object, with a page that explains them.
@@ -100,7 +100,7 @@ pub struct Field {
     #[command(flatten)]
     pub object: ObjectArguments,
     /// How far the field reaches beyond the object; 1 is half of its longest side.
-    #[arg(long, default_value_t = 0.25)]
+    #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
     pub margin: f32,
 }
 

@@ -10,7 +10,7 @@ use hypertexture::glsl::{self, library::Default as KnobDefault};
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::{self, Depth};
 use hypertexture::render::{Frame, Subject, open, render, request};
-use hypertexture::scene::{self, Object};
+use hypertexture::scene::{self, KnobValue, Object};
 use hypertexture::{doctor, field, gallery, shape};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
@@ -49,6 +49,7 @@ fn render_picture(command: &Render, options: &Options, quiet: bool) -> Result<()
     let library = glsl::shipped();
     scene.check(&library)?;
     output::check(&command.output)?;
+    command.save_scene.iter().try_for_each(|file| output::check_folder(file))?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let gpu = Gpu::new(options)?;
     let frame = render(&gpu, &library, &scene, &subject)?;
@@ -93,6 +94,10 @@ fn summary(gpu: &Gpu, subject: &Subject, frame: &Frame) -> String {
 }
 
 fn write_field(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
+    if !command.output.extension().is_some_and(|end| end.eq_ignore_ascii_case("nrrd")) {
+        return Err(format!("{}: a field is written as NRRD; end the name in .nrrd", command.output.display()).into());
+    }
+    output::check_folder(&command.output)?;
     let mut object = Object { input: command.input.clone(), ..Object::default() };
     command.object.apply(&mut object)?;
     if !(0.0..=4.0).contains(&command.margin) {
@@ -160,12 +165,15 @@ fn list_effects() -> Result<(), Box<dyn Error>> {
     for name in scene::names() {
         let scene = scene::preset(name)?;
         text.push_str(&format!("{name}: {}\n", scene.about));
-        for (knob, _) in scene.check(&library)?.iter() {
-            let default = match knob.default {
-                KnobDefault::Number(value, [low, high]) => format!("{value} in [{low}, {high}]"),
-                KnobDefault::Color([r, g, b]) => format!("#{r:02x}{g:02x}{b:02x}"),
+        for (knob, value) in scene.check(&library)?.iter() {
+            let value = match (value, knob.default) {
+                (KnobValue::Number(value), KnobDefault::Number(_, [low, high])) => {
+                    format!("{value} in [{low}, {high}]")
+                }
+                (KnobValue::Number(value), KnobDefault::Color(_)) => value.to_string(),
+                (KnobValue::Color(color), _) => String::from(*color),
             };
-            text.push_str(&format!("    {:<16} {default:<24} {}\n", knob.name, knob.doc));
+            text.push_str(&format!("    {:<16} {value:<24} {}\n", knob.name, knob.doc));
         }
     }
     say(&text);

@@ -165,12 +165,7 @@ impl Library {
     }
 
     /// Calls `on` once for each file and for each slot reached from `entries`.
-    fn visit(
-        &self,
-        entries: &[&str],
-        choice: &Slots,
-        on: &mut dyn FnMut(Option<&str>, Option<&str>) -> Result<(), LibraryError>,
-    ) -> Result<(), LibraryError> {
+    fn visit(&self, entries: &[&str], choice: &Slots, on: &mut Visitor<'_>) -> Result<(), LibraryError> {
         let mut queue: Vec<String> = entries.iter().rev().map(|entry| entry.to_string()).collect();
         let mut seen = BTreeSet::new();
         while let Some(path) = queue.pop() {
@@ -201,6 +196,9 @@ impl Library {
         Ok(())
     }
 }
+
+/// Called with the path of a file or with the name of a slot.
+type Visitor<'a> = dyn FnMut(Option<&str>, Option<&str>) -> Result<(), LibraryError> + 'a;
 
 /// The slot that the linker fills with the uniform block of all knobs.
 pub const KNOBS: &str = "knobs";

@@ -233,7 +233,11 @@ mod tests {
 
     #[test]
     fn a_knob_has_the_type_and_range_that_its_module_declares() {
-        let set = |value| move |s: &mut Scene| drop(s.knobs.insert("fineness".into(), value));
+        let set = |value| {
+            move |s: &mut Scene| {
+                s.knobs.insert("fineness".into(), value);
+            }
+        };
         assert_eq!(refusal(set(KnobValue::Number(1e9))), "knobs.fineness = 1000000000: must be from 2 to 200");
         assert!(refusal(set(KnobValue::Color(Color([1, 2, 3])))).contains("must be a number from 2 to 200"));
     }

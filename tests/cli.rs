@@ -1,0 +1,414 @@
+//! The command line, run as a person runs it: what it writes, what it says, and how it refuses.
+#![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
+
+use hypertexture::scene::KnobValue;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+const SMALL: &str = "--size 64x64 --samples 32";
+
+/// A working folder with a cache beside it; both vanish with the test.
+struct Desk {
+    root: tempfile::TempDir,
+}
+
+impl Desk {
+    fn new() -> Desk {
+        let root = tempfile::tempdir().unwrap();
+        fs::create_dir(root.path().join("work")).unwrap();
+        Desk { root }
+    }
+
+    fn work(&self) -> PathBuf {
+        self.root.path().join("work")
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.work().join(name)
+    }
+
+    fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_hypertexture"));
+        command.args(arguments.split_whitespace()).current_dir(self.work());
+        command.env("HYPERTEXTURE_CACHE", self.root.path().join("cache"));
+        command.env_remove("HYPERTEXTURE_LOG").env_remove("HYPERTEXTURE_VALIDATION");
+        command.stdin(Stdio::null());
+        command
+    }
+
+    fn run(&self, arguments: &str) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    /// Runs what must succeed without a word on standard error; gives standard output.
+    fn good(&self, arguments: &str) -> String {
+        let output = self.run(arguments);
+        let (out, err) = (text(&output.stdout), text(&output.stderr));
+        assert!(output.status.success() && err.is_empty(), "`{arguments}`: {}\n{out}\n{err}", output.status);
+        out
+    }
+
+    /// Every file below the working folder with its content.
+    fn files(&self) -> BTreeMap<PathBuf, Vec<u8>> {
+        let mut folders = vec![self.work()];
+        let mut files = BTreeMap::new();
+        while let Some(folder) = folders.pop() {
+            for entry in fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                match path.is_dir() {
+                    true => folders.push(path),
+                    false => drop(files.insert(path.clone(), fs::read(&path).unwrap())),
+                }
+            }
+        }
+        files
+    }
+
+    fn write(&self, name: &str, content: impl AsRef<[u8]>) {
+        fs::write(self.file(name), content).unwrap();
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Checks rows of arguments and what the one line on standard error must hold, on a desk that `prepare` has laid out.
+/// A `DEVICE=name` before the arguments chooses a device.
+fn refused(prepare: impl Fn(&Desk), rows: &[(&str, &[&str])]) {
+    let mut failures = Vec::new();
+    for (arguments, parts) in rows {
+        let desk = Desk::new();
+        desk.write("out.png", "an older picture");
+        prepare(&desk);
+        let before = desk.files();
+        let output = match arguments.strip_prefix("DEVICE=").and_then(|rest| rest.split_once(' ')) {
+            Some((device, rest)) => desk.command(rest).env("HYPERTEXTURE_DEVICE", device).output().unwrap(),
+            None => desk.run(arguments),
+        };
+        let err = text(&output.stderr);
+        let mut fail = |what: String| failures.push(format!("`{arguments}`: {what}\n    {}", err.trim_end()));
+        if output.status.code() != Some(2) {
+            fail(format!("{}, expected exit status 2", output.status));
+        }
+        if err.lines().count() != 1 || err.contains("panicked") {
+            fail(format!("{} lines on standard error, expected 1", err.lines().count()));
+        }
+        for part in parts.iter().filter(|part| !err.contains(**part)) {
+            fail(format!("the line does not say `{part}`"));
+        }
+        if !output.stdout.is_empty() {
+            fail(format!("standard output is not empty: {}", text(&output.stdout)));
+        }
+        if desk.files() != before {
+            fail("files were written or changed".into());
+        }
+    }
+    assert!(failures.is_empty(), "{} failures\n{}", failures.len(), failures.join("\n"));
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_refused_in_one_line() {
+    refused(
+        |_| {},
+        &[
+            ("", &["error:", "command", "hypertexture --help"]),
+            ("frobnicate", &["unrecognized subcommand 'frobnicate'", "hypertexture --help"]),
+            ("render", &["<INPUT>"]),
+            ("render torus --wrong", &["unexpected argument '--wrong'"]),
+            ("render torus --effect furr", &["no effect `furr`", "did you mean `fur`?", "melting"]),
+            ("render torus --effect fur --set finenes=60", &["no knob `finenes`", "did you mean `fineness`?"]),
+            ("render torus --effect fur --set fineness=1e9", &["knobs.fineness = 1000000000", "from 2 to 200"]),
+            ("render torus --effect fur --set fineness=nan", &["knobs.fineness = NaN", "from 2 to 200"]),
+            ("render torus --effect fur --set fineness=#102030", &["knobs.fineness", "must be a number"]),
+            ("render torus --effect fur --set fineness", &["--set = fineness", "KNOB=NUMBER"]),
+            ("render torus --set fineness=60", &["no knob `fineness`", "this effect has none"]),
+            ("render torus --size 0x5", &["image.size = 0", "from 1 to 16384"]),
+            ("render torus --size axb", &["'axb'", "--size", "640x480"]),
+            ("render torus --size 64", &["'64'", "--size", "640x480"]),
+            ("render torus --samples 0", &["quality.samples = 0", "from 1 to 100000"]),
+            ("render torus --samples -3", &["'-3'"]),
+            ("render torus --msaa 3", &["quality.msaa = 3", "1, 2, 4 or 8"]),
+            ("render torus --anisotropy 99", &["quality.anisotropy = 99", "from 1 to 16"]),
+            ("render torus --clip 1,0,0", &["--clip = 3 numbers", "4 numbers: a,b,c,d"]),
+            ("render torus --clip 0,0,0,1", &["camera.clip", "normal of the plane"]),
+            ("render torus --clip 1,x,0,0", &["'1,x,0,0'", "--clip", "numbers with commas"]),
+            ("render torus --camera 30", &["--camera = 1 numbers", "azimuth,elevation[,zoom]"]),
+            ("render torus --camera 30,100", &["camera.elevation = 100", "from -90 to 90"]),
+            ("render torus --camera 30,20,nan", &["camera.zoom = NaN"]),
+            ("render torus --light 1,2", &["--light = 2 numbers", "3 numbers: x,y,z"]),
+            ("render torus --time inf", &["camera.time = inf"]),
+            ("render torus --background blue", &["--background = blue", "#rrggbb"]),
+            ("render torus --target float23", &["--target = float23", "float32"]),
+            ("render torus --module classify=sof", &["effect.classify `sof`", "did you mean `soft`?"]),
+            ("render torus --module clasify=soft", &["clasify", "classify"]),
+            ("render torus --module soft", &["--module = soft", "SLOT=MODULE"]),
+            ("render torus --look outline", &["'outline'", "slice-stack"]),
+            ("render torus --depth 12", &["'12'", "16"]),
+            ("render torus --iso nan", &["object.iso = NaN"]),
+            ("render torus --resolution 4", &["object.resolution = 4", "from 8 to 1024"]),
+            ("render torus -o picture.jpg", &["picture.jpg", ".png or .exr"]),
+            ("render torus -o picture", &["picture", ".png or .exr"]),
+            ("render torus -o missing/x.png", &["missing/x.png", "there is no folder missing"]),
+            ("render torus --save-scene missing/s.toml", &["missing/s.toml", "there is no folder missing"]),
+            ("field torus -o missing/f.nrrd", &["missing/f.nrrd", "there is no folder missing"]),
+            ("field torus -o field.stl", &["field.stl", ".nrrd"]),
+            ("field torus --margin -1", &["--margin", "-1"]),
+            ("field torus --margin nan", &["--margin NaN", "from 0 to 4"]),
+            ("field torus --resolution 2", &["resolution 2", "8 to 1024"]),
+            ("gallery torus --size 0x0", &["image.size = 0"]),
+        ],
+    );
+}
+
+#[test]
+fn scene_files_that_are_wrong_are_refused_with_their_line() {
+    let scenes: &[(&str, &str)] = &[
+        ("broken.toml", "[quality]\nsamples = 64\n[image\n"),
+        ("field.toml", "[quality]\nsample = 64\n"),
+        ("table.toml", "[qualities]\nsamples = 64\n"),
+        ("type.toml", "[quality]\n\nsamples = \"many\"\n"),
+        ("name.toml", "[object]\ninput = \"torus\"\nsource = \"normals17\"\n"),
+        ("color.toml", "[material]\ncolor = \"red\"\n"),
+        ("preset.toml", "preset = \"fire_ball\"\n"),
+        ("knob.toml", "preset = \"fur\"\n[knobs]\nfinenes = 60\n"),
+        ("range.toml", "[quality]\nsamples = 0\n"),
+        ("module.toml", "[effect]\nsurface = \"litt\"\n"),
+        ("stops.toml", "[transfer]\nstops = []\n"),
+        ("object.toml", "[object]\ninput = \"missing.obj\"\n"),
+    ];
+    refused(
+        |desk| {
+            scenes.iter().for_each(|(name, content)| desk.write(name, content));
+            desk.write("binary.toml", [0xff, 0xfe, 0x00]);
+            fs::create_dir(desk.file("folder.toml")).unwrap();
+        },
+        &[
+            ("render broken.toml", &["broken.toml:3:"]),
+            ("render field.toml", &["field.toml:2:", "unknown field `sample`", "did you mean `samples`?"]),
+            ("render table.toml", &["table.toml:1:", "unknown field `qualities`", "did you mean `quality`?"]),
+            ("render type.toml", &["type.toml:3:", "many"]),
+            ("render name.toml", &["name.toml:3:", "normals17", "did you mean `normals16`?"]),
+            ("render color.toml", &["color.toml:2:", "`red` is not a color"]),
+            ("render preset.toml", &["no effect `fire_ball`", "did you mean `fire`?"]),
+            ("render knob.toml", &["no knob `finenes`", "did you mean `fineness`?"]),
+            ("render range.toml", &["quality.samples = 0", "from 1 to 100000"]),
+            ("render module.toml", &["effect.surface `litt`", "did you mean `lit`?"]),
+            ("render stops.toml", &["transfer.stops = 0 stops"]),
+            ("render object.toml", &["missing.obj"]),
+            ("render missing.toml", &["missing.toml"]),
+            ("render folder.toml", &["folder.toml"]),
+            ("render binary.toml", &["binary.toml"]),
+        ],
+    );
+}
+
+/// A binary STL that declares `declared` triangles and holds one.
+fn stl(declared: u32, x: f32) -> Vec<u8> {
+    let mut bytes = vec![0; 80];
+    bytes.extend(declared.to_le_bytes());
+    for number in [0.0, 0.0, 1.0, x, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0f32] {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes.extend([0; 2]);
+    bytes
+}
+
+/// A raw NRRD volume of `side`^3 floats as declared, with `values` in it.
+fn nrrd(side: u32, values: &[f32]) -> Vec<u8> {
+    let header = format!(
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: {side} {side} {side}\nspacings: 1 1 1\n\
+         encoding: raw\nendian: little\n\n"
+    );
+    let mut bytes = header.into_bytes();
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    bytes
+}
+
+#[test]
+fn object_files_that_are_wrong_are_refused_in_one_line() {
+    let ramp: Vec<f32> = (0..512u16).map(f32::from).collect();
+    let mut hole = ramp.clone();
+    hole[77] = f32::NAN;
+    let files: &[(&str, Vec<u8>)] = &[
+        ("empty.stl", vec![]),
+        ("empty.obj", vec![]),
+        ("empty.nrrd", vec![]),
+        ("points.xyz", b"0 0 0\n1 1 1\n".to_vec()),
+        ("cut.stl", stl(12, 0.0)),
+        ("cut.obj", b"v 0 0 0\nv 1 0 0\nv 0 1".to_vec()),
+        ("cut.nrrd", nrrd(8, &ramp[..100])),
+        ("huge.stl", stl(u32::MAX, 0.0)),
+        ("huge.nrrd", nrrd(4_000_000_000, &ramp)),
+        ("nan.stl", stl(1, f32::NAN)),
+        ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec()),
+        ("nan.nrrd", nrrd(8, &hole)),
+        ("corner.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n".to_vec()),
+        ("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_vec()),
+        ("line.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n".to_vec()),
+        ("flat.nrrd", nrrd(8, &[3.0; 512])),
+        ("ramp.nrrd", nrrd(8, &ramp)),
+    ];
+    refused(
+        |desk| {
+            files.iter().for_each(|(name, content)| desk.write(name, content));
+            fs::create_dir(desk.file("folder.stl")).unwrap();
+        },
+        &[
+            ("render tors", &["`tors`", "did you mean `torus`?"]),
+            ("render missing.stl", &["missing.stl"]),
+            ("field missing.stl", &["missing.stl"]),
+            ("render folder.stl", &["folder.stl"]),
+            ("render empty.stl", &["empty.stl", "empty"]),
+            ("render empty.obj", &["empty.obj", "empty"]),
+            ("render empty.nrrd", &["empty.nrrd", "empty"]),
+            ("render points.xyz", &["points.xyz", "format", "obj"]),
+            ("render cut.stl", &["cut.stl", "byte", "declares"]),
+            ("render cut.obj", &["cut.obj", "line 3"]),
+            ("render cut.nrrd", &["cut.nrrd", "2048", "400"]),
+            ("render huge.stl", &["huge.stl"]),
+            ("render huge.nrrd", &["huge.nrrd"]),
+            ("render nan.stl", &["nan.stl", "NaN"]),
+            ("render nan.obj", &["nan.obj", "NaN"]),
+            ("render nan.nrrd", &["nan.nrrd", "NaN", "77"]),
+            ("render corner.obj", &["corner.obj", "line 4", "9"]),
+            ("render points.obj", &["points.obj", "no triangles"]),
+            ("render line.obj", &["line.obj", "no triangles"]),
+            ("render flat.nrrd", &["no surface at iso-value 3"]),
+            ("render ramp.nrrd --iso 1000", &["no surface at iso-value 1000", "range from 0 to 511"]),
+            ("field ramp.nrrd --iso nan", &["iso", "NaN"]),
+        ],
+    );
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn an_unknown_device_is_refused_with_the_known_ones() {
+    let found: &[&str] = &["`nonsense`", "found: ", "HYPERTEXTURE_DEVICE"];
+    refused(
+        |_| {},
+        &[
+            ("DEVICE=nonsense render torus", found),
+            ("render torus --device nonsense", found),
+            ("gallery torus --device nonsense", found),
+        ],
+    );
+}
+
+fn size_of(path: &Path) -> (u32, u32) {
+    image::image_dimensions(path).unwrap()
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_render_writes_the_picture_and_says_what_it_took() {
+    let desk = Desk::new();
+    let said = desk.good(&format!("render torus --effect fur -o x.png {SMALL}"));
+    for start in ["device ", "program ", "left out ", "slices ", "time ", "memory ", "wrote "] {
+        assert!(said.lines().any(|line| line.starts_with(start)), "no line `{start}`: {said}");
+    }
+    assert!(said.contains("dmf=fur") && said.contains("x.png"), "{said}");
+    assert_eq!(size_of(&desk.file("x.png")), (64, 64));
+    let bytes = fs::read(desk.file("x.png")).unwrap();
+    assert!(bytes.windows(4).any(|window| window == b"sRGB"), "no sRGB chunk");
+    assert_eq!(desk.files().len(), 1, "a render writes its picture and nothing else");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_quiet_render_says_nothing() {
+    let desk = Desk::new();
+    assert_eq!(desk.good(&format!("render torus --quiet -o x.png {SMALL}")), "");
+    assert_eq!(size_of(&desk.file("x.png")), (64, 64));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_closed_standard_output_is_no_error() {
+    let desk = Desk::new();
+    for arguments in ["effects", "--help", &format!("render torus -o x.png {SMALL}")] {
+        let mut child = desk.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.success(), "`{arguments}`: {}", output.status);
+        assert_eq!(text(&output.stderr), "", "`{arguments}`");
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_saved_scene_gives_the_same_picture() {
+    let desk = Desk::new();
+    let look = "--effect fire --set fury=1.5 --camera 10,20,1.2 --clip 0,0,1,0.4 --background #203040";
+    desk.good(&format!("render torus {look} {SMALL} -o first.png --save-scene s.toml"));
+    desk.good("render s.toml -o second.png");
+    assert_eq!(fs::read(desk.file("first.png")).unwrap(), fs::read(desk.file("second.png")).unwrap());
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn an_exr_and_a_png_of_16_bits_are_written_by_their_names() {
+    let desk = Desk::new();
+    desk.good(&format!("render sphere -o x.exr {SMALL}"));
+    desk.good(&format!("render sphere -o x.png --depth 16 {SMALL}"));
+    let exr = image::open(desk.file("x.exr")).unwrap();
+    assert_eq!((exr.width(), exr.height(), exr.color()), (64, 64, image::ColorType::Rgba32F));
+    assert_eq!(image::open(desk.file("x.png")).unwrap().color(), image::ColorType::Rgba16);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn the_field_of_a_torus_renders_as_the_torus() {
+    let desk = Desk::new();
+    desk.good("field torus -o f.nrrd --resolution 64");
+    desk.good(&format!("render f.nrrd -o field.png {SMALL}"));
+    desk.good(&format!("render torus -o formula.png {SMALL}"));
+    let [field, formula] = ["field.png", "formula.png"].map(|name| image::open(desk.file(name)).unwrap().to_rgba8());
+    let differs = |(a, b): &(&image::Rgba<u8>, &image::Rgba<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 40);
+    let different = field.pixels().zip(formula.pixels()).filter(differs).count();
+    // The outline is found to half a voxel, 1/64 of the object: at most the pixels along it differ.
+    assert!(different < 64 * 64 / 10, "{different} pixels differ");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_gallery_has_six_pictures_and_a_page_that_names_them() {
+    let desk = Desk::new();
+    desk.good(&format!("gallery torus -o dir {SMALL}"));
+    let page = fs::read_to_string(desk.file("dir/index.html")).unwrap();
+    for effect in ["lit", "solid", "bump", "fur", "melting", "fire"] {
+        assert_eq!(size_of(&desk.file(&format!("dir/{effect}.png"))), (64, 64));
+        assert!(page.contains(&format!("{effect}.png")), "the page does not show {effect}");
+    }
+    assert_eq!(desk.files().len(), 7);
+}
+
+#[test]
+fn every_effect_is_listed_with_its_knobs() {
+    let said = Desk::new().good("effects");
+    for name in hypertexture::scene::names() {
+        let scene = hypertexture::scene::preset(name).unwrap();
+        assert!(said.contains(&format!("{name}: {}", scene.about)), "{name} is not listed");
+        let about = said.split(&format!("{name}: ")).nth(1).unwrap_or_default();
+        for (knob, value) in scene.check(&hypertexture::glsl::shipped()).unwrap().iter() {
+            let line = about.lines().find(|line| line.trim_start().starts_with(&format!("{} ", knob.name)));
+            let line = line.unwrap_or_else(|| panic!("{} of {name} is not listed", knob.name));
+            let value = match value {
+                KnobValue::Number(number) => number.to_string(),
+                KnobValue::Color(color) => String::from(*color),
+            };
+            assert!(line.contains(&format!(" {value} ")) && line.ends_with(&knob.doc), "{line}: expected {value}");
+        }
+    }
+}
+
+#[test]
+fn help_and_version_succeed() {
+    let desk = Desk::new();
+    for arguments in ["--help", "render --help", "field --help", "gallery --help", "help"] {
+        assert!(desk.good(arguments).contains("Usage: hypertexture"), "{arguments}");
+    }
+    assert_eq!(desk.good("--version"), format!("hypertexture {}\n", env!("CARGO_PKG_VERSION")));
+}
