@@ -207,8 +207,9 @@ fn create_device(instance: &ash::Instance, physical: vk::PhysicalDevice, family:
         .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
         .sample_rate_shading(supported.sample_rate_shading == vk::TRUE)
         .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE);
+    // maintenance4 lets a fragment stage leave an output of the vertex stage unread; it is mandatory in Vulkan 1.3.
     let mut features13 =
-        vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true); // a fragment stage may read less than the vertex stage writes
+        vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true);
     let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
     let info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
