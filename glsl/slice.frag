@@ -1,12 +1,10 @@
 #version 450
 // One fragment of one proxy slice: rejected, or a premultiplied color for the Over operator.
 // Source: MJ 3.5 and 3.6.
-// position_eye: eye space; x: object space; color: linear RGBA of the vertex.
+// Slot <sampling> declares position_eye (eye space), x (object space) and color (linear RGBA of the vertex).
 #include "interface.glsl"
 #include "vector.glsl"
-layout(location = 0) in vec3 position_eye;
-layout(location = 1) in vec3 x;
-layout(location = 2) in vec4 color;
+#include <sampling>
 layout(location = 0) out vec4 fragment;
 #include <projection>
 #include <clip>

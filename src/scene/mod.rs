@@ -476,6 +476,7 @@ impl Scene {
         fill("projection", vec![projection.into()]);
         fill("proxy", vec![proxy.into()]);
         fill("clip", vec![if self.camera.clip.is_some() { "plane" } else { "none" }.into()]);
+        fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
         slots
     }
 }
