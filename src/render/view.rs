@@ -38,7 +38,8 @@ pub(super) struct View {
 impl View {
     pub(super) fn of(scene: &Scene, subject: &Subject, variant: &Variant) -> View {
         let camera = &scene.camera;
-        let soft = variant.module("softness").is_some_and(|module| module != "hard");
+        // Of the scene, not of the program: pre-classification softens the voxels, and its program does not.
+        let soft = scene.effect.softness != "hard";
         let declared = variant.knobs.outer_iso().unwrap_or(scene.object.outer_iso);
         let outer_iso = if soft { declared } else { scene.object.inner_iso };
         let reach = outer_iso.max(0.0) + variant.knobs.reach();
