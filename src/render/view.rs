@@ -10,11 +10,8 @@ use crate::variant::Variant;
 use glam::camera::rh;
 use glam::{Mat4, Quat, Vec3};
 
-/// The object fills this part of the height of a picture at zoom 1. Larger: it touches the border.
-const FILL: f32 = 0.92;
-/// The part of the soft region that counts as object there. Smaller: flames are cut off. Larger: a little hair shrinks
-/// the object.
-const SOFT_FILL: f32 = 0.6;
+/// The object fills this part of the height of a picture at zoom 1, whatever grows around it. Larger: hair is cut off.
+const FILL: f32 = 0.8;
 /// Nothing nearer to the eye than this is drawn, object units. Smaller: the perspective division loses its digits.
 const NEAR: f32 = 1e-3;
 /// How far the stack of slices is turned to be looked at from the side, degrees: MJ Fig. 1.
@@ -48,7 +45,7 @@ impl View {
         // The trackball: azimuth around the object's vertical axis, then elevation.
         let turn =
             Quat::from_rotation_x(camera.elevation.to_radians()) * Quat::from_rotation_y(-camera.azimuth.to_radians());
-        let half_height = (subject.radius + SOFT_FILL * outer_iso.max(0.0)) / FILL / camera.zoom;
+        let half_height = subject.radius / FILL / camera.zoom;
         let [width, height] = scene.image.size.map(|side| side as f32);
         let (aspect, fit) = (width / height, (width / height).min(1.0));
         let half_angle = 0.5 * camera.field_of_view.to_radians();

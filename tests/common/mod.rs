@@ -12,15 +12,16 @@ use hypertexture::scene::{Color, Projection, Scene};
 const FILL: f64 = 0.8;
 
 /// Runs a test on a device with validation, closes the device, and fails on whatever the layer has reported until then.
-pub fn with_gpu(test: impl FnOnce(&Gpu)) {
+pub fn with_gpu<T>(test: impl FnOnce(&Gpu) -> T) -> T {
     let options = Options { validation: true, ..Options::default() };
     let gpu =
         Gpu::new(&options).unwrap_or_else(|error| panic!("{error}; HYPERTEXTURE_NO_GPU=1 leaves these tests out"));
     let messages = gpu.messages();
-    test(&gpu);
+    let result = test(&gpu);
     drop(gpu);
     let said = messages.take();
     assert!(said.is_empty(), "{} validation messages:\n{}", said.len(), said.join("\n"));
+    result
 }
 
 /// A homogeneous white object with Beer-Lambert opacity, seen along -z: small, unlit, one modulated density.
