@@ -1,0 +1,305 @@
+//! What slices promise: the picture does not depend on their order, shape or number, only on what is in the scene.
+
+mod common;
+
+use common::{difference, formula, homogeneous, picture, rays, subject, with_gpu};
+use hypertexture::glsl;
+use hypertexture::gpu::{Format, Gpu};
+use hypertexture::pass::{self, Extent};
+use hypertexture::render::{Frame, Subject, render};
+use hypertexture::scene::{EFFECTS, Order, Projection, Proxy, Scene, Source, preset};
+use std::path::Path;
+
+/// An irregular octahedron: a closed mesh without symmetry, so that a wrong axis shows.
+const CORNERS: [[f32; 3]; 6] =
+    [[1.0, 0.1, 0.0], [-0.8, 0.0, 0.1], [0.1, 0.7, 0.0], [0.0, -0.9, 0.2], [0.2, 0.0, 0.6], [0.0, 0.1, -0.9]];
+const FACES: [[u32; 3]; 8] = [[1, 3, 5], [3, 2, 5], [2, 4, 5], [4, 1, 5], [3, 1, 6], [2, 3, 6], [4, 2, 6], [1, 4, 6]];
+
+/// Writes the octahedron, turned, into a folder and returns the path.
+fn octahedron(folder: &Path, turn: impl Fn([f32; 3]) -> [f32; 3]) -> String {
+    let corners = CORNERS.map(|corner| turn(corner).map(|value| value.to_string()).join(" "));
+    let faces = FACES.map(|face| face.map(|corner| corner.to_string()).join(" "));
+    let text = [corners.map(|v| format!("v {v}\n")).concat(), faces.map(|f| format!("f {f}\n")).concat()].concat();
+    let path = folder.join("octahedron.obj");
+    std::fs::write(&path, text).expect("the folder is new");
+    path.display().to_string()
+}
+
+/// An effect, small.
+fn effect(name: &str, object: &str, samples: u32) -> Scene {
+    let mut scene = preset(name).unwrap_or_else(|error| panic!("{error}"));
+    scene.object.input = object.into();
+    scene.object.resolution = 32;
+    scene.image.size = [64, 64];
+    scene.quality.samples = samples;
+    scene
+}
+
+/// The six effects on the torus and on a mesh, each with its subject.
+fn effects(samples: u32, test: impl Fn(&str, &Scene, &Subject)) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mesh = octahedron(folder.path(), |corner| corner);
+    for (label, object) in [("torus", "torus"), ("mesh", mesh.as_str())] {
+        for name in EFFECTS {
+            let scene = effect(name, object, samples);
+            test(&format!("{name} on {label}"), &scene, &subject(&scene, &glsl::shipped()));
+        }
+    }
+}
+
+fn shipped(gpu: &Gpu, scene: &Scene, subject: &Subject) -> Frame {
+    picture(gpu, &glsl::shipped(), scene, subject)
+}
+
+/// Part of the pixels that differ by more than `limit` in a channel.
+fn part_beyond(a: &Frame, b: &Frame, limit: f32) -> f64 {
+    let beyond = |(a, b): &(&[f32; 4], &[f32; 4])| a.iter().zip(*b).any(|(a, b)| (a - b).abs() > limit);
+    a.pixels.iter().zip(&b.pixels).filter(beyond).count() as f64 / a.pixels.len() as f64
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m32_p44_front_to_back_equals_back_to_front() {
+    with_gpu(|gpu| {
+        effects(64, |name, scene, subject| {
+            let [front, back] = [Order::FrontToBack, Order::BackToFront].map(|order| {
+                let mut scene = scene.clone();
+                scene.quality.order = order;
+                shipped(gpu, &scene, subject)
+            });
+            // 64 blends, each rounded to half an ulp of a value of at most 2: 64 ulp of 1 at the very worst.
+            let (max, rms) = difference(&front, &back);
+            println!("{name}: max {:.1} ulp, rms {:.2} ulp", max / 2f64.powi(-23), rms / 2f64.powi(-23));
+            assert!(max <= 16.0 * 2f64.powi(-23), "{name}: {max:e}");
+        });
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn polygons_show_what_quads_show() {
+    with_gpu(|gpu| {
+        effects(64, |name, scene, subject| {
+            let [polygons, quads] = [Proxy::Polygons, Proxy::Quads].map(|proxy| {
+                let mut scene = scene.clone();
+                scene.quality.proxy = proxy;
+                shipped(gpu, &scene, subject)
+            });
+            // The positions differ in their last bits: a sample on a hard edge may fall to the other side.
+            let (max, rms) = difference(&polygons, &quads);
+            let beyond = part_beyond(&polygons, &quads, 1e-3);
+            println!("{name}: max {max:.1e}, rms {rms:.1e}, {:.2} % beyond 1e-3", 100.0 * beyond);
+            assert!(beyond <= 0.005, "{name}: {beyond}");
+        });
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn polygons_shade_less_than_half_the_fragments_of_quads() {
+    with_gpu(|gpu| {
+        if !gpu.facts().counts_fragments {
+            println!("{} does not count fragments", gpu.facts().name);
+            return;
+        }
+        let scene = effect("lit", "sphere", 64);
+        let [polygons, quads] = [Proxy::Polygons, Proxy::Quads].map(|proxy| {
+            let mut scene = scene.clone();
+            scene.quality.proxy = proxy;
+            shipped(gpu, &scene, &formula(&scene)).measurements.fragments.expect("the device counts them")
+        });
+        println!("{polygons} fragments in polygons, {quads} in quads: {:.2} x", quads as f64 / polygons as f64);
+        assert!(polygons > 0 && 2 * polygons <= quads, "{polygons} against {quads}");
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn p45_halving_the_step_changes_a_picture_by_its_stated_error() {
+    with_gpu(|gpu| {
+        effects(128, |name, scene, subject| {
+            let frames = [1, 2, 4].map(|factor| {
+                let mut scene = scene.clone();
+                scene.quality.samples *= factor;
+                shipped(gpu, &scene, subject)
+            });
+            let step = f64::from(frames[0].measurements.step);
+            let [coarse, fine] = [[0, 1], [1, 2]].map(|[a, b]| difference(&frames[a], &frames[b]).1);
+            println!("{name}: step {step:.4}, rms {coarse:.2e} then {fine:.2e}, ratio {:.2}", fine / coarse);
+            // First order: a hard edge is found to one step, and shading changes by a few units per object unit.
+            assert!(coarse <= 4.0 * step, "{name}: {coarse:e}");
+            assert!(fine <= 0.8 * coarse, "{name}: {coarse:e} then {fine:e}");
+        });
+    });
+}
+
+#[test]
+fn m01_the_vertices_know_nothing_of_the_rotation() {
+    // Equal extents give equal vertices, and an extent has no rotation: distance, radius and nearest depth.
+    let extent = Extent { distance: 5.0, radius: 2.0, near: 0.1 };
+    let stack = || pass::stack(extent, 32, Proxy::Polygons, Order::FrontToBack, |_| [1.0; 4]);
+    assert_eq!(stack(), stack());
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m01_turning_the_camera_equals_turning_the_object() {
+    with_gpu(|gpu| {
+        let [still, turned] = [(); 2].map(|()| tempfile::tempdir().expect("a temporary folder"));
+        // A quarter turn around y brings what looks at +x to +z.
+        let objects = [octahedron(still.path(), |corner| corner), octahedron(turned.path(), |[x, y, z]| [-z, y, x])];
+        let [by_camera, by_object] = [(&objects[0], 90.0), (&objects[1], 0.0)].map(|(object, azimuth)| {
+            let mut scene = effect("lit", object, 64);
+            scene.camera.azimuth = azimuth;
+            shipped(gpu, &scene, &subject(&scene, &glsl::shipped()))
+        });
+        let unturned = effect("lit", &objects[0], 64);
+        let other = shipped(gpu, &unturned, &subject(&unturned, &glsl::shipped()));
+        let beyond = part_beyond(&by_camera, &by_object, 1e-2);
+        println!(
+            "{:.2} % of the pixels differ; without the turn {:.0} %",
+            100.0 * beyond,
+            100.0 * part_beyond(&by_camera, &other, 1e-2)
+        );
+        assert!(beyond < 0.01, "{beyond}");
+        assert!(part_beyond(&by_camera, &other, 1e-2) > 0.1);
+        assert_eq!(by_camera.measurements.slices, by_object.measurements.slices);
+
+        // Around the axis of a torus, every turn is the same picture; around that of a cube, every quarter.
+        for (object, azimuths) in [("torus", [0.0, 77.0]), ("cube", [10.0, 100.0])] {
+            let frames = azimuths.map(|azimuth| {
+                let mut scene = effect("lit", object, 64);
+                scene.camera.azimuth = azimuth;
+                shipped(gpu, &scene, &formula(&scene))
+            });
+            assert!(part_beyond(&frames[0], &frames[1], 1e-3) < 0.01, "{object}");
+        }
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m30_a_hard_object_has_no_holes_where_it_is_as_thick_as_a_slice() {
+    with_gpu(|gpu| {
+        let mut scene = homogeneous("sphere", 1.0, Projection::Parallel);
+        scene.effect.classify = "surface".into();
+        scene.camera.azimuth = 30.0;
+        let equality = "float soften(float distance) { return abs(distance - iso_value) < 0.01 ? 1.0 : 0.0; }\n";
+        for samples in [4, 16, 64] {
+            scene.quality.samples = samples;
+            let subject = formula(&scene);
+            let frame = shipped(gpu, &scene, &subject);
+            let step = f64::from(frame.measurements.step);
+            let chord = |b: f64| 2.0 * (1.0 - b * b).max(0.0).sqrt();
+            let mut thick = 0;
+            for (ray, pixel) in rays(&scene, &subject).iter().zip(&frame.pixels) {
+                // Slices at equal distances cannot miss a chord that is longer than their distance.
+                if chord(ray.impact()) > step * 1.001 {
+                    thick += 1;
+                    assert_eq!(pixel[3], 1.0, "{samples} slices: a hole at {ray:?}");
+                }
+                if ray.impact() > 1.001 {
+                    assert_eq!(pixel[3], 0.0, "{samples} slices: matter at {ray:?}");
+                }
+            }
+            // The negative control: a test for equality, as MJ 3.5 warns, has holes.
+            let library = glsl::shipped().with_module("softness", "hard", equality);
+            let covered = picture(gpu, &library, &scene, &subject).pixels.iter().filter(|p| p[3] > 0.0).count();
+            println!("{samples} slices: {thick} thick pixels, all covered; equality covers {covered}");
+            assert!(covered < thick);
+        }
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_clipping_plane_keeps_exactly_one_side() {
+    with_gpu(|gpu| {
+        let mut scene = homogeneous("sphere", 3.0, Projection::Parallel);
+        let subject = formula(&scene);
+        let whole = shipped(gpu, &scene, &subject);
+        let [left, right] = [1.0, -1.0].map(|sign| {
+            scene.camera.clip = Some([2.0 * sign, 0.0, 0.0, 0.0]);
+            shipped(gpu, &scene, &subject)
+        });
+        let mut kept = [0, 0];
+        for (index, ray) in rays(&scene, &subject).iter().enumerate() {
+            // The x of an object seen along -z is that of the picture; no pixel center lies on the plane.
+            let side = usize::from(ray.from.x > 0.0);
+            let [there, gone] = if side == 0 { [&left, &right] } else { [&right, &left] };
+            assert_eq!(there.pixels[index], whole.pixels[index], "{ray:?}");
+            assert_eq!(gone.pixels[index], [0.0; 4], "{ray:?}");
+            kept[side] += usize::from(there.pixels[index][3] > 0.0);
+        }
+        assert!(kept[0] > 500 && kept[0] == kept[1], "{kept:?}");
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m57_four_samples_change_the_pixels_of_an_edge_and_no_other() {
+    with_gpu(|gpu| {
+        let mut scene = homogeneous("sphere", 1.0, Projection::Perspective);
+        scene.effect.classify = "surface".into();
+        let subject = formula(&scene);
+        let one = shipped(gpu, &scene, &subject);
+        scene.quality.msaa = 4;
+        let four = shipped(gpu, &scene, &subject);
+        let mut fractions = 0;
+        let alpha = |x: u32, y: u32| one.pixels[(y * 64 + x) as usize][3];
+        for (x, y) in (1..63).flat_map(|y| (1..63).map(move |x| (x, y))) {
+            let around = (y - 1..=y + 1).flat_map(|y| (x - 1..=x + 1).map(move |x| (x, y)));
+            let inside = around.clone().all(|(i, j)| alpha(i, j) == alpha(x, y));
+            let found = four.pixels[(y * 64 + x) as usize][3];
+            assert!(!inside || found == alpha(x, y), "pixel {x}, {y}: {found}");
+            fractions += usize::from(found > 0.0 && found < 1.0);
+        }
+        println!("{fractions} pixels of the edge are partly covered");
+        assert!(fractions > 50, "{fractions}");
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m57_samples_that_the_device_lacks_are_refused_with_those_it_has() {
+    with_gpu(|gpu| {
+        let mut scene = homogeneous("sphere", 1.0, Projection::Perspective);
+        let counts = gpu.sample_counts(Format::Rgba32Float);
+        for msaa in [2, 4, 8] {
+            scene.quality.msaa = msaa;
+            let result = render(gpu, &glsl::shipped(), &scene, &formula(&scene));
+            match result {
+                Ok(_) => assert!(counts.contains(&msaa), "{msaa} rendered, and the device has {counts:?}"),
+                Err(error) => {
+                    let error = error.to_string();
+                    assert!(!counts.contains(&msaa), "{error}");
+                    assert!(error.contains(&format!("cannot do {msaa} samples per pixel in Rgba32Float")), "{error}");
+                    assert!(error.ends_with(&format!("use --msaa with one of {counts:?}")), "{error}");
+                }
+            }
+        }
+        // The software driver that the tests are pinned to.
+        assert!(!gpu.facts().name.contains("llvmpipe") || counts == [1, 4], "{counts:?}");
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m57_anisotropy_is_accepted_up_to_what_the_device_has() {
+    with_gpu(|gpu| {
+        let mut scene = effect("lit", "sphere", 64);
+        scene.object.source = Source::Normals16;
+        let subject = subject(&scene, &glsl::shipped());
+        let isotropic = shipped(gpu, &scene, &subject);
+        scene.quality.anisotropy = gpu.facts().max_anisotropy;
+        let anisotropic = shipped(gpu, &scene, &subject);
+        // How a driver filters a volume is its own affair, but a filter of one level reaches no further than a voxel.
+        let voxel = f64::from(subject.field.as_ref().expect("a volume").grid.spacing.max_element() * subject.scale);
+        let mut differ = 0;
+        for ((ray, a), b) in rays(&scene, &subject).iter().zip(&isotropic.pixels).zip(&anisotropic.pixels) {
+            differ += usize::from(a[3] != b[3]);
+            assert!((ray.impact() - 1.0).abs() <= 1.5 * voxel || a[3] == b[3], "{ray:?}: {a:?} against {b:?}");
+        }
+        println!("anisotropy {}: {differ} pixels at the edge differ", scene.quality.anisotropy);
+    });
+}
