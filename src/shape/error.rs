@@ -129,8 +129,8 @@ pub enum ShapeError {
         limit: u64,
     },
     /// A volume with no samples along some axis.
-    #[error("{file}: line {line}: a volume of {} x {} x {} has no samples, every size must be at least 1; export it again",
-        size[0], size[1], size[2])]
+    #[error("{file}: line {line}: a volume of {} x {} x {} has no samples, every size must be at least 1; \
+        export it again", size[0], size[1], size[2])]
     ZeroSize {
         /// The path.
         file: String,

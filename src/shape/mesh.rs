@@ -3,7 +3,7 @@
 //! Role: bounds, cleaning, open edges, volume. Invariant: nothing here changes the surface; cleaning only removes
 //! what has no area.
 
-use super::{Bounds, Mesh, Shape, ShapeError};
+use super::{Bounds, Mesh};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -77,41 +77,6 @@ impl Mesh {
         let (positions, indices) = weld(corners);
         Mesh::cleaned(positions, indices.as_chunks::<3>().0.to_vec())
     }
-}
-
-/// Coordinates of a larger magnitude are refused: their squares, and the squares of distances, would overflow.
-const MAX_COORDINATE: f32 = 1e15;
-/// The largest mesh that is read.
-const MAX_TRIANGLES: u64 = 50_000_000;
-
-/// The shape of a mesh that was read from a file.
-///
-/// # Errors
-/// A coordinate that is not finite or too large, too many triangles, or none with an area.
-pub(super) fn checked(file: &str, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Shape, ShapeError> {
-    if let Some(first) = positions.iter().position(|p| !p.is_finite()) {
-        let (count, total) = (positions.iter().filter(|p| !p.is_finite()).count(), positions.len());
-        return Err(ShapeError::NotFinite { file: file.into(), what: "vertices", count, total, first });
-    }
-    if let Some(index) = positions.iter().position(|p| p.abs().max_element() > MAX_COORDINATE) {
-        let (what, value) = ("vertex", positions[index].abs().max_element());
-        return Err(ShapeError::CoordinateRange { file: file.into(), what, index, value, limit: MAX_COORDINATE });
-    }
-    if triangles.len() as u64 > MAX_TRIANGLES {
-        let (what, found) = ("triangles", triangles.len().to_string());
-        return Err(ShapeError::TooLarge { file: file.into(), what, found, limit: MAX_TRIANGLES });
-    }
-    let (mesh, zero_area) = Mesh::cleaned(positions, triangles);
-    match mesh.triangles.is_empty() {
-        true => Err(ShapeError::NoTriangles { file: file.into(), zero_area }),
-        false => Ok(Shape::Mesh(mesh)),
-    }
-}
-
-/// As [`checked`], for three corners each, one triangle after the other.
-pub(super) fn checked_corners(file: &str, corners: Vec<Vec3>) -> Result<Shape, ShapeError> {
-    let (positions, indices) = weld(&corners);
-    checked(file, positions, indices.as_chunks::<3>().0.to_vec())
 }
 
 /// The distinct positions in order of first use, and for each position the index of its representative.

@@ -2,25 +2,42 @@
 //!
 //! Role: turn a file, a name or a formula into a [`Shape`]. Invariant: every coordinate and value is finite.
 //! This room imports nothing else of the crate and needs no GPU.
+//!
+//! [`open`] is the way in; [`write_nrrd`] is the way back out for volumes. World space is right-handed with y up for
+//! the built-in objects; files keep the coordinates they have. Sources are named where they are used: Newell's teapot
+//! in [`teapot`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `stl` and `nrrd`.
 
 mod error;
 mod generated;
 mod mesh;
 mod nrrd;
+mod nrrd_header;
 mod obj;
 mod open;
-mod phantom;
+pub mod phantom;
+mod polygon;
+mod solid;
+mod source;
 mod stl;
-mod teapot;
+pub mod teapot;
 mod teapot_data;
 mod volume;
 
 pub use error::{Found, Place, ShapeError};
 pub use generated::BUILT_IN;
 pub use nrrd::write_nrrd;
-pub use open::open;
+pub use open::{open, read};
 
 use glam::Vec3;
+
+/// Largest magnitude of a coordinate in world units.
+///
+/// Ten times larger and the squared length of a diagonal comes near the end of f32 (3.4e38); no real object is there.
+pub const MAX_COORDINATE: f32 = 1e18;
+/// Most triangles of a mesh: a binary STL file of 2.5 GB.
+pub const MAX_TRIANGLES: u64 = 50_000_000;
+/// Most voxels of a volume: 8 GiB of f32.
+pub const MAX_VOXELS: u64 = 1 << 31;
 
 /// Something that has a surface.
 #[derive(Clone, Debug)]
@@ -98,7 +115,10 @@ pub enum Content {
 }
 
 impl Shape {
-    /// The box around the surface, world units; of a volume, around all its samples.
+    /// A box that contains the object, in world units.
+    ///
+    /// Tight for a solid and a mesh. For a volume, scalar or distance, its whole extent from first to last sample:
+    /// where the object ends in there depends on the iso-value.
     pub fn bounds(&self) -> Bounds {
         match self {
             Shape::Solid(solid) => solid.bounds(),
@@ -109,34 +129,20 @@ impl Shape {
 }
 
 impl Bounds {
-    /// The smallest box around some points; `None` where there are none.
-    pub fn around(points: &[Vec3]) -> Option<Bounds> {
-        let first = *points.first()?;
+    /// The smallest box around `positions`; `None` if there are none.
+    pub fn around(positions: &[Vec3]) -> Option<Bounds> {
+        let first = *positions.first()?;
         let start = Bounds { min: first, max: first };
-        Some(points.iter().fold(start, |box_, &p| Bounds { min: box_.min.min(p), max: box_.max.max(p) }))
-    }
-}
-
-impl Solid {
-    /// The box around the solid, world units.
-    pub fn bounds(&self) -> Bounds {
-        let half = match *self {
-            Solid::Sphere { radius } => Vec3::splat(radius),
-            Solid::Cube { half } => Vec3::splat(half),
-            Solid::Torus { major, minor } => Vec3::new(major + minor, minor, major + minor),
-        };
-        Bounds { min: -half, max: half }
+        Some(positions.iter().fold(start, |b, &p| Bounds { min: b.min.min(p), max: b.max.max(p) }))
     }
 
-    /// Exact signed distance of `p`, positive outside; world units.
-    pub fn distance(&self, p: Vec3) -> f32 {
-        match *self {
-            Solid::Sphere { radius } => p.length() - radius,
-            Solid::Cube { half } => {
-                let q = p.abs() - half;
-                q.max(Vec3::ZERO).length() + q.max_element().min(0.0)
-            }
-            Solid::Torus { major, minor } => (p.x.hypot(p.z) - major).hypot(p.y) - minor,
-        }
+    /// Middle of the box.
+    pub fn center(&self) -> Vec3 {
+        self.min + 0.5 * self.size()
+    }
+
+    /// Edge lengths, each at least 0.
+    pub fn size(&self) -> Vec3 {
+        self.max - self.min
     }
 }

@@ -1,87 +1,181 @@
-//! A name or a path into a shape.
+//! From a name or a path to a shape.
 //!
-//! Role: recognize what a file holds, and hand it to its reader. Invariant: a reader sees the bytes of a regular file of
-//! bounded size, and nothing is allocated on the word of a header alone.
+//! Role: choose between built-in objects and file formats. Invariant: only plain files are opened, and a format is
+//! chosen by what is in the file before by what it is called.
 
 use super::error::{quoted, shown};
-use super::generated::built_in;
-use super::{BUILT_IN, Shape, ShapeError, nrrd, obj, stl};
-use std::fs::File;
-use std::io::{self, Read};
+use super::source::Source;
+use super::{BUILT_IN, Shape, ShapeError, generated, nrrd, obj, stl};
+use std::fs::{self, File};
+use std::io::{self, BufRead, BufReader};
 use std::path::Path;
 
-/// The largest file that is read: more does not fit beside its field in the memory of most machines.
-const MAX_BYTES: u64 = 8 << 30;
-
-/// A file format: how its content begins, if that can be told, how its name ends, and its reader.
+/// One file format.
 struct Format {
-    begins: &'static [u8],
+    /// Extensions without the dot, lower case.
     extensions: &'static [&'static str],
-    read: fn(&str, Vec<u8>) -> Result<Shape, ShapeError>,
+    /// Whether a file with these first bytes (up to 1024) and this length in bytes is surely of this format.
+    recognizes: fn(&[u8], u64) -> bool,
+    /// Reads the file from its start.
+    read: fn(&mut Source) -> Result<Shape, ShapeError>,
 }
 
-/// Every format, in the order in which they are tried.
-const FORMATS: [Format; 3] = [
-    Format { begins: b"NRRD000", extensions: &["nrrd"], read: nrrd::read },
-    Format { begins: b"", extensions: &["stl"], read: stl::read },
-    Format { begins: b"", extensions: &["obj"], read: obj::read },
+/// The formats, tried in this order; a new format is one more line.
+const FORMATS: &[Format] = &[
+    Format { extensions: &["nrrd", "nhdr"], recognizes: nrrd::recognizes, read: nrrd::read },
+    Format { extensions: &["stl"], recognizes: stl::recognizes, read: stl::read },
+    Format { extensions: &["obj"], recognizes: |_, _| false, read: obj::read }, // OBJ has no mark to know it by
 ];
-
-/// The extensions of all formats, for messages.
-pub(super) fn known_extensions() -> String {
-    let all: Vec<String> = FORMATS.iter().flat_map(|format| format.extensions).map(|end| format!(".{end}")).collect();
-    all.join(", ")
-}
 
 /// Opens a built-in object or a file.
 ///
+/// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a
+/// file is chosen by its content where the content tells (NRRD, STL), else by its extension (OBJ). Coordinates stay as
+/// they are in the file. Directories, devices and pipes are refused.
+///
 /// # Errors
-/// The name is unknown, or the file cannot be read: one line with what, where, the value, the limit and the remedy.
-pub fn open(name: &str) -> Result<Shape, ShapeError> {
-    if let Some(shape) = built_in(name) {
+/// Any [`ShapeError`]; its message is one line.
+pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
+    if let Some(shape) = generated::built_in(name_or_path) {
         return Ok(shape);
     }
-    let bytes = bytes(name)?;
-    let extension = Path::new(name).extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let by_content = FORMATS.iter().find(|format| !format.begins.is_empty() && bytes.starts_with(format.begins));
-    let by_name = || FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str()));
-    match by_content.or_else(by_name) {
-        Some(format) => (format.read)(&shown(name), bytes),
-        None => Err(ShapeError::UnknownFormat { file: shown(name), start: quoted(&bytes[..bytes.len().min(16)]) }),
+    let path = Path::new(name_or_path);
+    let file = || shown(name_or_path);
+    // Before opening: opening a pipe waits for a writer.
+    let kind = fs::metadata(path).map_err(|reason| unopened(name_or_path, reason))?;
+    if !kind.is_file() {
+        let kind = if kind.is_dir() { "a directory" } else { "a device, pipe or socket" };
+        return Err(ShapeError::NotAFile { file: file(), kind });
+    }
+    let opened = File::open(path).map_err(|reason| unopened(name_or_path, reason))?;
+    let len = opened.metadata().map_err(|reason| ShapeError::Unreadable { file: file(), reason })?.len();
+    parse(name_or_path, len, &mut BufReader::new(opened))
+}
+
+/// Reads the content of a file that is already in memory; `name` supplies the extension and the name for messages.
+///
+/// # Errors
+/// Any [`ShapeError`] that the content can cause.
+pub fn read(name: &str, mut bytes: &[u8]) -> Result<Shape, ShapeError> {
+    parse(name, bytes.len() as u64, &mut bytes)
+}
+
+/// Extensions of all formats, for messages.
+pub(super) fn known_extensions() -> String {
+    let all = FORMATS.iter().flat_map(|format| format.extensions);
+    all.map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
+}
+
+fn parse(name: &str, len: u64, reader: &mut dyn BufRead) -> Result<Shape, ShapeError> {
+    let mut source = Source { file: shown(name), len, offset: 0, line: 0, reader };
+    let start = source.peek()?;
+    if start.is_empty() {
+        return Err(ShapeError::Empty { file: source.file });
+    }
+    let by_content = FORMATS.iter().find(|format| (format.recognizes)(start, len));
+    match by_content.or_else(|| by_extension(name)) {
+        Some(format) => (format.read)(&mut source),
+        None => {
+            let start = quoted(&start[..start.len().min(16)]);
+            Err(ShapeError::UnknownFormat { file: source.file, start })
+        }
     }
 }
 
-/// All bytes of a regular file.
-fn bytes(name: &str) -> Result<Vec<u8>, ShapeError> {
-    let unreadable = |reason| ShapeError::Unreadable { file: shown(name), reason };
-    let file = match File::open(name) {
-        Ok(file) => file,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Err(missing(name)),
-        Err(error) => return Err(unreadable(error)),
+fn by_extension(name: &str) -> Option<&'static Format> {
+    let extension = Path::new(name).extension()?.to_str()?.to_ascii_lowercase();
+    FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str()))
+}
+
+/// Why a path cannot be opened: a wrong name if it looks like one, else a missing or unreadable file.
+fn unopened(name: &str, reason: io::Error) -> ShapeError {
+    let file = shown(name);
+    match reason.kind() {
+        io::ErrorKind::NotFound if Path::new(name).extension().is_none() && !name.contains(['/', '\\']) => {
+            ShapeError::UnknownName { nearest: nearest(name), name: file }
+        }
+        io::ErrorKind::NotFound => ShapeError::Missing { file },
+        _ => ShapeError::Unreadable { file, reason },
+    }
+}
+
+/// The built-in name that begins with `name`, else the one with the smallest edit distance (Levenshtein 1966) to its
+/// first 64 characters.
+fn nearest(name: &str) -> &'static str {
+    let name: Vec<char> = name.trim().to_lowercase().chars().take(64).collect();
+    let distance = |known: &str| {
+        let mut row: Vec<usize> = (0..=name.len()).collect();
+        for (i, a) in known.chars().enumerate() {
+            let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+            for (j, &b) in name.iter().enumerate() {
+                let changed = diagonal + usize::from(a != b);
+                diagonal = row[j + 1];
+                row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
+            }
+        }
+        row[name.len()]
     };
-    let about = file.metadata().map_err(unreadable)?;
-    if !about.is_file() {
-        let kind = if about.is_dir() { "a folder" } else { "a device or a pipe" };
-        return Err(ShapeError::NotAFile { file: shown(name), kind });
-    }
-    if about.len() > MAX_BYTES {
-        let found = about.len().to_string();
-        return Err(ShapeError::TooLarge { file: shown(name), what: "bytes", found, limit: MAX_BYTES });
-    }
-    let mut bytes = Vec::new();
-    file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(unreadable)?;
-    if bytes.is_empty() {
-        return Err(ShapeError::Empty { file: shown(name) });
-    }
-    Ok(bytes)
+    let beginning: String = name.iter().collect();
+    let rank = |known: &&&str| (!known.starts_with(&beginning), distance(known));
+    BUILT_IN.iter().min_by_key(rank).expect("the list of built-in objects is not empty")
 }
 
-/// A path gets a word about paths, anything else the nearest built-in name.
-fn missing(name: &str) -> ShapeError {
-    if name.contains(['/', '\\', '.']) {
-        return ShapeError::Missing { file: shown(name) };
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misspelt_name_gets_the_nearest_built_in_one() {
+        for (wrong, right) in [
+            ("shpere", "sphere"),
+            ("Teapot ", "teapot"),
+            ("dodeca", "dodecahedron"),
+            ("tea", "teapot"),
+            ("qube", "cube"),
+        ] {
+            let error = open(wrong).unwrap_err();
+            assert!(matches!(error, ShapeError::UnknownName { nearest, .. } if nearest == right), "{wrong}: {error}");
+        }
+        let message = open("shpere").unwrap_err().to_string();
+        assert!(message.contains("sphere, cube, torus") && message.contains(".nrrd, .nhdr, .stl, .obj"), "{message}");
     }
-    let similar = |known: &&str| strsim::damerau_levenshtein(name, known);
-    let nearest = BUILT_IN.iter().copied().min_by_key(similar).unwrap_or_default();
-    ShapeError::UnknownName { name: shown(name), nearest }
+
+    #[test]
+    fn missing_files_directories_and_empty_files_are_told_apart() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+        std::fs::write(path("empty.obj"), b"").unwrap();
+        assert!(matches!(open(&path("none.obj")), Err(ShapeError::Missing { .. })));
+        assert!(matches!(open("none.stl"), Err(ShapeError::Missing { .. })));
+        assert!(matches!(open(&path("empty.obj")), Err(ShapeError::Empty { .. })));
+        assert!(matches!(open(&path("")), Err(ShapeError::NotAFile { kind: "a directory", .. })));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_device_is_refused_before_it_is_opened() {
+        assert!(matches!(open("/dev/zero"), Err(ShapeError::NotAFile { .. })));
+    }
+
+    #[test]
+    fn content_decides_before_the_extension() {
+        let stl =
+            b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n\
+            endsolid s\n";
+        assert!(matches!(read("wrong.obj", stl), Ok(Shape::Mesh(_))));
+        assert!(matches!(read("no_extension", stl), Ok(Shape::Mesh(_))));
+    }
+
+    #[test]
+    fn an_unknown_format_shows_how_the_file_begins_and_what_is_known() {
+        let message = read("duck.glb", b"glTF\x02\0\0\0rest").unwrap_err().to_string();
+        assert!(message.contains("glTF") && message.contains(".obj"), "{message}");
+        assert_eq!(message.lines().count(), 1);
+    }
+
+    #[test]
+    fn a_name_with_line_breaks_gives_a_message_of_one_line() {
+        assert_eq!(open("a\nb").unwrap_err().to_string().lines().count(), 1);
+        assert_eq!(open("a\u{85}b\n.obj").unwrap_err().to_string().lines().count(), 1);
+    }
 }

@@ -1,108 +1,219 @@
-//! STL, binary and ASCII. A binary file may begin with the word "solid", so its length decides.
+//! Stereolithography (STL): triangles, binary or text.
+//!
+//! Role: triangles into a mesh whose equal corners are one vertex. Invariant: a file is binary if its length is the one
+//! its triangle count asks for, whatever its header says. Source: 3D Systems, "Stereolithography interface
+//! specification", 1988. Read here and not by the stl_io crate, which takes every header that begins with "solid " for
+//! text and gives no line numbers.
 
-use super::error::{Found, Place, quoted};
-use super::{Shape, ShapeError, mesh};
+use super::error::{Found, Place, ShapeError};
+use super::source::{Source, number, tokens};
+use super::{MAX_TRIANGLES, Mesh, Shape};
 use glam::Vec3;
 
-/// Bytes before the first triangle: 80 of anything, and the number of triangles.
-const HEADER: u64 = 84;
-/// Bytes of a triangle: normal, three corners, two bytes of attributes.
-const TRIANGLE: u64 = 50;
+/// Bytes before the first triangle of a binary file: 80 of free text and the count.
+const HEADER_BYTES: u64 = 84;
+/// Bytes of a binary triangle: normal and 3 corners as f32, and 2 unused bytes.
+const TRIANGLE_BYTES: u64 = 50;
 
-/// Reads a mesh; corners at equal positions become one vertex.
-pub(super) fn read(file: &str, bytes: Vec<u8>) -> Result<Shape, ShapeError> {
-    let triangles = bytes.get(80..84).map(|n| u32::from_le_bytes([n[0], n[1], n[2], n[3]]));
-    let length = triangles.map(|triangles| HEADER + TRIANGLE * u64::from(triangles));
-    if length == Some(bytes.len() as u64) {
-        return mesh::checked_corners(file, binary(&bytes));
-    }
-    let text = bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0);
-    match (text, triangles) {
-        (true, _) => mesh::checked_corners(file, ascii(file, &bytes)?),
-        (false, Some(triangles)) => Err(ShapeError::DataSize {
-            file: file.into(),
-            offset: HEADER,
-            declared: TRIANGLE * u64::from(triangles),
-            what: format!("{triangles} triangles of {TRIANGLE} bytes"),
-            found: Found::Bytes(bytes.len() as u64 - HEADER),
-        }),
-        (false, None) => Err(ShapeError::Malformed {
-            file: file.into(),
-            place: Place::Header,
-            expected: "the word `solid` or a binary header of 84 bytes",
-            found: quoted(&bytes),
-        }),
-    }
+/// Whether the length fits a binary file, or the start is that of a text file.
+pub(super) fn recognizes(start: &[u8], len: u64) -> bool {
+    let lower = start.to_ascii_lowercase();
+    let has = |word: &[u8]| lower.windows(word.len()).any(|window| window == word);
+    is_binary(start, len) || is_text(start) && (has(b"facet") || has(b"endsolid"))
 }
 
-fn binary(bytes: &[u8]) -> Vec<Vec3> {
-    let float = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
-    let corner = |b: &[u8]| Vec3::new(float(b), float(&b[4..]), float(&b[8..]));
-    let triangles = bytes[HEADER as usize..].chunks_exact(TRIANGLE as usize);
-    triangles.flat_map(|triangle| [corner(&triangle[12..]), corner(&triangle[24..]), corner(&triangle[36..])]).collect()
+/// Reads a binary or text file; the normals in the file are not used, the winding is.
+pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
+    let len = source.len;
+    let start = source.peek()?;
+    let corners = if !is_binary(start, len) && is_text(start) { text(source)? } else { binary(source)? };
+    source.check_positions("triangle corners", &corners)?;
+    source.finish(Mesh::of_corners(&corners))
 }
 
-/// The corners of an ASCII file: the three numbers after each word `vertex`.
-fn ascii(file: &str, bytes: &[u8]) -> Result<Vec<Vec3>, ShapeError> {
-    let mut corners = Vec::new();
-    for (index, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
-        let place = Place::Line(index as u64 + 1);
-        let malformed = |expected| ShapeError::Malformed { file: file.into(), place, expected, found: quoted(line) };
-        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-        match words.next() {
-            Some(b"vertex") => {
-                let number = |word: &[u8]| std::str::from_utf8(word).ok()?.parse().ok();
-                let mut next = || words.next().and_then(number).ok_or_else(|| malformed("three numbers"));
-                corners.push(Vec3::new(next()?, next()?, next()?));
-            }
-            Some(b"endloop") if corners.len() % 3 != 0 => return Err(malformed("three vertices in a loop")),
-            _ => {}
+/// The triangle count of a binary header, if there are enough bytes for one.
+fn declared(start: &[u8]) -> Option<u64> {
+    let count = start.get(80..84)?.first_chunk()?;
+    Some(u64::from(u32::from_le_bytes(*count)))
+}
+
+fn is_binary(start: &[u8], len: u64) -> bool {
+    declared(start).is_some_and(|count| len == HEADER_BYTES + TRIANGLE_BYTES * count)
+}
+
+fn is_text(start: &[u8]) -> bool {
+    let word = start.trim_ascii_start().get(..5).unwrap_or_default();
+    word.eq_ignore_ascii_case(b"solid") && !start.contains(&0)
+}
+
+fn binary(source: &mut Source) -> Result<Vec<Vec3>, ShapeError> {
+    let len = source.len;
+    let Some(count) = declared(source.peek()?) else {
+        return Err(source.data_size(HEADER_BYTES, "an STL header".into(), Found::Bytes(len)));
+    };
+    source.fill(&mut [0; HEADER_BYTES as usize])?;
+    if len != HEADER_BYTES + TRIANGLE_BYTES * count {
+        let what = format!("{count} triangles of {TRIANGLE_BYTES} bytes");
+        return Err(source.data_size(TRIANGLE_BYTES * count, what, Found::Bytes(source.remaining())));
+    }
+    source.check_triangles(count)?;
+    let mut corners = Vec::with_capacity(3 * count as usize);
+    let mut triangle = [0; TRIANGLE_BYTES as usize];
+    for _ in 0..count {
+        source.fill(&mut triangle)?;
+        let (floats, _) = triangle[12..48].as_chunks(); // between the normal and the unused bytes
+        for xyz in floats.as_chunks::<3>().0 {
+            corners.push(Vec3::from(xyz.map(f32::from_le_bytes)));
         }
     }
-    match corners.len() % 3 {
-        0 => Ok(corners),
-        _ => Err(ShapeError::Malformed {
-            file: file.into(),
-            place: Place::Header,
-            expected: "three vertices for each facet",
-            found: format!("{} vertices: the file is cut off", corners.len()),
-        }),
-    }
+    Ok(corners)
 }
+
+fn text(source: &mut Source) -> Result<Vec<Vec3>, ShapeError> {
+    let mut corners = Vec::new();
+    let mut in_loop = None;
+    let mut in_solid = false;
+    let mut line = Vec::new();
+    while source.next_line(&mut line)? {
+        let mut words = tokens(&line);
+        let Some(keyword) = words.next() else { continue };
+        let keyword = keyword.to_ascii_lowercase();
+        match (keyword.as_slice(), in_loop) {
+            (b"solid", None) if !in_solid => in_solid = true,
+            (b"endsolid", None) if in_solid => in_solid = false,
+            (b"facet" | b"endfacet", None) if in_solid => {}
+            (b"outer", None) if in_solid => in_loop = Some(0),
+            (b"vertex", Some(count @ 0..3)) => {
+                let mut coordinate = || words.next().and_then(number);
+                let (Some(x), Some(y), Some(z)) = (coordinate(), coordinate(), coordinate()) else {
+                    return Err(source.malformed("3 numbers after `vertex`", &line));
+                };
+                corners.push(Vec3::new(x, y, z));
+                in_loop = Some(count + 1);
+            }
+            (b"endloop", Some(3)) => {
+                in_loop = None;
+                source.check_triangles(corners.len() as u64 / 3)?;
+            }
+            (_, Some(3)) => return Err(source.malformed("`endloop` after 3 vertices", &line)),
+            (_, Some(_)) => return Err(source.malformed("`vertex`, 3 of them in a loop", &line)),
+            (_, None) if in_solid => return Err(source.malformed("`facet`, `outer loop` or `endsolid`", &line)),
+            (_, None) => return Err(source.malformed("`solid`", &line)),
+        }
+    }
+    if in_solid || in_loop.is_some() {
+        let end = Place::Line(source.line);
+        return Err(source.malformed_at(end, "`endsolid`", "the end of the file".into()));
+    }
+    Ok(corners)
+}
+
+// Every welded index fits a u32.
+const _: () = assert!(3 * MAX_TRIANGLES < u32::MAX as u64);
 
 #[cfg(test)]
 mod tests {
+    use super::super::read as read_any;
     use super::*;
 
-    const CORNERS: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    const CORNERS: [[f32; 3]; 6] =
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 
-    fn binary_file(header: &[u8]) -> Vec<u8> {
+    /// A square of two triangles.
+    fn binary_square(header: &[u8]) -> Vec<u8> {
         let mut bytes = header.to_vec();
         bytes.resize(80, b' ');
-        bytes.extend(1u32.to_le_bytes());
-        bytes.extend([0; 12]);
-        bytes.extend(CORNERS.iter().flatten().flat_map(|c| c.to_le_bytes()));
-        bytes.extend([0; 2]);
+        bytes.extend_from_slice(&2_u32.to_le_bytes());
+        for triangle in CORNERS.chunks(3) {
+            bytes.extend_from_slice(&[0; 12]);
+            bytes.extend(triangle.iter().flatten().flat_map(|x| x.to_le_bytes()));
+            bytes.extend_from_slice(&[0; 2]);
+        }
         bytes
     }
 
-    const ASCII: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+    fn text_square() -> String {
+        let mut text = String::from("  SOLID a name with words\r\n");
+        for triangle in CORNERS.chunks(3) {
+            text += " facet normal 0 0 1\n  outer loop\n";
+            for [x, y, z] in triangle {
+                text += &format!("   vertex {x:e} {y} {z}\n");
+            }
+            text += "  endloop\n endfacet\n\n";
+        }
+        text + "endsolid a name\n"
+    }
 
-    #[test]
-    fn a_binary_stl_whose_header_says_solid_is_read_as_binary() {
-        for bytes in [binary_file(b"solid model"), binary_file(b""), ASCII.as_bytes().to_vec()] {
-            let Shape::Mesh(mesh) = read("a.stl", bytes).unwrap() else { panic!("a mesh") };
-            assert_eq!((mesh.positions.len(), mesh.triangles.len()), (3, 1));
+    fn assert_square(bytes: &[u8]) {
+        match read_any("test.stl", bytes) {
+            Ok(Shape::Mesh(mesh)) => {
+                assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+                assert_eq!(mesh.positions, [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y]);
+            }
+            other => panic!("{other:?}"),
         }
     }
 
+    fn error(bytes: &[u8]) -> ShapeError {
+        read_any("test.stl", bytes).unwrap_err()
+    }
+
     #[test]
-    fn a_truncated_stl_is_refused() {
-        let whole = binary_file(b"x");
-        let error = read("a.stl", whole[..whole.len() - 1].to_vec()).unwrap_err().to_string();
-        assert!(error.contains("declares 50 bytes of data (1 triangles of 50 bytes), the file holds 49"), "{error}");
-        let cut = &ASCII[..ASCII.find("vertex 0 1").unwrap()];
-        assert!(read("a.stl", cut.as_bytes().to_vec()).unwrap_err().to_string().contains("cut off"));
-        assert!(read("a.stl", b"short".to_vec()).is_err());
+    fn binary_and_text_give_the_same_welded_mesh() {
+        assert_square(&binary_square(b"made by hand"));
+        assert_square(text_square().as_bytes());
+    }
+
+    #[test]
+    fn binary_stl_whose_header_says_solid_is_read_as_binary() {
+        assert_square(&binary_square(b"solid looks like text\nfacet normal"));
+        assert_square(&binary_square(b"solid\0"));
+    }
+
+    #[test]
+    fn a_truncated_binary_file_shows_declared_and_present_bytes() {
+        let bytes = binary_square(b"x");
+        for len in [84, 100, 183] {
+            let error = error(&bytes[..len]);
+            let found = Found::Bytes(len as u64 - 84);
+            let expected =
+                matches!(&error, ShapeError::DataSize { offset: 84, declared: 100, found: f, .. } if *f == found);
+            assert!(expected, "{error}");
+        }
+        assert!(matches!(error(&bytes[..50]), ShapeError::DataSize { offset: 0, declared: 84, .. }));
+    }
+
+    #[test]
+    fn more_triangles_declared_than_present_are_refused_before_allocation() {
+        let mut bytes = binary_square(b"solid \0");
+        bytes[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert!(matches!(error(&bytes), ShapeError::DataSize { declared: 214_748_364_750, .. }));
+    }
+
+    #[test]
+    fn text_errors_name_the_line() {
+        let good = text_square();
+        for (from, to, line) in
+            [("vertex 1e0 0 0", "vertex 1e0 zero 0", 5), ("endloop", "vertex 0 0 0", 7), ("outer", "inner", 3)]
+        {
+            let error = error(good.replacen(from, to, 1).as_bytes());
+            assert!(matches!(error, ShapeError::Malformed { place: Place::Line(l), .. } if l == line), "{error}");
+        }
+        let cut = &good[..good.find("endsolid").unwrap()];
+        assert!(error(cut.as_bytes()).to_string().contains("the end of the file"));
+    }
+
+    #[test]
+    fn nan_corners_are_counted() {
+        let error = error(text_square().replacen("vertex 1e0", "vertex nan", 1).as_bytes());
+        assert!(matches!(error, ShapeError::NotFinite { count: 1, total: 6, first: 1, .. }), "{error}");
+    }
+
+    #[test]
+    fn an_stl_file_without_triangles_is_refused() {
+        assert!(matches!(error(b"solid nothing\nendsolid nothing\n"), ShapeError::NoTriangles { .. }));
+        let mut bytes = vec![0; 84];
+        bytes[0] = b'x';
+        assert!(matches!(error(&bytes), ShapeError::NoTriangles { .. }));
     }
 }

@@ -1,0 +1,74 @@
+//! Distances to the analytic [`Solid`]s.
+//!
+//! Role: closed forms that other code is measured against. Invariant: exact everywhere, up to f32 rounding.
+//! Source: J. Hart, "Sphere tracing", The Visual Computer 12, 1996, appendix; the torus by revolving a circle.
+
+use super::{Bounds, Solid};
+use glam::{Vec2, Vec3};
+
+impl Solid {
+    /// Exact signed Euclidean distance from `p` to the surface, positive outside, world units.
+    ///
+    /// `p` must be finite. Error: a few ulp of the largest coordinate involved.
+    pub fn distance(&self, p: Vec3) -> f32 {
+        match *self {
+            Solid::Sphere { radius } => p.length() - radius,
+            Solid::Cube { half } => {
+                let q = p.abs() - half;
+                q.max(Vec3::ZERO).length() + q.max_element().min(0.0)
+            }
+            Solid::Torus { major, minor } => Vec2::new(Vec2::new(p.x, p.z).length() - major, p.y).length() - minor,
+        }
+    }
+
+    /// The tight bounding box.
+    pub fn bounds(&self) -> Bounds {
+        let max = match *self {
+            Solid::Sphere { radius } => Vec3::splat(radius),
+            Solid::Cube { half } => Vec3::splat(half),
+            Solid::Torus { major, minor } => Vec3::new(major + minor, minor, major + minor),
+        };
+        Bounds { min: -max, max }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOLIDS: [Solid; 3] =
+        [Solid::Sphere { radius: 1.0 }, Solid::Cube { half: 0.8 }, Solid::Torus { major: 0.7, minor: 0.3 }];
+
+    #[test]
+    fn distances_at_known_points() {
+        let [sphere, cube, torus] = SOLIDS;
+        assert_eq!(sphere.distance(Vec3::new(0.0, 3.0, 4.0)), 4.0);
+        assert_eq!(sphere.distance(Vec3::ZERO), -1.0);
+        assert_eq!(cube.distance(Vec3::ZERO), -0.8);
+        assert_eq!(cube.distance(Vec3::new(0.5, 0.0, -0.75)), 0.75 - 0.8);
+        assert!((cube.distance(Vec3::new(3.8, -4.8, 0.0)) - 5.0).abs() < 1e-6);
+        assert!((torus.distance(Vec3::ZERO) - 0.4).abs() < 1e-7);
+        assert!((torus.distance(Vec3::new(0.0, 0.1, -0.7)) + 0.2).abs() < 1e-7);
+    }
+
+    #[test]
+    fn a_distance_has_a_gradient_of_length_one() {
+        let h = 1e-3;
+        for solid in SOLIDS {
+            for p in [[1.3, 0.4, -0.2], [0.71, 0.2, 0.11], [-0.3, -0.55, 0.2], [1.5, -1.4, 1.2]].map(Vec3::from) {
+                let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+                let slope = axes.map(|axis| (solid.distance(p + axis * h) - solid.distance(p - axis * h)) / (2.0 * h));
+                assert!((Vec3::from(slope).length() - 1.0).abs() < 1e-3, "{solid:?} at {p}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_bounds_of_a_solid_touch_its_surface() {
+        for solid in SOLIDS {
+            let max = solid.bounds().max;
+            assert!(solid.distance(Vec3::X * max.x).abs() < 1e-6, "{solid:?}");
+            assert!(solid.distance(max) >= -1e-6, "{solid:?}");
+        }
+    }
+}

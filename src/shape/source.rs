@@ -1,0 +1,137 @@
+//! The bytes that a format reader reads.
+//!
+//! Role: lines and blocks with the place they came from, and the checks that all formats share. Invariant: nothing is
+//! allocated for a count that a file merely declares.
+
+use super::error::{Found, Place, ShapeError, quoted};
+use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
+use glam::Vec3;
+use std::io::{self, BufRead, Read};
+
+/// An open file, or bytes that stand for one.
+pub(super) struct Source<'a> {
+    /// Name for messages.
+    pub file: String,
+    /// Length in bytes.
+    pub len: u64,
+    /// Bytes consumed so far.
+    pub offset: u64,
+    /// Lines consumed so far by [`Source::next_line`].
+    pub line: u64,
+    /// What is left.
+    pub reader: &'a mut dyn BufRead,
+}
+
+impl Source<'_> {
+    /// Bytes that are not consumed yet.
+    pub fn remaining(&self) -> u64 {
+        self.len.saturating_sub(self.offset)
+    }
+
+    /// Up to 1024 bytes at the current place, not consumed; fewer only near the end of the file.
+    pub fn peek(&mut self) -> Result<&[u8], ShapeError> {
+        match self.reader.fill_buf() {
+            Ok(bytes) => Ok(&bytes[..bytes.len().min(1024)]),
+            Err(reason) => Err(ShapeError::Unreadable { file: self.file.clone(), reason }),
+        }
+    }
+
+    /// Replaces `line` by the next line without its end (LF or CRLF); `false` at the end of the file.
+    pub fn next_line(&mut self, line: &mut Vec<u8>) -> Result<bool, ShapeError> {
+        line.clear();
+        let bytes = self.reader.read_until(b'\n', line).map_err(|reason| self.unreadable(reason))?;
+        self.offset += bytes as u64;
+        self.line += u64::from(bytes > 0);
+        if line.last() == Some(&b'\n') {
+            line.pop();
+        }
+        if line.last() == Some(&b'\r') {
+            line.pop();
+        }
+        Ok(bytes > 0)
+    }
+
+    /// Fills `bytes`; the caller has checked that the file is long enough.
+    pub fn fill(&mut self, bytes: &mut [u8]) -> Result<(), ShapeError> {
+        self.reader.read_exact(bytes).map_err(|reason| self.unreadable(reason))?;
+        self.offset += bytes.len() as u64;
+        Ok(())
+    }
+
+    /// The operating system's error.
+    pub fn unreadable(&self, reason: io::Error) -> ShapeError {
+        ShapeError::Unreadable { file: self.file.clone(), reason }
+    }
+
+    /// `found` at the current line is not what the format asks for.
+    pub fn malformed(&self, expected: &'static str, found: &[u8]) -> ShapeError {
+        self.malformed_at(Place::Line(self.line), expected, quoted(found))
+    }
+
+    /// `found` at `place` is not what the format asks for.
+    pub fn malformed_at(&self, place: Place, expected: &'static str, found: String) -> ShapeError {
+        ShapeError::Malformed { file: self.file.clone(), place, expected, found }
+    }
+
+    /// The header declares `declared` bytes from here on, which is not what the file holds.
+    pub fn data_size(&self, declared: u64, what: String, found: Found) -> ShapeError {
+        ShapeError::DataSize { file: self.file.clone(), offset: self.offset, declared, what, found }
+    }
+
+    /// An error where `triangles` is more than [`MAX_TRIANGLES`].
+    pub fn check_triangles(&self, triangles: u64) -> Result<(), ShapeError> {
+        if triangles <= MAX_TRIANGLES {
+            return Ok(());
+        }
+        let found = triangles.to_string();
+        Err(ShapeError::TooLarge { file: self.file.clone(), what: "triangles", found, limit: MAX_TRIANGLES })
+    }
+
+    /// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].
+    pub fn check_positions(&self, what: &'static str, positions: &[Vec3]) -> Result<(), ShapeError> {
+        let file = || self.file.clone();
+        if let Some(first) = positions.iter().position(|p| !p.is_finite()) {
+            let count = positions.iter().filter(|p| !p.is_finite()).count();
+            return Err(ShapeError::NotFinite { file: file(), what, count, total: positions.len(), first });
+        }
+        match positions.iter().position(|p| p.abs().max_element() > MAX_COORDINATE) {
+            Some(index) => {
+                let value = positions[index].abs().max_element();
+                Err(ShapeError::CoordinateRange { file: file(), what, index, value, limit: MAX_COORDINATE })
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// A cleaned mesh as a shape; an error if nothing is left of it.
+    pub fn finish(&self, (mesh, zero_area): (Mesh, usize)) -> Result<Shape, ShapeError> {
+        if mesh.triangles.is_empty() {
+            return Err(ShapeError::NoTriangles { file: self.file.clone(), zero_area });
+        }
+        Ok(Shape::Mesh(mesh))
+    }
+}
+
+/// A number as text; NaN and infinities pass, they are counted later.
+pub(super) fn number(token: &[u8]) -> Option<f32> {
+    std::str::from_utf8(token).ok()?.parse().ok()
+}
+
+/// The parts of `line` between white space.
+pub(super) fn tokens(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|token| !token.is_empty())
+}
+
+/// Reads until `block` is full or the input ends; how many bytes were read.
+pub(super) fn read_block(reader: &mut dyn Read, block: &mut [u8]) -> io::Result<usize> {
+    let mut filled = 0;
+    while filled < block.len() {
+        match reader.read(&mut block[filled..]) {
+            Ok(0) => break,
+            Ok(bytes) => filled += bytes,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(filled)
+}

@@ -1,0 +1,260 @@
+//! NRRD files made here: what is read, what is refused and with which words, and the way out and back.
+#![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
+
+use flate2::{Compression, write::GzEncoder};
+use glam::Vec3;
+use hypertexture::shape::{Content, Found, Place, Shape, ShapeError, Volume, read, write_nrrd};
+use std::io::Write;
+
+fn volume(bytes: &[u8]) -> Volume {
+    match read("test.nrrd", bytes) {
+        Ok(Shape::Volume(volume)) => volume,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn error(bytes: &[u8]) -> ShapeError {
+    read("test.nrrd", bytes).unwrap_err()
+}
+
+fn file(header: &str, data: &[u8]) -> Vec<u8> {
+    let mut bytes = format!("NRRD0004\n# a comment\ndimension: 3\n{header}\n\n").into_bytes();
+    bytes.extend_from_slice(data);
+    bytes
+}
+
+fn gzip(data: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
+    encoder.write_all(data).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// 3 x 2 x 1 bytes 0 to 5.
+fn small(extra: &str) -> Vec<u8> {
+    file(
+        format!("type: uchar\nsizes: 3 2 1\nencoding: raw\n{extra}").replace("\n\n", "\n").trim_end(),
+        &[0, 1, 2, 3, 4, 5],
+    )
+}
+
+fn a_distance() -> Volume {
+    let values: Vec<f32> = (0..60).map(|i| (i as f32 * 0.37).sin() / 3.0 - f32::MIN_POSITIVE * i as f32).collect();
+    let (origin, spacing) = (Vec3::new(-1.0 / 3.0, 1e-20, 77.7), Vec3::new(0.1, 1.0 / 7.0, 3e-3));
+    Volume { size: [3, 4, 5], origin, spacing, values, content: Content::SignedDistance }
+}
+
+fn written(volume: &Volume) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write_nrrd(volume, &mut bytes).unwrap();
+    bytes
+}
+
+#[test]
+fn what_is_written_is_read_back_bit_for_bit() {
+    for content in [Content::SignedDistance, Content::Scalar] {
+        let before = Volume { content, ..a_distance() };
+        let after = volume(&written(&before));
+        assert_eq!(
+            (after.size, after.origin, after.spacing, after.content),
+            (before.size, before.origin, before.spacing, content)
+        );
+        assert!(before.values.iter().zip(&after.values).all(|(a, b)| a.to_bits() == b.to_bits()));
+    }
+}
+
+#[test]
+fn a_volume_with_too_few_values_is_not_written() {
+    let mut volume = a_distance();
+    volume.values.pop();
+    assert_eq!(write_nrrd(&volume, Vec::new()).unwrap_err().kind(), std::io::ErrorKind::InvalidInput);
+}
+
+#[test]
+fn every_type_and_byte_order_gives_the_same_values() {
+    let expected = [-3.0, 0.0, 100.0, 2.0];
+    macro_rules! check {
+        ($number:ty, $values:expr, $($name:literal),*) => {
+            for name in [$($name),*] {
+                for (endian, bytes) in [
+                    ("little", $values.iter().flat_map(|&v| (v as $number).to_le_bytes()).collect::<Vec<u8>>()),
+                    ("big", $values.iter().flat_map(|&v| (v as $number).to_be_bytes()).collect()),
+                ] {
+                    for (encoding, data) in [("raw", bytes.clone()), ("gzip", gzip(&bytes)), ("gz", gzip(&bytes))] {
+                        let header = format!("type: {name}\nsizes: 2 2 1\nendian: {endian}\nencoding: {encoding}");
+                        assert_eq!(volume(&file(&header, &data)).values, $values, "{header}");
+                    }
+                }
+            }
+        };
+    }
+    let positive = expected.map(f32::abs);
+    check!(i8, expected, "signed char", "int8", "int8_t");
+    check!(u8, positive, "uchar", "unsigned char", "uint8", "uint8_t");
+    check!(i16, expected, "short", "signed short int", "int16");
+    check!(u16, positive, "ushort", "unsigned short", "uint16_t");
+    check!(i32, expected, "int", "int32");
+    check!(u32, positive, "uint", "unsigned int", "uint32");
+    check!(f32, expected, "float");
+    check!(f64, expected, "double");
+}
+
+#[test]
+fn x_runs_fastest_and_defaults_are_the_unit_grid_at_the_origin() {
+    let volume = volume(&small(""));
+    assert_eq!((volume.size, volume.origin, volume.spacing), ([3, 2, 1], Vec3::ZERO, Vec3::ONE));
+    assert_eq!(volume.sample(Vec3::new(2.0, 1.0, 0.0)), Some(5.0));
+    assert_eq!(volume.content, Content::Scalar);
+}
+
+#[test]
+fn spacings_axis_mins_and_directions_place_the_samples() {
+    let placed = |extra: &str| {
+        let volume = volume(&small(extra));
+        (volume.origin, volume.spacing)
+    };
+    let spacing = Vec3::new(0.5, 2.0, 3.0);
+    assert_eq!(placed("spacings: 0.5 2 3"), (Vec3::ZERO, spacing));
+    assert_eq!(placed("spacings: 0.5 2 3\naxis mins: 1 -2 5"), (Vec3::new(1.0, -2.0, 5.0), spacing));
+    let cells = "spacings: 0.5 2 3\naxismins: 1 -2 5\ncenters: cell cell node";
+    assert_eq!(placed(cells), (Vec3::new(1.25, -1.0, 5.0), spacing));
+    let space = "space directions: (0.5,0,0) (0, 2, 0) (0,0,3)\nspace origin: (4,5,-6)";
+    assert_eq!(placed(space), (Vec3::new(4.0, 5.0, -6.0), spacing));
+}
+
+#[test]
+fn an_axis_that_runs_backwards_is_turned_and_every_sample_stays_in_its_place() {
+    let mirrored = volume(&small("space directions: (-0.5,0,0) (0,-2,0) (0,0,-3)\nspace origin: (4,5,-6)"));
+    assert_eq!((mirrored.origin, mirrored.spacing), (Vec3::new(3.0, 3.0, -6.0), Vec3::new(0.5, 2.0, 3.0)));
+    assert_eq!(mirrored.values, [5.0, 4.0, 3.0, 2.0, 1.0, 0.0]);
+    assert_eq!(mirrored.sample(Vec3::new(4.0, 5.0, -6.0)), Some(0.0));
+}
+
+#[test]
+fn a_volume_too_far_from_the_origin_for_its_spacing_is_refused() {
+    let message = error(&small("spacings: 1 0.001 1\naxis mins: 0 1000 0")).to_string();
+    assert!(message.contains("1000001 voxels from the origin is not supported; move it nearer"), "{message}");
+}
+
+#[test]
+fn the_corners_of_a_volume_at_the_limit_of_distance_have_values() {
+    let volume = volume(&small("spacings: 0.3 0.7 1.1\naxis mins: 39000.1 -90000.7 140000.3"));
+    let bounds = volume.bounds();
+    assert_eq!((volume.sample(bounds.min), volume.sample(bounds.max)), (Some(0.0), Some(5.0)));
+}
+
+#[test]
+fn oblique_and_exchanged_axes_are_refused_with_a_remedy() {
+    for directions in ["(1,0.1,0) (0,1,0) (0,0,1)", "(0,1,0) (1,0,0) (0,0,1)"] {
+        let error = error(&small(&format!("space directions: {directions}")));
+        assert!(matches!(error, ShapeError::Unsupported { place: Place::Line(7), .. }), "{error}");
+        assert!(error.to_string().contains("oblique") && error.to_string().contains("resample"), "{error}");
+    }
+}
+
+#[test]
+fn header_errors_name_the_line_and_the_value() {
+    for (extra, part) in [
+        ("spacings: 1 0 1", "line 7: expected steps between samples from 1.2e-38 to 1e18, found `1 0 1`"),
+        ("spacings: 1 nan 1", "line 7: expected 3 numbers, found `1 nan 1`"),
+        ("spacings: 1 1e-60 1", "line 7: expected steps"),
+        ("space directions: (1,0,0) none (0,0,1)", "line 7: expected vectors of 3 numbers"),
+        ("space origin: (1,2,3) (4,5,6)", "line 7: expected one vector"),
+        ("data file: other.raw", "line 7: datafile `other.raw` is not supported; attach the data"),
+        ("byte skip: -1", "line 7: byteskip `-1` is not supported"),
+        ("kinds: vector domain domain", "line 7: kinds `vector domain domain` is not supported"),
+        ("no field at all", "line 7: expected `field: value`"),
+        ("sizes: 3 2 1", "line 7: expected each field once"),
+        ("hypertexture content:=density", "line 7: expected `hypertexture content:=signed distance`, found `density`"),
+    ] {
+        let message = error(&small(extra)).to_string();
+        assert!(message.starts_with("test.nrrd: ") && message.contains(part), "{message}");
+        assert_eq!(message.lines().count(), 1);
+    }
+    for (header, part) in [
+        ("type: int64\nsizes: 1 1 1\nencoding: raw\nendian: big", "type `int64` is not supported; convert"),
+        (
+            "type: short\nsizes: 1 1 1\nencoding: raw",
+            "header: expected `endian: little` or `endian: big`, found `nothing`",
+        ),
+        ("type: uchar\nsizes: 1 1 1\nencoding: bzip2", "encoding `bzip2` is not supported; save it as raw or gzip"),
+        ("type: uchar\nsizes: 1 1\nencoding: raw", "line 5: expected `sizes` with 3 whole numbers, found `1 1`"),
+        ("type: uchar\nsizes: 1 -1 1\nencoding: raw", "found `1 -1 1`"),
+        ("sizes: 1 1 1\nencoding: raw", "header: expected a `type` field, found nothing"),
+    ] {
+        let message = error(&file(header, &[0; 8])).to_string();
+        assert!(message.contains(part), "{message}");
+    }
+    let message = error(b"NRRD0004\ndimension: 4\ntype: uchar\n\n").to_string();
+    assert!(message.contains("line 2: dimension `4` is not supported; extract one volume"), "{message}");
+    assert!(error(b"NRRD0004\ndimension: 3\n").to_string().contains("the end of the file"));
+    assert!(error(b"NRRD0009\n").to_string().contains("line 1: expected `NRRD0001` to `NRRD0005`"));
+}
+
+#[test]
+fn an_axis_without_samples_is_refused() {
+    let error = error(&file("type: uchar\nsizes: 4 0 4\nencoding: raw", &[]));
+    assert!(matches!(error, ShapeError::ZeroSize { line: 5, size: [4, 0, 4], .. }), "{error}");
+}
+
+#[test]
+fn sizes_whose_product_overflows_or_passes_the_budget_are_refused() {
+    for sizes in ["4294967296 4294967296 4294967296", "2048 2048 513", "18446744073709551615 1 1"] {
+        let error = error(&file(&format!("type: uchar\nsizes: {sizes}\nencoding: raw"), &[]));
+        assert!(matches!(error, ShapeError::TooLarge { limit: 0x8000_0000, .. }), "{error}");
+    }
+}
+
+#[test]
+fn raw_data_that_is_not_as_long_as_declared_is_refused() {
+    let whole = small("");
+    let start = whole.len() as u64 - 6;
+    for len in [whole.len() - 6, whole.len() - 1] {
+        let there = Found::Bytes(len as u64 - start);
+        let error = error(&whole[..len]);
+        assert!(
+            matches!(error, ShapeError::DataSize { offset: o, declared: 6, found: f, .. } if (o, f) == (start, there)),
+            "{error}"
+        );
+    }
+    let longer = [whole, vec![0]].concat();
+    assert!(matches!(error(&longer), ShapeError::DataSize { declared: 6, found: Found::Bytes(7), .. }));
+}
+
+#[test]
+fn compressed_data_that_cannot_hold_the_declared_size_is_refused_before_it_is_read() {
+    let error = error(&file("type: uchar\nsizes: 1000 1000 1000\nencoding: gzip", &gzip(&[0; 1000])));
+    assert!(matches!(error, ShapeError::DataSize { declared: 1_000_000_000, found: Found::AtMost(_), .. }), "{error}");
+}
+
+#[test]
+fn damaged_truncated_short_and_long_gzip_data_are_told_apart() {
+    let header = "type: uchar\nsizes: 100 10 10\nencoding: gzip";
+    let values: Vec<u8> = (0..10_000_u32).map(|i| ((i * i) >> 7) as u8).collect();
+    let good = gzip(&values);
+    assert_eq!(volume(&file(header, &good)).values[9_999], f32::from(values[9_999]));
+    let mut checksum = good.clone();
+    let last = checksum.len() - 6;
+    checksum[last] ^= 1;
+    for damaged in [
+        &good[..good.len() / 2],
+        &good[..good.len() - 1],
+        &checksum,
+        b"not gzip data",
+        &[good.as_slice(), b"junk"].concat(),
+    ] {
+        let error = error(&file(header, damaged));
+        assert!(matches!(error, ShapeError::Gzip { .. }), "{error}");
+    }
+    let short = error(&file(header, &gzip(&values[..9_000])));
+    assert!(matches!(short, ShapeError::DataSize { declared: 10_000, found: Found::Bytes(9_000), .. }), "{short}");
+    let long = error(&file(header, &gzip(&[values.as_slice(), &[0]].concat())));
+    assert!(matches!(long, ShapeError::DataSize { declared: 10_000, found: Found::More, .. }), "{long}");
+}
+
+#[test]
+fn voxels_that_are_not_finite_are_counted() {
+    let values = [0.0, f64::NAN, 1e39, 1.0];
+    let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    let error = error(&file("type: double\nsizes: 2 2 1\nencoding: raw\nendian: little", &data));
+    assert!(matches!(error, ShapeError::NotFinite { count: 2, total: 4, first: 1, .. }), "{error}");
+}
