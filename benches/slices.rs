@@ -1,4 +1,4 @@
-//! What slices cost: run with `cargo bench`, about a minute on two cores.
+//! What slices cost: run with `cargo bench`, a minute or two on two cores.
 //!
 //! What is compared is measured in turns within one run, so that a change of the machine's speed meets both sides.
 //! Every number has beside it how far the repeats lie apart (median, lowest-highest), or is exact and says so.

@@ -349,6 +349,13 @@ fn a_saved_scene_gives_the_same_picture() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_module_of_a_preset_can_be_exchanged_although_the_preset_sets_its_knobs() {
+    let said = Desk::new().good(&format!("render torus --effect fire --module medium=lit --set fury=1 {SMALL}"));
+    assert!(said.contains("medium=lit"), "{said}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn an_exr_and_a_png_of_16_bits_are_written_by_their_names() {
     let desk = Desk::new();
     desk.good(&format!("render sphere -o x.exr {SMALL}"));

@@ -297,7 +297,10 @@ impl Look {
         for text in &self.modules {
             module(text, scene)?;
         }
-        Ok(())
+        match self.modules.is_empty() {
+            true => Ok(()),
+            false => scene.drop_foreign_knobs(&hypertexture::glsl::shipped()),
+        }
     }
 }
 

@@ -3,6 +3,8 @@
 //! Role: [`transform`] computes a [`DistanceField`] from any [`Shape`]; [`load_or_compute`] does it once per shape and
 //! request and keeps the result on disk. Invariant: every value is finite, has the sign of its side, and its
 //! magnitude never exceeds the distance to the surface, so that later rooms may leap through space by it.
+//!
+//! [`Shape`]: crate::shape::Shape
 
 mod bvh;
 mod cache;

@@ -56,6 +56,19 @@ impl Scene {
         self.knobs(&library.declarations(&ENTRIES, &slots)?)
     }
 
+    /// Drops the values of knobs that no module of the scene declares: for a scene whose modules were exchanged.
+    ///
+    /// # Errors
+    /// An unknown module.
+    pub fn drop_foreign_knobs(&mut self, library: &Library) -> Result<(), SceneError> {
+        let mut slots = self.slots();
+        slots.insert("object".into(), vec!["normals".into()]);
+        self.check_modules(library, &slots)?;
+        let declared = library.declarations(&ENTRIES, &slots)?.knobs;
+        self.knobs.retain(|name, _| declared.iter().any(|knob| knob.name == *name));
+        Ok(())
+    }
+
     fn check_object(&self) -> Result<(), SceneError> {
         let object = &self.object;
         within("object.resolution", object.resolution as f32, 8.0, 1024.0)?;
