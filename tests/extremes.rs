@@ -138,7 +138,8 @@ fn p36_every_knob_may_stand_at_either_end() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn far_times_lights_and_views_are_finite() {
-    let changes: [(&str, fn(&mut Scene)); 7] = [
+    type Change = (&'static str, fn(&mut Scene));
+    let changes: [Change; 7] = [
         ("a time of 30 years", |s| s.camera.time = 1e9),
         ("a light in the middle", |s| s.light.position = [0.0; 3]),
         ("a light far away", |s| s.light.position = [1e6, -1e6, 1e6]),

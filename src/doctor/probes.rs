@@ -23,6 +23,9 @@ enum ProbeError {
 /// What a test found: `PASS`, `NOTE` or `FAIL`, and a sentence.
 type Finding = (&'static str, String);
 
+/// A test by its name in the report.
+type Test<'a> = (&'a str, &'a dyn Fn(&Bench<'_>) -> Result<Finding, ProbeError>);
+
 /// Runs every test; one that cannot be run has failed.
 pub(super) fn run(gpu: &Gpu, report: &mut Report) {
     let linker = match Linker::new() {
@@ -30,7 +33,7 @@ pub(super) fn run(gpu: &Gpu, report: &mut Report) {
         Err(error) => return report.line("FAIL", &format!("{error}; reinstall the program")),
     };
     let bench = Bench { gpu, library: glsl::shipped(), linker };
-    let tests: [(&str, &dyn Fn(&Bench<'_>) -> Result<Finding, ProbeError>); 9] = [
+    let tests: [Test<'_>; 9] = [
         ("loops", &loops),
         ("filter of 4 x 8 bits", &|bench| filter(bench, Format::Rgba8Unorm)),
         ("filter of 16 bits", &|bench| filter(bench, Format::R16Unorm)),
