@@ -14,6 +14,17 @@ present() { for package in "$@"; do dpkg -s "$package" >/dev/null 2>&1 || return
 
 build="g++ libshaderc-dev spirv-tools"
 run="libvulkan1 mesa-vulkan-drivers vulkan-validationlayers"
+if ! command -v cargo >/dev/null; then
+    # Debian 12's own Rust is too old; rustup is packaged from Debian 13 and Ubuntu 24.04 on.
+    $sudo apt-get update -q
+    if ! apt-cache show rustup >/dev/null 2>&1; then
+        echo "setup.sh: Rust 1.90 or later is needed; install it as https://rustup.rs says, then run this again" >&2
+        exit 1
+    fi
+    install rustup gcc libc6-dev
+    rustup default stable
+fi
+
 # shellcheck disable=SC2086
 if ! present $build $run; then
     $sudo apt-get update -q

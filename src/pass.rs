@@ -10,7 +10,10 @@ use std::ops::Range;
 
 /// A submission should take about this many milliseconds. Shorter: the fixed cost of one shows. Longer: a desktop that
 /// shares the device stutters, and after two seconds it resets it.
-const SUBMISSION_MS: f64 = 40.0;
+const SUBMISSION_MS: f64 = 30.0;
+/// A submission holds at most this many times the slices of the one before. More: slices grow towards the middle of the
+/// object, and the prediction from the one before falls short.
+const GROWTH: f64 = 1.5;
 
 /// The sphere that the slices cut, in eye space: its center lies on the axis of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +104,7 @@ pub fn draw(
     let mut drawn = Drawn { fragments: Some(0), ..Default::default() };
     let mut load = Load::Clear([0.0; 4]);
     let mut next = 0;
-    let mut batch = 8;
+    let mut batch = 4;
     while next < stack.slices {
         let range: Range<u32> = next..(next + batch).min(stack.slices);
         let span = range.start * stack.per_slice..range.end * stack.per_slice;
@@ -112,7 +115,7 @@ pub fn draw(
         drawn.longest_ms = drawn.longest_ms.max(cost.gpu_ms);
         drawn.fragments = drawn.fragments.zip(cost.fragments).map(|(a, b)| a + b);
         let per_slice = cost.gpu_ms / f64::from(range.end - range.start);
-        batch = (SUBMISSION_MS / per_slice.max(1e-3)).clamp(1.0, f64::from(4 * batch)) as u32;
+        batch = (SUBMISSION_MS / per_slice.max(1e-3)).clamp(1.0, GROWTH * f64::from(batch) + 1.0) as u32;
         next = range.end;
         load = Load::Keep;
     }

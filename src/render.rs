@@ -207,7 +207,8 @@ fn inside_bounds(field: &DistanceField) -> (Vec3, Vec3) {
 /// Renders a scene.
 ///
 /// The pixels are premultiplied linear RGBA without the background; the error of the quadrature is of the order of
-/// `measurements.step` at hard edges and of its square in soft matter.
+/// `measurements.step` at hard edges (an RMS of at most twice the step over the six effects, as measured) and of its
+/// square in soft matter.
 ///
 /// # Errors
 /// The scene has no valid program, or the device refuses.

@@ -7,7 +7,7 @@ pub use args::Arguments;
 use args::{Command, Field, Gallery, Render};
 
 use hypertexture::glsl::{self, library::Default as KnobDefault};
-use hypertexture::gpu::{Gpu, Options};
+use hypertexture::gpu::{Format, Gpu, Options};
 use hypertexture::output::{self, Depth};
 use hypertexture::render::{Frame, Subject, open, render, request};
 use hypertexture::scene::{self, KnobValue, Object};
@@ -137,13 +137,16 @@ fn write_field(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
 
 fn write_gallery(command: &Gallery, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let library = glsl::shipped();
+    let gpu = Gpu::new(options)?;
+    // Smooth edges, where the device has them for the default target.
+    let smooth = gpu.sample_counts(Format::Rgba32Float).contains(&4) && gpu.facts().sample_shading;
     let mut scenes = gallery::scenes(&command.input)?;
     for (_, scene) in &mut scenes {
         scene.image.size = command.size;
         scene.quality.samples = command.samples;
+        scene.quality.msaa = if smooth { 4 } else { 1 };
         command.object.apply(&mut scene.object)?;
     }
-    let gpu = Gpu::new(options)?;
     let start = Instant::now();
     let page =
         with_progress(quiet, "gallery", |progress| gallery::write(&gpu, &library, &scenes, &command.output, progress))?;

@@ -3,14 +3,22 @@
 //! Role: a readable description, from a preset, a file and the command line, one over the other. Invariant: after
 //! [`Scene::check`] every value is finite and in its range, every module and knob exists. A scene knows no GPU.
 
+mod axis;
 mod check;
+mod color;
+mod error;
 mod file;
 mod presets;
+mod transfer;
 
+pub use axis::Axis;
 pub(crate) use check::ENTRIES;
 pub use check::Knobs;
+pub use color::{Color, linear_to_srgb, srgb_to_linear};
+pub use error::{SceneError, nearest};
 pub use file::{load, parse, to_text};
 pub use presets::{EFFECTS, names, preset};
+pub use transfer::{Curve, Stop, Transfer};
 
 use crate::glsl::Slots;
 use serde::{Deserialize, Serialize};
@@ -78,43 +86,6 @@ impl std::default::Default for Object {
             inner_iso: 0.0,
             outer_iso: 0.15,
             source: Source::Auto,
-        }
-    }
-}
-
-/// A direction along an axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Axis {
-    /// +x.
-    X,
-    /// +y.
-    #[default]
-    Y,
-    /// +z.
-    Z,
-    /// -x.
-    #[serde(rename = "-x")]
-    MinusX,
-    /// -y.
-    #[serde(rename = "-y")]
-    MinusY,
-    /// -z.
-    #[serde(rename = "-z")]
-    MinusZ,
-}
-
-impl Axis {
-    /// For each axis of a space whose y axis is this direction: the axis it comes from, and whether it is reversed. The
-    /// turn is a rotation, so that nothing is mirrored.
-    pub fn turn(self) -> [(usize, bool); 3] {
-        match self {
-            Axis::Y => [(0, false), (1, false), (2, false)],
-            Axis::MinusY => [(0, false), (1, true), (2, true)],
-            Axis::Z => [(0, false), (2, false), (1, true)],
-            Axis::MinusZ => [(0, false), (2, true), (1, false)],
-            Axis::X => [(1, true), (0, false), (2, false)],
-            Axis::MinusX => [(1, false), (0, true), (2, false)],
         }
     }
 }
@@ -189,43 +160,6 @@ pub enum KnobValue {
     Color(Color),
 }
 
-/// A color, written `#rrggbb` in sRGB.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
-pub struct Color(pub [u8; 3]);
-
-impl Color {
-    /// Linear RGB, each in [0, 1].
-    pub fn linear(self) -> [f32; 3] {
-        self.0.map(|code| srgb_to_linear(f32::from(code) / 255.0))
-    }
-}
-
-impl TryFrom<String> for Color {
-    type Error = String;
-    fn try_from(text: String) -> Result<Color, String> {
-        crate::glsl::library::hex_color(&text)
-            .map(Color)
-            .ok_or_else(|| format!("`{text}` is not a color; write #rrggbb, such as #d9a05f"))
-    }
-}
-
-impl From<Color> for String {
-    fn from(Color([r, g, b]): Color) -> String {
-        format!("#{r:02x}{g:02x}{b:02x}")
-    }
-}
-
-/// Decodes the sRGB curve (IEC 61966-2-1); both in [0, 1].
-pub fn srgb_to_linear(code: f32) -> f32 {
-    if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
-}
-
-/// Encodes the sRGB curve (IEC 61966-2-1); both in [0, 1].
-pub fn linear_to_srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
-}
-
 /// Reflection of the hard surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -242,53 +176,6 @@ impl std::default::Default for Material {
     fn default() -> Material {
         Material { color: Color([201, 190, 172]), specular: 0.25, specular_power: 40.0 }
     }
-}
-
-/// The transfer map: color and opacity by density.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Transfer {
-    /// What lies between two stops.
-    pub curve: Curve,
-    /// At least one stop, by rising density.
-    pub stops: Vec<Stop>,
-}
-
-impl std::default::Default for Transfer {
-    fn default() -> Transfer {
-        let stop = |at, color| Stop { at, color: Color(color), density: at };
-        Transfer { curve: Curve::Linear, stops: vec![stop(0.0, [0, 0, 0]), stop(1.0, [255, 255, 255])] }
-    }
-}
-
-/// What lies between two stops of a transfer map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Curve {
-    /// The value of the lower stop.
-    Steps,
-    /// A straight line.
-    #[default]
-    Linear,
-    /// A monotone cubic (Fritsch and Carlson 1980): smooth, and never beyond the stops.
-    Spline,
-}
-
-/// One stop of a transfer map.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Stop {
-    /// Density, 0 to 1.
-    pub at: f32,
-    /// Color there.
-    pub color: Color,
-    /// Density that the opacity is made of, 0 to 1; 1 is opaque.
-    #[serde(default = "one")]
-    pub density: f32,
-}
-
-fn one() -> f32 {
-    1.0
 }
 
 /// A point light that moves with the eye (MJ 3.2).
@@ -479,67 +366,4 @@ impl Scene {
         fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
         slots
     }
-}
-
-/// Why a scene cannot be made.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SceneError {
-    /// A scene file cannot be read.
-    #[error("{path}: {reason}")]
-    Read {
-        /// The file.
-        path: String,
-        /// What the system says.
-        reason: String,
-    },
-    /// A scene file is not what a scene file must be.
-    #[error("{path}:{line}: {reason}")]
-    Syntax {
-        /// The file.
-        path: String,
-        /// Line, from 1.
-        line: usize,
-        /// What is wrong, on one line.
-        reason: String,
-    },
-    /// A value is out of its range.
-    #[error("{field} = {value}: {limit}")]
-    Value {
-        /// The field, as in a scene file.
-        field: String,
-        /// The value found.
-        value: String,
-        /// What is allowed.
-        limit: String,
-    },
-    /// A name is not known.
-    #[error("no {kind} `{name}`{nearest}; choose one of: {known}")]
-    Name {
-        /// What was to be named.
-        kind: String,
-        /// The name found.
-        name: String,
-        /// The nearest known name, as a question.
-        nearest: String,
-        /// The known names.
-        known: String,
-    },
-    /// A module is missing or its declarations are wrong.
-    #[error(transparent)]
-    Library(#[from] crate::glsl::LibraryError),
-}
-
-impl SceneError {
-    /// A name that is not among `known`.
-    pub fn unknown(kind: &str, name: &str, known: &[&str]) -> SceneError {
-        let nearest = nearest(name, known).map(|near| format!(" (did you mean `{near}`?)")).unwrap_or_default();
-        let known = if known.is_empty() { "nothing: this effect has none".into() } else { known.join(", ") };
-        SceneError::Name { kind: kind.into(), name: name.into(), nearest, known }
-    }
-}
-
-/// The most similar of `known`, if one is similar at all.
-pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    let scored = known.iter().map(|candidate| (strsim::jaro_winkler(name, candidate), *candidate));
-    scored.filter(|(score, _)| *score > 0.7).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, candidate)| candidate)
 }

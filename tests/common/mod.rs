@@ -13,7 +13,8 @@ const FILL: f64 = 0.8;
 
 /// Runs a test on a device with validation, closes the device, and fails on whatever the layer has reported until then.
 pub fn with_gpu<T>(test: impl FnOnce(&Gpu) -> T) -> T {
-    let options = Options { validation: true, ..Options::default() };
+    let device = std::env::var("HYPERTEXTURE_DEVICE").ok();
+    let options = Options { device, validation: true, cache: None };
     let gpu =
         Gpu::new(&options).unwrap_or_else(|error| panic!("{error}; HYPERTEXTURE_NO_GPU=1 leaves these tests out"));
     let messages = gpu.messages();

@@ -1,0 +1,64 @@
+//! What can be wrong with a scene.
+
+/// Why a scene cannot be made.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SceneError {
+    /// A scene file cannot be read.
+    #[error("{path}: {reason}")]
+    Read {
+        /// The file.
+        path: String,
+        /// What the system says.
+        reason: String,
+    },
+    /// A scene file is not what a scene file must be.
+    #[error("{path}:{line}: {reason}")]
+    Syntax {
+        /// The file.
+        path: String,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong, on one line.
+        reason: String,
+    },
+    /// A value is out of its range.
+    #[error("{field} = {value}: {limit}")]
+    Value {
+        /// The field, as in a scene file.
+        field: String,
+        /// The value found.
+        value: String,
+        /// What is allowed.
+        limit: String,
+    },
+    /// A name is not known.
+    #[error("no {kind} `{name}`{nearest}; choose one of: {known}")]
+    Name {
+        /// What was to be named.
+        kind: String,
+        /// The name found.
+        name: String,
+        /// The nearest known name, as a question.
+        nearest: String,
+        /// The known names.
+        known: String,
+    },
+    /// A module is missing or its declarations are wrong.
+    #[error(transparent)]
+    Library(#[from] crate::glsl::LibraryError),
+}
+
+impl SceneError {
+    /// A name that is not among `known`.
+    pub fn unknown(kind: &str, name: &str, known: &[&str]) -> SceneError {
+        let nearest = nearest(name, known).map(|near| format!(" (did you mean `{near}`?)")).unwrap_or_default();
+        let known = if known.is_empty() { "nothing: this effect has none".into() } else { known.join(", ") };
+        SceneError::Name { kind: kind.into(), name: name.into(), nearest, known }
+    }
+}
+
+/// The most similar of `known`, if one is similar at all.
+pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
+    let scored = known.iter().map(|candidate| (strsim::jaro_winkler(name, candidate), *candidate));
+    scored.filter(|(score, _)| *score > 0.7).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, candidate)| candidate)
+}
