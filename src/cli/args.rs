@@ -66,6 +66,9 @@ pub struct ObjectArguments {
     /// The axis of the file that points up: x, y, z, -x, -y, -z.
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     up: Option<String>,
+    /// Factors by which the object is stretched along x, y and z.
+    #[arg(long, value_parser = numbers, value_name = "X,Y,Z")]
+    stretch: Option<Numbers>,
     /// The volume holds signed distances, positive outside, although its file does not say so.
     #[arg(long)]
     distance: bool,
@@ -83,6 +86,10 @@ impl ObjectArguments {
         object.iso = self.iso.or(object.iso);
         object.distance |= self.distance;
         put(&mut object.resolution, self.resolution);
+        if let Some(Numbers(stretch)) = &self.stretch {
+            let wrong = |_| count("--stretch", stretch, "3 numbers: x,y,z");
+            object.stretch = stretch.as_slice().try_into().map_err(wrong)?;
+        }
         name_into("--up", &self.up, &mut object.up)?;
         name_into("--source", &self.source, &mut object.source)
     }
@@ -294,13 +301,16 @@ impl Look {
                 scene.quality.samples = 24;
             }
         }
+        if self.modules.is_empty() {
+            return Ok(());
+        }
+        // What is wrong with the scene as it came is said before modules go, and knobs with them.
+        let library = hypertexture::glsl::shipped();
+        scene.check(&library)?;
         for text in &self.modules {
             module(text, scene)?;
         }
-        match self.modules.is_empty() {
-            true => Ok(()),
-            false => scene.drop_foreign_knobs(&hypertexture::glsl::shipped()),
-        }
+        scene.drop_foreign_knobs(&library)
     }
 }
 

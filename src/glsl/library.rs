@@ -104,11 +104,8 @@ impl Library {
 
     /// Names of the modules of a slot, sorted.
     pub fn modules(&self, slot: &str) -> Vec<&str> {
-        let strip = |path: &'_ str| -> Option<(usize, usize)> {
-            let name = path.strip_prefix(slot)?.strip_prefix('/')?.strip_suffix(".glsl")?;
-            (!name.contains('/')).then_some((path.len() - name.len() - ".glsl".len(), path.len() - ".glsl".len()))
-        };
-        self.sources.keys().filter_map(|path| strip(path).map(|(from, to)| &path[from..to])).collect()
+        let prefix = format!("{slot}/");
+        self.sources.keys().filter_map(|path| path.strip_prefix(&prefix)?.strip_suffix(".glsl")).collect()
     }
 
     /// Path of a module.

@@ -45,11 +45,12 @@ impl View {
         // The trackball: azimuth around the object's vertical axis, then elevation.
         let turn =
             Quat::from_rotation_x(camera.elevation.to_radians()) * Quat::from_rotation_y(-camera.azimuth.to_radians());
-        let half_height = subject.radius / FILL / camera.zoom;
+        let stretch = Vec3::from(scene.object.stretch);
+        let half_height = subject.radius * stretch.max_element() / FILL / camera.zoom;
         let [width, height] = scene.image.size.map(|side| side as f32);
         let (aspect, fit) = (width / height, (width / height).min(1.0));
         let half_angle = 0.5 * camera.field_of_view.to_radians();
-        let radius = box_max.length();
+        let radius = (box_max * stretch).length();
         let (projection, distance) = match camera.projection {
             Projection::Perspective => {
                 let distance = half_height / fit / half_angle.sin();
@@ -62,7 +63,7 @@ impl View {
             }
         };
         let center_eye = Vec3::new(0.0, 0.0, -distance);
-        let object_matrix = Mat4::from_rotation_translation(turn, center_eye);
+        let object_matrix = Mat4::from_rotation_translation(turn, center_eye) * Mat4::from_scale(stretch);
         let display_matrix = match camera.slice_stack {
             false => Mat4::IDENTITY,
             true => {

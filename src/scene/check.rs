@@ -72,6 +72,9 @@ impl Scene {
     fn check_object(&self) -> Result<(), SceneError> {
         let object = &self.object;
         within("object.resolution", object.resolution as f32, 8.0, 1024.0)?;
+        for factor in object.stretch {
+            within("object.stretch", factor, 0.05, 20.0)?;
+        }
         if let Some(iso) = object.iso {
             within("object.iso", iso, f32::MIN, f32::MAX)?;
         }

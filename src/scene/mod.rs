@@ -65,6 +65,8 @@ pub struct Object {
     pub iso: Option<f32>,
     /// The axis of the file that points up: `x`, `y`, `z`, or `-x`, `-y`, `-z`.
     pub up: Axis,
+    /// Factors along x, y and z of object space by which the object is stretched before it is drawn, 0.05 to 20.
+    pub stretch: [f32; 3],
     /// Whether a volume holds signed distances, positive outside, although its file does not say so.
     pub distance: bool,
     /// Signed distance at which the object starts, object units (the longest side of the object is 2).
@@ -82,6 +84,7 @@ impl std::default::Default for Object {
             resolution: 192,
             iso: None,
             up: Axis::Y,
+            stretch: [1.0; 3],
             distance: false,
             inner_iso: 0.0,
             outer_iso: 0.15,
