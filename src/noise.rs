@@ -17,16 +17,37 @@ pub const TURBULENCE_BOUND: f64 = 2.0;
 /// Entries of the permutation and gradient tables: the period of the noise in lattice cells.
 const TABLE: usize = 256;
 
+/// How the gradients of the lattice fade into each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weights {
+    /// `3 t^2 - 2 t^3` (PH 2.3, 1989): the curvature jumps at lattice planes.
+    Cubic,
+    /// `6 t^5 - 15 t^4 + 10 t^3` (Perlin 2002).
+    #[default]
+    Quintic,
+}
+
+impl Weights {
+    /// Weight of the far side at `t` in [0, 1], and its slope.
+    fn fade(self, t: f64) -> (f64, f64) {
+        match self {
+            Weights::Cubic => (t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t)),
+            Weights::Quintic => (t * t * t * (t * (t * 6.0 - 15.0) + 10.0), 30.0 * t * t * (t * (t - 2.0) + 1.0)),
+        }
+    }
+}
+
 /// A gradient noise with its tables.
 #[derive(Clone)]
 pub struct Noise {
+    weights: Weights,
     permutation: [u8; TABLE],
     gradients: [[f64; 3]; TABLE],
 }
 
 impl Noise {
     /// The noise of a seed.
-    pub fn new(seed: u64) -> Noise {
+    pub fn new(seed: u64, weights: Weights) -> Noise {
         let mut random = SplitMix(seed);
         let mut permutation = [0; TABLE];
         for (index, entry) in permutation.iter_mut().enumerate() {
@@ -36,7 +57,7 @@ impl Noise {
             permutation.swap(last, (random.next() % (last as u64 + 1)) as usize);
         }
         let gradients = std::array::from_fn(|_| random.direction());
-        Noise { permutation, gradients }
+        Noise { weights, permutation, gradients }
     }
 
     /// Gradient (per lattice cell) and value of the noise at `p`, in lattice cells.
@@ -47,8 +68,8 @@ impl Noise {
         let base = p.map(f64::floor);
         let t: [f64; 3] = std::array::from_fn(|axis| p[axis] - base[axis]);
         let wrap = |axis: usize, side: usize| (base[axis] as i64 + side as i64).rem_euclid(i64::from(period)) as usize;
-        let fade = t.map(|t| t * t * t * (t * (t * 6.0 - 15.0) + 10.0));
-        let slope = t.map(|t| 30.0 * t * t * (t * (t - 2.0) + 1.0));
+        let fade = t.map(|t| self.weights.fade(t).0);
+        let slope = t.map(|t| self.weights.fade(t).1);
         let (mut gradient, mut value) = ([0.0; 3], 0.0);
         for corner in 0..8 {
             let side = [corner & 1, corner >> 1 & 1, corner >> 2];
@@ -178,7 +199,7 @@ mod tests {
 
     #[test]
     fn p15_noise_is_zero_at_lattice_points_and_has_their_gradient() {
-        let noise = Noise::new(1);
+        let noise = Noise::new(1, Weights::Quintic);
         for (i, j, k) in [(0, 0, 0), (3, 250, 17), (255, 1, 128)] {
             let (gradient, value) = noise.sample([f64::from(i), f64::from(j), f64::from(k)], 256);
             assert_eq!(value, 0.0);
@@ -188,7 +209,7 @@ mod tests {
 
     #[test]
     fn p18_gradients_are_uniform_on_the_sphere() {
-        let noise = Noise::new(1);
+        let noise = Noise::new(1, Weights::Quintic);
         for g in noise.gradients {
             assert!((g.iter().map(|c| c * c).sum::<f64>() - 1.0).abs() < 1e-12);
         }
@@ -201,19 +222,35 @@ mod tests {
 
     #[test]
     fn p15_noise_and_its_gradient_stay_within_their_bounds() {
-        let noise = Noise::new(2);
-        for p in points(200_000) {
-            let (gradient, value) = noise.sample(p, 256);
-            assert!(value.abs() <= 0.8661);
-            assert!(gradient.iter().map(|c| c * c).sum::<f64>().sqrt() <= 2.8);
+        for (weights, steepest) in [(Weights::Cubic, 2.2), (Weights::Quintic, 2.8)] {
+            let noise = Noise::new(2, weights);
+            for p in points(100_000) {
+                let (gradient, value) = noise.sample(p, 256);
+                assert!(value.abs() <= 0.8661);
+                assert!(gradient.iter().map(|c| c * c).sum::<f64>().sqrt() <= steepest);
+            }
+        }
+    }
+
+    #[test]
+    fn m16_the_curvature_jumps_at_lattice_planes_in_1989_and_no_longer_in_2002() {
+        let h = 1e-4;
+        let curvature = |noise: &Noise, x: f64| {
+            let at = |x| noise.sample([x, 3.4, 7.7], 256).1;
+            (at(x + h) - 2.0 * at(x) + at(x - h)) / (h * h)
+        };
+        for (weights, jumps) in [(Weights::Cubic, true), (Weights::Quintic, false)] {
+            let noise = Noise::new(9, weights);
+            let jump = (curvature(&noise, 5.0 + 2.0 * h) - curvature(&noise, 5.0 - 2.0 * h)).abs();
+            assert_eq!(jump > 0.5, jumps, "{weights:?}: {jump}");
         }
     }
 
     #[test]
     fn the_gradient_is_the_derivative_of_the_noise() {
-        let noise = Noise::new(3);
         let h = 1e-5;
-        for p in points(2_000) {
+        for (p, weights) in points(2_000).zip([Weights::Cubic, Weights::Quintic].into_iter().cycle()) {
+            let noise = Noise::new(3, weights);
             let (gradient, _) = noise.sample(p, 256);
             for axis in 0..3 {
                 let mut ahead = p;
@@ -228,13 +265,13 @@ mod tests {
 
     #[test]
     fn p21_turbulence_stays_within_its_range() {
-        let noise = Noise::new(4);
+        let noise = Noise::new(4, Weights::Quintic);
         assert!(points(20_000).all(|p| (0.0..1.733).contains(&noise.turbulence(p, 4, 8).1)));
     }
 
     #[test]
     fn p17_negative_coordinates_wrap_without_a_seam() {
-        let noise = Noise::new(5);
+        let noise = Noise::new(5, Weights::Quintic);
         for p in points(1_000) {
             let shifted = p.map(|c| c + 16.0);
             assert!((noise.sample(p, 16).1 - noise.sample(shifted, 16).1).abs() < 1e-12);
@@ -245,7 +282,7 @@ mod tests {
 
     #[test]
     fn m34_a_block_holds_the_noise_at_texel_centers_to_half_a_code() {
-        let noise = Noise::new(6);
+        let noise = Noise::new(6, Weights::Quintic);
         let block = noise_block(&noise, 16, 4);
         for (index, texel) in block.chunks_exact(4).enumerate() {
             let at = |i: usize| (i as f64 + 0.5) / 16.0 * 4.0;
@@ -259,7 +296,7 @@ mod tests {
 
     #[test]
     fn octaves_that_a_block_cannot_hold_are_left_out() {
-        let noise = Noise::new(6);
+        let noise = Noise::new(6, Weights::Quintic);
         assert_eq!(turbulence_block(&noise, 16, 2, 8).1, 3);
         assert_eq!(turbulence_block(&noise, 32, 2, 8).1, 4);
         assert_eq!(turbulence_block(&noise, 16, 2, 2).1, 2);

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3, Vec3};
 use hypertexture::field::{DistanceField, Grid};
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
-use hypertexture::noise::Noise;
+use hypertexture::noise::{Noise, Weights};
 use hypertexture::render::{Frame, Subject};
 use hypertexture::scene::{Projection, Scene, Source};
 
@@ -64,10 +64,15 @@ fn m15_bias_and_gain_are_their_definitions() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m14_the_blocks_hold_the_noise_and_turbulence_of_the_cpu() {
     with_gpu(|gpu| {
-        let noise = Noise::new(SEED);
-        for (size, bounds) in [(64, [0.08, 0.09]), (128, [0.08, 0.05])] {
+        for (size, bounds, weights, name) in [
+            (64, [0.08, 0.09], Weights::Quintic, "quintic"),
+            (128, [0.08, 0.05], Weights::Quintic, "quintic"),
+            (64, [0.08, 0.09], Weights::Cubic, "cubic"),
+        ] {
+            let noise = Noise::new(SEED, weights);
             let (mut scene, library) = probe("noise_probe", include_str!("glsl/noise_probe.glsl"));
             scene.quality.block_size = size;
+            scene.effect.weights = name.into();
             let seen = face(gpu, &library, &scene, &subject(&scene, &library));
             let at = |p: DVec3| [3.0 * p.x, 3.0 * p.y, 0.37];
             // Four texels hold a cell of the noise, so the trilinear filter is off by some percent of its bend; the

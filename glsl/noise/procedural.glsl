@@ -1,5 +1,5 @@
 // Noise computed in place from an integer hash: no memory, no visible period below 2^20 cells.
-// Source: PH 2.3 (lattice gradients), Perlin 2002 (quintic weights); the hash is PCG3D, Jarzynski and Olano 2020.
+// Source: PH 2.3 (lattice gradients); the hash is PCG3D, Jarzynski and Olano 2020.
 // p: lattice cells; result: gradient per cell in xyz, noise in w, |noise| <= 0.87.
 uvec3 hash(uvec3 v) {
     v = v * 1664525u + 1013904223u;
@@ -8,6 +8,8 @@ uvec3 hash(uvec3 v) {
     v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
     return v;
 }
+
+#include <weights>
 
 // A unit vector, uniform on the sphere, for each lattice point.
 vec3 lattice_gradient(ivec3 cell) {
@@ -21,8 +23,8 @@ vec4 noise_gradient(vec3 p) {
     vec3 base = floor(clamp(p, vec3(-1e6), vec3(1e6)));
     ivec3 cell = ivec3(base);
     vec3 t = p - base;
-    vec3 w = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
-    vec3 dw = 30.0 * t * t * (t * (t - 2.0) + 1.0);
+    vec3 w = fade(t);
+    vec3 dw = fade_slope(t);
     vec4 sum = vec4(0.0);
     for (int corner = 0; corner < 8; ++corner) {
         ivec3 offset = ivec3(corner & 1, (corner >> 1) & 1, corner >> 2);

@@ -326,6 +326,7 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
         "surface" => &mut effect.surface,
         "medium" => &mut effect.medium,
         "noise" => &mut effect.noise,
+        "weights" => &mut effect.weights,
         "turbulence" => &mut effect.turbulence,
         "opacity" => &mut effect.opacity,
         stack @ ("warp" | "dmf") => {
@@ -335,7 +336,18 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
             return Ok(());
         }
         other => {
-            let known = ["classify", "softness", "warp", "dmf", "surface", "medium", "noise", "turbulence", "opacity"];
+            let known = [
+                "classify",
+                "softness",
+                "warp",
+                "dmf",
+                "surface",
+                "medium",
+                "noise",
+                "weights",
+                "turbulence",
+                "opacity",
+            ];
             return Err(SceneError::unknown("slot", other, &known));
         }
     };

@@ -3,7 +3,7 @@
 use super::view::View;
 use super::{RenderError, Subject};
 use crate::gpu::{self, Address, Buffer, BufferUse, Dimension, Format, Gpu, Image, Sampler};
-use crate::noise::{Noise, noise_block, turbulence_block};
+use crate::noise::{Noise, Weights, noise_block, turbulence_block};
 use crate::scene::{KnobValue, Scene, Source};
 use crate::texture::{self, Encoding, Texels};
 use crate::variant::{Block, Program, Resource, Use, Variant};
@@ -168,6 +168,12 @@ fn values(
     values
 }
 
+/// The noise that blocks are made of.
+fn noise(scene: &Scene) -> Noise {
+    let weights = if scene.effect.weights == "cubic" { Weights::Cubic } else { Weights::Quintic };
+    Noise::new(SEED, weights)
+}
+
 fn noise_cells(scene: &Scene) -> u32 {
     (scene.quality.block_size / NOISE_TEXELS_PER_CELL).max(1)
 }
@@ -185,11 +191,11 @@ fn image(
     let block = Dimension::Volume(side, side, side);
     let image = match (name, texels) {
         ("noise_image", _) => {
-            let texels = noise_block(&Noise::new(SEED), side, noise_cells(scene));
+            let texels = noise_block(&noise(scene), side, noise_cells(scene));
             Image::sampled(gpu, "noise block", block, Format::Rgba16Unorm, bytemuck::cast_slice(&texels))
         }
         ("turbulence_image", _) => {
-            let (texels, _) = turbulence_block(&Noise::new(SEED), side, TURBULENCE_CELLS, OCTAVES);
+            let (texels, _) = turbulence_block(&noise(scene), side, TURBULENCE_CELLS, OCTAVES);
             Image::sampled(gpu, "turbulence block", block, Format::Rgba16Unorm, bytemuck::cast_slice(&texels))
         }
         ("transfer_image", _) => {

@@ -128,6 +128,8 @@ pub struct Effect {
     pub medium: String,
     /// Where noise comes from.
     pub noise: String,
+    /// Weights of the noise: `cubic` (1989) or `quintic` (2002).
+    pub weights: String,
     /// Where turbulence comes from.
     pub turbulence: String,
     /// How density becomes opacity: `perlin` or `beer`.
@@ -146,6 +148,7 @@ impl std::default::Default for Effect {
             surface: "lit".into(),
             medium: "material".into(),
             noise: "block".into(),
+            weights: "quintic".into(),
             turbulence: "encoded".into(),
             opacity: "perlin".into(),
             opacity_rate: 40.0,
@@ -348,6 +351,7 @@ impl Scene {
             ("surface", &effect.surface),
             ("medium", &effect.medium),
             ("noise", &effect.noise),
+            ("weights", &effect.weights),
             ("turbulence", &effect.turbulence),
             ("opacity", &effect.opacity),
         ] {
