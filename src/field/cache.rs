@@ -296,7 +296,7 @@ mod tests {
     fn the_key_depends_on_geometry_and_request() {
         let key = Key::new(&shape(), &REQUEST);
         assert_eq!(key, Key::new(&shape(), &Request { iso: 3.0, ..REQUEST }), "a mesh has no iso-value");
-        let Shape::Mesh(mut mesh) = shape() else { unreachable!() };
+        let Shape::Mesh(mut mesh) = shape() else { panic!("the shape is a mesh") };
         mesh.positions[3].z = 1.0 + f32::EPSILON;
         let others = [
             Key::new(&Shape::Mesh(mesh), &REQUEST),
