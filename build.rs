@@ -16,7 +16,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-const ENTRIES: [&str; 2] = ["slice.vert", "slice.frag"];
+const PASSES: [[&str; 2]; 2] = [["slice.vert", "slice.frag"], ["march.vert", "march.frag"]];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=glsl");
@@ -43,14 +43,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         if line.starts_with('#') || line.trim().is_empty() {
             continue;
         }
-        for choice in expand(line, &library) {
+        for (choice, entries) in expand(line, &library).iter().flat_map(|choice| PASSES.map(|pass| (choice, pass))) {
             let fail = |error: &dyn Error| format!("glsl/variants:{}: {error}", number + 1);
-            let slots = library.needed(&ENTRIES, &choice).map_err(|error| fail(&error))?;
+            let slots = library.needed(&entries, choice).map_err(|error| fail(&error))?;
             let name = format!("program_{:03}", programs.len());
-            for (entry, stage) in [(ENTRIES[0], Stage::Vertex), (ENTRIES[1], Stage::Fragment)] {
-                let spirv = linker.link(&library, (entry, stage), &ENTRIES, &slots).map_err(|error| fail(&error))?;
+            for (entry, stage, end) in [(entries[0], Stage::Vertex, "vert"), (entries[1], Stage::Fragment, "frag")] {
+                let spirv = linker.link(&library, (entry, stage), &entries, &slots).map_err(|error| fail(&error))?;
                 let bytes: Vec<u8> = spirv.iter().flat_map(|word| word.to_le_bytes()).collect();
-                fs::write(out.join(format!("{name}.{}", &entry[6..])), bytes)?;
+                fs::write(out.join(format!("{name}.{end}")), bytes)?;
             }
             programs.push((key(&slots), name));
         }

@@ -13,7 +13,12 @@ layout(set = 0, binding = 0) uniform View {
     vec4 volume_offset;
     vec4 volume_texel;      // one texel in texture coordinates
     vec4 distance_decode;   // stored texel s to signed distance: x + y * s, object units
+    vec4 picture_scale;     // pixel coordinates to [0, 2] across the picture, in xy
+    vec4 ray_scale;         // half width and height of the view: at depth 1 in perspective, at any depth in parallel
     float step_size;        // distance between slices, object units
+    float first_depth;      // depth of the slice nearest to the eye
+    float slice_count;      // slices from there on
+    float full_opacity;     // a ray ends where its opacity reaches this
     float time;             // seconds
     float opacity_rate;     // c of PH 3.1, per object unit
     float noise_cells;      // lattice cells across the noise block

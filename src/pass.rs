@@ -1,10 +1,11 @@
-//! View-aligned slices: geometry and drawing.
+//! The two passes: view-aligned slices, and rays.
 //!
-//! Role: cut the space around the object into proxy slices that stay where they are in eye space, and blend them.
+//! Role: cut the space around the object by planes that face the eye and stay where they are in eye space, and draw
+//! slices in them or march rays from one to the next: the samples are the same.
 //! Invariant: the vertices depend on the eye's distance and on the size of the scene, never on the rotation (MJ 3.3).
 //! Source: MJ 2, 3.3, 3.6 and Fig. 1; GG 39.6.1.
 
-use crate::gpu::{BindSet, Buffer, Gpu, GpuError, Load, Pipeline, Target};
+use crate::gpu::{BindSet, Buffer, Gpu, GpuError, Load, Pipeline, Submitted, Target};
 use crate::scene::{Order, Proxy};
 use std::ops::Range;
 
@@ -26,6 +27,35 @@ pub struct Extent {
     pub near: f32,
 }
 
+/// Where the samples of a picture are: planes that face the eye, at equal distances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planes {
+    /// Depth of the plane nearest to the eye.
+    pub first_depth: f32,
+    /// Distance between two planes.
+    pub step: f32,
+    /// Number of planes.
+    pub count: u32,
+    /// Planes in front of the first, left out because they are behind the eye.
+    pub skipped: u32,
+}
+
+impl Planes {
+    /// Cuts the sphere of `extent` into `samples` parts of equal thickness, each with a plane through its middle. Planes
+    /// nearer than `extent.near` are left out, so that the eye may be inside.
+    pub fn new(extent: Extent, samples: u32) -> Planes {
+        let step = 2.0 * extent.radius / samples as f32;
+        let depth = |plane: u32| extent.distance - extent.radius + (plane as f32 + 0.5) * step;
+        let skipped = (0..samples).find(|&plane| depth(plane) >= extent.near).unwrap_or(samples);
+        Planes { first_depth: depth(skipped), step, count: samples - skipped, skipped }
+    }
+
+    /// Depth of a plane.
+    pub fn depth(&self, plane: u32) -> f32 {
+        self.first_depth + plane as f32 * self.step
+    }
+}
+
 /// The vertices of a stack of slices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stack {
@@ -37,35 +67,29 @@ pub struct Stack {
     pub per_slice: u32,
     /// Number of slices.
     pub slices: u32,
-    /// Distance between two slices.
-    pub step: f32,
 }
 
-/// Cuts the sphere of `extent` into `samples` slices of equal thickness, each drawn through its middle.
-///
-/// Slices nearer than `extent.near` are left out, so that the eye may be inside. `tint` colors a slice by its place
-/// in the stack, 0 at the eye to 1: linear RGBA.
-pub fn stack(extent: Extent, samples: u32, proxy: Proxy, order: Order, tint: impl Fn(f32) -> [f32; 4]) -> Stack {
-    let step = 2.0 * extent.radius / samples as f32;
-    let depth = |slice: u32| extent.distance - extent.radius + (slice as f32 + 0.5) * step;
-    let first = (0..samples).find(|&slice| depth(slice) >= extent.near).unwrap_or(samples);
-    let mut drawn: Vec<u32> = (first..samples).collect();
+/// A slice in each plane: quads as wide as the sphere of this radius, or polygons cut to the box in the vertex stage.
+/// `tint` colors a slice by its place in the stack, 0 at the eye to 1: linear RGBA.
+pub fn stack(planes: &Planes, radius: f32, proxy: Proxy, order: Order, tint: impl Fn(f32) -> [f32; 4]) -> Stack {
+    let mut drawn: Vec<u32> = (0..planes.count).collect();
     if order == Order::BackToFront {
         drawn.reverse();
     }
     let mut vertices = Vec::new();
-    for &slice in &drawn {
-        let tint = tint((slice as f32 + 0.5) / samples as f32);
+    for &plane in &drawn {
+        let (z, place) = (-planes.depth(plane), (plane + planes.skipped) as f32 + 0.5);
+        let tint = tint(place / (planes.count + planes.skipped) as f32);
         match proxy {
             Proxy::Quads => {
                 for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                    let position = [x * extent.radius, y * extent.radius, -depth(slice)];
+                    let position = [x * radius, y * radius, z];
                     vertices.extend(position.into_iter().chain(position).chain(tint));
                 }
             }
             Proxy::Polygons => {
                 for corner in [0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5] {
-                    vertices.extend([corner as f32, -depth(slice)].into_iter().chain(tint));
+                    vertices.extend([corner as f32, z].into_iter().chain(tint));
                 }
             }
         }
@@ -74,7 +98,7 @@ pub fn stack(extent: Extent, samples: u32, proxy: Proxy, order: Order, tint: imp
         Proxy::Quads => (&[3, 3, 4], 6),
         Proxy::Polygons => (&[2, 4], 12),
     };
-    Stack { vertices, attributes, per_slice, slices: drawn.len() as u32, step }
+    Stack { vertices, attributes, per_slice, slices: planes.count }
 }
 
 /// What drawing a stack cost.
@@ -86,6 +110,49 @@ pub struct Drawn {
     pub longest_ms: f64,
     /// Fragments shaded, where the device counts them.
     pub fragments: Option<u64>,
+}
+
+impl Drawn {
+    fn add(&mut self, cost: &Submitted) {
+        self.gpu_ms += cost.gpu_ms;
+        self.longest_ms = self.longest_ms.max(cost.gpu_ms);
+        self.fragments = self.fragments.zip(cost.fragments).map(|(a, b)| a + b);
+    }
+}
+
+/// Marches a ray through each pixel, in submissions of some rows each.
+///
+/// # Errors
+/// What a submission may fail with.
+pub fn march(
+    gpu: &Gpu,
+    pipeline: &Pipeline,
+    set: &BindSet<'_>,
+    height: u32,
+    target: Target<'_>,
+) -> Result<Drawn, GpuError> {
+    let into = Target { resolved: None, ..target };
+    let mut drawn = Drawn { fragments: Some(0), ..Default::default() };
+    let mut load = Load::Clear([0.0; 4]);
+    let (mut next, mut batch) = (0, 8);
+    while next < height {
+        let rows = next..(next + batch).min(height);
+        let cost = gpu.submit("rays", |commands| {
+            commands.render(into, load, |draw| {
+                draw.rows(rows.clone());
+                draw.triangles(pipeline, set, None, 0..3);
+            });
+        })?;
+        drawn.add(&cost);
+        let per_row = cost.gpu_ms / f64::from(rows.end - rows.start);
+        batch = (SUBMISSION_MS / per_row.max(1e-3)).clamp(1.0, GROWTH * f64::from(batch) + 1.0) as u32;
+        next = rows.end;
+        load = Load::Keep;
+    }
+    if target.resolved.is_some() {
+        gpu.submit("resolve", |commands| commands.render(target, load, |_| ()))?;
+    }
+    Ok(drawn)
 }
 
 /// Clears the target and blends the slices into it, in submissions of a length that a shared device bears.
@@ -111,9 +178,7 @@ pub fn draw(
         let cost = gpu.submit("slices", |commands| {
             commands.render(into, load, |draw| draw.triangles(pipeline, set, Some(vertices), span.clone()));
         })?;
-        drawn.gpu_ms += cost.gpu_ms;
-        drawn.longest_ms = drawn.longest_ms.max(cost.gpu_ms);
-        drawn.fragments = drawn.fragments.zip(cost.fragments).map(|(a, b)| a + b);
+        drawn.add(&cost);
         let per_slice = cost.gpu_ms / f64::from(range.end - range.start);
         batch = (SUBMISSION_MS / per_slice.max(1e-3)).clamp(1.0, GROWTH * f64::from(batch) + 1.0) as u32;
         next = range.end;
@@ -133,16 +198,16 @@ mod tests {
 
     #[test]
     fn m01_slices_are_the_middles_of_equal_parts_of_the_sphere() {
-        let stack = stack(EXTENT, 4, Proxy::Quads, Order::FrontToBack, |_| [1.0; 4]);
+        let stack = stack(&Planes::new(EXTENT, 4), EXTENT.radius, Proxy::Quads, Order::FrontToBack, |_| [1.0; 4]);
         let depths: Vec<f32> = stack.vertices.chunks(60).map(|slice| -slice[2]).collect();
         assert_eq!(depths, [3.5, 4.5, 5.5, 6.5]);
-        assert_eq!(stack.step, 1.0);
+        assert_eq!(Planes::new(EXTENT, 4).step, 1.0);
     }
 
     #[test]
     fn back_to_front_is_the_same_stack_reversed() {
         let [front, back] = [Order::FrontToBack, Order::BackToFront]
-            .map(|order| stack(EXTENT, 5, Proxy::Polygons, order, |_| [1.0; 4]));
+            .map(|order| stack(&Planes::new(EXTENT, 5), 2.0, Proxy::Polygons, order, |_| [1.0; 4]));
         let floats = 12 * 6;
         let reversed: Vec<f32> = front.vertices.chunks(floats).rev().flatten().copied().collect();
         assert_eq!(back.vertices, reversed);
@@ -151,7 +216,7 @@ mod tests {
     #[test]
     fn slices_behind_the_eye_are_left_out() {
         let inside = Extent { distance: 0.5, ..EXTENT };
-        let stack = stack(inside, 8, Proxy::Polygons, Order::FrontToBack, |_| [1.0; 4]);
+        let stack = stack(&Planes::new(inside, 8), 2.0, Proxy::Polygons, Order::FrontToBack, |_| [1.0; 4]);
         assert!(stack.vertices.chunks(6).all(|vertex| vertex[1] <= -inside.near));
         assert_eq!(stack.slices, 5);
     }

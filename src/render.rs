@@ -10,7 +10,7 @@ use crate::field::{self, DistanceField, FieldError, Progress};
 use crate::glsl::{Library, Linker};
 use crate::gpu::{self, Gpu, GpuError};
 use crate::pass;
-use crate::scene::{Axis, Object, Order, Scene, Source, TargetFormat};
+use crate::scene::{Axis, Object, Order, Pass, Scene, Source, TargetFormat};
 use crate::shape::{self, Shape, ShapeError};
 use crate::variant::{FORMULAS, Variant, VariantError};
 use glam::Vec3;
@@ -218,17 +218,20 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
     let program = variant.program(library, Linker::new)?;
     let view = view::View::of(scene, subject, &variant);
     let quality = &scene.quality;
-    let stack = pass::stack(view.extent, quality.samples, quality.proxy, quality.order, view.tint());
-    let bound = bind::Bound::new(gpu, scene, subject, &variant, &program, &view, stack.step)?;
+    let planes = pass::Planes::new(view.extent, quality.samples);
+    let bound = bind::Bound::new(gpu, scene, subject, &variant, &program, &view, &planes)?;
     let format = match quality.target {
         TargetFormat::Unorm8 => gpu::Format::Rgba8Unorm,
         TargetFormat::Float16 => gpu::Format::Rgba16Float,
         TargetFormat::Float32 => gpu::Format::Rgba32Float,
     };
-    let blend = match quality.order {
-        Order::FrontToBack => gpu::Blend::Under,
-        Order::BackToFront => gpu::Blend::Over,
+    let blend = match (quality.pass, quality.order) {
+        (Pass::March, _) => gpu::Blend::Replace,
+        (Pass::Slices, Order::FrontToBack) => gpu::Blend::Under,
+        (Pass::Slices, Order::BackToFront) => gpu::Blend::Over,
     };
+    let slices = || pass::stack(&planes, view.extent.radius, quality.proxy, quality.order, view.tint());
+    let stack = (quality.pass == Pass::Slices).then(slices);
     let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
     let pipeline = gpu::Pipeline::new(
         gpu,
@@ -236,14 +239,12 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
             vertex: &program.vertex,
             fragment: &program.fragment,
             bindings: &bindings,
-            attributes: stack.attributes,
+            attributes: stack.as_ref().map_or(&[], |stack| stack.attributes),
             format,
             samples: quality.msaa,
             blend,
         },
     )?;
-    let vertex_bytes: &[u8] = if stack.vertices.is_empty() { &[0; 4] } else { bytemuck::cast_slice(&stack.vertices) };
-    let vertices = gpu::Buffer::new(gpu, "proxy slices", gpu::BufferUse::Vertices, vertex_bytes)?;
     let [width, height] = scene.image.size;
     let plane = gpu::Dimension::Plane(width, height);
     let color = gpu::Image::new(gpu, "target", plane, format, gpu::ImageUse::Target(quality.msaa))?;
@@ -253,7 +254,15 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
     };
     let set = pipeline.bind(&bound.resources())?;
     let target = gpu::Target { color: &color, resolved: resolved.as_ref() };
-    let drawn = pass::draw(gpu, &pipeline, &set, &vertices, &stack, target)?;
+    let drawn = match &stack {
+        None => pass::march(gpu, &pipeline, &set, height, target)?,
+        Some(stack) => {
+            let none = [0; 4]; // a buffer cannot be empty, a stack can
+            let bytes = if stack.vertices.is_empty() { &none } else { bytemuck::cast_slice(&stack.vertices) };
+            let vertices = gpu::Buffer::new(gpu, "proxy slices", gpu::BufferUse::Vertices, bytes)?;
+            pass::draw(gpu, &pipeline, &set, &vertices, stack, target)?
+        }
+    };
     let pixels = decode(&resolved.as_ref().unwrap_or(&color).read()?, quality.target);
     check_finite(&pixels, width as usize)?;
     let device_bytes = bound.bytes() + color.bytes() + resolved.as_ref().map_or(0, gpu::Image::bytes);
@@ -261,8 +270,8 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
         modules: variant.key(),
         shipped: program.shipped,
         left_out: program.left_out(),
-        slices: stack.slices,
-        step: stack.step,
+        slices: planes.count,
+        step: planes.step,
         fragments: drawn.fragments,
         gpu_ms: drawn.gpu_ms,
         longest_ms: drawn.longest_ms,

@@ -162,7 +162,10 @@ pub struct Look {
     /// Width and height in pixels.
     #[arg(long, value_parser = size, value_name = "WxH")]
     pub size: Option<[u32; 2]>,
-    /// Slices through the object.
+    /// How the samples are taken: slices, march.
+    #[arg(long)]
+    pub pass: Option<String>,
+    /// Slices through the object, or samples of a ray through it.
     #[arg(long)]
     pub samples: Option<u32>,
     /// Format that the slices are blended in: unorm8, float16, float32.
@@ -253,6 +256,7 @@ impl Look {
         put(&mut quality.samples, self.samples);
         put(&mut quality.msaa, self.msaa);
         put(&mut quality.anisotropy, self.anisotropy);
+        name_into("--pass", &self.pass, &mut quality.pass)?;
         name_into("--target", &self.target, &mut quality.target)?;
         name_into("--order", &self.order, &mut quality.order)?;
         name_into("--proxy", &self.proxy, &mut quality.proxy)?;

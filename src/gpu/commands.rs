@@ -242,7 +242,7 @@ impl Commands<'_> {
             device.cmd_begin_rendering(self.buffer, &info);
             device.cmd_set_viewport(self.buffer, 0, &[viewport]);
             device.cmd_set_scissor(self.buffer, 0, &[area]);
-            draw(&mut Draw { gpu: self.gpu, buffer: self.buffer });
+            draw(&mut Draw { gpu: self.gpu, buffer: self.buffer, width });
             device.cmd_end_rendering(self.buffer);
         }
     }
@@ -283,9 +283,18 @@ const LAYERS: vk::ImageSubresourceLayers = vk::ImageSubresourceLayers {
 pub struct Draw<'a> {
     gpu: &'a Gpu,
     buffer: vk::CommandBuffer,
+    width: u32,
 }
 
 impl Draw<'_> {
+    /// Limits what is drawn next to these rows of the target.
+    pub fn rows(&mut self, rows: Range<u32>) {
+        let offset = vk::Offset2D { x: 0, y: rows.start as i32 };
+        let extent = vk::Extent2D { width: self.width, height: rows.end - rows.start };
+        // SAFETY: the command buffer is inside a rendering, and the scissor is a dynamic state of every pipeline.
+        unsafe { self.gpu.0.device.cmd_set_scissor(self.buffer, 0, &[vk::Rect2D { offset, extent }]) };
+    }
+
     /// Draws triangles: a range of the vertices of `buffer`, or of none where the program makes its own.
     pub fn triangles(&mut self, pipeline: &Pipeline, set: &BindSet<'_>, buffer: Option<&Buffer>, vertices: Range<u32>) {
         let device = &self.gpu.0.device;

@@ -4,6 +4,7 @@ use super::view::View;
 use super::{RenderError, Subject};
 use crate::gpu::{self, Address, Buffer, BufferUse, Dimension, Format, Gpu, Image, Sampler};
 use crate::noise::{Noise, Weights, noise_block, turbulence_block};
+use crate::pass::Planes;
 use crate::scene::{KnobValue, Scene, Source};
 use crate::texture::{self, Encoding, Texels};
 use crate::variant::{Block, Program, Resource, Use, Variant};
@@ -36,11 +37,11 @@ impl Bound {
         variant: &Variant,
         program: &Program,
         view: &View,
-        step: f32,
+        planes: &Planes,
     ) -> Result<Bound, RenderError> {
         let mut bound = Bound { blocks: Vec::new(), images: Vec::new(), samplers: Vec::new(), quantization: 0.0 };
         let texels = program.reads("volume_image").then(|| volume(scene, subject, variant, view)).flatten();
-        let values = values(scene, subject, variant, view, texels.as_ref(), step);
+        let values = values(scene, subject, variant, view, texels.as_ref(), planes);
         for resource in &program.resources {
             match &resource.holds {
                 Use::Block(block) => bound.blocks.push((resource.binding, uniform(gpu, resource, block, &values)?)),
@@ -50,7 +51,7 @@ impl Bound {
                     bound.samplers.push((resource.binding, sampler));
                 }
                 Use::Image => {
-                    let image = image(gpu, scene, subject, view, step, &resource.name, texels.as_ref())?;
+                    let image = image(gpu, scene, subject, view, planes, &resource.name, texels.as_ref())?;
                     bound.images.push((resource.binding, image));
                 }
             }
@@ -114,7 +115,7 @@ fn values(
     variant: &Variant,
     view: &View,
     texels: Option<&Texels>,
-    step: f32,
+    planes: &Planes,
 ) -> HashMap<String, Vec<f32>> {
     let mut values = HashMap::new();
     let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
@@ -144,7 +145,13 @@ fn values(
     set("volume_texel", &texel.extend(0.0).to_array());
     let decode = texels.map_or([0.0; 2], |texels| texels.decode.map(|value| value * subject.scale));
     set("distance_decode", &[decode[0], decode[1], 0.0, 0.0]);
-    set("step_size", &[step]);
+    set("step_size", &[planes.step]);
+    set("first_depth", &[planes.first_depth]);
+    set("slice_count", &[planes.count as f32]);
+    set("full_opacity", &[1.0 - scene.quality.stop]);
+    let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
+    set("picture_scale", &[width, height, 0.0, 0.0]);
+    set("ray_scale", &[view.ray_scale[0], view.ray_scale[1], 0.0, 0.0]);
     set("time", &[scene.camera.time]);
     set("opacity_rate", &[scene.effect.opacity_rate]);
     set("noise_cells", &[noise_cells(scene) as f32]);
@@ -183,7 +190,7 @@ fn image(
     scene: &Scene,
     subject: &Subject,
     view: &View,
-    step: f32,
+    planes: &Planes,
     name: &str,
     texels: Option<&Texels>,
 ) -> Result<Image, RenderError> {
@@ -204,7 +211,7 @@ fn image(
             Image::sampled(gpu, "transfer map", size, Format::Rgba16Unorm, bytemuck::cast_slice(&texels))
         }
         ("segment_image", _) => {
-            let exponent = scene.effect.opacity_rate * step;
+            let exponent = scene.effect.opacity_rate * planes.step;
             let perlin = scene.effect.opacity == "perlin";
             let opacity = |density: f32, path: f32| match perlin {
                 true if density >= 1.0 => 1.0,

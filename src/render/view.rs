@@ -29,6 +29,8 @@ pub(super) struct View {
     pub(super) box_max: Vec3,
     pub(super) extent: Extent,
     pub(super) outer_iso: f32,
+    /// Half width and height of the view: at depth 1 in perspective, at any depth in parallel projection.
+    pub(super) ray_scale: [f32; 2],
     slice_stack: bool,
 }
 
@@ -51,15 +53,20 @@ impl View {
         let (aspect, fit) = (width / height, (width / height).min(1.0));
         let half_angle = 0.5 * camera.field_of_view.to_radians();
         let radius = (box_max * stretch).length();
-        let (projection, distance) = match camera.projection {
+        let (projection, distance, ray_scale) = match camera.projection {
             Projection::Perspective => {
                 let distance = half_height / fit / half_angle.sin();
-                (rh::proj::vulkan::perspective_infinite_reverse(2.0 * half_angle, aspect, NEAR), distance)
+                let y = half_angle.tan();
+                (
+                    rh::proj::vulkan::perspective_infinite_reverse(2.0 * half_angle, aspect, NEAR),
+                    distance,
+                    [y * aspect, y],
+                )
             }
             Projection::Parallel => {
                 let (distance, y) = (2.0 * radius + NEAR, half_height / fit);
                 let far = distance + 2.0 * radius;
-                (rh::proj::vulkan::orthographic(-y * aspect, y * aspect, -y, y, 0.0, far), distance)
+                (rh::proj::vulkan::orthographic(-y * aspect, y * aspect, -y, y, 0.0, far), distance, [y * aspect, y])
             }
         };
         let center_eye = Vec3::new(0.0, 0.0, -distance);
@@ -82,6 +89,7 @@ impl View {
             box_max,
             extent: Extent { distance, radius, near: NEAR },
             outer_iso,
+            ray_scale,
             slice_stack: camera.slice_stack,
         }
     }

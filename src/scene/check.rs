@@ -37,9 +37,6 @@ impl Knobs {
     }
 }
 
-/// The entry files of a program: what its modules are reached from.
-pub(crate) const ENTRIES: [&str; 2] = ["slice.vert", "slice.frag"];
-
 impl Scene {
     /// Checks every value, module and knob, and gives the knobs their values.
     ///
@@ -53,7 +50,7 @@ impl Scene {
         let mut slots = self.slots();
         slots.insert("object".into(), vec!["normals".into()]);
         self.check_modules(library, &slots)?;
-        self.knobs(&library.declarations(&ENTRIES, &slots)?)
+        self.knobs(&library.declarations(&self.quality.pass.entries(), &slots)?)
     }
 
     /// Drops the values of knobs that no module of the scene declares: for a scene whose modules were exchanged.
@@ -64,7 +61,7 @@ impl Scene {
         let mut slots = self.slots();
         slots.insert("object".into(), vec!["normals".into()]);
         self.check_modules(library, &slots)?;
-        let declared = library.declarations(&ENTRIES, &slots)?.knobs;
+        let declared = library.declarations(&self.quality.pass.entries(), &slots)?.knobs;
         self.knobs.retain(|name, _| declared.iter().any(|knob| knob.name == *name));
         Ok(())
     }
@@ -151,6 +148,7 @@ impl Scene {
         }
         let quality = &self.quality;
         within("quality.samples", quality.samples as f32, 1.0, 100_000.0)?;
+        within("quality.stop", quality.stop, 0.0, 0.5)?;
         within("quality.anisotropy", quality.anisotropy, 1.0, 16.0)?;
         within("quality.block_size", quality.block_size as f32, 8.0, 256.0)?;
         match quality.msaa {

@@ -12,7 +12,6 @@ mod presets;
 mod transfer;
 
 pub use axis::Axis;
-pub(crate) use check::ENTRIES;
 pub use check::Knobs;
 pub use color::{Color, linear_to_srgb, srgb_to_linear};
 pub use error::{SceneError, nearest};
@@ -272,8 +271,13 @@ impl std::default::Default for Picture {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Quality {
-    /// Slices through the sphere around the object.
+    /// How the samples are taken.
+    pub pass: Pass,
+    /// Slices through the sphere around the object, or samples of a ray through it.
     pub samples: u32,
+    /// A ray ends where less light than this would still come through, 0 to 0.5: the largest error of a pixel, in units
+    /// of the brightest matter behind. Slices have no such end.
+    pub stop: f32,
     /// Format that the slices are blended in.
     pub target: TargetFormat,
     /// Order of the slices.
@@ -291,13 +295,36 @@ pub struct Quality {
 impl std::default::Default for Quality {
     fn default() -> Quality {
         Quality {
+            pass: Pass::Slices,
             samples: 256,
+            stop: 1e-4,
             target: TargetFormat::Float32,
             order: Order::FrontToBack,
             proxy: Proxy::Polygons,
             msaa: 1,
             anisotropy: 1.0,
             block_size: 64,
+        }
+    }
+}
+
+/// How the samples of a picture are taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pass {
+    /// Slices that face the eye, blended (MJ).
+    #[default]
+    Slices,
+    /// Rays through the pixels, sampled where the slices would be (PH).
+    March,
+}
+
+impl Pass {
+    /// The entry files of the pass in the folder `glsl`: vertex stage, fragment stage.
+    pub fn entries(self) -> [&'static str; 2] {
+        match self {
+            Pass::Slices => ["slice.vert", "slice.frag"],
+            Pass::March => ["march.vert", "march.frag"],
         }
     }
 }

@@ -8,7 +8,7 @@ mod reflect;
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
 use crate::glsl::{Library, LibraryError, LinkError, Linker, Slots, Stage};
-use crate::scene::{ENTRIES, Knobs, Scene, SceneError, Source};
+use crate::scene::{Knobs, Pass, Scene, SceneError, Source};
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));
 
@@ -18,6 +18,8 @@ pub const FORMULAS: [&str; 3] = ["sphere", "cube", "torus"];
 /// The modules of a scene's program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
+    /// The pass that the program is for.
+    pub pass: Pass,
     /// The slots that the program reaches, with the modules that fill them.
     pub slots: Slots,
     /// The knobs that those modules declare, with their values.
@@ -61,11 +63,12 @@ impl Variant {
     /// What [`Scene::check`] finds.
     pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
         let knobs = scene.check(library)?;
+        let (pass, entries) = (scene.quality.pass, scene.quality.pass.entries());
         let mut choice = scene.slots();
         choice.insert("object".into(), vec!["normals".into()]);
-        let needs_normal = library.declarations(&ENTRIES, &choice)?.needs_normal;
+        let needs_normal = library.declarations(&entries, &choice)?.needs_normal;
         choice.insert("object".into(), vec![object_module(scene, needs_normal).into()]);
-        Ok(Variant { slots: library.needed(&ENTRIES, &choice)?, knobs })
+        Ok(Variant { pass, slots: library.needed(&entries, &choice)?, knobs })
     }
 
     /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
@@ -95,8 +98,9 @@ impl Variant {
             Some((_, vertex, fragment)) => (words(vertex), words(fragment)),
             None => {
                 let linker = linker()?;
-                let link = |entry, stage| linker.link(library, (entry, stage), &ENTRIES, &self.slots);
-                (link(ENTRIES[0], Stage::Vertex)?, link(ENTRIES[1], Stage::Fragment)?)
+                let entries = self.pass.entries();
+                let link = |entry, stage| linker.link(library, (entry, stage), &entries, &self.slots);
+                (link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?)
             }
         };
         let resources = reflect::resources(&vertex, &fragment)?;

@@ -1,0 +1,40 @@
+#version 450
+// One ray through the picture, sampled where the slices are, composited front to back.
+// Source: PH 3.1; MJ 7 (fragment shader loops). The samples are those of the slice pass, so that both give one picture.
+// Result: premultiplied linear RGBA.
+#include "interface.glsl"
+#include "vector.glsl"
+layout(location = 0) out vec4 fragment;
+vec3 position_eye;                      // what the slices get from their vertices
+vec4 color = vec4(1.0);
+#include <projection>
+#include <clip>
+#include <classify>
+
+// Depths at which a ray from `from` along `along`, per unit of depth, enters and leaves the box around the soft region:
+// PH 3.1, after Kay and Kajiya 1986. A ray in the plane of a face gives infinities or NaN, which min and max drop.
+vec2 crossing(vec3 from, vec3 along) {
+    vec3 safe = mix(along, vec3(1e-20), lessThan(abs(along), vec3(1e-20)));
+    vec3 a = (box_min.xyz - from) / safe, b = (box_max.xyz - from) / safe;
+    vec3 near = min(a, b), far = max(a, b);
+    return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
+}
+
+void main() {
+    vec2 ndc = gl_FragCoord.xy * picture_scale.xy - 1.0;
+    vec3 from = (texture_matrix * vec4(ray_at(ndc, 0.0), 1.0)).xyz;
+    vec3 along = mat3(texture_matrix) * (ray_at(ndc, 1.0) - ray_at(ndc, 0.0));
+    vec2 inside = crossing(from, along);
+    float first = max(ceil((inside.x - first_depth) / step_size), 0.0);         // PH 3.1: x = x_mu0 + k dx
+    float last = min(floor((inside.y - first_depth) / step_size), slice_count - 1.0);
+    vec4 sum = vec4(0.0);
+    for (float k = first; k <= last; k += 1.0) {
+        position_eye = ray_at(ndc, first_depth + k * step_size);
+        vec3 x = (texture_matrix * vec4(position_eye, 1.0)).xyz;
+        if (clipped(x)) continue;
+        vec4 matter = classify(x, step_size * path_scale());
+        sum += (1.0 - sum.a) * matter;                                          // PH 3.1: front to back
+        if (sum.a >= full_opacity) break;                                       // PH 3.1: until opaque
+    }
+    fragment = sum;
+}
