@@ -18,6 +18,7 @@ layout(set = 0, binding = 0) uniform View {
     float step_size;        // distance between slices, object units
     float first_depth;      // depth of the slice nearest to the eye
     float slice_count;      // slices from there on
+    float leap_slack;       // how much nearer the matter may be than a sampled distance says, object units
     float full_opacity;     // a ray ends where its opacity reaches this
     float time;             // seconds
     float opacity_rate;     // c of PH 3.1, per object unit

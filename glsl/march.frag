@@ -10,6 +10,7 @@ vec4 color = vec4(1.0);
 #include <projection>
 #include <clip>
 #include <classify>
+#include <traverse>
 
 // Depths at which a ray from `from` along `along`, per unit of depth, enters and leaves the box around the soft region:
 // PH 3.1, after Kay and Kajiya 1986. A ray in the plane of a face gives infinities or NaN, which min and max drop.
@@ -28,11 +29,15 @@ void main() {
     float first = max(ceil((inside.x - first_depth) / step_size), 0.0);         // PH 3.1: x = x_mu0 + k dx
     float last = min(floor((inside.y - first_depth) / step_size), slice_count - 1.0);
     vec4 sum = vec4(0.0);
-    for (float k = first; k <= last; k += 1.0) {
+    float step_length = step_size * length(along);
+    float next = 1.0;
+    for (float k = first; k <= last; k += next) {
+        next = 1.0;
         position_eye = ray_at(ndc, first_depth + k * step_size);
         vec3 x = (texture_matrix * vec4(position_eye, 1.0)).xyz;
         if (clipped(x)) continue;
         vec4 matter = classify(x, step_size * path_scale());
+        next = advance(step_length);
         sum += (1.0 - sum.a) * matter;                                          // PH 3.1: front to back
         if (sum.a >= full_opacity) break;                                       // PH 3.1: until opaque
     }

@@ -13,11 +13,15 @@ struct Sample {
     float density;      // D in [0, 1]: 1 is the hard region, 0 is outside, between is the soft region
 };
 
+// Distance from the last sample to the soft region, less than 0 inside of it: how far a ray may leap.
+float clearance = 0.0;
+
 Sample sample_object(vec3 x) {
     vec3 displaced = x;
     mat3 jacobian = mat3(1.0);
     displace(displaced, jacobian);
     Surface surface = object(displaced);
+    clearance = surface.distance - outer_iso_value;
     Sample s;
     s.x = x;
     s.distance = surface.distance;

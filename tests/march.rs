@@ -5,7 +5,7 @@ mod common;
 use common::{formula, homogeneous, picture, subject, with_gpu};
 use hypertexture::glsl;
 use hypertexture::render::Frame;
-use hypertexture::scene::{EFFECTS, Pass, Projection, Scene, preset};
+use hypertexture::scene::{EFFECTS, Pass, Projection, Scene, Traverse, preset};
 
 /// Part of the pixels that differ by more than `bound` in a channel, and the largest difference of the others.
 fn compare(a: &Frame, b: &Frame, bound: f32) -> (f64, f32) {
@@ -101,4 +101,40 @@ fn p37_rays_start_at_the_eye_when_it_is_inside_the_volume() {
         let (beyond, rest) = compare(&slices, &rays, 1e-5);
         assert!(beyond <= 0.004, "{beyond} beyond, the rest within {rest:e}");
     });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m61_leaping_changes_no_bit_of_any_picture() {
+    let library = glsl::shipped();
+    with_gpu(|gpu| {
+        for effect in EFFECTS.into_iter().chain(["shells"]) {
+            for (object, samples) in [("torus", 64), ("torus", 400), ("knot", 128)] {
+                let mut scene = preset(effect).expect("a shipped preset");
+                scene.object.input = object.into();
+                scene.object.resolution = 48;
+                scene.object.stretch = [1.0, 1.0, 0.6];
+                scene.image.size = [80, 80];
+                scene.quality.pass = Pass::March;
+                scene.quality.samples = samples;
+                let subject = subject(&scene, &library);
+                let [all, leapt] = [Traverse::Fixed, Traverse::Leap].map(|traverse| {
+                    scene.quality.traverse = traverse;
+                    picture(gpu, &library, &scene, &subject)
+                });
+                assert!(all.pixels == leapt.pixels, "{effect} on {object}, {samples} samples");
+            }
+        }
+    });
+}
+
+#[test]
+fn a_ray_does_not_leap_where_matter_fills_the_space_around_the_object() {
+    let traverse = |scene: &Scene| scene.slots()["traverse"][0].clone();
+    let mut scene = preset("shells").expect("a shipped preset");
+    assert_eq!(traverse(&scene), "leap");
+    scene.transfer.stops[0].density = 0.1;
+    assert_eq!(traverse(&scene), "fixed");
+    scene.effect.classify = "stack".into();
+    assert_eq!(traverse(&scene), "fixed");
 }

@@ -165,6 +165,9 @@ pub struct Look {
     /// How the samples are taken: slices, march.
     #[arg(long)]
     pub pass: Option<String>,
+    /// Which samples of a ray are taken: leap, fixed.
+    #[arg(long)]
+    pub traverse: Option<String>,
     /// Slices through the object, or samples of a ray through it.
     #[arg(long)]
     pub samples: Option<u32>,
@@ -257,6 +260,7 @@ impl Look {
         put(&mut quality.msaa, self.msaa);
         put(&mut quality.anisotropy, self.anisotropy);
         name_into("--pass", &self.pass, &mut quality.pass)?;
+        name_into("--traverse", &self.traverse, &mut quality.traverse)?;
         name_into("--target", &self.target, &mut quality.target)?;
         name_into("--order", &self.order, &mut quality.order)?;
         name_into("--proxy", &self.proxy, &mut quality.proxy)?;

@@ -148,6 +148,7 @@ fn values(
     set("step_size", &[planes.step]);
     set("first_depth", &[planes.first_depth]);
     set("slice_count", &[planes.count as f32]);
+    set("leap_slack", &[leap_slack(subject, variant, texels)]);
     set("full_opacity", &[1.0 - scene.quality.stop]);
     let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
     set("picture_scale", &[width, height, 0.0, 0.0]);
@@ -173,6 +174,17 @@ fn values(
         }
     }
     values
+}
+
+/// How much nearer the matter may be than a sampled distance says, object units.
+///
+/// A warp moves the place that is looked up, here and wherever the ray lands, by its reach. The filter mixes the distances
+/// of eight samples, whose weighted mean is at most half a voxel's diagonal away (by Jensen's inequality); a stored
+/// distance is rounded; and f32 has its own few ulps.
+fn leap_slack(subject: &Subject, variant: &Variant, texels: Option<&Texels>) -> f32 {
+    let voxel = subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length() * subject.scale);
+    let rounding = texels.map_or(0.0, |texels| texels.quantization * subject.scale);
+    2.0 * variant.knobs.reach() + 0.5 * voxel + rounding + 1e-5
 }
 
 /// The noise that blocks are made of.

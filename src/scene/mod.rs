@@ -275,6 +275,8 @@ pub struct Quality {
     pub pass: Pass,
     /// Slices through the sphere around the object, or samples of a ray through it.
     pub samples: u32,
+    /// Which samples of a ray are taken: all of them, or those that may not be empty.
+    pub traverse: Traverse,
     /// A ray ends where less light than this would still come through, 0 to 0.5: the largest error of a pixel, in units
     /// of the brightest matter behind. Slices have no such end.
     pub stop: f32,
@@ -297,6 +299,7 @@ impl std::default::Default for Quality {
         Quality {
             pass: Pass::Slices,
             samples: 256,
+            traverse: Traverse::Leap,
             stop: 1e-4,
             target: TargetFormat::Float32,
             order: Order::FrontToBack,
@@ -327,6 +330,17 @@ impl Pass {
             Pass::March => ["march.vert", "march.frag"],
         }
     }
+}
+
+/// Which samples of a ray are taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Traverse {
+    /// All of them.
+    Fixed,
+    /// Those that the distance to the object does not show to be empty: the same picture, sooner.
+    #[default]
+    Leap,
 }
 
 /// Format that the slices are blended in.
@@ -365,6 +379,17 @@ pub enum Proxy {
 }
 
 impl Scene {
+    /// Whether nothing is drawn beyond the soft region, so that a ray may leap there.
+    fn is_empty_outside(&self) -> bool {
+        let stops = &self.transfer.stops;
+        let outside = stops.iter().rfind(|stop| stop.at <= 0.0).or(stops.first());
+        match self.effect.classify.as_str() {
+            "surface" | "soft" => true,
+            "post" | "preintegrated" => self.effect.dmf.is_empty() && outside.is_some_and(|stop| stop.density <= 0.0),
+            _ => false,
+        }
+    }
+
     /// The module that the scene chooses for each slot but `object`, which depends on what the input is.
     pub fn slots(&self) -> Slots {
         let effect = &self.effect;
@@ -397,6 +422,11 @@ impl Scene {
         fill("projection", vec![projection.into()]);
         fill("proxy", vec![proxy.into()]);
         fill("clip", vec![if self.camera.clip.is_some() { "plane" } else { "none" }.into()]);
+        let traverse = match self.quality.traverse {
+            Traverse::Leap if self.is_empty_outside() => "leap",
+            _ => "fixed",
+        };
+        fill("traverse", vec![traverse.into()]);
         fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
         slots
     }
