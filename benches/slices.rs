@@ -7,7 +7,7 @@
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::{Frame, Subject, render};
-use hypertexture::scene::{self, EFFECTS, KnobValue, Proxy, Scene, Source};
+use hypertexture::scene::{self, EFFECTS, KnobValue, Pass, Proxy, Scene, Source, Traverse};
 use std::fmt;
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -164,6 +164,31 @@ impl Bench {
         }
     }
 
+    /// Slices against rays at the same samples: all of them, and those that the distance does not show to be empty.
+    fn passes(&self) {
+        println!("\nPasses on the teapot, {} samples, ms of the device: the pictures are the same", 2 * SAMPLES);
+        println!("{:<9} {:>22} {:>22} {:>22} {:>16}", "", "slices", "rays", "rays that leap", "slices/leap");
+        for effect in EFFECTS {
+            let scenes =
+                [(Pass::Slices, Traverse::Fixed), (Pass::March, Traverse::Fixed), (Pass::March, Traverse::Leap)];
+            let scenes = scenes.map(|(pass, traverse)| {
+                let mut scene = scene_of(effect, "teapot");
+                (scene.quality.pass, scene.quality.traverse) = (pass, traverse);
+                scene
+            });
+            let subject = self.load(&scenes[0]);
+            let mut columns = [const { Vec::new() }; 3];
+            for _ in 0..REPEATS {
+                for (column, scene) in columns.iter_mut().zip(&scenes) {
+                    column.push(self.cost(scene, &subject, 2 * SAMPLES).0);
+                }
+            }
+            let ratio = Spread::ratio(&columns[0], &columns[2]);
+            let [slices, rays, leap] = columns.map(Spread::of);
+            println!("{effect:<9} {slices:>22.1} {rays:>22.1} {leap:>22.1} {ratio:>16.2}");
+        }
+    }
+
     fn fragments(&self) {
         println!("\nFragments of the lit object, {SAMPLES} slices: quads against polygons (exact counts)");
         println!("{:<9} {:>12} {:>12} {:>8}", "", "quads", "polygons", "ratio");
@@ -275,6 +300,7 @@ fn main() {
     println!("device {} ({}, Vulkan {}), {cores} cores, validation off", facts.name, facts.driver, facts.api);
     println!("{} x {} pixels, {SAMPLES} slices, {REPEATS} repeats in turns: median (lowest-highest)", SIZE[0], SIZE[1]);
     bench.effects();
+    bench.passes();
     bench.fragments();
     bench.storage();
     start_up();

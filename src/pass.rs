@@ -104,6 +104,8 @@ pub fn stack(planes: &Planes, radius: f32, proxy: Proxy, order: Order, tint: imp
 /// What drawing a stack cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drawn {
+    /// Milliseconds of the first use of the pipeline, on which some drivers compile it.
+    pub first_use_ms: f64,
     /// Milliseconds on the device.
     pub gpu_ms: f64,
     /// Longest submission, milliseconds.
@@ -113,6 +115,23 @@ pub struct Drawn {
 }
 
 impl Drawn {
+    /// Uses the pipeline once, for a row of the first triangle, before what is timed.
+    fn begin(
+        gpu: &Gpu,
+        pipeline: &Pipeline,
+        set: &BindSet<'_>,
+        vertices: Option<&Buffer>,
+        into: Target<'_>,
+    ) -> Result<Drawn, GpuError> {
+        let cost = gpu.submit("first use", |commands| {
+            commands.render(into, Load::Clear([0.0; 4]), |draw| {
+                draw.rows(0..1);
+                draw.triangles(pipeline, set, vertices, 0..3);
+            });
+        })?;
+        Ok(Drawn { first_use_ms: cost.wall_ms, fragments: Some(0), ..Default::default() })
+    }
+
     fn add(&mut self, cost: &Submitted) {
         self.gpu_ms += cost.gpu_ms;
         self.longest_ms = self.longest_ms.max(cost.gpu_ms);
@@ -132,7 +151,7 @@ pub fn march(
     target: Target<'_>,
 ) -> Result<Drawn, GpuError> {
     let into = Target { resolved: None, ..target };
-    let mut drawn = Drawn { fragments: Some(0), ..Default::default() };
+    let mut drawn = Drawn::begin(gpu, pipeline, set, None, into)?;
     let mut load = Load::Clear([0.0; 4]);
     let (mut next, mut batch) = (0, 8);
     while next < height {
@@ -168,7 +187,10 @@ pub fn draw(
     target: Target<'_>,
 ) -> Result<Drawn, GpuError> {
     let into = Target { resolved: None, ..target };
-    let mut drawn = Drawn { fragments: Some(0), ..Default::default() };
+    let mut drawn = match stack.slices {
+        0 => Drawn { fragments: Some(0), ..Default::default() },
+        _ => Drawn::begin(gpu, pipeline, set, Some(vertices), into)?,
+    };
     let mut load = Load::Clear([0.0; 4]);
     let mut next = 0;
     let mut batch = 4;

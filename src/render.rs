@@ -63,7 +63,9 @@ pub struct Measurements {
     pub step: f32,
     /// Fragments shaded, where the device counts them.
     pub fragments: Option<u64>,
-    /// Milliseconds of the slices on the device.
+    /// Milliseconds until the program was ready: linked, made a pipeline of, and used once.
+    pub compile_ms: f64,
+    /// Milliseconds of the slices or rays on the device.
     pub gpu_ms: f64,
     /// Longest submission, milliseconds.
     pub longest_ms: f64,
@@ -216,6 +218,7 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
     let start = Instant::now();
     let variant = Variant::of(scene, library)?;
     let program = variant.program(library, Linker::new)?;
+    let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
     let view = view::View::of(scene, subject, &variant);
     let quality = &scene.quality;
     let planes = pass::Planes::new(view.extent, quality.samples);
@@ -233,6 +236,7 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
     let slices = || pass::stack(&planes, view.extent.radius, quality.proxy, quality.order, view.tint());
     let stack = (quality.pass == Pass::Slices).then(slices);
     let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
+    let pipeline_start = Instant::now();
     let pipeline = gpu::Pipeline::new(
         gpu,
         &gpu::PipelineDescription {
@@ -245,6 +249,7 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
             blend,
         },
     )?;
+    compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
     let [width, height] = scene.image.size;
     let plane = gpu::Dimension::Plane(width, height);
     let color = gpu::Image::new(gpu, "target", plane, format, gpu::ImageUse::Target(quality.msaa))?;
@@ -273,6 +278,7 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
         slices: planes.count,
         step: planes.step,
         fragments: drawn.fragments,
+        compile_ms: compile_ms + drawn.first_use_ms,
         gpu_ms: drawn.gpu_ms,
         longest_ms: drawn.longest_ms,
         total_ms: start.elapsed().as_secs_f64() * 1e3,
