@@ -31,7 +31,7 @@
 //! preset, file, command line -> scene                 scene
 //!    -> the GLSL modules it needs, linked             glsl, variant
 //! field, transfer map, noise -> texels                texture, noise
-//! proxy slices                                        pass
+//! proxy slices, or rays through the same samples      pass
 //!    -> device                                        gpu
 //! all of it, top to bottom -> picture, measurements   render
 //!    -> PNG, EXR; a page                              output, gallery
