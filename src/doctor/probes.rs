@@ -125,8 +125,8 @@ fn loops(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
         Some(steps) => (
             "NOTE",
             format!(
-                "a fragment stops in silence after {steps} iterations; no shipped program needs more than 64, \
-             and a module of your own must stay below 60000"
+                "a fragment stops in silence after {steps} iterations; a scene whose rays would take more than 60000 is \
+                 refused; a loop in a module of your own counts for every sample"
             ),
         ),
         None => ("FAIL", "a loop of integers gives a wrong result; update the driver: sudo apt upgrade".into()),

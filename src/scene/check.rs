@@ -37,6 +37,12 @@ impl Knobs {
     }
 }
 
+/// Loop iterations of one fragment that every device bears: lavapipe ends a fragment in silence after 65 535.
+const LOOP_BUDGET: f32 = 60_000.0;
+/// Iterations in one sample of procedural noise and turbulence, at most: two sums of eight octaves with eight corners
+/// each, and three more noises.
+const PROCEDURAL_LOOPS: f32 = 2.0 * 8.0 * 9.0 + 3.0 * 8.0;
+
 impl Scene {
     /// Checks every value, module and knob, and gives the knobs their values.
     ///
@@ -147,7 +153,13 @@ impl Scene {
             within("image.size", side as f32, 1.0, 16384.0)?;
         }
         let quality = &self.quality;
-        within("quality.samples", quality.samples as f32, 1.0, 100_000.0)?;
+        let procedural = [&self.effect.noise, &self.effect.turbulence].iter().any(|module| *module == "procedural");
+        let most = match (quality.pass, procedural) {
+            (super::Pass::Slices, _) => 100_000.0,
+            (super::Pass::March, false) => LOOP_BUDGET,
+            (super::Pass::March, true) => (LOOP_BUDGET / PROCEDURAL_LOOPS).floor(),
+        };
+        within("quality.samples", quality.samples as f32, 1.0, most)?;
         within("quality.stop", quality.stop, 0.0, 0.5)?;
         within("quality.anisotropy", quality.anisotropy, 1.0, 16.0)?;
         within("quality.block_size", quality.block_size as f32, 8.0, 256.0)?;
@@ -217,7 +229,7 @@ fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(), SceneError
 mod tests {
     use super::*;
     use crate::glsl;
-    use crate::scene::{Color, preset};
+    use crate::scene::{Color, Pass, preset};
 
     fn refusal(change: impl FnOnce(&mut Scene)) -> String {
         let mut scene = preset("fur").unwrap();
@@ -234,6 +246,16 @@ mod tests {
         assert!(refusal(|s| s.transfer.stops.clear()).starts_with("transfer.stops = 0 stops"));
         assert!(refusal(|s| s.quality.msaa = 3).ends_with("1, 2, 4 or 8"));
         assert!(refusal(|s| s.image.size = [0, 5]).starts_with("image.size = 0"));
+    }
+
+    #[test]
+    fn a_ray_may_not_loop_longer_than_every_device_bears() {
+        let march = |samples, noise: &str| {
+            let noise = noise.to_string();
+            move |s: &mut Scene| (s.quality.pass, s.quality.samples, s.effect.noise) = (Pass::March, samples, noise)
+        };
+        assert_eq!(refusal(march(60_001, "block")), "quality.samples = 60001: must be from 1 to 60000");
+        assert_eq!(refusal(march(400, "procedural")), "quality.samples = 400: must be from 1 to 357");
     }
 
     #[test]
