@@ -110,6 +110,13 @@ impl Scene {
         within("camera.zoom", camera.zoom, 0.01, 100.0)?;
         within("camera.field_of_view", camera.field_of_view, 1.0, 120.0)?;
         within("camera.time", camera.time, -1e9, 1e9)?;
+        if camera.slice_stack && self.quality.pass == super::Pass::March {
+            return Err(SceneError::Value {
+                field: "camera.slice_stack".into(),
+                value: "true".into(),
+                limit: "needs quality.pass = \"slices\": rays have no stack to look at".into(),
+            });
+        }
         if let Some(plane) = camera.clip {
             for value in plane {
                 within("camera.clip", value, -1e6, 1e6)?;
@@ -245,6 +252,8 @@ mod tests {
         assert!(refusal(|s| s.camera.clip = Some([0.0, 0.0, 0.0, 1.0])).contains("normal of the plane"));
         assert!(refusal(|s| s.transfer.stops.clear()).starts_with("transfer.stops = 0 stops"));
         assert!(refusal(|s| s.quality.msaa = 3).ends_with("1, 2, 4 or 8"));
+        let look = |s: &mut Scene| (s.camera.slice_stack, s.quality.pass) = (true, Pass::March);
+        assert!(refusal(look).starts_with("camera.slice_stack = true: needs quality.pass"));
         assert!(refusal(|s| s.image.size = [0, 5]).starts_with("image.size = 0"));
     }
 
