@@ -5,7 +5,6 @@ mod common;
 use common::{difference, formula, homogeneous, picture, rays, subject, with_gpu};
 use hypertexture::glsl;
 use hypertexture::gpu::{Format, Gpu};
-use hypertexture::pass::{self, Extent, Planes};
 use hypertexture::render::{Frame, Subject, render};
 use hypertexture::scene::{EFFECTS, Order, Projection, Proxy, Scene, Source, preset};
 use std::path::Path;
@@ -129,15 +128,6 @@ fn p45_halving_the_step_changes_a_picture_by_its_stated_error() {
             assert!(fine <= step, "{name}: {fine:e} at step {}", 0.5 * step);
         });
     });
-}
-
-#[test]
-fn m01_the_vertices_know_nothing_of_the_rotation() {
-    // Equal extents give equal vertices, and an extent has no rotation: distance, radius and nearest depth.
-    let extent = Extent { distance: 5.0, radius: 2.0, near: 0.1 };
-    let planes = Planes::new(extent, 32);
-    let stack = || pass::stack(&planes, extent.radius, Proxy::Polygons, Order::FrontToBack, |_| [1.0; 4]);
-    assert_eq!(stack(), stack());
 }
 
 #[test]

@@ -102,3 +102,33 @@ impl View {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::glsl;
+    use crate::pass::{Planes, stack};
+    use crate::scene::{EFFECTS, Order, Proxy, preset};
+
+    #[test]
+    fn m01_the_trackball_turns_the_texture_matrix_and_moves_no_vertex() {
+        for effect in EFFECTS {
+            let [still, turned] = [(0.0, 0.0), (77.0, -35.0)].map(|(azimuth, elevation)| {
+                let mut scene = preset(effect).unwrap();
+                scene.object.input = "torus".into();
+                (scene.camera.azimuth, scene.camera.elevation) = (azimuth, elevation);
+                let subject = Subject::load(&scene, &glsl::shipped(), &|_| ()).unwrap();
+                View::of(&scene, &subject, &Variant::of(&scene, &glsl::shipped()).unwrap())
+            });
+            assert_ne!(still.texture_matrix, turned.texture_matrix, "{effect}");
+            assert_eq!(still.projection, turned.projection, "{effect}");
+            for proxy in [Proxy::Quads, Proxy::Polygons] {
+                let [a, b] = [&still, &turned].map(|view| {
+                    let planes = Planes::new(view.extent, 32);
+                    stack(&planes, view.extent.radius, proxy, Order::FrontToBack, view.tint())
+                });
+                assert_eq!(a, b, "{effect}");
+            }
+        }
+    }
+}
