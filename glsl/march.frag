@@ -5,7 +5,7 @@
 #include "interface.glsl"
 #include "vector.glsl"
 layout(location = 0) out vec4 fragment;
-vec3 position_eye;                      // what the slices get from their vertices
+vec3 position_eye;                      // eye space
 vec4 color = vec4(1.0);
 #include <projection>
 #include <clip>

@@ -9,6 +9,6 @@
 vec4 classify(vec3 x, float path) {
     Sample s = sample_object(x);
     vec4 matter = transfer(clamp(modulate(s.density, s), 0.0, 1.0));
-    float alpha = opacity(matter.a, path);
+    float alpha = opacity(matter.a, opacity_rate * path);
     return vec4(matter.rgb * alpha, alpha);
 }

@@ -6,6 +6,6 @@ float clearance = 0.0;      // no distance is sampled: a ray cannot leap
 
 vec4 classify(vec3 x, float path) {
     vec4 matter = texture(classified_volume, volume_scale.xyz * x + volume_offset.xyz);
-    float alpha = opacity(matter.a, path);
+    float alpha = opacity(matter.a, opacity_rate * path);
     return vec4(matter.a > 0.0 ? matter.rgb / matter.a * alpha : vec3(0.0), alpha);
 }

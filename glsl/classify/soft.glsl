@@ -12,7 +12,8 @@ vec4 classify(vec3 x, float path) {
     if (s.density <= 0.0) return vec4(0.0);                 // MJ 6: outside the soft region
     float density = clamp(modulate(s.density, s), 0.0, 1.0);
     if (density <= 0.0) return vec4(0.0);
+    if (s.density >= 1.0) s.normal = cap_normal(x, s.normal);
     vec3 shade = s.density >= 1.0 ? surface(s) : medium(s, density);
-    float alpha = opacity(density, path);
+    float alpha = opacity(density, opacity_rate * path);
     return vec4(shade * alpha, alpha);
 }

@@ -6,5 +6,7 @@
 
 vec4 classify(vec3 x, float path) {
     Sample s = sample_object(x);
-    return s.density <= 0.0 ? vec4(0.0) : vec4(surface(s), 1.0);
+    if (s.density <= 0.0) return vec4(0.0);
+    s.normal = cap_normal(x, s.normal);
+    return vec4(surface(s), 1.0);
 }

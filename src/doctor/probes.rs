@@ -7,9 +7,9 @@ use crate::gpu::{
     PipelineDescription, Resource, Sampler, Submitted, Target,
 };
 
-/// Bindings of `interface.glsl`.
-const VOLUME: u32 = 3;
-const CLAMP_SAMPLER: u32 = 9;
+/// Bindings of `part.glsl` and `interface.glsl`.
+const VOLUME: u32 = 18;
+const CLAMP_SAMPLER: u32 = 5;
 
 /// Why a test could not be run.
 #[derive(Debug, thiserror::Error)]

@@ -1,0 +1,29 @@
+// What each object of a scene has for itself: constants, volume, transfer map.
+// Source: MJ 3.5 and 6 name the constants.
+// Spaces as in interface.glsl; bindings from 16 on, and the linker counts them up for each further object.
+layout(set = 0, binding = 16) uniform Constants {
+    mat4 normal_matrix;     // inverse transpose of object_matrix: normals to eye space (MJ 3.3)
+    vec4 material_color;    // linear RGB
+    vec4 ambient_color;
+    vec4 light_color;
+    vec4 light_position;    // eye space: the light moves with the eye (MJ 3.2)
+    float specular_power;
+    float specular_strength;
+    float iso_value;        // inner iso-value: the object starts here, signed distance in object units
+    float outer_iso_value;  // outer iso-value: the soft region starts here (MJ 6)
+};
+layout(set = 0, binding = 17) uniform Object {
+    vec4 volume_scale;      // object space to texture coordinates: scale * x + offset
+    vec4 volume_offset;
+    vec4 volume_texel;      // one texel in texture coordinates
+    vec4 distance_decode;   // stored texel s to signed distance: x + y * s, object units
+    float opacity_rate;     // c of PH 3.1, per object unit
+};
+layout(set = 0, binding = 18) uniform texture3D volume_image;       // MJ 3.1
+layout(set = 0, binding = 19) uniform texture1D transfer_image;     // MJ 2: colour and opacity by density
+layout(set = 0, binding = 20) uniform texture2D segment_image;      // Engel 2001: the same for a segment, by both ends
+layout(set = 0, binding = 21) uniform texture3D classified_image;   // MJ 2: pre-classified, opacity-weighted
+#define volume sampler3D(volume_image, clamp_sampler)
+#define transfer_map sampler1D(transfer_image, clamp_sampler)
+#define segment_map sampler2D(segment_image, clamp_sampler)
+#define classified_volume sampler3D(classified_image, clamp_sampler)
