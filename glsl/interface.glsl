@@ -1,5 +1,6 @@
 // Every set, binding and block that a scene has once; what each object of a scene has is in part.glsl.
 // Source: MJ 3.4, 3.5 and 6 name the constants; here they keep those names, in anonymous blocks.
+// Blocks: View, Constants, Knobs, and no fourth: lavapipe of Mesa 22.3 crashes while it compiles a program with four.
 // Spaces: `x` is object space, where the longest side of the object spans [-1, 1]; `_eye` is eye space, same unit.
 layout(set = 0, binding = 0) uniform View {
     mat4 projection;        // eye to clip space: fixed while the trackball turns (MJ 3.4)

@@ -11,18 +11,16 @@ layout(set = 0, binding = 16) uniform Constants {
     float specular_strength;
     float iso_value;        // inner iso-value: the object starts here, signed distance in object units
     float outer_iso_value;  // outer iso-value: the soft region starts here (MJ 6)
-};
-layout(set = 0, binding = 17) uniform Object {
     vec4 volume_scale;      // object space to texture coordinates: scale * x + offset
     vec4 volume_offset;
     vec4 volume_texel;      // one texel in texture coordinates
     vec4 distance_decode;   // stored texel s to signed distance: x + y * s, object units
     float opacity_rate;     // c of PH 3.1, per object unit
 };
-layout(set = 0, binding = 18) uniform texture3D volume_image;       // MJ 3.1
-layout(set = 0, binding = 19) uniform texture1D transfer_image;     // MJ 2: colour and opacity by density
-layout(set = 0, binding = 20) uniform texture2D segment_image;      // Engel 2001: the same for a segment, by both ends
-layout(set = 0, binding = 21) uniform texture3D classified_image;   // MJ 2: pre-classified, opacity-weighted
+layout(set = 0, binding = 17) uniform texture3D volume_image;       // MJ 3.1
+layout(set = 0, binding = 18) uniform texture1D transfer_image;     // MJ 2: colour and opacity by density
+layout(set = 0, binding = 19) uniform texture2D segment_image;      // Engel 2001: the same for a segment, by both ends
+layout(set = 0, binding = 20) uniform texture3D classified_image;   // MJ 2: pre-classified, opacity-weighted
 #define volume sampler3D(volume_image, clamp_sampler)
 #define transfer_map sampler1D(transfer_image, clamp_sampler)
 #define segment_map sampler2D(segment_image, clamp_sampler)

@@ -8,7 +8,7 @@ use crate::gpu::{
 };
 
 /// Bindings of `part.glsl` and `interface.glsl`.
-const VOLUME: u32 = 18;
+const VOLUME: u32 = 17;
 const CLAMP_SAMPLER: u32 = 5;
 
 /// Why a test could not be run.
