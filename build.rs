@@ -1,12 +1,18 @@
 //! Embeds the GLSL modules and compiles the programs listed in `glsl/variants`, through the very library and linker
 //! that the program uses at run time.
 
+#[allow(dead_code)]
 mod glsl {
-    #[allow(dead_code)]
+    #[path = "../src/glsl/combine.rs"]
+    pub mod combine;
+    #[path = "../src/glsl/instance.rs"]
+    mod instance;
     #[path = "../src/glsl/library.rs"]
     pub mod library;
     #[path = "../src/glsl/link.rs"]
     pub mod link;
+    #[path = "../src/glsl/names.rs"]
+    mod names;
 }
 
 use glsl::library::{Library, Slots};

@@ -1,6 +1,7 @@
 // What each object of a scene has for itself: constants, volume, transfer map.
 // Source: MJ 3.5 and 6 name the constants.
-// Spaces as in interface.glsl; bindings from 16 on, and the linker counts them up for each further object.
+// Spaces as in interface.glsl; bindings from 16 on. A further object has the next eight bindings, and its constants in
+// the block of knobs.
 layout(set = 0, binding = 16) uniform Constants {
     mat4 normal_matrix;     // inverse transpose of object_matrix: normals to eye space (MJ 3.3)
     vec4 material_color;    // linear RGB
@@ -15,7 +16,11 @@ layout(set = 0, binding = 16) uniform Constants {
     vec4 volume_offset;
     vec4 volume_texel;      // one texel in texture coordinates
     vec4 distance_decode;   // stored texel s to signed distance: x + y * s, object units
+    mat4 place_matrix;      // object space of the scene to that of this object, where a scene has several
+    vec4 own_min;           // box around the soft region, in the object's own space
+    vec4 own_max;
     float opacity_rate;     // c of PH 3.1, per object unit
+    float place_scale;      // object units of the scene in one of this object
 };
 layout(set = 0, binding = 17) uniform texture3D volume_image;       // MJ 3.1
 layout(set = 0, binding = 18) uniform texture1D transfer_image;     // MJ 2: colour and opacity by density

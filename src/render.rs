@@ -14,6 +14,7 @@ use crate::scene::{Axis, Object, Order, Pass, Scene, Source, TargetFormat};
 use crate::shape::{self, Shape, ShapeError};
 use crate::variant::{FORMULAS, Variant, VariantError};
 use glam::Vec3;
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// The object of a scene, ready to be drawn in any effect.
@@ -35,6 +36,8 @@ pub struct Subject {
     pub radius: f32,
     /// How the field was made.
     pub report: Option<field::Report>,
+    /// The further objects of the scene, each in a space of its own.
+    pub parts: BTreeMap<String, Subject>,
 }
 
 /// A picture and what it took.
@@ -123,8 +126,15 @@ impl Subject {
     /// The input cannot be read, or has no surface.
     pub fn load(scene: &Scene, library: &Library, progress: Progress<'_>) -> Result<Subject, RenderError> {
         let variant = Variant::of(scene, library)?;
+        let count = (scene.parts.len() + 1) as f32;
         let outer = variant.knobs.outer_iso().unwrap_or(scene.object.outer_iso);
-        Subject::load_with_margin(&scene.object, outer, progress)
+        let mut subject = Subject::load_with_margin(&scene.object, outer, &|done| progress(done / count))?;
+        for ((name, part), before) in scene.parts.iter().zip(1u8..) {
+            let outer = variant.parts[name].outer_iso().unwrap_or(part.object.outer_iso);
+            let progress = |done| progress((f32::from(before) + done) / count);
+            subject.parts.insert(name.clone(), Subject::load_with_margin(&part.object, outer, &progress)?);
+        }
+        Ok(subject)
     }
 
     /// Loads an object with a field that reaches `margin` (object units) beyond it, so that several scenes may share it.
@@ -146,7 +156,8 @@ impl Subject {
         let radius = inside_points(&field).map(|p| p.distance(center)).fold(0.0, f32::max) * scale;
         let half_size = 0.5 * scale * (high - low);
         let input = object.input.clone();
-        Ok(Subject { input, field: Some(field), center, scale, half_size, radius, report: Some(report) })
+        let (field, report, parts) = (Some(field), Some(report), BTreeMap::new());
+        Ok(Subject { input, field, center, scale, half_size, radius, report, parts })
     }
 }
 
@@ -185,7 +196,8 @@ fn formula(name: &str) -> Subject {
         _ => (Vec3::ONE, 1.0),
     };
     let (center, scale) = (Vec3::ZERO, 1.0);
-    Subject { input: name.into(), field: None, center, scale, half_size, radius, report: None }
+    let parts = BTreeMap::new();
+    Subject { input: name.into(), field: None, center, scale, half_size, radius, report: None, parts }
 }
 
 /// World positions of the samples inside, or of the nearest to the surface where none is.

@@ -10,9 +10,13 @@
 //! ```
 //! The same lines feed the uniform block, the checks of a scene file and the documentation.
 
+use super::names::{definitions, rename};
+use std::borrow::Cow;
+use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Which modules fill each slot: one name, or for a stack (`warp`, `dmf`) any number in order of application.
+/// Which modules fill each slot: one name, or for a stack (`warp`, `dmf`) any number in order of application; a DMF may
+/// be `module@mask`. The slot of a further object is `object.slot`, and [`COMBINE`] holds the formula of the objects.
 pub type Slots = BTreeMap<String, Vec<String>>;
 
 /// GLSL sources by path relative to the `glsl` folder, such as `dmf/fur.glsl`.
@@ -121,6 +125,34 @@ impl Library {
         Err(LibraryError::Unknown { slot: slot.into(), name: name.into(), known })
     }
 
+    /// The text of a file. `path#2` is the second copy of a module: all that it defines and declares ends in `_2`.
+    pub fn text(&self, path: &str) -> Cow<'_, str> {
+        let Some((path, copy)) = path.split_once('#') else {
+            return self.source(path).unwrap_or_default().into();
+        };
+        let text = self.source(path).unwrap_or_default();
+        rename(text, &own_names(path, text), &format!("_{copy}")).into()
+    }
+
+    /// The files that fill a slot, in order: a mask comes before the DMF that it belongs to, and the second use of a
+    /// module in a stack is `path#2`.
+    ///
+    /// # Errors
+    /// [`LibraryError::Unknown`].
+    pub fn files(&self, slot: &str, names: &[String]) -> Result<Vec<String>, LibraryError> {
+        let mut files: Vec<String> = Vec::new();
+        for name in names {
+            let (module, mask) = name.split_once('@').map_or((name.as_str(), None), |(name, mask)| (name, Some(mask)));
+            let mask = mask.map(|mask| self.path(MASK, mask)).transpose()?;
+            for path in mask.into_iter().chain([self.path(slot, module)?]) {
+                let same = |file: &&String| file.split('#').next() == Some(path.as_str());
+                let copies = files.iter().filter(same).count();
+                files.push(if copies == 0 { path } else { format!("{path}#{}", copies + 1) });
+            }
+        }
+        Ok(files)
+    }
+
     /// The slots that `entries` really reach when filled from `choice`, directly or through the modules chosen:
     /// the rest of `choice` is left out.
     ///
@@ -128,24 +160,53 @@ impl Library {
     /// [`LibraryError::Unknown`] when a reached slot has no choice or the module does not exist.
     pub fn needed(&self, entries: &[&str], choice: &Slots) -> Result<Slots, LibraryError> {
         let mut needed = Slots::new();
-        self.visit(entries, choice, &mut |_, slot| {
-            if let Some(slot) = slot {
-                needed.insert(slot.to_string(), choice.get(slot).cloned().unwrap_or_default());
-            }
+        let several = Cell::new(false);
+        let mut take = |object: &str, slot: &str| {
+            several.set(several.get() || slot == OBJECTS);
+            let own = choice.get_key_value(&format!("{object}.{slot}"));
+            needed.extend(own.or(choice.get_key_value(slot)).map(|(key, names)| (key.clone(), names.clone())));
+        };
+        self.visit("", entries, choice, &mut |_, slot| {
+            slot.into_iter().for_each(|slot| take("", slot));
             Ok(())
         })?;
+        if several.get() {
+            for object in objects(choice) {
+                self.visit(object, &[OBJECT_ENTRY], choice, &mut |_, slot| {
+                    slot.into_iter().for_each(|slot| take(object, slot));
+                    Ok(())
+                })?;
+            }
+            needed.extend(choice.get_key_value(COMBINE).map(|(key, formula)| (key.clone(), formula.clone())));
+        }
         Ok(needed)
     }
 
-    /// Everything that the files reached from `entries` declare.
+    /// Everything that the files reached from `entries` declare; without what further objects declare.
     ///
     /// # Errors
     /// A declaration that cannot be read, two that disagree, or a module that does not exist.
     pub fn declarations(&self, entries: &[&str], choice: &Slots) -> Result<Declarations, LibraryError> {
+        self.declared("", entries, choice)
+    }
+
+    /// Everything that the modules of a further object declare, under the names that they have in their files.
+    ///
+    /// # Errors
+    /// As [`Library::declarations`].
+    pub fn object_declarations(&self, object: &str, choice: &Slots) -> Result<Declarations, LibraryError> {
+        self.declared(object, &[OBJECT_ENTRY], choice)
+    }
+
+    fn declared(&self, object: &str, entries: &[&str], choice: &Slots) -> Result<Declarations, LibraryError> {
         let mut all = Declarations::default();
-        self.visit(entries, choice, &mut |path, _| {
+        self.visit(object, entries, choice, &mut |path, _| {
             let Some(path) = path else { return Ok(()) };
-            let one = parse(path, self.source(path).unwrap_or_default())?;
+            let (file, copy) = path.split_once('#').unwrap_or((path, ""));
+            let mut one = parse(file, self.source(file).unwrap_or_default())?;
+            if !copy.is_empty() {
+                one.add_suffix(&format!("_{copy}"));
+            }
             for knob in one.knobs {
                 match all.knobs.iter().find(|known| known.name == knob.name) {
                     None => all.knobs.push(knob),
@@ -161,8 +222,22 @@ impl Library {
         Ok(all)
     }
 
-    /// Calls `on` once for each file and for each slot reached from `entries`.
-    fn visit(&self, entries: &[&str], choice: &Slots, on: &mut Visitor<'_>) -> Result<(), LibraryError> {
+    /// Every file that a further object reaches.
+    ///
+    /// # Errors
+    /// [`LibraryError::Unknown`].
+    pub fn object_files(&self, object: &str, choice: &Slots) -> Result<Vec<String>, LibraryError> {
+        let mut files = Vec::new();
+        self.visit(object, &[OBJECT_ENTRY], choice, &mut |path, _| {
+            files.extend(path.map(String::from));
+            Ok(())
+        })?;
+        Ok(files)
+    }
+
+    /// Calls `on` once for each file and for each slot reached from `entries`; the slots of `object` go before those of
+    /// the scene.
+    fn visit(&self, object: &str, entries: &[&str], choice: &Slots, on: &mut Visitor<'_>) -> Result<(), LibraryError> {
         let mut queue: Vec<String> = entries.iter().rev().map(|entry| entry.to_string()).collect();
         let mut seen = BTreeSet::new();
         while let Some(path) = queue.pop() {
@@ -170,22 +245,24 @@ impl Library {
                 continue;
             }
             on(Some(&path), None)?;
-            let text = self.source(&path).unwrap_or_default();
-            for line in text.lines() {
+            for line in self.text(&path).lines() {
                 match include(line) {
                     Some(Include::File(file)) => queue.push(file.to_string()),
                     Some(Include::Slot(KNOBS)) | None => {}
+                    Some(Include::Slot(OBJECTS)) => {
+                        on(None, Some(OBJECTS))?;
+                        queue.push(OBJECT_ENTRY.into());
+                    }
                     Some(Include::Slot(slot)) => {
-                        let Some(names) = choice.get(slot) else {
+                        let own = choice.get(&format!("{object}.{slot}"));
+                        let Some(names) = own.or(choice.get(slot)) else {
                             self.path(slot, "")?; // no module has an empty name: this lists what there is
                             continue;
                         };
                         if seen.insert(format!("<{slot}>")) {
                             on(None, Some(slot))?;
                         }
-                        for name in names {
-                            queue.push(self.path(slot, name)?);
-                        }
+                        queue.extend(self.files(slot, names)?);
                     }
                 }
             }
@@ -194,18 +271,48 @@ impl Library {
     }
 }
 
+/// The further objects of a scene, by name.
+pub fn objects(choice: &Slots) -> BTreeSet<&str> {
+    choice.keys().filter_map(|key| key.split_once('.')).map(|(object, _)| object).collect()
+}
+
+/// What a file defines and declares.
+pub fn own_names(path: &str, text: &str) -> BTreeSet<String> {
+    let declared = parse(path, text).unwrap_or_default().knobs.into_iter().map(|knob| knob.name);
+    definitions(text).into_iter().chain(declared).collect()
+}
+
+impl Declarations {
+    fn add_suffix(&mut self, suffix: &str) {
+        let knobs = self.knobs.iter_mut().map(|knob| &mut knob.name);
+        knobs.chain(&mut self.outer).chain(&mut self.reach).for_each(|name| name.push_str(suffix));
+    }
+}
+
 /// Called with the path of a file or with the name of a slot.
 type Visitor<'a> = dyn FnMut(Option<&str>, Option<&str>) -> Result<(), LibraryError> + 'a;
 
 /// The slot that the linker fills with the uniform block of all knobs.
 pub const KNOBS: &str = "knobs";
+/// The slot that the linker fills with all objects of a scene and the classification of what they make together.
+pub const OBJECTS: &str = "objects";
+/// The key in [`Slots`] of the formula by which the objects make one.
+pub const COMBINE: &str = "combine";
+/// The slot of the masks: where a DMF acts.
+const MASK: &str = "mask";
+/// The file that each object of several is entered by.
+pub const OBJECT_ENTRY: &str = "one_of_several.glsl";
 
-enum Include<'a> {
+/// What an `#include` asks for.
+pub enum Include<'a> {
+    /// A file of the library.
     File(&'a str),
+    /// What fills a slot.
     Slot(&'a str),
 }
 
-fn include(line: &str) -> Option<Include<'_>> {
+/// The `#include` of a line.
+pub fn include(line: &str) -> Option<Include<'_>> {
     let what = line.trim_start().strip_prefix("#include")?.trim();
     if let Some(file) = what.strip_prefix('"') {
         return file.split_once('"').map(|(file, _)| Include::File(file));

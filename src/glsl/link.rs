@@ -7,9 +7,11 @@
 //! SPIR-V for Vulkan cannot import functions, so this is what "program objects linked to swap functions" (MJ 3)
 //! becomes: the same text, a different file in one slot.
 
-use super::library::{Default, KNOBS, Library, LibraryError, Slots};
+use super::combine::{Formula, FormulaError};
+use super::instance::{Instance, instances};
+use super::library::{COMBINE, Default, KNOBS, Library, LibraryError, OBJECT_ENTRY, OBJECTS, Slots};
 use std::cell::RefCell;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// Shader stage of an entry file.
@@ -27,6 +29,9 @@ pub enum LinkError {
     /// A module is missing or its declarations are wrong.
     #[error(transparent)]
     Library(#[from] LibraryError),
+    /// The formula of the objects cannot be read.
+    #[error(transparent)]
+    Formula(#[from] FormulaError),
     /// glslang refuses the text; the message names module and line.
     #[error("{0}")]
     Compile(String),
@@ -73,7 +78,7 @@ impl Linker {
             name: entry.into(),
             known: "slice.vert, slice.frag".into(),
         })?;
-        let knobs = knob_block(library, knobs_of, slots)?;
+        let sources = Sources::new(library, slots, knobs_of)?;
         let included = RefCell::new(BTreeSet::new());
         let compiler = |error: shaderc::Error| LinkError::Compiler(error.to_string());
         let mut options = shaderc::CompileOptions::new().map_err(compiler)?;
@@ -82,14 +87,8 @@ impl Linker {
         options.set_generate_debug_info();
         options.set_warnings_as_errors();
         options.set_include_callback(|name, kind, _, _| {
-            let (resolved_name, content) = match kind {
-                shaderc::IncludeType::Relative => {
-                    let content = library.source(name).ok_or_else(|| format!("no file `{name}` in the library"))?;
-                    (name.to_string(), content.to_string())
-                }
-                shaderc::IncludeType::Standard if name == KNOBS => ("knobs".to_string(), knobs.clone()),
-                shaderc::IncludeType::Standard => fill(library, name, slots).map_err(|error| error.to_string())?,
-            };
+            let slot = kind == shaderc::IncludeType::Standard;
+            let (resolved_name, content) = sources.resolve(name, slot).map_err(|error| error.to_string())?;
             let first = included.borrow_mut().insert(resolved_name.clone());
             Ok(shaderc::ResolvedInclude { resolved_name, content: if first { content } else { String::new() } })
         });
@@ -107,41 +106,147 @@ impl Linker {
     }
 }
 
-/// Name and text of what fills a slot.
-fn fill(library: &Library, slot: &str, slots: &Slots) -> Result<(String, String), LibraryError> {
-    let names = slots.get(slot).map(Vec::as_slice).unwrap_or_default();
-    if let Some((_, signature, call, end)) = STACKS.iter().find(|stack| stack.0 == slot) {
-        let mut glue = String::new();
-        let mut calls = String::new();
-        for name in names {
-            let path = library.path(slot, name)?;
-            writeln!(glue, "#include \"{path}\"").expect("writing to a string");
-            calls.push_str(&call.replace("MODULE", name));
-        }
-        writeln!(glue, "{signature} {{\n{calls}{end}}}").expect("writing to a string");
-        return Ok((format!("stack of {slot}"), glue));
-    }
-    let path = library.path(slot, names.first().map(String::as_str).unwrap_or_default())?;
-    let content = library.source(&path).unwrap_or_default().to_string();
-    Ok((path, content))
+/// What the includes of one program are resolved from.
+struct Sources<'a> {
+    library: &'a Library,
+    slots: &'a Slots,
+    instances: BTreeMap<String, Instance>,
+    knobs: String,
+    objects: String,
 }
 
-/// The uniform block of every knob of a program; empty where it has none.
-fn knob_block(library: &Library, entries: &[&str], slots: &Slots) -> Result<String, LibraryError> {
-    let knobs = library.declarations(entries, slots)?.knobs;
-    if knobs.is_empty() {
+impl<'a> Sources<'a> {
+    fn new(library: &'a Library, slots: &'a Slots, knobs_of: &[&str]) -> Result<Sources<'a>, LinkError> {
+        let instances = instances(library, slots)?;
+        let knobs = knob_block(library, knobs_of, slots, &instances)?;
+        let objects = slots.get(COMBINE).and_then(|formula| formula.first());
+        let objects = objects.map(|formula| objects_text(&Formula::parse(formula)?)).transpose()?.unwrap_or_default();
+        Ok(Sources { library, slots, instances, knobs, objects })
+    }
+
+    /// The name under which errors speak of an include, and its text. `object:name` is what a further object gets.
+    fn resolve(&self, name: &str, is_slot: bool) -> Result<(String, String), LibraryError> {
+        let (object, name) = name.split_once(':').unwrap_or(("", name));
+        let (path, text) = match is_slot {
+            true if name == KNOBS => (name.to_string(), self.knobs.clone()),
+            true if name == OBJECTS => (name.to_string(), self.objects.clone()),
+            true => {
+                let own = self.slots.get(&format!("{object}.{name}")).or(self.slots.get(name));
+                fill(self.library, name, own.map(Vec::as_slice).unwrap_or_default())?
+            }
+            false => match self.library.source(name.split('#').next().unwrap_or_default()) {
+                Some(_) => (name.to_string(), self.library.text(name).into_owned()),
+                None => {
+                    let known = "the files of the library".into();
+                    return Err(LibraryError::Unknown { slot: "file".into(), name: name.into(), known });
+                }
+            },
+        };
+        match self.instances.get(object) {
+            None => Ok((path, text)),
+            Some(instance) => Ok((format!("{object}:{path}"), instance.text(&path, &text))),
+        }
+    }
+}
+
+/// Name and text of what fills a slot.
+fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, String), LibraryError> {
+    let Some((_, signature, call, end)) = STACKS.iter().find(|stack| stack.0 == slot) else {
+        let path = library.path(slot, names.first().map(String::as_str).unwrap_or_default())?;
+        let text = library.text(&path).into_owned();
+        return Ok((path, text));
+    };
+    let mut glue = String::new();
+    let mut calls = String::new();
+    let files = library.files(slot, names)?;
+    // A file `dmf/fur.glsl#2` holds the function `fur_2`.
+    let mut functions = files.iter().map(|file| {
+        let (path, copy) = file.split_once('#').map_or((file.as_str(), String::new()), |(p, c)| (p, format!("_{c}")));
+        let module = path.trim_end_matches(".glsl").rsplit('/').next().unwrap_or_default();
+        format!("{module}{copy}")
+    });
+    for name in names {
+        let mask = name.contains('@').then(|| functions.next()).flatten();
+        let function = functions.next().unwrap_or_default();
+        match mask {
+            None => calls.push_str(&call.replace("MODULE", &function)),
+            Some(mask) => writeln!(calls, "    density = mix(density, {function}(density, s), {mask}(s));")
+                .expect("writing to a string"),
+        }
+    }
+    for file in &files {
+        writeln!(glue, "#include \"{file}\"").expect("writing to a string");
+    }
+    writeln!(glue, "{signature} {{\n{calls}{end}}}").expect("writing to a string");
+    Ok((format!("stack of {slot}"), glue))
+}
+
+/// All objects of a scene, and the classification of what the formula makes of them.
+///
+/// An object colors matter in proportion to its own density; one that only takes matter away colors none.
+fn objects_text(formula: &Formula) -> Result<String, FormulaError> {
+    let (mut includes, mut samples, mut shades) = (String::new(), String::new(), String::new());
+    for (name, adds) in formula.objects() {
+        let (prefix, suffix) = match name {
+            MAIN => (String::new(), String::new()),
+            _ => (format!("{name}:"), format!("_{name}")),
+        };
+        if !prefix.is_empty() {
+            writeln!(includes, "#include \"{prefix}part.glsl\"").expect("writing to a string");
+        }
+        writeln!(includes, "#include \"{prefix}{OBJECT_ENTRY}\"").expect("writing to a string");
+        writeln!(
+            samples,
+            "    Sample sample_{name} = one_sample{suffix}(x);\n    \
+             float density_{name} = one_density{suffix}(sample_{name});\n    \
+             Soft soft_{name} = one_soft{suffix}(sample_{name}, density_{name});"
+        )
+        .expect("writing to a string");
+        if adds {
+            writeln!(
+                shades,
+                "    if (density_{name} > 0.0) {{\n        \
+                 shade += density_{name} * vec4(one_shade{suffix}(sample_{name}, density_{name}, normal), 1.0);\n        \
+                 rate += density_{name} * opacity_rate{suffix};\n    }}"
+            )
+            .expect("writing to a string");
+        }
+    }
+    let combined = formula.glsl();
+    Ok(format!(
+        "{includes}vec4 classify(vec3 x, float path) {{\n{samples}    Soft all = {combined};\n    \
+         clearance = all.clearance;\n    if (all.density <= 0.0) return vec4(0.0);\n    \
+         vec3 normal = cap_normal(x, outward(all));\n    vec4 shade = vec4(0.0);\n    float rate = 0.0;\n{shades}    \
+         float weight = max(shade.a, 1e-6);\n    float alpha = opacity(all.density, rate / weight * path);\n    \
+         return vec4(shade.rgb / weight * alpha, alpha);\n}}\n"
+    ))
+}
+
+/// The name in formulas of the object that the scene itself describes.
+pub const MAIN: &str = "main";
+
+/// The uniform block of every knob of a program, and of the constants of its further objects; empty where it has none.
+fn knob_block(
+    library: &Library,
+    entries: &[&str],
+    slots: &Slots,
+    instances: &BTreeMap<String, Instance>,
+) -> Result<String, LibraryError> {
+    let declare = |default: &Default, name: &str, suffix: &str| match default {
+        Default::Number(..) => format!("float {name}{suffix}"),
+        Default::Color(_) => format!("vec4 {name}{suffix}"),
+    };
+    let declared = library.declarations(entries, slots)?.knobs;
+    let mut members: Vec<String> = declared.iter().map(|knob| declare(&knob.default, &knob.name, "")).collect();
+    for (object, instance) in instances {
+        let declared = library.object_declarations(object, slots)?.knobs;
+        members.extend(declared.iter().map(|knob| declare(&knob.default, &knob.name, &instance.suffix())));
+        members.extend(instance.members(library));
+    }
+    if members.is_empty() {
         return Ok(String::new());
     }
-    let mut block = String::from("layout(set = 0, binding = 2) uniform Knobs {\n");
-    for knob in &knobs {
-        let kind = match knob.default {
-            Default::Number(..) => "float",
-            Default::Color(_) => "vec4",
-        };
-        writeln!(block, "    {kind} {};", knob.name).expect("writing to a string");
-    }
-    block.push_str("};\n");
-    Ok(block)
+    Ok(format!("layout(set = 0, binding = 2) uniform Knobs {{\n    {};\n}};\n", members.join(";\n    ")))
 }
 
 #[cfg(test)]
@@ -166,7 +271,7 @@ mod tests {
     #[test]
     fn a_stack_calls_its_modules_in_order() {
         let (name, glue) =
-            fill(&library("").with_module("dmf", "two", ""), "dmf", &slots(&[("dmf", &["one", "two"])])).unwrap();
+            fill(&library("").with_module("dmf", "two", ""), "dmf", &["one", "two"].map(String::from)).unwrap();
         assert_eq!(name, "stack of dmf");
         let one = glue.find("density = one(density, s)").unwrap();
         assert!(one < glue.find("density = two(density, s)").unwrap());

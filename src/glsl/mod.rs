@@ -5,9 +5,13 @@
 //! pure function of the library, the entry file and the chosen modules.
 //! `build.rs` compiles the shipped programs through the very same [`library`] and [`link`].
 
+pub mod combine;
+mod instance;
 pub mod library;
 pub mod link;
+mod names;
 
+pub use combine::{Formula, FormulaError};
 pub use library::{Declarations, Default, Knob, Library, LibraryError, Slots};
 pub use link::{LinkError, Linker, Stage};
 

@@ -1,11 +1,11 @@
 //! What a program reads, made for it: blocks filled, images encoded and uploaded, and nothing that it does not read.
 
-use super::view::View;
+use super::view::{Own, View};
 use super::{RenderError, Subject};
 use crate::gpu::{self, Address, Buffer, BufferUse, Dimension, Format, Gpu, Image, Sampler};
 use crate::noise::{Noise, Weights, noise_block, turbulence_block};
 use crate::pass::Planes;
-use crate::scene::{KnobValue, Scene, Source};
+use crate::scene::{KnobValue, Knobs, Scene, Source};
 use crate::texture::{self, Encoding, Texels};
 use crate::variant::{Block, Program, Resource, Use, Variant};
 use std::collections::HashMap;
@@ -40,8 +40,9 @@ impl Bound {
         planes: &Planes,
     ) -> Result<Bound, RenderError> {
         let mut bound = Bound { blocks: Vec::new(), images: Vec::new(), samplers: Vec::new(), quantization: 0.0 };
-        let texels = program.reads("volume_image").then(|| volume(scene, subject, variant, view)).flatten();
-        let values = values(scene, subject, variant, view, texels.as_ref(), planes);
+        let items: Vec<Item<'_>> =
+            view.objects.iter().map(|own| Item::of(own, scene, subject, variant, program)).collect();
+        let values = values(scene, view, &items, planes);
         for resource in &program.resources {
             match &resource.holds {
                 Use::Block(block) => bound.blocks.push((resource.binding, uniform(gpu, resource, block, &values)?)),
@@ -51,12 +52,12 @@ impl Bound {
                     bound.samplers.push((resource.binding, sampler));
                 }
                 Use::Image => {
-                    let image = image(gpu, scene, subject, view, planes, &resource.name, texels.as_ref())?;
+                    let image = image(gpu, scene, &items, planes, &resource.name)?;
                     bound.images.push((resource.binding, image));
                 }
             }
         }
-        bound.quantization = texels.map_or(0.0, |texels| texels.quantization * subject.scale);
+        bound.quantization = items.iter().map(|item| item.quantization() * item.own.scale).fold(0.0, f32::max);
         Ok(bound)
     }
 
@@ -84,18 +85,68 @@ pub(super) fn binding(resource: &Resource) -> gpu::Binding {
     gpu::Binding { index: resource.binding, kind, vertex: resource.vertex, fragment: resource.fragment }
 }
 
-/// The volume of the object; `None` for a formula.
-fn volume(scene: &Scene, subject: &Subject, variant: &Variant, view: &View) -> Option<Texels> {
-    let field = subject.field.as_ref()?;
-    let encoding = match (scene.object.source, variant.module("object")) {
-        (Source::Normals8, _) => Encoding::Normals8,
-        (Source::Distance32, _) => Encoding::Distance32,
-        (_, Some("distance")) => Encoding::Distance16,
-        _ => Encoding::Normals16,
-    };
-    // The soft region and as much again on either side: gradients and filters read beyond it.
-    let reach = (view.outer_iso.abs() + scene.object.inner_iso.abs() + 0.25) / subject.scale;
-    Some(texture::encode(field, encoding, [-reach, reach]))
+/// One object of the scene, with what its names in the program end in.
+struct Item<'a> {
+    suffix: String,
+    own: &'a Own,
+    /// The scene with this object as its only one.
+    scene: Scene,
+    subject: &'a Subject,
+    knobs: &'a Knobs,
+    /// The volume, where the program reads one.
+    texels: Option<Texels>,
+}
+
+impl<'a> Item<'a> {
+    fn of(own: &'a Own, scene: &Scene, subject: &'a Subject, variant: &'a Variant, program: &Program) -> Item<'a> {
+        let mut item = match own.name.as_str() {
+            "" => {
+                Item { suffix: String::new(), own, scene: scene.clone(), subject, knobs: &variant.knobs, texels: None }
+            }
+            name => Item {
+                suffix: format!("_{name}"),
+                own,
+                scene: scene.alone(name),
+                subject: &subject.parts[name],
+                knobs: &variant.parts[name],
+                texels: None,
+            },
+        };
+        if program.reads(&format!("volume_image{}", item.suffix)) {
+            item.texels = item.volume(variant);
+        }
+        item
+    }
+
+    /// The volume of the object; `None` for a formula.
+    fn volume(&self, variant: &Variant) -> Option<Texels> {
+        let field = self.subject.field.as_ref()?;
+        let slot = if self.own.name.is_empty() { "object".into() } else { format!("{}.object", self.own.name) };
+        let encoding = match (self.scene.object.source, variant.module(&slot)) {
+            (Source::Normals8, _) => Encoding::Normals8,
+            (Source::Distance32, _) => Encoding::Distance32,
+            (_, Some("distance")) => Encoding::Distance16,
+            _ => Encoding::Normals16,
+        };
+        // The soft region and as much again on either side: gradients and filters read beyond it.
+        let reach = (self.own.outer_iso.abs() + self.scene.object.inner_iso.abs() + 0.25) / self.subject.scale;
+        Some(texture::encode(field, encoding, [-reach, reach]))
+    }
+
+    /// Largest error of a stored distance, units of the object.
+    fn quantization(&self) -> f32 {
+        self.texels.as_ref().map_or(0.0, |texels| texels.quantization * self.subject.scale)
+    }
+
+    /// How much nearer the matter may be than a sampled distance says, units of the object.
+    ///
+    /// A warp moves the place that is looked up, here and wherever the ray lands, by its reach. The filter mixes the
+    /// distances of eight samples, whose weighted mean is at most half a voxel's diagonal away (by Jensen's
+    /// inequality); a stored distance is rounded; and f32 has its own few ulps.
+    fn leap_slack(&self) -> f32 {
+        let spacing = self.subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length());
+        2.0 * self.knobs.reach() + 0.5 * spacing * self.subject.scale + self.quantization() + 1e-5
+    }
 }
 
 fn uniform(
@@ -108,27 +159,44 @@ fn uniform(
     Ok(Buffer::new(gpu, &resource.name, BufferUse::Uniform, &bytes)?)
 }
 
-/// Every member of the blocks of `interface.glsl`, and every knob, by name.
-fn values(
-    scene: &Scene,
-    subject: &Subject,
-    variant: &Variant,
-    view: &View,
-    texels: Option<&Texels>,
-    planes: &Planes,
-) -> HashMap<String, Vec<f32>> {
+/// Every member of the blocks of `interface.glsl` and `part.glsl`, and every knob, by name.
+fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Planes) -> HashMap<String, Vec<f32>> {
     let mut values = HashMap::new();
     let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
     set("projection", &view.projection.to_cols_array());
     set("texture_matrix", &view.texture_matrix.to_cols_array());
     set("object_matrix", &view.object_matrix.to_cols_array());
     set("display_matrix", &view.display_matrix.to_cols_array());
-    set("normal_matrix", &view.normal_matrix.to_cols_array());
     set("box_min", &view.box_min.extend(0.0).to_array());
     set("box_max", &view.box_max.extend(0.0).to_array());
     let plane = scene.camera.clip.unwrap_or([0.0, 0.0, 1.0, f32::MAX]);
     let length = glam::Vec3::from_slice(&plane).length();
     set("clip_plane", &plane.map(|value| value / length));
+    set("step_size", &[planes.step]);
+    set("first_depth", &[planes.first_depth]);
+    set("slice_count", &[planes.count as f32]);
+    set("leap_slack", &[items.iter().map(|item| item.leap_slack() * item.own.scale).fold(0.0, f32::max)]);
+    set("full_opacity", &[1.0 - scene.quality.stop]);
+    let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
+    set("picture_scale", &[width, height, 0.0, 0.0]);
+    set("ray_scale", &[view.ray_scale[0], view.ray_scale[1], 0.0, 0.0]);
+    set("time", &[scene.camera.time]);
+    set("noise_cells", &[noise_cells(scene) as f32]);
+    set("turbulence_cells", &[TURBULENCE_CELLS as f32]);
+    for item in items {
+        set_object(item, view, &mut |name, floats| set(&format!("{name}{}", item.suffix), floats));
+    }
+    values
+}
+
+/// The members of `part.glsl` and the knobs of one object.
+fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
+    let (scene, subject, own) = (&item.scene, item.subject, item.own);
+    set("normal_matrix", &(view.object_matrix * own.place).inverse().transpose().to_cols_array());
+    set("place_matrix", &own.place.inverse().to_cols_array());
+    set("place_scale", &[own.scale]);
+    set("own_min", &own.own_min.extend(0.0).to_array());
+    set("own_max", &own.own_max.extend(0.0).to_array());
 
     // Texel-center mapping: sample i of n lies at texture coordinate (i + 0.5) / n.
     let (scale, offset, texel) = match &subject.field {
@@ -143,20 +211,9 @@ fn values(
     set("volume_scale", &scale.extend(0.0).to_array());
     set("volume_offset", &offset.extend(0.0).to_array());
     set("volume_texel", &texel.extend(0.0).to_array());
-    let decode = texels.map_or([0.0; 2], |texels| texels.decode.map(|value| value * subject.scale));
+    let decode = item.texels.as_ref().map_or([0.0; 2], |texels| texels.decode.map(|value| value * subject.scale));
     set("distance_decode", &[decode[0], decode[1], 0.0, 0.0]);
-    set("step_size", &[planes.step]);
-    set("first_depth", &[planes.first_depth]);
-    set("slice_count", &[planes.count as f32]);
-    set("leap_slack", &[leap_slack(subject, variant, texels)]);
-    set("full_opacity", &[1.0 - scene.quality.stop]);
-    let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
-    set("picture_scale", &[width, height, 0.0, 0.0]);
-    set("ray_scale", &[view.ray_scale[0], view.ray_scale[1], 0.0, 0.0]);
-    set("time", &[scene.camera.time]);
     set("opacity_rate", &[scene.effect.opacity_rate]);
-    set("noise_cells", &[noise_cells(scene) as f32]);
-    set("turbulence_cells", &[TURBULENCE_CELLS as f32]);
 
     let color = |rgb: [f32; 3], factor: f32| [rgb[0] * factor, rgb[1] * factor, rgb[2] * factor, 1.0];
     set("material_color", &color(scene.material.color.linear(), 1.0));
@@ -166,25 +223,13 @@ fn values(
     set("specular_power", &[scene.material.specular_power]);
     set("specular_strength", &[scene.material.specular]);
     set("iso_value", &[scene.object.inner_iso]);
-    set("outer_iso_value", &[view.outer_iso]);
-    for (knob, value) in variant.knobs.iter() {
+    set("outer_iso_value", &[own.outer_iso]);
+    for (knob, value) in item.knobs.iter() {
         match value {
             KnobValue::Number(number) => set(&knob.name, &[*number]),
             KnobValue::Color(rgb) => set(&knob.name, &color(rgb.linear(), 1.0)),
         }
     }
-    values
-}
-
-/// How much nearer the matter may be than a sampled distance says, object units.
-///
-/// A warp moves the place that is looked up, here and wherever the ray lands, by its reach. The filter mixes the distances
-/// of eight samples, whose weighted mean is at most half a voxel's diagonal away (by Jensen's inequality); a stored
-/// distance is rounded; and f32 has its own few ulps.
-fn leap_slack(subject: &Subject, variant: &Variant, texels: Option<&Texels>) -> f32 {
-    let voxel = subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length() * subject.scale);
-    let rounding = texels.map_or(0.0, |texels| texels.quantization * subject.scale);
-    2.0 * variant.knobs.reach() + 0.5 * voxel + rounding + 1e-5
 }
 
 /// The noise that blocks are made of.
@@ -197,15 +242,12 @@ fn noise_cells(scene: &Scene) -> u32 {
     (scene.quality.block_size / NOISE_TEXELS_PER_CELL).max(1)
 }
 
-fn image(
-    gpu: &Gpu,
-    scene: &Scene,
-    subject: &Subject,
-    view: &View,
-    planes: &Planes,
-    name: &str,
-    texels: Option<&Texels>,
-) -> Result<Image, RenderError> {
+fn image(gpu: &Gpu, scene: &Scene, items: &[Item<'_>], planes: &Planes, name: &str) -> Result<Image, RenderError> {
+    let base = |item: &Item<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
+    let found = items.iter().rev().find_map(|item| base(item).map(|base| (item, base)));
+    let (item, name) = found.ok_or_else(|| RenderError::Unfilled(name.into()))?;
+    let (scene, subject, texels) =
+        (if item.suffix.is_empty() { scene } else { &item.scene }, item.subject, &item.texels);
     let side = scene.quality.block_size;
     let block = Dimension::Volume(side, side, side);
     let image = match (name, texels) {
@@ -243,7 +285,7 @@ fn image(
                 let what = "softness = \"linear\" and no DMF or warp: colors are given to voxels";
                 return Err(RenderError::Classification(scene.effect.classify.clone(), what));
             }
-            let (inner, outer) = (scene.object.inner_iso, view.outer_iso);
+            let (inner, outer) = (scene.object.inner_iso, item.own.outer_iso);
             let density = |distance: f32| match outer > inner {
                 true => ((outer - distance * subject.scale) / (outer - inner)).clamp(0.0, 1.0),
                 false => f32::from(u8::from(distance * subject.scale <= inner)),

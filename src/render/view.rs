@@ -4,8 +4,9 @@
 //! rotation of the object reaches them through the texture matrix alone (MJ 3.3).
 
 use super::Subject;
+use crate::glsl::link::MAIN;
 use crate::pass::Extent;
-use crate::scene::{Projection, Scene};
+use crate::scene::{Knobs, Place, Projection, Scene};
 use crate::variant::Variant;
 use glam::camera::rh;
 use glam::{Mat4, Quat, Vec3};
@@ -22,37 +23,90 @@ pub(super) struct View {
     pub(super) projection: Mat4,
     pub(super) object_matrix: Mat4,
     pub(super) texture_matrix: Mat4,
-    pub(super) normal_matrix: Mat4,
     pub(super) display_matrix: Mat4,
     pub(super) light_eye: Vec3,
+    /// The scene's own object, then the further ones.
+    pub(super) objects: Vec<Own>,
     pub(super) box_min: Vec3,
     pub(super) box_max: Vec3,
     pub(super) extent: Extent,
-    pub(super) outer_iso: f32,
     /// Half width and height of the view: at depth 1 in perspective, at any depth in parallel projection.
     pub(super) ray_scale: [f32; 2],
     slice_stack: bool,
 }
 
+/// What each object has for itself.
+pub(super) struct Own {
+    /// Its name in the scene; empty for the scene's own.
+    pub(super) name: String,
+    /// From its own space to object space of the scene.
+    pub(super) place: Mat4,
+    /// Units of the scene in one of its own.
+    pub(super) scale: f32,
+    /// Signed distance at which the soft region starts, its own units.
+    pub(super) outer_iso: f32,
+    /// Box around the soft region, its own space.
+    pub(super) own_min: Vec3,
+    pub(super) own_max: Vec3,
+    /// The sphere around the object alone: its center and its radius, object space of the scene.
+    center: Vec3,
+    radius: f32,
+}
+
+impl Own {
+    fn of(name: &str, place: Place, scene: &Scene, subject: &Subject, knobs: &Knobs) -> Own {
+        // Of the scene, not of the program: pre-classification softens the voxels, and its program does not.
+        let soft = scene.effect.softness != "hard";
+        let declared = knobs.outer_iso().unwrap_or(scene.object.outer_iso);
+        let outer_iso = if soft { declared } else { scene.object.inner_iso };
+        let reach = outer_iso.max(0.0) + knobs.reach();
+        Own {
+            name: name.into(),
+            place: place.matrix(),
+            scale: place.scale,
+            outer_iso,
+            own_min: -subject.half_size - reach,
+            own_max: subject.half_size + reach,
+            center: Vec3::from(place.at),
+            radius: place.scale * subject.radius,
+        }
+    }
+
+    /// Corners of the box around the soft region, object space of the scene.
+    fn corners(&self) -> impl Iterator<Item = Vec3> + '_ {
+        (0..8).map(|corner| {
+            let pick = |axis: usize| if corner >> axis & 1 == 1 { self.own_max[axis] } else { self.own_min[axis] };
+            self.place.transform_point3(Vec3::new(pick(0), pick(1), pick(2)))
+        })
+    }
+}
+
 impl View {
     pub(super) fn of(scene: &Scene, subject: &Subject, variant: &Variant) -> View {
         let camera = &scene.camera;
-        // Of the scene, not of the program: pre-classification softens the voxels, and its program does not.
-        let soft = scene.effect.softness != "hard";
-        let declared = variant.knobs.outer_iso().unwrap_or(scene.object.outer_iso);
-        let outer_iso = if soft { declared } else { scene.object.inner_iso };
-        let reach = outer_iso.max(0.0) + variant.knobs.reach();
-        let (box_min, box_max) = (-subject.half_size - reach, subject.half_size + reach);
+        let mut objects = vec![Own::of("", Place::default(), scene, subject, &variant.knobs)];
+        for (name, part) in &scene.parts {
+            objects.push(Own::of(name, part.place, &scene.alone(name), &subject.parts[name], &variant.parts[name]));
+        }
+        // What only takes matter away needs no space.
+        let adding = scene.adding();
+        let adds = |own: &&Own| adding.iter().any(|name| *name == own.name || (own.name.is_empty() && name == MAIN));
+        let (mut box_min, mut box_max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for corner in objects.iter().filter(adds).flat_map(Own::corners) {
+            (box_min, box_max) = (box_min.min(corner), box_max.max(corner));
+        }
+        let center = 0.5 * (box_min + box_max);
+        let reach = objects.iter().filter(adds).map(|own| own.center.distance(center) + own.radius).fold(0.0, f32::max);
 
         // The trackball: azimuth around the object's vertical axis, then elevation.
         let turn =
             Quat::from_rotation_x(camera.elevation.to_radians()) * Quat::from_rotation_y(-camera.azimuth.to_radians());
         let stretch = Vec3::from(scene.object.stretch);
-        let half_height = subject.radius * stretch.max_element() / FILL / camera.zoom;
+        let half_height = reach * stretch.max_element() / FILL / camera.zoom;
         let [width, height] = scene.image.size.map(|side| side as f32);
         let (aspect, fit) = (width / height, (width / height).min(1.0));
         let half_angle = 0.5 * camera.field_of_view.to_radians();
-        let radius = (box_max * stretch).length();
+        let radius = (0.5 * (box_max - box_min) * stretch).length();
         let (projection, distance, ray_scale) = match camera.projection {
             Projection::Perspective => {
                 let distance = half_height / fit / half_angle.sin();
@@ -70,7 +124,9 @@ impl View {
             }
         };
         let center_eye = Vec3::new(0.0, 0.0, -distance);
-        let object_matrix = Mat4::from_rotation_translation(turn, center_eye) * Mat4::from_scale(stretch);
+        let object_matrix = Mat4::from_rotation_translation(turn, center_eye)
+            * Mat4::from_scale(stretch)
+            * Mat4::from_translation(-center);
         let display_matrix = match camera.slice_stack {
             false => Mat4::IDENTITY,
             true => {
@@ -82,13 +138,12 @@ impl View {
             projection,
             object_matrix,
             texture_matrix: object_matrix.inverse(),
-            normal_matrix: object_matrix.inverse().transpose(),
             display_matrix,
             light_eye: center_eye + Vec3::from(scene.light.position),
+            objects,
             box_min,
             box_max,
             extent: Extent { distance, radius, near: NEAR },
-            outer_iso,
             ray_scale,
             slice_stack: camera.slice_stack,
         }

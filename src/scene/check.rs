@@ -1,7 +1,7 @@
 //! The checks that make a scene valid.
 
 use super::{KnobValue, Scene, SceneError};
-use crate::glsl::library::{Default, Knob, Library};
+use crate::glsl::library::{COMBINE, Default, Knob, Library};
 use crate::glsl::{Declarations, Slots};
 
 /// The declared parameters of a scene's modules with the values that the scene gives them.
@@ -53,10 +53,31 @@ impl Scene {
         self.check_look()?;
         self.check_transfer()?;
         self.check_quality()?;
-        let mut slots = self.slots();
-        slots.insert("object".into(), vec!["normals".into()]);
+        self.check_parts()?;
+        let slots = self.slots_with_objects();
         self.check_modules(library, &slots)?;
         self.knobs(&library.declarations(&self.quality.pass.entries(), &slots)?)
+    }
+
+    /// Checks a further object, and gives its knobs their values.
+    ///
+    /// # Errors
+    /// As [`Scene::check`], with the object named.
+    pub fn check_part(&self, name: &str, library: &Library) -> Result<Knobs, SceneError> {
+        let within = |error: SceneError| SceneError::Part(name.to_string(), error.into());
+        let own = self.alone(name);
+        own.check_object().and_then(|()| own.check_look()).and_then(|()| own.check_transfer()).map_err(within)?;
+        let slots = self.slots_with_objects();
+        self.check_modules(library, &slots).map_err(within)?;
+        own.knobs(&library.object_declarations(name, &slots)?).map_err(within)
+    }
+
+    /// The modules of the scene with one for each object: any, since all declare the same.
+    fn slots_with_objects(&self) -> Slots {
+        let mut slots = self.slots();
+        let own = self.parts.keys().map(|name| format!("{name}.object"));
+        slots.extend(own.chain(["object".into()]).map(|slot| (slot, vec!["normals".into()])));
+        slots
     }
 
     /// Drops the values of knobs that no module of the scene declares: for a scene whose modules were exchanged.
@@ -64,8 +85,7 @@ impl Scene {
     /// # Errors
     /// An unknown module.
     pub fn drop_foreign_knobs(&mut self, library: &Library) -> Result<(), SceneError> {
-        let mut slots = self.slots();
-        slots.insert("object".into(), vec!["normals".into()]);
+        let slots = self.slots_with_objects();
         self.check_modules(library, &slots)?;
         let declared = library.declarations(&self.quality.pass.entries(), &slots)?.knobs;
         self.knobs.retain(|name, _| declared.iter().any(|knob| knob.name == *name));
@@ -181,10 +201,20 @@ impl Scene {
     }
 
     fn check_modules(&self, library: &Library, slots: &Slots) -> Result<(), SceneError> {
-        for (slot, names) in slots {
+        for (key, names) in slots.iter().filter(|(key, _)| *key != COMBINE) {
+            let (object, slot) = key.split_once('.').unwrap_or(("", key));
+            let field =
+                if object.is_empty() { format!("effect.{slot}") } else { format!("parts.{object}.effect.{slot}") };
             let known = library.modules(slot);
-            if let Some(name) = names.iter().find(|name| !known.contains(&name.as_str())) {
-                return Err(SceneError::unknown(&format!("module of effect.{slot}"), name, &known));
+            for name in names {
+                let (module, mask) = name.split_once('@').map_or((name.as_str(), None), |(a, b)| (a, Some(b)));
+                if !known.contains(&module) {
+                    return Err(SceneError::unknown(&format!("module of {field}"), module, &known));
+                }
+                let masks = if slot == "dmf" { library.modules("mask") } else { Vec::new() };
+                if let Some(mask) = mask.filter(|mask| !masks.contains(mask)) {
+                    return Err(SceneError::unknown(&format!("mask in {field}"), mask, &masks));
+                }
             }
         }
         Ok(())
@@ -224,7 +254,7 @@ impl Scene {
 }
 
 /// NaN lies in no range.
-fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(), SceneError> {
+pub(super) fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(), SceneError> {
     if (low..=high).contains(&value) {
         return Ok(());
     }

@@ -43,6 +43,12 @@ pub enum SceneError {
         /// The known names.
         known: String,
     },
+    /// The formula of the objects cannot be read.
+    #[error("combine = {0}")]
+    Formula(String),
+    /// Something is wrong with a further object.
+    #[error("in parts.{0}: {1}")]
+    Part(String, Box<SceneError>),
     /// A module is missing or its declarations are wrong.
     #[error(transparent)]
     Library(#[from] crate::glsl::LibraryError),

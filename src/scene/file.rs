@@ -19,9 +19,12 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     }
     let text = std::fs::read_to_string(path).map_err(|error| fail(error.to_string()))?;
     let mut scene = parse(&text, &name)?;
-    let beside = path.parent().unwrap_or(Path::new("")).join(&scene.object.input);
-    if beside.is_file() {
-        scene.object.input = beside.display().to_string();
+    let objects = scene.parts.values_mut().map(|part| &mut part.object);
+    for object in objects.chain([&mut scene.object]) {
+        let beside = path.parent().unwrap_or(Path::new("")).join(&object.input);
+        if beside.is_file() {
+            object.input = beside.display().to_string();
+        }
     }
     Ok(scene)
 }
@@ -32,12 +35,29 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// [`SceneError::Syntax`] with the line, or an unknown preset.
 pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
     let scene: Scene = toml::from_str(text).map_err(|error| syntax(&error, text, name))?;
-    let Some(preset) = &scene.preset else { return Ok(scene) };
-    let mut base: toml::Table = table(presets::text(preset)?, name)?;
+    if scene.preset.is_none() && scene.parts.values().all(|part| part.preset.is_none()) {
+        return Ok(scene);
+    }
+    let mut base =
+        scene.preset.as_deref().map_or(Ok(toml::Table::new()), |preset| table(presets::text(preset)?, name))?;
     merge(&mut base, table(text, name)?);
     base.remove("preset");
+    if let Some(toml::Value::Table(parts)) = base.get_mut("parts") {
+        parts.iter_mut().try_for_each(|(_, part)| part_over_preset(part, name))?;
+    }
     let merged: Scene = base.try_into().map_err(|error| syntax(&error, text, name))?;
     Ok(merged)
+}
+
+/// Puts a part over what its preset says of one object.
+fn part_over_preset(part: &mut toml::Value, name: &str) -> Result<(), SceneError> {
+    let Some(table) = part.as_table_mut() else { return Ok(()) };
+    let Some(toml::Value::String(preset)) = table.remove("preset") else { return Ok(()) };
+    let mut base = self::table(presets::text(&preset)?, name)?;
+    base.retain(|key, _| ["object", "effect", "knobs", "material", "transfer"].into_iter().any(|kept| key == kept));
+    merge(&mut base, std::mem::take(table));
+    *table = base;
+    Ok(())
 }
 
 /// The scene as the text of a scene file, complete with defaults.

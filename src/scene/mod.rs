@@ -8,6 +8,7 @@ mod check;
 mod color;
 mod error;
 mod file;
+mod part;
 mod presets;
 mod transfer;
 
@@ -16,6 +17,7 @@ pub use check::Knobs;
 pub use color::{Color, linear_to_srgb, srgb_to_linear};
 pub use error::{SceneError, nearest};
 pub use file::{load, parse, to_text};
+pub use part::{Boolean, Part, Place};
 pub use presets::{EFFECTS, names, preset};
 pub use transfer::{Curve, Stop, Transfer};
 
@@ -50,6 +52,16 @@ pub struct Scene {
     pub image: Picture,
     /// Accuracy against time.
     pub quality: Quality,
+    /// Further objects, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub parts: BTreeMap<String, Part>,
+    /// The formula by which the objects make one, such as `main - hole`; `main` is the scene's own. Without one, the
+    /// union of all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub combine: Option<String>,
+    /// What the signs of that formula mean.
+    #[serde(skip_serializing_if = "is_default")]
+    pub boolean: Boolean,
 }
 
 /// The object of a scene.
@@ -384,6 +396,7 @@ impl Scene {
         let stops = &self.transfer.stops;
         let outside = stops.iter().rfind(|stop| stop.at <= 0.0).or(stops.first());
         match self.effect.classify.as_str() {
+            _ if self.has_several() => true, // the soft booleans say how far it is to matter
             "surface" | "soft" => true,
             "post" | "preintegrated" => self.effect.dmf.is_empty() && outside.is_some_and(|stop| stop.density <= 0.0),
             _ => false,
@@ -428,6 +441,13 @@ impl Scene {
         };
         fill("traverse", vec![traverse.into()]);
         fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
+        if self.has_several() {
+            self.fill_parts(&mut slots);
+        }
         slots
     }
+}
+
+fn is_default<T: std::default::Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }

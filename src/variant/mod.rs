@@ -9,6 +9,7 @@ pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
 use crate::glsl::{Library, LibraryError, LinkError, Linker, Slots, Stage};
 use crate::scene::{Knobs, Pass, Scene, SceneError, Source};
+use std::collections::BTreeMap;
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));
 
@@ -22,8 +23,10 @@ pub struct Variant {
     pub pass: Pass,
     /// The slots that the program reaches, with the modules that fill them.
     pub slots: Slots,
-    /// The knobs that those modules declare, with their values.
+    /// The knobs that those modules declare, with their values; without those of further objects.
     pub knobs: Knobs,
+    /// The knobs of each further object, by its name.
+    pub parts: BTreeMap<String, Knobs>,
 }
 
 /// A linked program and what it reads.
@@ -65,10 +68,24 @@ impl Variant {
         let knobs = scene.check(library)?;
         let (pass, entries) = (scene.quality.pass, scene.quality.pass.entries());
         let mut choice = scene.slots();
-        choice.insert("object".into(), vec!["normals".into()]);
-        let needs_normal = library.declarations(&entries, &choice)?.needs_normal;
-        choice.insert("object".into(), vec![object_module(scene, needs_normal).into()]);
-        Ok(Variant { pass, slots: library.needed(&entries, &choice)?, knobs })
+        let parts: BTreeMap<String, Knobs> = scene
+            .parts
+            .keys()
+            .map(|name| Ok((name.clone(), scene.check_part(name, library)?)))
+            .collect::<Result<_, SceneError>>()?;
+        let slot = |name: &str| if name.is_empty() { "object".to_string() } else { format!("{name}.object") };
+        let objects = || [""].into_iter().chain(scene.parts.keys().map(String::as_str));
+        choice.extend(objects().map(|name| (slot(name), vec!["normals".into()])));
+        for name in objects() {
+            let needs_normal = match name {
+                "" => library.declarations(&entries, &choice)?.needs_normal,
+                _ => library.object_declarations(name, &choice)?.needs_normal,
+            };
+            let own = if name.is_empty() { scene.clone() } else { scene.alone(name) };
+            // A boolean may turn the normal of any of its operands into that of the whole.
+            choice.insert(slot(name), vec![object_module(&own, needs_normal || scene.has_several()).into()]);
+        }
+        Ok(Variant { pass, slots: library.needed(&entries, &choice)?, knobs, parts })
     }
 
     /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
@@ -124,7 +141,8 @@ impl Program {
             ("segment_image", "segment table"),
             ("classified_image", "classified volume"),
         ];
-        PARTS.iter().filter(|(binding, _)| !self.reads(binding)).map(|(_, part)| *part).collect()
+        let read = |binding: &str| self.resources.iter().any(|resource| resource.name.starts_with(binding)); // by any object
+        PARTS.iter().filter(|(binding, _)| !read(binding)).map(|(_, part)| *part).collect()
     }
 }
 

@@ -7,6 +7,7 @@ use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::{Frame, Subject, render};
 use hypertexture::scene::{Color, Projection, Scene};
+use std::collections::BTreeMap;
 
 /// The object fills this part of a picture's height at zoom 1.
 const FILL: f64 = 0.8;
@@ -57,7 +58,8 @@ pub fn subject(scene: &Scene, library: &Library) -> Subject {
 /// between two slices.
 pub fn box_subject(half_size: Vec3) -> Subject {
     let (center, scale, radius) = (Vec3::ZERO, 1.0, 1.0);
-    Subject { input: "cube".into(), field: None, center, scale, half_size, radius, report: None }
+    let parts = BTreeMap::new();
+    Subject { input: "cube".into(), field: None, center, scale, half_size, radius, report: None, parts }
 }
 
 /// Renders a scene that must render.

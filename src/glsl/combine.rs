@@ -1,0 +1,215 @@
+//! Formulas of soft booleans: how the objects of a scene make one.
+//!
+//! `a | b` union, `a & b` intersection, `a - b` difference, `!a` complement, parentheses. `!` binds closest, then `&`;
+//! `|` and `-` are applied from left to right.
+//! Source: PH 2.2.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// A formula.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Formula {
+    /// An object by its name.
+    Object(String),
+    /// All that is in neither: PH: 1 - a.
+    Not(Box<Formula>),
+    /// What is in both: PH: a b.
+    And(Box<Formula>, Box<Formula>),
+    /// What is in one of them: PH: a + b - a b.
+    Or(Box<Formula>, Box<Formula>),
+}
+
+/// Why a text is no formula.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}`: {reason} at character {at}; write names with | & - ! and parentheses, such as `(a | b) - c`")]
+pub struct FormulaError {
+    /// The text.
+    pub text: String,
+    /// What is wrong.
+    pub reason: String,
+    /// Where, from 1.
+    pub at: usize,
+}
+
+/// Formulas may not nest deeper: the parser, and GLSL compilers after it, recurse.
+const MAX_DEPTH: usize = 64;
+/// Formulas may not be longer: so that no chain nests deeper either.
+const MAX_NAMES: usize = 64;
+
+impl Formula {
+    /// Reads a formula.
+    ///
+    /// # Errors
+    /// [`FormulaError`] with the place.
+    pub fn parse(text: &str) -> Result<Formula, FormulaError> {
+        let mut parser = Parser { text, at: 0, depth: 0, names: 0 };
+        let formula = parser.sum()?;
+        match parser.peek() {
+            None => Ok(formula),
+            Some(found) => Err(parser.fail(&format!("`{found}` is not expected"))),
+        }
+    }
+
+    /// The objects by name, and whether one of its occurrences adds matter; others only take matter away.
+    pub fn objects(&self) -> BTreeMap<&str, bool> {
+        let mut found = BTreeMap::new();
+        self.visit(true, &mut |name, adds| *found.entry(name).or_insert(false) |= adds);
+        found
+    }
+
+    fn visit<'a>(&'a self, adds: bool, on: &mut impl FnMut(&'a str, bool)) {
+        match self {
+            Formula::Object(name) => on(name, adds),
+            Formula::Not(a) => a.visit(!adds, on),
+            Formula::And(a, b) | Formula::Or(a, b) => {
+                a.visit(adds, on);
+                b.visit(adds, on);
+            }
+        }
+    }
+
+    /// The formula as a GLSL expression over variables `soft_NAME` of type `Soft`.
+    pub fn glsl(&self) -> String {
+        let mut out = String::new();
+        self.write(&mut out);
+        out
+    }
+
+    fn write(&self, out: &mut String) {
+        let (name, operands): (&str, &[&Formula]) = match self {
+            Formula::Object(name) => {
+                write!(out, "soft_{name}").expect("writing to a string");
+                return;
+            }
+            Formula::Not(a) => ("complement", &[a]),
+            Formula::And(a, b) => ("intersect", &[a, b]),
+            Formula::Or(a, b) => ("unite", &[a, b]),
+        };
+        out.push_str(name);
+        for (index, operand) in operands.iter().enumerate() {
+            out.push_str(if index == 0 { "(" } else { ", " });
+            operand.write(out);
+        }
+        out.push(')');
+    }
+}
+
+struct Parser<'a> {
+    text: &'a str,
+    at: usize,
+    depth: usize,
+    names: usize,
+}
+
+impl Parser<'_> {
+    fn fail(&self, reason: &str) -> FormulaError {
+        FormulaError { text: self.text.into(), reason: reason.into(), at: self.text[..self.at].chars().count() + 1 }
+    }
+
+    /// The next character that is not a space.
+    fn peek(&mut self) -> Option<char> {
+        let rest = &self.text[self.at..];
+        self.at += rest.len() - rest.trim_start().len();
+        self.text[self.at..].chars().next()
+    }
+
+    fn take(&mut self, expected: char) -> bool {
+        let found = self.peek() == Some(expected);
+        self.at += if found { expected.len_utf8() } else { 0 };
+        found
+    }
+
+    fn sum(&mut self) -> Result<Formula, FormulaError> {
+        let mut left = self.product()?;
+        loop {
+            if self.take('|') {
+                left = Formula::Or(left.into(), self.product()?.into());
+            } else if self.take('-') {
+                left = Formula::And(left.into(), Formula::Not(self.product()?.into()).into());
+            } else {
+                return Ok(left);
+            }
+        }
+    }
+
+    fn product(&mut self) -> Result<Formula, FormulaError> {
+        let mut left = self.operand()?;
+        while self.take('&') {
+            left = Formula::And(left.into(), self.operand()?.into());
+        }
+        Ok(left)
+    }
+
+    fn operand(&mut self) -> Result<Formula, FormulaError> {
+        self.depth += 1;
+        if self.depth > MAX_DEPTH {
+            return Err(self.fail(&format!("more than {MAX_DEPTH} levels")));
+        }
+        let operand = if self.take('!') {
+            Formula::Not(self.operand()?.into())
+        } else if self.take('(') {
+            let inner = self.sum()?;
+            if !self.take(')') {
+                return Err(self.fail("`)` is missing"));
+            }
+            inner
+        } else {
+            self.peek();
+            let rest = &self.text[self.at..];
+            let length = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len());
+            if length == 0 {
+                return Err(self.fail("a name is missing"));
+            }
+            self.names += 1;
+            if self.names > MAX_NAMES {
+                return Err(self.fail(&format!("more than {MAX_NAMES} names")));
+            }
+            self.at += length;
+            Formula::Object(rest[..length].to_string())
+        };
+        self.depth -= 1;
+        Ok(operand)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn glsl(text: &str) -> String {
+        Formula::parse(text).unwrap().glsl()
+    }
+
+    #[test]
+    fn p06_a_formula_of_any_depth_becomes_calls() {
+        assert_eq!(glsl("main"), "soft_main");
+        assert_eq!(glsl("a | b & !c"), "unite(soft_a, intersect(soft_b, complement(soft_c)))");
+        assert_eq!(glsl("a-b-c"), "intersect(intersect(soft_a, complement(soft_b)), complement(soft_c))");
+        assert_eq!(glsl(" ( a | b ) - c "), "intersect(unite(soft_a, soft_b), complement(soft_c))");
+        assert!(Formula::parse(&format!("{}a{}", "(".repeat(63), ")".repeat(63))).is_ok());
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_place() {
+        for (text, expected) in [
+            ("", "`` : a name is missing at character 1"),
+            ("a |", "a name is missing at character 4"),
+            ("(a | b", "`)` is missing at character 7"),
+            ("a b", "`b` is not expected at character 3"),
+            ("a + b", "`+` is not expected at character 3"),
+            (&"!".repeat(100), "more than 64 levels at character 65"),
+            (&["a"; 100].join("|"), "more than 64 names at character 129"),
+        ] {
+            let error = Formula::parse(text).unwrap_err().to_string();
+            assert!(error.contains(expected.trim_start_matches("`` : ")), "{error}");
+        }
+    }
+
+    #[test]
+    fn an_object_adds_matter_where_it_stands_under_an_even_number_of_complements() {
+        let formula = Formula::parse("a - (b - !c) | !d & !!e").unwrap();
+        let adds: Vec<_> = formula.objects().into_iter().collect();
+        assert_eq!(adds, [("a", true), ("b", false), ("c", false), ("d", false), ("e", true)]);
+    }
+}

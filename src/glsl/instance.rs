@@ -1,0 +1,116 @@
+//! The copies of modules that a further object of a scene gets for itself.
+//!
+//! Two objects of one scene may fill one slot with different modules, or the same one with different knobs. So whatever
+//! depends on the object is compiled once for each, under names that end in the object's; everything else is shared.
+
+use super::library::{Include, Library, LibraryError, Slots, include, objects, own_names};
+use super::names::{members, rename, uses};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The file of what each object has for itself.
+const PART: &str = "part.glsl";
+/// Functions that the linker writes for stacks.
+const STACKED: [&str; 2] = ["displace", "modulate"];
+/// Bindings that each object has: those of one begin this many after those of the one before.
+pub(super) const BINDINGS: u32 = 8;
+
+/// What is compiled anew for one object.
+pub(super) struct Instance {
+    name: String,
+    /// The first further object is 1.
+    index: u32,
+    files: BTreeSet<String>,
+    names: BTreeSet<String>,
+    slots: BTreeSet<String>,
+}
+
+/// The instances of all further objects, by name.
+pub(super) fn instances(library: &Library, slots: &Slots) -> Result<BTreeMap<String, Instance>, LibraryError> {
+    let all = objects(slots).into_iter().zip(1..);
+    all.map(|(name, index)| Ok((name.to_string(), Instance::new(library, slots, name, index)?))).collect()
+}
+
+impl Instance {
+    fn new(library: &Library, slots: &Slots, name: &str, index: u32) -> Result<Instance, LibraryError> {
+        let prefix = format!("{name}.");
+        let mut own = Instance {
+            name: name.into(),
+            index,
+            files: BTreeSet::new(),
+            names: STACKED.map(String::from).into(),
+            slots: slots.keys().filter_map(|key| key.strip_prefix(&prefix)).map(String::from).collect(),
+        };
+        own.take(library, PART);
+        for (key, modules) in slots.iter().filter(|(key, _)| key.starts_with(&prefix)) {
+            library.files(&key[prefix.len()..], modules)?.iter().for_each(|file| own.take(library, file));
+        }
+        let reached = library.object_files(name, slots)?;
+        loop {
+            let before = own.files.len();
+            for file in &reached {
+                let text = library.text(file);
+                let depends = text.lines().filter_map(include).any(|include| match include {
+                    Include::File(file) => own.files.contains(file),
+                    Include::Slot(slot) => own.slots.contains(slot),
+                });
+                let declares = text.lines().any(|line| line.starts_with("// @knob") || line.starts_with("// @color"));
+                if !own.files.contains(file) && (depends || declares || uses(&text, &own.names)) {
+                    own.take(library, file);
+                }
+            }
+            // A slot of the scene whose module depends on the object is the object's as well.
+            for (slot, modules) in slots.iter().filter(|(slot, _)| !slot.contains('.')) {
+                let files = library.files(slot, modules).unwrap_or_default();
+                if files.iter().any(|file| own.files.contains(file) && reached.contains(file)) {
+                    own.slots.insert(slot.clone());
+                }
+            }
+            if own.files.len() == before {
+                return Ok(own);
+            }
+        }
+    }
+
+    fn take(&mut self, library: &Library, file: &str) {
+        self.names.extend(own_names(file, &library.text(file)));
+        self.files.insert(file.to_string());
+    }
+
+    /// What is appended to the names of the object.
+    pub(super) fn suffix(&self) -> String {
+        format!("_{}", self.name)
+    }
+
+    /// The members that the object adds to the block of knobs: what `part.glsl` has in a block of its own.
+    pub(super) fn members(&self, library: &Library) -> Vec<String> {
+        let text = library.text(PART);
+        members(&text).into_iter().map(|(kind, name)| format!("{kind} {name}{}", self.suffix())).collect()
+    }
+
+    /// The text of a file or of a generated stack, for this object.
+    pub(super) fn text(&self, path: &str, text: &str) -> String {
+        let renamed = rename(text, &self.names, &self.suffix());
+        let mut inside_block = false;
+        let lines = renamed.lines().map(|line| match include(line) {
+            Some(Include::File(file)) if self.files.contains(file) => format!("#include \"{}:{file}\"", self.name),
+            Some(Include::Slot(slot)) if self.slots.contains(slot) => format!("#include <{}:{slot}>", self.name),
+            _ if path == PART => {
+                inside_block |= line.contains(" uniform Constants");
+                let kept = if inside_block { String::new() } else { self.shifted(line) };
+                inside_block &= !line.starts_with('}');
+                kept
+            }
+            _ => line.to_string(),
+        });
+        lines.map(|line| line + "\n").collect()
+    }
+
+    /// A line of `part.glsl` with the binding of this object.
+    fn shifted(&self, line: &str) -> String {
+        const BEFORE: &str = "binding = ";
+        let Some(at) = line.find(BEFORE).map(|at| at + BEFORE.len()) else { return line.into() };
+        let end = line[at..].find(|c: char| !c.is_ascii_digit()).map_or(line.len(), |length| at + length);
+        let binding: u32 = line[at..end].parse().unwrap_or_default();
+        format!("{}{}{}", &line[..at], binding + BINDINGS * self.index, &line[end..])
+    }
+}

@@ -1,0 +1,259 @@
+//! Further objects of a scene, each with its own effect, and how they make one.
+
+use super::{Effect, KnobValue, Material, Object, Scene, SceneError, Transfer};
+use crate::glsl::library::COMBINE;
+use crate::glsl::{Formula, Slots, link::MAIN};
+use glam::{EulerRot, Mat4, Quat, Vec3};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Further objects than this need more images than every device can bind.
+const MAX_PARTS: usize = 4;
+/// Slots that each object fills for itself; the others are the scene's.
+const OWN_SLOTS: [&str; 5] = ["softness", "warp", "dmf", "surface", "medium"];
+
+/// A further object of a scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Part {
+    /// The preset that effect, knobs, material and transfer map start from; what the part says goes over it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preset: Option<String>,
+    /// The object.
+    pub object: Object,
+    /// The modules that make its effect. Noise, turbulence and opacity are the scene's.
+    pub effect: Effect,
+    /// Parameters of those modules, by name.
+    pub knobs: BTreeMap<String, KnobValue>,
+    /// Reflection of its hard surface.
+    pub material: Material,
+    /// Color and opacity by density.
+    pub transfer: Transfer,
+    /// Where it is.
+    pub place: Place,
+}
+
+/// Where a further object is: scaled, then turned about x, then y, then z, then moved.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Place {
+    /// Position of its center in object space of the scene, -100 to 100.
+    pub at: [f32; 3],
+    /// Degrees about x, y and z.
+    pub turn: [f32; 3],
+    /// Its size against that of the scene's own object, 0.01 to 100.
+    pub scale: f32,
+}
+
+impl std::default::Default for Place {
+    fn default() -> Place {
+        Place { at: [0.0; 3], turn: [0.0; 3], scale: 1.0 }
+    }
+}
+
+impl Place {
+    /// From the space of the object to object space of the scene.
+    pub fn matrix(&self) -> Mat4 {
+        let [x, y, z] = self.turn.map(f32::to_radians);
+        let turn = Quat::from_euler(EulerRot::ZYX, z, y, x);
+        Mat4::from_scale_rotation_translation(Vec3::splat(self.scale), turn, Vec3::from(self.at))
+    }
+}
+
+/// What the signs of the formula of a scene's objects mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Boolean {
+    /// Products: PH 2.2, with fillets as wide as the soft regions.
+    #[default]
+    Algebraic,
+    /// Minimum and maximum: fuzzy sets, with creases.
+    Minmax,
+}
+
+impl Scene {
+    /// Whether the scene has further objects.
+    pub fn has_several(&self) -> bool {
+        !self.parts.is_empty()
+    }
+
+    /// The scene with one of its further objects as its only one.
+    ///
+    /// # Panics
+    /// When there is no such object.
+    pub fn alone(&self, name: &str) -> Scene {
+        let part = self.parts[name].clone();
+        Scene {
+            object: part.object,
+            effect: part.effect,
+            knobs: part.knobs,
+            material: part.material,
+            transfer: part.transfer,
+            parts: BTreeMap::new(),
+            combine: None,
+            ..self.clone()
+        }
+    }
+
+    /// The formula by which the objects make one.
+    fn formula(&self) -> String {
+        let union = || [MAIN].into_iter().chain(self.parts.keys().map(String::as_str)).collect::<Vec<_>>().join(" | ");
+        self.combine.clone().unwrap_or_else(union)
+    }
+
+    /// The objects that add matter, by name: `main` and the further ones.
+    pub fn adding(&self) -> Vec<String> {
+        let formula = Formula::parse(&self.formula());
+        let adding = |formula: Formula| {
+            let objects = formula.objects().into_iter().filter(|(_, adds)| *adds);
+            objects.map(|(name, _)| name.to_string()).collect()
+        };
+        formula.map(adding).unwrap_or_default()
+    }
+
+    pub(super) fn fill_parts(&self, slots: &mut Slots) {
+        let boolean = match self.boolean {
+            Boolean::Algebraic => "algebraic",
+            Boolean::Minmax => "minmax",
+        };
+        slots.insert("classify".into(), vec!["objects".into()]);
+        slots.insert("boolean".into(), vec![boolean.into()]);
+        slots.insert(COMBINE.into(), vec![self.formula()]);
+        for name in self.parts.keys() {
+            let own = self.alone(name).slots();
+            let own = own.into_iter().filter(|(slot, _)| OWN_SLOTS.contains(&slot.as_str()));
+            slots.extend(own.map(|(slot, modules)| (format!("{name}.{slot}"), modules)));
+        }
+    }
+
+    /// What must hold of the further objects together; each alone is checked as a scene is.
+    pub(super) fn check_parts(&self) -> Result<(), SceneError> {
+        let wrong =
+            |field: String, value: &str, limit: String| Err(SceneError::Value { field, value: value.into(), limit });
+        if !self.has_several() {
+            return match &self.combine {
+                Some(text) if text.trim() != MAIN => {
+                    wrong("combine".into(), text, "the scene has no [parts.NAME] to combine".into())
+                }
+                _ => Ok(()),
+            };
+        }
+        if self.parts.len() > MAX_PARTS {
+            return wrong(
+                "parts".into(),
+                &self.parts.len().to_string(),
+                format!("at most {MAX_PARTS} further objects"),
+            );
+        }
+        for (name, part) in &self.parts {
+            let letters = name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit());
+            if !letters || !name.starts_with(|c: char| c.is_ascii_lowercase()) || name == MAIN || name.len() > 32 {
+                let limit = format!("must be lower-case letters and digits, at most 32, and not `{MAIN}`");
+                return wrong("name in parts".into(), name, limit);
+            }
+            let Place { at, turn, scale } = part.place;
+            at.iter()
+                .try_for_each(|&value| super::check::within(&format!("parts.{name}.place.at"), value, -100.0, 100.0))?;
+            turn.iter()
+                .try_for_each(|&value| super::check::within(&format!("parts.{name}.place.turn"), value, -1e6, 1e6))?;
+            super::check::within(&format!("parts.{name}.place.scale"), scale, 0.01, 100.0)?;
+            if part.object.stretch != [1.0; 3] {
+                let value = format!("{:?}", part.object.stretch);
+                return wrong(
+                    format!("parts.{name}.object.stretch"),
+                    &value,
+                    "1, 1, 1: only the scene is stretched".into(),
+                );
+            }
+        }
+        for (name, effect) in
+            self.parts.iter().map(|(name, part)| (name.as_str(), &part.effect)).chain([(MAIN, &self.effect)])
+        {
+            if !["surface", "soft"].contains(&effect.classify.as_str()) {
+                let limit = "surface or soft, in a scene of several objects".to_string();
+                return wrong(format!("effect.classify of {name}"), &effect.classify, limit);
+            }
+            let scene_wide = [
+                ("noise", &effect.noise, &self.effect.noise),
+                ("weights", &effect.weights, &self.effect.weights),
+                ("turbulence", &effect.turbulence, &self.effect.turbulence),
+                ("opacity", &effect.opacity, &self.effect.opacity),
+            ];
+            if let Some((slot, own, scene)) = scene_wide.into_iter().find(|(_, own, scene)| own != scene) {
+                let limit = format!("{scene}, as effect.{slot} of the scene: all objects share it");
+                return wrong(format!("parts.{name}.effect.{slot}"), own, limit);
+            }
+        }
+        let text = self.formula();
+        let formula = Formula::parse(&text).map_err(|error| SceneError::Formula(error.to_string()))?;
+        let used = formula.objects();
+        let known: Vec<&str> = [MAIN].into_iter().chain(self.parts.keys().map(String::as_str)).collect();
+        if let Some(name) = used.keys().find(|name| !known.contains(name)) {
+            return Err(SceneError::unknown("object in combine", name, &known));
+        }
+        if let Some(name) = known.iter().find(|name| !used.contains_key(*name)) {
+            return wrong("combine".into(), &text, format!("must use every object, and `{name}` is missing"));
+        }
+        if used.values().all(|adds| !adds) {
+            return wrong("combine".into(), &text, "must have an object that is not only taken away".into());
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::glsl;
+    use crate::scene::parse;
+
+    fn refusal(text: &str) -> String {
+        let scene = parse(text, "x").unwrap();
+        let library = glsl::shipped();
+        let checked = scene
+            .check(&library)
+            .and_then(|_| scene.parts.keys().try_for_each(|name| scene.check_part(name, &library).map(drop)));
+        checked.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_is_wrong_with_further_objects_is_said_with_field_and_limit() {
+        for (text, expected) in [
+            ("combine = 'main | b'", "combine = main | b: the scene has no [parts.NAME]"),
+            ("combine = 'main'\n[parts.b]", "must use every object, and `b` is missing"),
+            ("combine = 'main | c'\n[parts.b]", "no object in combine `c`"),
+            ("combine = '!main - b'\n[parts.b]", "not only taken away"),
+            ("combine = 'main |'\n[parts.b]", "combine = `main |`: a name is missing at character 7"),
+            ("[parts.B]", "name in parts = B: must be lower-case"),
+            ("[parts.main]", "and not `main`"),
+            ("[parts.b.place]\nscale = 0", "parts.b.place.scale = 0: must be from 0.01 to 100"),
+            ("[parts.b.object]\nstretch = [1, 2, 1]", "parts.b.object.stretch"),
+            ("[parts.b.effect]\nclassify = 'post'", "effect.classify of b = post: surface or soft"),
+            (
+                "[parts.b.effect]\nnoise = 'procedural'",
+                "parts.b.effect.noise = procedural: block, as effect.noise of the scene",
+            ),
+            ("[parts.b.effect]\ndmf = ['furr']", "no module of parts.b.effect.dmf `furr` (did you mean `fur`?)"),
+            ("[parts.b.effect]\ndmf = ['fur@bend']", "no mask in parts.b.effect.dmf `bend` (did you mean `band`?)"),
+            (
+                "[parts.b]\npreset = 'fur'\nknobs = { finenes = 3 }",
+                "in parts.b: no knob `finenes` (did you mean `fineness`?)",
+            ),
+            (
+                "[parts.b]\npreset = 'fur'\nknobs = { fineness = 3e9 }",
+                "in parts.b: knobs.fineness = 3000000000: must be from",
+            ),
+            ("[parts.a]\n[parts.b]\n[parts.c]\n[parts.d]\n[parts.e]", "parts = 5: at most 4"),
+        ] {
+            let error = refusal(text);
+            assert!(error.contains(expected), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_scene_of_several_objects_reads_back_as_itself() {
+        let text = "preset = 'fur'\ncombine = 'main - hole'\nboolean = 'minmax'\n[parts.hole]\npreset = 'fire'\nplace = { at = [1, 0, 0.5] }";
+        let scene = parse(text, "x").unwrap();
+        assert_eq!(scene.parts["hole"].effect.medium, "flame");
+        assert_eq!(parse(&crate::scene::to_text(&scene), "y").unwrap(), scene);
+    }
+}
