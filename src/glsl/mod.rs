@@ -3,7 +3,7 @@
 //! Role: the only place that knows GLSL text. A *module* is one file of a slot's folder (`dmf/fur.glsl`); a *slot* is
 //! filled for each program, so that a program holds the modules it needs and nothing else. Invariant: linking is a
 //! pure function of the library, the entry file and the chosen modules.
-//! `build.rs` compiles the shipped programs through the very same [`library`] and [`link`].
+//! `build.rs` compiles the shipped programs through the very same files.
 
 pub mod combine;
 mod instance;
