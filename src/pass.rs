@@ -195,7 +195,8 @@ fn take(bands: &mut VecDeque<Range<u32>>, mut count: u32) -> Vec<Range<u32>> {
 }
 
 /// Clears the target and blends the slices into its bands, as for [`march`], in submissions of a length that a shared
-/// device bears.
+/// device bears. The bands must not touch: with several samples per pixel, lavapipe (Mesa 22) draws beyond its scissor,
+/// into the next row, and where a band meets another a slice would be blended twice.
 ///
 /// # Errors
 /// What a submission may fail with.
@@ -266,8 +267,7 @@ mod tests {
     fn rows_are_taken_off_the_bands_each_once_and_in_order() {
         let mut bands = VecDeque::from([0..4, 8..12, 16..17]);
         assert_eq!(take(&mut bands, 6), [0..4, 8..10]);
-        assert_eq!(take(&mut bands, 2), [10..12]);
-        assert_eq!(take(&mut bands, 99), [16..17]);
+        assert_eq!(take(&mut bands, 99), [10..12, 16..17]);
         assert!(bands.is_empty());
     }
 

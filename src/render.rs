@@ -249,10 +249,11 @@ impl<'a> Renderer<'a> {
     /// # Errors
     /// As [`render`].
     pub fn render(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
-        self.render_bands(scene, &[0..scene.image.size[1]])
+        let all = 0..scene.image.size[1];
+        self.render_bands(scene, std::slice::from_ref(&all))
     }
 
-    /// Renders some bands of a picture, ranges of rows that do not overlap and lie in it. Their pixels are those of the
+    /// Renders some bands of a picture, ranges of rows in it that neither overlap nor touch. Their pixels are those of the
     /// whole picture, bit for bit; the others are undefined.
     ///
     /// # Errors

@@ -2,7 +2,10 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use hypertexture::glsl::library::hex_color;
+use hypertexture::output::Depth;
 use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
+use hypertexture::sequence::Frames;
+use hypertexture::shard::{Shard, ShardError};
 use std::path::{Path, PathBuf};
 
 /// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
@@ -25,6 +28,8 @@ pub struct Arguments {
 pub enum Command {
     /// Render a picture.
     Render(Box<Render>),
+    /// Join the shards of a picture, as `render --shard` writes them.
+    Merge(Merge),
     /// Compute the distance field of an object and write it as NRRD.
     Field(Field),
     /// Render all six effects on one object, with a page that explains them.
@@ -49,12 +54,79 @@ pub struct Render {
     /// Write the scene in use, complete with defaults.
     #[arg(long, value_name = "FILE")]
     pub save_scene: Option<PathBuf>,
+    /// Say what the picture will cost, from small ones, and write none.
+    #[arg(long, conflicts_with_all = ["frames", "shard"])]
+    pub predict: bool,
+    /// Render part K, from 0 to N - 1, of a picture or of the frames; without a value, the part that Slurm or
+    /// Kubernetes gives to this process.
+    #[arg(long, value_name = "K/N", num_args = 0..=1, default_missing_value = "auto", value_parser = shard)]
+    pub shard: Option<ShardChoice>,
+    /// Many frames.
+    #[command(flatten)]
+    pub motion: Motion,
     /// The object.
     #[command(flatten)]
     pub object: ObjectArguments,
     /// What the picture shows.
     #[command(flatten)]
     pub look: Look,
+}
+
+impl Render {
+    /// Bits of each channel of a PNG.
+    pub fn depth(&self) -> Depth {
+        if self.depth == "16" { Depth::Sixteen } else { Depth::Eight }
+    }
+}
+
+/// Which shard to render.
+#[derive(Clone, Copy)]
+pub enum ShardChoice {
+    /// The one that the environment says.
+    Auto,
+    /// This one.
+    This(Shard),
+}
+
+fn shard(text: &str) -> Result<ShardChoice, ShardError> {
+    if text == "auto" { Ok(ShardChoice::Auto) } else { text.parse().map(ShardChoice::This) }
+}
+
+impl ShardChoice {
+    /// The shard.
+    pub fn shard(self) -> Result<Shard, ShardError> {
+        match self {
+            ShardChoice::Auto => Shard::from_environment(|name| std::env::var(name).ok()),
+            ShardChoice::This(shard) => Ok(shard),
+        }
+    }
+}
+
+/// Arguments of `render` for many frames.
+#[derive(Args)]
+pub struct Motion {
+    /// Render the frames A to B, both included, at time + k / fps seconds; `####` in the output is the number.
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    pub frames: Option<Frames>,
+    /// Frames per second [default: 25].
+    #[arg(long, requires = "frames", allow_negative_numbers = true)]
+    pub fps: Option<f64>,
+    /// Turn the eye once around the object, from the first frame to the one after the last.
+    #[arg(long, requires = "frames")]
+    pub turntable: bool,
+    /// Render frames again that are finished.
+    #[arg(long, requires = "frames")]
+    pub restart: bool,
+}
+
+/// Arguments of `merge`.
+#[derive(Args)]
+pub struct Merge {
+    /// Where the picture goes: .png or .exr.
+    pub output: PathBuf,
+    /// All shards of the picture, in any order.
+    #[arg(required = true, value_name = "SHARD")]
+    pub shards: Vec<PathBuf>,
 }
 
 /// How an input becomes an object.
