@@ -1,11 +1,10 @@
 //! The command line, and how it goes over a scene.
 
+use super::sequence::{Motion, ShardChoice, shard};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use hypertexture::glsl::library::hex_color;
 use hypertexture::output::Depth;
 use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
-use hypertexture::sequence::Frames;
-use hypertexture::shard::{Shard, ShardError};
 use std::path::{Path, PathBuf};
 
 /// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
@@ -77,46 +76,6 @@ impl Render {
     pub fn depth(&self) -> Depth {
         if self.depth == "16" { Depth::Sixteen } else { Depth::Eight }
     }
-}
-
-/// Which shard to render.
-#[derive(Clone, Copy)]
-pub enum ShardChoice {
-    /// The one that the environment says.
-    Auto,
-    /// This one.
-    This(Shard),
-}
-
-fn shard(text: &str) -> Result<ShardChoice, ShardError> {
-    if text == "auto" { Ok(ShardChoice::Auto) } else { text.parse().map(ShardChoice::This) }
-}
-
-impl ShardChoice {
-    /// The shard.
-    pub fn shard(self) -> Result<Shard, ShardError> {
-        match self {
-            ShardChoice::Auto => Shard::from_environment(|name| std::env::var(name).ok()),
-            ShardChoice::This(shard) => Ok(shard),
-        }
-    }
-}
-
-/// Arguments of `render` for many frames.
-#[derive(Args)]
-pub struct Motion {
-    /// Render the frames A to B, both included, at time + k / fps seconds; `####` in the output is the number.
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    pub frames: Option<Frames>,
-    /// Frames per second [default: 25].
-    #[arg(long, requires = "frames", allow_negative_numbers = true)]
-    pub fps: Option<f64>,
-    /// Turn the eye once around the object, from the first frame to the one after the last.
-    #[arg(long, requires = "frames")]
-    pub turntable: bool,
-    /// Render frames again that are finished.
-    #[arg(long, requires = "frames")]
-    pub restart: bool,
 }
 
 /// Arguments of `merge`.

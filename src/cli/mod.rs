@@ -5,8 +5,9 @@ mod log;
 mod sequence;
 
 pub use args::Arguments;
-use args::{Command, Field, Gallery, Merge, Render, ShardChoice};
+use args::{Command, Field, Gallery, Merge, Render};
 pub use sequence::Interrupted;
+use sequence::ShardChoice;
 
 use hypertexture::glsl::{self, Library, library::Default as KnobDefault};
 use hypertexture::gpu::{Format, Gpu, Options};

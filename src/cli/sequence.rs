@@ -1,17 +1,59 @@
-//! Rendering of many frames: resumed where it stopped, and stopped between two frames.
+//! Many frames and many processes: rendering resumed where it stopped, and stopped between two frames.
 
-use super::args::{Motion, Render};
+use super::args::Render;
 use super::{Picture, absolute, say, with_progress};
+use clap::Args;
 use hypertexture::output;
 use hypertexture::render::Renderer;
-use hypertexture::sequence::{Manifest, Sequence, frame_path, manifest_path};
-use hypertexture::shard::{self, Shard};
+use hypertexture::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
+use hypertexture::shard::{self, Shard, ShardError};
 use std::error::Error;
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+
+/// Which shard to render.
+#[derive(Clone, Copy)]
+pub enum ShardChoice {
+    /// The one that the environment says.
+    Auto,
+    /// This one.
+    This(Shard),
+}
+
+/// Reads `K/N` or `auto`.
+pub fn shard(text: &str) -> Result<ShardChoice, ShardError> {
+    if text == "auto" { Ok(ShardChoice::Auto) } else { text.parse().map(ShardChoice::This) }
+}
+
+impl ShardChoice {
+    /// The shard.
+    pub fn shard(self) -> Result<Shard, ShardError> {
+        match self {
+            ShardChoice::Auto => Shard::from_environment(|name| std::env::var(name).ok()),
+            ShardChoice::This(shard) => Ok(shard),
+        }
+    }
+}
+
+/// Arguments of `render` for many frames.
+#[derive(Args)]
+pub struct Motion {
+    /// Render the frames A to B, both included, at time + k / fps seconds; `####` in the output is the number.
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    pub frames: Option<Frames>,
+    /// Frames per second [default: 25].
+    #[arg(long, requires = "frames", allow_negative_numbers = true)]
+    pub fps: Option<f64>,
+    /// Turn the eye once around the object, from the first frame to the one after the last.
+    #[arg(long, requires = "frames")]
+    pub turntable: bool,
+    /// Render frames again that are finished.
+    #[arg(long, requires = "frames")]
+    pub restart: bool,
+}
 
 /// A person or a scheduler wants the program to end.
 #[derive(Debug)]
@@ -23,7 +65,10 @@ pub struct Interrupted {
 impl fmt::Display for Interrupted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Interrupted { finished, frames } = self;
-        write!(f, "interrupted: {finished} of {frames} frames are finished; the same command renders the others")
+        write!(
+            f,
+            "interrupted: {finished} of {frames} frames are finished; the same command, without --restart, renders the others"
+        )
     }
 }
 
