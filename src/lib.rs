@@ -35,6 +35,7 @@
 //!    -> device                                        gpu
 //! all of it, top to bottom -> picture, measurements   render
 //!    -> PNG, EXR; a page                              output, gallery
+//! its cost beforehand; many pictures; many processes  predict, sequence, shard
 //! ```
 
 pub mod doctor;
@@ -45,8 +46,11 @@ pub mod gpu;
 pub mod noise;
 pub mod output;
 pub mod pass;
+pub mod predict;
 pub mod render;
 pub mod scene;
+pub mod sequence;
 pub mod shape;
+pub mod shard;
 pub mod texture;
 pub mod variant;

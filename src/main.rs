@@ -30,6 +30,10 @@ fn main() -> ExitCode {
     };
     match cli::run(arguments) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is::<cli::Interrupted>() => {
+            eprintln!("{error}");
+            ExitCode::from(cli::INTERRUPTED)
+        }
         Err(error) => {
             eprintln!("error: {}", error.to_string().replace('\n', " "));
             ExitCode::from(BAD_INPUT)

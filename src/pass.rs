@@ -7,6 +7,7 @@
 
 use crate::gpu::{BindSet, Buffer, Gpu, GpuError, Load, Pipeline, Submitted, Target};
 use crate::scene::{Order, Proxy};
+use std::collections::VecDeque;
 use std::ops::Range;
 
 /// A submission should take about this many milliseconds. Shorter: the fixed cost of one shows. Longer: a desktop that
@@ -139,7 +140,8 @@ impl Drawn {
     }
 }
 
-/// Marches a ray through each pixel, in submissions of some rows each.
+/// Marches a ray through each pixel of the bands, ranges of rows that do not overlap, in submissions of some rows each.
+/// Pixels of other rows hold no picture afterwards; those of the bands do not depend on which other bands there are.
 ///
 /// # Errors
 /// What a submission may fail with.
@@ -147,25 +149,27 @@ pub fn march(
     gpu: &Gpu,
     pipeline: &Pipeline,
     set: &BindSet<'_>,
-    height: u32,
+    bands: &[Range<u32>],
     target: Target<'_>,
 ) -> Result<Drawn, GpuError> {
     let into = Target { resolved: None, ..target };
     let mut drawn = Drawn::begin(gpu, pipeline, set, None, into)?;
     let mut load = Load::Clear([0.0; 4]);
-    let (mut next, mut batch) = (0, 8);
-    while next < height {
-        let rows = next..(next + batch).min(height);
+    let mut left = VecDeque::from(bands.to_vec());
+    let mut batch = 8;
+    while !left.is_empty() {
+        let taken = take(&mut left, batch);
         let cost = gpu.submit("rays", |commands| {
             commands.render(into, load, |draw| {
-                draw.rows(rows.clone());
-                draw.triangles(pipeline, set, None, 0..3);
+                for band in &taken {
+                    draw.rows(band.clone());
+                    draw.triangles(pipeline, set, None, 0..3);
+                }
             });
         })?;
         drawn.add(&cost);
-        let per_row = cost.gpu_ms / f64::from(rows.end - rows.start);
+        let per_row = cost.gpu_ms / taken.iter().map(|band| f64::from(band.end - band.start)).sum::<f64>();
         batch = (SUBMISSION_MS / per_row.max(1e-3)).clamp(1.0, GROWTH * f64::from(batch) + 1.0) as u32;
-        next = rows.end;
         load = Load::Keep;
     }
     if target.resolved.is_some() {
@@ -174,7 +178,25 @@ pub fn march(
     Ok(drawn)
 }
 
-/// Clears the target and blends the slices into it, in submissions of a length that a shared device bears.
+/// Takes the next rows off the bands, `count` of them or what is left.
+fn take(bands: &mut VecDeque<Range<u32>>, mut count: u32) -> Vec<Range<u32>> {
+    let mut taken = Vec::new();
+    while count > 0
+        && let Some(band) = bands.pop_front()
+    {
+        let end = band.end.min(band.start.saturating_add(count));
+        if end < band.end {
+            bands.push_front(end..band.end);
+        }
+        count -= end - band.start;
+        taken.push(band.start..end);
+    }
+    taken
+}
+
+/// Clears the target and blends the slices into its bands, as for [`march`], in submissions of a length that a shared
+/// device bears. The bands must not touch: with several samples per pixel, lavapipe (Mesa 22) draws beyond its scissor,
+/// into the next row, and where a band meets another a slice would be blended twice.
 ///
 /// # Errors
 /// What a submission may fail with.
@@ -184,6 +206,7 @@ pub fn draw(
     set: &BindSet<'_>,
     vertices: &Buffer,
     stack: &Stack,
+    bands: &[Range<u32>],
     target: Target<'_>,
 ) -> Result<Drawn, GpuError> {
     let into = Target { resolved: None, ..target };
@@ -198,7 +221,12 @@ pub fn draw(
         let range: Range<u32> = next..(next + batch).min(stack.slices);
         let span = range.start * stack.per_slice..range.end * stack.per_slice;
         let cost = gpu.submit("slices", |commands| {
-            commands.render(into, load, |draw| draw.triangles(pipeline, set, Some(vertices), span.clone()));
+            commands.render(into, load, |draw| {
+                for band in bands {
+                    draw.rows(band.clone());
+                    draw.triangles(pipeline, set, Some(vertices), span.clone());
+                }
+            });
         })?;
         drawn.add(&cost);
         let per_slice = cost.gpu_ms / f64::from(range.end - range.start);
@@ -233,6 +261,14 @@ mod tests {
         let floats = 12 * 6;
         let reversed: Vec<f32> = front.vertices.chunks(floats).rev().flatten().copied().collect();
         assert_eq!(back.vertices, reversed);
+    }
+
+    #[test]
+    fn rows_are_taken_off_the_bands_each_once_and_in_order() {
+        let mut bands = VecDeque::from([0..4, 8..12, 16..17]);
+        assert_eq!(take(&mut bands, 6), [0..4, 8..10]);
+        assert_eq!(take(&mut bands, 99), [10..12, 16..17]);
+        assert!(bands.is_empty());
     }
 
     #[test]

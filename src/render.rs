@@ -7,14 +7,15 @@ mod bind;
 mod view;
 
 use crate::field::{self, DistanceField, FieldError, Progress};
-use crate::glsl::{Library, Linker};
+use crate::glsl::{Library, Linker, Slots};
 use crate::gpu::{self, Gpu, GpuError};
 use crate::pass;
-use crate::scene::{Axis, Object, Order, Pass, Scene, Source, TargetFormat};
+use crate::scene::{Axis, Object, Order, Pass, Proxy, Scene, Source, TargetFormat};
 use crate::shape::{self, Shape, ShapeError};
-use crate::variant::{FORMULAS, Variant, VariantError};
+use crate::variant::{FORMULAS, Program, Variant, VariantError};
 use glam::Vec3;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::time::Instant;
 
 /// The object of a scene, ready to be drawn in any effect.
@@ -227,14 +228,71 @@ fn inside_bounds(field: &DistanceField) -> (Vec3, Vec3) {
 /// # Errors
 /// The scene has no valid program, or the device refuses.
 pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) -> Result<Frame, RenderError> {
+    Renderer::new(gpu, library, subject).render(scene)
+}
+
+/// Renders several scenes of one subject: what is made for one picture and fits the next is not made again.
+pub struct Renderer<'a> {
+    gpu: &'a Gpu,
+    library: &'a Library,
+    subject: &'a Subject,
+    kept: Option<Kept>,
+}
+
+/// The program of the last picture.
+struct Kept {
+    pass: Pass,
+    slots: Slots,
+    program: Program,
+    pipeline: Option<(PipelineKey, gpu::Pipeline)>,
+}
+
+/// What a pipeline depends on besides its program.
+type PipelineKey = (Option<Proxy>, gpu::Format, u32, gpu::Blend);
+
+impl<'a> Renderer<'a> {
+    /// A renderer that has made nothing yet.
+    pub fn new(gpu: &'a Gpu, library: &'a Library, subject: &'a Subject) -> Renderer<'a> {
+        Renderer { gpu, library, subject, kept: None }
+    }
+
+    /// Renders a scene, as [`render`] does, bit for bit.
+    ///
+    /// # Errors
+    /// As [`render`].
+    pub fn render(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
+        let all = 0..scene.image.size[1];
+        self.render_bands(scene, std::slice::from_ref(&all))
+    }
+
+    /// Renders some bands of a picture, ranges of rows in it that neither overlap nor touch. Their pixels are those of the
+    /// whole picture, bit for bit; the others are undefined.
+    ///
+    /// # Errors
+    /// As [`render`].
+    pub fn render_bands(&mut self, scene: &Scene, bands: &[Range<u32>]) -> Result<Frame, RenderError> {
+        frame(self, scene, bands)
+    }
+}
+
+/// The story of a frame.
+fn frame(renderer: &mut Renderer<'_>, scene: &Scene, bands: &[Range<u32>]) -> Result<Frame, RenderError> {
+    let Renderer { gpu, library, subject, .. } = *renderer;
     let start = Instant::now();
     let variant = Variant::of(scene, library)?;
-    let program = variant.program(library, Linker::new)?;
+    let mut kept = match renderer.kept.take() {
+        Some(kept) if (kept.pass, &kept.slots) == (variant.pass, &variant.slots) => kept,
+        _ => {
+            let program = variant.program(library, Linker::new)?;
+            Kept { pass: variant.pass, slots: variant.slots.clone(), program, pipeline: None }
+        }
+    };
+    let program = &kept.program;
     let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
     let view = view::View::of(scene, subject, &variant);
     let quality = &scene.quality;
     let planes = pass::Planes::new(view.extent, quality.samples);
-    let bound = bind::Bound::new(gpu, scene, subject, &variant, &program, &view, &planes)?;
+    let bound = bind::Bound::new(gpu, scene, subject, &variant, program, &view, &planes)?;
     let format = match quality.target {
         TargetFormat::Unorm8 => gpu::Format::Rgba8Unorm,
         TargetFormat::Float16 => gpu::Format::Rgba16Float,
@@ -247,20 +305,26 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
     };
     let slices = || pass::stack(&planes, view.extent.radius, quality.proxy, quality.order, view.tint());
     let stack = (quality.pass == Pass::Slices).then(slices);
-    let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
     let pipeline_start = Instant::now();
-    let pipeline = gpu::Pipeline::new(
-        gpu,
-        &gpu::PipelineDescription {
-            vertex: &program.vertex,
-            fragment: &program.fragment,
-            bindings: &bindings,
-            attributes: stack.as_ref().map_or(&[], |stack| stack.attributes),
-            format,
-            samples: quality.msaa,
-            blend,
-        },
-    )?;
+    let key = (stack.as_ref().map(|_| quality.proxy), format, quality.msaa, blend);
+    let pipeline = match kept.pipeline.take() {
+        Some((same, pipeline)) if same == key => pipeline,
+        _ => {
+            let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
+            gpu::Pipeline::new(
+                gpu,
+                &gpu::PipelineDescription {
+                    vertex: &program.vertex,
+                    fragment: &program.fragment,
+                    bindings: &bindings,
+                    attributes: stack.as_ref().map_or(&[], |stack| stack.attributes),
+                    format,
+                    samples: quality.msaa,
+                    blend,
+                },
+            )?
+        }
+    };
     compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
     let [width, height] = scene.image.size;
     let plane = gpu::Dimension::Plane(width, height);
@@ -272,12 +336,12 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
     let set = pipeline.bind(&bound.resources())?;
     let target = gpu::Target { color: &color, resolved: resolved.as_ref() };
     let drawn = match &stack {
-        None => pass::march(gpu, &pipeline, &set, height, target)?,
+        None => pass::march(gpu, &pipeline, &set, bands, target)?,
         Some(stack) => {
             let none = [0; 4]; // a buffer cannot be empty, a stack can
             let bytes = if stack.vertices.is_empty() { &none } else { bytemuck::cast_slice(&stack.vertices) };
             let vertices = gpu::Buffer::new(gpu, "proxy slices", gpu::BufferUse::Vertices, bytes)?;
-            pass::draw(gpu, &pipeline, &set, &vertices, stack, target)?
+            pass::draw(gpu, &pipeline, &set, &vertices, stack, bands, target)?
         }
     };
     let pixels = decode(&resolved.as_ref().unwrap_or(&color).read()?, quality.target);
@@ -297,6 +361,8 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
         device_bytes,
         quantization: bound.quantization,
     };
+    kept.pipeline = Some((key, pipeline));
+    renderer.kept = Some(kept);
     Ok(Frame { size: scene.image.size, pixels, measurements })
 }
 

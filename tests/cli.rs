@@ -33,6 +33,7 @@ impl Desk {
         let mut command = Command::new(env!("CARGO_BIN_EXE_hypertexture"));
         command.args(arguments.split_whitespace()).current_dir(self.work());
         command.env("HYPERTEXTURE_CACHE", self.root.path().join("cache"));
+        command.env_remove("SLURM_ARRAY_TASK_ID").env_remove("JOB_COMPLETION_INDEX");
         command.env_remove("HYPERTEXTURE_LOG").env_remove("HYPERTEXTURE_VALIDATION");
         command.stdin(Stdio::null());
         command
@@ -153,6 +154,21 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
             ("render torus -o picture", &["picture", ".png or .exr"]),
             ("render torus -o missing/x.png", &["missing/x.png", "there is no folder missing"]),
             ("render torus --save-scene missing/s.toml", &["missing/s.toml", "there is no folder missing"]),
+            ("render torus --frames 9..3", &["'9..3'", "--frames", "A..B", "such as 1..100"]),
+            ("render torus --frames 5", &["'5'", "--frames", "A..B"]),
+            ("render torus --frames 0..9 --fps 0", &["--fps 0", "from 0.001 to 1000"]),
+            ("render torus --frames 0..9 --fps nan", &["--fps NaN", "from 0.001 to 1000"]),
+            ("render torus --frames 0..9 -o frames.gif", &["frames.gif", ".png or .exr"]),
+            ("render torus --fps 10", &["--frames <A..B>"]),
+            ("render torus --turntable", &["--frames <A..B>"]),
+            ("render torus --shard 3/3", &["3/3", "K from 0 to N - 1", "such as 0/4"]),
+            ("render torus --shard half", &["half", "write K/N"]),
+            ("render torus --shard", &["--shard auto", "SLURM_ARRAY_TASK_ID", "JOB_COMPLETION_INDEX", "--shard K/N"]),
+            ("render torus --predict --shard 0/2", &["--predict", "--shard"]),
+            ("merge out.png", &["<SHARD>"]),
+            ("merge new.png out.png", &["out.png", "no shard of hypertexture", "render this shard again"]),
+            ("merge new.png gone.shard-0-of-2", &["gone.shard-0-of-2"]),
+            ("merge new.jpg out.png", &["new.jpg", ".png or .exr"]),
             ("field torus -o missing/f.nrrd", &["missing/f.nrrd", "there is no folder missing"]),
             ("field torus -o field.stl", &["field.stl", ".nrrd"]),
             ("field torus --margin -1", &["--margin", "-1"]),

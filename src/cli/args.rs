@@ -1,7 +1,9 @@
 //! The command line, and how it goes over a scene.
 
+use super::sequence::{Motion, ShardChoice, shard};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use hypertexture::glsl::library::hex_color;
+use hypertexture::output::Depth;
 use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
 use std::path::{Path, PathBuf};
 
@@ -25,6 +27,8 @@ pub struct Arguments {
 pub enum Command {
     /// Render a picture.
     Render(Box<Render>),
+    /// Join the shards of a picture, as `render --shard` writes them.
+    Merge(Merge),
     /// Compute the distance field of an object and write it as NRRD.
     Field(Field),
     /// Render all six effects on one object, with a page that explains them.
@@ -49,12 +53,39 @@ pub struct Render {
     /// Write the scene in use, complete with defaults.
     #[arg(long, value_name = "FILE")]
     pub save_scene: Option<PathBuf>,
+    /// Say what the picture will cost, from small ones, and write none.
+    #[arg(long, conflicts_with_all = ["frames", "shard"])]
+    pub predict: bool,
+    /// Render part K, from 0 to N - 1, of a picture or of the frames; without a value, the part that Slurm or
+    /// Kubernetes gives to this process.
+    #[arg(long, value_name = "K/N", num_args = 0..=1, default_missing_value = "auto", value_parser = shard)]
+    pub shard: Option<ShardChoice>,
+    /// Many frames.
+    #[command(flatten)]
+    pub motion: Motion,
     /// The object.
     #[command(flatten)]
     pub object: ObjectArguments,
     /// What the picture shows.
     #[command(flatten)]
     pub look: Look,
+}
+
+impl Render {
+    /// Bits of each channel of a PNG.
+    pub fn depth(&self) -> Depth {
+        if self.depth == "16" { Depth::Sixteen } else { Depth::Eight }
+    }
+}
+
+/// Arguments of `merge`.
+#[derive(Args)]
+pub struct Merge {
+    /// Where the picture goes: .png or .exr.
+    pub output: PathBuf,
+    /// All shards of the picture, in any order.
+    #[arg(required = true, value_name = "SHARD")]
+    pub shards: Vec<PathBuf>,
 }
 
 /// How an input becomes an object.

@@ -2,20 +2,28 @@
 
 mod args;
 mod log;
+mod sequence;
 
 pub use args::Arguments;
-use args::{Command, Field, Gallery, Render};
+use args::{Command, Field, Gallery, Merge, Render};
+pub use sequence::Interrupted;
+use sequence::ShardChoice;
 
-use hypertexture::glsl::{self, library::Default as KnobDefault};
+use hypertexture::glsl::{self, Library, library::Default as KnobDefault};
 use hypertexture::gpu::{Format, Gpu, Options};
-use hypertexture::output::{self, Depth};
-use hypertexture::render::{Frame, Subject, open, render, request};
-use hypertexture::scene::{self, KnobValue, Object};
+use hypertexture::output;
+use hypertexture::predict::{Estimate, Prediction, predict};
+use hypertexture::render::{Frame, Renderer, Subject, open, render, request};
+use hypertexture::scene::{self, KnobValue, Object, Pass, Scene};
+use hypertexture::shard::{self, Shard};
 use hypertexture::{doctor, field, gallery, shape};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::io::Write;
 use std::time::{Duration, Instant};
+
+/// Exit code of a program that was interrupted, as shells have it: 128 and the number of SIGINT.
+pub const INTERRUPTED: u8 = 130;
 
 /// Runs the command that was asked for.
 pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
@@ -27,7 +35,8 @@ pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     };
     let quiet = arguments.quiet;
     match arguments.command {
-        Command::Render(command) => render_picture(&command, &options, quiet),
+        Command::Render(command) => run_render(&command, &options, quiet),
+        Command::Merge(command) => merge(&command, quiet),
         Command::Field(command) => write_field(&command, quiet),
         Command::Gallery(command) => write_gallery(&command, &options, quiet),
         Command::Effects => list_effects(),
@@ -44,26 +53,120 @@ pub fn say(text: &str) {
     let _ = std::io::stdout().lock().write_all(text.as_bytes());
 }
 
-fn render_picture(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+/// All that a picture is made of.
+#[derive(Clone, Copy)]
+struct Picture<'a> {
+    gpu: &'a Gpu,
+    library: &'a Library,
+    scene: &'a Scene,
+    subject: &'a Subject,
+}
+
+fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let scene = command.look.scene(&command.input, &command.object)?;
     let library = glsl::shipped();
     scene.check(&library)?;
     output::check(&command.output)?;
     command.save_scene.iter().try_for_each(|file| output::check_folder(file))?;
+    let shard = command.shard.map(ShardChoice::shard).transpose()?;
+    let sequence = command.motion.sequence()?;
+    if let Some(sequence) = &sequence {
+        sequence.scene(&scene, sequence.frames.last).check(&library)?;
+    }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let gpu = Gpu::new(options)?;
-    let frame = render(&gpu, &library, &scene, &subject)?;
-    let depth = if command.depth == "16" { Depth::Sixteen } else { Depth::Eight };
-    output::write(&frame, scene.image.background, depth, &frame.measurements.modules, &command.output)?;
+    let picture = Picture { gpu: &gpu, library: &library, scene: &scene, subject: &subject };
+    if command.predict {
+        let prediction = predict(&mut Renderer::new(&gpu, &library, &subject), &scene)?;
+        say(&foretell(&scene, &prediction));
+    } else if let Some(sequence) = &sequence {
+        sequence::render_frames(command, &picture, sequence, shard, quiet)?;
+    } else if let Some(shard) = shard {
+        render_shard(command, &picture, shard, quiet)?;
+    } else {
+        render_picture(command, &picture, quiet)?;
+    }
     if let Some(file) = &command.save_scene {
         output::write_whole(file, scene::to_text(&scene).as_bytes())
             .map_err(|error| format!("{}: {error}; nothing was written", file.display()))?;
     }
+    Ok(())
+}
+
+fn render_picture(command: &Render, picture: &Picture<'_>, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let Picture { gpu, library, scene, subject } = *picture;
+    let frame = render(gpu, library, scene, subject)?;
+    output::write(&frame, scene.image.background, command.depth(), &frame.measurements.modules, &command.output)?;
     if !quiet {
-        say(&summary(&gpu, &subject, &frame));
+        say(&summary(gpu, subject, &frame));
         say(&format!("wrote {}\n", absolute(&command.output)));
     }
     Ok(())
+}
+
+fn render_shard(command: &Render, picture: &Picture<'_>, shard: Shard, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let Picture { gpu, library, scene, subject } = *picture;
+    let frame = Renderer::new(gpu, library, subject).render_bands(scene, &shard.bands(scene.image.size[1]))?;
+    let whole = shard::Whole {
+        identity: shard::identity(scene, library, subject)?,
+        size: scene.image.size,
+        background: scene.image.background,
+        depth: command.depth(),
+        about: frame.measurements.modules.clone(),
+        device: format!("{} ({})", gpu.facts().name, gpu.facts().driver),
+    };
+    let path = shard.path(&command.output);
+    output::write_whole(&path, &shard::encode(&whole, shard, &frame))
+        .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
+    if !quiet {
+        say(&summary(gpu, subject, &frame));
+        say(&format!("wrote {}\n", absolute(&path)));
+    }
+    Ok(())
+}
+
+fn merge(command: &Merge, quiet: bool) -> Result<(), Box<dyn Error>> {
+    output::check(&command.output)?;
+    let (frame, whole, others) = shard::merge(&command.shards)?;
+    if !others.is_empty() {
+        let (first, others) = (&whole.device, others.join(", "));
+        ::log::warn!("the shards were rendered on {first} and on {others}, which may round another way");
+    }
+    output::write(&frame, whole.background, whole.depth, &whole.about, &command.output)?;
+    if !quiet {
+        say(&format!("wrote {}\n", absolute(&command.output)));
+    }
+    Ok(())
+}
+
+/// A prediction in words.
+fn foretell(scene: &Scene, prediction: &Prediction) -> String {
+    let seconds = |ms: f64| format!("{:.2} s", ms * 1e-3);
+    let time = |e: &Estimate| format!("{} ({} to {})", seconds(e.expected), seconds(e.low), seconds(e.high));
+    let [width, height] = scene.image.size;
+    let Prediction { probes, slices, .. } = prediction;
+    let sizes = probes.chunk_by(|a, b| a.size == b.size);
+    let sizes = sizes.map(|same| format!("{} of {} x {}", same.len(), same[0].size[0], same[0].size[1]));
+    let millions = |count: f64| count * 1e-6;
+    let count = match (scene.quality.pass, prediction.fragments) {
+        (Pass::March, Some(rays)) => {
+            let rays = millions(rays.expected);
+            format!("rays       {rays:.2} M, {:.0} M samples at most", rays * f64::from(*slices))
+        }
+        (Pass::Slices, Some(Estimate { low, expected, high })) => {
+            let [low, expected, high] = [low, expected, high].map(millions);
+            format!("slices     {slices}, {expected:.1} M fragments ({low:.1} to {high:.1} M)")
+        }
+        (_, None) => format!("slices     {slices}; the device does not count fragments"),
+    };
+    format!(
+        "probes     {}: {} in all\n{count}\ndevice     {} for {width} x {height}\n\
+         expected   {} in all, without the distance field and the writing of the file\n",
+        sizes.collect::<Vec<_>>().join(", "),
+        seconds(prediction.spent_ms),
+        time(&prediction.device_ms),
+        time(&prediction.total_ms),
+    )
 }
 
 /// What a render took, and what it left out.

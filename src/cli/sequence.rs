@@ -1,0 +1,145 @@
+//! Many frames and many processes: rendering resumed where it stopped, and stopped between two frames.
+
+use super::args::Render;
+use super::{Picture, absolute, say, with_progress};
+use clap::Args;
+use hypertexture::output;
+use hypertexture::render::Renderer;
+use hypertexture::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
+use hypertexture::shard::{self, Shard, ShardError};
+use std::error::Error;
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Which shard to render.
+#[derive(Clone, Copy)]
+pub enum ShardChoice {
+    /// The one that the environment says.
+    Auto,
+    /// This one.
+    This(Shard),
+}
+
+/// Reads `K/N` or `auto`.
+pub fn shard(text: &str) -> Result<ShardChoice, ShardError> {
+    if text == "auto" { Ok(ShardChoice::Auto) } else { text.parse().map(ShardChoice::This) }
+}
+
+impl ShardChoice {
+    /// The shard.
+    pub fn shard(self) -> Result<Shard, ShardError> {
+        match self {
+            ShardChoice::Auto => Shard::from_environment(|name| std::env::var(name).ok()),
+            ShardChoice::This(shard) => Ok(shard),
+        }
+    }
+}
+
+/// Arguments of `render` for many frames.
+#[derive(Args)]
+pub struct Motion {
+    /// Render the frames A to B, both included, at time + k / fps seconds; `####` in the output is the number.
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    pub frames: Option<Frames>,
+    /// Frames per second [default: 25].
+    #[arg(long, requires = "frames", allow_negative_numbers = true)]
+    pub fps: Option<f64>,
+    /// Turn the eye once around the object, from the first frame to the one after the last.
+    #[arg(long, requires = "frames")]
+    pub turntable: bool,
+    /// Render frames again that are finished.
+    #[arg(long, requires = "frames")]
+    pub restart: bool,
+}
+
+/// A person or a scheduler wants the program to end.
+#[derive(Debug)]
+pub struct Interrupted {
+    finished: usize,
+    frames: usize,
+}
+
+impl fmt::Display for Interrupted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Interrupted { finished, frames } = self;
+        write!(
+            f,
+            "interrupted: {finished} of {frames} frames are finished; the same command, without --restart, renders the others"
+        )
+    }
+}
+
+impl Error for Interrupted {}
+
+impl Motion {
+    /// The sequence that was asked for, if one was.
+    pub fn sequence(&self) -> Result<Option<Sequence>, Box<dyn Error>> {
+        let Some(frames) = self.frames else { return Ok(None) };
+        let sequence = Sequence { frames, fps: self.fps.unwrap_or(25.0), turntable: self.turntable };
+        sequence.check()?;
+        Ok(Some(sequence))
+    }
+}
+
+/// Renders the frames of a sequence, or those of a shard of them.
+pub fn render_frames(
+    command: &Render,
+    picture: &Picture<'_>,
+    sequence: &Sequence,
+    shard: Option<Shard>,
+    quiet: bool,
+) -> Result<(), Box<dyn Error>> {
+    let Picture { gpu, library, scene, subject } = *picture;
+    let (first, last) = (sequence.frames.first, sequence.frames.last);
+    let own = |frame: &u32| shard.is_none_or(|shard| shard.takes(frame - first));
+    let frames: Vec<(u32, PathBuf)> =
+        (first..=last).filter(own).map(|frame| (frame, frame_path(&command.output, frame))).collect();
+    let identity = sequence.identity(shard::identity(scene, library, subject)?, &command.depth);
+    let mut manifest = Manifest::open(&manifest_path(&command.output, shard), identity, command.motion.restart)?;
+    let stop = stop_flag()?;
+    let mut renderer = Renderer::new(gpu, library, subject);
+    let start = Instant::now();
+    let mut rendered = 0;
+    with_progress(quiet, "frames", |progress| -> Result<(), Box<dyn Error>> {
+        let left: Vec<_> = frames.iter().filter(|(frame, path)| !manifest.has(*frame, path)).collect();
+        for (frame, path) in &left {
+            if stop.load(Ordering::Relaxed) {
+                let finished = frames.len() - left.len() + rendered;
+                return Err(Interrupted { finished, frames: frames.len() }.into());
+            }
+            let drawn = renderer.render(&sequence.scene(scene, *frame))?;
+            let background = scene.image.background;
+            output::write(&drawn, background, command.depth(), &drawn.measurements.modules, path)?;
+            manifest.add(*frame, path)?;
+            rendered += 1;
+            progress(rendered as f32 / left.len() as f32);
+        }
+        Ok(())
+    })?;
+    if !quiet {
+        let kept = frames.len() - rendered;
+        let seconds = start.elapsed().as_secs_f64();
+        say(&format!("frames     {rendered} rendered in {seconds:.1} s, {kept} were finished before\n"));
+        if let (Some((_, first)), Some((_, last))) = (frames.first(), frames.last()) {
+            say(&format!("wrote {} to {}\n", absolute(first), absolute(last)));
+        }
+    }
+    Ok(())
+}
+
+/// Set at the first signal to end, so that the frame in work is finished; the second one ends the process at once, which
+/// harms no file, for each appears whole or not at all.
+fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = stop.clone();
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(super::INTERRUPTED));
+        }
+    })
+    .map_err(|error| format!("no handler for Ctrl-C: {error}"))?;
+    Ok(stop)
+}
