@@ -1,9 +1,10 @@
 //! From a scene to a picture: the story of a frame, read top to bottom.
 //!
 //! Role: [`Subject::load`] turns the object of a scene into a distance field; [`render`] turns scene and subject into a
-//! [`Frame`]. Invariant: every picture that a person sees comes through [`render`].
+//! [`Frame`], and [`Prepared`] into many. Invariant: every picture that a person sees comes through [`render`].
 
 mod bind;
+mod sub_frame;
 mod view;
 
 use crate::field::{self, DistanceField, FieldError, Progress};
@@ -12,9 +13,10 @@ use crate::gpu::{self, Gpu, GpuError};
 use crate::pass;
 use crate::scene::{Axis, Object, Order, Pass, Scene, Source, TargetFormat};
 use crate::shape::{self, Shape, ShapeError};
-use crate::variant::{FORMULAS, Variant, VariantError};
+use crate::variant::{FORMULAS, Program, Variant, VariantError};
 use glam::Vec3;
 use std::time::Instant;
+use sub_frame::SubFrame;
 
 /// The object of a scene, ready to be drawn in any effect.
 ///
@@ -95,6 +97,9 @@ pub enum RenderError {
     /// A scene asks for what pre-classification cannot do.
     #[error("effect.classify = {0}: needs {1}; use classify = \"post\"")]
     Classification(String, &'static str),
+    /// A picture was asked of a [`Prepared`] scene that was prepared for another.
+    #[error("the scene differs from the prepared one in {0}; prepare it anew")]
+    Prepared(&'static str),
     /// The program has a block member that the renderer does not know.
     #[error("`{0}` is in no block of interface.glsl; declare it with `// @knob` in a module")]
     Unfilled(String),
@@ -210,82 +215,168 @@ fn inside_bounds(field: &DistanceField) -> (Vec3, Vec3) {
 ///
 /// The pixels are premultiplied linear RGBA without the background; the error of the quadrature is of the order of
 /// `measurements.step` at hard edges (an RMS of at most twice the step over the six effects, as measured) and of its
-/// square in soft matter.
+/// square in soft matter; with `quality.rule = "segment"` of its square everywhere but at outlines.
 ///
 /// # Errors
 /// The scene has no valid program, or the device refuses.
 pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) -> Result<Frame, RenderError> {
     let start = Instant::now();
-    let variant = Variant::of(scene, library)?;
-    let program = variant.program(library, Linker::new)?;
-    let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
-    let view = view::View::of(scene, subject, &variant);
-    let quality = &scene.quality;
-    let planes = pass::Planes::new(view.extent, quality.samples);
-    let bound = bind::Bound::new(gpu, scene, subject, &variant, &program, &view, &planes)?;
-    let format = match quality.target {
-        TargetFormat::Unorm8 => gpu::Format::Rgba8Unorm,
-        TargetFormat::Float16 => gpu::Format::Rgba16Float,
-        TargetFormat::Float32 => gpu::Format::Rgba32Float,
-    };
-    let blend = match (quality.pass, quality.order) {
-        (Pass::March, _) => gpu::Blend::Replace,
-        (Pass::Slices, Order::FrontToBack) => gpu::Blend::Under,
-        (Pass::Slices, Order::BackToFront) => gpu::Blend::Over,
-    };
-    let slices = || pass::stack(&planes, view.extent.radius, quality.proxy, quality.order, view.tint());
-    let stack = (quality.pass == Pass::Slices).then(slices);
-    let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
-    let pipeline_start = Instant::now();
-    let pipeline = gpu::Pipeline::new(
-        gpu,
-        &gpu::PipelineDescription {
-            vertex: &program.vertex,
-            fragment: &program.fragment,
-            bindings: &bindings,
-            attributes: stack.as_ref().map_or(&[], |stack| stack.attributes),
-            format,
-            samples: quality.msaa,
-            blend,
-        },
-    )?;
-    compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
-    let [width, height] = scene.image.size;
-    let plane = gpu::Dimension::Plane(width, height);
-    let color = gpu::Image::new(gpu, "target", plane, format, gpu::ImageUse::Target(quality.msaa))?;
-    let resolved = match quality.msaa {
-        1 => None,
-        _ => Some(gpu::Image::new(gpu, "resolved target", plane, format, gpu::ImageUse::Target(1))?),
-    };
-    let set = pipeline.bind(&bound.resources())?;
-    let target = gpu::Target { color: &color, resolved: resolved.as_ref() };
-    let drawn = match &stack {
-        None => pass::march(gpu, &pipeline, &set, height, target)?,
-        Some(stack) => {
+    let mut frame = Prepared::new(gpu, library, scene, subject)?.frame(scene)?;
+    frame.measurements.total_ms = start.elapsed().as_secs_f64() * 1e3;
+    Ok(frame)
+}
+
+/// A scene with all that its pictures share, made once: program, pipeline, images and targets.
+///
+/// Invariant: a picture of it is the one that [`render`] gives, bit for bit.
+pub struct Prepared<'a> {
+    gpu: &'a Gpu,
+    library: &'a Library,
+    subject: &'a Subject,
+    scene: Scene,
+    variant: Variant,
+    program: Program,
+    bound: bind::Bound,
+    pipeline: gpu::Pipeline,
+    color: gpu::Image,
+    resolved: Option<gpu::Image>,
+    compile_ms: f64,
+}
+
+impl<'a> Prepared<'a> {
+    /// Makes what the pictures of a scene share.
+    ///
+    /// # Errors
+    /// As [`render`].
+    pub fn new(
+        gpu: &'a Gpu,
+        library: &'a Library,
+        scene: &Scene,
+        subject: &'a Subject,
+    ) -> Result<Prepared<'a>, RenderError> {
+        let start = Instant::now();
+        let variant = Variant::of(scene, library)?;
+        let program = variant.program(library, Linker::new)?;
+        let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
+        let view = view::View::of(scene, subject, &variant);
+        let quality = &scene.quality;
+        let planes = pass::Planes::new(view.extent, quality.samples);
+        let bound = bind::Bound::new(gpu, scene, subject, &variant, &program, &view, &planes)?;
+        let format = match quality.target {
+            TargetFormat::Unorm8 => gpu::Format::Rgba8Unorm,
+            TargetFormat::Float16 => gpu::Format::Rgba16Float,
+            TargetFormat::Float32 => gpu::Format::Rgba32Float,
+        };
+        let blend = match (quality.pass, quality.order) {
+            (Pass::March, _) => gpu::Blend::Replace,
+            (Pass::Slices, Order::FrontToBack) => gpu::Blend::Under,
+            (Pass::Slices, Order::BackToFront) => gpu::Blend::Over,
+        };
+        let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
+        let pipeline_start = Instant::now();
+        let pipeline = gpu::Pipeline::new(
+            gpu,
+            &gpu::PipelineDescription {
+                vertex: &program.vertex,
+                fragment: &program.fragment,
+                constants: &[(OCTAVES_ID, scene.effect.octaves)],
+                bindings: &bindings,
+                attributes: if quality.pass == Pass::Slices { pass::attributes(quality.proxy) } else { &[] },
+                format,
+                samples: quality.msaa,
+                blend,
+            },
+        )?;
+        compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
+        let [width, height] = scene.image.size;
+        let plane = gpu::Dimension::Plane(width, height);
+        let color = gpu::Image::new(gpu, "target", plane, format, gpu::ImageUse::Target(quality.msaa))?;
+        let resolved = match quality.msaa {
+            1 => None,
+            _ => Some(gpu::Image::new(gpu, "resolved target", plane, format, gpu::ImageUse::Target(1))?),
+        };
+        let scene = scene.clone();
+        Ok(Prepared { gpu, library, subject, scene, variant, program, bound, pipeline, color, resolved, compile_ms })
+    }
+
+    /// A picture of the scene, seen by `scene`'s camera at its time with its knobs; all else is as it was prepared.
+    ///
+    /// # Errors
+    /// [`RenderError::Prepared`] where `scene` needs more than another view, or what a device may refuse.
+    pub fn frame(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
+        let start = Instant::now();
+        self.variant = self.same(scene)?;
+        let view = view::View::of(scene, self.subject, &self.variant);
+        let quality = &scene.quality;
+        let planes = pass::Planes::new(view.extent, quality.samples);
+        let slices = || pass::stack(&planes, view.extent.radius, quality.proxy, quality.order, view.tint());
+        let stack = (quality.pass == Pass::Slices).then(slices);
+        let vertices = stack.as_ref().map(|stack| {
             let none = [0; 4]; // a buffer cannot be empty, a stack can
             let bytes = if stack.vertices.is_empty() { &none } else { bytemuck::cast_slice(&stack.vertices) };
-            let vertices = gpu::Buffer::new(gpu, "proxy slices", gpu::BufferUse::Vertices, bytes)?;
-            pass::draw(gpu, &pipeline, &set, &vertices, stack, target)?
+            gpu::Buffer::new(self.gpu, "proxy slices", gpu::BufferUse::Vertices, bytes)
+        });
+        let vertices = vertices.transpose()?;
+        let target = gpu::Target { color: &self.color, resolved: self.resolved.as_ref() };
+        let [width, height] = scene.image.size;
+        let mut sum = vec![[0.0; 4]; width as usize * height as usize];
+        let mut drawn = pass::Drawn { fragments: Some(0), ..Default::default() };
+        for sub_frame in SubFrame::all(scene) {
+            self.bound.fill(scene, self.subject, &self.variant, &view, &planes, &sub_frame)?;
+            let set = self.pipeline.bind(&self.bound.resources())?;
+            drawn.append(&match (&stack, &vertices) {
+                (Some(stack), Some(vertices)) => {
+                    pass::draw(self.gpu, &self.pipeline, &set, vertices, stack, target)?
+                }
+                _ => pass::march(self.gpu, &self.pipeline, &set, height, target)?,
+            });
+            let texels = self.resolved.as_ref().unwrap_or(&self.color).read()?;
+            add(&mut sum, &decode(&texels, quality.target));
         }
-    };
-    let pixels = decode(&resolved.as_ref().unwrap_or(&color).read()?, quality.target);
-    check_finite(&pixels, width as usize)?;
-    let device_bytes = bound.bytes() + color.bytes() + resolved.as_ref().map_or(0, gpu::Image::bytes);
-    let measurements = Measurements {
-        modules: variant.key(),
-        shipped: program.shipped,
-        left_out: program.left_out(),
-        slices: planes.count,
-        step: planes.step,
-        fragments: drawn.fragments,
-        compile_ms: compile_ms + drawn.first_use_ms,
-        gpu_ms: drawn.gpu_ms,
-        longest_ms: drawn.longest_ms,
-        total_ms: start.elapsed().as_secs_f64() * 1e3,
-        device_bytes,
-        quantization: bound.quantization,
-    };
-    Ok(Frame { size: scene.image.size, pixels, measurements })
+        let pixels = mean(&sum, quality.supersampling);
+        check_finite(&pixels, width as usize)?;
+        let targets = self.color.bytes() + self.resolved.as_ref().map_or(0, gpu::Image::bytes);
+        let measurements = Measurements {
+            modules: self.variant.key(),
+            shipped: self.program.shipped,
+            left_out: self.program.left_out(),
+            slices: planes.count,
+            step: planes.step,
+            fragments: drawn.fragments,
+            compile_ms: std::mem::take(&mut self.compile_ms) + drawn.first_use_ms,
+            gpu_ms: drawn.gpu_ms,
+            longest_ms: drawn.longest_ms,
+            total_ms: start.elapsed().as_secs_f64() * 1e3,
+            device_bytes: self.bound.bytes() + targets,
+            quantization: self.bound.quantization(self.subject),
+        };
+        Ok(Frame { size: scene.image.size, pixels, measurements })
+    }
+
+    /// The variant of a scene that differs from the prepared one in nothing that was made for it.
+    fn same(&self, scene: &Scene) -> Result<Variant, RenderError> {
+        let variant = Variant::of(scene, self.library)?;
+        let (camera, knobs) = (self.scene.camera.clone(), self.scene.knobs.clone());
+        let made_for = |variant: &Variant| (variant.slots.clone(), variant.knobs.outer_iso(), variant.knobs.reach());
+        match (Scene { camera, knobs, ..scene.clone() } == self.scene, made_for(&variant) == made_for(&self.variant)) {
+            (true, true) => Ok(variant),
+            (false, _) => Err(RenderError::Prepared("more than camera and knobs")),
+            (true, false) => Err(RenderError::Prepared("the modules or the reach of the matter")),
+        }
+    }
+}
+
+/// `constant_id` of the octaves in `glsl/turbulence/procedural.glsl`.
+const OCTAVES_ID: u32 = 0;
+
+fn add(sum: &mut [[f64; 4]], pixels: &[[f32; 4]]) {
+    for (sum, pixel) in sum.as_flattened_mut().iter_mut().zip(pixels.as_flattened()) {
+        *sum += f64::from(*pixel);
+    }
+}
+
+fn mean(sum: &[[f64; 4]], count: u32) -> Vec<[f32; 4]> {
+    sum.iter().map(|pixel| pixel.map(|channel| (channel / f64::from(count)) as f32)).collect()
 }
 
 /// The texels of a target as floats.

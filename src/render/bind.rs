@@ -1,13 +1,14 @@
 //! What a program reads, made for it: blocks filled, images encoded and uploaded, and nothing that it does not read.
 
+use super::sub_frame::SubFrame;
 use super::view::View;
 use super::{RenderError, Subject};
 use crate::gpu::{self, Address, Buffer, BufferUse, Dimension, Format, Gpu, Image, Sampler};
 use crate::noise::{Noise, Weights, noise_block, turbulence_block};
 use crate::pass::Planes;
-use crate::scene::{KnobValue, Scene, Source};
+use crate::scene::{KnobValue, Projection, Rule, Scene, Source};
 use crate::texture::{self, Encoding, Texels};
-use crate::variant::{Block, Program, Resource, Use, Variant};
+use crate::variant::{Program, Resource, Use, Variant};
 use std::collections::HashMap;
 
 /// Lattice cells across a block of noise of 64 texels: four texels for each cell. Fewer texels: the trilinear filter
@@ -15,18 +16,21 @@ use std::collections::HashMap;
 const NOISE_TEXELS_PER_CELL: u32 = 4;
 /// Lattice cells of the first octave across a block of turbulence. More: fewer octaves fit. Fewer: it repeats sooner.
 const TURBULENCE_CELLS: u32 = 4;
-/// Octaves of turbulence (MJ 4.1), where the block can hold them.
-const OCTAVES: u32 = 8;
 /// Seed of the noise: changing it changes every picture.
 const SEED: u64 = 1989;
 
 /// The resources of one program.
 pub(super) struct Bound {
-    blocks: Vec<(u32, Buffer)>,
+    blocks: Vec<(Resource, Buffer)>,
     images: Vec<(u32, Image)>,
     samplers: Vec<(u32, Sampler)>,
-    /// Largest error of a stored distance, object units.
-    pub(super) quantization: f32,
+    stored: Option<Stored>,
+}
+
+/// How the distance is stored in the volume, world units.
+struct Stored {
+    decode: [f32; 2],
+    quantization: f32,
 }
 
 impl Bound {
@@ -39,12 +43,14 @@ impl Bound {
         view: &View,
         planes: &Planes,
     ) -> Result<Bound, RenderError> {
-        let mut bound = Bound { blocks: Vec::new(), images: Vec::new(), samplers: Vec::new(), quantization: 0.0 };
+        let mut bound = Bound { blocks: Vec::new(), images: Vec::new(), samplers: Vec::new(), stored: None };
         let texels = program.reads("volume_image").then(|| volume(scene, subject, variant, view)).flatten();
-        let values = values(scene, subject, variant, view, texels.as_ref(), planes);
         for resource in &program.resources {
             match &resource.holds {
-                Use::Block(block) => bound.blocks.push((resource.binding, uniform(gpu, resource, block, &values)?)),
+                Use::Block(block) => {
+                    let buffer = Buffer::new(gpu, &resource.name, BufferUse::Uniform, &vec![0; block.bytes])?;
+                    bound.blocks.push((resource.clone(), buffer));
+                }
                 Use::Sampler => {
                     let address = if resource.name == "repeat_sampler" { Address::Repeat } else { Address::Clamp };
                     let sampler = Sampler::new(gpu, address, scene.quality.anisotropy)?;
@@ -56,13 +62,38 @@ impl Bound {
                 }
             }
         }
-        bound.quantization = texels.map_or(0.0, |texels| texels.quantization * subject.scale);
+        bound.stored = texels.map(|texels| Stored { decode: texels.decode, quantization: texels.quantization });
         Ok(bound)
+    }
+
+    /// Writes the blocks for a picture; the last one is finished.
+    pub(super) fn fill(
+        &mut self,
+        scene: &Scene,
+        subject: &Subject,
+        variant: &Variant,
+        view: &View,
+        planes: &Planes,
+        sub_frame: &SubFrame,
+    ) -> Result<(), RenderError> {
+        let mut values = values(scene, subject, variant, view, self.stored.as_ref(), planes);
+        values.extend(moment(scene, view, sub_frame));
+        for (resource, buffer) in &mut self.blocks {
+            let Use::Block(block) = &resource.holds else { continue };
+            let bytes = block.fill(|name| values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled)?;
+            buffer.write(&resource.name, &bytes)?;
+        }
+        Ok(())
+    }
+
+    /// Largest error of a stored distance, object units; 0 for a formula.
+    pub(super) fn quantization(&self, subject: &Subject) -> f32 {
+        self.stored.as_ref().map_or(0.0, |stored| stored.quantization * subject.scale)
     }
 
     /// The resources by binding.
     pub(super) fn resources(&self) -> Vec<(u32, gpu::Resource<'_>)> {
-        let blocks = self.blocks.iter().map(|(binding, block)| (*binding, gpu::Resource::Uniform(block)));
+        let blocks = self.blocks.iter().map(|(resource, block)| (resource.binding, gpu::Resource::Uniform(block)));
         let images = self.images.iter().map(|(binding, image)| (*binding, gpu::Resource::Image(image)));
         let samplers = self.samplers.iter().map(|(binding, sampler)| (*binding, gpu::Resource::Sampler(sampler)));
         blocks.chain(images).chain(samplers).collect()
@@ -98,28 +129,31 @@ fn volume(scene: &Scene, subject: &Subject, variant: &Variant, view: &View) -> O
     Some(texture::encode(field, encoding, [-reach, reach]))
 }
 
-fn uniform(
-    gpu: &Gpu,
-    resource: &Resource,
-    block: &Block,
-    values: &HashMap<String, Vec<f32>>,
-) -> Result<Buffer, RenderError> {
-    let bytes = block.fill(|name| values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled)?;
-    Ok(Buffer::new(gpu, &resource.name, BufferUse::Uniform, &bytes)?)
+/// Members that differ from sub-frame to sub-frame, by name.
+fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(String, Vec<f32>); 4] {
+    let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
+    let [x, y] = [sub_frame.offset[0] * width, sub_frame.offset[1] * height];
+    // The slices move against the rays, which go through a place beside the center of the pixel.
+    let projection = glam::Mat4::from_translation(glam::Vec3::new(-x, -y, 0.0)) * view.projection;
+    [
+        ("projection".into(), projection.to_cols_array().to_vec()),
+        ("picture_scale".into(), vec![width, height, x, y]),
+        ("time".into(), vec![sub_frame.time]),
+        ("jitter_seed".into(), vec![sub_frame.jitter_seed]),
+    ]
 }
 
-/// Every member of the blocks of `interface.glsl`, and every knob, by name.
+/// Every other member of the blocks of `interface.glsl`, and every knob, by name.
 fn values(
     scene: &Scene,
     subject: &Subject,
     variant: &Variant,
     view: &View,
-    texels: Option<&Texels>,
+    stored: Option<&Stored>,
     planes: &Planes,
 ) -> HashMap<String, Vec<f32>> {
     let mut values = HashMap::new();
     let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
-    set("projection", &view.projection.to_cols_array());
     set("texture_matrix", &view.texture_matrix.to_cols_array());
     set("object_matrix", &view.object_matrix.to_cols_array());
     set("display_matrix", &view.display_matrix.to_cols_array());
@@ -143,17 +177,18 @@ fn values(
     set("volume_scale", &scale.extend(0.0).to_array());
     set("volume_offset", &offset.extend(0.0).to_array());
     set("volume_texel", &texel.extend(0.0).to_array());
-    let decode = texels.map_or([0.0; 2], |texels| texels.decode.map(|value| value * subject.scale));
+    let decode = stored.map_or([0.0; 2], |stored| stored.decode.map(|value| value * subject.scale));
     set("distance_decode", &[decode[0], decode[1], 0.0, 0.0]);
     set("step_size", &[planes.step]);
     set("first_depth", &[planes.first_depth]);
     set("slice_count", &[planes.count as f32]);
-    set("leap_slack", &[leap_slack(subject, variant, texels)]);
+    set("leap_slack", &[leap_slack(subject, variant, stored)]);
     set("full_opacity", &[1.0 - scene.quality.stop]);
-    let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
-    set("picture_scale", &[width, height, 0.0, 0.0]);
+    let half_path = half_path(scene, view, planes);
+    let reaches = [scene.quality.rule == Rule::Segment, scene.quality.jitter].map(|reaches| f32::from(u8::from(reaches)));
+    set("segment_reach", &[reaches[0] * half_path]);
+    set("box_margin", &[(reaches[0] + reaches[1]) * half_path]);
     set("ray_scale", &[view.ray_scale[0], view.ray_scale[1], 0.0, 0.0]);
-    set("time", &[scene.camera.time]);
     set("opacity_rate", &[scene.effect.opacity_rate]);
     set("noise_cells", &[noise_cells(scene) as f32]);
     set("turbulence_cells", &[TURBULENCE_CELLS as f32]);
@@ -176,14 +211,23 @@ fn values(
     values
 }
 
+/// The longest that half a step along a ray can be, object units.
+fn half_path(scene: &Scene, view: &View, planes: &Planes) -> f32 {
+    let slant = match scene.camera.projection {
+        Projection::Parallel => 1.0,
+        Projection::Perspective => glam::Vec2::from(view.ray_scale).extend(1.0).length(),
+    };
+    0.5 * planes.step * slant / glam::Vec3::from(scene.object.stretch).min_element()
+}
+
 /// How much nearer the matter may be than a sampled distance says, object units.
 ///
 /// A warp moves the place that is looked up, here and wherever the ray lands, by its reach. The filter mixes the distances
 /// of eight samples, whose weighted mean is at most half a voxel's diagonal away (by Jensen's inequality); a stored
 /// distance is rounded; and f32 has its own few ulps.
-fn leap_slack(subject: &Subject, variant: &Variant, texels: Option<&Texels>) -> f32 {
+fn leap_slack(subject: &Subject, variant: &Variant, stored: Option<&Stored>) -> f32 {
     let voxel = subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length() * subject.scale);
-    let rounding = texels.map_or(0.0, |texels| texels.quantization * subject.scale);
+    let rounding = stored.map_or(0.0, |stored| stored.quantization * subject.scale);
     2.0 * variant.knobs.reach() + 0.5 * voxel + rounding + 1e-5
 }
 
@@ -214,7 +258,7 @@ fn image(
             Image::sampled(gpu, "noise block", block, Format::Rgba16Unorm, bytemuck::cast_slice(&texels))
         }
         ("turbulence_image", _) => {
-            let (texels, _) = turbulence_block(&noise(scene), side, TURBULENCE_CELLS, OCTAVES);
+            let (texels, _) = turbulence_block(&noise(scene), side, TURBULENCE_CELLS, scene.effect.octaves);
             Image::sampled(gpu, "turbulence block", block, Format::Rgba16Unorm, bytemuck::cast_slice(&texels))
         }
         ("transfer_image", _) => {
