@@ -325,9 +325,7 @@ impl<'a> Prepared<'a> {
             self.bound.fill(scene, self.subject, &self.variant, &view, &planes, &sub_frame)?;
             let set = self.pipeline.bind(&self.bound.resources())?;
             drawn.append(&match (&stack, &vertices) {
-                (Some(stack), Some(vertices)) => {
-                    pass::draw(self.gpu, &self.pipeline, &set, vertices, stack, target)?
-                }
+                (Some(stack), Some(vertices)) => pass::draw(self.gpu, &self.pipeline, &set, vertices, stack, target)?,
                 _ => pass::march(self.gpu, &self.pipeline, &set, height, target)?,
             });
             let texels = self.resolved.as_ref().unwrap_or(&self.color).read()?;

@@ -1,6 +1,6 @@
 // A hard object: the iso-surface alone, found where it lies within the step.
 // Source: MJ 3.5; ours: the crossing of a line through the distances at both ends of the step, and again through the
-// distance found there. An error of the order of the step to the fourth; the first slice behind the surface has the step.
+// distance found there. An error of the third order in the step; the first slice behind the surface has the step.
 // x: object space, middle of the step; path: object units; result premultiplied linear RGBA, alpha 0 or 1.
 #include "sample.glsl"
 #include "segment.glsl"

@@ -5,7 +5,7 @@
 #include <noise>
 #include <bandlimit>
 layout(constant_id = 0) const int OCTAVES = 8;
-const float MEAN_NOISE = 0.2;           // of |noise|
+const float MEAN_NOISE = 0.156;         // of |noise| with weights of 2002, as measured; of 1989: 0.148
 
 vec4 turbulence_gradient(vec3 p, float width) {
     vec4 sum = vec4(0.0);

@@ -185,7 +185,8 @@ fn values(
     set("leap_slack", &[leap_slack(subject, variant, stored)]);
     set("full_opacity", &[1.0 - scene.quality.stop]);
     let half_path = half_path(scene, view, planes);
-    let reaches = [scene.quality.rule == Rule::Segment, scene.quality.jitter].map(|reaches| f32::from(u8::from(reaches)));
+    let reaches =
+        [scene.quality.rule == Rule::Segment, scene.quality.jitter].map(|reaches| f32::from(u8::from(reaches)));
     set("segment_reach", &[reaches[0] * half_path]);
     set("box_margin", &[(reaches[0] + reaches[1]) * half_path]);
     set("ray_scale", &[view.ray_scale[0], view.ray_scale[1], 0.0, 0.0]);

@@ -7,7 +7,7 @@ use crate::scene::Scene;
 /// One of the pictures of which a picture is the mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SubFrame {
-    /// From the center of a pixel to where its ray goes through, in pixels: right and down, each in [-1/2, 1/2).
+    /// From the center of a pixel to where its ray goes through, in pixels: right and down, each in (-1/2, 1/2).
     pub(super) offset: [f32; 2],
     /// Seconds.
     pub(super) time: f32,
@@ -24,7 +24,7 @@ impl SubFrame {
         (0..count).map(move |index| {
             let moment = (f64::from(index) + 0.5) / f64::from(count);
             SubFrame {
-                offset: if count > 1 { offset(index) } else { [0.0; 2] },
+                offset: offset(index, count),
                 time: (f64::from(time) + f64::from(shutter) * moment) as f32,
                 jitter_seed: (mix(u64::from(seed) << 32 | u64::from(index)) >> 40) as f32,
             }
@@ -32,11 +32,21 @@ impl SubFrame {
     }
 }
 
-/// A place in the pixel: the R2 sequence (Roberts 2018), whose first n places cover the square evenly for every n.
-fn offset(index: u32) -> [f32; 2] {
+/// A place in the pixel: a lattice whose projections on either axis, and on the time, are at equal distances. Its steps
+/// are those of the R2 sequence (Roberts 2018) to the nearest number that has no divisor in common with `count`.
+fn offset(index: u32, count: u32) -> [f32; 2] {
     // 1 / g and 1 / g^2 with g^3 = g + 1.
     const STEP: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
-    STEP.map(|step| ((0.5 + step * f64::from(index)).fract() - 0.5) as f32)
+    STEP.map(|step| {
+        let wanted = (step * f64::from(count)).round() as u32;
+        let coprime = |k: &u32| gcd(*k, count) == 1;
+        let step = (1..=count).rev().filter(coprime).min_by_key(|k| k.abs_diff(wanted)).unwrap_or(1);
+        ((f64::from(index * step % count) + 0.5) / f64::from(count) - 0.5) as f32
+    })
+}
+
+fn gcd(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// The last steps of SplitMix64 (Vigna): neighbors give bits that have nothing to do with each other.
@@ -66,10 +76,10 @@ mod tests {
         let all: Vec<_> = SubFrame::all(&scene).collect();
         for axis in [0, 1] {
             let mean: f32 = all.iter().map(|sub| sub.offset[axis]).sum::<f32>() / 64.0;
-            assert!(mean.abs() < 0.01, "axis {axis}: {mean}");
+            assert!(mean.abs() < 1e-6, "axis {axis}: {mean}");
             let mut places: Vec<f32> = all.iter().map(|sub| sub.offset[axis]).collect();
             places.sort_by(f32::total_cmp);
-            assert!(places.windows(2).all(|pair| pair[1] - pair[0] < 3.0 / 64.0));
+            assert!(places.windows(2).all(|pair| (pair[1] - pair[0] - 1.0 / 64.0).abs() < 1e-6));
         }
         assert!(all.windows(2).all(|pair| (pair[1].time - pair[0].time - 1.0 / 64.0).abs() < 1e-6));
         assert!(all[0].time > 0.0 && all[63].time < 1.0);

@@ -172,7 +172,9 @@ impl Scene {
             (super::Pass::March, true) => (LOOP_BUDGET / self.procedural_loops()).floor(),
         };
         within("quality.samples", quality.samples as f32, 1.0, most)?;
-        if quality.rule == Rule::Segment && !["surface", "soft", "preintegrated"].contains(&self.effect.classify.as_str()) {
+        if quality.rule == Rule::Segment
+            && !["surface", "soft", "preintegrated"].contains(&self.effect.classify.as_str())
+        {
             return Err(SceneError::Value {
                 field: "quality.rule".into(),
                 value: "segment".into(),
@@ -287,6 +289,8 @@ mod tests {
         assert!(refusal(|s| s.quality.msaa = 3).ends_with("1, 2, 4 or 8"));
         let look = |s: &mut Scene| (s.camera.slice_stack, s.quality.pass) = (true, Pass::March);
         assert!(refusal(look).starts_with("camera.slice_stack = true: needs quality.pass"));
+        assert_eq!(refusal(|s| s.effect.octaves = 11), "effect.octaves = 11: must be from 1 to 10");
+        assert!(refusal(|s| s.quality.supersampling = 257).ends_with("must be from 1 to 256"));
         assert!(refusal(|s| s.image.size = [0, 5]).starts_with("image.size = 0"));
     }
 
@@ -298,6 +302,11 @@ mod tests {
         };
         assert_eq!(refusal(march(60_001, "block")), "quality.samples = 60001: must be from 1 to 60000");
         assert_eq!(refusal(march(400, "procedural")), "quality.samples = 400: must be from 1 to 357");
+        let segments = |s: &mut Scene| {
+            march(120, "procedural")(s);
+            s.quality.rule = Rule::Segment;
+        };
+        assert_eq!(refusal(segments), "quality.samples = 120: must be from 1 to 119");
     }
 
     #[test]
