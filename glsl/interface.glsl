@@ -10,13 +10,16 @@ layout(set = 0, binding = 0) uniform View {
     vec4 box_min;           // box around the soft region, object space
     vec4 box_max;
     vec4 clip_plane;        // keeps dot(clip_plane.xyz, x) <= clip_plane.w
-    vec4 picture_scale;     // pixel coordinates to [0, 2] across the picture, in xy
+    vec4 picture_scale;     // pixel coordinates to [0, 2] across the picture, in xy; where in its pixel a ray is, in zw
     vec4 ray_scale;         // half width and height of the view: at depth 1 in perspective, at any depth in parallel
     float step_size;        // distance between slices, object units
     float first_depth;      // depth of the slice nearest to the eye
     float slice_count;      // slices from there on
     float leap_slack;       // how much nearer the matter may be than a sampled distance says, object units
     float full_opacity;     // a ray ends where its opacity reaches this
+    float segment_reach;    // how far a sample looks along its ray to each side, object units: 0 for a point
+    float box_margin;       // how much further than the box the slices go: samples reach and move along their rays
+    float jitter_seed;      // below 2^24: which phases the pixels have
     float time;             // seconds
     float noise_cells;      // lattice cells across the noise block
     float turbulence_cells; // lattice cells of the first octave across the turbulence block

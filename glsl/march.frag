@@ -7,7 +7,10 @@
 layout(location = 0) out vec4 fragment;
 vec3 position_eye;                      // eye space
 vec4 color = vec4(1.0);
+bool follows = false;                   // the sample taken last is one step nearer to the eye
+mat3 ray_basis;                         // along the ray and to two sides, unit vectors, eye space
 #include <projection>
+#include <jitter>
 #include <clip>
 #include <classify>
 #include <traverse>
@@ -16,28 +19,35 @@ vec4 color = vec4(1.0);
 // PH 3.1, after Kay and Kajiya 1986. A ray in the plane of a face gives infinities or NaN, which min and max drop.
 vec2 crossing(vec3 from, vec3 along) {
     vec3 safe = mix(along, vec3(1e-20), lessThan(abs(along), vec3(1e-20)));
-    vec3 a = (box_min.xyz - from) / safe, b = (box_max.xyz - from) / safe;
+    vec3 a = (box_min.xyz - segment_reach - from) / safe, b = (box_max.xyz + segment_reach - from) / safe;
     vec3 near = min(a, b), far = max(a, b);
     return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
 }
 
 void main() {
-    vec2 ndc = gl_FragCoord.xy * picture_scale.xy - 1.0;
+    vec2 ndc = gl_FragCoord.xy * picture_scale.xy - 1.0 + picture_scale.zw;
     vec3 from = (texture_matrix * vec4(ray_at(ndc, 0.0), 1.0)).xyz;
     vec3 along = mat3(texture_matrix) * (ray_at(ndc, 1.0) - ray_at(ndc, 0.0));
     vec2 inside = crossing(from, along);
-    float first = max(ceil((inside.x - first_depth) / step_size), 0.0);         // PH 3.1: x = x_mu0 + k dx
-    float last = min(floor((inside.y - first_depth) / step_size), slice_count - 1.0);
+    float phase = sample_phase();
+    float first = max(ceil((inside.x - first_depth) / step_size - phase), 0.0); // PH 3.1: x = x_mu0 + k dx
+    float last = min(floor((inside.y - first_depth) / step_size - phase), slice_count - 1.0);
     vec4 sum = vec4(0.0);
     float step_length = step_size * length(along);
     float next = 1.0;
+    position_eye = ray_at(ndc, 1.0);
+    ray_basis = ray_basis_of();
     for (float k = first; k <= last; k += next) {
         next = 1.0;
-        position_eye = ray_at(ndc, first_depth + k * step_size);
+        position_eye = ray_at(ndc, first_depth + (k + phase) * step_size);
         vec3 x = (texture_matrix * vec4(position_eye, 1.0)).xyz;
-        if (clipped(x)) continue;
+        if (clipped(x)) {
+            follows = false;
+            continue;
+        }
         vec4 matter = classify(x, step_size * path_scale());
         next = advance(step_length);
+        follows = next == 1.0;
         sum += (1.0 - sum.a) * matter;                                          // PH 3.1: front to back
         if (sum.a >= full_opacity) break;                                       // PH 3.1: until opaque
     }

@@ -21,5 +21,6 @@ Soft one_soft(Sample s, float density) {
 
 vec3 one_shade(Sample s, float density, vec3 normal) {
     s.normal = place_scale * (mat3(place_matrix) * normal);
+    s.shading = s.normal;
     return s.density >= 1.0 ? surface(s) : medium(s, density);
 }

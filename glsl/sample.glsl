@@ -19,6 +19,7 @@ Sample sample_object(vec3 x) {
     s.x = x;
     s.distance = surface.distance;
     s.normal = safe_normalize(transpose(jacobian) * surface.normal, vec3(0.0, 1.0, 0.0));
+    s.shading = s.normal;
     s.coherence = length(surface.normal);
     s.density = soften(s.distance);
     return s;

@@ -8,7 +8,10 @@
 layout(location = 0) out vec4 fragment;
 vec3 position_eye;                      // eye space
 vec4 color;                             // linear RGBA of the vertex
+const bool follows = false;             // no sample of the ray was taken before this one
+mat3 ray_basis;                         // along the ray and to two sides, unit vectors, eye space
 #include <projection>
+#include <jitter>
 #include <clip>
 #include <classify>
 
@@ -16,6 +19,8 @@ void main() {
     vec3 x = x_in;
     position_eye = position_eye_in;
     color = color_in;
+    shift_sample(position_eye, x);
+    ray_basis = ray_basis_of();
     if (clipped(x)) discard;
     vec4 matter = classify(x, step_size * path_scale());
     if (matter.a <= 0.0) discard;       // MJ 3.5: other fragments are rejected

@@ -62,8 +62,6 @@ impl Planes {
 pub struct Stack {
     /// Vertices, in the order in which the slices are drawn.
     pub vertices: Vec<f32>,
-    /// Floats of each vertex attribute.
-    pub attributes: &'static [u32],
     /// Vertices of one slice.
     pub per_slice: u32,
     /// Number of slices.
@@ -95,11 +93,19 @@ pub fn stack(planes: &Planes, radius: f32, proxy: Proxy, order: Order, tint: imp
             }
         }
     }
-    let (attributes, per_slice): (&[u32], u32) = match proxy {
-        Proxy::Quads => (&[3, 3, 4], 6),
-        Proxy::Polygons => (&[2, 4], 12),
+    let per_slice = match proxy {
+        Proxy::Quads => 6,
+        Proxy::Polygons => 12,
     };
-    Stack { vertices, attributes, per_slice, slices: planes.count }
+    Stack { vertices, per_slice, slices: planes.count }
+}
+
+/// Floats of each vertex attribute of a stack.
+pub fn attributes(proxy: Proxy) -> &'static [u32] {
+    match proxy {
+        Proxy::Quads => &[3, 3, 4],
+        Proxy::Polygons => &[2, 4],
+    }
 }
 
 /// What drawing a stack cost.
@@ -131,6 +137,14 @@ impl Drawn {
             });
         })?;
         Ok(Drawn { first_use_ms: cost.wall_ms, fragments: Some(0), ..Default::default() })
+    }
+
+    /// Adds what was drawn after it.
+    pub fn append(&mut self, next: &Drawn) {
+        self.first_use_ms += next.first_use_ms;
+        self.gpu_ms += next.gpu_ms;
+        self.longest_ms = self.longest_ms.max(next.longest_ms);
+        self.fragments = self.fragments.zip(next.fragments).map(|(a, b)| a + b);
     }
 
     fn add(&mut self, cost: &Submitted) {

@@ -4,19 +4,21 @@
 //! [`Frame`]. Invariant: every picture that a person sees comes through [`render`].
 
 mod bind;
+mod sub_frame;
 mod view;
 
 use crate::field::{self, DistanceField, FieldError, Progress};
-use crate::glsl::{Library, Linker, Slots};
+use crate::glsl::{Library, Linker};
 use crate::gpu::{self, Gpu, GpuError};
 use crate::pass;
-use crate::scene::{Axis, Object, Order, Pass, Proxy, Scene, Source, TargetFormat};
+use crate::scene::{Axis, Object, Order, Pass, Scene, Source, TargetFormat};
 use crate::shape::{self, Shape, ShapeError};
 use crate::variant::{FORMULAS, Program, Variant, VariantError};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::time::Instant;
+use sub_frame::SubFrame;
 
 /// The object of a scene, ready to be drawn in any effect.
 ///
@@ -223,7 +225,7 @@ fn inside_bounds(field: &DistanceField) -> (Vec3, Vec3) {
 ///
 /// The pixels are premultiplied linear RGBA without the background; the error of the quadrature is of the order of
 /// `measurements.step` at hard edges (an RMS of at most twice the step over the six effects, as measured) and of its
-/// square in soft matter.
+/// square in soft matter; with `quality.rule = "segment"` of its square everywhere but at outlines.
 ///
 /// # Errors
 /// The scene has no valid program, or the device refuses.
@@ -231,29 +233,18 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
     Renderer::new(gpu, library, subject).render(scene)
 }
 
-/// Renders several scenes of one subject: what is made for one picture and fits the next is not made again.
+/// Renders scenes of one subject: what was made for one picture and fits the next is not made again.
 pub struct Renderer<'a> {
     gpu: &'a Gpu,
     library: &'a Library,
     subject: &'a Subject,
-    kept: Option<Kept>,
+    prepared: Option<Prepared<'a>>,
 }
-
-/// The program of the last picture.
-struct Kept {
-    pass: Pass,
-    slots: Slots,
-    program: Program,
-    pipeline: Option<(PipelineKey, gpu::Pipeline)>,
-}
-
-/// What a pipeline depends on besides its program.
-type PipelineKey = (Option<Proxy>, gpu::Format, u32, gpu::Blend);
 
 impl<'a> Renderer<'a> {
     /// A renderer that has made nothing yet.
     pub fn new(gpu: &'a Gpu, library: &'a Library, subject: &'a Subject) -> Renderer<'a> {
-        Renderer { gpu, library, subject, kept: None }
+        Renderer { gpu, library, subject, prepared: None }
     }
 
     /// Renders a scene, as [`render`] does, bit for bit.
@@ -265,105 +256,170 @@ impl<'a> Renderer<'a> {
         self.render_bands(scene, std::slice::from_ref(&all))
     }
 
-    /// Renders some bands of a picture, ranges of rows in it that neither overlap nor touch. Their pixels are those of the
-    /// whole picture, bit for bit; the others are undefined.
+    /// Renders some bands of a picture, ranges of rows in it that neither overlap nor touch. Their pixels are those of
+    /// the whole picture, bit for bit; the others are undefined.
     ///
     /// # Errors
     /// As [`render`].
     pub fn render_bands(&mut self, scene: &Scene, bands: &[Range<u32>]) -> Result<Frame, RenderError> {
-        frame(self, scene, bands)
+        let start = Instant::now();
+        let variant = Variant::of(scene, self.library)?;
+        let kept = self.prepared.take().filter(|prepared| prepared.fits(scene, &variant));
+        let mut prepared = match kept {
+            Some(prepared) => prepared,
+            None => Prepared::new(self.gpu, self.library, scene, self.subject, &variant)?,
+        };
+        let mut frame = prepared.frame(scene, &variant, bands)?;
+        self.prepared = Some(prepared);
+        frame.measurements.total_ms = start.elapsed().as_secs_f64() * 1e3;
+        Ok(frame)
     }
 }
 
-/// The story of a frame.
-fn frame(renderer: &mut Renderer<'_>, scene: &Scene, bands: &[Range<u32>]) -> Result<Frame, RenderError> {
-    let Renderer { gpu, library, subject, .. } = *renderer;
-    let start = Instant::now();
-    let variant = Variant::of(scene, library)?;
-    let mut kept = match renderer.kept.take() {
-        Some(kept) if (kept.pass, &kept.slots) == (variant.pass, &variant.slots) => kept,
-        _ => {
-            let program = variant.program(library, Linker::new)?;
-            Kept { pass: variant.pass, slots: variant.slots.clone(), program, pipeline: None }
+/// A scene with all that its pictures share, made once: program, pipeline, images and targets.
+struct Prepared<'a> {
+    gpu: &'a Gpu,
+    subject: &'a Subject,
+    scene: Scene,
+    variant: Variant,
+    program: Program,
+    bound: bind::Bound,
+    pipeline: gpu::Pipeline,
+    color: gpu::Image,
+    resolved: Option<gpu::Image>,
+    compile_ms: f64,
+}
+
+impl<'a> Prepared<'a> {
+    /// Makes what the pictures of a scene share.
+    fn new(
+        gpu: &'a Gpu,
+        library: &'a Library,
+        scene: &Scene,
+        subject: &'a Subject,
+        variant: &Variant,
+    ) -> Result<Prepared<'a>, RenderError> {
+        let start = Instant::now();
+        let program = variant.program(library, Linker::new)?;
+        let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
+        let view = view::View::of(scene, subject, variant);
+        let quality = &scene.quality;
+        let planes = pass::Planes::new(view.extent, quality.samples);
+        let bound = bind::Bound::new(gpu, scene, subject, variant, &program, &view, &planes)?;
+        let format = match quality.target {
+            TargetFormat::Unorm8 => gpu::Format::Rgba8Unorm,
+            TargetFormat::Float16 => gpu::Format::Rgba16Float,
+            TargetFormat::Float32 => gpu::Format::Rgba32Float,
+        };
+        let blend = match (quality.pass, quality.order) {
+            (Pass::March, _) => gpu::Blend::Replace,
+            (Pass::Slices, Order::FrontToBack) => gpu::Blend::Under,
+            (Pass::Slices, Order::BackToFront) => gpu::Blend::Over,
+        };
+        let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
+        let pipeline_start = Instant::now();
+        let pipeline = gpu::Pipeline::new(
+            gpu,
+            &gpu::PipelineDescription {
+                vertex: &program.vertex,
+                fragment: &program.fragment,
+                constants: &[(OCTAVES_ID, scene.effect.octaves)],
+                bindings: &bindings,
+                attributes: if quality.pass == Pass::Slices { pass::attributes(quality.proxy) } else { &[] },
+                format,
+                samples: quality.msaa,
+                blend,
+            },
+        )?;
+        compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
+        let [width, height] = scene.image.size;
+        let plane = gpu::Dimension::Plane(width, height);
+        let color = gpu::Image::new(gpu, "target", plane, format, gpu::ImageUse::Target(quality.msaa))?;
+        let resolved = match quality.msaa {
+            1 => None,
+            _ => Some(gpu::Image::new(gpu, "resolved target", plane, format, gpu::ImageUse::Target(1))?),
+        };
+        let (scene, variant) = (scene.clone(), variant.clone());
+        Ok(Prepared { gpu, subject, scene, variant, program, bound, pipeline, color, resolved, compile_ms })
+    }
+
+    /// Whether all of this serves another scene as well: it differs in camera, time and knobs alone, and its matter
+    /// reaches as far.
+    fn fits(&self, scene: &Scene, variant: &Variant) -> bool {
+        let mut same = self.scene.clone();
+        same.camera.clone_from(&scene.camera);
+        same.knobs.clone_from(&scene.knobs);
+        for (part, other) in same.parts.values_mut().zip(scene.parts.values()) {
+            part.knobs.clone_from(&other.knobs);
         }
-    };
-    let program = &kept.program;
-    let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
-    let view = view::View::of(scene, subject, &variant);
-    let quality = &scene.quality;
-    let planes = pass::Planes::new(view.extent, quality.samples);
-    let bound = bind::Bound::new(gpu, scene, subject, &variant, program, &view, &planes)?;
-    let format = match quality.target {
-        TargetFormat::Unorm8 => gpu::Format::Rgba8Unorm,
-        TargetFormat::Float16 => gpu::Format::Rgba16Float,
-        TargetFormat::Float32 => gpu::Format::Rgba32Float,
-    };
-    let blend = match (quality.pass, quality.order) {
-        (Pass::March, _) => gpu::Blend::Replace,
-        (Pass::Slices, Order::FrontToBack) => gpu::Blend::Under,
-        (Pass::Slices, Order::BackToFront) => gpu::Blend::Over,
-    };
-    let slices = || pass::stack(&planes, view.extent.radius, quality.proxy, quality.order, view.tint());
-    let stack = (quality.pass == Pass::Slices).then(slices);
-    let pipeline_start = Instant::now();
-    let key = (stack.as_ref().map(|_| quality.proxy), format, quality.msaa, blend);
-    let pipeline = match kept.pipeline.take() {
-        Some((same, pipeline)) if same == key => pipeline,
-        _ => {
-            let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
-            gpu::Pipeline::new(
-                gpu,
-                &gpu::PipelineDescription {
-                    vertex: &program.vertex,
-                    fragment: &program.fragment,
-                    bindings: &bindings,
-                    attributes: stack.as_ref().map_or(&[], |stack| stack.attributes),
-                    format,
-                    samples: quality.msaa,
-                    blend,
-                },
-            )?
-        }
-    };
-    compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
-    let [width, height] = scene.image.size;
-    let plane = gpu::Dimension::Plane(width, height);
-    let color = gpu::Image::new(gpu, "target", plane, format, gpu::ImageUse::Target(quality.msaa))?;
-    let resolved = match quality.msaa {
-        1 => None,
-        _ => Some(gpu::Image::new(gpu, "resolved target", plane, format, gpu::ImageUse::Target(1))?),
-    };
-    let set = pipeline.bind(&bound.resources())?;
-    let target = gpu::Target { color: &color, resolved: resolved.as_ref() };
-    let drawn = match &stack {
-        None => pass::march(gpu, &pipeline, &set, bands, target)?,
-        Some(stack) => {
+        let reach = |variant: &Variant| {
+            let all = [&variant.knobs].into_iter().chain(variant.parts.values());
+            all.map(|knobs| (knobs.outer_iso(), knobs.reach())).collect::<Vec<_>>()
+        };
+        same == *scene && variant.slots == self.variant.slots && reach(variant) == reach(&self.variant)
+    }
+
+    /// Some bands of a picture of a scene that fits: the story of a frame.
+    fn frame(&mut self, scene: &Scene, variant: &Variant, bands: &[Range<u32>]) -> Result<Frame, RenderError> {
+        let view = view::View::of(scene, self.subject, variant);
+        let quality = &scene.quality;
+        let planes = pass::Planes::new(view.extent, quality.samples);
+        let slices = || pass::stack(&planes, view.extent.radius, quality.proxy, quality.order, view.tint());
+        let stack = (quality.pass == Pass::Slices).then(slices);
+        let vertices = stack.as_ref().map(|stack| {
             let none = [0; 4]; // a buffer cannot be empty, a stack can
             let bytes = if stack.vertices.is_empty() { &none } else { bytemuck::cast_slice(&stack.vertices) };
-            let vertices = gpu::Buffer::new(gpu, "proxy slices", gpu::BufferUse::Vertices, bytes)?;
-            pass::draw(gpu, &pipeline, &set, &vertices, stack, bands, target)?
+            gpu::Buffer::new(self.gpu, "proxy slices", gpu::BufferUse::Vertices, bytes)
+        });
+        let vertices = vertices.transpose()?;
+        let target = gpu::Target { color: &self.color, resolved: self.resolved.as_ref() };
+        let [width, height] = scene.image.size;
+        let mut sum = vec![[0.0; 4]; width as usize * height as usize];
+        let mut drawn = pass::Drawn { fragments: Some(0), ..Default::default() };
+        for sub_frame in SubFrame::all(scene) {
+            self.bound.fill(scene, self.subject, variant, &view, &planes, &sub_frame)?;
+            let set = self.pipeline.bind(&self.bound.resources())?;
+            drawn.append(&match (&stack, &vertices) {
+                (Some(stack), Some(vertices)) => {
+                    pass::draw(self.gpu, &self.pipeline, &set, vertices, stack, bands, target)?
+                }
+                _ => pass::march(self.gpu, &self.pipeline, &set, bands, target)?,
+            });
+            let texels = self.resolved.as_ref().unwrap_or(&self.color).read()?;
+            add(&mut sum, &decode(&texels, quality.target));
         }
-    };
-    let pixels = decode(&resolved.as_ref().unwrap_or(&color).read()?, quality.target);
-    check_finite(&pixels, width as usize)?;
-    let device_bytes = bound.bytes() + color.bytes() + resolved.as_ref().map_or(0, gpu::Image::bytes);
-    let measurements = Measurements {
-        modules: variant.key(),
-        shipped: program.shipped,
-        left_out: program.left_out(),
-        slices: planes.count,
-        step: planes.step,
-        fragments: drawn.fragments,
-        compile_ms: compile_ms + drawn.first_use_ms,
-        gpu_ms: drawn.gpu_ms,
-        longest_ms: drawn.longest_ms,
-        total_ms: start.elapsed().as_secs_f64() * 1e3,
-        device_bytes,
-        quantization: bound.quantization,
-    };
-    kept.pipeline = Some((key, pipeline));
-    renderer.kept = Some(kept);
-    Ok(Frame { size: scene.image.size, pixels, measurements })
+        let pixels = mean(&sum, quality.supersampling);
+        check_finite(&pixels, width as usize)?;
+        let targets = self.color.bytes() + self.resolved.as_ref().map_or(0, gpu::Image::bytes);
+        let measurements = Measurements {
+            modules: variant.key(),
+            shipped: self.program.shipped,
+            left_out: self.program.left_out(),
+            slices: planes.count,
+            step: planes.step,
+            fragments: drawn.fragments,
+            compile_ms: std::mem::take(&mut self.compile_ms) + drawn.first_use_ms,
+            gpu_ms: drawn.gpu_ms,
+            longest_ms: drawn.longest_ms,
+            total_ms: 0.0,
+            device_bytes: self.bound.bytes() + targets,
+            quantization: self.bound.quantization(),
+        };
+        Ok(Frame { size: scene.image.size, pixels, measurements })
+    }
+}
+
+/// `constant_id` of the octaves in `glsl/turbulence/procedural.glsl`.
+const OCTAVES_ID: u32 = 0;
+
+fn add(sum: &mut [[f64; 4]], pixels: &[[f32; 4]]) {
+    for (sum, pixel) in sum.as_flattened_mut().iter_mut().zip(pixels.as_flattened()) {
+        *sum += f64::from(*pixel);
+    }
+}
+
+fn mean(sum: &[[f64; 4]], count: u32) -> Vec<[f32; 4]> {
+    sum.iter().map(|pixel| pixel.map(|channel| (channel / f64::from(count)) as f32)).collect()
 }
 
 /// The texels of a target as floats.

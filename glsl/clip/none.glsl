@@ -2,4 +2,5 @@
 // Source: -
 // x: object space.
 bool clipped(vec3 x) { return false; }
+vec2 kept(vec3 from, vec3 along) { return vec2(0.0, 1.0); }
 vec3 cap_normal(vec3 x, vec3 normal) { return normal; }

@@ -13,7 +13,8 @@ float fire(float density, Sample s) {
     float up = smoothstep(-0.8, 0.9, s.normal.y);
     float reach = mix(0.22, 1.0, up);                            // of the flame length, in this direction
     float away = clamp((1.0 - density) / reach, 0.0, 1.0);       // 0 at the object, 1 at the tip of a flame
-    float tongue = turbulence(flame_scale * (s.x * vec3(1.0, 0.45, 1.0) - vec3(0.0, rise * time, 0.0)));
+    float tongue = turbulence(flame_scale * (s.x * vec3(1.0, 0.45, 1.0) - vec3(0.0, rise * time, 0.0)),
+                              flame_scale * sample_width());
     float height = clamp((s.x.y - own_min.y) / (own_max.y - own_min.y), 0.0, 1.0);
     float torn = fury * mix(0.8, 1.5, height) * tongue;          // MJ 6: varying with height
     float left = 1.0 - away - torn * (0.35 + away);

@@ -7,8 +7,8 @@
 #include "transfer.glsl"
 #include <turbulence>
 vec3 medium(Sample s, float density) {
-    vec3 b = safe_normalize(turbulence_gradient(2.0 * s.x - vec3(0.0, 0.6 * time, 0.0)).xyz, s.normal);
-    vec3 n = safe_normalize(mat3(normal_matrix) * (s.normal + b), to_eye());
+    vec3 b = safe_normalize(turbulence_gradient(2.0 * s.x - vec3(0.0, 0.6 * time, 0.0), 2.0 * sample_width()).xyz, s.normal);
+    vec3 n = safe_normalize(mat3(normal_matrix) * (s.shading + b), to_eye());
     float lit = clamp(0.5 + 0.5 * dot(n, safe_normalize(light_position.xyz - position_eye, n)), 0.0, 1.0);
     return glow * transfer(density).rgb * mix(1.0, 0.35 + 1.1 * lit, relief);
 }

@@ -7,14 +7,15 @@ layout(location = 1) in vec4 material;
 // Six corners: an even one walks one of three edge-disjoint paths from the nearest to the farthest box corner, an odd
 // one takes the edge between two paths, or repeats its even neighbor where the slice does not cut that edge.
 vec3 proxy_position() {
-    vec3 size = box_max.xyz - box_min.xyz;
-    vec3 nearest = box_min.xyz;
+    vec3 low = box_min.xyz - box_margin, high = box_max.xyz + box_margin;
+    vec3 size = high - low;
+    vec3 nearest = low;
     vec3 edge[3];
     float rise[3];
     for (int axis = 0; axis < 3; ++axis) {
         vec3 along = object_matrix[axis].xyz * size[axis];
         if (along.z > 0.0) {        // z grows toward the eye: start at the other end of this axis
-            nearest[axis] = box_max[axis];
+            nearest[axis] = high[axis];
             along = -along;
         }
         edge[axis] = along;

@@ -202,6 +202,21 @@ pub struct Look {
     /// Slices through the object, or samples of a ray through it.
     #[arg(long)]
     pub samples: Option<u32>,
+    /// What a sample stands for: point, segment (second order at surfaces and in opaque matter).
+    #[arg(long)]
+    pub rule: Option<String>,
+    /// The normal that soft matter is lit by: analytic, central, three.
+    #[arg(long, value_name = "MODULE")]
+    pub gradient: Option<String>,
+    /// Each pixel has its own phase of the steps: noise in place of contours.
+    #[arg(long)]
+    pub jitter: bool,
+    /// Which phases the pixels have.
+    #[arg(long, value_name = "NUMBER")]
+    pub seed: Option<u32>,
+    /// Pictures of which the mean is taken, 1 to 256.
+    #[arg(long, value_name = "PICTURES")]
+    pub supersampling: Option<u32>,
     /// Format that the slices are blended in: unorm8, float16, float32.
     #[arg(long, value_name = "FORMAT")]
     pub target: Option<String>,
@@ -229,6 +244,9 @@ pub struct Look {
     /// Time in seconds.
     #[arg(long, allow_negative_numbers = true)]
     pub time: Option<f32>,
+    /// Seconds that the shutter stays open; needs --supersampling.
+    #[arg(long)]
+    pub shutter: Option<f32>,
     /// Keeps the points with a x + b y + c z <= d; the object spans -1 to 1.
     #[arg(long, value_parser = numbers, value_name = "A,B,C,D", allow_hyphen_values = true)]
     pub clip: Option<Numbers>,
@@ -286,7 +304,12 @@ impl Look {
             let (name, value) = knob(text)?;
             scene.knobs.insert(name, value);
         }
+        put(&mut scene.effect.gradient, self.gradient.clone());
         let quality = &mut scene.quality;
+        quality.jitter |= self.jitter;
+        put(&mut quality.seed, self.seed);
+        put(&mut quality.supersampling, self.supersampling);
+        name_into("--rule", &self.rule, &mut quality.rule)?;
         put(&mut quality.samples, self.samples);
         put(&mut quality.msaa, self.msaa);
         put(&mut quality.anisotropy, self.anisotropy);
@@ -299,6 +322,7 @@ impl Look {
         let camera = &mut scene.camera;
         name_into("--projection", &self.projection, &mut camera.projection)?;
         put(&mut camera.time, self.time);
+        put(&mut camera.shutter, self.shutter);
         match self.camera.as_ref().map(|numbers| numbers.0.as_slice()) {
             None => {}
             Some(&[azimuth, elevation]) => (camera.azimuth, camera.elevation) = (azimuth, elevation),
@@ -367,6 +391,8 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
         "noise" => &mut effect.noise,
         "weights" => &mut effect.weights,
         "turbulence" => &mut effect.turbulence,
+        "bandlimit" => &mut effect.bandlimit,
+        "gradient" => &mut effect.gradient,
         "opacity" => &mut effect.opacity,
         stack @ ("warp" | "dmf") => {
             let modules =
@@ -385,6 +411,8 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
                 "noise",
                 "weights",
                 "turbulence",
+                "bandlimit",
+                "gradient",
                 "opacity",
             ];
             return Err(SceneError::unknown("slot", other, &known));

@@ -79,6 +79,7 @@ impl Bench<'_> {
             &PipelineDescription {
                 vertex: &link(VERTEX, Stage::Vertex)?,
                 fragment: &link(run.fragment, Stage::Fragment)?,
+                constants: &[],
                 bindings: if run.volume.is_some() { &volume } else { &[] },
                 attributes: &[],
                 format: run.format,

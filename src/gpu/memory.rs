@@ -96,13 +96,25 @@ impl Buffer {
     /// Device memory is exhausted.
     pub fn new(gpu: &Gpu, name: &str, purpose: BufferUse, content: &[u8]) -> Result<Buffer, GpuError> {
         let mut buffer = Buffer::empty(gpu, name, purpose, content.len() as u64)?;
-        let mapped = buffer.allocation.mapped_slice_mut().ok_or_else(|| GpuError::Memory {
+        buffer.write(name, content)?;
+        Ok(buffer)
+    }
+
+    /// Writes new content over the old: every submission that reads the buffer has been waited for.
+    ///
+    /// # Errors
+    /// The memory cannot be mapped.
+    ///
+    /// # Panics
+    /// When `content` is longer than the buffer.
+    pub fn write(&mut self, name: &str, content: &[u8]) -> Result<(), GpuError> {
+        let mapped = self.allocation.mapped_slice_mut().ok_or_else(|| GpuError::Memory {
             what: name.into(),
             bytes: content.len() as u64,
             reason: "its memory cannot be mapped".into(),
         })?;
         mapped[..content.len()].copy_from_slice(content);
-        Ok(buffer)
+        Ok(())
     }
 
     /// The content, as the device left it at the end of a submission that made it visible to the host.

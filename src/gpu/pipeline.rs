@@ -45,6 +45,8 @@ pub struct PipelineDescription<'a> {
     pub vertex: &'a [u32],
     /// SPIR-V of the fragment stage, entry point `main`.
     pub fragment: &'a [u32],
+    /// Values of specialization constants, by `constant_id`; a stage takes those that it has.
+    pub constants: &'a [(u32, u32)],
     /// Bindings that either stage reads.
     pub bindings: &'a [Binding],
     /// Floats of each vertex attribute, by location; the attributes lie one after another in one buffer.
@@ -93,8 +95,14 @@ impl Pipeline {
         }
         let vertex = Module::new(gpu, description.vertex)?;
         let fragment = Module::new(gpu, description.fragment)?;
+        let (entries, values): (Vec<_>, Vec<u8>) = specialization(description.constants);
+        let constants = vk::SpecializationInfo::default().map_entries(&entries).data(&values);
         let stage = |stage, module: &Module| {
-            vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module.handle).name(c"main")
+            vk::PipelineShaderStageCreateInfo::default()
+                .stage(stage)
+                .module(module.handle)
+                .name(c"main")
+                .specialization_info(&constants)
         };
         let stages = [stage(vk::ShaderStageFlags::VERTEX, &vertex), stage(vk::ShaderStageFlags::FRAGMENT, &fragment)];
         pipeline.handle = compile(gpu, description, &stages, pipeline.layout)?;
@@ -215,6 +223,14 @@ impl BindingKind {
             BindingKind::Sampler => vk::DescriptorType::SAMPLER,
         }
     }
+}
+
+fn specialization(constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>, Vec<u8>) {
+    let entry = |(index, (id, _)): (usize, &(u32, u32))| {
+        vk::SpecializationMapEntry::default().constant_id(*id).offset(4 * index as u32).size(4)
+    };
+    let values = constants.iter().flat_map(|(_, value)| value.to_ne_bytes());
+    (constants.iter().enumerate().map(entry).collect(), values.collect())
 }
 
 fn layout_binding(binding: &Binding) -> vk::DescriptorSetLayoutBinding<'static> {

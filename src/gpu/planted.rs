@@ -82,6 +82,7 @@ fn sampling_pipeline(gpu: &Gpu, attributes: &[u32]) -> Pipeline {
     let description = PipelineDescription {
         vertex: &compile(&vertex, shaderc::ShaderKind::Vertex),
         fragment: &compile(fragment, shaderc::ShaderKind::Fragment),
+        constants: &[],
         bindings: &[binding(0, BindingKind::Image), binding(1, BindingKind::Sampler)],
         attributes,
         format: Format::Rgba8Unorm,

@@ -1,13 +1,14 @@
 //! What a program reads, made for it: blocks filled, images encoded and uploaded, and nothing that it does not read.
 
+use super::sub_frame::SubFrame;
 use super::view::{Own, View};
 use super::{RenderError, Subject};
 use crate::gpu::{self, Address, Buffer, BufferUse, Dimension, Format, Gpu, Image, Sampler};
 use crate::noise::{Noise, Weights, noise_block, turbulence_block};
 use crate::pass::Planes;
-use crate::scene::{KnobValue, Knobs, Scene, Source};
+use crate::scene::{KnobValue, Knobs, Projection, Rule, Scene, Source};
 use crate::texture::{self, Encoding, Texels};
-use crate::variant::{Block, Program, Resource, Use, Variant};
+use crate::variant::{Program, Resource, Use, Variant};
 use std::collections::HashMap;
 
 /// Lattice cells across a block of noise of 64 texels: four texels for each cell. Fewer texels: the trilinear filter
@@ -15,18 +16,16 @@ use std::collections::HashMap;
 const NOISE_TEXELS_PER_CELL: u32 = 4;
 /// Lattice cells of the first octave across a block of turbulence. More: fewer octaves fit. Fewer: it repeats sooner.
 const TURBULENCE_CELLS: u32 = 4;
-/// Octaves of turbulence (MJ 4.1), where the block can hold them.
-const OCTAVES: u32 = 8;
 /// Seed of the noise: changing it changes every picture.
 const SEED: u64 = 1989;
 
 /// The resources of one program.
 pub(super) struct Bound {
-    blocks: Vec<(u32, Buffer)>,
+    blocks: Vec<(Resource, Buffer)>,
     images: Vec<(u32, Image)>,
     samplers: Vec<(u32, Sampler)>,
-    /// Largest error of a stored distance, object units.
-    pub(super) quantization: f32,
+    /// How the distance of each object is stored, in the order of the view's objects.
+    stored: Vec<Stored>,
 }
 
 impl Bound {
@@ -39,31 +38,71 @@ impl Bound {
         view: &View,
         planes: &Planes,
     ) -> Result<Bound, RenderError> {
-        let mut bound = Bound { blocks: Vec::new(), images: Vec::new(), samplers: Vec::new(), quantization: 0.0 };
-        let items: Vec<Item<'_>> =
-            view.objects.iter().map(|own| Item::of(own, scene, subject, variant, program)).collect();
-        let values = values(scene, view, &items, planes);
+        let mut items: Vec<Item<'_>> =
+            view.objects.iter().map(|own| Item::of(own, scene, subject, variant, Stored::default())).collect();
+        let mut texels = Vec::new();
+        for item in &mut items {
+            let read = program.reads(&format!("volume_image{}", item.suffix));
+            let made = if read { item.volume(variant) } else { None };
+            item.stored = made.as_ref().map_or(Stored::default(), |texels| Stored {
+                decode: texels.decode.map(|value| value * item.subject.scale),
+                quantization: texels.quantization * item.subject.scale,
+            });
+            texels.push(made);
+        }
+        let stored = items.iter().map(|item| item.stored).collect();
+        let mut bound = Bound { blocks: Vec::new(), images: Vec::new(), samplers: Vec::new(), stored };
         for resource in &program.resources {
             match &resource.holds {
-                Use::Block(block) => bound.blocks.push((resource.binding, uniform(gpu, resource, block, &values)?)),
+                Use::Block(block) => {
+                    let buffer = Buffer::new(gpu, &resource.name, BufferUse::Uniform, &vec![0; block.bytes])?;
+                    bound.blocks.push((resource.clone(), buffer));
+                }
                 Use::Sampler => {
                     let address = if resource.name == "repeat_sampler" { Address::Repeat } else { Address::Clamp };
                     let sampler = Sampler::new(gpu, address, scene.quality.anisotropy)?;
                     bound.samplers.push((resource.binding, sampler));
                 }
                 Use::Image => {
-                    let image = image(gpu, scene, &items, planes, &resource.name)?;
+                    let image = image(gpu, scene, &items, &texels, planes, &resource.name)?;
                     bound.images.push((resource.binding, image));
                 }
             }
         }
-        bound.quantization = items.iter().map(|item| item.quantization() * item.own.scale).fold(0.0, f32::max);
         Ok(bound)
+    }
+
+    /// Writes the blocks for a picture; the last one is finished.
+    pub(super) fn fill(
+        &mut self,
+        scene: &Scene,
+        subject: &Subject,
+        variant: &Variant,
+        view: &View,
+        planes: &Planes,
+        sub_frame: &SubFrame,
+    ) -> Result<(), RenderError> {
+        let objects = view.objects.iter().zip(&self.stored);
+        let items: Vec<Item<'_>> =
+            objects.map(|(own, stored)| Item::of(own, scene, subject, variant, *stored)).collect();
+        let mut values = values(scene, view, &items, planes);
+        values.extend(moment(scene, view, sub_frame));
+        for (resource, buffer) in &mut self.blocks {
+            let Use::Block(block) = &resource.holds else { continue };
+            let bytes = block.fill(|name| values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled)?;
+            buffer.write(&resource.name, &bytes)?;
+        }
+        Ok(())
+    }
+
+    /// Largest error of a stored distance, units of its object; 0 for formulas.
+    pub(super) fn quantization(&self) -> f32 {
+        self.stored.iter().map(|stored| stored.quantization).fold(0.0, f32::max)
     }
 
     /// The resources by binding.
     pub(super) fn resources(&self) -> Vec<(u32, gpu::Resource<'_>)> {
-        let blocks = self.blocks.iter().map(|(binding, block)| (*binding, gpu::Resource::Uniform(block)));
+        let blocks = self.blocks.iter().map(|(resource, block)| (resource.binding, gpu::Resource::Uniform(block)));
         let images = self.images.iter().map(|(binding, image)| (*binding, gpu::Resource::Image(image)));
         let samplers = self.samplers.iter().map(|(binding, sampler)| (*binding, gpu::Resource::Sampler(sampler)));
         blocks.chain(images).chain(samplers).collect()
@@ -85,6 +124,13 @@ pub(super) fn binding(resource: &Resource) -> gpu::Binding {
     gpu::Binding { index: resource.binding, kind, vertex: resource.vertex, fragment: resource.fragment }
 }
 
+/// How a distance is stored in a volume, units of its object: `x + y s` for a texel s.
+#[derive(Clone, Copy, Default)]
+struct Stored {
+    decode: [f32; 2],
+    quantization: f32,
+}
+
 /// One object of the scene, with what its names in the program end in.
 struct Item<'a> {
     suffix: String,
@@ -93,29 +139,22 @@ struct Item<'a> {
     scene: Scene,
     subject: &'a Subject,
     knobs: &'a Knobs,
-    /// The volume, where the program reads one.
-    texels: Option<Texels>,
+    stored: Stored,
 }
 
 impl<'a> Item<'a> {
-    fn of(own: &'a Own, scene: &Scene, subject: &'a Subject, variant: &'a Variant, program: &Program) -> Item<'a> {
-        let mut item = match own.name.as_str() {
-            "" => {
-                Item { suffix: String::new(), own, scene: scene.clone(), subject, knobs: &variant.knobs, texels: None }
-            }
+    fn of(own: &'a Own, scene: &Scene, subject: &'a Subject, variant: &'a Variant, stored: Stored) -> Item<'a> {
+        match own.name.as_str() {
+            "" => Item { suffix: String::new(), own, scene: scene.clone(), subject, knobs: &variant.knobs, stored },
             name => Item {
                 suffix: format!("_{name}"),
                 own,
                 scene: scene.alone(name),
                 subject: &subject.parts[name],
                 knobs: &variant.parts[name],
-                texels: None,
+                stored,
             },
-        };
-        if program.reads(&format!("volume_image{}", item.suffix)) {
-            item.texels = item.volume(variant);
         }
-        item
     }
 
     /// The volume of the object; `None` for a formula.
@@ -133,11 +172,6 @@ impl<'a> Item<'a> {
         Some(texture::encode(field, encoding, [-reach, reach]))
     }
 
-    /// Largest error of a stored distance, units of the object.
-    fn quantization(&self) -> f32 {
-        self.texels.as_ref().map_or(0.0, |texels| texels.quantization * self.subject.scale)
-    }
-
     /// How much nearer the matter may be than a sampled distance says, units of the object.
     ///
     /// A warp moves the place that is looked up, here and wherever the ray lands, by its reach. The filter mixes the
@@ -145,25 +179,28 @@ impl<'a> Item<'a> {
     /// inequality); a stored distance is rounded; and f32 has its own few ulps.
     fn leap_slack(&self) -> f32 {
         let spacing = self.subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length());
-        2.0 * self.knobs.reach() + 0.5 * spacing * self.subject.scale + self.quantization() + 1e-5
+        2.0 * self.knobs.reach() + 0.5 * spacing * self.subject.scale + self.stored.quantization + 1e-5
     }
 }
 
-fn uniform(
-    gpu: &Gpu,
-    resource: &Resource,
-    block: &Block,
-    values: &HashMap<String, Vec<f32>>,
-) -> Result<Buffer, RenderError> {
-    let bytes = block.fill(|name| values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled)?;
-    Ok(Buffer::new(gpu, &resource.name, BufferUse::Uniform, &bytes)?)
+/// Members that differ from sub-frame to sub-frame, by name.
+fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(String, Vec<f32>); 4] {
+    let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
+    let [x, y] = [sub_frame.offset[0] * width, sub_frame.offset[1] * height];
+    // The slices move against the rays, which go through a place beside the center of the pixel.
+    let projection = glam::Mat4::from_translation(glam::Vec3::new(-x, -y, 0.0)) * view.projection;
+    [
+        ("projection".into(), projection.to_cols_array().to_vec()),
+        ("picture_scale".into(), vec![width, height, x, y]),
+        ("time".into(), vec![sub_frame.time]),
+        ("jitter_seed".into(), vec![sub_frame.jitter_seed]),
+    ]
 }
 
-/// Every member of the blocks of `interface.glsl` and `part.glsl`, and every knob, by name.
+/// Every other member of the blocks of `interface.glsl` and `part.glsl`, and every knob, by name.
 fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Planes) -> HashMap<String, Vec<f32>> {
     let mut values = HashMap::new();
     let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
-    set("projection", &view.projection.to_cols_array());
     set("texture_matrix", &view.texture_matrix.to_cols_array());
     set("object_matrix", &view.object_matrix.to_cols_array());
     set("display_matrix", &view.display_matrix.to_cols_array());
@@ -177,10 +214,12 @@ fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Planes) -> Ha
     set("slice_count", &[planes.count as f32]);
     set("leap_slack", &[items.iter().map(|item| item.leap_slack() * item.own.scale).fold(0.0, f32::max)]);
     set("full_opacity", &[1.0 - scene.quality.stop]);
-    let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
-    set("picture_scale", &[width, height, 0.0, 0.0]);
+    let half_path = half_path(scene, view, planes);
+    let reaches =
+        [scene.quality.rule == Rule::Segment, scene.quality.jitter].map(|reaches| f32::from(u8::from(reaches)));
+    set("segment_reach", &[reaches[0] * half_path]);
+    set("box_margin", &[(reaches[0] + reaches[1]) * half_path]);
     set("ray_scale", &[view.ray_scale[0], view.ray_scale[1], 0.0, 0.0]);
-    set("time", &[scene.camera.time]);
     set("noise_cells", &[noise_cells(scene) as f32]);
     set("turbulence_cells", &[TURBULENCE_CELLS as f32]);
     for item in items {
@@ -211,8 +250,7 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     set("volume_scale", &scale.extend(0.0).to_array());
     set("volume_offset", &offset.extend(0.0).to_array());
     set("volume_texel", &texel.extend(0.0).to_array());
-    let decode = item.texels.as_ref().map_or([0.0; 2], |texels| texels.decode.map(|value| value * subject.scale));
-    set("distance_decode", &[decode[0], decode[1], 0.0, 0.0]);
+    set("distance_decode", &[item.stored.decode[0], item.stored.decode[1], 0.0, 0.0]);
     set("opacity_rate", &[scene.effect.opacity_rate]);
 
     let color = |rgb: [f32; 3], factor: f32| [rgb[0] * factor, rgb[1] * factor, rgb[2] * factor, 1.0];
@@ -232,6 +270,15 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     }
 }
 
+/// The longest that half a step along a ray can be, object units.
+fn half_path(scene: &Scene, view: &View, planes: &Planes) -> f32 {
+    let slant = match scene.camera.projection {
+        Projection::Parallel => 1.0,
+        Projection::Perspective => glam::Vec2::from(view.ray_scale).extend(1.0).length(),
+    };
+    0.5 * planes.step * slant / glam::Vec3::from(scene.object.stretch).min_element()
+}
+
 /// The noise that blocks are made of.
 fn noise(scene: &Scene) -> Noise {
     let weights = if scene.effect.weights == "cubic" { Weights::Cubic } else { Weights::Quintic };
@@ -242,12 +289,18 @@ fn noise_cells(scene: &Scene) -> u32 {
     (scene.quality.block_size / NOISE_TEXELS_PER_CELL).max(1)
 }
 
-fn image(gpu: &Gpu, scene: &Scene, items: &[Item<'_>], planes: &Planes, name: &str) -> Result<Image, RenderError> {
+fn image(
+    gpu: &Gpu,
+    scene: &Scene,
+    items: &[Item<'_>],
+    texels: &[Option<Texels>],
+    planes: &Planes,
+    name: &str,
+) -> Result<Image, RenderError> {
     let base = |item: &Item<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
-    let found = items.iter().rev().find_map(|item| base(item).map(|base| (item, base)));
-    let (item, name) = found.ok_or_else(|| RenderError::Unfilled(name.into()))?;
-    let (scene, subject, texels) =
-        (if item.suffix.is_empty() { scene } else { &item.scene }, item.subject, &item.texels);
+    let found = items.iter().zip(texels).rev().find_map(|(item, texels)| base(item).map(|base| (item, texels, base)));
+    let (item, texels, name) = found.ok_or_else(|| RenderError::Unfilled(name.into()))?;
+    let (scene, subject) = (if item.suffix.is_empty() { scene } else { &item.scene }, item.subject);
     let side = scene.quality.block_size;
     let block = Dimension::Volume(side, side, side);
     let image = match (name, texels) {
@@ -256,7 +309,7 @@ fn image(gpu: &Gpu, scene: &Scene, items: &[Item<'_>], planes: &Planes, name: &s
             Image::sampled(gpu, "noise block", block, Format::Rgba16Unorm, bytemuck::cast_slice(&texels))
         }
         ("turbulence_image", _) => {
-            let (texels, _) = turbulence_block(&noise(scene), side, TURBULENCE_CELLS, OCTAVES);
+            let (texels, _) = turbulence_block(&noise(scene), side, TURBULENCE_CELLS, scene.effect.octaves);
             Image::sampled(gpu, "turbulence block", block, Format::Rgba16Unorm, bytemuck::cast_slice(&texels))
         }
         ("transfer_image", _) => {

@@ -1,6 +1,6 @@
 //! The checks that make a scene valid.
 
-use super::{KnobValue, Scene, SceneError};
+use super::{KnobValue, Rule, Scene, SceneError};
 use crate::glsl::library::{COMBINE, Default, Knob, Library};
 use crate::glsl::{Declarations, Slots};
 
@@ -39,9 +39,6 @@ impl Knobs {
 
 /// Loop iterations of one fragment that every device bears: lavapipe ends a fragment in silence after 65 535.
 const LOOP_BUDGET: f32 = 60_000.0;
-/// Iterations in one sample of procedural noise and turbulence, at most: two sums of eight octaves with eight corners
-/// each, and three more noises.
-const PROCEDURAL_LOOPS: f32 = 2.0 * 8.0 * 9.0 + 3.0 * 8.0;
 
 impl Scene {
     /// Checks every value, module and knob, and gives the knobs their values.
@@ -130,6 +127,14 @@ impl Scene {
         within("camera.zoom", camera.zoom, 0.01, 100.0)?;
         within("camera.field_of_view", camera.field_of_view, 1.0, 120.0)?;
         within("camera.time", camera.time, -1e9, 1e9)?;
+        within("camera.shutter", camera.shutter, 0.0, 1e6)?;
+        if camera.shutter > 0.0 && self.quality.supersampling < 2 {
+            return Err(SceneError::Value {
+                field: "camera.shutter".into(),
+                value: camera.shutter.to_string(),
+                limit: "needs quality.supersampling of 2 or more: one moment is not blurred".into(),
+            });
+        }
         if camera.slice_stack && self.quality.pass == super::Pass::March {
             return Err(SceneError::Value {
                 field: "camera.slice_stack".into(),
@@ -184,9 +189,24 @@ impl Scene {
         let most = match (quality.pass, procedural) {
             (super::Pass::Slices, _) => 100_000.0,
             (super::Pass::March, false) => LOOP_BUDGET,
-            (super::Pass::March, true) => (LOOP_BUDGET / PROCEDURAL_LOOPS).floor(),
+            (super::Pass::March, true) => (LOOP_BUDGET / self.procedural_loops()).floor(),
         };
         within("quality.samples", quality.samples as f32, 1.0, most)?;
+        if quality.rule == Rule::Segment
+            && !["surface", "soft", "preintegrated"].contains(&self.effect.classify.as_str())
+        {
+            return Err(SceneError::Value {
+                field: "quality.rule".into(),
+                value: "segment".into(),
+                limit: format!(
+                    "effect.classify = \"{}\" has points only; use surface, soft or preintegrated, or rule = \"point\"",
+                    self.effect.classify
+                ),
+            });
+        }
+        within("effect.octaves", self.effect.octaves as f32, 1.0, 10.0)?;
+        within("quality.seed", quality.seed as f32, 0.0, 16_777_215.0)?;
+        within("quality.supersampling", quality.supersampling as f32, 1.0, 256.0)?;
         within("quality.stop", quality.stop, 0.0, 0.5)?;
         within("quality.anisotropy", quality.anisotropy, 1.0, 16.0)?;
         within("quality.block_size", quality.block_size as f32, 8.0, 256.0)?;
@@ -198,6 +218,21 @@ impl Scene {
                 limit: "1, 2, 4 or 8".into(),
             }),
         }
+    }
+
+    /// Iterations of the noise at one sample of a ray, at most: two sums of octaves with eight corners each and three
+    /// more noises, at each place where the density is asked for, and the same once for the color.
+    fn procedural_loops(&self) -> f32 {
+        let places = match self.quality.rule {
+            Rule::Point => 1.0,
+            Rule::Segment => 3.0,
+        };
+        let more = match self.effect.gradient.as_str() {
+            "central" => 6.0,
+            "three" => 3.0,
+            _ => 0.0,
+        };
+        (places + more) * (2.0 * self.effect.octaves as f32 * 9.0 + 3.0 * 8.0)
     }
 
     fn check_modules(&self, library: &Library, slots: &Slots) -> Result<(), SceneError> {
@@ -284,6 +319,8 @@ mod tests {
         assert!(refusal(|s| s.quality.msaa = 3).ends_with("1, 2, 4 or 8"));
         let look = |s: &mut Scene| (s.camera.slice_stack, s.quality.pass) = (true, Pass::March);
         assert!(refusal(look).starts_with("camera.slice_stack = true: needs quality.pass"));
+        assert_eq!(refusal(|s| s.effect.octaves = 11), "effect.octaves = 11: must be from 1 to 10");
+        assert!(refusal(|s| s.quality.supersampling = 257).ends_with("must be from 1 to 256"));
         assert!(refusal(|s| s.image.size = [0, 5]).starts_with("image.size = 0"));
     }
 
@@ -295,6 +332,11 @@ mod tests {
         };
         assert_eq!(refusal(march(60_001, "block")), "quality.samples = 60001: must be from 1 to 60000");
         assert_eq!(refusal(march(400, "procedural")), "quality.samples = 400: must be from 1 to 357");
+        let segments = |s: &mut Scene| {
+            march(120, "procedural")(s);
+            s.quality.rule = Rule::Segment;
+        };
+        assert_eq!(refusal(segments), "quality.samples = 120: must be from 1 to 119");
     }
 
     #[test]

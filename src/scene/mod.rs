@@ -143,6 +143,12 @@ pub struct Effect {
     pub weights: String,
     /// Where turbulence comes from.
     pub turbulence: String,
+    /// Octaves of turbulence, 1 to 10; an encoded block holds as many as it has texels for.
+    pub octaves: u32,
+    /// What becomes of octaves that are finer than a sample: `none` (nothing) or `clamp` (they fade).
+    pub bandlimit: String,
+    /// The normal that soft matter is lit by: `analytic`, `central` or `three`.
+    pub gradient: String,
     /// How density becomes opacity: `perlin` or `beer`.
     pub opacity: String,
     /// c of PH 3.1, per object unit: how fast soft matter becomes opaque.
@@ -161,6 +167,9 @@ impl std::default::Default for Effect {
             noise: "block".into(),
             weights: "quintic".into(),
             turbulence: "encoded".into(),
+            octaves: 8,
+            bandlimit: "none".into(),
+            gradient: "analytic".into(),
             opacity: "perlin".into(),
             opacity_rate: 40.0,
         }
@@ -231,6 +240,8 @@ pub struct Camera {
     pub field_of_view: f32,
     /// Time in seconds, for effects that move.
     pub time: f32,
+    /// Seconds that the shutter stays open from `time` on; needs several samples of the time: `quality.supersampling`.
+    pub shutter: f32,
     /// Keeps the points x, y, z (object space) with `a x + b y + c z <= d`.
     pub clip: Option<[f32; 4]>,
     /// Shows the stack of slices from the side (MJ Fig. 1).
@@ -246,6 +257,7 @@ impl std::default::Default for Camera {
             zoom: 1.0,
             field_of_view: 30.0,
             time: 0.0,
+            shutter: 0.0,
             clip: None,
             slice_stack: false,
         }
@@ -287,6 +299,8 @@ pub struct Quality {
     pub pass: Pass,
     /// Slices through the sphere around the object, or samples of a ray through it.
     pub samples: u32,
+    /// What a sample stands for.
+    pub rule: Rule,
     /// Which samples of a ray are taken: all of them, or those that may not be empty.
     pub traverse: Traverse,
     /// A ray ends where less light than this would still come through, 0 to 0.5: the largest error of a pixel, in units
@@ -300,6 +314,12 @@ pub struct Quality {
     pub proxy: Proxy,
     /// Samples per pixel, each shaded: 1, 2, 4, 8.
     pub msaa: u32,
+    /// Whether each pixel has its own phase of the steps along its ray: noise in place of contours.
+    pub jitter: bool,
+    /// Which phases the pixels have, up to 16 777 215.
+    pub seed: u32,
+    /// Pictures of which the mean is taken, 1 to 256: each with its own place in the pixel, phase and time.
+    pub supersampling: u32,
     /// Anisotropy of the texture filter, 1 (off) to 16.
     pub anisotropy: f32,
     /// Texels along a side of the noise and turbulence blocks.
@@ -311,12 +331,16 @@ impl std::default::Default for Quality {
         Quality {
             pass: Pass::Slices,
             samples: 256,
+            rule: Rule::Point,
             traverse: Traverse::Leap,
             stop: 1e-4,
             target: TargetFormat::Float32,
             order: Order::FrontToBack,
             proxy: Proxy::Polygons,
             msaa: 1,
+            jitter: false,
+            seed: 0,
+            supersampling: 1,
             anisotropy: 1.0,
             block_size: 64,
         }
@@ -342,6 +366,17 @@ impl Pass {
             Pass::March => ["march.vert", "march.frag"],
         }
     }
+}
+
+/// What a sample stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rule {
+    /// For itself: first order at surfaces and where soft matter becomes opaque.
+    #[default]
+    Point,
+    /// For half a step to either side, in which the density is linear: second order.
+    Segment,
 }
 
 /// Which samples of a ray are taken.
@@ -411,17 +446,23 @@ impl Scene {
             slots.insert(slot.to_string(), modules);
         };
         for (slot, module) in [
-            ("classify", &effect.classify),
             ("softness", &effect.softness),
             ("surface", &effect.surface),
             ("medium", &effect.medium),
             ("noise", &effect.noise),
             ("weights", &effect.weights),
             ("turbulence", &effect.turbulence),
+            ("bandlimit", &effect.bandlimit),
+            ("gradient", &effect.gradient),
             ("opacity", &effect.opacity),
         ] {
             fill(slot, vec![module.clone()]);
         }
+        let classify = match (self.quality.rule, effect.classify.as_str()) {
+            (Rule::Segment, whole @ ("surface" | "soft")) => format!("{whole}_segment"),
+            (_, module) => module.into(),
+        };
+        fill("classify", vec![classify]);
         fill("warp", effect.warp.clone());
         fill("dmf", effect.dmf.clone());
         let projection = match self.camera.projection {
@@ -440,6 +481,7 @@ impl Scene {
             _ => "fixed",
         };
         fill("traverse", vec![traverse.into()]);
+        fill("jitter", vec![if self.quality.jitter { "hash" } else { "none" }.into()]);
         fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
         if self.has_several() {
             self.fill_parts(&mut slots);

@@ -1,6 +1,6 @@
 //! Further objects of a scene, each with its own effect, and how they make one.
 
-use super::{Effect, KnobValue, Material, Object, Scene, SceneError, Transfer};
+use super::{Effect, KnobValue, Material, Object, Rule, Scene, SceneError, Transfer};
 use crate::glsl::library::COMBINE;
 use crate::glsl::{Formula, Slots, link::MAIN};
 use glam::{EulerRot, Mat4, Quat, Vec3};
@@ -138,6 +138,9 @@ impl Scene {
                 _ => Ok(()),
             };
         }
+        if self.quality.rule != Rule::Point {
+            return wrong("quality.rule".into(), "segment", "point, in a scene of several objects".into());
+        }
         if self.parts.len() > MAX_PARTS {
             return wrong(
                 "parts".into(),
@@ -173,11 +176,16 @@ impl Scene {
                 let limit = "surface or soft, in a scene of several objects".to_string();
                 return wrong(format!("effect.classify of {name}"), &effect.classify, limit);
             }
+            if effect.gradient != "analytic" {
+                let limit = "analytic: the normal of several objects is that of their formula".to_string();
+                return wrong(format!("effect.gradient of {name}"), &effect.gradient, limit);
+            }
             let scene_wide = [
                 ("noise", &effect.noise, &self.effect.noise),
                 ("weights", &effect.weights, &self.effect.weights),
                 ("turbulence", &effect.turbulence, &self.effect.turbulence),
                 ("opacity", &effect.opacity, &self.effect.opacity),
+                ("bandlimit", &effect.bandlimit, &self.effect.bandlimit),
             ];
             if let Some((slot, own, scene)) = scene_wide.into_iter().find(|(_, own, scene)| own != scene) {
                 let limit = format!("{scene}, as effect.{slot} of the scene: all objects share it");
