@@ -393,6 +393,36 @@ fn a_gallery_has_six_pictures_and_a_page_that_names_them() {
 }
 
 #[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn p58_a_gallery_without_an_object_has_every_figure_under_its_paper() {
+    let desk = Desk::new();
+    desk.good("gallery -o dir --size 16x16 --samples 16 --resolution 24");
+    let page = fs::read_to_string(desk.file("dir/index.html")).unwrap();
+    for name in hypertexture::scene::names() {
+        assert_eq!(size_of(&desk.file(&format!("dir/{name}.png"))), (16, 16));
+        assert!(page.contains(&format!("hypertexture render {name} -o {name}.png")), "no command for {name}");
+    }
+    let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("`{text}` is not on the page"));
+    assert!(place("<h2>Miller and Jones 2005") < place("id=\"fur\""));
+    assert!(place("id=\"fur\"") < place("<h2>Perlin and Hoffert 1989"));
+    assert!(place("<h2>Perlin and Hoffert 1989") < place("id=\"noisy_sphere\""));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn the_name_of_a_figure_renders_it_whole_and_an_effect_goes_over_it() {
+    let desk = Desk::new();
+    desk.good(&format!("render noisy_sphere -o x.png --save-scene s.toml {SMALL}"));
+    let saved = hypertexture::scene::load(&desk.file("s.toml")).unwrap();
+    let preset = hypertexture::scene::preset("noisy_sphere").unwrap();
+    assert_eq!((saved.object, saved.effect, saved.camera), (preset.object, preset.effect, preset.camera));
+    desk.good(&format!("render furry_donut --effect lit -o y.png --save-scene t.toml {SMALL}"));
+    let saved = hypertexture::scene::load(&desk.file("t.toml")).unwrap();
+    assert_eq!((saved.object.input.as_str(), saved.effect.surface.as_str()), ("torus", "lit"));
+    assert!(saved.effect.dmf.is_empty());
+}
+
+#[test]
 fn every_effect_is_listed_with_its_knobs() {
     let said = Desk::new().good("effects");
     for name in hypertexture::scene::names() {

@@ -1,14 +1,7 @@
 // Noise computed in place from an integer hash: no memory, no visible period below 2^20 cells.
 // Source: PH 2.3 (lattice gradients); the hash is PCG3D, Jarzynski and Olano 2020.
 // p: lattice cells; result: gradient per cell in xyz, noise in w, |noise| <= 0.87.
-uvec3 hash(uvec3 v) {
-    v = v * 1664525u + 1013904223u;
-    v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
-    v ^= v >> 16u;
-    v.x += v.y * v.z; v.y += v.z * v.x; v.z += v.x * v.y;
-    return v;
-}
-
+#include "hash.glsl"
 #include <weights>
 
 // A unit vector, uniform on the sphere, for each lattice point.

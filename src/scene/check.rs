@@ -39,9 +39,10 @@ impl Knobs {
 
 /// Loop iterations of one fragment that every device bears: lavapipe ends a fragment in silence after 65 535.
 const LOOP_BUDGET: f32 = 60_000.0;
-/// Iterations in one sample of procedural noise and turbulence, at most: two sums of eight octaves with eight corners
-/// each, and three more noises.
-const PROCEDURAL_LOOPS: f32 = 2.0 * 8.0 * 9.0 + 3.0 * 8.0;
+/// Iterations of one sum of eight octaves of procedural noise with eight corners each; a module has at most one.
+const PROCEDURAL_SUM: f32 = 8.0 * 9.0;
+/// Iterations of three more noises.
+const PROCEDURAL_REST: f32 = 3.0 * 8.0;
 
 impl Scene {
     /// Checks every value, module and knob, and gives the knobs their values.
@@ -160,11 +161,13 @@ impl Scene {
             within("image.size", side as f32, 1.0, 16384.0)?;
         }
         let quality = &self.quality;
-        let procedural = [&self.effect.noise, &self.effect.turbulence].iter().any(|module| *module == "procedural");
+        let effect = &self.effect;
+        let procedural = effect.noise != "block" || effect.turbulence == "procedural";
+        let sums = (effect.warp.len() + effect.dmf.len() + 1).max(2) as f32;
         let most = match (quality.pass, procedural) {
             (super::Pass::Slices, _) => 100_000.0,
             (super::Pass::March, false) => LOOP_BUDGET,
-            (super::Pass::March, true) => (LOOP_BUDGET / PROCEDURAL_LOOPS).floor(),
+            (super::Pass::March, true) => (LOOP_BUDGET / (sums * PROCEDURAL_SUM + PROCEDURAL_REST)).floor(),
         };
         within("quality.samples", quality.samples as f32, 1.0, most)?;
         within("quality.stop", quality.stop, 0.0, 0.5)?;
