@@ -75,12 +75,12 @@ pub fn write(
         move |source| OutputError::Write { path, source }
     };
     let mut objects = objects(library, scenes)?;
-    std::fs::create_dir_all(folder).map_err(io(folder))?;
     let mut groups: [(&str, String); 3] = GROUPS.map(|title| (title, String::new()));
     let share = 1.0 / scenes.len().max(1) as f32;
     for (index, (name, scene)) in scenes.iter().enumerate() {
         let done = index as f32 * share;
         let subject = subject(&mut objects, scene, &|fraction| progress(done + 0.5 * share * fraction))?;
+        std::fs::create_dir_all(folder).map_err(io(folder))?; // not before an object that cannot be read
         let frame = render(gpu, library, scene, subject)?;
         let file = format!("{name}.png");
         output::write(&frame, scene.image.background, Depth::Eight, &frame.measurements.modules, &folder.join(&file))?;
