@@ -1,4 +1,4 @@
-//! The gallery: the effects of MJ Fig. 7 on one object, and a page that explains them.
+//! The gallery: every figure on its own object, or the effects of MJ Fig. 7 on one, and a page that explains them.
 
 use crate::field::Progress;
 use crate::glsl::Library;
@@ -6,7 +6,7 @@ use crate::glsl::library::Default as KnobDefault;
 use crate::gpu::Gpu;
 use crate::output::{self, Depth, OutputError};
 use crate::render::{RenderError, Subject, render};
-use crate::scene::{Color, EFFECTS, KnobValue, Scene, SceneError, preset};
+use crate::scene::{Color, EFFECTS, KnobValue, Object, Pass, Scene, SceneError, names, preset};
 use crate::variant::Variant;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -28,23 +28,38 @@ pub enum GalleryError {
 /// Voxels along the longest side of the field. Fewer: thin parts, such as the lip of the teapot, look frayed.
 const RESOLUTION: u32 = 256;
 
+/// Background of a picture that has none: that of the page.
+const BACKGROUND: Color = Color([24, 26, 31]);
+
 /// The six effects on an object, by name.
 ///
 /// # Errors
 /// A shipped preset that cannot be read, which its test excludes.
-pub fn scenes(input: &str) -> Result<Vec<(String, Scene)>, SceneError> {
-    let on_input = |name: &str| {
-        preset(name).map(|mut scene| {
-            scene.object.input = input.into();
-            scene.object.resolution = RESOLUTION;
-            scene.image.background = Some(Color([24, 26, 31]));
-            (name.to_string(), scene)
-        })
-    };
-    EFFECTS.iter().map(|name| on_input(name)).collect()
+pub fn effects(input: &str) -> Result<Vec<(String, Scene)>, SceneError> {
+    let mut scenes = EFFECTS.iter().map(|name| figure(name)).collect::<Result<Vec<_>, _>>()?;
+    scenes.iter_mut().for_each(|(_, scene)| scene.object.input = input.into());
+    Ok(scenes)
 }
 
-/// Renders the scenes, which share one object, into `folder` and writes `index.html` there; returns its path.
+/// Every preset on its own object, by name.
+///
+/// # Errors
+/// As [`effects`].
+pub fn figures() -> Result<Vec<(String, Scene)>, SceneError> {
+    names().map(figure).collect()
+}
+
+/// A preset, with rays: the picture of the slices, sooner, but where a warp leaves a hard object nothing to leap over.
+fn figure(name: &str) -> Result<(String, Scene), SceneError> {
+    let mut scene = preset(name)?;
+    scene.object.resolution = RESOLUTION;
+    scene.image.background = scene.image.background.or(Some(BACKGROUND));
+    let leaps = scene.effect.softness != "hard" || scene.effect.warp.is_empty();
+    scene.quality.pass = if leaps { Pass::March } else { Pass::Slices };
+    Ok((name.to_string(), scene))
+}
+
+/// Renders the scenes into `folder` and writes `index.html` there; returns its path.
 ///
 /// # Errors
 /// A scene without a picture, or a file that cannot be written.
@@ -55,47 +70,95 @@ pub fn write(
     folder: &Path,
     progress: Progress<'_>,
 ) -> Result<PathBuf, GalleryError> {
-    let mut margin = 0f32;
-    for (_, scene) in scenes {
-        let knobs = scene.check(library)?;
-        margin = margin.max(knobs.outer_iso().unwrap_or(scene.object.outer_iso));
-    }
-    let field_share = 0.3;
-    let object = &scenes.first().map(|(_, scene)| scene.object.clone()).unwrap_or_default();
-    let subject = Subject::load_with_margin(object, margin, &|fraction| progress(field_share * fraction))?;
     let io = |path: &Path| {
         let path = path.display().to_string();
         move |source| OutputError::Write { path, source }
     };
-    std::fs::create_dir_all(folder).map_err(io(folder))?;
-    let mut figures = String::new();
+    let mut objects = objects(library, scenes)?;
+    let mut groups: [(&str, String); 3] = GROUPS.map(|title| (title, String::new()));
+    let share = 1.0 / scenes.len().max(1) as f32;
     for (index, (name, scene)) in scenes.iter().enumerate() {
-        let frame = render(gpu, library, scene, &subject)?;
+        let done = index as f32 * share;
+        let subject = subject(&mut objects, scene, &|fraction| progress(done + 0.5 * share * fraction))?;
+        std::fs::create_dir_all(folder).map_err(io(folder))?; // not before an object that cannot be read
+        let frame = render(gpu, library, scene, subject)?;
         let file = format!("{name}.png");
         output::write(&frame, scene.image.background, Depth::Eight, &frame.measurements.modules, &folder.join(&file))?;
         let variant = Variant::of(scene, library).map_err(RenderError::from)?;
         let m = &frame.measurements;
+        let own = preset(name).is_ok_and(|preset| preset.object.input == scene.object.input);
+        let input = escape(&scene.object.input);
+        let command = if own { name.clone() } else { format!("{input} --effect {name}") };
         write!(
-            figures,
-            "<figure><img src=\"{file}\" width=\"{}\" height=\"{}\" alt=\"{name} on {}\">\n<figcaption><h2>{name}</h2><p>{}</p>\n{}\n\
-             <p class=\"cost\">{} slices, {:.0} ms on the device. Modules: <code>{}</code>. Left out: {}.</p>\n\
-             <p><code>hypertexture render {} --effect {name} -o {file}</code></p></figcaption></figure>\n",
-            scene.image.size[0], scene.image.size[1], escape(&scene.object.input), escape(&scene.about),
+            groups[group(&scene.about)].1,
+            "<figure id=\"{name}\"><img src=\"{file}\" width=\"{}\" height=\"{}\" alt=\"{name} on {input}\">\n<figcaption><h3>{}</h3><p>{}</p>\n{}\n\
+             <p class=\"cost\">{} samples in depth, {:.0} ms on the device. Modules: <code>{}</code>. Left out: {}.</p>\n\
+             <p><code>hypertexture render {command} -o {file}</code></p></figcaption></figure>\n",
+            scene.image.size[0], scene.image.size[1], name.replace('_', " "), escape(&scene.about),
             knob_table(&variant), m.slices, m.gpu_ms, escape(&m.modules),
             if m.left_out.is_empty() { "nothing".into() } else { m.left_out.join(", ") },
-            escape(&scene.object.input),
         )
         .expect("writing to a string");
-        progress(field_share + (1.0 - field_share) * (index + 1) as f32 / scenes.len() as f32);
+        progress(done + share);
+    }
+    let mut figures = String::new();
+    for (title, text) in groups.iter().filter(|(_, text)| !text.is_empty()) {
+        write!(figures, "<section>\n<h2>{title}</h2>\n{text}</section>\n").expect("writing to a string");
     }
     let facts = gpu.facts();
     let page = PAGE
-        .replace("{object}", &escape(&object.input))
+        .replace("{count}", &scenes.len().to_string())
         .replace("{device}", &escape(&format!("{} ({})", facts.name, facts.driver)))
         .replace("{figures}", &figures);
     let path = folder.join("index.html");
     output::write_whole(&path, page.as_bytes()).map_err(io(&path))?;
     Ok(path)
+}
+
+/// Headings of the page.
+const GROUPS: [&str; 3] = ["Miller and Jones 2005", "Perlin and Hoffert 1989", "and more"];
+
+/// The heading that a figure belongs under: the paper that its sentence names first.
+fn group(about: &str) -> usize {
+    let place = |title: &&str| about.find(*title);
+    let named = (0..2).filter(|&group| place(&GROUPS[group]).is_some());
+    named.min_by_key(|&group| place(&GROUPS[group])).unwrap_or(2)
+}
+
+/// An object that figures share: how far its field must reach, and the field once it is there.
+struct Shared {
+    object: Object,
+    margin: f32,
+    subject: Option<Subject>,
+}
+
+/// What of an object its field depends on.
+fn same_field(a: &Object, b: &Object) -> bool {
+    let soft = |object: &Object| Object { inner_iso: 0.0, outer_iso: 0.0, stretch: [1.0; 3], ..object.clone() };
+    soft(a) == soft(b)
+}
+
+/// The objects of the scenes, each once.
+fn objects(library: &Library, scenes: &[(String, Scene)]) -> Result<Vec<Shared>, SceneError> {
+    let mut objects: Vec<Shared> = Vec::new();
+    for (_, scene) in scenes {
+        let margin = scene.check(library)?.outer_iso().unwrap_or(scene.object.outer_iso);
+        match objects.iter_mut().find(|shared| same_field(&shared.object, &scene.object)) {
+            Some(shared) => shared.margin = shared.margin.max(margin),
+            None => objects.push(Shared { object: scene.object.clone(), margin, subject: None }),
+        }
+    }
+    Ok(objects)
+}
+
+/// The subject of a scene, loaded when it is first asked for.
+fn subject<'a>(objects: &'a mut [Shared], scene: &Scene, progress: Progress<'_>) -> Result<&'a Subject, RenderError> {
+    let shared = objects.iter_mut().find(|shared| same_field(&shared.object, &scene.object));
+    let shared = shared.expect("`objects` holds the object of every scene");
+    if shared.subject.is_none() {
+        shared.subject = Some(Subject::load_with_margin(&shared.object, shared.margin, progress)?);
+    }
+    Ok(shared.subject.as_ref().expect("it was just loaded"))
 }
 
 fn knob_table(variant: &Variant) -> String {
@@ -120,3 +183,23 @@ fn escape(text: &str) -> String {
 }
 
 const PAGE: &str = include_str!("gallery.html");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_figure_stands_under_the_paper_that_it_names_first() {
+        assert_eq!(group("Fur: Perlin and Hoffert 1989, sect. 2.4; Miller and Jones 2005, Fig. 7d."), 1);
+        assert_eq!(group("Fur: Miller and Jones 2005, Fig. 7d; Perlin and Hoffert 1989, sect. 2.4."), 0);
+        assert_eq!(group("Something else."), 2);
+    }
+
+    #[test]
+    fn figures_of_one_object_share_its_field() {
+        let library = crate::glsl::shipped();
+        let objects = objects(&library, &effects("knot").unwrap()).unwrap();
+        assert_eq!(objects.len(), 1);
+        assert!(objects[0].margin >= 0.5, "as far as the flames reach");
+    }
+}

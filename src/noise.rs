@@ -221,6 +221,24 @@ mod tests {
     }
 
     #[test]
+    fn p19_one_lookup_correlates_neighboring_gradients_and_three_do_not() {
+        let noise = Noise::new(1, Weights::Quintic);
+        let once = |i: usize, j: usize, k: usize| noise.gradients[usize::from(noise.permutation[(i + j + k) % TABLE])];
+        let thrice = |i: usize, j: usize, k: usize| noise.knot(i, j, k);
+        let correlation = |knot: &dyn Fn(usize, usize, usize) -> [f64; 3]| {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for (i, j, k) in (0..40).flat_map(|i| (1..41).flat_map(move |j| (0..40).map(move |k| (i, j, k)))) {
+                let (a, b) = (knot(i, j, k), knot(i + 1, j - 1, k));
+                sum += (0..3).map(|c| a[c] * b[c]).sum::<f64>();
+                count += 1.0;
+            }
+            sum / count
+        };
+        assert!((correlation(&once) - 1.0).abs() < 1e-12, "{}", correlation(&once));
+        assert!(correlation(&thrice).abs() < 0.03, "{}", correlation(&thrice));
+    }
+
+    #[test]
     fn p15_noise_and_its_gradient_stay_within_their_bounds() {
         for (weights, steepest) in [(Weights::Cubic, 2.2), (Weights::Quintic, 2.8)] {
             let noise = Noise::new(2, weights);

@@ -188,7 +188,7 @@ fn scene_files_that_are_wrong_are_refused_with_their_line() {
         ("type.toml", "[quality]\n\nsamples = \"many\"\n"),
         ("name.toml", "[object]\ninput = \"torus\"\nsource = \"normals17\"\n"),
         ("color.toml", "[material]\ncolor = \"red\"\n"),
-        ("preset.toml", "preset = \"fire_ball\"\n"),
+        ("preset.toml", "preset = \"fire_bal\"\n"),
         ("knob.toml", "preset = \"fur\"\n[knobs]\nfinenes = 60\n"),
         ("range.toml", "[quality]\nsamples = 0\n"),
         ("module.toml", "[effect]\nsurface = \"litt\"\n"),
@@ -208,7 +208,7 @@ fn scene_files_that_are_wrong_are_refused_with_their_line() {
             ("render type.toml", &["type.toml:3:", "many"]),
             ("render name.toml", &["name.toml:3:", "normals17", "did you mean `normals16`?"]),
             ("render color.toml", &["color.toml:2:", "`red` is not a color"]),
-            ("render preset.toml", &["no effect `fire_ball`", "did you mean `fire`?"]),
+            ("render preset.toml", &["no effect `fire_bal`", "did you mean `fire_ball`?"]),
             ("render knob.toml", &["no knob `finenes`", "did you mean `fineness`?"]),
             ("render range.toml", &["quality.samples = 0", "from 1 to 100000"]),
             ("render module.toml", &["effect.surface `litt`", "did you mean `lit`?"]),
@@ -406,6 +406,36 @@ fn a_gallery_has_six_pictures_and_a_page_that_names_them() {
         assert!(page.contains(&format!("{effect}.png")), "the page does not show {effect}");
     }
     assert_eq!(desk.files().len(), 7);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn p58_a_gallery_without_an_object_has_every_figure_under_its_paper() {
+    let desk = Desk::new();
+    desk.good("gallery -o dir --size 16x16 --samples 16 --resolution 24");
+    let page = fs::read_to_string(desk.file("dir/index.html")).unwrap();
+    for name in hypertexture::scene::names() {
+        assert_eq!(size_of(&desk.file(&format!("dir/{name}.png"))), (16, 16));
+        assert!(page.contains(&format!("hypertexture render {name} -o {name}.png")), "no command for {name}");
+    }
+    let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("`{text}` is not on the page"));
+    assert!(place("<h2>Miller and Jones 2005") < place("id=\"fur\""));
+    assert!(place("id=\"fur\"") < place("<h2>Perlin and Hoffert 1989"));
+    assert!(place("<h2>Perlin and Hoffert 1989") < place("id=\"noisy_sphere\""));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn the_name_of_a_figure_renders_it_whole_and_an_effect_goes_over_it() {
+    let desk = Desk::new();
+    desk.good(&format!("render noisy_sphere -o x.png --save-scene s.toml {SMALL}"));
+    let saved = hypertexture::scene::load(&desk.file("s.toml")).unwrap();
+    let preset = hypertexture::scene::preset("noisy_sphere").unwrap();
+    assert_eq!((saved.object, saved.effect, saved.camera), (preset.object, preset.effect, preset.camera));
+    desk.good(&format!("render furry_donut --effect lit -o y.png --save-scene t.toml {SMALL}"));
+    let saved = hypertexture::scene::load(&desk.file("t.toml")).unwrap();
+    assert_eq!((saved.object.input.as_str(), saved.effect.surface.as_str()), ("torus", "lit"));
+    assert!(saved.effect.dmf.is_empty());
 }
 
 #[test]

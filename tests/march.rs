@@ -5,7 +5,7 @@ mod common;
 use common::{formula, homogeneous, picture, subject, with_gpu};
 use hypertexture::glsl;
 use hypertexture::render::Frame;
-use hypertexture::scene::{EFFECTS, Pass, Projection, Scene, Traverse, preset};
+use hypertexture::scene::{EFFECTS, Pass, Projection, Scene, Traverse, names, preset};
 
 /// Part of the pixels that differ by more than `bound` in a channel, and the largest difference of the others.
 fn compare(a: &Frame, b: &Frame, bound: f32) -> (f64, f32) {
@@ -16,6 +16,15 @@ fn compare(a: &Frame, b: &Frame, bound: f32) -> (f64, f32) {
     (beyond as f64 / differences.len() as f64, rest)
 }
 
+/// A preset on its own object, small.
+fn small(name: &str) -> Scene {
+    let mut scene = preset(name).expect("a shipped preset");
+    scene.object.resolution = 48;
+    scene.image.size = [80, 80];
+    scene.quality.samples = 96;
+    scene
+}
+
 fn both(scene: &Scene) -> [Scene; 2] {
     [Pass::Slices, Pass::March].map(|pass| {
         let mut scene = scene.clone();
@@ -23,6 +32,40 @@ fn both(scene: &Scene) -> [Scene; 2] {
         scene.quality.stop = 0.0;
         scene
     })
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m61_rays_and_slices_give_the_same_picture_of_every_figure() {
+    let library = glsl::shipped();
+    with_gpu(|gpu| {
+        for name in names() {
+            let scene = small(name);
+            let subject = subject(&scene, &library);
+            let [slices, rays] = both(&scene).map(|scene| picture(gpu, &library, &scene, &subject));
+            let (flipped, rest) = compare(&slices, &rays, 1e-3);
+            println!("{name}: {flipped:.5} flipped, the rest within {rest:.1e}");
+            assert!(flipped <= 0.004, "{name}: {flipped}");
+        }
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m61_leaping_changes_no_bit_of_any_figure() {
+    let library = glsl::shipped();
+    with_gpu(|gpu| {
+        for name in names() {
+            let mut scene = small(name);
+            scene.quality.pass = Pass::March;
+            let subject = subject(&scene, &library);
+            let [all, leapt] = [Traverse::Fixed, Traverse::Leap].map(|traverse| {
+                scene.quality.traverse = traverse;
+                picture(gpu, &library, &scene, &subject)
+            });
+            assert!(all.pixels == leapt.pixels, "{name}");
+        }
+    });
 }
 
 #[test]

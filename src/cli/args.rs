@@ -31,7 +31,7 @@ pub enum Command {
     Merge(Merge),
     /// Compute the distance field of an object and write it as NRRD.
     Field(Field),
-    /// Render all six effects on one object, with a page that explains them.
+    /// Render every figure, or the six effects on one object, with a page that explains them.
     Gallery(Gallery),
     /// List the effects and their knobs.
     Effects,
@@ -42,7 +42,7 @@ pub enum Command {
 /// Arguments of `render`.
 #[derive(Args)]
 pub struct Render {
-    /// A built-in object, a mesh, a scalar volume, a distance field, or a scene file (.toml).
+    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), or a figure such as fire_ball.
     pub input: String,
     /// Where the picture goes: .png or .exr.
     #[arg(long, short, default_value = "out.png", value_name = "FILE")]
@@ -145,18 +145,17 @@ pub struct Field {
 /// Arguments of `gallery`.
 #[derive(Args)]
 pub struct Gallery {
-    /// The object.
-    #[arg(default_value = "teapot")]
-    pub input: String,
+    /// The object of the six effects; without one, every figure has its own object.
+    pub input: Option<String>,
     /// Where pictures and page go.
     #[arg(long, short, default_value = "out", value_name = "FOLDER")]
     pub output: PathBuf,
     /// Width and height in pixels.
     #[arg(long, default_value = "512x512", value_parser = size, value_name = "WxH")]
     pub size: [u32; 2],
-    /// Slices through the object.
-    #[arg(long, default_value_t = 256)]
-    pub samples: u32,
+    /// Samples of a ray through the object; what the figure says without it.
+    #[arg(long)]
+    pub samples: Option<u32>,
     /// The object.
     #[command(flatten)]
     pub object: ObjectArguments,
@@ -270,13 +269,15 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 impl Look {
-    /// The scene of an input: its file or the preset of the effect, with the arguments over it.
+    /// The scene of an input: its file, the figure of that name, or the preset of the effect, with the arguments over it.
     pub fn scene(&self, input: &str, object: &ObjectArguments) -> Result<Scene, SceneError> {
-        let is_scene = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
-        let mut scene = match (is_scene, &self.effect) {
-            (true, None) => scene::load(Path::new(input))?,
+        let is_file = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
+        let is_figure = !Path::new(input).exists() && scene::names().any(|name| name == input);
+        let load = || if is_figure { scene::preset(input) } else { scene::load(Path::new(input)) };
+        let mut scene = match (is_file || is_figure, &self.effect) {
+            (true, None) => load()?,
             (true, Some(effect)) => {
-                let file = scene::load(Path::new(input))?;
+                let file = load()?;
                 let preset = scene::preset(effect)?;
                 Scene {
                     object: file.object,

@@ -243,10 +243,16 @@ fn write_gallery(command: &Gallery, options: &Options, quiet: bool) -> Result<()
     let gpu = Gpu::new(options)?;
     // Smooth edges, where the device has them for the default target.
     let smooth = gpu.sample_counts(Format::Rgba32Float).contains(&4) && gpu.facts().sample_shading;
-    let mut scenes = gallery::scenes(&command.input)?;
+    let mut scenes = match &command.input {
+        Some(input) => gallery::effects(input)?,
+        None => gallery::figures()?,
+    };
     for (_, scene) in &mut scenes {
         scene.image.size = command.size;
-        scene.quality.samples = command.samples;
+        scene.quality.samples = command.samples.unwrap_or(scene.quality.samples);
+        // Among many figures only those are smoothed that have hard edges and are quick: it takes four times as long.
+        let quick = scene.effect.softness == "hard" && scene.effect.warp.is_empty();
+        let smooth = smooth && (command.input.is_some() || quick);
         scene.quality.msaa = if smooth { 4 } else { 1 };
         command.object.apply(&mut scene.object)?;
     }

@@ -185,7 +185,8 @@ impl Scene {
             within("image.size", side as f32, 1.0, 16384.0)?;
         }
         let quality = &self.quality;
-        let procedural = [&self.effect.noise, &self.effect.turbulence].iter().any(|module| *module == "procedural");
+        let effect = &self.effect;
+        let procedural = effect.noise != "block" || effect.turbulence == "procedural";
         let most = match (quality.pass, procedural) {
             (super::Pass::Slices, _) => 100_000.0,
             (super::Pass::March, false) => LOOP_BUDGET,
@@ -220,8 +221,8 @@ impl Scene {
         }
     }
 
-    /// Iterations of the noise at one sample of a ray, at most: two sums of octaves with eight corners each and three
-    /// more noises, at each place where the density is asked for, and the same once for the color.
+    /// Iterations of the noise at one sample of a ray, at most: a sum of octaves with eight corners each for every module
+    /// that changes the density, one for the color and three more noises, at each place where the density is asked for.
     fn procedural_loops(&self) -> f32 {
         let places = match self.quality.rule {
             Rule::Point => 1.0,
@@ -232,7 +233,9 @@ impl Scene {
             "three" => 3.0,
             _ => 0.0,
         };
-        (places + more) * (2.0 * self.effect.octaves as f32 * 9.0 + 3.0 * 8.0)
+        let vapor = f32::from(u8::from(self.effect.medium == "vapor")); // it asks once more, towards the light
+        let sums = (self.effect.warp.len() + self.effect.dmf.len() + 1).max(2) as f32;
+        (places + more + vapor) * (sums * self.effect.octaves as f32 * 9.0 + 3.0 * 8.0)
     }
 
     fn check_modules(&self, library: &Library, slots: &Slots) -> Result<(), SceneError> {

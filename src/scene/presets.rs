@@ -14,6 +14,22 @@ pub(super) const PRESETS: &[(&str, &str)] = &[
     ("melting", include_str!("../../presets/melting.toml")),
     ("fire", include_str!("../../presets/fire.toml")),
     ("shells", include_str!("../../presets/shells.toml")),
+    ("noisy_sphere", include_str!("../../presets/noisy_sphere.toml")),
+    ("high_frequency_sphere", include_str!("../../presets/high_frequency_sphere.toml")),
+    ("high_amplitude_sphere", include_str!("../../presets/high_amplitude_sphere.toml")),
+    ("fractal_sphere", include_str!("../../presets/fractal_sphere.toml")),
+    ("dripping_sphere", include_str!("../../presets/dripping_sphere.toml")),
+    ("fire_ball", include_str!("../../presets/fire_ball.toml")),
+    ("furry_donut", include_str!("../../presets/furry_donut.toml")),
+    ("tribble", include_str!("../../presets/tribble.toml")),
+    ("furry_teapot", include_str!("../../presets/furry_teapot.toml")),
+    ("burning_head", include_str!("../../presets/burning_head.toml")),
+    ("smoke", include_str!("../../presets/smoke.toml")),
+    ("clouds", include_str!("../../presets/clouds.toml")),
+    ("woven", include_str!("../../presets/woven.toml")),
+    ("flow", include_str!("../../presets/flow.toml")),
+    ("glow", include_str!("../../presets/glow.toml")),
+    ("nebula", include_str!("../../presets/nebula.toml")),
 ];
 
 /// Names of all presets.

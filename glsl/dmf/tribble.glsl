@@ -1,0 +1,39 @@
+// Curly fur: straight at the root, ever curlier towards the tip.
+// Source: PH 2.4 (tribble): x' = x + gain.8(1 - d) * curliness * vnoise(x); s = noise(freq * project(x'));
+// f = gain.9(bias.3(s)) * d, with the remap 0.5 + 0.5 noise that it implies. Geometry-dependent.
+// density: D in [0, 1]; result in [0, 1].
+// @needs normal
+// @outer tribble_length
+// @knob tribble_length = 0.4 in [0.005, 0.8]: Length of the hair, object units: the width of the soft region.
+// @knob tribble_fineness = 24 in [2, 200]: Hairs per object unit.
+// @knob tribble_curliness = 0.3 in [0, 2]: How far the tip of a hair is moved, object units.
+// @knob curl_frequency = 4 in [0.2, 40]: Curls per object unit.
+#include "vector_noise.glsl"
+#include "shaping.glsl"
+
+// Where the matter that is now at a point grew, and the direction of the hair there.
+vec3 uncurled(Sample s, out vec3 tangent) {
+    float tip = clamp(1.0 - s.density, 0.0, 1.0);
+    mat3 slope;
+    vec3 curl = tribble_curliness * vector_noise_slope(curl_frequency * s.x, slope);
+    float strength = gain(0.8, tip);
+    float growth = (gain(0.8, tip + 0.05) - gain(0.8, tip - 0.05)) / (0.1 * tribble_length);
+    // A hair is where x' moves along the normal: (1 + derivative of the curl) tangent = normal, to first order.
+    vec3 bend = growth * curl + strength * tribble_curliness * curl_frequency * (slope * s.normal);
+    tangent = safe_normalize(s.normal - bend, s.normal);
+    return s.x + strength * curl;
+}
+
+vec3 hair_tangent(Sample s) {
+    vec3 tangent;
+    uncurled(s, tangent);
+    return tangent;
+}
+
+float tribble(float density, Sample s) {
+    if (s.density >= 1.0) return density;
+    vec3 tangent;
+    vec3 root = uncurled(s, tangent) - (s.distance - iso_value) * s.normal;
+    float strand = gain(0.9, bias(0.3, 0.5 + 0.5 * noise(tribble_fineness * root) / 0.6));
+    return strand * density * smoothstep(0.35, 0.85, s.coherence);
+}

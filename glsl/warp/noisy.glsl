@@ -1,0 +1,12 @@
+// Noise scales the distance from the center: bumps and dents.
+// Source: PH 2.4 (noisy sphere): D(x (1 + noise(f x) / f)); the amplitude is a knob of its own, 1 / f in the paper.
+// x: object space; jacobian: derivative of the displaced by the original point.
+// @reach amplitude
+// @knob amplitude = 0.25 in [0, 1.1]: Amplitude of the noise: the height of a bump on the unit sphere.
+// @knob frequency = 4 in [0.2, 40]: Frequency of the noise: bumps per object unit.
+#include <noise>
+#include "scale_radius.glsl"
+void noisy(inout vec3 x, inout mat3 jacobian) {
+    vec4 n = amplitude * noise_gradient(frequency * x);
+    scale_radius(x, jacobian, n.w, frequency * n.xyz);
+}
