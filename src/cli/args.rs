@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use hypertexture::glsl::library::hex_color;
-use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
+use hypertexture::scene::{self, Color, KnobValue, Object, Ray, Scene, SceneError};
 use std::path::{Path, PathBuf};
 
 /// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
@@ -337,6 +337,9 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
         "weights" => &mut effect.weights,
         "turbulence" => &mut effect.turbulence,
         "opacity" => &mut effect.opacity,
+        "index" => &mut effect.index,
+        "absorption" => &mut effect.absorption,
+        "environment" => &mut effect.environment,
         stack @ ("warp" | "dmf") => {
             let modules =
                 names.split('+').map(|name| name.trim().to_string()).filter(|name| !name.is_empty()).collect();
@@ -355,6 +358,9 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
                 "weights",
                 "turbulence",
                 "opacity",
+                "index",
+                "absorption",
+                "environment",
             ];
             return Err(SceneError::unknown("slot", other, &known));
         }
@@ -367,6 +373,9 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
 fn show(scene: &mut Scene, classify: &str, surface: &str) {
     scene.effect.classify = classify.into();
     scene.effect.surface = surface.into();
+    scene.effect.ray = Ray::Straight;
+    scene.effect.absorption = "none".into();
+    scene.effect.environment = "none".into();
     scene.effect.softness = "hard".into();
     scene.effect.dmf.clear();
     scene.effect.warp.clear();

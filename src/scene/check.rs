@@ -1,6 +1,6 @@
 //! The checks that make a scene valid.
 
-use super::{KnobValue, Scene, SceneError};
+use super::{KnobValue, Ray, Scene, SceneError};
 use crate::glsl::library::{Default, Knob, Library};
 use crate::glsl::{Declarations, Slots};
 
@@ -42,6 +42,10 @@ const LOOP_BUDGET: f32 = 60_000.0;
 /// Iterations in one sample of procedural noise and turbulence, at most: two sums of eight octaves with eight corners
 /// each, and three more noises.
 const PROCEDURAL_LOOPS: f32 = 2.0 * 8.0 * 9.0 + 3.0 * 8.0;
+/// Iterations of a ray that bends, for each step of it: the step, and three gradients of three differences each.
+const BENDING_LOOPS: f32 = 1.0 + 3.0 * 3.0;
+/// Steps of a ray that bends, for each sample of the scene, and in all to locate its interfaces: see `refract.frag`.
+const BENDING_STEPS: [f32; 2] = [3.0, 24.0 * (14.0 + 1.0)];
 
 impl Scene {
     /// Checks every value, module and knob, and gives the knobs their values.
@@ -53,10 +57,11 @@ impl Scene {
         self.check_look()?;
         self.check_transfer()?;
         self.check_quality()?;
+        self.check_ray()?;
         let mut slots = self.slots();
         slots.insert("object".into(), vec!["normals".into()]);
         self.check_modules(library, &slots)?;
-        self.knobs(&library.declarations(&self.quality.pass.entries(), &slots)?)
+        self.knobs(&library.declarations(&self.entries(), &slots)?)
     }
 
     /// Drops the values of knobs that no module of the scene declares: for a scene whose modules were exchanged.
@@ -67,7 +72,7 @@ impl Scene {
         let mut slots = self.slots();
         slots.insert("object".into(), vec!["normals".into()]);
         self.check_modules(library, &slots)?;
-        let declared = library.declarations(&self.quality.pass.entries(), &slots)?.knobs;
+        let declared = library.declarations(&self.entries(), &slots)?.knobs;
         self.knobs.retain(|name, _| declared.iter().any(|knob| knob.name == *name));
         Ok(())
     }
@@ -144,6 +149,7 @@ impl Scene {
         for stop in stops {
             within("transfer.stops.at", stop.at, 0.0, 1.0)?;
             within("transfer.stops.density", stop.density, 0.0, 1.0)?;
+            within("transfer.stops.index", stop.index, 1.0, 4.0)?;
         }
         match stops.windows(2).find(|pair| pair[0].at > pair[1].at) {
             None => Ok(()),
@@ -178,6 +184,35 @@ impl Scene {
                 limit: "1, 2, 4 or 8".into(),
             }),
         }
+    }
+
+    /// What bends needs rays, and what only bent rays read needs rays that bend.
+    fn check_ray(&self) -> Result<(), SceneError> {
+        let effect = &self.effect;
+        let refuse = |field: &str, value: &str, limit: String| {
+            Err(SceneError::Value { field: field.into(), value: format!("\"{value}\""), limit })
+        };
+        if effect.ray == Ray::Straight {
+            let idle = [
+                ("effect.environment", &effect.environment, effect.environment != "none"),
+                ("effect.absorption", &effect.absorption, effect.absorption != "none"),
+                ("effect.classify", &effect.classify, effect.classify == "clear"),
+            ];
+            return match idle.into_iter().find(|(_, _, set)| *set) {
+                None => Ok(()),
+                Some((field, value, _)) => refuse(field, value, "needs effect.ray = \"refracted\"".into()),
+            };
+        }
+        if self.quality.pass == super::Pass::Slices {
+            let limit = "needs quality.pass = \"march\": light does not bend from slice to slice".into();
+            return refuse("effect.ray", "refracted", limit);
+        }
+        if effect.noise == "procedural" || effect.turbulence == "procedural" {
+            let limit = "needs noise = \"block\" and turbulence = \"encoded\": a ray that bends reads too much of a sum";
+            return refuse("effect.ray", "refracted", limit.into());
+        }
+        let most = ((LOOP_BUDGET / BENDING_LOOPS - BENDING_STEPS[1]) / BENDING_STEPS[0]).floor();
+        within("quality.samples", self.quality.samples as f32, 1.0, most)
     }
 
     fn check_modules(&self, library: &Library, slots: &Slots) -> Result<(), SceneError> {

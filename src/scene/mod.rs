@@ -113,7 +113,7 @@ pub enum Source {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Effect {
-    /// How a sample becomes a color: `surface`, `soft`, `post`, `pre`, `preintegrated`.
+    /// How a sample becomes a color: `surface`, `soft`, `post`, `pre`, `preintegrated`, `clear`.
     pub classify: String,
     /// How the distance becomes a density: `hard`, `linear`, `quadratic`.
     pub softness: String,
@@ -131,6 +131,14 @@ pub struct Effect {
     pub weights: String,
     /// Where turbulence comes from.
     pub turbulence: String,
+    /// Whether rays bend where the index of refraction changes.
+    pub ray: Ray,
+    /// Where the index of refraction comes from: `transfer`, the index of its stops.
+    pub index: String,
+    /// What takes light from a ray that bends: `none` or `tinted`.
+    pub absorption: String,
+    /// What a ray that bends meets behind the object and in its mirror: `none` or `studio`.
+    pub environment: String,
     /// How density becomes opacity: `perlin` or `beer`.
     pub opacity: String,
     /// c of PH 3.1, per object unit: how fast soft matter becomes opaque.
@@ -149,10 +157,25 @@ impl std::default::Default for Effect {
             noise: "block".into(),
             weights: "quintic".into(),
             turbulence: "encoded".into(),
+            ray: Ray::Straight,
+            index: "transfer".into(),
+            absorption: "none".into(),
+            environment: "none".into(),
             opacity: "perlin".into(),
             opacity_rate: 40.0,
         }
     }
+}
+
+/// The course of a ray through the object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ray {
+    /// A straight line.
+    #[default]
+    Straight,
+    /// It bends by Snell's law where the index of refraction changes (PH 2.4); slices cannot.
+    Refracted,
 }
 
 /// The value of a knob in a scene file.
@@ -322,16 +345,6 @@ pub enum Pass {
     March,
 }
 
-impl Pass {
-    /// The entry files of the pass in the folder `glsl`: vertex stage, fragment stage.
-    pub fn entries(self) -> [&'static str; 2] {
-        match self {
-            Pass::Slices => ["slice.vert", "slice.frag"],
-            Pass::March => ["march.vert", "march.frag"],
-        }
-    }
-}
-
 /// Which samples of a ray are taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -384,9 +397,18 @@ impl Scene {
         let stops = &self.transfer.stops;
         let outside = stops.iter().rfind(|stop| stop.at <= 0.0).or(stops.first());
         match self.effect.classify.as_str() {
-            "surface" | "soft" => true,
+            "surface" | "soft" | "clear" => true,
             "post" | "preintegrated" => self.effect.dmf.is_empty() && outside.is_some_and(|stop| stop.density <= 0.0),
             _ => false,
+        }
+    }
+
+    /// The entry files of the scene's program in the folder `glsl`: vertex stage, fragment stage.
+    pub fn entries(&self) -> [&'static str; 2] {
+        match (self.quality.pass, self.effect.ray) {
+            (Pass::Slices, _) => ["slice.vert", "slice.frag"],
+            (Pass::March, Ray::Straight) => ["march.vert", "march.frag"],
+            (Pass::March, Ray::Refracted) => ["march.vert", "refract.frag"],
         }
     }
 
@@ -406,6 +428,9 @@ impl Scene {
             ("weights", &effect.weights),
             ("turbulence", &effect.turbulence),
             ("opacity", &effect.opacity),
+            ("index", &effect.index),
+            ("absorption", &effect.absorption),
+            ("environment", &effect.environment),
         ] {
             fill(slot, vec![module.clone()]);
         }
@@ -423,10 +448,12 @@ impl Scene {
         fill("proxy", vec![proxy.into()]);
         fill("clip", vec![if self.camera.clip.is_some() { "plane" } else { "none" }.into()]);
         let traverse = match self.quality.traverse {
-            Traverse::Leap if self.is_empty_outside() => "leap",
+            Traverse::Leap if self.is_empty_outside() && effect.index == "transfer" => "leap",
             _ => "fixed",
         };
         fill("traverse", vec![traverse.into()]);
+        let jumps = effect.index == "transfer" && self.transfer.curve == Curve::Steps;
+        fill("course", vec![if jumps { "straight" } else { "curved" }.into()]);
         fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
         slots
     }

@@ -14,6 +14,7 @@ pub(super) const PRESETS: &[(&str, &str)] = &[
     ("melting", include_str!("../../presets/melting.toml")),
     ("fire", include_str!("../../presets/fire.toml")),
     ("shells", include_str!("../../presets/shells.toml")),
+    ("blue_glass", include_str!("../../presets/blue_glass.toml")),
 ];
 
 /// Names of all presets.

@@ -8,7 +8,7 @@ mod reflect;
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
 use crate::glsl::{Library, LibraryError, LinkError, Linker, Slots, Stage};
-use crate::scene::{Knobs, Pass, Scene, SceneError, Source};
+use crate::scene::{Knobs, Scene, SceneError, Source};
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));
 
@@ -18,8 +18,8 @@ pub const FORMULAS: [&str; 3] = ["sphere", "cube", "torus"];
 /// The modules of a scene's program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
-    /// The pass that the program is for.
-    pub pass: Pass,
+    /// The files of the library that the program starts from: vertex stage, fragment stage.
+    pub entries: [&'static str; 2],
     /// The slots that the program reaches, with the modules that fill them.
     pub slots: Slots,
     /// The knobs that those modules declare, with their values.
@@ -63,12 +63,12 @@ impl Variant {
     /// What [`Scene::check`] finds.
     pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
         let knobs = scene.check(library)?;
-        let (pass, entries) = (scene.quality.pass, scene.quality.pass.entries());
+        let entries = scene.entries();
         let mut choice = scene.slots();
         choice.insert("object".into(), vec!["normals".into()]);
         let needs_normal = library.declarations(&entries, &choice)?.needs_normal;
         choice.insert("object".into(), vec![object_module(scene, needs_normal).into()]);
-        Ok(Variant { pass, slots: library.needed(&entries, &choice)?, knobs })
+        Ok(Variant { entries, slots: library.needed(&entries, &choice)?, knobs })
     }
 
     /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
@@ -98,7 +98,7 @@ impl Variant {
             Some((_, vertex, fragment)) => (words(vertex), words(fragment)),
             None => {
                 let linker = linker()?;
-                let entries = self.pass.entries();
+                let entries = self.entries;
                 let link = |entry, stage| linker.link(library, (entry, stage), &entries, &self.slots);
                 (link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?)
             }
@@ -116,13 +116,14 @@ impl Program {
 
     /// What the scene did not need: not in the program, not allocated, not uploaded, not bound.
     pub fn left_out(&self) -> Vec<&'static str> {
-        const PARTS: [(&str, &str); 6] = [
+        const PARTS: [(&str, &str); 7] = [
             ("volume_image", "volume"),
             ("noise_image", "noise block"),
             ("turbulence_image", "turbulence block"),
             ("transfer_image", "transfer map"),
             ("segment_image", "segment table"),
             ("classified_image", "classified volume"),
+            ("index_image", "index map"),
         ];
         PARTS.iter().filter(|(binding, _)| !self.reads(binding)).map(|(_, part)| *part).collect()
     }
@@ -182,7 +183,7 @@ mod tests {
         let mut scene = preset("lit").unwrap();
         assert_eq!(
             program(&scene).left_out(),
-            ["noise block", "turbulence block", "transfer map", "segment table", "classified volume"]
+            ["noise block", "turbulence block", "transfer map", "segment table", "classified volume", "index map"]
         );
         scene.object.input = "sphere".into();
         assert!(program(&scene).left_out().contains(&"volume"));
