@@ -51,8 +51,10 @@ vec4 sum = vec4(0.0);
 float rest = 1.0;                       // of the light: not hidden, nor reflected away
 vec3 tint = vec3(1.0);                  // of the rest: not absorbed
 
-void add_environment(float share, vec3 at, vec3 along) {
-    vec4 seen = environment(at, along);
+float pixel_angle() { return picture_scale.y * ray_scale.y; }
+
+void add_environment(float share, vec3 at, vec3 along, float spread) {
+    vec4 seen = environment(at, along, spread);
     sum += share * vec4(tint * seen.rgb, 1.0 - (1.0 - seen.a) * dot(tint, vec3(1.0 / 3.0)));
 }
 
@@ -80,7 +82,7 @@ void meet(inout Ray ray, Index beyond, float gap) {
     }
     float cos_to = sqrt(k);
     float reflected = fresnel(ray.medium.value, beyond.value, cos_from, cos_to);
-    add_environment(rest * reflected, ray.at, mirrored);
+    add_environment(rest * reflected, ray.at, mirrored, pixel_angle());
     if (eta < 1.0) {
         vec3 l = safe_normalize(light_position.xyz - object_matrix[3].xyz - ray.at, normal);
         vec3 h = safe_normalize(l - ray.along, normal);
@@ -168,11 +170,12 @@ void main() {
             tint *= transmitted(0.5 * (ray.medium.density + near.medium.density) * safe);
             vec3 before = near.along;
             meet(near, beyond, found - safe);
-            straight = straight && near.along == before;
+            straight = straight && near.along == before && near.medium.slope == 0.0;
             ray = near;
             travel -= found;
         }
     }
-    add_environment(rest, ray.at, ray.along);
+    float spread = max(length(dFdx(ray.along)), length(dFdy(ray.along)));
+    add_environment(rest, ray.at, ray.along, max(spread, pixel_angle()));
     fragment = sum;
 }

@@ -1,12 +1,13 @@
 // A studio: a tiled floor that runs into a backdrop, a window with panes, and strips of light. It stays level and turns
 // with the eye, as the light does: the object stands on a turntable.
 // Source: PH 2.4 and 3.1 (refraction and reflection need something to show); the room is ours.
-// from: object's center, axes of the eye; along: unit; result: opaque linear RGBA, brighter than 1 in the lights.
-// @color backdrop_color = #8e99a8: Color of the backdrop at its top.
-// @color horizon_color = #e9e6df: Color of the backdrop where the floor runs into it.
+// from: object's center, axes of the eye; along: unit; spread: radians between rays of neighboring pixels, of which the
+// pattern of the floor is the mean; result: opaque linear RGBA, brighter than 1 in the lights.
+// @color backdrop_color = #56637a: Color of the backdrop at its top.
+// @color horizon_color = #d5dade: Color of the backdrop where the floor runs into it.
 // @color tile_color = #f2efe8: Color of the light tiles of the floor.
 // @color tile_color_2 = #50565f: Color of the dark tiles of the floor.
-// @knob tile_size = 0.5 in [0.05, 10]: Side of a tile, object units.
+// @knob tile_size = 0.6 in [0.05, 10]: Side of a tile, object units.
 // @knob studio_light = 5 in [0, 50]: Brightness of the window and of the strips of light.
 
 // Part of a strip of the light tiles that the footprint of a ray sees, -1 to 1: a box filter.
@@ -22,18 +23,18 @@ float panel(vec2 p, vec2 center, vec2 half_size) {
     return clamp(d.x, 0.0, 1.0) * clamp(d.y, 0.0, 1.0);
 }
 
-vec4 environment(vec3 from, vec3 along) {
+vec4 environment(vec3 from, vec3 along, float spread) {
     vec3 up = safe_normalize(object_matrix[1].xyz, vec3(0.0, 1.0, 0.0));
     vec3 front = vec3(0.0, -up.z, up.y);                            // level, toward the eye
     vec3 d = vec3(along.x, dot(along, up), dot(along, front));
     vec3 p = vec3(from.x, dot(from, up), dot(from, front));
 
-    vec3 light = mix(horizon_color.rgb, backdrop_color.rgb, smoothstep(0.0, 0.75, d.y));
+    vec3 light = mix(horizon_color.rgb, backdrop_color.rgb, smoothstep(0.0, 0.45, d.y));
     float floor_height = box_min.y * length(object_matrix[1].xyz);
-    if (d.y < -1e-4 && p.y > floor_height) {
+    if (d.y < -1e-4) {
         float away = (p.y - floor_height) / -d.y;
         vec2 tile = (p.xz + away * d.xz) / tile_size;
-        float footprint = away * ray_scale.y * picture_scale.y / tile_size;
+        float footprint = abs(away) * spread / tile_size;
         float checks = stripes(tile.x, footprint) * stripes(tile.y, footprint / max(-d.y, 0.02));
         vec3 ground = mix(tile_color_2.rgb, tile_color.rgb, 0.5 + 0.5 * checks);
         light = mix(ground, horizon_color.rgb, smoothstep(2.0, 14.0, length(p.xz + away * d.xz)));

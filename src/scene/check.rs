@@ -208,7 +208,8 @@ impl Scene {
             return refuse("effect.ray", "refracted", limit);
         }
         if effect.noise == "procedural" || effect.turbulence == "procedural" {
-            let limit = "needs noise = \"block\" and turbulence = \"encoded\": a ray that bends reads too much of a sum";
+            let limit =
+                "needs noise = \"block\" and turbulence = \"encoded\": a ray that bends reads too much of a sum";
             return refuse("effect.ray", "refracted", limit.into());
         }
         let most = ((LOOP_BUDGET / BENDING_LOOPS - BENDING_STEPS[1]) / BENDING_STEPS[0]).floor();
