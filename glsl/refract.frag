@@ -2,7 +2,8 @@
 // One ray through the picture that bends where the index of refraction changes, in samples as far apart as the slices.
 // Source: PH 2.4 (blue glass: Snell's law where the index changes) and 3.1 (the normal of refraction and reflection).
 // Within a layer of the index map it takes its course; at an interface Snell's law bends it once, where the crossing was
-// located, and Fresnel's share of the light comes from the surroundings in the mirror.
+// located, and Fresnel's share of the light comes from the surroundings in the mirror. Matter on the way is lit as if it
+// were looked at straight from the eye.
 // Result: premultiplied linear RGBA; opaque where there are surroundings.
 #include "interface.glsl"
 #include "vector.glsl"

@@ -286,6 +286,25 @@ mod tests {
     }
 
     #[test]
+    fn p28_the_index_map_has_a_layer_between_any_two_jumps() {
+        let stop = |at, index| Stop { at, color: Color([255; 3]), density: at, index };
+        let row = |curve, stops: &[Stop]| index_map(&Transfer { curve, stops: stops.to_vec() });
+        let entry = |row: &[f32], i: usize| [row[4 * i], row[4 * i + 1], row[4 * i + 2]];
+        let steps = row(Curve::Steps, &[stop(0.0, 1.0), stop(0.25, 1.5), stop(0.75, 1.3)]);
+        assert_eq!([100, 500, 1000].map(|i| entry(&steps, i)), [[1.0, 0.0, 0.0], [1.5, 0.0, 1.0], [1.3, 0.0, 2.0]]);
+        let linear = row(Curve::Linear, &[stop(0.0, 1.0), stop(0.5, 1.2), stop(0.5, 1.4), stop(1.0, 1.4)]);
+        for (i, expected) in
+            [(100, [1.0 + 0.4 * 100.0 / 1023.0, 0.4, 0.0]), (511, [1.0 + 0.4 * 511.0 / 1023.0, 0.4, 0.0])]
+        {
+            let off =
+                entry(&linear, i).iter().zip(expected).map(|(a, b): (&f32, f32)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(off < 1e-3, "{:?}", entry(&linear, i));
+        }
+        assert_eq!(entry(&linear, 512)[..2], [1.4, 0.0]);
+        assert!(row(Curve::Spline, &[stop(0.0, 1.0), stop(1.0, 1.0)]).chunks(4).all(|e| e[..3] == [1.0, 0.0, 0.0]));
+    }
+
+    #[test]
     fn m05_a_segment_of_constant_density_has_the_opacity_of_its_path() {
         let opacity = |density: f32, path: f32| 1.0 - (1.0 - 0.9 * density).powf(path);
         let map = ramp(Curve::Linear);

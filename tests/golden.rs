@@ -31,6 +31,7 @@ const SCENES: &[(&str, &str)] = &[
     ("melting_teapot", "preset = 'melting'\n object = { input = 'teapot', resolution = 64 }"),
     ("fire_teapot", "preset = 'fire'\n object = { input = 'teapot', resolution = 64 }"),
     ("shells_torus", "preset = 'shells'\n object.input = 'torus'\n camera.clip = [0, 0, 1, 0]"),
+    ("blue_glass_sphere", "preset = 'blue_glass'\n object.input = 'sphere'"),
     ("normals", "object.input = 'torus'\n effect.surface = 'normals'"),
     ("tex_coord", "object.input = 'torus'\n effect.surface = 'tex_coord'"),
     (

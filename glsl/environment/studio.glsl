@@ -3,14 +3,14 @@
 // Source: PH 2.4 and 3.1 (refraction and reflection need something to show); the room is ours.
 // from: object's center, axes of the eye; along: unit; spread: radians between rays of neighboring pixels, of which the
 // pattern of the floor is the mean; result: opaque linear RGBA, brighter than 1 in the lights.
-// @color backdrop_color = #56637a: Color of the backdrop at its top.
+// @color backdrop_color = #4d5b73: Color of the backdrop at its top.
 // @color horizon_color = #d5dade: Color of the backdrop where the floor runs into it.
 // @color tile_color = #f2efe8: Color of the light tiles of the floor.
-// @color tile_color_2 = #50565f: Color of the dark tiles of the floor.
+// @color tile_color_2 = #6a717d: Color of the dark tiles of the floor.
 // @knob tile_size = 0.6 in [0.05, 10]: Side of a tile, object units.
 // @knob studio_light = 5 in [0, 50]: Brightness of the window and of the strips of light.
 
-// Part of a strip of the light tiles that the footprint of a ray sees, -1 to 1: a box filter.
+// Mean of stripes of -1 and 1, each one wide, over a footprint of this width: a box filter.
 float stripes(float x, float width) {
     float w = max(width, 1e-4), a = x - 0.5 * w, b = x + 0.5 * w;
     float ramp_a = 2.0 * abs(2.0 * fract(0.5 * a) - 1.0), ramp_b = 2.0 * abs(2.0 * fract(0.5 * b) - 1.0);
@@ -42,10 +42,7 @@ vec4 environment(vec3 from, vec3 along, float spread) {
 
     float shine = 0.0;
     vec2 left = d.zy / max(-d.x, 1e-3), right = d.zy / max(d.x, 1e-3), above = d.xz / max(d.y, 1e-3);
-    for (int pane = 0; pane < 4; ++pane) {                          // a window on the left, of two by two panes
-        vec2 center = vec2(0.35, 0.62) + vec2(0.26, 0.26) * (vec2(pane & 1, pane >> 1) * 2.0 - 1.0);
-        if (d.x < 0.0) shine += panel(left, center, vec2(0.22));
-    }
+    if (d.x < 0.0) shine += panel(abs(left - vec2(0.35, 0.62)), vec2(0.26), vec2(0.22));    // a window, two by two panes
     if (d.x > 0.0) shine += 0.6 * panel(right, vec2(-0.3, 0.45), vec2(0.10, 0.75));
     if (d.y > 0.0) shine += 0.8 * panel(above, vec2(0.1, -0.2), vec2(0.7, 0.22));
     return vec4(light + studio_light * shine, 1.0);

@@ -7,13 +7,10 @@
 #include <noise>
 void swirl(inout vec3 x, inout mat3 jacobian) {
     const float EACH = 0.57735;                                     // of three noises in [-1, 1], the length is at most 1
-    mat3 rows;
-    vec3 moved;
-    for (int axis = 0; axis < 3; ++axis) {
-        vec4 n = noise_gradient(swirl_frequency * x + 5.3 * vec3(axis == 1, axis == 2, axis == 0) + 2.17);
-        rows[axis] = n.xyz;
-        moved[axis] = n.w;
-    }
-    x += swirl_depth * EACH * moved;
-    jacobian = (mat3(1.0) + swirl_depth * EACH * swirl_frequency * transpose(rows)) * jacobian;
+    vec3 p = swirl_frequency * x + 2.17;
+    vec4 a = noise_gradient(p + vec3(0.0, 0.0, 5.3));
+    vec4 b = noise_gradient(p + vec3(5.3, 0.0, 0.0));
+    vec4 c = noise_gradient(p + vec3(0.0, 5.3, 0.0));
+    x += swirl_depth * EACH * vec3(a.w, b.w, c.w);
+    jacobian = (mat3(1.0) + swirl_depth * EACH * swirl_frequency * transpose(mat3(a.xyz, b.xyz, c.xyz))) * jacobian;
 }
