@@ -26,7 +26,9 @@ layout(set = 0, binding = 17) uniform texture3D volume_image;       // MJ 3.1
 layout(set = 0, binding = 18) uniform texture1D transfer_image;     // MJ 2: colour and opacity by density
 layout(set = 0, binding = 19) uniform texture2D segment_image;      // Engel 2001: the same for a segment, by both ends
 layout(set = 0, binding = 20) uniform texture3D classified_image;   // MJ 2: pre-classified, opacity-weighted
+layout(set = 0, binding = 22) uniform texture1D index_image;        // PH 2.4: index of refraction by density
 #define volume sampler3D(volume_image, clamp_sampler)
 #define transfer_map sampler1D(transfer_image, clamp_sampler)
 #define segment_map sampler2D(segment_image, clamp_sampler)
 #define classified_volume sampler3D(classified_image, clamp_sampler)
+#define index_map sampler1D(index_image, clamp_sampler)

@@ -2,12 +2,10 @@
 // Source: MJ 6.
 // x: object space; lengths in object units.
 #include "sample_point.glsl"
+#include "clearance.glsl"
 #include <object>
 #include <softness>
 #include <warp>
-
-// Distance from the last sample to the soft region, less than 0 inside of it: how far a ray may leap.
-float clearance = 0.0;
 
 Sample sample_object(vec3 x) {
     vec3 displaced = x;

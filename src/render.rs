@@ -356,7 +356,9 @@ impl<'a> Prepared<'a> {
             let all = [&variant.knobs].into_iter().chain(variant.parts.values());
             all.map(|knobs| (knobs.outer_iso(), knobs.reach())).collect::<Vec<_>>()
         };
-        same == *scene && variant.slots == self.variant.slots && reach(variant) == reach(&self.variant)
+        same == *scene
+            && (variant.entries, &variant.slots) == (self.variant.entries, &self.variant.slots)
+            && reach(variant) == reach(&self.variant)
     }
 
     /// Some bands of a picture of a scene that fits: the story of a frame.

@@ -98,8 +98,39 @@ pub fn transfer_map(transfer: &Transfer) -> Vec<u16> {
 
 /// Color (linear RGB) and density of a transfer map at a density in [0, 1].
 pub fn evaluate(transfer: &Transfer, density: f32) -> Vec4 {
-    let stops = &transfer.stops;
     let value = |stop: &Stop| Vec3::from(stop.color.linear()).extend(stop.density);
+    interpolate(transfer, density, value).clamp(Vec4::ZERO, Vec4::ONE)
+}
+
+/// The index map as a row of RGBA floats: the index of refraction, its slope by density, the number of the layer, 0.
+/// Entry i is for the density `i / (length - 1)`; a layer ends where the index or its slope jumps.
+pub fn index_map(transfer: &Transfer) -> Vec<f32> {
+    let at = |entry: usize| entry as f32 / (TRANSFER_SIZE - 1) as f32;
+    let layer = |density: f32| ends(transfer).filter(|&end| end <= density).count();
+    let index = |density: f32| interpolate(transfer, density, |stop| Vec4::splat(stop.index)).x;
+    let entry = |entry: usize| {
+        let (low, high) = (at(entry.saturating_sub(1)), at((entry + 1).min(TRANSFER_SIZE - 1)));
+        let middle = layer(at(entry));
+        let (low, high) =
+            (if layer(low) == middle { low } else { at(entry) }, if layer(high) == middle { high } else { at(entry) });
+        let slope = if high > low { (index(high) - index(low)) / (high - low) } else { 0.0 };
+        [index(at(entry)), slope, middle as f32, 0.0]
+    };
+    (0..TRANSFER_SIZE).flat_map(entry).collect()
+}
+
+/// Densities at which the index of refraction or its slope jumps.
+fn ends(transfer: &Transfer) -> impl Iterator<Item = f32> + '_ {
+    let between = |pair: &[Stop]| pair[0].index != pair[1].index;
+    let jumps = move |pair: &[Stop]| between(pair) && (transfer.curve == Curve::Steps || pair[0].at == pair[1].at);
+    let jumps = transfer.stops.windows(2).filter(move |pair| jumps(pair)).map(|pair| pair[1].at);
+    let kinks = move |three: &[Stop]| transfer.curve == Curve::Linear && (between(three) || between(&three[1..]));
+    jumps.chain(transfer.stops.windows(3).filter(move |three| kinks(three)).map(|three| three[1].at))
+}
+
+/// A value of the stops at a density: what the curve makes of it.
+fn interpolate(transfer: &Transfer, density: f32, value: impl Fn(&Stop) -> Vec4) -> Vec4 {
+    let stops = &transfer.stops;
     let above = stops.iter().position(|stop| stop.at > density);
     let (low, high) = match above {
         Some(0) => return value(&stops[0]),
@@ -112,13 +143,12 @@ pub fn evaluate(transfer: &Transfer, density: f32) -> Vec4 {
         Curve::Linear => value(&stops[low]).lerp(value(&stops[high]), t),
         Curve::Spline => {
             let width = stops[high].at - stops[low].at;
-            let (m0, m1) = (tangent(stops, low, value) * width, tangent(stops, high, value) * width);
+            let (m0, m1) = (tangent(stops, low, &value) * width, tangent(stops, high, &value) * width);
             let (t2, t3) = (t * t, t * t * t);
-            let cubic = value(&stops[low]) * (2.0 * t3 - 3.0 * t2 + 1.0)
+            value(&stops[low]) * (2.0 * t3 - 3.0 * t2 + 1.0)
                 + m0 * (t3 - 2.0 * t2 + t)
                 + value(&stops[high]) * (3.0 * t2 - 2.0 * t3)
-                + m1 * (t3 - t2);
-            cubic.clamp(Vec4::ZERO, Vec4::ONE)
+                + m1 * (t3 - t2)
         }
     }
 }
@@ -237,7 +267,7 @@ mod tests {
     }
 
     fn ramp(curve: Curve) -> Transfer {
-        let stop = |at, density| Stop { at, color: Color([255; 3]), density };
+        let stop = |at, density| Stop { at, color: Color([255; 3]), density, index: 1.0 };
         Transfer { curve, stops: vec![stop(0.2, 0.0), stop(0.4, 1.0), stop(0.8, 0.25)] }
     }
 
@@ -253,6 +283,25 @@ mod tests {
             let rising: Vec<f32> = (0..=20).map(|i| evaluate(&map, 0.2 + 0.01 * i as f32).w).collect();
             assert!(rising.windows(2).all(|pair| pair[0] <= pair[1] + 1e-6), "{curve:?}");
         }
+    }
+
+    #[test]
+    fn p28_the_index_map_has_a_layer_between_any_two_jumps() {
+        let stop = |at, index| Stop { at, color: Color([255; 3]), density: at, index };
+        let row = |curve, stops: &[Stop]| index_map(&Transfer { curve, stops: stops.to_vec() });
+        let entry = |row: &[f32], i: usize| [row[4 * i], row[4 * i + 1], row[4 * i + 2]];
+        let steps = row(Curve::Steps, &[stop(0.0, 1.0), stop(0.25, 1.5), stop(0.75, 1.3)]);
+        assert_eq!([100, 500, 1000].map(|i| entry(&steps, i)), [[1.0, 0.0, 0.0], [1.5, 0.0, 1.0], [1.3, 0.0, 2.0]]);
+        let linear = row(Curve::Linear, &[stop(0.0, 1.0), stop(0.5, 1.2), stop(0.5, 1.4), stop(1.0, 1.4)]);
+        for (i, expected) in
+            [(100, [1.0 + 0.4 * 100.0 / 1023.0, 0.4, 0.0]), (511, [1.0 + 0.4 * 511.0 / 1023.0, 0.4, 0.0])]
+        {
+            let off =
+                entry(&linear, i).iter().zip(expected).map(|(a, b): (&f32, f32)| (a - b).abs()).fold(0.0, f32::max);
+            assert!(off < 1e-3, "{:?}", entry(&linear, i));
+        }
+        assert_eq!(entry(&linear, 512)[..2], [1.4, 0.0]);
+        assert!(row(Curve::Spline, &[stop(0.0, 1.0), stop(1.0, 1.0)]).chunks(4).all(|e| e[..3] == [1.0, 0.0, 0.0]));
     }
 
     #[test]

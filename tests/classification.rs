@@ -18,7 +18,7 @@ fn high_frequency(classify: &str, samples: u32) -> Scene {
     scene.transfer.stops = (0..=24)
         .map(|i| {
             let color = if i % 4 == 1 { [255, 60, 20] } else { [20, 90, 255] };
-            Stop { at: i as f32 / 24.0, color: Color(color), density: if i % 2 == 1 { 0.6 } else { 0.0 } }
+            Stop { at: i as f32 / 24.0, color: Color(color), density: if i % 2 == 1 { 0.6 } else { 0.0 }, index: 1.0 }
         })
         .collect();
     scene.quality.samples = samples;
@@ -55,7 +55,7 @@ fn m05_the_three_agree_where_the_transfer_map_is_smooth() {
         let library = glsl::shipped();
         let smooth = |classify: &str, resolution| {
             let mut scene = high_frequency(classify, 256);
-            let stop = |at, density| Stop { at, color: Color([255; 3]), density };
+            let stop = |at, density| Stop { at, color: Color([255; 3]), density, index: 1.0 };
             scene.transfer.stops = vec![stop(0.0, 0.0), stop(1.0, 0.5)];
             scene.object.resolution = resolution;
             scene

@@ -47,6 +47,7 @@ const SCENES: &[(&str, &str)] = &[
     ("flow", "preset = 'flow'"),
     ("glow", "preset = 'glow'\n object.resolution = 64"),
     ("nebula", "preset = 'nebula'"),
+    ("blue_glass_sphere", "preset = 'blue_glass'\n object.input = 'sphere'"),
     ("normals", "object.input = 'torus'\n effect.surface = 'normals'"),
     ("tex_coord", "object.input = 'torus'\n effect.surface = 'tex_coord'"),
     (

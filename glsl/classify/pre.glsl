@@ -1,8 +1,8 @@
 // Pre-classification: the transfer map was applied to the voxels, and their colors are interpolated.
 // Source: MJ 2 (the blocky one); opacity-weighted colors after Wittenbrink, Malzbender and Goss 1998.
 // x: object space; path: object units; result premultiplied linear RGBA.
+#include "clearance.glsl"
 #include <opacity>
-float clearance = 0.0;      // no distance is sampled: a ray cannot leap
 
 vec4 classify(vec3 x, float path) {
     vec4 matter = texture(classified_volume, volume_scale.xyz * x + volume_offset.xyz);

@@ -4,7 +4,7 @@ use super::sequence::{Motion, ShardChoice, shard};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use hypertexture::glsl::library::hex_color;
 use hypertexture::output::Depth;
-use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
+use hypertexture::scene::{self, Color, KnobValue, Object, Ray, Scene, SceneError};
 use std::path::{Path, PathBuf};
 
 /// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
@@ -395,6 +395,9 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
         "bandlimit" => &mut effect.bandlimit,
         "gradient" => &mut effect.gradient,
         "opacity" => &mut effect.opacity,
+        "index" => &mut effect.index,
+        "absorption" => &mut effect.absorption,
+        "environment" => &mut effect.environment,
         stack @ ("warp" | "dmf") => {
             let modules =
                 names.split('+').map(|name| name.trim().to_string()).filter(|name| !name.is_empty()).collect();
@@ -415,6 +418,9 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
                 "bandlimit",
                 "gradient",
                 "opacity",
+                "index",
+                "absorption",
+                "environment",
             ];
             return Err(SceneError::unknown("slot", other, &known));
         }
@@ -427,6 +433,9 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
 fn show(scene: &mut Scene, classify: &str, surface: &str) {
     scene.effect.classify = classify.into();
     scene.effect.surface = surface.into();
+    scene.effect.ray = Ray::Straight;
+    scene.effect.absorption = "none".into();
+    scene.effect.environment = "none".into();
     scene.effect.softness = "hard".into();
     scene.effect.dmf.clear();
     scene.effect.warp.clear();

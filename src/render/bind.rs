@@ -317,6 +317,11 @@ fn image(
             let size = Dimension::Line(texels.len() as u32 / 4);
             Image::sampled(gpu, "transfer map", size, Format::Rgba16Unorm, bytemuck::cast_slice(&texels))
         }
+        ("index_image", _) => {
+            let texels = texture::index_map(&scene.transfer);
+            let size = Dimension::Line(texels.len() as u32 / 4);
+            Image::sampled(gpu, "index map", size, Format::Rgba32Float, bytemuck::cast_slice(&texels))
+        }
         ("segment_image", _) => {
             let exponent = scene.effect.opacity_rate * planes.step;
             let perlin = scene.effect.opacity == "perlin";

@@ -1,6 +1,6 @@
 //! The checks that make a scene valid.
 
-use super::{KnobValue, Rule, Scene, SceneError};
+use super::{KnobValue, Ray, Rule, Scene, SceneError};
 use crate::glsl::library::{COMBINE, Default, Knob, Library};
 use crate::glsl::{Declarations, Slots};
 
@@ -39,6 +39,10 @@ impl Knobs {
 
 /// Loop iterations of one fragment that every device bears: lavapipe ends a fragment in silence after 65 535.
 const LOOP_BUDGET: f32 = 60_000.0;
+/// Iterations of a ray that bends, for each step of it: the step, and three gradients of three differences each.
+const BENDING_LOOPS: f32 = 1.0 + 3.0 * 3.0;
+/// Steps of a ray that bends, for each sample of the scene, and in all to locate its interfaces: see `refract.frag`.
+const BENDING_STEPS: [f32; 2] = [3.0, 24.0 * (14.0 + 1.0)];
 
 impl Scene {
     /// Checks every value, module and knob, and gives the knobs their values.
@@ -50,10 +54,11 @@ impl Scene {
         self.check_look()?;
         self.check_transfer()?;
         self.check_quality()?;
+        self.check_ray()?;
         self.check_parts()?;
         let slots = self.slots_with_objects();
         self.check_modules(library, &slots)?;
-        self.knobs(&library.declarations(&self.quality.pass.entries(), &slots)?)
+        self.knobs(&library.declarations(&self.entries(), &slots)?)
     }
 
     /// Checks a further object, and gives its knobs their values.
@@ -84,7 +89,7 @@ impl Scene {
     pub fn drop_foreign_knobs(&mut self, library: &Library) -> Result<(), SceneError> {
         let slots = self.slots_with_objects();
         self.check_modules(library, &slots)?;
-        let declared = library.declarations(&self.quality.pass.entries(), &slots)?.knobs;
+        let declared = library.declarations(&self.entries(), &slots)?.knobs;
         self.knobs.retain(|name, _| declared.iter().any(|knob| knob.name == *name));
         Ok(())
     }
@@ -169,6 +174,7 @@ impl Scene {
         for stop in stops {
             within("transfer.stops.at", stop.at, 0.0, 1.0)?;
             within("transfer.stops.density", stop.density, 0.0, 1.0)?;
+            within("transfer.stops.index", stop.index, 1.0, 4.0)?;
         }
         match stops.windows(2).find(|pair| pair[0].at > pair[1].at) {
             None => Ok(()),
@@ -236,6 +242,47 @@ impl Scene {
         let vapor = f32::from(u8::from(self.effect.medium == "vapor")); // it asks once more, towards the light
         let sums = (self.effect.warp.len() + self.effect.dmf.len() + 1).max(2) as f32;
         (places + more + vapor) * (sums * self.effect.octaves as f32 * 9.0 + 3.0 * 8.0)
+    }
+
+    /// What bends needs rays, and what only bent rays read needs rays that bend.
+    fn check_ray(&self) -> Result<(), SceneError> {
+        let effect = &self.effect;
+        let refuse = |field: &str, value: &str, limit: String| {
+            Err(SceneError::Value { field: field.into(), value: format!("\"{value}\""), limit })
+        };
+        if effect.ray == Ray::Straight {
+            let idle = [
+                ("effect.environment", &effect.environment, effect.environment != "none"),
+                ("effect.absorption", &effect.absorption, effect.absorption != "none"),
+                ("effect.classify", &effect.classify, effect.classify == "clear"),
+            ];
+            return match idle.into_iter().find(|(_, _, set)| *set) {
+                None => Ok(()),
+                Some((field, value, _)) => refuse(field, value, "needs effect.ray = \"refracted\"".into()),
+            };
+        }
+        if self.quality.pass == super::Pass::Slices {
+            let limit = "needs quality.pass = \"march\": light does not bend from slice to slice".into();
+            return refuse("effect.ray", "refracted", limit);
+        }
+        if effect.noise == "procedural" || effect.turbulence == "procedural" {
+            let limit =
+                "needs noise = \"block\" and turbulence = \"encoded\": a ray that bends reads too much of a sum";
+            return refuse("effect.ray", "refracted", limit.into());
+        }
+        let straight_only = [
+            ("quality.rule", "segment", self.quality.rule == Rule::Segment, "\"point\""),
+            ("quality.jitter", "true", self.quality.jitter, "false"),
+            ("effect.gradient", effect.gradient.as_str(), effect.gradient != "analytic", "\"analytic\""),
+        ];
+        if let Some((field, value, _, other)) = straight_only.into_iter().find(|entry| entry.2) {
+            return refuse(field, value, format!("must be {other} where effect.ray = \"refracted\""));
+        }
+        if self.has_several() {
+            return refuse("effect.ray", "refracted", "needs a scene of one object".into());
+        }
+        let most = ((LOOP_BUDGET / BENDING_LOOPS - BENDING_STEPS[1]) / BENDING_STEPS[0]).floor();
+        within("quality.samples", self.quality.samples as f32, 1.0, most)
     }
 
     fn check_modules(&self, library: &Library, slots: &Slots) -> Result<(), SceneError> {

@@ -125,7 +125,7 @@ pub enum Source {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Effect {
-    /// How a sample becomes a color: `surface`, `soft`, `post`, `pre`, `preintegrated`.
+    /// How a sample becomes a color: `surface`, `soft`, `post`, `pre`, `preintegrated`, `clear`.
     pub classify: String,
     /// How the distance becomes a density: `hard`, `linear`, `quadratic`.
     pub softness: String,
@@ -149,6 +149,14 @@ pub struct Effect {
     pub bandlimit: String,
     /// The normal that soft matter is lit by: `analytic`, `central` or `three`.
     pub gradient: String,
+    /// Whether rays bend where the index of refraction changes.
+    pub ray: Ray,
+    /// Where the index of refraction comes from: `transfer`, the index of its stops.
+    pub index: String,
+    /// What takes light from a ray that bends: `none` or `tinted`.
+    pub absorption: String,
+    /// What a ray that bends meets behind the object and in its mirror: `none` or `studio`.
+    pub environment: String,
     /// How density becomes opacity: `perlin` or `beer`.
     pub opacity: String,
     /// c of PH 3.1, per object unit: how fast soft matter becomes opaque.
@@ -170,10 +178,25 @@ impl std::default::Default for Effect {
             octaves: 8,
             bandlimit: "none".into(),
             gradient: "analytic".into(),
+            ray: Ray::Straight,
+            index: "transfer".into(),
+            absorption: "none".into(),
+            environment: "none".into(),
             opacity: "perlin".into(),
             opacity_rate: 40.0,
         }
     }
+}
+
+/// The course of a ray through the object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ray {
+    /// A straight line.
+    #[default]
+    Straight,
+    /// It bends by Snell's law where the index of refraction changes (PH 2.4); slices cannot.
+    Refracted,
 }
 
 /// The value of a knob in a scene file.
@@ -358,16 +381,6 @@ pub enum Pass {
     March,
 }
 
-impl Pass {
-    /// The entry files of the pass in the folder `glsl`: vertex stage, fragment stage.
-    pub fn entries(self) -> [&'static str; 2] {
-        match self {
-            Pass::Slices => ["slice.vert", "slice.frag"],
-            Pass::March => ["march.vert", "march.frag"],
-        }
-    }
-}
-
 /// What a sample stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -432,9 +445,18 @@ impl Scene {
         let outside = stops.iter().rfind(|stop| stop.at <= 0.0).or(stops.first());
         match self.effect.classify.as_str() {
             _ if self.has_several() => true, // the soft booleans say how far it is to matter
-            "surface" | "soft" => true,
+            "surface" | "soft" | "clear" => true,
             "post" | "preintegrated" => self.effect.dmf.is_empty() && outside.is_some_and(|stop| stop.density <= 0.0),
             _ => false,
+        }
+    }
+
+    /// The entry files of the scene's program in the folder `glsl`: vertex stage, fragment stage.
+    pub fn entries(&self) -> [&'static str; 2] {
+        match (self.quality.pass, self.effect.ray) {
+            (Pass::Slices, _) => ["slice.vert", "slice.frag"],
+            (Pass::March, Ray::Straight) => ["march.vert", "march.frag"],
+            (Pass::March, Ray::Refracted) => ["march.vert", "refract.frag"],
         }
     }
 
@@ -455,6 +477,9 @@ impl Scene {
             ("bandlimit", &effect.bandlimit),
             ("gradient", &effect.gradient),
             ("opacity", &effect.opacity),
+            ("index", &effect.index),
+            ("absorption", &effect.absorption),
+            ("environment", &effect.environment),
         ] {
             fill(slot, vec![module.clone()]);
         }
@@ -477,11 +502,13 @@ impl Scene {
         fill("proxy", vec![proxy.into()]);
         fill("clip", vec![if self.camera.clip.is_some() { "plane" } else { "none" }.into()]);
         let traverse = match self.quality.traverse {
-            Traverse::Leap if self.is_empty_outside() => "leap",
+            Traverse::Leap if self.is_empty_outside() && effect.index == "transfer" => "leap",
             _ => "fixed",
         };
         fill("traverse", vec![traverse.into()]);
         fill("jitter", vec![if self.quality.jitter { "hash" } else { "none" }.into()]);
+        let jumps = effect.index == "transfer" && self.transfer.curve == Curve::Steps;
+        fill("course", vec![if jumps { "straight" } else { "curved" }.into()]);
         fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
         if self.has_several() {
             self.fill_parts(&mut slots);

@@ -30,6 +30,7 @@ pub(super) const PRESETS: &[(&str, &str)] = &[
     ("flow", include_str!("../../presets/flow.toml")),
     ("glow", include_str!("../../presets/glow.toml")),
     ("nebula", include_str!("../../presets/nebula.toml")),
+    ("blue_glass", include_str!("../../presets/blue_glass.toml")),
 ];
 
 /// Names of all presets.

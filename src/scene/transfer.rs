@@ -15,7 +15,7 @@ pub struct Transfer {
 
 impl std::default::Default for Transfer {
     fn default() -> Transfer {
-        let stop = |at, color| Stop { at, color: Color(color), density: at };
+        let stop = |at, color| Stop { at, color: Color(color), density: at, index: 1.0 };
         Transfer { curve: Curve::Linear, stops: vec![stop(0.0, [0, 0, 0]), stop(1.0, [255, 255, 255])] }
     }
 }
@@ -44,6 +44,9 @@ pub struct Stop {
     /// Density that the opacity is made of, 0 to 1; 1 is opaque.
     #[serde(default = "one")]
     pub density: f32,
+    /// Index of refraction, 1 to 4; read where rays bend.
+    #[serde(default = "one")]
+    pub index: f32,
 }
 
 fn one() -> f32 {

@@ -8,7 +8,7 @@ mod reflect;
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
 use crate::glsl::{Library, LibraryError, LinkError, Linker, Slots, Stage};
-use crate::scene::{Knobs, Pass, Scene, SceneError, Source};
+use crate::scene::{Knobs, Scene, SceneError, Source};
 use std::collections::BTreeMap;
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));
@@ -19,8 +19,8 @@ pub const FORMULAS: [&str; 3] = ["sphere", "cube", "torus"];
 /// The modules of a scene's program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
-    /// The pass that the program is for.
-    pub pass: Pass,
+    /// The files of the library that the program starts from: vertex stage, fragment stage.
+    pub entries: [&'static str; 2],
     /// The slots that the program reaches, with the modules that fill them.
     pub slots: Slots,
     /// The knobs that those modules declare, with their values; without those of further objects.
@@ -66,7 +66,7 @@ impl Variant {
     /// What [`Scene::check`] finds.
     pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
         let knobs = scene.check(library)?;
-        let (pass, entries) = (scene.quality.pass, scene.quality.pass.entries());
+        let entries = scene.entries();
         let mut choice = scene.slots();
         let parts: BTreeMap<String, Knobs> = scene
             .parts
@@ -85,7 +85,7 @@ impl Variant {
             // A boolean may turn the normal of any of its operands into that of the whole.
             choice.insert(slot(name), vec![object_module(&own, needs_normal || scene.has_several()).into()]);
         }
-        Ok(Variant { pass, slots: library.needed(&entries, &choice)?, knobs, parts })
+        Ok(Variant { entries, slots: library.needed(&entries, &choice)?, knobs, parts })
     }
 
     /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
@@ -115,7 +115,7 @@ impl Variant {
             Some((_, vertex, fragment)) => (words(vertex), words(fragment)),
             None => {
                 let linker = linker()?;
-                let entries = self.pass.entries();
+                let entries = self.entries;
                 let link = |entry, stage| linker.link(library, (entry, stage), &entries, &self.slots);
                 (link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?)
             }
@@ -133,13 +133,14 @@ impl Program {
 
     /// What the scene did not need: not in the program, not allocated, not uploaded, not bound.
     pub fn left_out(&self) -> Vec<&'static str> {
-        const PARTS: [(&str, &str); 6] = [
+        const PARTS: [(&str, &str); 7] = [
             ("volume_image", "volume"),
             ("noise_image", "noise block"),
             ("turbulence_image", "turbulence block"),
             ("transfer_image", "transfer map"),
             ("segment_image", "segment table"),
             ("classified_image", "classified volume"),
+            ("index_image", "index map"),
         ];
         let read = |binding: &str| self.resources.iter().any(|resource| resource.name.starts_with(binding)); // by any object
         PARTS.iter().filter(|(binding, _)| !read(binding)).map(|(_, part)| *part).collect()
@@ -200,7 +201,7 @@ mod tests {
         let mut scene = preset("lit").unwrap();
         assert_eq!(
             program(&scene).left_out(),
-            ["noise block", "turbulence block", "transfer map", "segment table", "classified volume"]
+            ["noise block", "turbulence block", "transfer map", "segment table", "classified volume", "index map"]
         );
         scene.object.input = "sphere".into();
         assert!(program(&scene).left_out().contains(&"volume"));
