@@ -55,14 +55,15 @@ pub fn write(
     folder: &Path,
     progress: Progress<'_>,
 ) -> Result<PathBuf, GalleryError> {
-    let mut margin = 0f32;
+    let (mut margin, mut closest) = (0f32, false);
     for (_, scene) in scenes {
         let knobs = scene.check(library)?;
         margin = margin.max(knobs.outer_iso().unwrap_or(scene.object.outer_iso));
+        closest |= Variant::of(scene, library).map_err(RenderError::from)?.reads_closest();
     }
     let field_share = 0.3;
     let object = &scenes.first().map(|(_, scene)| scene.object.clone()).unwrap_or_default();
-    let subject = Subject::load_with_margin(object, margin, &|fraction| progress(field_share * fraction))?;
+    let subject = Subject::load_with_margin(object, margin, closest, &|fraction| progress(field_share * fraction))?;
     let io = |path: &Path| {
         let path = path.display().to_string();
         move |source| OutputError::Write { path, source }

@@ -4,15 +4,18 @@
 //! [`Frame`]. Invariant: every picture that a person sees comes through [`render`].
 
 mod bind;
+mod shadow;
 mod view;
 
-use crate::field::{self, DistanceField, FieldError, Progress};
+pub use shadow::{Transmittance, transmittance};
+
+use crate::field::{self, ClosestPoints, DistanceField, FieldError, Progress};
 use crate::glsl::{Library, Linker};
 use crate::gpu::{self, Gpu, GpuError};
 use crate::pass;
-use crate::scene::{Axis, Object, Order, Pass, Scene, Source, TargetFormat};
+use crate::scene::{Axis, Object, Order, Pass, Scene, TargetFormat};
 use crate::shape::{self, Shape, ShapeError};
-use crate::variant::{FORMULAS, Variant, VariantError};
+use crate::variant::{Variant, VariantError};
 use glam::Vec3;
 use std::time::Instant;
 
@@ -25,6 +28,8 @@ pub struct Subject {
     pub input: String,
     /// The distance field; `None` for a formula, which needs none.
     pub field: Option<DistanceField>,
+    /// The closest points of the surface, on the grid of the field; `None` where no scene reads them.
+    pub closest: Option<ClosestPoints>,
     /// World position of the origin of object space.
     pub center: Vec3,
     /// Object units in one world unit.
@@ -67,6 +72,8 @@ pub struct Measurements {
     pub compile_ms: f64,
     /// Milliseconds of the slices or rays on the device.
     pub gpu_ms: f64,
+    /// Milliseconds of the shadow volume on the device; `None` without shadows.
+    pub shadow_ms: Option<f64>,
     /// Longest submission, milliseconds.
     pub longest_ms: f64,
     /// Milliseconds of everything, wall clock.
@@ -95,6 +102,9 @@ pub enum RenderError {
     /// A scene asks for what pre-classification cannot do.
     #[error("effect.classify = {0}: needs {1}; use classify = \"post\"")]
     Classification(String, &'static str),
+    /// A program reads what the subject was loaded without.
+    #[error("the subject has no {0}, which the program reads; load it with the scene that is rendered")]
+    Missing(&'static str),
     /// The program has a block member that the renderer does not know.
     #[error("`{0}` is in no block of interface.glsl; declare it with `// @knob` in a module")]
     Unfilled(String),
@@ -124,21 +134,35 @@ impl Subject {
     pub fn load(scene: &Scene, library: &Library, progress: Progress<'_>) -> Result<Subject, RenderError> {
         let variant = Variant::of(scene, library)?;
         let outer = variant.knobs.outer_iso().unwrap_or(scene.object.outer_iso);
-        Subject::load_with_margin(&scene.object, outer, progress)
+        Subject::load_with_margin(&scene.object, outer, variant.reads_closest(), progress)
     }
 
-    /// Loads an object with a field that reaches `margin` (object units) beyond it, so that several scenes may share it.
+    /// Loads an object with a field that reaches `margin` (object units) beyond it, so that several scenes may share it;
+    /// with its closest points where one of them reads them.
     ///
     /// # Errors
     /// As [`Subject::load`].
-    pub fn load_with_margin(object: &Object, margin: f32, progress: Progress<'_>) -> Result<Subject, RenderError> {
-        if object.source == Source::Auto && FORMULAS.contains(&object.input.as_str()) {
+    pub fn load_with_margin(
+        object: &Object,
+        margin: f32,
+        closest: bool,
+        progress: Progress<'_>,
+    ) -> Result<Subject, RenderError> {
+        if object.is_formula() {
             return Ok(formula(&object.input));
         }
         let shape = open(object)?;
-        let (mut field, report) = field::load_or_compute(&shape, &request(&shape, object, margin), progress)?;
+        let request = request(&shape, object, margin);
+        let (mut field, mut points, report) = if closest {
+            let (field, points, report) = field::load_or_compute_closest(&shape, &request, progress)?;
+            (field, Some(points), report)
+        } else {
+            let (field, report) = field::load_or_compute(&shape, &request, progress)?;
+            (field, None, report)
+        };
         if object.up != Axis::Y {
             field = field.turned(object.up.turn());
+            points = points.map(|points| points.turned(object.up.turn()));
         }
         let (low, high) = inside_bounds(&field);
         let center = 0.5 * (low + high);
@@ -146,7 +170,8 @@ impl Subject {
         let radius = inside_points(&field).map(|p| p.distance(center)).fold(0.0, f32::max) * scale;
         let half_size = 0.5 * scale * (high - low);
         let input = object.input.clone();
-        Ok(Subject { input, field: Some(field), center, scale, half_size, radius, report: Some(report) })
+        let (field, report) = (Some(field), Some(report));
+        Ok(Subject { input, field, closest: points, center, scale, half_size, radius, report })
     }
 }
 
@@ -185,7 +210,7 @@ fn formula(name: &str) -> Subject {
         _ => (Vec3::ONE, 1.0),
     };
     let (center, scale) = (Vec3::ZERO, 1.0);
-    Subject { input: name.into(), field: None, center, scale, half_size, radius, report: None }
+    Subject { input: name.into(), field: None, closest: None, center, scale, half_size, radius, report: None }
 }
 
 /// World positions of the samples inside, or of the nearest to the surface where none is.
@@ -222,7 +247,14 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
     let view = view::View::of(scene, subject, &variant);
     let quality = &scene.quality;
     let planes = pass::Planes::new(view.extent, quality.samples);
-    let bound = bind::Bound::new(gpu, scene, subject, &variant, &program, &view, &planes)?;
+    let space = shadow::LightSpace::of(scene, &view, &planes);
+    let mut bound = bind::Bound::new(gpu, scene, subject, &variant, &program, &view, &planes, &space)?;
+    let mut shadow_ms = None;
+    if program.reads("shadow_image") {
+        let light = shadow::cast(gpu, library, scene, &variant, &view, &bound, space)?;
+        bound.add(&program, "shadow_image", light.image(gpu)?);
+        shadow_ms = Some(light.gpu_ms);
+    }
     let format = match quality.target {
         TargetFormat::Unorm8 => gpu::Format::Rgba8Unorm,
         TargetFormat::Float16 => gpu::Format::Rgba16Float,
@@ -280,6 +312,7 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
         fragments: drawn.fragments,
         compile_ms: compile_ms + drawn.first_use_ms,
         gpu_ms: drawn.gpu_ms,
+        shadow_ms,
         longest_ms: drawn.longest_ms,
         total_ms: start.elapsed().as_secs_f64() * 1e3,
         device_bytes,

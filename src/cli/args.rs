@@ -195,6 +195,9 @@ pub struct Look {
     /// Position of the light from the center of the object: right, up, toward the eye.
     #[arg(long, value_parser = numbers, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub light: Option<Numbers>,
+    /// Whether matter casts shadows.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
+    pub shadows: Option<bool>,
     /// Time in seconds.
     #[arg(long, allow_negative_numbers = true)]
     pub time: Option<f32>,
@@ -280,6 +283,7 @@ impl Look {
             let wrong = |_| count("--light", light, "3 numbers: x,y,z");
             scene.light.position = light.as_slice().try_into().map_err(wrong)?;
         }
+        put(&mut scene.light.shadows, self.shadows);
         if let Some(Numbers(clip)) = &self.clip {
             let wrong = |_| count("--clip", clip, "4 numbers: a,b,c,d");
             camera.clip = Some(clip.as_slice().try_into().map_err(wrong)?);
@@ -337,6 +341,7 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
         "weights" => &mut effect.weights,
         "turbulence" => &mut effect.turbulence,
         "opacity" => &mut effect.opacity,
+        "project" => &mut effect.project,
         stack @ ("warp" | "dmf") => {
             let modules =
                 names.split('+').map(|name| name.trim().to_string()).filter(|name| !name.is_empty()).collect();
@@ -355,6 +360,7 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
                 "weights",
                 "turbulence",
                 "opacity",
+                "project",
             ];
             return Err(SceneError::unknown("slot", other, &known));
         }

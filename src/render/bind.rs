@@ -1,5 +1,6 @@
 //! What a program reads, made for it: blocks filled, images encoded and uploaded, and nothing that it does not read.
 
+use super::shadow::LightSpace;
 use super::view::View;
 use super::{RenderError, Subject};
 use crate::gpu::{self, Address, Buffer, BufferUse, Dimension, Format, Gpu, Image, Sampler};
@@ -25,11 +26,14 @@ pub(super) struct Bound {
     blocks: Vec<(u32, Buffer)>,
     images: Vec<(u32, Image)>,
     samplers: Vec<(u32, Sampler)>,
+    values: HashMap<String, Vec<f32>>,
     /// Largest error of a stored distance, object units.
     pub(super) quantization: f32,
 }
 
 impl Bound {
+    /// Everything that a program reads, but for the shadow volume, which is made with the rest of it: see [`Bound::add`].
+    #[expect(clippy::too_many_arguments, reason = "all that a scene is, taken apart")]
     pub(super) fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -38,17 +42,32 @@ impl Bound {
         program: &Program,
         view: &View,
         planes: &Planes,
+        space: &LightSpace,
     ) -> Result<Bound, RenderError> {
-        let mut bound = Bound { blocks: Vec::new(), images: Vec::new(), samplers: Vec::new(), quantization: 0.0 };
         let texels = program.reads("volume_image").then(|| volume(scene, subject, variant, view)).flatten();
-        let values = values(scene, subject, variant, view, texels.as_ref(), planes);
+        let closest = program.reads("closest_image").then(|| closest(scene, subject)).transpose()?;
+        let mut values = values(scene, subject, variant, view, texels.as_ref(), planes);
+        let range = closest.as_ref().map_or(0.0, |(_, range)| range * subject.scale);
+        values.insert("closest_range".into(), vec![range]);
+        values.extend(space.values().map(|(name, floats)| (name.to_string(), floats)));
+        let quantization = texels.as_ref().map_or(0.0, |texels| texels.quantization * subject.scale);
+        let mut bound = Bound { blocks: Vec::new(), images: Vec::new(), samplers: Vec::new(), values, quantization };
+        bound.blocks = bound.blocks_of(gpu, program)?;
         for resource in &program.resources {
             match &resource.holds {
-                Use::Block(block) => bound.blocks.push((resource.binding, uniform(gpu, resource, block, &values)?)),
+                Use::Block(_) => {}
+                Use::Image if resource.name == "shadow_image" => {}
                 Use::Sampler => {
                     let address = if resource.name == "repeat_sampler" { Address::Repeat } else { Address::Clamp };
                     let sampler = Sampler::new(gpu, address, scene.quality.anisotropy)?;
                     bound.samplers.push((resource.binding, sampler));
+                }
+                Use::Image if resource.name == "closest_image" => {
+                    let (texels, _) = closest.as_ref().ok_or(RenderError::Missing(CLOSEST))?;
+                    let [x, y, z] = subject.field.as_ref().ok_or(RenderError::Missing(CLOSEST))?.grid.size;
+                    let (size, format) = (Dimension::Volume(x, y, z), Format::Rgba16Unorm);
+                    let image = Image::sampled(gpu, CLOSEST, size, format, bytemuck::cast_slice(texels))?;
+                    bound.images.push((resource.binding, image));
                 }
                 Use::Image => {
                     let image = image(gpu, scene, subject, view, planes, &resource.name, texels.as_ref())?;
@@ -56,16 +75,36 @@ impl Bound {
                 }
             }
         }
-        bound.quantization = texels.map_or(0.0, |texels| texels.quantization * subject.scale);
         Ok(bound)
+    }
+
+    /// Adds the image of that name.
+    pub(super) fn add(&mut self, program: &Program, name: &str, image: Image) {
+        let binding = program.resources.iter().find(|resource| resource.name == name).map(|found| found.binding);
+        self.images.extend(binding.map(|binding| (binding, image)));
+    }
+
+    /// The blocks of a program that reads no value which this one does not have.
+    pub(super) fn blocks_of(&self, gpu: &Gpu, program: &Program) -> Result<Vec<(u32, Buffer)>, RenderError> {
+        let mut blocks = Vec::new();
+        for resource in &program.resources {
+            if let Use::Block(block) = &resource.holds {
+                blocks.push((resource.binding, uniform(gpu, resource, block, &self.values)?));
+            }
+        }
+        Ok(blocks)
     }
 
     /// The resources by binding.
     pub(super) fn resources(&self) -> Vec<(u32, gpu::Resource<'_>)> {
         let blocks = self.blocks.iter().map(|(binding, block)| (*binding, gpu::Resource::Uniform(block)));
+        blocks.chain(self.images_and_samplers()).collect()
+    }
+
+    /// The images and samplers by binding.
+    pub(super) fn images_and_samplers(&self) -> impl Iterator<Item = (u32, gpu::Resource<'_>)> {
         let images = self.images.iter().map(|(binding, image)| (*binding, gpu::Resource::Image(image)));
-        let samplers = self.samplers.iter().map(|(binding, sampler)| (*binding, gpu::Resource::Sampler(sampler)));
-        blocks.chain(images).chain(samplers).collect()
+        images.chain(self.samplers.iter().map(|(binding, sampler)| (*binding, gpu::Resource::Sampler(sampler))))
     }
 
     /// Bytes of the images on the device.
@@ -96,6 +135,15 @@ fn volume(scene: &Scene, subject: &Subject, variant: &Variant, view: &View) -> O
     // The soft region and as much again on either side: gradients and filters read beyond it.
     let reach = (view.outer_iso.abs() + scene.object.inner_iso.abs() + 0.25) / subject.scale;
     Some(texture::encode(field, encoding, [-reach, reach]))
+}
+
+/// What an error calls the closest points.
+const CLOSEST: &str = "closest points";
+
+/// The ways to the closest points of the inner surface, and their range in the units of the field.
+fn closest(scene: &Scene, subject: &Subject) -> Result<(Vec<u16>, f32), RenderError> {
+    let (field, closest) = subject.field.as_ref().zip(subject.closest.as_ref()).ok_or(RenderError::Missing(CLOSEST))?;
+    Ok(texture::encode_closest(closest, field, scene.object.inner_iso / subject.scale))
 }
 
 fn uniform(

@@ -5,21 +5,24 @@
 
 mod reflect;
 
+pub use crate::scene::FORMULAS;
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
 use crate::glsl::{Library, LibraryError, LinkError, Linker, Slots, Stage};
-use crate::scene::{Knobs, Pass, Scene, SceneError, Source};
+use crate::scene::{Knobs, Scene, SceneError, Source};
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));
 
-/// Built-in objects that are a formula in `glsl/object` and need no volume.
-pub const FORMULAS: [&str; 3] = ["sphere", "cube", "torus"];
+/// The entry files of the program that gives the shadow volume.
+const SHADOW_ENTRIES: [&str; 2] = ["march.vert", "shadow.frag"];
+/// What that program has in place of the modules that color and light matter.
+const SHADOW_SLOTS: [(&str, &str); 3] = [("surface", "unlit"), ("medium", "material"), ("shadow", "none")];
 
 /// The modules of a scene's program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variant {
-    /// The pass that the program is for.
-    pub pass: Pass,
+    /// The entry files of the program: vertex stage, fragment stage.
+    pub entries: [&'static str; 2],
     /// The slots that the program reaches, with the modules that fill them.
     pub slots: Slots,
     /// The knobs that those modules declare, with their values.
@@ -63,17 +66,37 @@ impl Variant {
     /// What [`Scene::check`] finds.
     pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
         let knobs = scene.check(library)?;
-        let (pass, entries) = (scene.quality.pass, scene.quality.pass.entries());
+        let entries = scene.quality.pass.entries();
         let mut choice = scene.slots();
         choice.insert("object".into(), vec!["normals".into()]);
         let needs_normal = library.declarations(&entries, &choice)?.needs_normal;
         choice.insert("object".into(), vec![object_module(scene, needs_normal).into()]);
-        Ok(Variant { pass, slots: library.needed(&entries, &choice)?, knobs })
+        Ok(Variant { entries, slots: library.needed(&entries, &choice)?, knobs })
+    }
+
+    /// The modules that give the shadow volume of the same scene: those of its matter, without what colors it. Such a
+    /// program reads no image that the picture's does not.
+    ///
+    /// # Errors
+    /// A module is missing, which [`Variant::of`] excludes.
+    pub fn shadow(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        let mut choice = scene.slots();
+        for (slot, module) in SHADOW_SLOTS {
+            choice.insert(slot.into(), vec![module.into()]);
+        }
+        choice.extend(self.slots.get_key_value("object").map(|(slot, module)| (slot.clone(), module.clone())));
+        let slots = library.needed(&SHADOW_ENTRIES, &choice)?;
+        Ok(Variant { entries: SHADOW_ENTRIES, slots, knobs: self.knobs.clone() })
     }
 
     /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
     pub fn module(&self, slot: &str) -> Option<&str> {
         self.slots.get(slot)?.first().map(String::as_str)
+    }
+
+    /// Whether the program reads the closest points of the object.
+    pub fn reads_closest(&self) -> bool {
+        self.module("project") == Some("closest")
     }
 
     /// The name of the program: its slots and modules.
@@ -98,7 +121,7 @@ impl Variant {
             Some((_, vertex, fragment)) => (words(vertex), words(fragment)),
             None => {
                 let linker = linker()?;
-                let entries = self.pass.entries();
+                let entries = self.entries;
                 let link = |entry, stage| linker.link(library, (entry, stage), &entries, &self.slots);
                 (link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?)
             }
@@ -116,13 +139,15 @@ impl Program {
 
     /// What the scene did not need: not in the program, not allocated, not uploaded, not bound.
     pub fn left_out(&self) -> Vec<&'static str> {
-        const PARTS: [(&str, &str); 6] = [
+        const PARTS: [(&str, &str); 8] = [
             ("volume_image", "volume"),
             ("noise_image", "noise block"),
             ("turbulence_image", "turbulence block"),
             ("transfer_image", "transfer map"),
             ("segment_image", "segment table"),
             ("classified_image", "classified volume"),
+            ("closest_image", "closest points"),
+            ("shadow_image", "shadow volume"),
         ];
         PARTS.iter().filter(|(binding, _)| !self.reads(binding)).map(|(_, part)| *part).collect()
     }
@@ -132,7 +157,7 @@ fn object_module(scene: &Scene, needs_normal: bool) -> &str {
     match scene.object.source {
         Source::Normals16 | Source::Normals8 => "normals",
         Source::Distance16 | Source::Distance32 => "distance",
-        Source::Auto if FORMULAS.contains(&scene.object.input.as_str()) => &scene.object.input,
+        Source::Auto if scene.object.is_formula() => &scene.object.input,
         Source::Auto if needs_normal => "normals",
         Source::Auto => "distance",
     }
@@ -182,8 +207,9 @@ mod tests {
         let mut scene = preset("lit").unwrap();
         assert_eq!(
             program(&scene).left_out(),
-            ["noise block", "turbulence block", "transfer map", "segment table", "classified volume"]
+            ["noise block", "turbulence block", "transfer map", "segment table", "classified volume", "closest points"]
         );
+        assert!(!program(&preset("fur").unwrap()).left_out().contains(&"closest points"));
         scene.object.input = "sphere".into();
         assert!(program(&scene).left_out().contains(&"volume"));
         assert!(!program(&preset("fur").unwrap()).left_out().contains(&"noise block"));

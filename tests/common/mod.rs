@@ -57,7 +57,7 @@ pub fn subject(scene: &Scene, library: &Library) -> Subject {
 /// between two slices.
 pub fn box_subject(half_size: Vec3) -> Subject {
     let (center, scale, radius) = (Vec3::ZERO, 1.0, 1.0);
-    Subject { input: "cube".into(), field: None, center, scale, half_size, radius, report: None }
+    Subject { input: "cube".into(), field: None, closest: None, center, scale, half_size, radius, report: None }
 }
 
 /// Renders a scene that must render.
