@@ -321,13 +321,16 @@ pub fn render(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
     Ok(Frame { size: scene.image.size, pixels, measurements })
 }
 
+/// The texels of a target of 32-bit floats.
+fn floats(bytes: &[u8]) -> Vec<[f32; 4]> {
+    let texels = bytes.as_chunks::<16>().0.iter();
+    texels.map(|texel| std::array::from_fn(|c| f32::from_ne_bytes([0, 1, 2, 3].map(|b| texel[4 * c + b])))).collect()
+}
+
 /// The texels of a target as floats.
 fn decode(bytes: &[u8], format: TargetFormat) -> Vec<[f32; 4]> {
     match format {
-        TargetFormat::Float32 => bytes
-            .chunks_exact(16)
-            .map(|texel| std::array::from_fn(|c| f32::from_ne_bytes([0, 1, 2, 3].map(|b| texel[4 * c + b]))))
-            .collect(),
+        TargetFormat::Float32 => floats(bytes),
         TargetFormat::Float16 => bytes
             .chunks_exact(8)
             .map(|texel| std::array::from_fn(|c| half::f16::from_ne_bytes([texel[2 * c], texel[2 * c + 1]]).to_f32()))

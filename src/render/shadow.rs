@@ -87,23 +87,22 @@ impl LightSpace {
         ]
     }
 
-    /// Texels of the target that the segments are drawn into: a square of rays for each distance.
-    fn target(&self) -> (u32, u32) {
-        let columns = f64::from(self.side).sqrt().ceil() as u32;
-        (columns * self.side, self.side.div_ceil(columns) * self.side)
+    /// Squares of rays in a row of the target that the segments are drawn into: one for each four distances.
+    fn columns(&self) -> u32 {
+        f64::from(self.side.div_ceil(4)).sqrt().ceil() as u32
     }
 
-    /// The light before and behind each segment, ray by ray, from the transmittance of the segments.
-    fn products(&self, segments: &[f32]) -> Vec<f32> {
-        let side = self.side as usize;
-        let (width, columns) = (self.target().0 as usize, self.target().0 as usize / side);
+    /// The light before and behind each segment, ray by ray, from the transmittances of the segments in the target.
+    fn products(&self, segments: &[[f32; 4]]) -> Vec<f32> {
+        let (side, columns) = (self.side as usize, self.columns() as usize);
         let mut left = vec![1.0; side * side * (side + 1)];
         for layer in 0..side {
-            let corner = (layer / columns * width + layer % columns) * side;
+            let (square, of_four) = (layer / 4, layer % 4);
+            let first = (square / columns * side * columns + square % columns) * side;
             let (before, behind) = left.split_at_mut((layer + 1) * side * side);
             let before = &before[layer * side * side..];
             for ray in 0..side * side {
-                behind[ray] = before[ray] * segments[corner + ray / side * width + ray % side];
+                behind[ray] = before[ray] * segments[first + ray / side * side * columns + ray % side][of_four];
             }
         }
         left
@@ -185,8 +184,9 @@ pub(super) fn cast(
 ) -> Result<Transmittance, RenderError> {
     let program = variant.shadow(scene, library)?.program(library, Linker::new)?;
     let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
-    let (width, height) = space.target();
-    let format = Format::R32Float;
+    let columns = space.columns();
+    let (width, height) = (columns * space.side, space.side.div_ceil(4).div_ceil(columns) * space.side);
+    let format = Format::Rgba32Float;
     let description = gpu::PipelineDescription {
         vertex: &program.vertex,
         fragment: &program.fragment,
@@ -203,7 +203,6 @@ pub(super) fn cast(
     let target = Image::new(gpu, "shadow segments", Dimension::Plane(width, height), format, ImageUse::Target(1))?;
     let drawn = pass::march(gpu, &pipeline, &set, height, gpu::Target { color: &target, resolved: None })?;
     let bytes = target.read()?;
-    let segments: Vec<f32> = bytes.as_chunks::<4>().0.iter().map(|&bytes| f32::from_ne_bytes(bytes)).collect();
-    let values = space.products(&segments);
+    let values = space.products(&super::floats(&bytes));
     Ok(Transmittance { space, object_matrix: view.object_matrix, values, gpu_ms: drawn.gpu_ms })
 }
