@@ -17,6 +17,8 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 const PASSES: [[&str; 2]; 2] = [["slice.vert", "slice.frag"], ["march.vert", "march.frag"]];
+/// The pass of the lines of the table that are called `shadow`.
+const SHADOW: [[&str; 2]; 1] = [["march.vert", "shadow.frag"]];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=glsl");
@@ -43,7 +45,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         if line.starts_with('#') || line.trim().is_empty() {
             continue;
         }
-        for (choice, entries) in expand(line, &library).iter().flat_map(|choice| PASSES.map(|pass| (choice, pass))) {
+        let passes: &[[&str; 2]] = if line.starts_with("shadow ") { &SHADOW } else { &PASSES };
+        let choices = expand(line, &library);
+        for (choice, &entries) in choices.iter().flat_map(|choice| passes.iter().map(move |pass| (choice, pass))) {
             let fail = |error: &dyn Error| format!("glsl/variants:{}: {error}", number + 1);
             let slots = library.needed(&entries, choice).map_err(|error| fail(&error))?;
             let name = format!("program_{:03}", programs.len());

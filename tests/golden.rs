@@ -31,6 +31,15 @@ const SCENES: &[(&str, &str)] = &[
     ("melting_teapot", "preset = 'melting'\n object = { input = 'teapot', resolution = 64 }"),
     ("fire_teapot", "preset = 'fire'\n object = { input = 'teapot', resolution = 64 }"),
     ("shells_torus", "preset = 'shells'\n object.input = 'torus'\n camera.clip = [0, 0, 1, 0]"),
+    (
+        "lit_shadows_teapot",
+        "preset = 'lit'\n object = { input = 'teapot', resolution = 64 }\n \
+         light = { shadows = true, position = [5, 1.5, 2] }\n camera = { azimuth = 50, elevation = 15, zoom = 1.3 }",
+    ),
+    (
+        "fur_shadows_teapot",
+        "preset = 'fur'\n object = { input = 'teapot', resolution = 64 }\n light = { shadows = true, shadow_resolution = 128, position = [3, 4, 1] }",
+    ),
     ("normals", "object.input = 'torus'\n effect.surface = 'normals'"),
     ("tex_coord", "object.input = 'torus'\n effect.surface = 'tex_coord'"),
     (

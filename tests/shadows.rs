@@ -119,7 +119,8 @@ fn shaded(effect: &str, input: &str) -> Scene {
     scene.object.input = input.into();
     scene.object.resolution = 64;
     scene.light.shadows = true;
-    scene.light.position = [3.0, 5.0, 1.0];
+    scene.light.position = [5.0, 1.5, 2.0]; // the spout of the teapot is before its body
+    (scene.camera.azimuth, scene.camera.elevation) = (50.0, 15.0);
     scene.image.size = [96, 96];
     scene.quality.samples = 128;
     scene.quality.stop = 0.0;

@@ -1,6 +1,6 @@
 // Fur: noise, constant along the direction of growth, sharpened into hairs that thin out towards their tips.
 // Source: PH 2.4: f = gain.9(bias.3(noise(frequency * project(x)))) * D(x), with the remap 0.5 + 0.5 noise it implies;
-// curl is the tribble's; droop and uneven length are ours.
+// curl is the tribble's; droop, uneven length and the middle of a hair in place of its root are ours.
 // density: D in [0, 1]; result in [0, 1].
 // @needs normal
 // @outer hair_length
@@ -34,8 +34,10 @@ float fur(float density, Sample s) {
     vec3 straight = unbent(s, 1.0 - density);
     vec3 root = project(straight, s);
     hair_normal = safe_normalize(straight - root, s.normal);
-    float strand = gain(hair_gain, bias(hair_bias, 0.5 + 0.5 * noise(fineness * root) / 0.6));
-    float length_here = 1.0 - unevenness * clamp(0.5 + noise(0.23 * fineness * root), 0.0, 1.0);
+    // A hair is known by its middle, not by its root: all of the space around an edge or a speck has one root.
+    vec3 middle = root + 0.5 * hair_length * hair_normal;
+    float strand = gain(hair_gain, bias(hair_bias, 0.5 + 0.5 * noise(fineness * middle) / 0.6));
+    float length_here = 1.0 - unevenness * clamp(0.5 + noise(0.23 * fineness * middle), 0.0, 1.0);
     float grown = max((density - 1.0 + length_here) / length_here, 0.0);
     return strand * grown * trust(s);
 }

@@ -185,6 +185,11 @@ mod tests {
                 let mut scene = preset(effect).unwrap();
                 scene.object.input = object.into();
                 assert!(program(&scene).shipped, "{effect} on {object}");
+                if scene.light.shadows {
+                    let library = glsl::shipped();
+                    let shadow = Variant::of(&scene, &library).unwrap().shadow(&scene, &library).unwrap();
+                    assert!(shadow.program(&library, Linker::new).unwrap().shipped, "shadows of {effect} on {object}");
+                }
             }
         }
     }
@@ -205,11 +210,10 @@ mod tests {
     #[test]
     fn what_a_scene_does_not_need_is_not_bound() {
         let mut scene = preset("lit").unwrap();
-        assert_eq!(
-            program(&scene).left_out(),
-            ["noise block", "turbulence block", "transfer map", "segment table", "classified volume", "closest points"]
-        );
+        let blocks = ["noise block", "turbulence block", "transfer map", "segment table", "classified volume"];
+        assert_eq!(program(&scene).left_out(), [&blocks[..], &["closest points", "shadow volume"]].concat());
         assert!(!program(&preset("fur").unwrap()).left_out().contains(&"closest points"));
+        assert!(!program(&preset("fur").unwrap()).left_out().contains(&"shadow volume"));
         scene.object.input = "sphere".into();
         assert!(program(&scene).left_out().contains(&"volume"));
         assert!(!program(&preset("fur").unwrap()).left_out().contains(&"noise block"));
@@ -223,6 +227,23 @@ mod tests {
         scene.effect.surface = "solid_unlit".into();
         assert_eq!(Variant::of(&scene, &glsl::shipped()).unwrap().module("object"), Some("distance"));
         assert_eq!(Variant::of(&preset("solid").unwrap(), &glsl::shipped()).unwrap().module("object"), Some("normals"));
+    }
+
+    #[test]
+    fn p54_the_program_of_a_shadow_reads_no_image_that_the_picture_does_not() {
+        let library = glsl::shipped();
+        for (effect, object) in EFFECTS.into_iter().chain(["shells"]).flat_map(|e| [(e, "teapot"), (e, "torus")]) {
+            let mut scene = preset(effect).unwrap();
+            (scene.object.input, scene.light.shadows) = (object.into(), true);
+            let variant = Variant::of(&scene, &library).unwrap();
+            let picture = variant.program(&library, Linker::new).unwrap();
+            let shadow = variant.shadow(&scene, &library).unwrap().program(&library, Linker::new).unwrap();
+            let images = shadow.resources.iter().filter(|resource| !matches!(resource.holds, Use::Block(_)));
+            for image in images {
+                assert!(picture.reads(&image.name), "{effect} on {object}: {}", image.name);
+            }
+            assert!(!shadow.reads("shadow_image") && shadow.reads("View"));
+        }
     }
 
     #[test]
