@@ -23,6 +23,8 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 const PASSES: [[&str; 2]; 2] = [["slice.vert", "slice.frag"], ["march.vert", "march.frag"]];
+/// The pass of the lines of the table that are called `shadow`.
+const SHADOW: [[&str; 2]; 1] = [["march.vert", "shadow.frag"]];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=glsl");
@@ -49,7 +51,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         if line.starts_with('#') || line.trim().is_empty() {
             continue;
         }
-        for (choice, entries) in expand(line, &library).iter().flat_map(|choice| PASSES.map(|pass| (choice, pass))) {
+        let passes: &[[&str; 2]] = if line.starts_with("shadow ") { &SHADOW } else { &PASSES };
+        let choices = expand(line, &library);
+        for (choice, &entries) in choices.iter().flat_map(|choice| passes.iter().map(move |pass| (choice, pass))) {
             let fail = |error: &dyn Error| format!("glsl/variants:{}: {error}", number + 1);
             let slots = library.needed(&entries, choice).map_err(|error| fail(&error))?;
             let name = format!("program_{:03}", programs.len());
@@ -102,7 +106,7 @@ fn collect(root: &Path, folder: &Path, files: &mut Vec<(String, String)>) -> Res
 /// The combinations that one line of the table stands for. What a line does not say has one shipped default.
 fn expand(line: &str, library: &Library) -> Vec<Slots> {
     let defaults = "proxy=polygons projection=perspective clip=none sampling=pixel traverse=leap \
-                    gradient=analytic bandlimit=none jitter=none";
+                    gradient=analytic bandlimit=none jitter=none shadow=none";
     let mut choices = vec![Slots::new()];
     for word in defaults.split_whitespace().chain(line.split_whitespace().skip(1)) {
         let Some((slot, modules)) = word.split_once('=') else { continue };

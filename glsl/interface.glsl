@@ -23,12 +23,21 @@ layout(set = 0, binding = 0) uniform View {
     float time;             // seconds
     float noise_cells;      // lattice cells across the noise block
     float turbulence_cells; // lattice cells of the first octave across the turbulence block
+    mat4 shadow_matrix;     // eye space to that of the light: the light at the origin, the scene along +z
+    float shadow_rim;       // angle from the axis of the light that the shadow volume covers
+    float shadow_near;      // distances from the light between which the scene is
+    float shadow_far;
+    float shadow_side;      // texels along a side of the shadow volume
+    float shadow_steps;     // samples along a ray of the light in each
+    float shadow_bias;      // size of a texel in the middle of the scene, object units
 };
 #include <knobs>
 layout(set = 0, binding = 3) uniform texture3D noise_image;         // MJ 4.1: gradient in RGB, noise in A
 layout(set = 0, binding = 4) uniform texture3D turbulence_image;    // MJ 4.1: the same, all octaves summed
 layout(set = 0, binding = 5) uniform sampler clamp_sampler;
 layout(set = 0, binding = 6) uniform sampler repeat_sampler;
+layout(set = 0, binding = 7) uniform texture3D shadow_image;        // light that is left before each segment
 #define noise_block sampler3D(noise_image, repeat_sampler)
 #define turbulence_block sampler3D(turbulence_image, repeat_sampler)
+#define shadow_volume sampler3D(shadow_image, clamp_sampler)
 #include "part.glsl"

@@ -21,14 +21,17 @@ layout(set = 0, binding = 16) uniform Constants {
     vec4 own_max;
     float opacity_rate;     // c of PH 3.1, per object unit
     float place_scale;      // object units of the scene in one of this object
+    float closest_range;    // stored texel s to the way to the closest point: (2 s - 1) times this, object units
 };
 layout(set = 0, binding = 17) uniform texture3D volume_image;       // MJ 3.1
 layout(set = 0, binding = 18) uniform texture1D transfer_image;     // MJ 2: colour and opacity by density
 layout(set = 0, binding = 19) uniform texture2D segment_image;      // Engel 2001: the same for a segment, by both ends
 layout(set = 0, binding = 20) uniform texture3D classified_image;   // MJ 2: pre-classified, opacity-weighted
 layout(set = 0, binding = 22) uniform texture1D index_image;        // PH 2.4: index of refraction by density
+layout(set = 0, binding = 21) uniform texture3D closest_image;      // PH 4: the way to the closest point in RGB
 #define volume sampler3D(volume_image, clamp_sampler)
 #define transfer_map sampler1D(transfer_image, clamp_sampler)
 #define segment_map sampler2D(segment_image, clamp_sampler)
 #define classified_volume sampler3D(classified_image, clamp_sampler)
 #define index_map sampler1D(index_image, clamp_sampler)
+#define closest_volume sampler3D(closest_image, clamp_sampler)

@@ -79,7 +79,7 @@ pub fn write(
     let share = 1.0 / scenes.len().max(1) as f32;
     for (index, (name, scene)) in scenes.iter().enumerate() {
         let done = index as f32 * share;
-        let subject = subject(&mut objects, scene, &|fraction| progress(done + 0.5 * share * fraction))?;
+        let subject = subject(library, &mut objects, scene, &|fraction| progress(done + 0.5 * share * fraction))?;
         std::fs::create_dir_all(folder).map_err(io(folder))?; // not before an object that cannot be read
         let frame = render(gpu, library, scene, subject)?;
         let file = format!("{name}.png");
@@ -129,7 +129,19 @@ fn group(about: &str) -> usize {
 struct Shared {
     object: Object,
     margin: f32,
+    closest: bool,
+    /// A scene of several objects shares them with no other.
+    alone: Option<Scene>,
     subject: Option<Subject>,
+}
+
+impl Shared {
+    fn serves(&self, scene: &Scene) -> bool {
+        match &self.alone {
+            Some(alone) => alone == scene,
+            None => !scene.has_several() && same_field(&self.object, &scene.object),
+        }
+    }
 }
 
 /// What of an object its field depends on.
@@ -139,24 +151,37 @@ fn same_field(a: &Object, b: &Object) -> bool {
 }
 
 /// The objects of the scenes, each once.
-fn objects(library: &Library, scenes: &[(String, Scene)]) -> Result<Vec<Shared>, SceneError> {
+fn objects(library: &Library, scenes: &[(String, Scene)]) -> Result<Vec<Shared>, RenderError> {
     let mut objects: Vec<Shared> = Vec::new();
     for (_, scene) in scenes {
-        let margin = scene.check(library)?.outer_iso().unwrap_or(scene.object.outer_iso);
-        match objects.iter_mut().find(|shared| same_field(&shared.object, &scene.object)) {
-            Some(shared) => shared.margin = shared.margin.max(margin),
-            None => objects.push(Shared { object: scene.object.clone(), margin, subject: None }),
+        let variant = Variant::of(scene, library)?;
+        let margin = variant.knobs.outer_iso().unwrap_or(scene.object.outer_iso);
+        let closest = variant.reads_closest();
+        match objects.iter_mut().find(|shared| shared.serves(scene)) {
+            Some(shared) => (shared.margin, shared.closest) = (shared.margin.max(margin), shared.closest || closest),
+            None => {
+                let alone = scene.has_several().then(|| scene.clone());
+                objects.push(Shared { object: scene.object.clone(), margin, closest, alone, subject: None });
+            }
         }
     }
     Ok(objects)
 }
 
 /// The subject of a scene, loaded when it is first asked for.
-fn subject<'a>(objects: &'a mut [Shared], scene: &Scene, progress: Progress<'_>) -> Result<&'a Subject, RenderError> {
-    let shared = objects.iter_mut().find(|shared| same_field(&shared.object, &scene.object));
+fn subject<'a>(
+    library: &Library,
+    objects: &'a mut [Shared],
+    scene: &Scene,
+    progress: Progress<'_>,
+) -> Result<&'a Subject, RenderError> {
+    let shared = objects.iter_mut().find(|shared| shared.serves(scene));
     let shared = shared.expect("`objects` holds the object of every scene");
     if shared.subject.is_none() {
-        shared.subject = Some(Subject::load_with_margin(&shared.object, shared.margin, progress)?);
+        shared.subject = Some(match &shared.alone {
+            Some(scene) => Subject::load(scene, library, progress)?,
+            None => Subject::load_with_margin(&shared.object, shared.margin, shared.closest, progress)?,
+        });
     }
     Ok(shared.subject.as_ref().expect("it was just loaded"))
 }

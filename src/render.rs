@@ -4,16 +4,19 @@
 //! [`Frame`]. Invariant: every picture that a person sees comes through [`render`].
 
 mod bind;
+mod shadow;
 mod sub_frame;
 mod view;
 
-use crate::field::{self, DistanceField, FieldError, Progress};
+pub use shadow::{Transmittance, transmittance};
+
+use crate::field::{self, ClosestPoints, DistanceField, FieldError, Progress};
 use crate::glsl::{Library, Linker};
 use crate::gpu::{self, Gpu, GpuError};
 use crate::pass;
-use crate::scene::{Axis, Object, Order, Pass, Scene, Source, TargetFormat};
+use crate::scene::{Axis, Object, Order, Pass, Scene, TargetFormat};
 use crate::shape::{self, Shape, ShapeError};
-use crate::variant::{FORMULAS, Program, Variant, VariantError};
+use crate::variant::{Program, Variant, VariantError};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -29,6 +32,8 @@ pub struct Subject {
     pub input: String,
     /// The distance field; `None` for a formula, which needs none.
     pub field: Option<DistanceField>,
+    /// The closest points of the surface, on the grid of the field; `None` where no scene reads them.
+    pub closest: Option<ClosestPoints>,
     /// World position of the origin of object space.
     pub center: Vec3,
     /// Object units in one world unit.
@@ -73,6 +78,8 @@ pub struct Measurements {
     pub compile_ms: f64,
     /// Milliseconds of the slices or rays on the device.
     pub gpu_ms: f64,
+    /// Milliseconds of the shadow volume on the device; `None` without shadows.
+    pub shadow_ms: Option<f64>,
     /// Longest submission, milliseconds.
     pub longest_ms: f64,
     /// Milliseconds of everything, wall clock.
@@ -101,6 +108,9 @@ pub enum RenderError {
     /// A scene asks for what pre-classification cannot do.
     #[error("effect.classify = {0}: needs {1}; use classify = \"post\"")]
     Classification(String, &'static str),
+    /// A program reads what the subject was loaded without.
+    #[error("the subject has no {0}, which the program reads; load it with the scene that is rendered")]
+    Missing(&'static str),
     /// The program has a block member that the renderer does not know.
     #[error("`{0}` is in no block of interface.glsl; declare it with `// @knob` in a module")]
     Unfilled(String),
@@ -131,27 +141,44 @@ impl Subject {
         let variant = Variant::of(scene, library)?;
         let count = (scene.parts.len() + 1) as f32;
         let outer = variant.knobs.outer_iso().unwrap_or(scene.object.outer_iso);
-        let mut subject = Subject::load_with_margin(&scene.object, outer, &|done| progress(done / count))?;
+        let closest = variant.reads_closest();
+        let mut subject = Subject::load_with_margin(&scene.object, outer, closest, &|done| progress(done / count))?;
         for ((name, part), before) in scene.parts.iter().zip(1u8..) {
             let outer = variant.parts[name].outer_iso().unwrap_or(part.object.outer_iso);
             let progress = |done| progress((f32::from(before) + done) / count);
-            subject.parts.insert(name.clone(), Subject::load_with_margin(&part.object, outer, &progress)?);
+            let closest = variant.part_reads_closest(name);
+            let loaded = Subject::load_with_margin(&part.object, outer, closest, &progress)?;
+            subject.parts.insert(name.clone(), loaded);
         }
         Ok(subject)
     }
 
-    /// Loads an object with a field that reaches `margin` (object units) beyond it, so that several scenes may share it.
+    /// Loads an object with a field that reaches `margin` (object units) beyond it, so that several scenes may share it;
+    /// with its closest points where one of them reads them.
     ///
     /// # Errors
     /// As [`Subject::load`].
-    pub fn load_with_margin(object: &Object, margin: f32, progress: Progress<'_>) -> Result<Subject, RenderError> {
-        if object.source == Source::Auto && FORMULAS.contains(&object.input.as_str()) {
+    pub fn load_with_margin(
+        object: &Object,
+        margin: f32,
+        closest: bool,
+        progress: Progress<'_>,
+    ) -> Result<Subject, RenderError> {
+        if object.is_formula() {
             return Ok(formula(&object.input));
         }
         let shape = open(object)?;
-        let (mut field, report) = field::load_or_compute(&shape, &request(&shape, object, margin), progress)?;
+        let request = request(&shape, object, margin);
+        let (mut field, mut points, report) = if closest {
+            let (field, points, report) = field::load_or_compute_closest(&shape, &request, progress)?;
+            (field, Some(points), report)
+        } else {
+            let (field, report) = field::load_or_compute(&shape, &request, progress)?;
+            (field, None, report)
+        };
         if object.up != Axis::Y {
             field = field.turned(object.up.turn());
+            points = points.map(|points| points.turned(object.up.turn()));
         }
         let (low, high) = inside_bounds(&field);
         let center = 0.5 * (low + high);
@@ -160,7 +187,7 @@ impl Subject {
         let half_size = 0.5 * scale * (high - low);
         let input = object.input.clone();
         let (field, report, parts) = (Some(field), Some(report), BTreeMap::new());
-        Ok(Subject { input, field, center, scale, half_size, radius, report, parts })
+        Ok(Subject { input, field, closest: points, center, scale, half_size, radius, report, parts })
     }
 }
 
@@ -200,7 +227,7 @@ fn formula(name: &str) -> Subject {
     };
     let (center, scale) = (Vec3::ZERO, 1.0);
     let parts = BTreeMap::new();
-    Subject { input: name.into(), field: None, center, scale, half_size, radius, report: None, parts }
+    Subject { input: name.into(), field: None, closest: None, center, scale, half_size, radius, report: None, parts }
 }
 
 /// World positions of the samples inside, or of the nearest to the surface where none is.
@@ -279,6 +306,7 @@ impl<'a> Renderer<'a> {
 /// A scene with all that its pictures share, made once: program, pipeline, images and targets.
 struct Prepared<'a> {
     gpu: &'a Gpu,
+    library: &'a Library,
     subject: &'a Subject,
     scene: Scene,
     variant: Variant,
@@ -340,7 +368,7 @@ impl<'a> Prepared<'a> {
             _ => Some(gpu::Image::new(gpu, "resolved target", plane, format, gpu::ImageUse::Target(1))?),
         };
         let (scene, variant) = (scene.clone(), variant.clone());
-        Ok(Prepared { gpu, subject, scene, variant, program, bound, pipeline, color, resolved, compile_ms })
+        Ok(Prepared { gpu, library, subject, scene, variant, program, bound, pipeline, color, resolved, compile_ms })
     }
 
     /// Whether all of this serves another scene as well: it differs in camera, time and knobs alone, and its matter
@@ -378,8 +406,16 @@ impl<'a> Prepared<'a> {
         let [width, height] = scene.image.size;
         let mut sum = vec![[0.0; 4]; width as usize * height as usize];
         let mut drawn = pass::Drawn { fragments: Some(0), ..Default::default() };
+        let space = shadow::LightSpace::of(scene, &view, &planes);
+        let mut shadow_ms = None;
         for sub_frame in SubFrame::all(scene) {
-            self.bound.fill(scene, self.subject, variant, &view, &planes, &sub_frame)?;
+            self.bound.fill(scene, self.subject, variant, &view, &planes, &sub_frame, &space)?;
+            // The shadow of matter that moves while the shutter is open moves with it.
+            if self.program.reads(bind::SHADOW) && (shadow_ms.is_none() || scene.camera.shutter > 0.0) {
+                let light = shadow::cast(self.gpu, self.library, scene, variant, &view, &self.bound, space)?;
+                self.bound.replace_shadow(&self.program, light.image(self.gpu)?);
+                shadow_ms = Some(shadow_ms.unwrap_or(0.0) + light.gpu_ms);
+            }
             let set = self.pipeline.bind(&self.bound.resources())?;
             drawn.append(&match (&stack, &vertices) {
                 (Some(stack), Some(vertices)) => {
@@ -402,6 +438,7 @@ impl<'a> Prepared<'a> {
             fragments: drawn.fragments,
             compile_ms: std::mem::take(&mut self.compile_ms) + drawn.first_use_ms,
             gpu_ms: drawn.gpu_ms,
+            shadow_ms,
             longest_ms: drawn.longest_ms,
             total_ms: 0.0,
             device_bytes: self.bound.bytes() + targets,
@@ -424,13 +461,16 @@ fn mean(sum: &[[f64; 4]], count: u32) -> Vec<[f32; 4]> {
     sum.iter().map(|pixel| pixel.map(|channel| (channel / f64::from(count)) as f32)).collect()
 }
 
+/// The texels of a target of 32-bit floats.
+fn floats(bytes: &[u8]) -> Vec<[f32; 4]> {
+    let texels = bytes.as_chunks::<16>().0.iter();
+    texels.map(|texel| std::array::from_fn(|c| f32::from_ne_bytes([0, 1, 2, 3].map(|b| texel[4 * c + b])))).collect()
+}
+
 /// The texels of a target as floats.
 fn decode(bytes: &[u8], format: TargetFormat) -> Vec<[f32; 4]> {
     match format {
-        TargetFormat::Float32 => bytes
-            .chunks_exact(16)
-            .map(|texel| std::array::from_fn(|c| f32::from_ne_bytes([0, 1, 2, 3].map(|b| texel[4 * c + b]))))
-            .collect(),
+        TargetFormat::Float32 => floats(bytes),
         TargetFormat::Float16 => bytes
             .chunks_exact(8)
             .map(|texel| std::array::from_fn(|c| half::f16::from_ne_bytes([texel[2 * c], texel[2 * c + 1]]).to_f32()))

@@ -5,7 +5,7 @@
 //! and the two numbers of [`Texels::decode`] are all that the one decoder in GLSL needs.
 //! Source: MJ 3.1 (gradient normal in RGB, density in A, at most 16 bits).
 
-use crate::field::DistanceField;
+use crate::field::{ClosestPoints, DistanceField};
 use crate::scene::{Curve, Stop, Transfer};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
@@ -84,6 +84,33 @@ pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Tex
     let rounding = f32::EPSILON * low.abs().max(high.abs());
     let quantization = (high - low) * 0.5 / codes + rounding;
     Texels { size: field.grid.size, bytes, decode: [high, low - high], quantization }
+}
+
+/// The way from every sample of a field to the closest point of its level `iso`, as RGBA, 16 bits each, A unused: a
+/// component c, in the units of the field, is stored as `0.5 + 0.5 c / range`. Returns the texels and the range.
+///
+/// The level is reached from the closest point of the surface straight on, which is exact on the side of the surface
+/// that the level is on as far as its medial axis. Quantization: `range / 65535` for each component.
+pub fn encode_closest(closest: &ClosestPoints, field: &DistanceField, iso: f32) -> (Vec<u16>, f32) {
+    let [nx, ny, _] = closest.grid.size;
+    let way = |index: usize| {
+        let at = [index as u32 % nx, index as u32 / nx % ny, index as u32 / (nx * ny)];
+        let to_surface = closest.points[index] - closest.grid.position(at[0], at[1], at[2]);
+        let outward = match field.values[index] < 0.0 {
+            true => to_surface.normalize_or_zero(),
+            false => -to_surface.normalize_or_zero(),
+        };
+        let gradient = || field.gradient(at[0], at[1], at[2]).normalize_or_zero();
+        to_surface + iso * if outward == Vec3::ZERO { gradient() } else { outward }
+    };
+    let samples = 0..closest.points.len();
+    let range =
+        samples.into_par_iter().map(|index| way(index).abs().max_element()).reduce(|| f32::MIN_POSITIVE, f32::max);
+    let mut texels = vec![0; closest.points.len() * 4];
+    texels.par_chunks_mut(4).enumerate().for_each(|(index, out)| {
+        out.copy_from_slice(&(0.5 + 0.5 * way(index) / range).extend(0.0).to_array().map(code16));
+    });
+    (texels, range)
 }
 
 /// Entries of a transfer map on the device. Fewer: steps smear over a visible range of density.

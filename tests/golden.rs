@@ -48,6 +48,15 @@ const SCENES: &[(&str, &str)] = &[
     ("glow", "preset = 'glow'\n object.resolution = 64"),
     ("nebula", "preset = 'nebula'"),
     ("blue_glass_sphere", "preset = 'blue_glass'\n object.input = 'sphere'"),
+    (
+        "lit_shadows_teapot",
+        "preset = 'lit'\n object = { input = 'teapot', resolution = 64 }\n \
+         light = { shadows = true, position = [5, 1.5, 2] }\n camera = { azimuth = 50, elevation = 15, zoom = 1.3 }",
+    ),
+    (
+        "fur_shadows_teapot",
+        "preset = 'fur'\n object = { input = 'teapot', resolution = 64 }\n light = { shadows = true, shadow_resolution = 128, position = [3, 4, 1] }",
+    ),
     ("normals", "object.input = 'torus'\n effect.surface = 'normals'"),
     ("tex_coord", "object.input = 'torus'\n effect.surface = 'tex_coord'"),
     (

@@ -1,6 +1,6 @@
 // Fur: noise, constant along the direction of growth, sharpened into hairs that thin out towards their tips.
 // Source: PH 2.4: f = gain.9(bias.3(noise(frequency * project(x)))) * D(x), with the remap 0.5 + 0.5 noise it implies;
-// curl is the tribble's; droop and uneven length are ours.
+// curl is the tribble's; droop, uneven length and the middle of a hair in place of its root are ours.
 // density: D in [0, 1]; result in [0, 1].
 // @needs normal
 // @outer hair_length
@@ -12,26 +12,32 @@
 // @knob hair_bias = 0.3 in [0.01, 0.99]: Thickness of the hair: PH's bias.
 // @knob hair_gain = 0.9 in [0.01, 0.99]: Sharpness of its edge: PH's gain.
 #include <noise>
+#include <project>
 #include "shaping.glsl"
 
-// The root of the hair through a point: back along the droop and the curl, then down to the skin.
-vec3 project(Sample s, float tip) {
+// Normal of the skin at the root of the last hair that was asked for.
+vec3 hair_normal = vec3(0.0, 1.0, 0.0);
+
+// The place where a hair would be without droop and curl.
+vec3 unbent(Sample s, float tip) {
     vec3 curl = noise_gradient(3.0 * s.x + 17.0).xyz * (0.5 * curliness * gain(0.8, tip));
-    vec3 unbent = s.x + vec3(0.0, droop * hair_length * tip * tip, 0.0) + curl;
-    return unbent - (s.distance - iso_value) * s.normal;
+    return s.x + vec3(0.0, droop * hair_length * tip * tip, 0.0) + curl;
 }
 
 vec3 hair_tangent(Sample s) {
     float tip = clamp(1.0 - s.density, 0.0, 1.0);
-    return safe_normalize(s.normal - vec3(0.0, 2.0 * droop * tip, 0.0), s.normal);
+    return safe_normalize(hair_normal - vec3(0.0, 2.0 * droop * tip, 0.0), hair_normal);
 }
 
 float fur(float density, Sample s) {
     if (density >= 1.0) return 1.0;
-    vec3 root = project(s, 1.0 - density);
-    float strand = gain(hair_gain, bias(hair_bias, 0.5 + 0.5 * noise(fineness * root) / 0.6));
-    float length_here = 1.0 - unevenness * clamp(0.5 + noise(0.23 * fineness * root), 0.0, 1.0);
+    vec3 straight = unbent(s, 1.0 - density);
+    vec3 root = project(straight, s);
+    hair_normal = safe_normalize(straight - root, s.normal);
+    // A hair is known by its middle, not by its root: all of the space around an edge or a speck has one root.
+    vec3 middle = root + 0.5 * hair_length * hair_normal;
+    float strand = gain(hair_gain, bias(hair_bias, 0.5 + 0.5 * noise(fineness * middle) / 0.6));
+    float length_here = 1.0 - unevenness * clamp(0.5 + noise(0.23 * fineness * middle), 0.0, 1.0);
     float grown = max((density - 1.0 + length_here) / length_here, 0.0);
-    // Across a medial axis the roots jump from one side to the other: no hair stands there.
-    return strand * grown * smoothstep(0.35, 0.85, s.coherence);
+    return strand * grown * trust(s);
 }

@@ -240,6 +240,9 @@ pub struct Look {
     /// Position of the light from the center of the object: right, up, toward the eye.
     #[arg(long, value_parser = numbers, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub light: Option<Numbers>,
+    /// Whether matter casts shadows.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
+    pub shadows: Option<bool>,
     /// Time in seconds.
     #[arg(long, allow_negative_numbers = true)]
     pub time: Option<f32>,
@@ -336,6 +339,7 @@ impl Look {
             let wrong = |_| count("--light", light, "3 numbers: x,y,z");
             scene.light.position = light.as_slice().try_into().map_err(wrong)?;
         }
+        put(&mut scene.light.shadows, self.shadows);
         if let Some(Numbers(clip)) = &self.clip {
             let wrong = |_| count("--clip", clip, "4 numbers: a,b,c,d");
             camera.clip = Some(clip.as_slice().try_into().map_err(wrong)?);
@@ -398,6 +402,7 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
         "index" => &mut effect.index,
         "absorption" => &mut effect.absorption,
         "environment" => &mut effect.environment,
+        "project" => &mut effect.project,
         stack @ ("warp" | "dmf") => {
             let modules =
                 names.split('+').map(|name| name.trim().to_string()).filter(|name| !name.is_empty()).collect();
@@ -421,6 +426,7 @@ fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
                 "index",
                 "absorption",
                 "environment",
+                "project",
             ];
             return Err(SceneError::unknown("slot", other, &known));
         }

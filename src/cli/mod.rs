@@ -188,6 +188,9 @@ fn summary(gpu: &Gpu, subject: &Subject, frame: &Frame) -> String {
     }
     let fragments = m.fragments.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
     lines.push(format!("slices     {} of thickness {:.5} object units{fragments}", m.slices, m.step));
+    if let Some(shadow_ms) = m.shadow_ms {
+        lines.push(format!("shadows    {shadow_ms:.1} ms"));
+    }
     lines.push(format!(
         "time       {:.1} ms on the device (longest submission {:.1} ms), {:.0} ms to compile, {:.0} ms in all",
         m.gpu_ms, m.longest_ms, m.compile_ms, m.total_ms

@@ -4,7 +4,8 @@
 //! over all of it. Anything else is ignored and replaced. Files appear whole: written under another name in the
 //! same folder, synced, then renamed.
 
-use super::{DistanceField, FieldError, Grid, Progress, Report, Request, transform};
+use super::{ClosestPoints, DistanceField, FieldError, Grid, Progress, Report, Request};
+use super::{transform, transform_with_closest};
 use crate::shape::{Content, Shape, Solid};
 use glam::Vec3;
 use std::fs::{self, File};
@@ -13,13 +14,23 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Instant, SystemTime};
 
-const MAGIC: &[u8; 8] = b"HYPERFLD";
+/// A kind of file: first bytes, end of the name, floats for each sample.
+struct Kind {
+    magic: &'static [u8; 8],
+    end: &'static str,
+    floats: u64,
+}
+
+/// Distances.
+const FIELD: Kind = Kind { magic: b"HYPERFLD", end: "field", floats: 1 };
+/// Closest points of the same input, beside them.
+const CLOSEST: Kind = Kind { magic: b"HYPERCPT", end: "closest", floats: 3 };
 /// Raise it when a field computed from the same input changes, or the layout of the file does.
 const VERSION: u32 = 1;
 /// Magic, version, key, size, origin, spacing, five counts; the payload follows, then the hash of it all.
 const HEADER_BYTES: usize = 8 + 4 + 32 + 12 + 12 + 12 + 5 * 8;
 const HASH_BYTES: usize = 32;
-/// Fields kept on disk, all together. Less: a few scans at a high resolution push each other out. More: a person finds
+/// Fields and closest points kept on disk, all together. Less: a few scans at a high resolution push each other out. More: a person finds
 /// a full disk.
 const FOLDER_BYTES: u64 = 2 << 30;
 
@@ -59,8 +70,8 @@ impl Key {
         Key(*hash.finalize().as_bytes())
     }
 
-    fn file(&self, folder: &Path) -> PathBuf {
-        folder.join(format!("{}.field", blake3::Hash::from_bytes(self.0).to_hex()))
+    fn file(&self, kind: &Kind, folder: &Path) -> PathBuf {
+        folder.join(format!("{}.{}", blake3::Hash::from_bytes(self.0).to_hex(), kind.end))
     }
 }
 
@@ -76,17 +87,42 @@ pub fn load_or_compute(
     progress: Progress,
 ) -> Result<(DistanceField, Report), FieldError> {
     let compute = || transform(shape, request, progress);
+    match kept_in(shape) {
+        Some(folder) => {
+            let result = cached(&Key::new(shape, request), &folder, compute)?;
+            progress(1.0);
+            Ok(result)
+        }
+        None => compute(),
+    }
+}
+
+/// [`transform_with_closest`], through the cache in [`default_folder`], as [`load_or_compute`].
+///
+/// # Errors
+/// Those of [`transform`]. A cache that cannot be read or written is a warning in the log.
+pub fn load_or_compute_closest(
+    shape: &Shape,
+    request: &Request,
+    progress: Progress,
+) -> Result<(DistanceField, ClosestPoints, Report), FieldError> {
+    let compute = || transform_with_closest(shape, request, progress);
+    match kept_in(shape) {
+        Some(folder) => {
+            let result = cached_with_closest(&Key::new(shape, request), &folder, compute)?;
+            progress(1.0);
+            Ok(result)
+        }
+        None => compute(),
+    }
+}
+
+/// Where the results for a shape are kept, if reading them is faster than computing them.
+fn kept_in(shape: &Shape) -> Option<PathBuf> {
     match shape {
-        Shape::Solid(_) => compute(),
-        Shape::Volume(volume) if volume.content == Content::SignedDistance => compute(),
-        _ => match default_folder() {
-            Some(folder) => {
-                let result = cached(&Key::new(shape, request), &folder, compute)?;
-                progress(1.0);
-                Ok(result)
-            }
-            None => compute(),
-        },
+        Shape::Solid(_) => None,
+        Shape::Volume(volume) if volume.content == Content::SignedDistance => None,
+        _ => default_folder(),
     }
 }
 
@@ -100,25 +136,62 @@ pub fn cached(
     compute: impl FnOnce() -> Result<(DistanceField, Report), FieldError>,
 ) -> Result<(DistanceField, Report), FieldError> {
     let start = Instant::now();
-    let path = key.file(folder);
+    if let Some((grid, values, report)) = read(&FIELD, key, folder) {
+        let field = DistanceField { grid, values };
+        return Ok((field, Report { ms: start.elapsed().as_secs_f64() * 1e3, ..report }));
+    }
+    let (field, report) = compute()?;
+    keep(&FIELD, key, folder, (&field.grid, &field.values, &report));
+    Ok((field, report))
+}
+
+/// Field and closest points stored under `key` in `folder`, or else the result of `compute`, which is then stored.
+///
+/// # Errors
+/// Those of `compute`; the cache itself only warns.
+pub fn cached_with_closest(
+    key: &Key,
+    folder: &Path,
+    compute: impl FnOnce() -> Result<(DistanceField, ClosestPoints, Report), FieldError>,
+) -> Result<(DistanceField, ClosestPoints, Report), FieldError> {
+    let start = Instant::now();
+    let stored = || Some((read(&CLOSEST, key, folder)?, read(&FIELD, key, folder)?));
+    if let Some(((closest_grid, points, _), (grid, values, report))) = stored() {
+        let points = points.as_chunks::<3>().0.iter().map(|&point| Vec3::from_array(point)).collect();
+        let report = Report { ms: start.elapsed().as_secs_f64() * 1e3, ..report };
+        return Ok((DistanceField { grid, values }, ClosestPoints { grid: closest_grid, points }, report));
+    }
+    let (field, closest, report) = compute()?;
+    keep(&FIELD, key, folder, (&field.grid, &field.values, &report));
+    keep(&CLOSEST, key, folder, (&closest.grid, bytemuck::cast_slice(&closest.points), &report));
+    Ok((field, closest, report))
+}
+
+/// What is stored under `key`; nothing, and a warning, where a file is damaged or cannot be read.
+fn read(kind: &Kind, key: &Key, folder: &Path) -> Option<Stored> {
+    let path = key.file(kind, folder);
     match fs::read(&path) {
-        Ok(bytes) => match decode(&bytes, key) {
-            Some((field, report)) => {
+        Ok(bytes) => match decode(kind, &bytes, key) {
+            Some(stored) => {
                 // Best effort: the time of use decides what goes first when the folder is full.
                 let _ = File::options().append(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
-                return Ok((field, Report { ms: start.elapsed().as_secs_f64() * 1e3, ..report }));
+                return Some(stored);
             }
             None => log::warn!("{}: damaged or foreign field file, computing it again", path.display()),
         },
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
         Err(error) => log::warn!("{}: cannot read the cached field: {error}", path.display()),
     }
-    let (field, report) = compute()?;
-    let kept = store(&path, folder, &encode(key, &field, &report)).and_then(|()| trim(folder, FOLDER_BYTES));
+    None
+}
+
+/// Stores under `key`, or warns.
+fn keep(kind: &Kind, key: &Key, folder: &Path, content: (&Grid, &[f32], &Report)) {
+    let path = key.file(kind, folder);
+    let kept = store(&path, folder, &encode(kind, key, content)).and_then(|()| trim(folder, FOLDER_BYTES));
     if let Err(error) = kept {
         log::warn!("{}: cannot keep the field: {error}; set HYPERTEXTURE_CACHE to a writable folder", path.display());
     }
-    Ok((field, report))
 }
 
 /// `$HYPERTEXTURE_CACHE`, else `$XDG_CACHE_HOME/hypertexture`, else `~/.cache/hypertexture`; none without a home.
@@ -133,35 +206,37 @@ fn floats(hash: &mut blake3::Hasher, values: &[f32]) {
     hash.update(bytemuck::cast_slice(values));
 }
 
-fn encode(key: &Key, field: &DistanceField, report: &Report) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(HEADER_BYTES + 4 * field.values.len() + HASH_BYTES);
-    bytes.extend_from_slice(MAGIC);
+/// Grid, floats of its samples, and how they were computed.
+type Stored = (Grid, Vec<f32>, Report);
+
+fn encode(kind: &Kind, key: &Key, (grid, values, report): (&Grid, &[f32], &Report)) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(HEADER_BYTES + 4 * values.len() + HASH_BYTES);
+    bytes.extend_from_slice(kind.magic);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
     bytes.extend_from_slice(&key.0);
-    let grid = &field.grid;
     bytes.extend(grid.size.iter().flat_map(|n| n.to_le_bytes()));
     bytes.extend([grid.origin, grid.spacing].iter().flat_map(|v| v.to_array()).flat_map(f32::to_le_bytes));
     let turned = (report.turned_triangles as u64) << 1 | u64::from(report.buried);
     let counts =
         [report.triangles as u64, report.open_edges as u64, turned, report.closing_triangles as u64, report.exact];
     bytes.extend(counts.iter().flat_map(|n| n.to_le_bytes()));
-    bytes.extend(field.values.iter().flat_map(|v| v.to_le_bytes()));
+    bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
     let hash = blake3::hash(&bytes);
     bytes.extend_from_slice(hash.as_bytes());
     bytes
 }
 
-fn decode(bytes: &[u8], key: &Key) -> Option<(DistanceField, Report)> {
+fn decode(kind: &Kind, bytes: &[u8], key: &Key) -> Option<Stored> {
     let (content, hash) = bytes.split_at_checked(bytes.len().checked_sub(HASH_BYTES)?)?;
     let (header, payload) = content.split_at_checked(HEADER_BYTES)?;
-    let head = header.strip_prefix(MAGIC)?.strip_prefix(&VERSION.to_le_bytes())?.strip_prefix(&key.0)?;
+    let head = header.strip_prefix(kind.magic)?.strip_prefix(&VERSION.to_le_bytes())?.strip_prefix(&key.0)?;
     let (geometry, counts) = head.split_at_checked(36)?;
     let mut words = geometry.as_chunks::<4>().0.iter();
     let mut word = || words.next().copied();
     let size = [word()?, word()?, word()?].map(u32::from_le_bytes);
     let mut vector = || Some(Vec3::from_array([word()?, word()?, word()?].map(f32::from_le_bytes)));
     let grid = Grid { size, origin: vector()?, spacing: vector()? };
-    let expected = size.iter().try_fold(4u64, |a, &n| a.checked_mul(u64::from(n)))?;
+    let expected = size.iter().try_fold(4 * kind.floats, |a, &n| a.checked_mul(u64::from(n)))?;
     if payload.len() as u64 != expected || blake3::hash(content).as_bytes() != hash {
         return None;
     }
@@ -177,7 +252,7 @@ fn decode(bytes: &[u8], key: &Key) -> Option<(DistanceField, Report)> {
         ms: 0.0,
     };
     let values = payload.as_chunks::<4>().0.iter().map(|&b| f32::from_le_bytes(b)).collect();
-    Some((DistanceField { grid, values }, report))
+    Some((grid, values, report))
 }
 
 /// Removes the fields used longest ago until the rest fit into `limit` bytes.
@@ -186,7 +261,7 @@ fn trim(folder: &Path, limit: u64) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         let about = entry.metadata()?;
-        if entry.path().extension().is_some_and(|end| end == "field") {
+        if entry.path().extension().is_some_and(|end| end == FIELD.end || end == CLOSEST.end) {
             fields.push((about.modified()?, about.len(), entry.path()));
         }
     }
@@ -270,18 +345,42 @@ mod tests {
     }
 
     #[test]
+    fn p55_closest_points_are_computed_once_and_kept_beside_their_field() {
+        let folder = tempfile::tempdir().unwrap();
+        let key = Key::new(&shape(), &REQUEST);
+        let computed = Cell::new(0);
+        let get = || {
+            cached_with_closest(&key, folder.path(), || {
+                computed.set(computed.get() + 1);
+                transform_with_closest(&shape(), &REQUEST, &|_| {})
+            })
+            .unwrap()
+        };
+        let (field, closest, _) = get();
+        let (again, closest_again, report) = get();
+        assert_eq!(computed.get(), 1);
+        assert!(report.from_cache && field == again && closest == closest_again);
+        assert_eq!(field, cached(&key, folder.path(), || unreachable!("it was kept")).unwrap().0);
+        let path = key.file(&CLOSEST, folder.path());
+        let mut bytes = fs::read(&path).unwrap();
+        bytes[200] ^= 1;
+        fs::write(&path, bytes).unwrap();
+        assert!(get().1 == closest && computed.get() == 2, "a damaged file is computed again");
+    }
+
+    #[test]
     fn a_damaged_file_is_ignored_and_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path();
         let key = Key::new(&shape(), &REQUEST);
         let (truth, ..) = get(folder);
-        let path = key.file(folder);
+        let path = key.file(&FIELD, folder);
         let good = fs::read(&path).unwrap();
         for at in 0..good.len() {
             let mut bad = good.clone();
             bad[at] ^= 1 << (at % 8);
-            assert!(decode(&bad, &key).is_none(), "byte {at} flipped");
-            assert!(decode(&good[..at], &key).is_none(), "cut to {at} bytes");
+            assert!(decode(&FIELD, &bad, &key).is_none(), "byte {at} flipped");
+            assert!(decode(&FIELD, &good[..at], &key).is_none(), "cut to {at} bytes");
         }
         let long = [good.as_slice(), &[0]].concat();
         for damaged in [&good[..good.len() / 2], &[], &long, b"something else"] {
@@ -308,8 +407,11 @@ mod tests {
         ];
         assert!(others.iter().all(|other| *other != key));
         assert_ne!(others[4], others[5]);
-        let foreign = encode(&others[0], &transform(&shape(), &REQUEST, &|_| {}).unwrap().0, &Report::default());
-        assert!(decode(&foreign, &key).is_none());
+        let field = transform(&shape(), &REQUEST, &|_| {}).unwrap().0;
+        let foreign = encode(&FIELD, &others[0], (&field.grid, &field.values, &Report::default()));
+        assert!(decode(&FIELD, &foreign, &key).is_none());
+        let of_another_kind = encode(&FIELD, &key, (&field.grid, &field.values, &Report::default()));
+        assert!(decode(&FIELD, &of_another_kind, &key).is_some() && decode(&CLOSEST, &of_another_kind, &key).is_none());
     }
 
     #[test]

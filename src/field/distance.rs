@@ -27,6 +27,8 @@ pub(super) struct Distances {
     corners: Vec<Hit>,
     values: Vec<f32>,
     exact: Vec<bool>,
+    /// Nearest points, one for each value, where they were asked for; else empty.
+    points: Vec<Vec3>,
 }
 
 /// Block corners per axis of a grid of `size`.
@@ -35,8 +37,8 @@ pub(super) fn corner_size(size: [usize; 3]) -> [usize; 3] {
 }
 
 impl Distances {
-    /// Distances to nothing: infinite.
-    pub(super) fn new(size: [usize; 3]) -> Distances {
+    /// Distances to nothing: infinite. With `points`, the nearest points are kept too.
+    pub(super) fn new(size: [usize; 3], points: bool) -> Distances {
         let voxels = size.iter().product();
         let corners = corner_size(size).iter().product();
         Distances {
@@ -44,6 +46,7 @@ impl Distances {
             corners: vec![Hit::NONE; corners],
             values: vec![f32::INFINITY; voxels],
             exact: vec![false; voxels],
+            points: vec![Vec3::INFINITY; if points { voxels } else { 0 }],
         }
     }
 
@@ -63,12 +66,14 @@ impl Distances {
         });
         let (size, known) = (self.size, &self.corners);
         let slab = size[0] * size[1] * BLOCK;
-        let slabs = self.values.par_chunks_mut(slab).zip(self.exact.par_chunks_mut(slab));
-        slabs.enumerate().for_each(|(bz, (values, exact))| {
+        let mut points: Vec<&mut [Vec3]> = self.points.chunks_mut(slab).collect();
+        points.resize_with(size[2].div_ceil(BLOCK), Default::default);
+        let slabs = self.values.par_chunks_mut(slab).zip(self.exact.par_chunks_mut(slab)).zip(points);
+        slabs.enumerate().for_each(|(bz, ((values, exact), points))| {
             for by in 0..corners[1] - 1 {
                 for bx in 0..corners[0] - 1 {
                     let cell = Cell::new([bx, by, bz], corners, known);
-                    cell.fill(size, values, exact, surfaces, band);
+                    cell.fill(size, (&mut *values, &mut *exact, &mut *points), surfaces, band);
                 }
             }
             stage.advance(values.len() / (size[0] * size[1]));
@@ -90,11 +95,15 @@ impl Distances {
         self.exact.par_iter().filter(|&&exact| exact).count()
     }
 
-    /// The values, without the rest.
-    pub(super) fn into_values(self) -> Vec<f32> {
-        self.values
+    /// The values, and the nearest points if they were asked for: where a value is a lower bound, a point of the surface
+    /// that is farther by at most [`GAP`] than it.
+    pub(super) fn into_values(self) -> (Vec<f32>, Vec<Vec3>) {
+        (self.values, self.points)
     }
 }
+
+/// What is known of one layer of blocks: values, whether they are exact, and nearest points where they are kept.
+type Slab<'a> = (&'a mut [f32], &'a mut [bool], &'a mut [Vec3]);
 
 /// The eight corners around a block.
 struct Cell {
@@ -118,7 +127,7 @@ impl Cell {
 
     /// Adds the last of `surfaces` to the voxels of the block, in its slab of the grid. Whole blocks, not rows: their
     /// searches meet the same few boxes, which a cache can hold where it cannot hold those of a row.
-    fn fill(&self, size: [usize; 3], values: &mut [f32], exact: &mut [bool], surfaces: &[&Bvh], band: f32) {
+    fn fill(&self, size: [usize; 3], (values, exact, points): Slab<'_>, surfaces: &[&Bvh], band: f32) {
         let [x0, y0, z0] = self.block.map(|b| b * BLOCK);
         let mut warm: Option<Vec3> = None;
         for z in z0..size[2].min(z0 + BLOCK) {
@@ -132,6 +141,9 @@ impl Cell {
                         let lower = self.lower_bound(p);
                         if lower > band.max(1.0) && hit.d2.sqrt() - lower <= GAP {
                             values[i] = lower;
+                            if let Some(point) = points.get_mut(i) {
+                                *point = hit.point;
+                            }
                             continue;
                         }
                     }
@@ -144,7 +156,12 @@ impl Cell {
                         hit = surface.closest(p, hit);
                     }
                     warm = Some(hit.point);
-                    values[i] = if exact[i] { values[i].min(hit.d2.sqrt()) } else { hit.d2.sqrt() };
+                    if !exact[i] || hit.d2.sqrt() < values[i] {
+                        values[i] = hit.d2.sqrt();
+                        if let Some(point) = points.get_mut(i) {
+                            *point = hit.point;
+                        }
+                    }
                     exact[i] = true;
                 }
             }

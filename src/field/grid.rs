@@ -138,23 +138,8 @@ impl DistanceField {
     ///
     /// Each of the three old axes must be named once. No value changes.
     pub fn turned(&self, axes: [(usize, bool); 3]) -> DistanceField {
-        let (from, to) = (&self.grid, |vector: Vec3| Vec3::from(axes.map(|(axis, _)| vector[axis])));
-        let size = axes.map(|(axis, _)| from.size[axis]);
-        let far = from.position(from.size[0] - 1, from.size[1] - 1, from.size[2] - 1);
-        let origin = Vec3::from(axes.map(|(axis, reversed)| if reversed { -far[axis] } else { from.origin[axis] }));
-        let strides = [1, from.size[0] as usize, from.size[0] as usize * from.size[1] as usize];
-        let old = |axis: usize, index: usize| {
-            let (source, reversed) = axes[axis];
-            strides[source] * if reversed { from.size[source] as usize - 1 - index } else { index }
-        };
-        let [nx, ny, nz] = size.map(|side| side as usize);
-        let mut values = Vec::with_capacity(self.values.len());
-        for k in 0..nz {
-            for j in 0..ny {
-                values.extend((0..nx).map(|i| self.values[old(0, i) + old(1, j) + old(2, k)]));
-            }
-        }
-        DistanceField { grid: Grid { size, origin, spacing: to(from.spacing) }, values }
+        let (grid, values) = turned(&self.grid, &self.values, axes);
+        DistanceField { grid, values }
     }
 
     /// The field as a volume of [`Content::SignedDistance`], for a file.
@@ -186,6 +171,27 @@ impl DistanceField {
         assert!(i < nx && j < ny && k < nz, "sample ({i}, {j}, {k}) of a grid of {nx} x {ny} x {nz}");
         (k as usize * ny as usize + j as usize) * nx as usize + i as usize
     }
+}
+
+/// A grid and what is at its samples in a space with other axes: see [`DistanceField::turned`].
+pub(super) fn turned<T: Copy>(from: &Grid, samples: &[T], axes: [(usize, bool); 3]) -> (Grid, Vec<T>) {
+    let to = |vector: Vec3| Vec3::from(axes.map(|(axis, _)| vector[axis]));
+    let size = axes.map(|(axis, _)| from.size[axis]);
+    let far = from.position(from.size[0] - 1, from.size[1] - 1, from.size[2] - 1);
+    let origin = Vec3::from(axes.map(|(axis, reversed)| if reversed { -far[axis] } else { from.origin[axis] }));
+    let strides = [1, from.size[0] as usize, from.size[0] as usize * from.size[1] as usize];
+    let old = |axis: usize, index: usize| {
+        let (source, reversed) = axes[axis];
+        strides[source] * if reversed { from.size[source] as usize - 1 - index } else { index }
+    };
+    let [nx, ny, nz] = size.map(|side| side as usize);
+    let mut turned = Vec::with_capacity(samples.len());
+    for k in 0..nz {
+        for j in 0..ny {
+            turned.extend((0..nx).map(|i| samples[old(0, i) + old(1, j) + old(2, k)]));
+        }
+    }
+    (Grid { size, origin, spacing: to(from.spacing) }, turned)
 }
 
 /// Whether a volume holds the samples that it claims.

@@ -8,6 +8,7 @@
 
 mod bvh;
 mod cache;
+mod closest;
 mod distance;
 mod grid;
 mod iso_surface;
@@ -22,8 +23,9 @@ mod tetra;
 mod transform;
 mod winding;
 
-pub use cache::{Key, cached, default_folder, load_or_compute};
-pub use transform::transform;
+pub use cache::{Key, cached, cached_with_closest, default_folder, load_or_compute, load_or_compute_closest};
+pub use closest::ClosestPoints;
+pub use transform::{transform, transform_with_closest};
 
 use glam::Vec3;
 

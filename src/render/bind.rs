@@ -1,5 +1,6 @@
 //! What a program reads, made for it: blocks filled, images encoded and uploaded, and nothing that it does not read.
 
+use super::shadow::LightSpace;
 use super::sub_frame::SubFrame;
 use super::view::{Own, View};
 use super::{RenderError, Subject};
@@ -26,9 +27,13 @@ pub(super) struct Bound {
     samplers: Vec<(u32, Sampler)>,
     /// How the distance of each object is stored, in the order of the view's objects.
     stored: Vec<Stored>,
+    /// What was written into the blocks last, by name.
+    values: HashMap<String, Vec<f32>>,
 }
 
 impl Bound {
+    /// Everything that a program reads, but for the shadow volume, which is made with the rest of it: see
+    /// [`Bound::replace`].
     pub(super) fn new(
         gpu: &Gpu,
         scene: &Scene,
@@ -40,31 +45,37 @@ impl Bound {
     ) -> Result<Bound, RenderError> {
         let mut items: Vec<Item<'_>> =
             view.objects.iter().map(|own| Item::of(own, scene, subject, variant, Stored::default())).collect();
-        let mut texels = Vec::new();
+        let (mut texels, mut ways) = (Vec::new(), Vec::new());
         for item in &mut items {
             let read = program.reads(&format!("volume_image{}", item.suffix));
             let made = if read { item.volume(variant) } else { None };
-            item.stored = made.as_ref().map_or(Stored::default(), |texels| Stored {
-                decode: texels.decode.map(|value| value * item.subject.scale),
-                quantization: texels.quantization * item.subject.scale,
-            });
+            if let Some(texels) = &made {
+                item.stored.decode = texels.decode.map(|value| value * item.subject.scale);
+                item.stored.quantization = texels.quantization * item.subject.scale;
+            }
             texels.push(made);
+            let read = program.reads(&format!("closest_image{}", item.suffix));
+            let made = if read { Some(item.closest()?) } else { None };
+            item.stored.closest_range = made.as_ref().map_or(0.0, |(_, range)| range * item.subject.scale);
+            ways.push(made.map(|(ways, _)| ways));
         }
         let stored = items.iter().map(|item| item.stored).collect();
-        let mut bound = Bound { blocks: Vec::new(), images: Vec::new(), samplers: Vec::new(), stored };
+        let mut bound =
+            Bound { blocks: Vec::new(), images: Vec::new(), samplers: Vec::new(), stored, values: HashMap::new() };
         for resource in &program.resources {
             match &resource.holds {
                 Use::Block(block) => {
                     let buffer = Buffer::new(gpu, &resource.name, BufferUse::Uniform, &vec![0; block.bytes])?;
                     bound.blocks.push((resource.clone(), buffer));
                 }
+                Use::Image if resource.name == SHADOW => {}
                 Use::Sampler => {
                     let address = if resource.name == "repeat_sampler" { Address::Repeat } else { Address::Clamp };
                     let sampler = Sampler::new(gpu, address, scene.quality.anisotropy)?;
                     bound.samplers.push((resource.binding, sampler));
                 }
                 Use::Image => {
-                    let image = image(gpu, scene, &items, &texels, planes, &resource.name)?;
+                    let image = image(gpu, scene, &items, (&texels, &ways), planes, &resource.name)?;
                     bound.images.push((resource.binding, image));
                 }
             }
@@ -81,15 +92,18 @@ impl Bound {
         view: &View,
         planes: &Planes,
         sub_frame: &SubFrame,
+        space: &LightSpace,
     ) -> Result<(), RenderError> {
         let objects = view.objects.iter().zip(&self.stored);
         let items: Vec<Item<'_>> =
             objects.map(|(own, stored)| Item::of(own, scene, subject, variant, *stored)).collect();
         let mut values = values(scene, view, &items, planes);
         values.extend(moment(scene, view, sub_frame));
+        values.extend(space.values().map(|(name, floats)| (name.to_string(), floats)));
+        self.values = values;
         for (resource, buffer) in &mut self.blocks {
             let Use::Block(block) = &resource.holds else { continue };
-            let bytes = block.fill(|name| values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled)?;
+            let bytes = block.fill(|name| self.values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled)?;
             buffer.write(&resource.name, &bytes)?;
         }
         Ok(())
@@ -100,12 +114,35 @@ impl Bound {
         self.stored.iter().map(|stored| stored.quantization).fold(0.0, f32::max)
     }
 
+    /// Puts the shadow volume among the images, in place of the one before.
+    pub(super) fn replace_shadow(&mut self, program: &Program, image: Image) {
+        if let Some(found) = program.resources.iter().find(|resource| resource.name == SHADOW) {
+            self.images.retain(|(binding, _)| *binding != found.binding);
+            self.images.push((found.binding, image));
+        }
+    }
+
+    /// The blocks of another program that reads no value which this one does not have, as they were filled last.
+    pub(super) fn blocks_of(&self, gpu: &Gpu, program: &Program) -> Result<Vec<(u32, Buffer)>, RenderError> {
+        let mut blocks = Vec::new();
+        for resource in &program.resources {
+            let Use::Block(block) = &resource.holds else { continue };
+            let bytes = block.fill(|name| self.values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled)?;
+            blocks.push((resource.binding, Buffer::new(gpu, &resource.name, BufferUse::Uniform, &bytes)?));
+        }
+        Ok(blocks)
+    }
+
     /// The resources by binding.
     pub(super) fn resources(&self) -> Vec<(u32, gpu::Resource<'_>)> {
         let blocks = self.blocks.iter().map(|(resource, block)| (resource.binding, gpu::Resource::Uniform(block)));
+        blocks.chain(self.images_and_samplers()).collect()
+    }
+
+    /// The images and samplers by binding.
+    pub(super) fn images_and_samplers(&self) -> impl Iterator<Item = (u32, gpu::Resource<'_>)> {
         let images = self.images.iter().map(|(binding, image)| (*binding, gpu::Resource::Image(image)));
-        let samplers = self.samplers.iter().map(|(binding, sampler)| (*binding, gpu::Resource::Sampler(sampler)));
-        blocks.chain(images).chain(samplers).collect()
+        images.chain(self.samplers.iter().map(|(binding, sampler)| (*binding, gpu::Resource::Sampler(sampler))))
     }
 
     /// Bytes of the images on the device.
@@ -129,7 +166,14 @@ pub(super) fn binding(resource: &Resource) -> gpu::Binding {
 struct Stored {
     decode: [f32; 2],
     quantization: f32,
+    /// Range of the ways to the closest points.
+    closest_range: f32,
 }
+
+/// The shadow volume's name in `interface.glsl`.
+pub(super) const SHADOW: &str = "shadow_image";
+/// What an error calls the closest points.
+const CLOSEST: &str = "closest points";
 
 /// One object of the scene, with what its names in the program end in.
 struct Item<'a> {
@@ -170,6 +214,13 @@ impl<'a> Item<'a> {
         // The soft region and as much again on either side: gradients and filters read beyond it.
         let reach = (self.own.outer_iso.abs() + self.scene.object.inner_iso.abs() + 0.25) / self.subject.scale;
         Some(texture::encode(field, encoding, [-reach, reach]))
+    }
+
+    /// The ways to the closest points of the inner surface, and their range in the units of the field.
+    fn closest(&self) -> Result<(Vec<u16>, f32), RenderError> {
+        let both = self.subject.field.as_ref().zip(self.subject.closest.as_ref());
+        let (field, closest) = both.ok_or(RenderError::Missing(CLOSEST))?;
+        Ok(texture::encode_closest(closest, field, self.scene.object.inner_iso / self.subject.scale))
     }
 
     /// How much nearer the matter may be than a sampled distance says, units of the object.
@@ -251,6 +302,7 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     set("volume_offset", &offset.extend(0.0).to_array());
     set("volume_texel", &texel.extend(0.0).to_array());
     set("distance_decode", &[item.stored.decode[0], item.stored.decode[1], 0.0, 0.0]);
+    set("closest_range", &[item.stored.closest_range]);
     set("opacity_rate", &[scene.effect.opacity_rate]);
 
     let color = |rgb: [f32; 3], factor: f32| [rgb[0] * factor, rgb[1] * factor, rgb[2] * factor, 1.0];
@@ -293,13 +345,14 @@ fn image(
     gpu: &Gpu,
     scene: &Scene,
     items: &[Item<'_>],
-    texels: &[Option<Texels>],
+    (texels, ways): (&[Option<Texels>], &[Option<Vec<u16>>]),
     planes: &Planes,
     name: &str,
 ) -> Result<Image, RenderError> {
     let base = |item: &Item<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
-    let found = items.iter().zip(texels).rev().find_map(|(item, texels)| base(item).map(|base| (item, texels, base)));
-    let (item, texels, name) = found.ok_or_else(|| RenderError::Unfilled(name.into()))?;
+    let found = (0..items.len()).rev().find_map(|index| base(&items[index]).map(|base| (index, base)));
+    let (index, name) = found.ok_or_else(|| RenderError::Unfilled(name.into()))?;
+    let (item, texels) = (&items[index], &texels[index]);
     let (scene, subject) = (if item.suffix.is_empty() { scene } else { &item.scene }, item.subject);
     let side = scene.quality.block_size;
     let block = Dimension::Volume(side, side, side);
@@ -321,6 +374,13 @@ fn image(
             let texels = texture::index_map(&scene.transfer);
             let size = Dimension::Line(texels.len() as u32 / 4);
             Image::sampled(gpu, "index map", size, Format::Rgba32Float, bytemuck::cast_slice(&texels))
+        }
+        ("closest_image", _) => {
+            let (ways, field) =
+                ways[index].as_ref().zip(subject.field.as_ref()).ok_or(RenderError::Missing(CLOSEST))?;
+            let [x, y, z] = field.grid.size;
+            let (size, format) = (Dimension::Volume(x, y, z), Format::Rgba16Unorm);
+            Image::sampled(gpu, CLOSEST, size, format, bytemuck::cast_slice(ways))
         }
         ("segment_image", _) => {
             let exponent = scene.effect.opacity_rate * planes.step;

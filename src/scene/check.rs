@@ -119,6 +119,15 @@ impl Scene {
     }
 
     fn check_look(&self) -> Result<(), SceneError> {
+        let limit = match (self.effect.project.as_str(), self.object.is_formula()) {
+            ("closest", true) => "needs a volume; object.source = \"normals16\" makes one of a formula",
+            ("formula", false) => "needs an object that is a formula: sphere, cube or torus, without object.source",
+            _ => "",
+        };
+        if !limit.is_empty() {
+            let (field, value) = ("effect.project".into(), self.effect.project.clone());
+            return Err(SceneError::Value { field, value, limit: limit.into() });
+        }
         within("effect.opacity_rate", self.effect.opacity_rate, 0.0, 1e9)?;
         within("material.specular", self.material.specular, 0.0, 10.0)?;
         within("material.specular_power", self.material.specular_power, 1.0, 1000.0)?;
@@ -126,6 +135,7 @@ impl Scene {
             within("light.position", value, -1e6, 1e6)?;
         }
         within("light.intensity", self.light.intensity, 0.0, 1000.0)?;
+        within("light.shadow_resolution", self.light.shadow_resolution as f32, 16.0, 256.0)?;
         let camera = &self.camera;
         within("camera.azimuth", camera.azimuth, -1e6, 1e6)?;
         within("camera.elevation", camera.elevation, -90.0, 90.0)?;
@@ -371,6 +381,8 @@ mod tests {
         assert!(refusal(look).starts_with("camera.slice_stack = true: needs quality.pass"));
         assert_eq!(refusal(|s| s.effect.octaves = 11), "effect.octaves = 11: must be from 1 to 10");
         assert!(refusal(|s| s.quality.supersampling = 257).ends_with("must be from 1 to 256"));
+        let fine = |s: &mut Scene| s.light.shadow_resolution = 512;
+        assert_eq!(refusal(fine), "light.shadow_resolution = 512: must be from 16 to 256");
         assert!(refusal(|s| s.image.size = [0, 5]).starts_with("image.size = 0"));
     }
 
@@ -387,6 +399,17 @@ mod tests {
             s.quality.rule = Rule::Segment;
         };
         assert_eq!(refusal(segments), "quality.samples = 120: must be from 1 to 119");
+    }
+
+    #[test]
+    fn the_way_to_the_surface_must_suit_the_object() {
+        let project = |input: &str, module: &str| {
+            let (input, module) = (input.to_string(), module.to_string());
+            move |s: &mut Scene| (s.object.input, s.effect.project) = (input, module)
+        };
+        assert!(refusal(project("torus", "closest")).starts_with("effect.project = closest: needs a volume"));
+        assert!(refusal(project("teapot", "formula")).starts_with("effect.project = formula: needs an object"));
+        assert!(refusal(project("teapot", "nearest")).contains("closest, formula, gradient"));
     }
 
     #[test]

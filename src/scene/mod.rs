@@ -104,6 +104,16 @@ impl std::default::Default for Object {
     }
 }
 
+/// Built-in objects that are a formula in `glsl/object` and need no volume.
+pub const FORMULAS: [&str; 3] = ["sphere", "cube", "torus"];
+
+impl Object {
+    /// Whether the object is a formula, so that there is no volume of it.
+    pub fn is_formula(&self) -> bool {
+        self.source == Source::Auto && FORMULAS.contains(&self.input.as_str())
+    }
+}
+
 /// Where the distance to the object comes from, and how it is stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -157,6 +167,9 @@ pub struct Effect {
     pub absorption: String,
     /// What a ray that bends meets behind the object and in its mirror: `none` or `studio`.
     pub environment: String,
+    /// How a point finds the surface under it: `gradient`, `closest`, `formula`; `auto` is `formula` for an object that is
+    /// one, else `closest`.
+    pub project: String,
     /// How density becomes opacity: `perlin` or `beer`.
     pub opacity: String,
     /// c of PH 3.1, per object unit: how fast soft matter becomes opaque.
@@ -182,6 +195,7 @@ impl std::default::Default for Effect {
             index: "transfer".into(),
             absorption: "none".into(),
             environment: "none".into(),
+            project: "auto".into(),
             opacity: "perlin".into(),
             opacity_rate: 40.0,
         }
@@ -239,11 +253,22 @@ pub struct Light {
     pub intensity: f32,
     /// Color of what comes from all sides.
     pub ambient: Color,
+    /// Whether matter keeps the light from what is behind it.
+    pub shadows: bool,
+    /// Texels along a side of the volume of shadows, 16 to 256.
+    pub shadow_resolution: u32,
 }
 
 impl std::default::Default for Light {
     fn default() -> Light {
-        Light { position: [-3.0, 4.0, 5.0], color: Color([255; 3]), intensity: 1.0, ambient: Color([76, 80, 90]) }
+        Light {
+            position: [-3.0, 4.0, 5.0],
+            color: Color([255; 3]),
+            intensity: 1.0,
+            ambient: Color([76, 80, 90]),
+            shadows: false,
+            shadow_resolution: 128,
+        }
     }
 }
 
@@ -460,6 +485,15 @@ impl Scene {
         }
     }
 
+    /// The module of slot `project`.
+    fn project(&self) -> &str {
+        match self.effect.project.as_str() {
+            "auto" if self.object.is_formula() => "formula",
+            "auto" => "closest",
+            module => module,
+        }
+    }
+
     /// The module that the scene chooses for each slot but `object`, which depends on what the input is.
     pub fn slots(&self) -> Slots {
         let effect = &self.effect;
@@ -488,6 +522,7 @@ impl Scene {
             (_, module) => module.into(),
         };
         fill("classify", vec![classify]);
+        fill("project", vec![self.project().into()]);
         fill("warp", effect.warp.clone());
         fill("dmf", effect.dmf.clone());
         let projection = match self.camera.projection {
@@ -500,6 +535,7 @@ impl Scene {
         };
         fill("projection", vec![projection.into()]);
         fill("proxy", vec![proxy.into()]);
+        fill("shadow", vec![if self.light.shadows { "volume" } else { "none" }.into()]);
         fill("clip", vec![if self.camera.clip.is_some() { "plane" } else { "none" }.into()]);
         let traverse = match self.quality.traverse {
             Traverse::Leap if self.is_empty_outside() && effect.index == "transfer" => "leap",

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// Further objects than this need more images than every device can bind.
 const MAX_PARTS: usize = 4;
 /// Slots that each object fills for itself; the others are the scene's.
-const OWN_SLOTS: [&str; 5] = ["softness", "warp", "dmf", "surface", "medium"];
+const OWN_SLOTS: [&str; 6] = ["softness", "warp", "dmf", "surface", "medium", "project"];
 
 /// A further object of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

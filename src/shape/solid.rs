@@ -21,6 +21,27 @@ impl Solid {
         }
     }
 
+    /// The point of the surface closest to `p`, world units. Where several are, one of them.
+    ///
+    /// `p` must be finite. Error: a few ulp of the largest coordinate involved.
+    pub fn closest(&self, p: Vec3) -> Vec3 {
+        match *self {
+            Solid::Sphere { radius } => p.normalize_or(Vec3::X) * radius,
+            Solid::Cube { half } => {
+                let mut closest = p.clamp(Vec3::splat(-half), Vec3::splat(half));
+                if closest == p {
+                    let axis = p.abs().max_position();
+                    closest[axis] = half.copysign(p[axis]);
+                }
+                closest
+            }
+            Solid::Torus { major, minor } => {
+                let ring = Vec3::new(p.x, 0.0, p.z).normalize_or(Vec3::X) * major;
+                ring + (p - ring).normalize_or(Vec3::Y) * minor
+            }
+        }
+    }
+
     /// The tight bounding box.
     pub fn bounds(&self) -> Bounds {
         let max = match *self {
@@ -60,6 +81,16 @@ mod tests {
                 let slope = axes.map(|axis| (solid.distance(p + axis * h) - solid.distance(p - axis * h)) / (2.0 * h));
                 assert!((Vec3::from(slope).length() - 1.0).abs() < 1e-3, "{solid:?} at {p}");
             }
+        }
+    }
+
+    #[test]
+    fn p55_the_closest_point_is_on_the_surface_and_as_far_as_the_distance_says() {
+        let places = [[1.3, 0.4, -0.2], [0.71, 0.2, 0.11], [-0.3, -0.55, 0.2], [1.5, -1.4, 1.2], [0.0; 3]];
+        for (solid, p) in SOLIDS.iter().flat_map(|solid| places.map(|p| (solid, Vec3::from(p)))) {
+            let closest = solid.closest(p);
+            assert!(solid.distance(closest).abs() < 1e-6, "{solid:?} at {p}");
+            assert!((p.distance(closest) - solid.distance(p).abs()).abs() < 1e-6, "{solid:?} at {p}");
         }
     }
 

@@ -5,6 +5,7 @@
 
 mod reflect;
 
+pub use crate::scene::FORMULAS;
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
 use crate::glsl::{Library, LibraryError, LinkError, Linker, Slots, Stage};
@@ -13,8 +14,11 @@ use std::collections::BTreeMap;
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));
 
-/// Built-in objects that are a formula in `glsl/object` and need no volume.
-pub const FORMULAS: [&str; 3] = ["sphere", "cube", "torus"];
+/// The entry files of the program that gives the shadow volume.
+const SHADOW_ENTRIES: [&str; 2] = ["march.vert", "shadow.frag"];
+/// What that program has in place of the modules that color and light matter.
+const SHADOW_SLOTS: [(&str, &str); 4] =
+    [("surface", "unlit"), ("medium", "material"), ("shadow", "none"), ("gradient", "analytic")];
 
 /// The modules of a scene's program.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,9 +92,42 @@ impl Variant {
         Ok(Variant { entries, slots: library.needed(&entries, &choice)?, knobs, parts })
     }
 
+    /// The modules that give the shadow volume of the same scene: those of its matter, without what colors it. Such a
+    /// program reads no image that the picture's does not.
+    ///
+    /// # Errors
+    /// A module is missing, which [`Variant::of`] excludes.
+    pub fn shadow(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        let mut choice = scene.slots();
+        let is_object = |key: &&String| key.as_str() == "object" || key.ends_with(".object");
+        choice.extend(
+            self.slots.iter().filter(|(key, _)| is_object(key)).map(|(key, names)| (key.clone(), names.clone())),
+        );
+        for (key, names) in &mut choice {
+            let slot = key.rsplit('.').next().unwrap_or_default();
+            if let Some((_, module)) = SHADOW_SLOTS.iter().find(|(other, _)| *other == slot) {
+                *names = vec![module.to_string()];
+            } else if let Some(points) = names.first().and_then(|name| name.strip_suffix("_segment")) {
+                *names = vec![points.to_string()]; // a segment of the light holds many samples
+            }
+        }
+        let slots = library.needed(&SHADOW_ENTRIES, &choice)?;
+        Ok(Variant { entries: SHADOW_ENTRIES, slots, knobs: self.knobs.clone(), parts: self.parts.clone() })
+    }
+
     /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
     pub fn module(&self, slot: &str) -> Option<&str> {
         self.slots.get(slot)?.first().map(String::as_str)
+    }
+
+    /// Whether the program reads the closest points of the object.
+    pub fn reads_closest(&self) -> bool {
+        self.module("project") == Some("closest")
+    }
+
+    /// Whether the program reads the closest points of a further object.
+    pub fn part_reads_closest(&self, name: &str) -> bool {
+        self.module(&format!("{name}.project")) == Some("closest")
     }
 
     /// The name of the program: its slots and modules.
@@ -133,7 +170,7 @@ impl Program {
 
     /// What the scene did not need: not in the program, not allocated, not uploaded, not bound.
     pub fn left_out(&self) -> Vec<&'static str> {
-        const PARTS: [(&str, &str); 7] = [
+        const PARTS: [(&str, &str); 9] = [
             ("volume_image", "volume"),
             ("noise_image", "noise block"),
             ("turbulence_image", "turbulence block"),
@@ -141,6 +178,8 @@ impl Program {
             ("segment_image", "segment table"),
             ("classified_image", "classified volume"),
             ("index_image", "index map"),
+            ("closest_image", "closest points"),
+            ("shadow_image", "shadow volume"),
         ];
         let read = |binding: &str| self.resources.iter().any(|resource| resource.name.starts_with(binding)); // by any object
         PARTS.iter().filter(|(binding, _)| !read(binding)).map(|(_, part)| *part).collect()
@@ -151,7 +190,7 @@ fn object_module(scene: &Scene, needs_normal: bool) -> &str {
     match scene.object.source {
         Source::Normals16 | Source::Normals8 => "normals",
         Source::Distance16 | Source::Distance32 => "distance",
-        Source::Auto if FORMULAS.contains(&scene.object.input.as_str()) => &scene.object.input,
+        Source::Auto if scene.object.is_formula() => &scene.object.input,
         Source::Auto if needs_normal => "normals",
         Source::Auto => "distance",
     }
@@ -179,6 +218,11 @@ mod tests {
                 let mut scene = preset(effect).unwrap();
                 scene.object.input = object.into();
                 assert!(program(&scene).shipped, "{effect} on {object}");
+                if scene.light.shadows {
+                    let library = glsl::shipped();
+                    let shadow = Variant::of(&scene, &library).unwrap().shadow(&scene, &library).unwrap();
+                    assert!(shadow.program(&library, Linker::new).unwrap().shipped, "shadows of {effect} on {object}");
+                }
             }
         }
     }
@@ -199,10 +243,11 @@ mod tests {
     #[test]
     fn what_a_scene_does_not_need_is_not_bound() {
         let mut scene = preset("lit").unwrap();
-        assert_eq!(
-            program(&scene).left_out(),
-            ["noise block", "turbulence block", "transfer map", "segment table", "classified volume", "index map"]
-        );
+        let blocks =
+            ["noise block", "turbulence block", "transfer map", "segment table", "classified volume", "index map"];
+        assert_eq!(program(&scene).left_out(), [&blocks[..], &["closest points", "shadow volume"]].concat());
+        assert!(!program(&preset("fur").unwrap()).left_out().contains(&"closest points"));
+        assert!(!program(&preset("fur").unwrap()).left_out().contains(&"shadow volume"));
         scene.object.input = "sphere".into();
         assert!(program(&scene).left_out().contains(&"volume"));
         assert!(!program(&preset("fur").unwrap()).left_out().contains(&"noise block"));
@@ -216,6 +261,23 @@ mod tests {
         scene.effect.surface = "solid_unlit".into();
         assert_eq!(Variant::of(&scene, &glsl::shipped()).unwrap().module("object"), Some("distance"));
         assert_eq!(Variant::of(&preset("solid").unwrap(), &glsl::shipped()).unwrap().module("object"), Some("normals"));
+    }
+
+    #[test]
+    fn p54_the_program_of_a_shadow_reads_no_image_that_the_picture_does_not() {
+        let library = glsl::shipped();
+        for (effect, object) in EFFECTS.into_iter().chain(["shells"]).flat_map(|e| [(e, "teapot"), (e, "torus")]) {
+            let mut scene = preset(effect).unwrap();
+            (scene.object.input, scene.light.shadows) = (object.into(), true);
+            let variant = Variant::of(&scene, &library).unwrap();
+            let picture = variant.program(&library, Linker::new).unwrap();
+            let shadow = variant.shadow(&scene, &library).unwrap().program(&library, Linker::new).unwrap();
+            let images = shadow.resources.iter().filter(|resource| !matches!(resource.holds, Use::Block(_)));
+            for image in images {
+                assert!(picture.reads(&image.name), "{effect} on {object}: {}", image.name);
+            }
+            assert!(!shadow.reads("shadow_image") && shadow.reads("View"));
+        }
     }
 
     #[test]

@@ -59,7 +59,7 @@ pub fn subject(scene: &Scene, library: &Library) -> Subject {
 pub fn box_subject(half_size: Vec3) -> Subject {
     let (center, scale, radius) = (Vec3::ZERO, 1.0, 1.0);
     let parts = BTreeMap::new();
-    Subject { input: "cube".into(), field: None, center, scale, half_size, radius, report: None, parts }
+    Subject { input: "cube".into(), field: None, closest: None, center, scale, half_size, radius, report: None, parts }
 }
 
 /// Renders a scene that must render.

@@ -1,6 +1,7 @@
 //! Facts about distance fields, against brute force and closed forms.
 
 mod broken;
+mod closest;
 mod exactness;
 mod input;
 mod scalar;

@@ -1,0 +1,9 @@
+// The foot of a point on the inner surface, along the normal of the sample by its distance.
+// Source: PH 2.4 (perpendicularly down to the inner boundary); MJ 6. Exact where the normal is: not on coarse fields,
+// and not where the nearest surface changes sides.
+// x: object space; s: the sample that x was displaced from; result: object space.
+// @needs normal
+vec3 project(vec3 x, Sample s) { return x - (s.distance - iso_value) * s.normal; }
+
+// How far the foot is to be trusted, in [0, 1]: across a medial axis it jumps through a blur of both sides.
+float trust(Sample s) { return smoothstep(0.35, 0.85, s.coherence); }
