@@ -15,7 +15,6 @@ layout(set = 0, binding = 0) uniform View {
     float step_size;        // distance between slices, object units
     float first_depth;      // depth of the slice nearest to the eye
     float slice_count;      // slices from there on
-    float leap_slack;       // how much nearer the matter may be than a sampled distance says, object units
     float full_opacity;     // a ray ends where its opacity reaches this
     float segment_reach;    // how far a sample looks along its ray to each side, object units: 0 for a point
     float box_margin;       // how much further than the box the slices go: samples reach and move along their rays

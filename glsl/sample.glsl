@@ -12,7 +12,7 @@ Sample sample_object(vec3 x) {
     mat3 jacobian = mat3(1.0);
     displace(displaced, jacobian);
     Surface surface = object(displaced);
-    clearance = surface.distance - outer_iso_value;
+    clearance = surface.distance - outer_iso_value - leap_slack;
     Sample s;
     s.x = x;
     s.distance = surface.distance;

@@ -3,4 +3,4 @@
 // Source: MJ 7 (space leaping by the distance field).
 // step_length: of one step, object space; result: whole steps to the next sample, at least 1.
 #include "clearance.glsl"
-float advance(float step_length) { return max(floor((clearance - leap_slack) / step_length), 1.0); }
+float advance(float step_length) { return max(floor(clearance / step_length), 1.0); }

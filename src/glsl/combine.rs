@@ -69,6 +69,20 @@ impl Formula {
         }
     }
 
+    /// What holds of the whole: `of` an object, and of two parts together where both (`and`) or one of them (`or`) is.
+    /// `None` stands for everything, which a complement may be.
+    pub fn bound<T>(&self, of: &impl Fn(&str) -> T, and: &impl Fn(T, T) -> T, or: &impl Fn(T, T) -> T) -> Option<T> {
+        match self {
+            Formula::Object(name) => Some(of(name)),
+            Formula::Not(_) => None,
+            Formula::And(a, b) => match (a.bound(of, and, or), b.bound(of, and, or)) {
+                (Some(a), Some(b)) => Some(and(a, b)),
+                (a, b) => a.or(b),
+            },
+            Formula::Or(a, b) => Some(or(a.bound(of, and, or)?, b.bound(of, and, or)?)),
+        }
+    }
+
     /// The formula as a GLSL expression over variables `soft_NAME` of type `Soft`.
     pub fn glsl(&self) -> String {
         let mut out = String::new();
@@ -204,6 +218,16 @@ mod tests {
             let error = Formula::parse(text).unwrap_err().to_string();
             assert!(error.contains(expected.trim_start_matches("`` : ")), "{error}");
         }
+    }
+
+    #[test]
+    fn a_bound_of_the_whole_is_made_of_those_of_the_objects() {
+        let bound = |text: &str| {
+            let of = |name: &str| if name == "a" { 1 } else { 2 };
+            Formula::parse(text).unwrap().bound(&of, &i32::min, &i32::max)
+        };
+        let cases = [("a & b", Some(1)), ("a | b", Some(2)), ("b - a", Some(2)), ("!a & !b", None), ("a | !b", None)];
+        assert!(cases.into_iter().all(|(text, expected)| bound(text) == expected));
     }
 
     #[test]

@@ -263,7 +263,6 @@ fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Planes) -> Ha
     set("step_size", &[planes.step]);
     set("first_depth", &[planes.first_depth]);
     set("slice_count", &[planes.count as f32]);
-    set("leap_slack", &[items.iter().map(|item| item.leap_slack() * item.own.scale).fold(0.0, f32::max)]);
     set("full_opacity", &[1.0 - scene.quality.stop]);
     let half_path = half_path(scene, view, planes);
     let reaches =
@@ -302,6 +301,7 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     set("volume_offset", &offset.extend(0.0).to_array());
     set("volume_texel", &texel.extend(0.0).to_array());
     set("distance_decode", &[item.stored.decode[0], item.stored.decode[1], 0.0, 0.0]);
+    set("leap_slack", &[item.leap_slack()]);
     set("closest_range", &[item.stored.closest_range]);
     set("opacity_rate", &[scene.effect.opacity_rate]);
 

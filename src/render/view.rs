@@ -81,6 +81,25 @@ impl Own {
     }
 }
 
+/// The box around the soft region of the whole, object space of the scene.
+fn soft_box(scene: &Scene, objects: &[Own]) -> (Vec3, Vec3) {
+    let all = || objects.iter().flat_map(Own::corners);
+    let around = |corners: &mut dyn Iterator<Item = Vec3>| {
+        corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), corner| (low.min(corner), high.max(corner)))
+    };
+    let of = |name: &str| {
+        let own = objects.iter().find(|own| own.name == name || (own.name.is_empty() && name == MAIN));
+        own.map_or_else(|| around(&mut all()), |own| around(&mut own.corners()))
+    };
+    let both = |a: (Vec3, Vec3), b: (Vec3, Vec3)| {
+        let (low, high) = (a.0.max(b.0), a.1.min(b.1));
+        if low.cmplt(high).all() { (low, high) } else { a } // objects that are apart: nothing is there to be seen
+    };
+    let either = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
+    let whole = scene.formula().ok().and_then(|formula| formula.bound(&of, &both, &either));
+    whole.unwrap_or_else(|| around(&mut all()))
+}
+
 impl View {
     pub(super) fn of(scene: &Scene, subject: &Subject, variant: &Variant) -> View {
         let camera = &scene.camera;
@@ -88,15 +107,15 @@ impl View {
         for (name, part) in &scene.parts {
             objects.push(Own::of(name, part.place, &scene.alone(name), &subject.parts[name], &variant.parts[name]));
         }
-        // What only takes matter away needs no space.
-        let adding = scene.adding();
-        let adds = |own: &&Own| adding.iter().any(|name| *name == own.name || (own.name.is_empty() && name == MAIN));
-        let (mut box_min, mut box_max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for corner in objects.iter().filter(adds).flat_map(Own::corners) {
-            (box_min, box_max) = (box_min.min(corner), box_max.max(corner));
-        }
+        let (box_min, box_max) = soft_box(scene, &objects);
         let center = 0.5 * (box_min + box_max);
-        let reach = objects.iter().filter(adds).map(|own| own.center.distance(center) + own.radius).fold(0.0, f32::max);
+        let reach = match objects.as_slice() {
+            [own] => own.radius,
+            all => {
+                let within = all.iter().map(|own| own.center.distance(center) + own.radius).fold(0.0, f32::max);
+                within.min(0.5 * box_min.distance(box_max))
+            }
+        };
 
         // The trackball: azimuth around the object's vertical axis, then elevation.
         let turn =

@@ -2,7 +2,7 @@
 
 use super::{Effect, KnobValue, Material, Object, Rule, Scene, SceneError, Transfer};
 use crate::glsl::library::COMBINE;
-use crate::glsl::{Formula, Slots, link::MAIN};
+use crate::glsl::{Formula, FormulaError, Slots, link::MAIN};
 use glam::{EulerRot, Mat4, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -95,20 +95,18 @@ impl Scene {
         }
     }
 
-    /// The formula by which the objects make one.
-    fn formula(&self) -> String {
+    /// The text of the formula by which the objects make one.
+    fn formula_text(&self) -> String {
         let union = || [MAIN].into_iter().chain(self.parts.keys().map(String::as_str)).collect::<Vec<_>>().join(" | ");
         self.combine.clone().unwrap_or_else(union)
     }
 
-    /// The objects that add matter, by name: `main` and the further ones.
-    pub fn adding(&self) -> Vec<String> {
-        let formula = Formula::parse(&self.formula());
-        let adding = |formula: Formula| {
-            let objects = formula.objects().into_iter().filter(|(_, adds)| *adds);
-            objects.map(|(name, _)| name.to_string()).collect()
-        };
-        formula.map(adding).unwrap_or_default()
+    /// The formula by which the objects make one.
+    ///
+    /// # Errors
+    /// Its text is no formula, which [`Scene::check`] finds.
+    pub fn formula(&self) -> Result<Formula, FormulaError> {
+        Formula::parse(&self.formula_text())
     }
 
     pub(super) fn fill_parts(&self, slots: &mut Slots) {
@@ -118,7 +116,7 @@ impl Scene {
         };
         slots.insert("classify".into(), vec!["objects".into()]);
         slots.insert("boolean".into(), vec![boolean.into()]);
-        slots.insert(COMBINE.into(), vec![self.formula()]);
+        slots.insert(COMBINE.into(), vec![self.formula_text()]);
         for name in self.parts.keys() {
             let own = self.alone(name).slots();
             let own = own.into_iter().filter(|(slot, _)| OWN_SLOTS.contains(&slot.as_str()));
@@ -192,8 +190,8 @@ impl Scene {
                 return wrong(format!("parts.{name}.effect.{slot}"), own, limit);
             }
         }
-        let text = self.formula();
-        let formula = Formula::parse(&text).map_err(|error| SceneError::Formula(error.to_string()))?;
+        let text = self.formula_text();
+        let formula = self.formula().map_err(|error| SceneError::Formula(error.to_string()))?;
         let used = formula.objects();
         let known: Vec<&str> = [MAIN].into_iter().chain(self.parts.keys().map(String::as_str)).collect();
         if let Some(name) = used.keys().find(|name| !known.contains(name)) {

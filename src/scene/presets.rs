@@ -30,6 +30,8 @@ pub(super) const PRESETS: &[(&str, &str)] = &[
     ("flow", include_str!("../../presets/flow.toml")),
     ("glow", include_str!("../../presets/glow.toml")),
     ("nebula", include_str!("../../presets/nebula.toml")),
+    ("eroded_cube", include_str!("../../presets/eroded_cube.toml")),
+    ("ensemble", include_str!("../../presets/ensemble.toml")),
     ("blue_glass", include_str!("../../presets/blue_glass.toml")),
 ];
 
