@@ -55,7 +55,9 @@ fn figure(name: &str) -> Result<(String, Scene), SceneError> {
     scene.object.resolution = RESOLUTION;
     scene.image.background = scene.image.background.or(Some(BACKGROUND));
     let leaps = scene.effect.softness != "hard" || scene.effect.warp.is_empty();
-    scene.quality.pass = if leaps { Pass::March } else { Pass::Slices };
+    if leaps {
+        scene.quality.pass = Pass::March;
+    }
     Ok((name.to_string(), scene))
 }
 

@@ -47,6 +47,8 @@ const SCENES: &[(&str, &str)] = &[
     ("flow", "preset = 'flow'"),
     ("glow", "preset = 'glow'\n object.resolution = 64"),
     ("nebula", "preset = 'nebula'"),
+    ("eroded_cube", "preset = 'eroded_cube'\n light.shadow_resolution = 64"),
+    ("ensemble", "preset = 'ensemble'\n parts.flame.object.resolution = 64\n light.shadow_resolution = 64"),
     ("blue_glass_sphere", "preset = 'blue_glass'\n object.input = 'sphere'"),
     (
         "lit_shadows_teapot",

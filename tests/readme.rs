@@ -4,6 +4,7 @@
 use hypertexture::glsl::{self, Linker};
 use hypertexture::scene::{self, KnobValue, Scene};
 use hypertexture::variant::Variant;
+use std::fmt::Write;
 
 const README: &str = include_str!("../README.md");
 
@@ -34,11 +35,22 @@ fn the_module_of_the_readme_links_and_declares_its_knobs() {
     variant.program(&library, Linker::new).unwrap();
 }
 
-#[test]
-fn the_table_of_the_readme_lists_every_knob_as_it_is() {
+/// The list of effects and figures, as `docs/effects.md` must have it.
+fn effects() -> String {
+    let mut text = String::from(
+        "# Effects, figures and their knobs\n\n`--set KNOB=VALUE`, or `[knobs]` in a scene file, changes one.\n",
+    );
+    let library = glsl::shipped();
     for name in scene::names() {
-        assert!(README.contains(&format!("| `{name}` |")), "{name} is not in the table");
-        for (knob, value) in scene::preset(name).unwrap().check(&glsl::shipped()).unwrap().iter() {
+        let scene = scene::preset(name).unwrap();
+        let variant = Variant::of(&scene, &library).unwrap();
+        writeln!(text, "\n## {name}\n\n{}", scene.about).unwrap();
+        let further = variant.parts.iter().map(|(part, knobs)| (format!("parts.{part}."), knobs));
+        let all = [(String::new(), &variant.knobs)].into_iter().chain(further);
+        let mut rows = String::new();
+        for (prefix, (knob, value)) in
+            all.flat_map(|(prefix, knobs)| knobs.iter().map(move |knob| (prefix.clone(), knob)))
+        {
             let value = match (value, knob.default) {
                 (KnobValue::Number(value), glsl::Default::Number(_, [low, high])) => {
                     format!("{value} in [{low}, {high}]")
@@ -46,8 +58,27 @@ fn the_table_of_the_readme_lists_every_knob_as_it_is() {
                 (KnobValue::Number(value), glsl::Default::Color(_)) => value.to_string(),
                 (KnobValue::Color(color), _) => String::from(*color),
             };
-            let row = format!("| `{}` | {value} | {} |", knob.name, knob.doc);
-            assert!(README.contains(&row), "the table lacks the row of {name}: {row}");
+            writeln!(rows, "| `{prefix}{}` | {value} | {} |", knob.name, knob.doc).unwrap();
         }
+        if !rows.is_empty() {
+            write!(text, "\n| knob | value and range | what it does |\n|---|---|---|\n{rows}").unwrap();
+        }
+    }
+    text
+}
+
+#[test]
+fn the_list_of_effects_is_that_of_the_presets() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/effects.md");
+    if std::env::var("BLESS").is_ok_and(|name| name == "effects" || name == "all") {
+        std::fs::write(path, effects()).unwrap();
+    }
+    let written = std::fs::read_to_string(path).unwrap_or_default();
+    assert!(
+        written == effects(),
+        "docs/effects.md is out of date; `BLESS=effects cargo test --release --test readme` writes it"
+    );
+    for name in scene::names() {
+        assert!(README.contains(&format!("`{name}`")), "the README does not name {name}");
     }
 }

@@ -14,9 +14,7 @@
 #include <noise>
 #include <project>
 #include "shaping.glsl"
-
-// Normal of the skin at the root of the last hair that was asked for.
-vec3 hair_normal = vec3(0.0, 1.0, 0.0);
+#include "hair_point.glsl"
 
 // The place where a hair would be without droop and curl.
 vec3 unbent(Sample s, float tip) {
@@ -24,16 +22,13 @@ vec3 unbent(Sample s, float tip) {
     return s.x + vec3(0.0, droop * hair_length * tip * tip, 0.0) + curl;
 }
 
-vec3 hair_tangent(Sample s) {
-    float tip = clamp(1.0 - s.density, 0.0, 1.0);
-    return safe_normalize(hair_normal - vec3(0.0, 2.0 * droop * tip, 0.0), hair_normal);
-}
-
 float fur(float density, Sample s) {
     if (density >= 1.0) return 1.0;
     vec3 straight = unbent(s, 1.0 - density);
     vec3 root = project(straight, s);
     hair_normal = safe_normalize(straight - root, s.normal);
+    float tip = clamp(1.0 - s.density, 0.0, 1.0);
+    hair_tangent = safe_normalize(hair_normal - vec3(0.0, 2.0 * droop * tip, 0.0), hair_normal);
     // A hair is known by its middle, not by its root: all of the space around an edge or a speck has one root.
     vec3 middle = root + 0.5 * hair_length * hair_normal;
     float strand = gain(hair_gain, bias(hair_bias, 0.5 + 0.5 * noise(fineness * middle) / 0.6));

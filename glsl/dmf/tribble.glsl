@@ -10,9 +10,11 @@
 // @knob curl_frequency = 4 in [0.2, 40]: Curls per object unit.
 #include "vector_noise.glsl"
 #include "shaping.glsl"
+#include "hair_point.glsl"
+#include <project>
 
-// Where the matter that is now at a point grew, and the direction of the hair there.
-vec3 uncurled(Sample s, out vec3 tangent) {
+// Where the matter that is now at a point grew.
+vec3 uncurled(Sample s) {
     float tip = clamp(1.0 - s.density, 0.0, 1.0);
     mat3 slope;
     vec3 curl = tribble_curliness * vector_noise_slope(curl_frequency * s.x, slope);
@@ -20,20 +22,14 @@ vec3 uncurled(Sample s, out vec3 tangent) {
     float growth = (gain(0.8, tip + 0.05) - gain(0.8, tip - 0.05)) / (0.1 * tribble_length);
     // A hair is where x' moves along the normal: (1 + derivative of the curl) tangent = normal, to first order.
     vec3 bend = growth * curl + strength * tribble_curliness * curl_frequency * (slope * s.normal);
-    tangent = safe_normalize(s.normal - bend, s.normal);
+    hair_normal = s.normal;
+    hair_tangent = safe_normalize(s.normal - bend, s.normal);
     return s.x + strength * curl;
-}
-
-vec3 hair_tangent(Sample s) {
-    vec3 tangent;
-    uncurled(s, tangent);
-    return tangent;
 }
 
 float tribble(float density, Sample s) {
     if (s.density >= 1.0) return density;
-    vec3 tangent;
-    vec3 root = uncurled(s, tangent) - (s.distance - iso_value) * s.normal;
+    vec3 root = project(uncurled(s), s);
     float strand = gain(0.9, bias(0.3, 0.5 + 0.5 * noise(tribble_fineness * root) / 0.6));
-    return strand * density * smoothstep(0.35, 0.85, s.coherence);
+    return strand * density * trust(s);
 }

@@ -5,10 +5,11 @@
 // @color root_color = #2b1509: Color of the hair at the skin.
 // @color tip_color = #d9a05f: Color of the hair at its tip.
 // @knob sheen = 0.25 in [0, 2]: Strength of the highlight.
+#include "hair_point.glsl"
 #include <shadow>
 vec3 medium(Sample s, float density) {
     float tip = clamp(1.0 - s.density, 0.0, 1.0);
-    vec3 t = safe_normalize(mat3(normal_matrix) * hair_tangent(s), to_eye());
+    vec3 t = safe_normalize(mat3(normal_matrix) * hair_tangent, to_eye());
     vec3 n = safe_normalize(mat3(normal_matrix) * hair_normal, to_eye());
     vec3 l = safe_normalize(light_position.xyz - position_eye, t);
     vec3 v = to_eye();

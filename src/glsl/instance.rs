@@ -4,7 +4,7 @@
 //! depends on the object is compiled once for each, under names that end in the object's; everything else is shared.
 
 use super::library::{Include, Library, LibraryError, Slots, include, objects, own_names};
-use super::names::{members, rename, uses};
+use super::names::{has_state, members, rename, uses};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The file of what each object has for itself.
@@ -54,7 +54,7 @@ impl Instance {
                     Include::Slot(slot) => own.slots.contains(slot),
                 });
                 let declares = text.lines().any(|line| line.starts_with("// @knob") || line.starts_with("// @color"));
-                if !own.files.contains(file) && (depends || declares || uses(&text, &own.names)) {
+                if !own.files.contains(file) && (depends || declares || has_state(&text) || uses(&text, &own.names)) {
                     own.take(library, file);
                 }
             }

@@ -83,6 +83,32 @@ pub fn definitions(text: &str) -> BTreeSet<String> {
     found
 }
 
+/// Whether a file defines a variable that changes: one that two objects must not share.
+pub fn has_state(text: &str) -> bool {
+    let plain: String = text.lines().filter(|line| !line.starts_with('#')).flat_map(|line| [line, "\n"]).collect();
+    let (mut braces, mut statement) = (0, Vec::new());
+    for word in words(&plain) {
+        match word {
+            "{" => braces += 1,
+            "}" => {
+                braces -= 1;
+                statement.clear();
+            }
+            ";" if braces == 0 => {
+                let fixed = ["const", "layout", "uniform", "in", "out"].contains(statement.first().unwrap_or(&";"));
+                // `type name` or `type name = value`, and no prototype of a function.
+                if !fixed && statement.len() >= 2 && is_name(statement[1]) && statement.get(2) != Some(&"(") {
+                    return true;
+                }
+                statement.clear();
+            }
+            word if braces == 0 => statement.push(word),
+            _ => {}
+        }
+    }
+    false
+}
+
 /// Whether a file uses one of these names.
 pub fn uses(text: &str, names: &BTreeSet<String>) -> bool {
     rename(text, names, "_") != text
@@ -121,6 +147,13 @@ mod tests {
         let expected = ["Block", "PI", "Soft", "clearance", "image", "one", "size", "tint", "volume"];
         assert_eq!(definitions(TEXT).into_iter().collect::<Vec<_>>(), expected);
         assert_eq!(members(TEXT), [("vec4", "tint"), ("float", "size")]);
+    }
+
+    #[test]
+    fn a_variable_that_changes_is_told_from_constants_and_functions() {
+        assert!(has_state(TEXT), "clearance");
+        let still = "#define A b\nconst float PI = 3.0;\nstruct S {\n    float x;\n};\nfloat f(float x);\nfloat g() { float y = 1.0; return y; }\n";
+        assert!(!has_state(still));
     }
 
     #[test]
