@@ -208,6 +208,17 @@ mod tests {
     }
 
     #[test]
+    fn p16_the_weights_of_both_sides_sum_to_one() {
+        for weights in [Weights::Cubic, Weights::Quintic] {
+            for t in (0..=100).map(|t| f64::from(t) / 100.0) {
+                assert!((weights.fade(t).0 + weights.fade(1.0 - t).0 - 1.0).abs() < 1e-12);
+            }
+        }
+        // PH 2.3 in its own form: 2 |t|^3 - 3 t^2 + 1 is the weight of the near side.
+        assert!((1.0 - Weights::Cubic.fade(0.3).0 - (2.0 * 0.027 - 3.0 * 0.09 + 1.0)).abs() < 1e-12);
+    }
+
+    #[test]
     fn p18_gradients_are_uniform_on_the_sphere() {
         let noise = Noise::new(1, Weights::Quintic);
         for g in noise.gradients {

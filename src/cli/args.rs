@@ -1,10 +1,11 @@
 //! The command line, and how it goes over a scene.
 
+use super::modules::{module, show};
 use super::sequence::{Motion, ShardChoice, shard};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use hypertexture::glsl::library::hex_color;
 use hypertexture::output::Depth;
-use hypertexture::scene::{self, Color, KnobValue, Object, Ray, Scene, SceneError};
+use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
 use std::path::{Path, PathBuf};
 
 /// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
@@ -380,72 +381,6 @@ impl Look {
         }
         scene.drop_foreign_knobs(&library)
     }
-}
-
-/// Puts the modules of one slot, separated by `+`, into the scene.
-fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
-    let limit = "write SLOT=MODULE, such as noise=procedural; a stack is DMF+DMF".to_string();
-    let wrong = || SceneError::Value { field: "--module".into(), value: text.into(), limit };
-    let (slot, names) = text.split_once('=').ok_or_else(wrong)?;
-    let effect = &mut scene.effect;
-    let single = match slot.trim() {
-        "classify" => &mut effect.classify,
-        "softness" => &mut effect.softness,
-        "surface" => &mut effect.surface,
-        "medium" => &mut effect.medium,
-        "noise" => &mut effect.noise,
-        "weights" => &mut effect.weights,
-        "turbulence" => &mut effect.turbulence,
-        "bandlimit" => &mut effect.bandlimit,
-        "gradient" => &mut effect.gradient,
-        "opacity" => &mut effect.opacity,
-        "index" => &mut effect.index,
-        "absorption" => &mut effect.absorption,
-        "environment" => &mut effect.environment,
-        "project" => &mut effect.project,
-        stack @ ("warp" | "dmf") => {
-            let modules =
-                names.split('+').map(|name| name.trim().to_string()).filter(|name| !name.is_empty()).collect();
-            *if stack == "warp" { &mut effect.warp } else { &mut effect.dmf } = modules;
-            return Ok(());
-        }
-        other => {
-            let known = [
-                "classify",
-                "softness",
-                "warp",
-                "dmf",
-                "surface",
-                "medium",
-                "noise",
-                "weights",
-                "turbulence",
-                "bandlimit",
-                "gradient",
-                "opacity",
-                "index",
-                "absorption",
-                "environment",
-                "project",
-            ];
-            return Err(SceneError::unknown("slot", other, &known));
-        }
-    };
-    *single = names.trim().into();
-    Ok(())
-}
-
-/// A plain effect without modulation, to look at one thing.
-fn show(scene: &mut Scene, classify: &str, surface: &str) {
-    scene.effect.classify = classify.into();
-    scene.effect.surface = surface.into();
-    scene.effect.ray = Ray::Straight;
-    scene.effect.absorption = "none".into();
-    scene.effect.environment = "none".into();
-    scene.effect.softness = "hard".into();
-    scene.effect.dmf.clear();
-    scene.effect.warp.clear();
-    scene.knobs.clear();
 }
 
 fn put<T>(field: &mut T, value: Option<T>) {

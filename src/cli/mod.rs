@@ -2,6 +2,7 @@
 
 mod args;
 mod log;
+mod modules;
 mod sequence;
 
 pub use args::Arguments;

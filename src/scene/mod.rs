@@ -6,19 +6,23 @@
 mod axis;
 mod check;
 mod color;
+mod effect;
 mod error;
 mod file;
 mod part;
 mod presets;
+mod quality;
 mod transfer;
 
 pub use axis::Axis;
 pub use check::Knobs;
 pub use color::{Color, linear_to_srgb, srgb_to_linear};
+pub use effect::{Effect, Ray};
 pub use error::{SceneError, nearest};
 pub use file::{load, parse, to_text};
 pub use part::{Boolean, Part, Place};
 pub use presets::{EFFECTS, names, preset};
+pub use quality::{Order, Pass, Proxy, Quality, Rule, TargetFormat, Traverse};
 pub use transfer::{Curve, Stop, Transfer};
 
 use crate::glsl::Slots;
@@ -129,88 +133,6 @@ pub enum Source {
     Distance16,
     /// A volume: the distance alone, 32-bit float; normals by central differences.
     Distance32,
-}
-
-/// The modules of an effect: names of files in the folders of `glsl`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Effect {
-    /// How a sample becomes a color: `surface`, `soft`, `post`, `pre`, `preintegrated`, `clear`.
-    pub classify: String,
-    /// How the distance becomes a density: `hard`, `linear`, `quadratic`.
-    pub softness: String,
-    /// Displacements of the position, applied in this order.
-    pub warp: Vec<String>,
-    /// Density modulation functions, applied in this order.
-    pub dmf: Vec<String>,
-    /// Color of the hard region.
-    pub surface: String,
-    /// Color of the soft region.
-    pub medium: String,
-    /// Where noise comes from.
-    pub noise: String,
-    /// Weights of the noise: `cubic` (1989) or `quintic` (2002).
-    pub weights: String,
-    /// Where turbulence comes from.
-    pub turbulence: String,
-    /// Octaves of turbulence, 1 to 10; an encoded block holds as many as it has texels for.
-    pub octaves: u32,
-    /// What becomes of octaves that are finer than a sample: `none` (nothing) or `clamp` (they fade).
-    pub bandlimit: String,
-    /// The normal that soft matter is lit by: `analytic`, `central` or `three`.
-    pub gradient: String,
-    /// Whether rays bend where the index of refraction changes.
-    pub ray: Ray,
-    /// Where the index of refraction comes from: `transfer`, the index of its stops.
-    pub index: String,
-    /// What takes light from a ray that bends: `none` or `tinted`.
-    pub absorption: String,
-    /// What a ray that bends meets behind the object and in its mirror: `none` or `studio`.
-    pub environment: String,
-    /// How a point finds the surface under it: `gradient`, `closest`, `formula`; `auto` is `formula` for an object that is
-    /// one, else `closest`.
-    pub project: String,
-    /// How density becomes opacity: `perlin` or `beer`.
-    pub opacity: String,
-    /// c of PH 3.1, per object unit: how fast soft matter becomes opaque.
-    pub opacity_rate: f32,
-}
-
-impl std::default::Default for Effect {
-    fn default() -> Effect {
-        Effect {
-            classify: "surface".into(),
-            softness: "hard".into(),
-            warp: Vec::new(),
-            dmf: Vec::new(),
-            surface: "lit".into(),
-            medium: "material".into(),
-            noise: "block".into(),
-            weights: "quintic".into(),
-            turbulence: "encoded".into(),
-            octaves: 8,
-            bandlimit: "none".into(),
-            gradient: "analytic".into(),
-            ray: Ray::Straight,
-            index: "transfer".into(),
-            absorption: "none".into(),
-            environment: "none".into(),
-            project: "auto".into(),
-            opacity: "perlin".into(),
-            opacity_rate: 40.0,
-        }
-    }
-}
-
-/// The course of a ray through the object.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Ray {
-    /// A straight line.
-    #[default]
-    Straight,
-    /// It bends by Snell's law where the index of refraction changes (PH 2.4); slices cannot.
-    Refracted,
 }
 
 /// The value of a knob in a scene file.
@@ -337,130 +259,6 @@ impl std::default::Default for Picture {
     fn default() -> Picture {
         Picture { size: [512, 512], background: None }
     }
-}
-
-/// Accuracy against time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Quality {
-    /// How the samples are taken.
-    pub pass: Pass,
-    /// Slices through the sphere around the object, or samples of a ray through it.
-    pub samples: u32,
-    /// What a sample stands for.
-    pub rule: Rule,
-    /// Which samples of a ray are taken: all of them, or those that may not be empty.
-    pub traverse: Traverse,
-    /// A ray ends where less light than this would still come through, 0 to 0.5: the largest error of a pixel, in units
-    /// of the brightest matter behind. Slices have no such end.
-    pub stop: f32,
-    /// Format that the slices are blended in.
-    pub target: TargetFormat,
-    /// Order of the slices.
-    pub order: Order,
-    /// Shape of the slices.
-    pub proxy: Proxy,
-    /// Samples per pixel, each shaded: 1, 2, 4, 8.
-    pub msaa: u32,
-    /// Whether each pixel has its own phase of the steps along its ray: noise in place of contours.
-    pub jitter: bool,
-    /// Which phases the pixels have, up to 16 777 215.
-    pub seed: u32,
-    /// Pictures of which the mean is taken, 1 to 256: each with its own place in the pixel, phase and time.
-    pub supersampling: u32,
-    /// Anisotropy of the texture filter, 1 (off) to 16.
-    pub anisotropy: f32,
-    /// Texels along a side of the noise and turbulence blocks.
-    pub block_size: u32,
-}
-
-impl std::default::Default for Quality {
-    fn default() -> Quality {
-        Quality {
-            pass: Pass::Slices,
-            samples: 256,
-            rule: Rule::Point,
-            traverse: Traverse::Leap,
-            stop: 1e-4,
-            target: TargetFormat::Float32,
-            order: Order::FrontToBack,
-            proxy: Proxy::Polygons,
-            msaa: 1,
-            jitter: false,
-            seed: 0,
-            supersampling: 1,
-            anisotropy: 1.0,
-            block_size: 64,
-        }
-    }
-}
-
-/// How the samples of a picture are taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Pass {
-    /// Slices that face the eye, blended (MJ).
-    #[default]
-    Slices,
-    /// Rays through the pixels, sampled where the slices would be (PH).
-    March,
-}
-
-/// What a sample stands for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Rule {
-    /// For itself: first order at surfaces and where soft matter becomes opaque.
-    #[default]
-    Point,
-    /// For half a step to either side, in which the density is linear: second order.
-    Segment,
-}
-
-/// Which samples of a ray are taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Traverse {
-    /// All of them.
-    Fixed,
-    /// Those that the distance to the object does not show to be empty: the same picture, sooner.
-    #[default]
-    Leap,
-}
-
-/// Format that the slices are blended in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TargetFormat {
-    /// 8 bits: the paper's; loses thin matter.
-    Unorm8,
-    /// 16-bit float.
-    Float16,
-    /// 32-bit float.
-    #[default]
-    Float32,
-}
-
-/// Order of the slices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Order {
-    /// Nearest first.
-    #[default]
-    FrontToBack,
-    /// Farthest first.
-    BackToFront,
-}
-
-/// Shape of the slices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Proxy {
-    /// Cut to the box around the soft region.
-    #[default]
-    Polygons,
-    /// Quads that fit every rotation: the paper's.
-    Quads,
 }
 
 impl Scene {

@@ -1,0 +1,155 @@
+//! The object of a scene, ready to be drawn: its field, its place and its size.
+
+use super::RenderError;
+use crate::field::{self, ClosestPoints, DistanceField, Progress};
+use crate::glsl::Library;
+use crate::scene::{Axis, Object, Scene};
+use crate::shape::{self, Shape, ShapeError};
+use crate::variant::Variant;
+use glam::Vec3;
+use std::collections::BTreeMap;
+
+/// The object of a scene, ready to be drawn in any effect.
+///
+/// Object space is centered on the object, and the longest side of its bounding box spans [-1, 1] there.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// What the scene calls it.
+    pub input: String,
+    /// The distance field; `None` for a formula, which needs none.
+    pub field: Option<DistanceField>,
+    /// The closest points of the surface, on the grid of the field; `None` where no scene reads them.
+    pub closest: Option<ClosestPoints>,
+    /// World position of the origin of object space.
+    pub center: Vec3,
+    /// Object units in one world unit.
+    pub scale: f32,
+    /// Half the size of the bounding box, object units.
+    pub half_size: Vec3,
+    /// Radius of the sphere around the object at the origin, object units.
+    pub radius: f32,
+    /// How the field was made.
+    pub report: Option<field::Report>,
+    /// The further objects of the scene, each in a space of its own.
+    pub parts: BTreeMap<String, Subject>,
+}
+
+/// The field covers at least this much around the object, object units; more in steps of it. A finer step would compute
+/// the field anew for every length of hair; a coarser one would waste voxels.
+const MARGIN_STEP: f32 = 0.25;
+
+impl Subject {
+    /// Loads the object of a scene and computes or finds its distance field.
+    ///
+    /// # Errors
+    /// The input cannot be read, or has no surface.
+    pub fn load(scene: &Scene, library: &Library, progress: Progress<'_>) -> Result<Subject, RenderError> {
+        let variant = Variant::of(scene, library)?;
+        let count = (scene.parts.len() + 1) as f32;
+        let outer = variant.knobs.outer_iso().unwrap_or(scene.object.outer_iso);
+        let closest = variant.reads_closest();
+        let mut subject = Subject::load_with_margin(&scene.object, outer, closest, &|done| progress(done / count))?;
+        for ((name, part), before) in scene.parts.iter().zip(1u8..) {
+            let outer = variant.parts[name].outer_iso().unwrap_or(part.object.outer_iso);
+            let progress = |done| progress((f32::from(before) + done) / count);
+            let closest = variant.part_reads_closest(name);
+            let loaded = Subject::load_with_margin(&part.object, outer, closest, &progress)?;
+            subject.parts.insert(name.clone(), loaded);
+        }
+        Ok(subject)
+    }
+
+    /// Loads an object with a field that reaches `margin` (object units) beyond it, so that several scenes may share it;
+    /// with its closest points where one of them reads them.
+    ///
+    /// # Errors
+    /// As [`Subject::load`].
+    pub fn load_with_margin(
+        object: &Object,
+        margin: f32,
+        closest: bool,
+        progress: Progress<'_>,
+    ) -> Result<Subject, RenderError> {
+        if object.is_formula() {
+            return Ok(formula(&object.input));
+        }
+        let shape = open(object)?;
+        let request = request(&shape, object, margin);
+        let (mut field, mut points, report) = if closest {
+            let (field, points, report) = field::load_or_compute_closest(&shape, &request, progress)?;
+            (field, Some(points), report)
+        } else {
+            let (field, report) = field::load_or_compute(&shape, &request, progress)?;
+            (field, None, report)
+        };
+        if object.up != Axis::Y {
+            field = field.turned(object.up.turn());
+            points = points.map(|points| points.turned(object.up.turn()));
+        }
+        let (low, high) = inside_bounds(&field);
+        let center = 0.5 * (low + high);
+        let scale = 2.0 / (high - low).max_element();
+        let radius = inside_points(&field).map(|p| p.distance(center)).fold(0.0, f32::max) * scale;
+        let half_size = 0.5 * scale * (high - low);
+        let input = object.input.clone();
+        let (field, report, parts) = (Some(field), Some(report), BTreeMap::new());
+        Ok(Subject { input, field, closest: points, center, scale, half_size, radius, report, parts })
+    }
+}
+
+/// The shape of an object.
+///
+/// # Errors
+/// The input cannot be read.
+pub fn open(object: &Object) -> Result<Shape, ShapeError> {
+    let mut shape = shape::open(&object.input)?;
+    if let (Shape::Volume(volume), true) = (&mut shape, object.distance) {
+        volume.content = shape::Content::SignedDistance;
+    }
+    Ok(shape)
+}
+
+/// The request for a shape's field, in world units.
+pub fn request(shape: &Shape, object: &Object, margin: f32) -> field::Request {
+    let bounds = shape.bounds();
+    let half = 0.5 * (bounds.max - bounds.min).max_element();
+    let iso = object.iso.unwrap_or(match shape {
+        Shape::Volume(volume) if volume.content == shape::Content::Scalar => {
+            let (low, high) = volume.range();
+            0.5 * (low + high)
+        }
+        _ => 0.0,
+    });
+    let margin = (margin.max(0.0) / MARGIN_STEP + 1e-3).ceil().max(1.0) * MARGIN_STEP * half;
+    field::Request { resolution: object.resolution, margin, band: margin, iso }
+}
+
+/// A built-in object that is a formula in `glsl/object`.
+fn formula(name: &str) -> Subject {
+    let (half_size, radius) = match name {
+        "cube" => (Vec3::ONE, 3f32.sqrt()),
+        "torus" => (Vec3::new(1.0, 0.3, 1.0), 1.0),
+        _ => (Vec3::ONE, 1.0),
+    };
+    let (center, scale) = (Vec3::ZERO, 1.0);
+    let parts = BTreeMap::new();
+    Subject { input: name.into(), field: None, closest: None, center, scale, half_size, radius, report: None, parts }
+}
+
+/// World positions of the samples inside, or of the nearest to the surface where none is.
+fn inside_points(field: &DistanceField) -> impl Iterator<Item = Vec3> + '_ {
+    let threshold = field.range().0.max(0.0);
+    let [nx, ny, _] = field.grid.size;
+    let inside = field.values.iter().enumerate().filter(move |(_, distance)| **distance <= threshold);
+    inside.map(move |(index, _)| {
+        let index = index as u32;
+        field.grid.position(index % nx, index / nx % ny, index / (nx * ny))
+    })
+}
+
+/// The box around the inside, half a voxel wider on each side.
+fn inside_bounds(field: &DistanceField) -> (Vec3, Vec3) {
+    let (low, high) =
+        inside_points(field).fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    (low - 0.5 * field.grid.spacing, high + 0.5 * field.grid.spacing)
+}

@@ -1,0 +1,85 @@
+//! The modules of an effect.
+
+use serde::{Deserialize, Serialize};
+
+/// The modules of an effect: names of files in the folders of `glsl`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Effect {
+    /// How a sample becomes a color: `surface`, `soft`, `post`, `pre`, `preintegrated`, `clear`.
+    pub classify: String,
+    /// How the distance becomes a density: `hard`, `linear`, `quadratic`.
+    pub softness: String,
+    /// Displacements of the position, applied in this order.
+    pub warp: Vec<String>,
+    /// Density modulation functions, applied in this order.
+    pub dmf: Vec<String>,
+    /// Color of the hard region.
+    pub surface: String,
+    /// Color of the soft region.
+    pub medium: String,
+    /// Where noise comes from.
+    pub noise: String,
+    /// Weights of the noise: `cubic` (1989) or `quintic` (2002).
+    pub weights: String,
+    /// Where turbulence comes from.
+    pub turbulence: String,
+    /// Octaves of turbulence, 1 to 10; an encoded block holds as many as it has texels for.
+    pub octaves: u32,
+    /// What becomes of octaves that are finer than a sample: `none` (nothing) or `clamp` (they fade).
+    pub bandlimit: String,
+    /// The normal that soft matter is lit by: `analytic`, `central` or `three`.
+    pub gradient: String,
+    /// Whether rays bend where the index of refraction changes.
+    pub ray: Ray,
+    /// Where the index of refraction comes from: `transfer`, the index of its stops.
+    pub index: String,
+    /// What takes light from a ray that bends: `none` or `tinted`.
+    pub absorption: String,
+    /// What a ray that bends meets behind the object and in its mirror: `none` or `studio`.
+    pub environment: String,
+    /// How a point finds the surface under it: `gradient`, `closest`, `formula`; `auto` is `formula` for an object that is
+    /// one, else `closest`.
+    pub project: String,
+    /// How density becomes opacity: `perlin` or `beer`.
+    pub opacity: String,
+    /// c of PH 3.1, per object unit: how fast soft matter becomes opaque.
+    pub opacity_rate: f32,
+}
+
+impl std::default::Default for Effect {
+    fn default() -> Effect {
+        Effect {
+            classify: "surface".into(),
+            softness: "hard".into(),
+            warp: Vec::new(),
+            dmf: Vec::new(),
+            surface: "lit".into(),
+            medium: "material".into(),
+            noise: "block".into(),
+            weights: "quintic".into(),
+            turbulence: "encoded".into(),
+            octaves: 8,
+            bandlimit: "none".into(),
+            gradient: "analytic".into(),
+            ray: Ray::Straight,
+            index: "transfer".into(),
+            absorption: "none".into(),
+            environment: "none".into(),
+            project: "auto".into(),
+            opacity: "perlin".into(),
+            opacity_rate: 40.0,
+        }
+    }
+}
+
+/// The course of a ray through the object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Ray {
+    /// A straight line.
+    #[default]
+    Straight,
+    /// It bends by Snell's law where the index of refraction changes (PH 2.4); slices cannot.
+    Refracted,
+}

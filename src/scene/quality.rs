@@ -1,0 +1,127 @@
+//! Accuracy against time, and how the samples of a picture are taken.
+
+use serde::{Deserialize, Serialize};
+
+/// Accuracy against time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Quality {
+    /// How the samples are taken.
+    pub pass: Pass,
+    /// Slices through the sphere around the object, or samples of a ray through it.
+    pub samples: u32,
+    /// What a sample stands for.
+    pub rule: Rule,
+    /// Which samples of a ray are taken: all of them, or those that may not be empty.
+    pub traverse: Traverse,
+    /// A ray ends where less light than this would still come through, 0 to 0.5: the largest error of a pixel, in units
+    /// of the brightest matter behind. Slices have no such end.
+    pub stop: f32,
+    /// Format that the slices are blended in.
+    pub target: TargetFormat,
+    /// Order of the slices.
+    pub order: Order,
+    /// Shape of the slices.
+    pub proxy: Proxy,
+    /// Samples per pixel, each shaded: 1, 2, 4, 8.
+    pub msaa: u32,
+    /// Whether each pixel has its own phase of the steps along its ray: noise in place of contours.
+    pub jitter: bool,
+    /// Which phases the pixels have, up to 16 777 215.
+    pub seed: u32,
+    /// Pictures of which the mean is taken, 1 to 256: each with its own place in the pixel, phase and time.
+    pub supersampling: u32,
+    /// Anisotropy of the texture filter, 1 (off) to 16.
+    pub anisotropy: f32,
+    /// Texels along a side of the noise and turbulence blocks.
+    pub block_size: u32,
+}
+
+impl std::default::Default for Quality {
+    fn default() -> Quality {
+        Quality {
+            pass: Pass::Slices,
+            samples: 256,
+            rule: Rule::Point,
+            traverse: Traverse::Leap,
+            stop: 1e-4,
+            target: TargetFormat::Float32,
+            order: Order::FrontToBack,
+            proxy: Proxy::Polygons,
+            msaa: 1,
+            jitter: false,
+            seed: 0,
+            supersampling: 1,
+            anisotropy: 1.0,
+            block_size: 64,
+        }
+    }
+}
+
+/// How the samples of a picture are taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pass {
+    /// Slices that face the eye, blended (MJ).
+    #[default]
+    Slices,
+    /// Rays through the pixels, sampled where the slices would be (PH).
+    March,
+}
+
+/// What a sample stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rule {
+    /// For itself: first order at surfaces and where soft matter becomes opaque.
+    #[default]
+    Point,
+    /// For half a step to either side, in which the density is linear: second order.
+    Segment,
+}
+
+/// Which samples of a ray are taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Traverse {
+    /// All of them.
+    Fixed,
+    /// Those that the distance to the object does not show to be empty: the same picture, sooner.
+    #[default]
+    Leap,
+}
+
+/// Format that the slices are blended in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TargetFormat {
+    /// 8 bits: the paper's; loses thin matter.
+    Unorm8,
+    /// 16-bit float.
+    Float16,
+    /// 32-bit float.
+    #[default]
+    Float32,
+}
+
+/// Order of the slices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Order {
+    /// Nearest first.
+    #[default]
+    FrontToBack,
+    /// Farthest first.
+    BackToFront,
+}
+
+/// Shape of the slices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Proxy {
+    /// Cut to the box around the soft region.
+    #[default]
+    Polygons,
+    /// Quads that fit every rotation: the paper's.
+    Quads,
+}
