@@ -4,11 +4,14 @@
 //! Every number has beside it how far the repeats lie apart (median, lowest-highest), or is exact and says so.
 #![expect(clippy::unwrap_used, reason = "a bench stops where something is not as described")]
 
+#[path = "common/mod.rs"]
+mod bench;
+
+use bench::Spread;
 use hypertexture::glsl::{self, Library};
-use hypertexture::gpu::{Gpu, Options};
+use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, Subject, render};
 use hypertexture::scene::{self, EFFECTS, KnobValue, Pass, Proxy, Scene, Source, Traverse};
-use std::fmt;
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
@@ -23,34 +26,6 @@ const FEW_REPEATS: usize = 2;
 
 /// A pixel is off where a channel differs by more than this, of 1.
 const OFF: f64 = 0.02;
-
-/// Median of repeats, and how far they lie apart.
-#[derive(Clone, Copy)]
-struct Spread {
-    median: f64,
-    low: f64,
-    high: f64,
-}
-
-impl Spread {
-    fn of(mut values: Vec<f64>) -> Spread {
-        values.sort_by(f64::total_cmp);
-        Spread { median: values[values.len() / 2], low: values[0], high: values[values.len() - 1] }
-    }
-
-    /// The quotients of measurements that were made side by side.
-    fn ratio(above: &[f64], below: &[f64]) -> Spread {
-        Spread::of(above.iter().zip(below).map(|(a, b)| a / b).collect())
-    }
-}
-
-impl fmt::Display for Spread {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (digits, width) = (f.precision().unwrap_or(1), f.width().unwrap_or(0));
-        let text = format!("{:.digits$} ({:.digits$}-{:.digits$})", self.median, self.low, self.high);
-        write!(f, "{text:>width$}")
-    }
-}
 
 /// The least that a slice program does: one fetch, rejected outside the soft region or else blended; then the same
 /// with a fetch of noise. The knob gives it the box of the effect that it is compared with.
@@ -96,12 +71,10 @@ struct Bench {
 
 impl Bench {
     fn new() -> Bench {
-        let device = std::env::var("HYPERTEXTURE_DEVICE").ok().filter(|name| !name.is_empty());
-        let gpu = Gpu::new(&Options { device, validation: false, cache: None }).unwrap();
         let library = FLOORS
             .iter()
             .fold(glsl::shipped(), |library, (name, second)| library.with_module("classify", name, &floor(second)));
-        Bench { gpu, library }
+        Bench { gpu: bench::open(), library }
     }
 
     fn load(&self, scene: &Scene) -> Subject {
@@ -295,9 +268,6 @@ fn start_up() {
 fn main() {
     let start = Instant::now();
     let bench = Bench::new();
-    let facts = bench.gpu.facts();
-    let cores = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
-    println!("device {} ({}, Vulkan {}), {cores} cores, validation off", facts.name, facts.driver, facts.api);
     println!("{} x {} pixels, {SAMPLES} slices, {REPEATS} repeats in turns: median (lowest-highest)", SIZE[0], SIZE[1]);
     bench.effects();
     bench.passes();

@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::two_tone::{self, INNER, OUTER, RATE, transmittance};
 use common::{Row, difference, errors, formula, homogeneous, order, picture, subject, with_gpu};
 use hypertexture::glsl;
 use hypertexture::gpu::Gpu;
@@ -10,37 +11,6 @@ use hypertexture::scene::{EFFECTS, Pass, Projection, Rule, Scene, Traverse, pres
 const PROJECTIONS: [Projection; 2] = [Projection::Parallel, Projection::Perspective];
 const PASSES: [Pass; 2] = [Pass::Slices, Pass::March];
 const DOUBLING: [u32; 6] = [32, 64, 128, 256, 512, 1024];
-/// The soft sphere of truths 4 and 5: radius 1, softness 1/2, rate 3.
-const OUTER: f64 = 1.25;
-const INNER: f64 = 0.75;
-const RATE: f64 = 3.0;
-
-/// Soft white around a hard red core, unlit: red is the opacity, green and blue that of the soft region alone.
-fn two_tone(rule: Rule, pass: Pass, projection: Projection) -> Scene {
-    let mut scene = homogeneous("sphere", RATE as f32, projection);
-    scene.effect.softness = "quadratic".into();
-    scene.effect.opacity = "perlin".into();
-    scene.effect.surface = "core".into();
-    (scene.object.inner_iso, scene.object.outer_iso) = (INNER as f32 - 1.0, OUTER as f32 - 1.0);
-    (scene.quality.rule, scene.quality.pass, scene.quality.stop) = (rule, pass, 0.0);
-    scene
-}
-
-/// Transmittance of the soft region in front of what lies at impact parameter `b`: truths 4 and 5.
-fn transmittance(b: f64) -> f64 {
-    let l0 = (OUTER * OUTER - b * b).max(0.0).sqrt();
-    if b < INNER {
-        let l1 = (INNER * INNER - b * b).sqrt();
-        let xlnx = |x: f64| if x > 0.0 { x * x.ln() } else { 0.0 };
-        let f = |x: f64| xlnx(x + l1) + xlnx(x - l1) - 2.0 * x;
-        let width: f64 = OUTER * OUTER - INNER * INNER;
-        (RATE * (f(l0) - f(l1) - (l0 - l1) * width.ln())).exp()
-    } else {
-        let a = (b * b - INNER * INNER).sqrt();
-        let depth = if a > 0.0 { l0 - a * (l0 / a).atan() } else { l0 };
-        (-4.0 * RATE * depth).exp()
-    }
-}
 
 fn overall(rows: &[Row]) -> f64 {
     let above: Vec<&Row> = rows.iter().filter(|row| row.mean > 1e-6).collect();
@@ -48,8 +18,7 @@ fn overall(rows: &[Row]) -> f64 {
 }
 
 fn rows(gpu: &Gpu, scene: &Scene) -> Vec<Row> {
-    let core = "// Red.\n// Source: truth 5.\n// Result: linear RGB.\nvec3 surface(Sample s) { return vec3(1.0, 0.0, 0.0); }\n";
-    let library = glsl::shipped().with_module("surface", "core", core);
+    let library = two_tone::library();
     println!("{:?} {:?}", scene.quality.rule, scene.quality.pass);
     errors(gpu, &library, (scene, &subject(scene, &library)), &DOUBLING, 1, |ray| {
         Some(match ray.impact() {
@@ -65,9 +34,9 @@ fn p45_the_two_tone_sphere_is_of_second_order_by_segments() {
     assert!((-(transmittance(1.0).ln()) - 2.268_715_928_011_75).abs() < 1e-13, "truth 4 itself");
     with_gpu(|gpu| {
         for projection in PROJECTIONS {
-            let control = rows(gpu, &two_tone(Rule::Point, Pass::March, projection));
+            let control = rows(gpu, &two_tone::scene(Rule::Point, Pass::March, projection));
             for pass in PASSES {
-                let segments = rows(gpu, &two_tone(Rule::Segment, pass, projection));
+                let segments = rows(gpu, &two_tone::scene(Rule::Segment, pass, projection));
                 let (point, segment) = (&control[3], &segments[3]);
                 assert!(segment.mean <= 4e-5, "{segment:?}");
                 assert!(overall(&segments) >= 1.9, "order {}", overall(&segments));
@@ -82,7 +51,7 @@ fn p45_the_two_tone_sphere_is_of_second_order_by_segments() {
 fn p45_a_soft_medium_is_of_second_order_by_segments() {
     with_gpu(|gpu| {
         for projection in PROJECTIONS {
-            let mut scene = two_tone(Rule::Segment, Pass::March, projection);
+            let mut scene = two_tone::scene(Rule::Segment, Pass::March, projection);
             (scene.effect.opacity, scene.effect.surface) = ("beer".into(), "unlit".into());
             // Truth 3: extinction k D, and k in the core.
             let segments = errors(gpu, &glsl::shipped(), (&scene, &formula(&scene)), &DOUBLING, 3, |ray| {

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each file of tests uses its part of this")]
 
+pub mod two_tone;
+
 use glam::{DVec3, Vec3};
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::{Gpu, Options};

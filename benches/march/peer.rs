@@ -1,0 +1,136 @@
+//! The fire ball of PH 2.4 by our rays against a renderer that was written by hand for it alone.
+//!
+//! The contract, in the peer's units: a unit cube seen from the front in parallel projection, 1 / STEPS between samples;
+//! density linear in the squared radius from 1 at 0.25 to 0 at 0.45, at x (1 + turbulence(4 x)); opacity
+//! 1 - (1 - density)^(64 / STEPS); a ray ends at a transmittance of 0.005, and nothing is sampled outside the ball.
+//! The outer radius is 1 in object units, so one of them is 0.45 of the peer's: every length is divided by 0.45, and
+//! every number per length is multiplied by it.
+
+use crate::bench::Spread;
+use crate::{REPEATS, common};
+use hypertexture::glsl::{self, Library};
+use hypertexture::gpu::Gpu;
+use hypertexture::render::Renderer;
+use hypertexture::scene::{KnobValue, Pass, Projection, Scene, Traverse};
+use std::process::{Command, Stdio};
+
+/// Pixels along a side.
+const SIDE: u32 = 256;
+const STEPS: u32 = 256;
+const OCTAVES: u32 = 8;
+/// Object units in the peer's.
+const UNIT: f32 = 0.45;
+
+/// Turbulence only ever adds, so that nothing is outside the ball, and no noise is asked for there: as the peer does it.
+/// The shipped module knows no such bound of it, and its samples are in a box of three times the side.
+const WARP: &str = "\
+    // @knob fire_frequency = 1 in [0.1, 20]: Turbulence cells per object unit.\n\
+    #include <turbulence>\n\
+    #include \"scale_radius.glsl\"\n\
+    void ball(inout vec3 x, inout mat3 jacobian) {\n\
+        if (dot(x, x) >= 1.0) return;\n\
+        vec4 t = turbulence_gradient(fire_frequency * x);\n\
+        scale_radius(x, jacobian, t.w, fire_frequency * t.xyz);\n\
+    }\n";
+
+const MEDIUM: &str = "vec3 medium(Sample s, float density) {\n\
+    return vec3(0.9, 0.1, 0.0) + density * vec3(0.1, 0.8, 0.2);\n}\n";
+
+/// A sample in the ball adds 1 to the red of its pixel: it has that over what comes through to it.
+const COUNTED: &str = "\
+    #include \"sample.glsl\"\n\
+    #include <opacity>\n\
+    float through = 1.0;\n\
+    vec4 classify(vec3 x, float path) {\n\
+        float alpha = opacity(sample_object(x).density, opacity_rate * path);\n\
+        vec4 matter = vec4(dot(x, x) < 1.0 ? 1.0 / through : 0.0, 0.0, 0.0, alpha);\n\
+        through *= 1.0 - alpha;\n\
+        return matter;\n\
+    }\n";
+
+fn library() -> Library {
+    let shipped = glsl::shipped();
+    // Under its own name a ray of it may have 357 samples, as many as fit into the loops of a fragment with two sums for
+    // each. Here there is one: 399 samples of 8 octaves of 8 corners are 29 127 loops of 65 535.
+    let summed = shipped.source("turbulence/procedural.glsl").unwrap().to_string();
+    shipped
+        .with_module("turbulence", "summed", &summed)
+        .with_module("warp", "ball", WARP)
+        .with_module("medium", "gas", MEDIUM)
+        .with_module("classify", "counted", COUNTED)
+}
+
+fn contract(turbulence: &str) -> Scene {
+    let mut scene = Scene::default();
+    scene.object.input = "sphere".into();
+    (scene.object.inner_iso, scene.object.outer_iso) = (0.25 / UNIT - 1.0, 0.0);
+    let effect = &mut scene.effect;
+    (effect.classify, effect.softness, effect.warp) = ("soft".into(), "quadratic".into(), vec!["ball".into()]);
+    (effect.surface, effect.medium, effect.turbulence) = ("unlit".into(), "gas".into(), turbulence.into());
+    (effect.octaves, effect.opacity_rate) = (OCTAVES, 64.0 * UNIT);
+    scene.knobs = [("fire_frequency".into(), KnobValue::Number(4.0 * UNIT))].into();
+    (scene.camera.projection, scene.camera.azimuth, scene.camera.elevation) = (Projection::Parallel, 0.0, 0.0);
+    // At zoom 1 a radius of 1 is 0.8 of half the height; in the contract it is 0.45 of 0.5.
+    scene.camera.zoom = UNIT / 0.5 / 0.8;
+    scene.image.size = [SIDE; 2];
+    // Samples span the sphere around the box [-1, 1]^3, a length of 2 sqrt 3; between two of them are 1 / STEPS.
+    let samples = 2.0 * 3.0f32.sqrt() * UNIT * STEPS as f32;
+    (scene.quality.pass, scene.quality.traverse) = (Pass::March, Traverse::Fixed);
+    (scene.quality.samples, scene.quality.stop) = (samples.round() as u32, 0.005);
+    scene
+}
+
+/// A number of the peer's line of JSON.
+fn number(line: &str, key: &str) -> f64 {
+    let (_, rest) = line.split_once(&format!("\"{key}\":")).unwrap_or_else(|| panic!("no {key} in: {line}"));
+    rest.split([',', '}']).next().unwrap().trim().parse().unwrap()
+}
+
+/// Milliseconds and samples of one picture by the peer.
+fn peer(path: &str, mode: &str) -> (f64, f64) {
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let size = SIDE.to_string();
+    let mut command = Command::new(path);
+    command.args([&size, &size, &STEPS.to_string(), &OCTAVES.to_string(), &threads.to_string(), mode, "1"]);
+    let output = command.stdin(Stdio::null()).output().unwrap_or_else(|error| panic!("HYPERTEXTURE_PEER: {error}"));
+    let line = String::from_utf8(output.stdout).unwrap();
+    (number(&line, "median_ms"), number(&line, "samples"))
+}
+
+/// Prints the table.
+pub fn compare(gpu: &Gpu) {
+    println!("\nFire ball, {SIDE} x {SIDE}, {STEPS} steps, {OCTAVES} octaves, ms: ours against one written by hand");
+    let Some(path) = std::env::var("HYPERTEXTURE_PEER").ok().filter(|path| !path.is_empty()) else {
+        println!("left out: HYPERTEXTURE_PEER names no executable to compare with");
+        return;
+    };
+    let library = library();
+    let ours = ["summed", "encoded"].map(contract);
+    let subject = common::subject(&ours[0], &library);
+    let counts = ours.clone().map(|mut scene| {
+        scene.effect.classify = "counted".into();
+        let frame = common::picture(gpu, &library, &scene, &subject);
+        frame.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>()
+    });
+    let mut renderers = [0, 1].map(|_| Renderer::new(gpu, &library, &subject));
+    let (mut times, mut samples) = ([const { Vec::new() }; 4], [counts[0], counts[1], 0.0, 0.0]);
+    for _ in 0..REPEATS {
+        for (index, scene) in ours.iter().enumerate() {
+            times[index].push(renderers[index].render(scene).unwrap().measurements.gpu_ms);
+        }
+        for (index, mode) in [(2, "1"), (3, "2")] {
+            let (ms, count) = peer(&path, mode);
+            times[index].push(ms);
+            samples[index] = count;
+        }
+    }
+    println!("{:<34} {:>24} {:>9} {:>10} {:>22}", "", "ms", "Msamples", "ns/sample", "of the peer's");
+    let names =
+        ["ours, procedural noise", "ours, encoded block", "peer, every octave", "peer, octaves that change matter"];
+    for (index, name) in names.iter().enumerate() {
+        let (ms, ratio) = (Spread::of(times[index].clone()), Spread::ratio(&times[index], &times[2]));
+        let each = ms.median * 1e6 / samples[index];
+        println!("{name:<34} {ms:>24.1} {:>9.2} {each:>10.1} {ratio:>22.2}", samples[index] / 1e6);
+    }
+    println!("The noises differ, and with them the pictures: this compares time alone. Samples are those in the ball.");
+}
