@@ -264,7 +264,7 @@ impl<'a> Prepared<'a> {
         let space = shadow::LightSpace::of(scene, &view, &planes);
         let mut shadow_ms = None;
         for sub_frame in SubFrame::all(scene) {
-            self.bound.fill(scene, self.subject, variant, &view, &planes, &sub_frame, &space)?;
+            self.bound.fill(scene, self.subject, variant, &view, (&planes, &space), &sub_frame)?;
             // The shadow of matter that moves while the shutter is open moves with it.
             if self.program.reads(bind::SHADOW) && (shadow_ms.is_none() || scene.camera.shutter > 0.0) {
                 let light = shadow::cast(self.gpu, self.library, scene, variant, &view, &self.bound, space)?;

@@ -90,9 +90,8 @@ impl Bound {
         subject: &Subject,
         variant: &Variant,
         view: &View,
-        planes: &Planes,
+        (planes, space): (&Planes, &LightSpace),
         sub_frame: &SubFrame,
-        space: &LightSpace,
     ) -> Result<(), RenderError> {
         let objects = view.objects.iter().zip(&self.stored);
         let items: Vec<Item<'_>> =

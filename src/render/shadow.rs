@@ -171,7 +171,7 @@ pub fn transmittance(
     let space = LightSpace::of(scene, &view, &planes);
     let mut bound = Bound::new(gpu, scene, subject, &variant, &program, &view, &planes)?;
     for sub_frame in SubFrame::all(scene).take(1) {
-        bound.fill(scene, subject, &variant, &view, &planes, &sub_frame, &space)?;
+        bound.fill(scene, subject, &variant, &view, (&planes, &space), &sub_frame)?;
     }
     cast(gpu, library, scene, &variant, &view, &bound, space)
 }
