@@ -293,6 +293,26 @@ mod tests {
         assert!((channel(0) - 1.0).abs() < 1e-3 && channel(1).abs() < 1e-3 && channel(2).abs() < 1e-3);
     }
 
+    #[test]
+    fn p55_stored_ways_lead_to_the_level() {
+        let grid = Grid { size: [21; 3], origin: Vec3::splat(-1.0), spacing: Vec3::splat(0.1) };
+        let place = |i: usize| grid.position(i as u32 % 21, i as u32 / 21 % 21, i as u32 / 441);
+        // Two planes that face each other, at y = -0.53 and y = 0.53; the middle between them is their medial axis.
+        let values = (0..9261).map(|i| 0.53 - place(i).y.abs()).collect();
+        let side = |p: Vec3| if p.y > -0.05 { 1.0 } else { -1.0 };
+        let foot = |p: Vec3| Vec3::new(p.x, 0.53 * side(p), p.z);
+        let (field, iso) = (DistanceField { grid, values }, 0.07);
+        let closest = ClosestPoints { grid, points: (0..9261).map(|i| foot(place(i))).collect() };
+        let (texels, range) = encode_closest(&closest, &field, iso);
+        for (index, texel) in texels.chunks_exact(4).enumerate() {
+            let p = place(index);
+            let way = |c: usize| (f32::from(texel[c]) / 65535.0 * 2.0 - 1.0) * range;
+            let level = p + Vec3::new(way(0), way(1), way(2));
+            let expected = Vec3::new(p.x, (0.53 - iso) * side(p), p.z);
+            assert!(level.distance(expected) < 1e-4, "{p} leads to {level}");
+        }
+    }
+
     fn ramp(curve: Curve) -> Transfer {
         let stop = |at, density| Stop { at, color: Color([255; 3]), density, index: 1.0 };
         Transfer { curve, stops: vec![stop(0.2, 0.0), stop(0.4, 1.0), stop(0.8, 0.25)] }
