@@ -190,7 +190,7 @@ fn subject<'a>(
 
 fn knob_table(variant: &Variant) -> String {
     let mut table = String::from("<table>\n");
-    for (knob, value) in variant.knobs.iter() {
+    for (name, knob, value) in variant.all_knobs() {
         let value = match value {
             KnobValue::Number(number) => number.to_string(),
             KnobValue::Color(color) => String::from(*color),
@@ -199,7 +199,7 @@ fn knob_table(variant: &Variant) -> String {
             KnobDefault::Number(_, [low, high]) => format!("{low} to {high}"),
             KnobDefault::Color(_) => "color".into(),
         };
-        let cells = format!("<td><code>{}</code><td>{value}<td>{range}<td>{}", knob.name, escape(&knob.doc));
+        let cells = format!("<td><code>{name}</code><td>{value}<td>{range}<td>{}", escape(&knob.doc));
         writeln!(table, "<tr>{cells}</tr>").expect("writing to a string");
     }
     table + "</table>"

@@ -161,13 +161,14 @@ impl<'a> Renderer<'a> {
 /// A scene with all that its pictures share, made once: program, pipeline, images and targets.
 struct Prepared<'a> {
     gpu: &'a Gpu,
-    library: &'a Library,
     subject: &'a Subject,
     scene: Scene,
     variant: Variant,
     program: Program,
     bound: bind::Bound,
     pipeline: gpu::Pipeline,
+    /// What casts the shadows of a scene that has them.
+    caster: Option<shadow::Caster>,
     color: gpu::Image,
     resolved: Option<gpu::Image>,
     compile_ms: f64,
@@ -214,6 +215,8 @@ impl<'a> Prepared<'a> {
                 blend,
             },
         )?;
+        let casts = program.reads(bind::SHADOW);
+        let caster = casts.then(|| shadow::Caster::new(gpu, library, scene, variant)).transpose()?;
         compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
         let [width, height] = scene.image.size;
         let plane = gpu::Dimension::Plane(width, height);
@@ -223,7 +226,7 @@ impl<'a> Prepared<'a> {
             _ => Some(gpu::Image::new(gpu, "resolved target", plane, format, gpu::ImageUse::Target(1))?),
         };
         let (scene, variant) = (scene.clone(), variant.clone());
-        Ok(Prepared { gpu, library, subject, scene, variant, program, bound, pipeline, color, resolved, compile_ms })
+        Ok(Prepared { gpu, subject, scene, variant, program, bound, pipeline, caster, color, resolved, compile_ms })
     }
 
     /// Whether all of this serves another scene as well: it differs in camera, time and knobs alone, and its matter
@@ -266,8 +269,9 @@ impl<'a> Prepared<'a> {
         for sub_frame in SubFrame::all(scene) {
             self.bound.fill(scene, self.subject, variant, &view, (&planes, &space), &sub_frame)?;
             // The shadow of matter that moves while the shutter is open moves with it.
-            if self.program.reads(bind::SHADOW) && (shadow_ms.is_none() || scene.camera.shutter > 0.0) {
-                let light = shadow::cast(self.gpu, self.library, scene, variant, &view, &self.bound, space)?;
+            let due = shadow_ms.is_none() || scene.camera.shutter > 0.0;
+            if let Some(caster) = self.caster.as_ref().filter(|_| due) {
+                let light = caster.cast(self.gpu, &view, &self.bound, space)?;
                 self.bound.replace_shadow(&self.program, light.image(self.gpu)?);
                 shadow_ms = Some(shadow_ms.unwrap_or(0.0) + light.gpu_ms);
             }

@@ -194,8 +194,10 @@ pub fn identity(scene: &Scene, library: &Library, subject: &Subject) -> Result<b
     let mut named = scene.clone();
     let mut hash = blake3::Hasher::new();
     hash.update(concat!("hypertexture ", env!("CARGO_PKG_VERSION"), "\n").as_bytes());
-    if let Some(field) = &subject.field {
-        named.object.input.clear();
+    let further = named.parts.iter_mut().map(|(name, part)| (&mut part.object, &subject.parts[name]));
+    for (object, subject) in [(&mut named.object, subject)].into_iter().chain(further) {
+        let Some(field) = &subject.field else { continue };
+        object.input.clear();
         hash.update(bytemuck::cast_slice(&field.grid.size));
         hash.update(bytemuck::cast_slice(&[field.grid.origin.to_array(), field.grid.spacing.to_array()]));
         hash.update(bytemuck::cast_slice(&field.values));

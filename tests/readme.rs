@@ -45,12 +45,8 @@ fn effects() -> String {
         let scene = scene::preset(name).unwrap();
         let variant = Variant::of(&scene, &library).unwrap();
         writeln!(text, "\n## {name}\n\n{}", scene.about).unwrap();
-        let further = variant.parts.iter().map(|(part, knobs)| (format!("parts.{part}."), knobs));
-        let all = [(String::new(), &variant.knobs)].into_iter().chain(further);
         let mut rows = String::new();
-        for (prefix, (knob, value)) in
-            all.flat_map(|(prefix, knobs)| knobs.iter().map(move |knob| (prefix.clone(), knob)))
-        {
+        for (name, knob, value) in variant.all_knobs() {
             let value = match (value, knob.default) {
                 (KnobValue::Number(value), glsl::Default::Number(_, [low, high])) => {
                     format!("{value} in [{low}, {high}]")
@@ -58,7 +54,7 @@ fn effects() -> String {
                 (KnobValue::Number(value), glsl::Default::Color(_)) => value.to_string(),
                 (KnobValue::Color(color), _) => String::from(*color),
             };
-            writeln!(rows, "| `{prefix}{}` | {value} | {} |", knob.name, knob.doc).unwrap();
+            writeln!(rows, "| `{name}` | {value} | {} |", knob.doc).unwrap();
         }
         if !rows.is_empty() {
             write!(text, "\n| knob | value and range | what it does |\n|---|---|---|\n{rows}").unwrap();

@@ -184,7 +184,7 @@ pub struct Look {
     /// A look that shows how the picture is made.
     #[arg(long, value_enum)]
     pub look: Option<Debug>,
-    /// A knob of the effect; may be given again.
+    /// A knob of the effect, or as parts.OBJECT.KNOB of a further object; may be given again.
     #[arg(long = "set", value_name = "KNOB=VALUE")]
     pub knobs: Vec<String>,
     /// The module of a slot, such as noise=procedural, surface=solid_unlit or dmf=fur+fire; may be given again.
@@ -307,7 +307,18 @@ impl Look {
         self.apply_effect(scene)?;
         for text in &self.knobs {
             let (name, value) = knob(text)?;
-            scene.knobs.insert(name, value);
+            let further = name.strip_prefix("parts.").and_then(|rest| rest.split_once('.'));
+            let (knobs, name) = match further {
+                None => (&mut scene.knobs, name),
+                Some((part, knob)) => {
+                    let known: Vec<String> = scene.parts.keys().cloned().collect();
+                    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                    let found = scene.parts.get_mut(part);
+                    let part = found.ok_or_else(|| SceneError::unknown("further object", part, &known))?;
+                    (&mut part.knobs, knob.to_string())
+                }
+            };
+            knobs.insert(name, value);
         }
         put(&mut scene.effect.gradient, self.gradient.clone());
         let quality = &mut scene.quality;

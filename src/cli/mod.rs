@@ -17,6 +17,7 @@ use hypertexture::predict::{Estimate, Prediction, predict};
 use hypertexture::render::{Frame, Renderer, Subject, open, render, request};
 use hypertexture::scene::{self, KnobValue, Object, Pass, Scene};
 use hypertexture::shard::{self, Shard};
+use hypertexture::variant::Variant;
 use hypertexture::{doctor, field, gallery, shape};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
@@ -281,7 +282,7 @@ fn list_effects() -> Result<(), Box<dyn Error>> {
     for name in scene::names() {
         let scene = scene::preset(name)?;
         text.push_str(&format!("{name}: {}\n", scene.about));
-        for (knob, value) in scene.check(&library)?.iter() {
+        for (name, knob, value) in Variant::of(&scene, &library)?.all_knobs() {
             let value = match (value, knob.default) {
                 (KnobValue::Number(value), KnobDefault::Number(_, [low, high])) => {
                     format!("{value} in [{low}, {high}]")
@@ -289,7 +290,7 @@ fn list_effects() -> Result<(), Box<dyn Error>> {
                 (KnobValue::Number(value), KnobDefault::Color(_)) => value.to_string(),
                 (KnobValue::Color(color), _) => String::from(*color),
             };
-            text.push_str(&format!("    {:<16} {value:<24} {}\n", knob.name, knob.doc));
+            text.push_str(&format!("    {name:<24} {value:<24} {}\n", knob.doc));
         }
     }
     say(&text);

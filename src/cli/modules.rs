@@ -55,8 +55,10 @@ pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// A plain effect without modulation, to look at one thing.
+/// A plain effect without modulation on the scene's own object, to look at one thing.
 pub(super) fn show(scene: &mut Scene, classify: &str, surface: &str) {
+    scene.parts.clear();
+    scene.combine = None;
     scene.effect.classify = classify.into();
     scene.effect.surface = surface.into();
     scene.effect.ray = Ray::Straight;

@@ -12,7 +12,7 @@ const PART: &str = "part.glsl";
 /// Functions that the linker writes for stacks.
 const STACKED: [&str; 2] = ["displace", "modulate"];
 /// Bindings that each object has: those of one begin this many after those of the one before.
-pub(super) const BINDINGS: u32 = 8;
+const BINDINGS: u32 = 8;
 
 /// What is compiled anew for one object.
 pub(super) struct Instance {

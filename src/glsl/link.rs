@@ -120,7 +120,8 @@ impl<'a> Sources<'a> {
         let instances = instances(library, slots)?;
         let knobs = knob_block(library, knobs_of, slots, &instances)?;
         let objects = slots.get(COMBINE).and_then(|formula| formula.first());
-        let objects = objects.map(|formula| objects_text(&Formula::parse(formula)?)).transpose()?.unwrap_or_default();
+        let formula = objects.map(|text| Formula::parse(text)).transpose()?;
+        let objects = formula.as_ref().map(objects_text).unwrap_or_default();
         Ok(Sources { library, slots, instances, knobs, objects })
     }
 
@@ -184,7 +185,7 @@ fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, Stri
 /// All objects of a scene, and the classification of what the formula makes of them.
 ///
 /// An object colors matter in proportion to its own density; one that only takes matter away colors none.
-fn objects_text(formula: &Formula) -> Result<String, FormulaError> {
+fn objects_text(formula: &Formula) -> String {
     let (mut includes, mut samples, mut shades) = (String::new(), String::new(), String::new());
     for (name, adds) in formula.objects() {
         let (prefix, suffix) = match name {
@@ -213,13 +214,13 @@ fn objects_text(formula: &Formula) -> Result<String, FormulaError> {
         }
     }
     let combined = formula.glsl();
-    Ok(format!(
+    format!(
         "{includes}vec4 classify(vec3 x, float path) {{\n{samples}    Soft all = {combined};\n    \
          clearance = all.clearance;\n    if (all.density <= 0.0) return vec4(0.0);\n    \
          vec3 normal = cap_normal(x, outward(all));\n    vec4 shade = vec4(0.0);\n    float rate = 0.0;\n{shades}    \
          float weight = max(shade.a, 1e-6);\n    float alpha = opacity(all.density, rate / weight * path);\n    \
          return vec4(shade.rgb / weight * alpha, alpha);\n}}\n"
-    ))
+    )
 }
 
 /// The name in formulas of the object that the scene itself describes.

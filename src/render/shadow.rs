@@ -16,7 +16,7 @@ use crate::glsl::{Library, Linker};
 use crate::gpu::{self, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
 use crate::pass::{self, Planes};
 use crate::scene::Scene;
-use crate::variant::Variant;
+use crate::variant::{Program, Variant};
 use glam::{Mat4, Quat, Vec3};
 
 /// A light is taken to be at most this many radii of the scene away. Farther: f32 holds too few places on a ray. Nearer:
@@ -27,6 +27,9 @@ const FARTHEST: f32 = 300.0;
 const WIDEST: f32 = 80.0;
 /// Samples of a ray in one texel, at most: finer ones than this change nothing that a texel can hold.
 const MOST_STEPS: f32 = 64.0;
+
+/// Format of the target that holds the transmittances of four segments in a texel.
+const SEGMENTS: Format = Format::Rgba32Float;
 
 /// Where the shadow volume of a scene is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -173,47 +176,53 @@ pub fn transmittance(
     for sub_frame in SubFrame::all(scene).take(1) {
         bound.fill(scene, subject, &variant, &view, (&planes, &space), &sub_frame)?;
     }
-    cast(gpu, library, scene, &variant, &view, &bound, space)
+    Caster::new(gpu, library, scene, &variant)?.cast(gpu, &view, &bound, space)
 }
 
-/// Draws the segments with the images of the picture's own program, and takes their products.
-pub(super) fn cast(
-    gpu: &Gpu,
-    library: &Library,
-    scene: &Scene,
-    variant: &Variant,
-    view: &View,
-    bound: &Bound,
-    space: LightSpace,
-) -> Result<Transmittance, RenderError> {
-    let program = variant.shadow(scene, library)?.program(library, Linker::new)?;
-    let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
-    let columns = space.columns();
-    let (width, height) = (columns * space.side, space.side.div_ceil(4).div_ceil(columns) * space.side);
-    let format = Format::Rgba32Float;
-    let description = gpu::PipelineDescription {
-        vertex: &program.vertex,
-        fragment: &program.fragment,
-        constants: &[(super::OCTAVES_ID, scene.effect.octaves)],
-        bindings: &bindings,
-        attributes: &[],
-        format,
-        samples: 1,
-        blend: gpu::Blend::Replace,
-    };
-    let pipeline = Pipeline::new(gpu, &description)?;
-    let blocks = bound.blocks_of(gpu, &program)?;
-    let own = blocks.iter().map(|(binding, block)| (*binding, gpu::Resource::Uniform(block)));
-    let set = pipeline.bind(&own.chain(bound.images_and_samplers()).collect::<Vec<_>>())?;
-    let target = Image::new(gpu, "shadow segments", Dimension::Plane(width, height), format, ImageUse::Target(1))?;
-    let drawn = pass::march(
-        gpu,
-        &pipeline,
-        &set,
-        std::slice::from_ref(&(0..height)),
-        gpu::Target { color: &target, resolved: None },
-    )?;
-    let bytes = target.read()?;
-    let values = space.products(&super::floats(&bytes));
-    Ok(Transmittance { space, object_matrix: view.object_matrix, values, gpu_ms: drawn.gpu_ms })
+/// The program of the shadow volumes of a scene, made once.
+pub(super) struct Caster {
+    program: Program,
+    pipeline: Pipeline,
+}
+
+impl Caster {
+    pub(super) fn new(gpu: &Gpu, library: &Library, scene: &Scene, variant: &Variant) -> Result<Caster, RenderError> {
+        let program = variant.shadow(scene, library)?.program(library, Linker::new)?;
+        let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
+        let pipeline = Pipeline::new(
+            gpu,
+            &gpu::PipelineDescription {
+                vertex: &program.vertex,
+                fragment: &program.fragment,
+                constants: &[(super::OCTAVES_ID, scene.effect.octaves)],
+                bindings: &bindings,
+                attributes: &[],
+                format: SEGMENTS,
+                samples: 1,
+                blend: gpu::Blend::Replace,
+            },
+        )?;
+        Ok(Caster { program, pipeline })
+    }
+
+    /// Draws the segments with the images of the picture's own program, and takes their products.
+    pub(super) fn cast(
+        &self,
+        gpu: &Gpu,
+        view: &View,
+        bound: &Bound,
+        space: LightSpace,
+    ) -> Result<Transmittance, RenderError> {
+        let columns = space.columns();
+        let (width, height) = (columns * space.side, space.side.div_ceil(4).div_ceil(columns) * space.side);
+        let blocks = bound.blocks_of(gpu, &self.program)?;
+        let own = blocks.iter().map(|(binding, block)| (*binding, gpu::Resource::Uniform(block)));
+        let set = self.pipeline.bind(&own.chain(bound.images_and_samplers()).collect::<Vec<_>>())?;
+        let plane = Dimension::Plane(width, height);
+        let color = Image::new(gpu, "shadow segments", plane, SEGMENTS, ImageUse::Target(1))?;
+        let target = gpu::Target { color: &color, resolved: None };
+        let drawn = pass::march(gpu, &self.pipeline, &set, std::slice::from_ref(&(0..height)), target)?;
+        let values = space.products(&super::floats(&color.read()?));
+        Ok(Transmittance { space, object_matrix: view.object_matrix, values, gpu_ms: drawn.gpu_ms })
+    }
 }

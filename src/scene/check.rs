@@ -39,6 +39,8 @@ impl Knobs {
 
 /// Loop iterations of one fragment that every device bears: lavapipe ends a fragment in silence after 65 535.
 const LOOP_BUDGET: f32 = 60_000.0;
+/// Samples of one fragment of the shadow volume, at most: four segments of 64.
+const SHADOW_SAMPLES: f32 = 4.0 * 64.0;
 /// Iterations of a ray that bends, for each step of it: the step, and three gradients of three differences each.
 const BENDING_LOOPS: f32 = 1.0 + 3.0 * 3.0;
 /// Steps of a ray that bends, for each sample of the scene, and in all to locate its interfaces: see `refract.frag`.
@@ -209,6 +211,16 @@ impl Scene {
             (super::Pass::March, true) => (LOOP_BUDGET / self.procedural_loops()).floor(),
         };
         within("quality.samples", quality.samples as f32, 1.0, most)?;
+        if self.light.shadows && procedural && SHADOW_SAMPLES * self.procedural_loops() > LOOP_BUDGET {
+            return Err(SceneError::Value {
+                field: "light.shadows".into(),
+                value: "true".into(),
+                limit:
+                    "needs fewer modules or octaves, or noise = \"block\" and turbulence = \"encoded\": a ray of the \
+                        light would loop longer than every device bears"
+                        .into(),
+            });
+        }
         if quality.rule == Rule::Segment
             && !["surface", "soft", "preintegrated"].contains(&self.effect.classify.as_str())
         {
@@ -237,9 +249,14 @@ impl Scene {
         }
     }
 
-    /// Iterations of the noise at one sample of a ray, at most: a sum of octaves with eight corners each for every module
-    /// that changes the density, one for the color and three more noises, at each place where the density is asked for.
+    /// Iterations of the noise at one sample of a ray, at most, for all objects.
     fn procedural_loops(&self) -> f32 {
+        self.own_loops() + self.parts.keys().map(|name| self.alone(name).own_loops()).sum::<f32>()
+    }
+
+    /// Those of one object: a sum of octaves with eight corners each for every module that changes the density, one for
+    /// the color and three more noises, at each place where the density is asked for.
+    fn own_loops(&self) -> f32 {
         let places = match self.quality.rule {
             Rule::Point => 1.0,
             Rule::Segment => 3.0,
@@ -361,7 +378,7 @@ pub(super) fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(),
 mod tests {
     use super::*;
     use crate::glsl;
-    use crate::scene::{Color, Pass, preset};
+    use crate::scene::{Color, Part, Pass, preset};
 
     fn refusal(change: impl FnOnce(&mut Scene)) -> String {
         let mut scene = preset("fur").unwrap();
@@ -399,6 +416,21 @@ mod tests {
             s.quality.rule = Rule::Segment;
         };
         assert_eq!(refusal(segments), "quality.samples = 120: must be from 1 to 119");
+    }
+
+    #[test]
+    fn every_object_and_the_light_count_in_what_a_fragment_may_loop() {
+        let several = |s: &mut Scene| {
+            (s.quality.pass, s.quality.samples, s.effect.noise) = (Pass::March, 200, "procedural".into());
+            s.light.shadows = false;
+            s.parts.insert("b".into(), Part { effect: s.effect.clone(), knobs: s.knobs.clone(), ..Part::default() });
+        };
+        assert_eq!(refusal(several), "quality.samples = 200: must be from 1 to 178");
+        let shaded = |s: &mut Scene| {
+            (s.effect.noise, s.effect.octaves, s.light.shadows) = ("procedural".into(), 10, true);
+            s.effect.dmf.push("fire".into());
+        };
+        assert!(refusal(shaded).starts_with("light.shadows = true: needs fewer modules or octaves"));
     }
 
     #[test]

@@ -8,8 +8,8 @@ mod reflect;
 pub use crate::scene::FORMULAS;
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
-use crate::glsl::{Library, LibraryError, LinkError, Linker, Slots, Stage};
-use crate::scene::{Knobs, Scene, SceneError, Source};
+use crate::glsl::{Knob, Library, LibraryError, LinkError, Linker, Slots, Stage};
+use crate::scene::{KnobValue, Knobs, Scene, SceneError, Source};
 use std::collections::BTreeMap;
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));
@@ -128,6 +128,16 @@ impl Variant {
     /// Whether the program reads the closest points of a further object.
     pub fn part_reads_closest(&self, name: &str) -> bool {
         self.module(&format!("{name}.project")) == Some("closest")
+    }
+
+    /// Every knob of the scene with its value, under the name that `--set` knows it by: that of a further object is
+    /// `parts.OBJECT.KNOB`.
+    pub fn all_knobs(&self) -> impl Iterator<Item = (String, &Knob, &KnobValue)> {
+        let further = self.parts.iter().map(|(part, knobs)| (format!("parts.{part}."), knobs));
+        let all = [(String::new(), &self.knobs)].into_iter().chain(further);
+        all.flat_map(|(prefix, knobs)| {
+            knobs.iter().map(move |(knob, value)| (format!("{prefix}{}", knob.name), knob, value))
+        })
     }
 
     /// The name of the program: its slots and modules.
