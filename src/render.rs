@@ -4,6 +4,7 @@
 //! [`Frame`]. Invariant: every picture that a person sees comes through [`render`].
 
 mod bind;
+mod inputs;
 mod shadow;
 mod sub_frame;
 mod subject;
@@ -189,7 +190,9 @@ impl<'a> Prepared<'a> {
         let view = view::View::of(scene, subject, variant);
         let quality = &scene.quality;
         let planes = pass::Planes::new(view.extent, quality.samples);
-        let bound = bind::Bound::new(gpu, scene, subject, variant, &program, &view, &planes)?;
+        let inputs = inputs::Inputs::new(scene, subject, variant, &program, &view, &planes)?;
+        let bound = bind::Bound::new(gpu, scene, &program, &inputs)?;
+        drop(inputs);
         let format = match quality.target {
             TargetFormat::Unorm8 => gpu::Format::Rgba8Unorm,
             TargetFormat::Float16 => gpu::Format::Rgba16Float,
@@ -215,7 +218,7 @@ impl<'a> Prepared<'a> {
                 blend,
             },
         )?;
-        let casts = program.reads(bind::SHADOW);
+        let casts = program.reads(inputs::SHADOW);
         let caster = casts.then(|| shadow::Caster::new(gpu, library, scene, variant)).transpose()?;
         compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
         let [width, height] = scene.image.size;

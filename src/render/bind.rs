@@ -1,86 +1,50 @@
-//! What a program reads, made for it: blocks filled, images encoded and uploaded, and nothing that it does not read.
+//! What a program reads, on the device: blocks written, images uploaded.
 
+use super::inputs::{Inputs, SHADOW, StoredObjects, Values, blocks};
 use super::shadow::LightSpace;
 use super::sub_frame::SubFrame;
-use super::view::{Own, View};
+use super::view::View;
 use super::{RenderError, Subject};
-use crate::gpu::{self, Address, Buffer, BufferUse, Dimension, Format, Gpu, Image, Sampler};
-use crate::noise::{Noise, Weights, noise_block, turbulence_block};
+use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler};
 use crate::pass::Planes;
-use crate::scene::{KnobValue, Knobs, Projection, Rule, Scene, Source};
-use crate::texture::{self, Encoding, Texels};
+use crate::scene::Scene;
 use crate::variant::{Program, Resource, Use, Variant};
-use std::collections::HashMap;
-
-/// Lattice cells across a block of noise of 64 texels: four texels for each cell. Fewer texels: the trilinear filter
-/// shows its facets. More: the noise repeats sooner.
-const NOISE_TEXELS_PER_CELL: u32 = 4;
-/// Lattice cells of the first octave across a block of turbulence. More: fewer octaves fit. Fewer: it repeats sooner.
-const TURBULENCE_CELLS: u32 = 4;
-/// Seed of the noise: changing it changes every picture.
-const SEED: u64 = 1989;
 
 /// The resources of one program.
 pub(super) struct Bound {
     blocks: Vec<(Resource, Buffer)>,
     images: Vec<(u32, Image)>,
     samplers: Vec<(u32, Sampler)>,
-    /// How the distance of each object is stored, in the order of the view's objects.
-    stored: Vec<Stored>,
-    /// What was written into the blocks last, by name.
-    values: HashMap<String, Vec<f32>>,
+    stored: StoredObjects,
+    /// What was written into the blocks last.
+    values: Values,
 }
 
 impl Bound {
     /// Everything that a program reads, but for the shadow volume, which is made with the rest of it: see
-    /// [`Bound::replace`].
-    pub(super) fn new(
-        gpu: &Gpu,
-        scene: &Scene,
-        subject: &Subject,
-        variant: &Variant,
-        program: &Program,
-        view: &View,
-        planes: &Planes,
-    ) -> Result<Bound, RenderError> {
-        let mut items: Vec<Item<'_>> =
-            view.objects.iter().map(|own| Item::of(own, scene, subject, variant, Stored::default())).collect();
-        let (mut texels, mut ways) = (Vec::new(), Vec::new());
-        for item in &mut items {
-            let read = program.reads(&format!("volume_image{}", item.suffix));
-            let made = if read { item.volume(variant) } else { None };
-            if let Some(texels) = &made {
-                item.stored.decode = texels.decode.map(|value| value * item.subject.scale);
-                item.stored.quantization = texels.quantization * item.subject.scale;
-            }
-            texels.push(made);
-            let read = program.reads(&format!("closest_image{}", item.suffix));
-            let made = if read { Some(item.closest()?) } else { None };
-            item.stored.closest_range = made.as_ref().map_or(0.0, |(_, range)| range * item.subject.scale);
-            ways.push(made.map(|(ways, _)| ways));
-        }
-        let stored = items.iter().map(|item| item.stored).collect();
-        let mut bound =
-            Bound { blocks: Vec::new(), images: Vec::new(), samplers: Vec::new(), stored, values: HashMap::new() };
+    /// [`Bound::replace_shadow`].
+    pub(super) fn new(gpu: &Gpu, scene: &Scene, program: &Program, inputs: &Inputs) -> Result<Bound, RenderError> {
+        let mut blocks = Vec::new();
         for resource in &program.resources {
-            match &resource.holds {
-                Use::Block(block) => {
-                    let buffer = Buffer::new(gpu, &resource.name, BufferUse::Uniform, &vec![0; block.bytes])?;
-                    bound.blocks.push((resource.clone(), buffer));
-                }
-                Use::Image if resource.name == SHADOW => {}
-                Use::Sampler => {
-                    let address = if resource.name == "repeat_sampler" { Address::Repeat } else { Address::Clamp };
-                    let sampler = Sampler::new(gpu, address, scene.quality.anisotropy)?;
-                    bound.samplers.push((resource.binding, sampler));
-                }
-                Use::Image => {
-                    let image = image(gpu, scene, &items, (&texels, &ways), planes, &resource.name)?;
-                    bound.images.push((resource.binding, image));
-                }
+            if let Use::Block(block) = &resource.holds {
+                let buffer = Buffer::new(gpu, &resource.name, BufferUse::Uniform, &vec![0; block.bytes])?;
+                blocks.push((resource.clone(), buffer));
             }
         }
-        Ok(bound)
+        let upload = |(binding, image): &(u32, super::inputs::Encoded)| {
+            let uploaded = Image::sampled(gpu, image.name, image.dimension, image.format, image.bytes())?;
+            Ok((*binding, uploaded))
+        };
+        let sampler = |(binding, address): &(u32, gpu::Address)| {
+            Ok((*binding, Sampler::new(gpu, *address, scene.quality.anisotropy)?))
+        };
+        Ok(Bound {
+            blocks,
+            images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
+            samplers: inputs.samplers.iter().map(sampler).collect::<Result<_, RenderError>>()?,
+            stored: inputs.stored().clone(),
+            values: Values::new(),
+        })
     }
 
     /// Writes the blocks for a picture; the last one is finished.
@@ -90,16 +54,10 @@ impl Bound {
         subject: &Subject,
         variant: &Variant,
         view: &View,
-        (planes, space): (&Planes, &LightSpace),
+        moment: (&Planes, &LightSpace),
         sub_frame: &SubFrame,
     ) -> Result<(), RenderError> {
-        let objects = view.objects.iter().zip(&self.stored);
-        let items: Vec<Item<'_>> =
-            objects.map(|(own, stored)| Item::of(own, scene, subject, variant, *stored)).collect();
-        let mut values = values(scene, view, &items, planes);
-        values.extend(moment(scene, view, sub_frame));
-        values.extend(space.values().map(|(name, floats)| (name.to_string(), floats)));
-        self.values = values;
+        self.values = self.stored.values(scene, subject, variant, view, moment, sub_frame);
         for (resource, buffer) in &mut self.blocks {
             let Use::Block(block) = &resource.holds else { continue };
             let bytes = block.fill(|name| self.values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled)?;
@@ -110,7 +68,7 @@ impl Bound {
 
     /// Largest error of a stored distance, units of its object; 0 for formulas.
     pub(super) fn quantization(&self) -> f32 {
-        self.stored.iter().map(|stored| stored.quantization).fold(0.0, f32::max)
+        self.stored.quantization()
     }
 
     /// Puts the shadow volume among the images, in place of the one before.
@@ -123,13 +81,10 @@ impl Bound {
 
     /// The blocks of another program that reads no value which this one does not have, as they were filled last.
     pub(super) fn blocks_of(&self, gpu: &Gpu, program: &Program) -> Result<Vec<(u32, Buffer)>, RenderError> {
-        let mut blocks = Vec::new();
-        for resource in &program.resources {
-            let Use::Block(block) = &resource.holds else { continue };
-            let bytes = block.fill(|name| self.values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled)?;
-            blocks.push((resource.binding, Buffer::new(gpu, &resource.name, BufferUse::Uniform, &bytes)?));
-        }
-        Ok(blocks)
+        let buffer = |(resource, bytes): &(Resource, Vec<u8>)| {
+            Ok((resource.binding, Buffer::new(gpu, &resource.name, BufferUse::Uniform, bytes)?))
+        };
+        blocks(program, &self.values)?.iter().map(buffer).collect()
     }
 
     /// The resources by binding.
@@ -158,271 +113,4 @@ pub(super) fn binding(resource: &Resource) -> gpu::Binding {
         Use::Sampler => gpu::BindingKind::Sampler,
     };
     gpu::Binding { index: resource.binding, kind, vertex: resource.vertex, fragment: resource.fragment }
-}
-
-/// How a distance is stored in a volume, units of its object: `x + y s` for a texel s.
-#[derive(Clone, Copy, Default)]
-struct Stored {
-    decode: [f32; 2],
-    quantization: f32,
-    /// Range of the ways to the closest points.
-    closest_range: f32,
-}
-
-/// The shadow volume's name in `interface.glsl`.
-pub(super) const SHADOW: &str = "shadow_image";
-/// What an error calls the closest points.
-const CLOSEST: &str = "closest points";
-
-/// One object of the scene, with what its names in the program end in.
-struct Item<'a> {
-    suffix: String,
-    own: &'a Own,
-    /// The scene with this object as its only one.
-    scene: Scene,
-    subject: &'a Subject,
-    knobs: &'a Knobs,
-    stored: Stored,
-}
-
-impl<'a> Item<'a> {
-    fn of(own: &'a Own, scene: &Scene, subject: &'a Subject, variant: &'a Variant, stored: Stored) -> Item<'a> {
-        match own.name.as_str() {
-            "" => Item { suffix: String::new(), own, scene: scene.clone(), subject, knobs: &variant.knobs, stored },
-            name => Item {
-                suffix: format!("_{name}"),
-                own,
-                scene: scene.alone(name),
-                subject: &subject.parts[name],
-                knobs: &variant.parts[name],
-                stored,
-            },
-        }
-    }
-
-    /// The volume of the object; `None` for a formula.
-    fn volume(&self, variant: &Variant) -> Option<Texels> {
-        let field = self.subject.field.as_ref()?;
-        let slot = if self.own.name.is_empty() { "object".into() } else { format!("{}.object", self.own.name) };
-        let encoding = match (self.scene.object.source, variant.module(&slot)) {
-            (Source::Normals8, _) => Encoding::Normals8,
-            (Source::Distance32, _) => Encoding::Distance32,
-            (_, Some("distance")) => Encoding::Distance16,
-            _ => Encoding::Normals16,
-        };
-        // The soft region and as much again on either side: gradients and filters read beyond it.
-        let reach = (self.own.outer_iso.abs() + self.scene.object.inner_iso.abs() + 0.25) / self.subject.scale;
-        Some(texture::encode(field, encoding, [-reach, reach]))
-    }
-
-    /// The ways to the closest points of the inner surface, and their range in the units of the field.
-    fn closest(&self) -> Result<(Vec<u16>, f32), RenderError> {
-        let both = self.subject.field.as_ref().zip(self.subject.closest.as_ref());
-        let (field, closest) = both.ok_or(RenderError::Missing(CLOSEST))?;
-        Ok(texture::encode_closest(closest, field, self.scene.object.inner_iso / self.subject.scale))
-    }
-
-    /// How much nearer the matter may be than a sampled distance says, units of the object.
-    ///
-    /// A warp moves the place that is looked up, here and wherever the ray lands, by its reach. The filter mixes the
-    /// distances of eight samples, whose weighted mean is at most half a voxel's diagonal away (by Jensen's
-    /// inequality); a stored distance is rounded; and f32 has its own few ulps.
-    fn leap_slack(&self) -> f32 {
-        let spacing = self.subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length());
-        2.0 * self.knobs.reach() + 0.5 * spacing * self.subject.scale + self.stored.quantization + 1e-5
-    }
-}
-
-/// Members that differ from sub-frame to sub-frame, by name.
-fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(String, Vec<f32>); 4] {
-    let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
-    let [x, y] = [sub_frame.offset[0] * width, sub_frame.offset[1] * height];
-    // The slices move against the rays, which go through a place beside the center of the pixel.
-    let projection = glam::Mat4::from_translation(glam::Vec3::new(-x, -y, 0.0)) * view.projection;
-    [
-        ("projection".into(), projection.to_cols_array().to_vec()),
-        ("picture_scale".into(), vec![width, height, x, y]),
-        ("time".into(), vec![sub_frame.time]),
-        ("jitter_seed".into(), vec![sub_frame.jitter_seed]),
-    ]
-}
-
-/// Every other member of the blocks of `interface.glsl` and `part.glsl`, and every knob, by name.
-fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Planes) -> HashMap<String, Vec<f32>> {
-    let mut values = HashMap::new();
-    let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
-    set("texture_matrix", &view.texture_matrix.to_cols_array());
-    set("object_matrix", &view.object_matrix.to_cols_array());
-    set("display_matrix", &view.display_matrix.to_cols_array());
-    set("box_min", &view.box_min.extend(0.0).to_array());
-    set("box_max", &view.box_max.extend(0.0).to_array());
-    let plane = scene.camera.clip.unwrap_or([0.0, 0.0, 1.0, f32::MAX]);
-    let length = glam::Vec3::from_slice(&plane).length();
-    set("clip_plane", &plane.map(|value| value / length));
-    set("step_size", &[planes.step]);
-    set("first_depth", &[planes.first_depth]);
-    set("slice_count", &[planes.count as f32]);
-    set("full_opacity", &[1.0 - scene.quality.stop]);
-    let half_path = half_path(scene, view, planes);
-    let reaches =
-        [scene.quality.rule == Rule::Segment, scene.quality.jitter].map(|reaches| f32::from(u8::from(reaches)));
-    set("segment_reach", &[reaches[0] * half_path]);
-    set("box_margin", &[(reaches[0] + reaches[1]) * half_path]);
-    set("ray_scale", &[view.ray_scale[0], view.ray_scale[1], 0.0, 0.0]);
-    set("noise_cells", &[noise_cells(scene) as f32]);
-    set("turbulence_cells", &[TURBULENCE_CELLS as f32]);
-    for item in items {
-        set_object(item, view, &mut |name, floats| set(&format!("{name}{}", item.suffix), floats));
-    }
-    values
-}
-
-/// The members of `part.glsl` and the knobs of one object.
-fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
-    let (scene, subject, own) = (&item.scene, item.subject, item.own);
-    set("normal_matrix", &(view.object_matrix * own.place).inverse().transpose().to_cols_array());
-    set("place_matrix", &own.place.inverse().to_cols_array());
-    set("place_scale", &[own.scale]);
-    set("own_min", &own.own_min.extend(0.0).to_array());
-    set("own_max", &own.own_max.extend(0.0).to_array());
-
-    // Texel-center mapping: sample i of n lies at texture coordinate (i + 0.5) / n.
-    let (scale, offset, texel) = match &subject.field {
-        None => (glam::Vec3::ZERO, glam::Vec3::ZERO, glam::Vec3::ONE),
-        Some(field) => {
-            let size = glam::UVec3::from(field.grid.size).as_vec3();
-            let scale = 1.0 / (subject.scale * field.grid.spacing * size);
-            let offset = ((subject.center - field.grid.origin) / field.grid.spacing + 0.5) / size;
-            (scale, offset, 1.0 / size)
-        }
-    };
-    set("volume_scale", &scale.extend(0.0).to_array());
-    set("volume_offset", &offset.extend(0.0).to_array());
-    set("volume_texel", &texel.extend(0.0).to_array());
-    set("distance_decode", &[item.stored.decode[0], item.stored.decode[1], 0.0, 0.0]);
-    set("leap_slack", &[item.leap_slack()]);
-    set("closest_range", &[item.stored.closest_range]);
-    set("opacity_rate", &[scene.effect.opacity_rate]);
-
-    let color = |rgb: [f32; 3], factor: f32| [rgb[0] * factor, rgb[1] * factor, rgb[2] * factor, 1.0];
-    set("material_color", &color(scene.material.color.linear(), 1.0));
-    set("ambient_color", &color(scene.light.ambient.linear(), 1.0));
-    set("light_color", &color(scene.light.color.linear(), scene.light.intensity));
-    set("light_position", &view.light_eye.extend(1.0).to_array());
-    set("specular_power", &[scene.material.specular_power]);
-    set("specular_strength", &[scene.material.specular]);
-    set("iso_value", &[scene.object.inner_iso]);
-    set("outer_iso_value", &[own.outer_iso]);
-    for (knob, value) in item.knobs.iter() {
-        match value {
-            KnobValue::Number(number) => set(&knob.name, &[*number]),
-            KnobValue::Color(rgb) => set(&knob.name, &color(rgb.linear(), 1.0)),
-        }
-    }
-}
-
-/// The longest that half a step along a ray can be, object units.
-fn half_path(scene: &Scene, view: &View, planes: &Planes) -> f32 {
-    let slant = match scene.camera.projection {
-        Projection::Parallel => 1.0,
-        Projection::Perspective => glam::Vec2::from(view.ray_scale).extend(1.0).length(),
-    };
-    0.5 * planes.step * slant / glam::Vec3::from(scene.object.stretch).min_element()
-}
-
-/// The noise that blocks are made of.
-fn noise(scene: &Scene) -> Noise {
-    let weights = if scene.effect.weights == "cubic" { Weights::Cubic } else { Weights::Quintic };
-    Noise::new(SEED, weights)
-}
-
-fn noise_cells(scene: &Scene) -> u32 {
-    (scene.quality.block_size / NOISE_TEXELS_PER_CELL).max(1)
-}
-
-fn image(
-    gpu: &Gpu,
-    scene: &Scene,
-    items: &[Item<'_>],
-    (texels, ways): (&[Option<Texels>], &[Option<Vec<u16>>]),
-    planes: &Planes,
-    name: &str,
-) -> Result<Image, RenderError> {
-    let base = |item: &Item<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
-    let found = (0..items.len()).rev().find_map(|index| base(&items[index]).map(|base| (index, base)));
-    let (index, name) = found.ok_or_else(|| RenderError::Unfilled(name.into()))?;
-    let (item, texels) = (&items[index], &texels[index]);
-    let (scene, subject) = (if item.suffix.is_empty() { scene } else { &item.scene }, item.subject);
-    let side = scene.quality.block_size;
-    let block = Dimension::Volume(side, side, side);
-    let image = match (name, texels) {
-        ("noise_image", _) => {
-            let texels = noise_block(&noise(scene), side, noise_cells(scene));
-            Image::sampled(gpu, "noise block", block, Format::Rgba16Unorm, bytemuck::cast_slice(&texels))
-        }
-        ("turbulence_image", _) => {
-            let (texels, _) = turbulence_block(&noise(scene), side, TURBULENCE_CELLS, scene.effect.octaves);
-            Image::sampled(gpu, "turbulence block", block, Format::Rgba16Unorm, bytemuck::cast_slice(&texels))
-        }
-        ("transfer_image", _) => {
-            let texels = texture::transfer_map(&scene.transfer);
-            let size = Dimension::Line(texels.len() as u32 / 4);
-            Image::sampled(gpu, "transfer map", size, Format::Rgba16Unorm, bytemuck::cast_slice(&texels))
-        }
-        ("index_image", _) => {
-            let texels = texture::index_map(&scene.transfer);
-            let size = Dimension::Line(texels.len() as u32 / 4);
-            Image::sampled(gpu, "index map", size, Format::Rgba32Float, bytemuck::cast_slice(&texels))
-        }
-        ("closest_image", _) => {
-            let (ways, field) =
-                ways[index].as_ref().zip(subject.field.as_ref()).ok_or(RenderError::Missing(CLOSEST))?;
-            let [x, y, z] = field.grid.size;
-            let (size, format) = (Dimension::Volume(x, y, z), Format::Rgba16Unorm);
-            Image::sampled(gpu, CLOSEST, size, format, bytemuck::cast_slice(ways))
-        }
-        ("segment_image", _) => {
-            let exponent = scene.effect.opacity_rate * planes.step;
-            let perlin = scene.effect.opacity == "perlin";
-            let opacity = |density: f32, path: f32| match perlin {
-                true if density >= 1.0 => 1.0,
-                true => -(exponent * path * (-density).ln_1p()).exp_m1(),
-                false => -(-exponent * path * density).exp_m1(),
-            };
-            let texels = texture::segment_table(&scene.transfer, opacity);
-            let size = Dimension::Plane(texture::SEGMENT_SIZE as u32, texture::SEGMENT_SIZE as u32);
-            Image::sampled(gpu, "segment table", size, Format::Rgba32Float, bytemuck::cast_slice(&texels))
-        }
-        ("classified_image", _) => {
-            let field = subject.field.as_ref().ok_or(RenderError::Classification(
-                scene.effect.classify.clone(),
-                "voxels, and this object is a formula (object.source = \"normals16\" makes a volume of it)",
-            ))?;
-            if scene.effect.softness != "linear" || !scene.effect.dmf.is_empty() || !scene.effect.warp.is_empty() {
-                let what = "softness = \"linear\" and no DMF or warp: colors are given to voxels";
-                return Err(RenderError::Classification(scene.effect.classify.clone(), what));
-            }
-            let (inner, outer) = (scene.object.inner_iso, item.own.outer_iso);
-            let density = |distance: f32| match outer > inner {
-                true => ((outer - distance * subject.scale) / (outer - inner)).clamp(0.0, 1.0),
-                false => f32::from(u8::from(distance * subject.scale <= inner)),
-            };
-            let texels = texture::classify(field, &scene.transfer, density);
-            let [x, y, z] = field.grid.size;
-            let (size, format) = (Dimension::Volume(x, y, z), Format::Rgba16Unorm);
-            Image::sampled(gpu, "classified volume", size, format, bytemuck::cast_slice(&texels))
-        }
-        (_, Some(texels)) => {
-            let [x, y, z] = texels.size;
-            let format = match texels.bytes.len() as u64 / (u64::from(x) * u64::from(y) * u64::from(z)) {
-                8 => Format::Rgba16Unorm,
-                2 => Format::R16Unorm,
-                _ if scene.object.source == Source::Normals8 => Format::Rgba8Unorm,
-                _ => Format::R32Float,
-            };
-            Image::sampled(gpu, "distance field", Dimension::Volume(x, y, z), format, &texels.bytes)
-        }
-        (name, None) => return Err(RenderError::Unfilled(name.into())),
-    };
-    Ok(image?)
 }

@@ -9,6 +9,7 @@
 //! follow the rays needs no more either, but mixes neighbors in each layer, and knows no light inside of the scene.
 
 use super::bind::{self, Bound};
+use super::inputs::Inputs;
 use super::sub_frame::SubFrame;
 use super::view::View;
 use super::{RenderError, Subject};
@@ -172,7 +173,8 @@ pub fn transmittance(
     let view = View::of(scene, subject, &variant);
     let planes = Planes::new(view.extent, scene.quality.samples);
     let space = LightSpace::of(scene, &view, &planes);
-    let mut bound = Bound::new(gpu, scene, subject, &variant, &program, &view, &planes)?;
+    let inputs = Inputs::new(scene, subject, &variant, &program, &view, &planes)?;
+    let mut bound = Bound::new(gpu, scene, &program, &inputs)?;
     for sub_frame in SubFrame::all(scene).take(1) {
         bound.fill(scene, subject, &variant, &view, (&planes, &space), &sub_frame)?;
     }
