@@ -47,6 +47,7 @@ pub mod noise;
 pub mod output;
 pub mod pass;
 pub mod predict;
+pub mod reference;
 pub mod render;
 pub mod scene;
 pub mod sequence;

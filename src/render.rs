@@ -4,12 +4,15 @@
 //! [`Frame`]. Invariant: every picture that a person sees comes through [`render`].
 
 mod bind;
+mod frozen;
 mod inputs;
 mod shadow;
 mod sub_frame;
 mod subject;
 mod view;
 
+pub(crate) use frozen::{Blocks, Frozen};
+pub(crate) use inputs::Encoded;
 pub use shadow::{Transmittance, transmittance};
 pub use subject::{Subject, open, request};
 
@@ -311,7 +314,7 @@ impl<'a> Prepared<'a> {
 }
 
 /// `constant_id` of the octaves in `glsl/turbulence/procedural.glsl`.
-const OCTAVES_ID: u32 = 0;
+pub(crate) const OCTAVES_ID: u32 = 0;
 
 fn add(sum: &mut [[f64; 4]], pixels: &[[f32; 4]]) {
     for (sum, pixel) in sum.as_flattened_mut().iter_mut().zip(pixels.as_flattened()) {

@@ -16,7 +16,9 @@ include!(concat!(env!("OUT_DIR"), "/programs.rs"));
 
 /// The entry files of the program that gives the shadow volume.
 const SHADOW_ENTRIES: [&str; 2] = ["march.vert", "shadow.frag"];
-/// What that program has in place of the modules that color and light matter.
+/// The entry files of the program that gives one sample.
+const PROBE_ENTRIES: [&str; 2] = ["march.vert", "probe.frag"];
+/// What the program of shadows has in place of the modules that color and light matter.
 const SHADOW_SLOTS: [(&str, &str); 4] =
     [("surface", "unlit"), ("medium", "material"), ("shadow", "none"), ("gradient", "analytic")];
 
@@ -99,10 +101,7 @@ impl Variant {
     /// A module is missing, which [`Variant::of`] excludes.
     pub fn shadow(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
         let mut choice = scene.slots();
-        let is_object = |key: &&String| key.as_str() == "object" || key.ends_with(".object");
-        choice.extend(
-            self.slots.iter().filter(|(key, _)| is_object(key)).map(|(key, names)| (key.clone(), names.clone())),
-        );
+        choice.extend(self.objects());
         for (key, names) in &mut choice {
             let slot = key.rsplit('.').next().unwrap_or_default();
             if let Some((_, module)) = SHADOW_SLOTS.iter().find(|(other, _)| *other == slot) {
@@ -113,6 +112,32 @@ impl Variant {
         }
         let slots = library.needed(&SHADOW_ENTRIES, &choice)?;
         Ok(Variant { entries: SHADOW_ENTRIES, slots, knobs: self.knobs.clone(), parts: self.parts.clone() })
+    }
+
+    /// The modules that give one sample of a ray of the same scene, anywhere on it: what a picture is the integral of.
+    ///
+    /// # Errors
+    /// A module is missing, which [`Variant::of`] excludes.
+    pub fn probe(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        let mut choice = scene.slots();
+        choice.extend(self.objects());
+        let slots = library.needed(&PROBE_ENTRIES, &choice)?;
+        Ok(Variant { entries: PROBE_ENTRIES, slots, knobs: self.knobs.clone(), parts: self.parts.clone() })
+    }
+
+    /// The linked program as an evaluator reads it: without lines, always linked here.
+    ///
+    /// # Errors
+    /// As [`Variant::program`].
+    pub fn evaluated(&self, library: &Library) -> Result<Program, VariantError> {
+        self.program(library, Linker::new)
+    }
+
+    /// The modules that sample the objects, by slot.
+    fn objects(&self) -> impl Iterator<Item = (String, Vec<String>)> {
+        let of_object = |key: &String| key == "object" || key.ends_with(".object");
+        let own = self.slots.iter().filter(move |(key, _)| of_object(key));
+        own.map(|(key, names)| (key.clone(), names.clone()))
     }
 
     /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
