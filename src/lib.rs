@@ -35,10 +35,12 @@
 //!    -> device                                        gpu
 //! all of it, top to bottom -> picture, measurements   render
 //!    -> PNG, EXR; a page                              output, gallery
+//! the same program in f64 and in intervals            exact
 //! its cost beforehand; many pictures; many processes  predict, sequence, shard
 //! ```
 
 pub mod doctor;
+pub mod exact;
 pub mod field;
 pub mod gallery;
 pub mod glsl;
