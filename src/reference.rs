@@ -10,7 +10,7 @@ mod integral;
 mod store;
 
 use crate::exact::{self, ExactError};
-use crate::glsl::Library;
+use crate::glsl::{Library, Linker};
 use crate::gpu::{Address, Dimension, Format};
 use crate::render::{Blocks, Encoded, Frozen, OCTAVES_ID, RenderError, Subject};
 use crate::scene::{Order, Pass, Proxy, Ray as Course, Rule, Scene, TargetFormat, Traverse};
@@ -182,12 +182,12 @@ impl Probe {
         }
         let own = Variant::of(truth, library)?;
         let variant = own.probe(truth, library)?;
-        let program = variant.evaluated(library)?;
+        let program = variant.program(library, Linker::new)?;
         let frozen = Frozen::new(truth, subject, &variant, &program)?;
         let octaves = [(OCTAVES_ID, truth.effect.octaves)];
         let shadow = match Frozen::shadow_binding(&program) {
             None => None,
-            Some(binding) => Some((binding, own.shadow(truth, library)?.evaluated(library)?)),
+            Some(binding) => Some((binding, own.shadow(truth, library)?.program(library, Linker::new)?)),
         };
         let blocks = frozen.moments(&program)?.into_iter();
         let mut moments: Vec<Moment> = blocks.map(|blocks| Moment { blocks, caster: Blocks::new() }).collect();

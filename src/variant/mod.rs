@@ -125,14 +125,6 @@ impl Variant {
         Ok(Variant { entries: PROBE_ENTRIES, slots, knobs: self.knobs.clone(), parts: self.parts.clone() })
     }
 
-    /// The linked program as an evaluator reads it: without lines, always linked here.
-    ///
-    /// # Errors
-    /// As [`Variant::program`].
-    pub fn evaluated(&self, library: &Library) -> Result<Program, VariantError> {
-        self.program(library, Linker::new)
-    }
-
     /// The modules that sample the objects, by slot.
     fn objects(&self) -> impl Iterator<Item = (String, Vec<String>)> {
         let of_object = |key: &String| key == "object" || key.ends_with(".object");
