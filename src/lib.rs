@@ -36,8 +36,10 @@
 //! all of it, top to bottom -> picture, measurements   render
 //!    -> PNG, EXR; a page                              output, gallery
 //! its cost beforehand; many pictures; many processes  predict, sequence, shard
+//! its error against its cost                          reference, compare
 //! ```
 
+pub mod compare;
 pub mod doctor;
 pub mod field;
 pub mod gallery;
@@ -47,6 +49,7 @@ pub mod noise;
 pub mod output;
 pub mod pass;
 pub mod predict;
+pub mod reference;
 pub mod render;
 pub mod scene;
 pub mod sequence;
