@@ -136,8 +136,9 @@ pub fn rule_name(rule: Rule) -> &'static str {
 /// # Errors
 /// The scene itself is not valid, a strategy is unknown, or nothing is left.
 pub fn candidates(scene: &Scene, library: &Library, sweep: &Sweep) -> Result<Vec<Candidate>, CompareError> {
+    let least = samples(sweep).iter().copied().min().unwrap_or(1);
     let mut checked = scene.clone();
-    checked.quality.samples = scene.quality.samples.min(samples(sweep).iter().copied().min().unwrap_or(1));
+    checked.quality.samples = least;
     checked.check(library)?;
     let mut found: Vec<(String, Candidate)> = Vec::new();
     for strategy in chosen(strategies(scene, library, sweep.quick), sweep)? {
