@@ -37,8 +37,10 @@
 //!    -> PNG, EXR; a page                              output, gallery
 //! the same program in f64 and in intervals            exact
 //! its cost beforehand; many pictures; many processes  predict, sequence, shard
+//! its error against its cost                          reference, compare
 //! ```
 
+pub mod compare;
 pub mod doctor;
 pub mod exact;
 pub mod field;

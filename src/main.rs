@@ -36,7 +36,7 @@ fn main() -> ExitCode {
         }
         Err(error) => {
             eprintln!("error: {}", error.to_string().replace('\n', " "));
-            ExitCode::from(BAD_INPUT)
+            ExitCode::from(if error.is::<cli::Failed>() { cli::FAILED } else { BAD_INPUT })
         }
     }
 }

@@ -73,8 +73,9 @@ impl From<VariantError> for ReferenceError {
 /// Scenes with the same truth differ in accuracy alone. Sub-frames stay: they are a part of the camera.
 pub fn truth_of(scene: &Scene) -> Scene {
     let mut truth = scene.clone();
+    let bends = truth.effect.ray == Course::Refracted;
     let quality = &mut truth.quality;
-    quality.pass = Pass::March;
+    quality.pass = if bends { Pass::March } else { Pass::Slices }; // which may have the more samples
     quality.samples = SAMPLES;
     quality.rule = Rule::Point;
     quality.traverse = Traverse::Leap;

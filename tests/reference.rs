@@ -46,7 +46,13 @@ fn timing() {
         scene.image.size = [128, 128];
         let subject = subject(&scene, &library);
         let start = Instant::now();
-        let found = match reference_pixels(&library, &scene, &subject, &all(&scene), TOLERANCE, &|_| ()) { Ok(f) => f, Err(e) => { println!("{name}: {e}"); continue } };
+        let found = match reference_pixels(&library, &scene, &subject, &all(&scene), TOLERANCE, &|_| ()) {
+            Ok(f) => f,
+            Err(e) => {
+                println!("{name}: {e}");
+                continue;
+            }
+        };
         let rms = (found.estimate.iter().map(|e| e * e).sum::<f64>() / found.estimate.len() as f64).sqrt();
         let max = found.estimate.iter().copied().fold(0.0, f64::max);
         println!("{name}: {:.2} s, estimate rms {rms:.1e} max {max:.1e}", start.elapsed().as_secs_f64());

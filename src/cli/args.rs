@@ -1,5 +1,6 @@
 //! The command line, and how it goes over a scene.
 
+use super::compare::Compare;
 use super::modules::{module, show};
 use super::sequence::{Motion, ShardChoice, shard};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -34,6 +35,8 @@ pub enum Command {
     Field(Field),
     /// Render every figure, or the six effects on one object, with a page that explains them.
     Gallery(Gallery),
+    /// Measure error against run time: strategies, samples, blocks, formats and rules, with a report.
+    Compare(Box<Compare>),
     /// List the effects and their knobs.
     Effects,
     /// Say which device was found, what is missing, and test what the renderer relies on.
@@ -176,7 +179,7 @@ pub enum Debug {
 }
 
 /// What a picture shows: each goes over the scene.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct Look {
     /// The effect; `hypertexture effects` lists them.
     #[arg(long, value_name = "NAME")]
@@ -267,7 +270,7 @@ fn numbers(text: &str) -> Result<Numbers, String> {
     parsed.map(Numbers).map_err(|_| "write numbers with commas between them".into())
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let parsed = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     parsed.ok_or_else(|| "write width x height in pixels, such as 640x480".into())
 }

@@ -1,12 +1,14 @@
 //! What each command does, in terms of the library.
 
 mod args;
+mod compare;
 mod log;
 mod modules;
 mod sequence;
 
 pub use args::Arguments;
 use args::{Command, Field, Gallery, Merge, Render};
+pub use compare::Failed;
 pub use sequence::Interrupted;
 use sequence::ShardChoice;
 
@@ -27,6 +29,9 @@ use std::time::{Duration, Instant};
 /// Exit code of a program that was interrupted, as shells have it: 128 and the number of SIGINT.
 pub const INTERRUPTED: u8 = 130;
 
+/// Exit code of a report that holds failures.
+pub const FAILED: u8 = 1;
+
 /// Runs the command that was asked for.
 pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     log::start(arguments.quiet);
@@ -41,6 +46,7 @@ pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         Command::Merge(command) => merge(&command, quiet),
         Command::Field(command) => write_field(&command, quiet),
         Command::Gallery(command) => write_gallery(&command, &options, quiet),
+        Command::Compare(command) => compare::run(&command, &options, quiet),
         Command::Effects => list_effects(),
         Command::Doctor => {
             let report = doctor::examine(&options);

@@ -78,7 +78,9 @@ fn scan(spans: &Spans, counts: &mut [u32; 3]) -> HashMap<Reg, u32> {
     let mut free: [Vec<u32>; 3] = Default::default();
     for (start, end, reg) in order {
         let file = reg.file as usize;
-        while let Some(Reverse((until, place))) = taken[file].peek().copied().filter(|Reverse((until, _))| *until <= start) {
+        while let Some(Reverse((until, place))) =
+            taken[file].peek().copied().filter(|Reverse((until, _))| *until <= start)
+        {
             let _ = until;
             taken[file].pop();
             free[file].push(place);

@@ -88,8 +88,7 @@ impl Interval {
     fn corners(self, b: Interval, f: impl Fn(f64, f64) -> f64) -> (f64, f64) {
         let values = [f(self.lo, b.lo), f(self.lo, b.hi), f(self.hi, b.lo), f(self.hi, b.hi)];
         let nan = values.iter().any(|value| value.is_nan());
-        let (lo, hi) =
-            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (v.min(lo), v.max(hi)));
+        let (lo, hi) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (v.min(lo), v.max(hi)));
         if nan { (f64::NAN, f64::NAN) } else { (lo, hi) }
     }
 
@@ -253,7 +252,8 @@ impl Number for Interval {
         }
         let whole = self.div(b).unary(Unary::Trunc);
         let largest = b.abs().hi;
-        let bound = Interval { lo: if self.lo < 0.0 { -largest } else { 0.0 }, hi: if self.hi > 0.0 { largest } else { 0.0 } };
+        let bound =
+            Interval { lo: if self.lo < 0.0 { -largest } else { 0.0 }, hi: if self.hi > 0.0 { largest } else { 0.0 } };
         let found = self.sub(b.mul(whole));
         Interval { lo: found.lo.max(bound.lo), hi: found.hi.min(bound.hi) }.ordered(bound)
     }

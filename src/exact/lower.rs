@@ -126,7 +126,10 @@ impl<'m> Lower<'m> {
     /// An error about what is being lowered.
     pub(super) fn refuse(&self, construct: impl Into<String>) -> ExactError {
         let place = self.here.and_then(|byte| self.words.place(byte));
-        ExactError::Uncovered { construct: construct.into(), place: place.unwrap_or_else(|| "its line is not known".into()) }
+        ExactError::Uncovered {
+            construct: construct.into(),
+            place: place.unwrap_or_else(|| "its line is not known".into()),
+        }
     }
 
     pub(super) fn ty(&self, ty: Handle<naga::Type>) -> Result<Ty, ExactError> {
@@ -268,8 +271,7 @@ impl<'m> Lower<'m> {
         if self.depth > DEEPEST {
             return Err(self.refuse("a recursive function"));
         }
-        let mut frame =
-            Frame { function, arguments, locals: HashMap::new(), things: HashMap::new(), result: None };
+        let mut frame = Frame { function, arguments, locals: HashMap::new(), things: HashMap::new(), result: None };
         let mut stored = HashSet::new();
         roots(&function.body, function, &mut |root| {
             if let Expression::LocalVariable(local) = root {
@@ -409,10 +411,8 @@ impl<'m> Lower<'m> {
                     self.store(&place, &value);
                 }
                 Statement::Call { function, arguments, result } => {
-                    let arguments = arguments
-                        .iter()
-                        .map(|argument| self.thing(frame, *argument))
-                        .collect::<Result<Vec<_>, _>>()?;
+                    let arguments =
+                        arguments.iter().map(|argument| self.thing(frame, *argument)).collect::<Result<Vec<_>, _>>()?;
                     let value = self.call(&self.module.functions[*function], arguments)?;
                     if let (Some(result), Some(value)) = (result, value) {
                         frame.things.insert(*result, Thing::Value(value));

@@ -121,7 +121,6 @@ pub struct Lanes<N> {
 /// Outputs of every lane by location, and the number of scalar operations that it took.
 pub type Measured<N> = (BTreeMap<u32, Vec<[N; 4]>>, u64);
 
-
 impl Program {
     /// Reads the fragment stage of a SPIR-V module. `constants` are specialization constants: their numbers, and their
     /// values as bits; others keep their defaults.
@@ -194,8 +193,7 @@ fn start(inputs: &Inputs, file: File, source: Source) -> Result<Start, ExactErro
         Source::Truth(truth) => Start::Truth(truth),
         Source::Size { image: binding, axis, signed } => Start::Int(image(inputs, binding)?.size[axis], signed),
         Source::Block { binding, offset, signed } => {
-            let bytes =
-                inputs.blocks.get(&binding).ok_or(ExactError::Missing { binding, what: "a uniform block" })?;
+            let bytes = inputs.blocks.get(&binding).ok_or(ExactError::Missing { binding, what: "a uniform block" })?;
             let word = bytes.get(offset as usize..offset as usize + 4);
             let word = word.ok_or_else(|| ExactError::Unfit {
                 binding,
@@ -270,7 +268,8 @@ impl Bound<'_> {
             Input::Varying(location) => Some(*location),
             Input::Fragment => None,
         });
-        let mut count = (fragment || !lanes.fragment_coordinates.is_empty()).then_some(lanes.fragment_coordinates.len());
+        let mut count =
+            (fragment || !lanes.fragment_coordinates.is_empty()).then_some(lanes.fragment_coordinates.len());
         for location in needed {
             let missing = || ExactError::Lanes(format!("the program reads location {location}, and the lanes lack it"));
             let found = lanes.varyings.get(&location).ok_or_else(missing)?.len();
@@ -333,6 +332,12 @@ impl Program {
     /// How large the lowered program is.
     pub fn summary(&self) -> String {
         let code = &self.code;
-        format!("{} instructions, registers {:?}, {} uniform, {} before the lanes", code.instrs.len(), code.registers, code.uniforms.iter().sum::<u32>(), code.prelude.len())
+        format!(
+            "{} instructions, registers {:?}, {} uniform, {} before the lanes",
+            code.instrs.len(),
+            code.registers,
+            code.uniforms.iter().sum::<u32>(),
+            code.prelude.len()
+        )
     }
 }

@@ -89,8 +89,12 @@ impl<N: Number> Banks<N> {
                 let table = &code.tables[instr.table as usize];
                 let index = i.read(a);
                 match instr.dst.file {
-                    File::Float => pick(float, mask, index, table.len(), |at, lane| f.read(table[at]).at(lane), N::join),
-                    File::Int => pick(int, mask, index, table.len(), |at, lane| i.read(table[at]).at(lane), N::Int::join),
+                    File::Float => {
+                        pick(float, mask, index, table.len(), |at, lane| f.read(table[at]).at(lane), N::join)
+                    }
+                    File::Int => {
+                        pick(int, mask, index, table.len(), |at, lane| i.read(table[at]).at(lane), N::Int::join)
+                    }
                     File::Truth => {
                         pick(truth, mask, index, table.len(), |at, lane| t.read(table[at]).at(lane), N::Truth::join);
                     }
