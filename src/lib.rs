@@ -50,6 +50,7 @@ pub mod gpu;
 pub mod noise;
 pub mod output;
 pub mod pass;
+pub mod pick;
 pub mod predict;
 pub mod reference;
 pub mod render;

@@ -192,6 +192,7 @@ fn band_rows(height: u32, count: u32) -> u32 {
 pub fn identity(scene: &Scene, library: &Library, subject: &Subject) -> Result<blake3::Hash, RenderError> {
     let program = Variant::of(scene, library)?.program(library, Linker::new)?;
     let mut named = scene.clone();
+    named.modules.clear(); // they are in the program
     let mut hash = blake3::Hasher::new();
     hash.update(concat!("hypertexture ", env!("CARGO_PKG_VERSION"), "\n").as_bytes());
     let further = named.parts.iter_mut().map(|(name, part)| (&mut part.object, &subject.parts[name]));

@@ -48,7 +48,7 @@ fn number(row: &HashMap<String, String>, column: &str) -> f64 {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
     let desk = tempfile::tempdir().unwrap();
-    let arguments = "compare sphere --effect fire --quick --size 48x48 --samples 8,16,32 --repeat 3";
+    let arguments = "compare sphere --effect fire --quick --size 48x48 --sweep 8,16,32 --repeat 3";
     for name in ["a", "b"] {
         let output = run(desk.path(), &format!("{arguments} -o {name}"));
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -161,7 +161,7 @@ fn more_samples_of_segments_turn_the_normals_less() {
 fn a_candidate_that_fails_fails_the_report_which_is_written() {
     let desk = tempfile::tempdir().unwrap();
     fs::write(desk.path().join("s.toml"), "preset = \"lit\"\nobject.input = \"sphere\"\nquality.msaa = 8\n").unwrap();
-    let output = run(desk.path(), "compare s.toml --quick --size 16x16 --samples 8 --repeat 1 -o r");
+    let output = run(desk.path(), "compare s.toml --quick --size 16x16 --sweep 8 --repeat 1 -o r");
     let said = String::from_utf8(output.stderr).unwrap();
     let page = fs::read_to_string(desk.path().join("r/index.html")).unwrap();
     if with_gpu(|gpu| gpu.sample_counts(Format::Rgba32Float).contains(&8)) {

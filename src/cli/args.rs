@@ -6,6 +6,7 @@ use super::sequence::{Motion, ShardChoice, shard};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use hypertexture::glsl::library::hex_color;
 use hypertexture::output::Depth;
+use hypertexture::pick::Metric;
 use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
 use std::path::{Path, PathBuf};
 
@@ -60,6 +61,12 @@ pub struct Render {
     /// Say what the picture will cost, from small ones, and write none.
     #[arg(long, conflicts_with_all = ["frames", "shard"])]
     pub predict: bool,
+    /// Draw it in the cheapest way whose error is below this, such as 1e-3; the scene says what is drawn, and no longer how.
+    #[arg(long, value_name = "ERROR", conflicts_with = "shard")]
+    pub max_error: Option<f64>,
+    /// How that error is measured: rmse, max, p999, opacity.
+    #[arg(long, default_value = "rmse", value_parser = metric, requires = "max_error")]
+    pub metric: Metric,
     /// Render part K, from 0 to N - 1, of a picture or of the frames; without a value, the part that Slurm or
     /// Kubernetes gives to this process.
     #[arg(long, value_name = "K/N", num_args = 0..=1, default_missing_value = "auto", value_parser = shard)]
@@ -190,7 +197,10 @@ pub struct Look {
     /// A knob of the effect, or as parts.OBJECT.KNOB of a further object; may be given again.
     #[arg(long = "set", value_name = "KNOB=VALUE")]
     pub knobs: Vec<String>,
-    /// The module of a slot, such as noise=procedural, surface=solid_unlit or dmf=fur+fire; may be given again.
+    /// The density modulation functions, applied in this order: names, or GLSL files of one's own, such as fur+my_waves.glsl.
+    #[arg(long, value_name = "NAMES")]
+    pub dmf: Option<String>,
+    /// The module of a slot, such as noise=procedural or surface=my_marble.glsl; may be given again.
     #[arg(long = "module", value_name = "SLOT=NAME")]
     pub modules: Vec<String>,
     /// Width and height in pixels.
@@ -268,6 +278,11 @@ pub struct Numbers(Vec<f32>);
 fn numbers(text: &str) -> Result<Numbers, String> {
     let parsed: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
     parsed.map(Numbers).map_err(|_| "write numbers with commas between them".into())
+}
+
+fn metric(text: &str) -> Result<Metric, String> {
+    let found = Metric::ALL.into_iter().find(|(name, _)| *name == text);
+    found.map(|(_, metric)| metric).ok_or_else(|| "write rmse, max, p999 or opacity".into())
 }
 
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
@@ -384,15 +399,16 @@ impl Look {
                 scene.quality.samples = 24;
             }
         }
-        if self.modules.is_empty() {
+        let dmf = self.dmf.as_ref().map(|names| format!("dmf={names}"));
+        if self.modules.is_empty() && dmf.is_none() {
             return Ok(());
         }
         // What is wrong with the scene as it came is said before modules go, and knobs with them.
-        let library = hypertexture::glsl::shipped();
-        scene.check(&library)?;
-        for text in &self.modules {
+        scene.check(&scene.library()?)?;
+        for text in dmf.iter().chain(&self.modules) {
             module(text, scene)?;
         }
+        let library = scene.library()?;
         scene.drop_foreign_knobs(&library)
     }
 }

@@ -1,6 +1,6 @@
 //! Error against run time, from the command line.
 
-use super::args::{Look, ObjectArguments, size};
+use super::args::{Look, ObjectArguments};
 use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, say, with_progress};
 use clap::Args;
@@ -8,10 +8,10 @@ use hypertexture::compare::candidates::{Sweep, candidates};
 use hypertexture::compare::report::{self, Environment, Report};
 use hypertexture::compare::{Comparison, Settings, Stage, compare, paper};
 use hypertexture::gpu::{Gpu, Options};
+use hypertexture::output;
 use hypertexture::reference::{Reference, reference};
 use hypertexture::render::Subject;
 use hypertexture::scene::Scene;
-use hypertexture::{glsl, output};
 use std::error::Error;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -20,6 +20,9 @@ use std::sync::atomic::Ordering;
 
 /// Share of the progress that candidates take; the rest is the paper's table.
 const CANDIDATES: f32 = 0.8;
+
+/// Pixels of the pictures that are compared, unless said otherwise.
+const SIZE: [u32; 2] = [128, 128];
 
 /// Arguments of `compare`.
 #[derive(Args)]
@@ -33,27 +36,21 @@ pub struct Compare {
     /// Few candidates and few runs: about a minute.
     #[arg(long)]
     pub quick: bool,
-    /// Width and height in pixels.
-    #[arg(long, default_value = "128x128", value_parser = size, value_name = "WxH")]
-    pub size: [u32; 2],
     /// Timed runs of each candidate, at most, 1 to 1000 [default: 31; quick: 7].
     #[arg(long, value_name = "RUNS")]
     pub repeat: Option<usize>,
     /// Samples to try, such as 32,64,128.
     #[arg(long, value_delimiter = ',', value_name = "LIST")]
-    pub samples: Option<Vec<u32>>,
+    pub sweep: Option<Vec<u32>>,
     /// Strategies of turbulence and noise to try, such as encoded,procedural.
     #[arg(long, value_delimiter = ',', value_name = "LIST")]
     pub strategies: Option<Vec<String>>,
-    /// The effect; `hypertexture effects` lists them.
-    #[arg(long, value_name = "NAME")]
-    pub effect: Option<String>,
-    /// A knob of the effect; may be given again.
-    #[arg(long = "set", value_name = "KNOB=VALUE")]
-    pub knobs: Vec<String>,
     /// The object.
     #[command(flatten)]
     pub object: ObjectArguments,
+    /// What is drawn, 128 x 128 pixels unless said otherwise.
+    #[command(flatten)]
+    pub look: Look,
 }
 
 /// A report that holds failures; it was written.
@@ -71,7 +68,7 @@ impl Error for Failed {}
 /// Compares, and writes the report.
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let (scene, settings) = plan(command)?;
-    let library = glsl::shipped();
+    let library = scene.library()?;
     candidates(&scene, &library, &settings.sweep)?; // what is wrong is said before the work begins
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let gpu = Gpu::new(options)?;
@@ -103,11 +100,11 @@ fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
     if !(1..=1000).contains(&repeat) {
         return Err(format!("--repeat {repeat}: must be from 1 to 1000").into());
     }
-    // A bare name may be that of an effect, which comes without an object of its own.
-    let (effect, knobs) = (command.effect.clone(), command.knobs.clone());
-    let look = Look { effect, knobs, size: Some(command.size), ..Look::default() };
-    let scene = look.scene(&command.input, &command.object)?;
-    let (samples, strategies) = (command.samples.clone(), command.strategies.clone());
+    let mut scene = command.look.scene(&command.input, &command.object)?;
+    if command.look.size.is_none() {
+        scene.image.size = SIZE;
+    }
+    let (samples, strategies) = (command.sweep.clone(), command.strategies.clone());
     Ok((scene, Settings { sweep: Sweep { quick: command.quick, samples, strategies }, repeat }))
 }
 
@@ -121,7 +118,7 @@ fn make_folder(folder: &Path) -> Result<(), String> {
 
 fn title(command: &Compare) -> String {
     let input = report::file_name(&command.input);
-    command.effect.as_ref().map_or(input.clone(), |effect| format!("{effect} on {input}"))
+    command.look.effect.as_ref().map_or(input.clone(), |effect| format!("{effect} on {input}"))
 }
 
 /// The end: what was written, and whether it is good.

@@ -15,6 +15,7 @@ use sequence::ShardChoice;
 use hypertexture::glsl::{self, Library, library::Default as KnobDefault};
 use hypertexture::gpu::{Format, Gpu, Options};
 use hypertexture::output;
+use hypertexture::pick::{Bound, Pick, pick};
 use hypertexture::predict::{Estimate, Prediction, predict};
 use hypertexture::render::{Frame, Renderer, Subject, open, render, request};
 use hypertexture::scene::{self, KnobValue, Object, Pass, Scene};
@@ -71,9 +72,10 @@ struct Picture<'a> {
 }
 
 fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let scene = command.look.scene(&command.input, &command.object)?;
-    let library = glsl::shipped();
+    let mut scene = command.look.scene(&command.input, &command.object)?;
+    let library = scene.library()?;
     scene.check(&library)?;
+    let bound = command.max_error.map(|error| Bound::new(command.metric, error)).transpose()?;
     output::check(&command.output)?;
     command.save_scene.iter().try_for_each(|file| output::check_folder(file))?;
     let shard = command.shard.map(ShardChoice::shard).transpose()?;
@@ -83,6 +85,14 @@ fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Bo
     }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let gpu = Gpu::new(options)?;
+    if let Some(bound) = bound {
+        let pick =
+            with_progress(quiet, "cheapest way", |progress| pick(&gpu, &library, &scene, &subject, bound, progress))?;
+        if !quiet {
+            say(&explain(&pick, bound));
+        }
+        scene = pick.scene;
+    }
     let picture = Picture { gpu: &gpu, library: &library, scene: &scene, subject: &subject };
     if command.predict {
         let prediction = predict(&mut Renderer::new(&gpu, &library, &subject), &scene)?;
@@ -145,6 +155,32 @@ fn merge(command: &Merge, quiet: bool) -> Result<(), Box<dyn Error>> {
         say(&format!("wrote {}\n", absolute(&command.output)));
     }
     Ok(())
+}
+
+/// A pick in words.
+fn explain(pick: &Pick, bound: Bound) -> String {
+    let [left_out, drawn, kept] = pick.counts;
+    let remembered = if pick.remembered { ", remembered" } else { "" };
+    let mut text = format!("way        {}{remembered}\n", pick.way);
+    text += &match (&pick.verified, &pick.unverified) {
+        (Some(found), _) => format!(
+            "error      {} {:.1e}, asked for {:.1e}; by the f64 reference (own error {:.0e}) in {} pixels\n",
+            bound.metric, found.error, bound.error, found.estimate, found.pixels
+        ),
+        (None, why) => format!(
+            "error      {} {:.1e}, asked for {:.1e}; by a finer picture: {}\n",
+            bound.metric,
+            pick.error,
+            bound.error,
+            why.as_deref().unwrap_or_default()
+        ),
+    };
+    text += &format!(
+        "why        the fastest of {kept} that fit, of {drawn} drawn small ({:.2} ms); {left_out} could not fit",
+        pick.small_ms
+    );
+    let other = pick.other.as_ref().map(|(way, ms)| format!("; {way} takes {:.1}x", ms / pick.small_ms.max(1e-6)));
+    text + &other.unwrap_or_default() + "\n"
 }
 
 /// A prediction in words.

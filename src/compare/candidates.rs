@@ -22,7 +22,7 @@ pub struct Sweep {
     pub strategies: Option<Vec<String>>,
 }
 
-/// Samples of a ray without `--samples`: powers of two, as orders are read off them.
+/// Samples of a ray without `--sweep`: powers of two, as orders are read off them.
 const SAMPLES: [u32; 6] = [16, 32, 64, 128, 256, 512];
 /// How many of them a quick sweep has.
 const QUICK_SAMPLES: usize = 4;

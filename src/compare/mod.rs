@@ -62,7 +62,7 @@ pub enum CompareError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// Every candidate is refused.
-    #[error("no way to draw the scene is left; lower --samples")]
+    #[error("no way to draw the scene is left; lower --sweep")]
     Nothing,
     /// A picture of the report cannot be made.
     #[error(transparent)]

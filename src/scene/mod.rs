@@ -9,6 +9,7 @@ mod color;
 mod effect;
 mod error;
 mod file;
+mod modules;
 mod part;
 mod presets;
 mod quality;
@@ -42,6 +43,9 @@ pub struct Scene {
     pub object: Object,
     /// The modules that make the effect.
     pub effect: Effect,
+    /// Modules of one's own: `slot/name` and the file that holds it.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub modules: BTreeMap<String, String>,
     /// Parameters of those modules, by name.
     pub knobs: BTreeMap<String, KnobValue>,
     /// Reflection of the hard surface.
