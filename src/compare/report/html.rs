@@ -132,7 +132,7 @@ fn answers(report: &Report) -> String {
         "{words}<div class=\"scroll\"><table><tr><th class=\"n\">error at most<th>cheapest candidate<th class=\"n\">ms on the device\
          <th class=\"n\">RMSE<th class=\"n\">FLIP<th class=\"n\">PSNR, dB</tr>\n{}\n</table></div>\n\
          <p class=\"note\">The error is the root mean square error of linear RGB against a reference of the candidate's own scene. \
-         Times are medians with their 95 % interval. A slice format that could lose more than the bound by its rounding \
+         Times are medians with their 95 % interval; of fewer than six runs, with all of them. A slice format that could lose more than the bound by its rounding \
          alone is not offered here, whatever was measured.</p>\n",
         lines.join("\n")
     )
