@@ -2,7 +2,7 @@
 //!
 //! Role: scene and bound -> the same scene with other accuracy settings, and why these. Ways that cannot keep the bound
 //! are left out beforehand ([`ways`]); the others are drawn small against a finer small picture, cheapest first; the
-//! winner is held against the f64 reference on some tiles of the whole picture ([`verify`]), and on a violation the next
+//! winner is held against the f64 reference in some pixels of the whole picture ([`verify`]), and on a violation the next
 //! one is taken. Invariant: only what is there for speed changes, so every way has the truth of the scene as it is.
 //! Source: the protocol of numerical work-precision diagrams; Richardson's extrapolation for the finer picture.
 
@@ -57,19 +57,26 @@ impl Metric {
     pub const ALL: [(&str, Metric); 4] =
         [("rmse", Metric::Rmse), ("max", Metric::Max), ("p999", Metric::P999), ("opacity", Metric::Opacity)];
 
-    /// The error of pixels against others.
-    fn of(self, pairs: impl Iterator<Item = ([f64; 4], [f64; 4])>) -> f64 {
-        let differences = pairs.map(|(a, b)| std::array::from_fn::<f64, 4, _>(|c| (a[c] - b[c]).abs()));
+    /// The error of pixels against others; each pair stands for as many as its weight says.
+    fn of(self, pairs: impl Iterator<Item = ([f64; 4], [f64; 4], f64)>) -> f64 {
+        let differences =
+            pairs.map(|(a, b, weight)| (std::array::from_fn::<f64, 4, _>(|c| (a[c] - b[c]).abs()), weight));
+        let worst = |(channels, weight): ([f64; 4], f64)| (channels.into_iter().fold(0.0, f64::max), weight);
         match self {
-            Metric::Rmse => root_mean_square(differences.flatten()),
-            Metric::Opacity => root_mean_square(differences.map(|channels| channels[3])),
-            Metric::Max => differences.flatten().fold(0.0, f64::max),
+            Metric::Rmse => root_mean_square(
+                differences.flat_map(|(channels, weight)| channels.map(|difference| (difference, weight))),
+            ),
+            Metric::Opacity => root_mean_square(differences.map(|(channels, weight)| (channels[3], weight))),
+            Metric::Max => differences.map(worst).map(|(worst, _)| worst).fold(0.0, f64::max),
             Metric::P999 => {
-                let mut all: Vec<f64> = differences.map(|channels| channels.into_iter().fold(0.0, f64::max)).collect();
-                all.sort_by(f64::total_cmp);
-                all.get((all.len() as f64 * 0.999).ceil() as usize - usize::from(!all.is_empty()))
-                    .copied()
-                    .unwrap_or(0.0)
+                let mut all: Vec<(f64, f64)> = differences.map(worst).collect();
+                all.sort_by(|a, b| b.0.total_cmp(&a.0));
+                let mut above = 1e-3 * all.iter().map(|(_, weight)| weight).sum::<f64>();
+                let first_below = all.iter().find(|(_, weight)| {
+                    above -= weight;
+                    above < 0.0
+                });
+                first_below.map_or(0.0, |(worst, _)| *worst)
             }
         }
     }
@@ -82,9 +89,10 @@ impl fmt::Display for Metric {
     }
 }
 
-fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0u64), |(sum, count), value| (sum + value * value, count + 1));
-    if count == 0 { 0.0 } else { (sum / count as f64).sqrt() }
+/// Of values with weights.
+fn root_mean_square(values: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), (value, w)| (sum + w * value * value, count + w));
+    if count == 0.0 { 0.0 } else { (sum / count).sqrt() }
 }
 
 /// An error that a picture may have.
@@ -217,6 +225,7 @@ pub fn pick(
             Err(error) => return Err(error.into()),
         };
         let found = verified.as_ref().map_or(0.0, |verified| verified.error);
+        log::info!("{}: {:.2e} in a small picture, {found:.2e} of the whole", best.way.label(), best.error);
         if found > bound.error {
             tried.push(best.way.scene);
             target *= 0.8 * bound.error / found; // what is missing in a small picture is missing in the next one too
@@ -324,7 +333,7 @@ impl<'a> Search<'a> {
 }
 
 fn metric(metric: Metric, found: &[[f32; 4]], truth: &[[f32; 4]]) -> f64 {
-    metric.of(found.iter().zip(truth).map(|(a, b)| (a.map(f64::from), b.map(f64::from))))
+    metric.of(found.iter().zip(truth).map(|(a, b)| (a.map(f64::from), b.map(f64::from), 1.0)))
 }
 
 /// The scene, smaller.

@@ -58,3 +58,39 @@ fn timing() {
         println!("{name}: {:.2} s, estimate rms {rms:.1e} max {max:.1e}", start.elapsed().as_secs_f64());
     }
 }
+
+#[test]
+fn debug_lit() {
+    use hypertexture::render::render;
+    let library = glsl::shipped();
+    for object in ["torus", "sphere", "cube", "teapot"] {
+        let mut scene = preset("lit").unwrap();
+        scene.object.input = object.into();
+        scene.image.size = [96, 96];
+        scene.quality.samples = 1024;
+        scene.quality.pass = Pass::March;
+        scene.quality.rule = Rule::Segment;
+        let subject = subject(&scene, &library);
+        let found = reference_pixels(&library, &scene, &subject, &all(&scene), TOLERANCE, &|_| ()).unwrap();
+        common::with_gpu(|gpu| {
+            let frame = render(gpu, &library, &scene, &subject).unwrap();
+            let diff: Vec<f64> = frame
+                .pixels
+                .iter()
+                .zip(&found.pixels)
+                .map(|(a, b)| (0..4).map(|c| (f64::from(a[c]) - b[c]).abs()).fold(0.0, f64::max))
+                .collect();
+            let rms = (diff.iter().map(|d| d * d).sum::<f64>() / diff.len() as f64).sqrt();
+            let (i, d) = diff.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap();
+            println!(
+                "{object}: rms {rms:e}, worst {d} at {} {}: {:?} {:?}; over 1e-3: {}, 0.1: {}",
+                i % 96,
+                i / 96,
+                frame.pixels[i],
+                found.pixels[i],
+                diff.iter().filter(|d| **d > 1e-3).count(),
+                diff.iter().filter(|d| **d > 0.1).count()
+            );
+        });
+    }
+}
