@@ -36,6 +36,7 @@
 //! all of it, top to bottom -> picture, measurements   render
 //!    -> PNG, EXR; a page                              output, gallery
 //! its cost beforehand; many pictures; many processes  predict, sequence, shard
+//! closed forms; a picture against its own scene       verify
 //! ```
 
 pub mod doctor;
@@ -54,3 +55,4 @@ pub mod shape;
 pub mod shard;
 pub mod texture;
 pub mod variant;
+pub mod verify;
