@@ -6,7 +6,7 @@ use super::rays::{Ray, rays};
 use super::{Bench, Row};
 use crate::glsl::Library;
 use crate::gpu::Gpu;
-use crate::render::{RenderError, Subject, render};
+use crate::render::{RenderError, Renderer, Subject};
 use crate::scene::{Color, Curve, Pass, Projection, Ray as Course, Scene, Stop};
 use glam::{DMat3, DVec3};
 
@@ -33,14 +33,21 @@ pub fn clear(object: &str, stops: &[(f32, f32)], curve: Curve) -> Scene {
 /// space. The library holds the modules of [`super::library`].
 ///
 /// # Errors
-/// As [`render`].
+/// As [`crate::render::render`].
 pub fn probed(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) -> Result<Vec<[DVec3; 2]>, RenderError> {
-    let asked = |probe: &str| {
-        let mut scene = scene.clone();
-        scene.effect.environment = probe.into();
-        render(gpu, library, &scene, subject)
+    asked(&mut PROBES.map(|_| Renderer::new(gpu, library, subject)), scene)
+}
+
+const PROBES: [&str; 2] = ["exit_direction", "exit_moment"];
+
+/// As [`probed`], by a renderer for each of [`PROBES`].
+fn asked(renderers: &mut [Renderer<'_>; 2], scene: &Scene) -> Result<Vec<[DVec3; 2]>, RenderError> {
+    let mut scene = scene.clone();
+    let mut ask = |probe: usize| {
+        scene.effect.environment = PROBES[probe].into();
+        renderers[probe].render(&scene)
     };
-    let (directions, moments) = (asked("exit_direction")?, asked("exit_moment")?);
+    let (directions, moments) = (ask(0)?, ask(1)?);
     let (azimuth, elevation) = (f64::from(scene.camera.azimuth), f64::from(scene.camera.elevation));
     let object = DMat3::from_rotation_y(azimuth.to_radians()) * DMat3::from_rotation_x(-elevation.to_radians());
     let vector = |pixel: &[f32; 4]| object * DVec3::new(pixel[0].into(), pixel[1].into(), pixel[2].into());
@@ -85,10 +92,11 @@ pub(super) fn lenses(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
         scene.effect.index = index.into();
         let subject = Subject::load(&scene, &bench.library, &|_| ())?;
         let rays = rays(&scene, &subject);
+        let mut renderers = PROBES.map(|_| Renderer::new(bench.gpu, &bench.library, &subject));
         let mut levels = Vec::new();
         for samples in [6, 12, 24, 192] {
             scene.quality.samples = samples;
-            let found = probed(bench.gpu, &bench.library, &scene, &subject)?;
+            let found = asked(&mut renderers, &scene)?;
             let inside = found.iter().zip(&rays).filter(|(_, ray)| ray.impact() < INSIDE);
             levels.push(Level::of(samples, 2.0 / f64::from(samples), inside.map(|(line, ray)| miss(ray, *line))));
         }

@@ -3,7 +3,7 @@
 use super::known::Level;
 use super::pictures::{SLAB, box_subject, homogeneous};
 use super::{Bench, PASSES, Row, name};
-use crate::render::{Frame, RenderError, Renderer, Subject, render};
+use crate::render::{Frame, RenderError, Renderer, Subject};
 use crate::scene::{Pass, Projection, Scene, TargetFormat, Traverse, preset};
 use crate::variant::VariantError;
 
@@ -25,17 +25,17 @@ fn soft() -> Scene {
 
 pub(super) fn rows(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
     let library = &bench.library;
-    let draw = |scene: &Scene, subject: &Subject| render(bench.gpu, library, scene, subject);
+    let slab = box_subject(SLAB);
     let mut rows = Vec::new();
     let ball = Subject::load(&soft(), library, &|_| ())?;
     let mut passes = Vec::new();
     for pass in PASSES {
         let mut scene = homogeneous("cube", 3.0, Projection::Perspective);
         (scene.quality.pass, scene.quality.samples) = (pass, 96);
-        let slab = box_subject(SLAB);
-        let whole = draw(&scene, &slab)?;
+        let mut renderer = Renderer::new(bench.gpu, library, &slab);
+        let whole = renderer.render(&scene)?;
         scene.quality.samples = 192;
-        let halves = draw(&scene, &slab)?;
+        let halves = renderer.render(&scene)?;
         // Where a ray goes through both faces, and not beside a corner.
         let inner = |frame: &Frame| Frame { pixels: middle(frame), ..frame.clone() };
         // Each blend rounds to half an ulp of 1.
@@ -44,10 +44,11 @@ pub(super) fn rows(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
 
         let mut scene = soft();
         scene.quality.pass = pass;
-        let own = draw(&scene, &ball)?;
+        let mut renderer = Renderer::new(bench.gpu, library, &ball);
+        let own = renderer.render(&scene)?;
         scene.object.stretch = [2.0; 3];
         scene.effect.opacity_rate *= 0.5;
-        let scaled = draw(&scene, &ball)?;
+        let scaled = renderer.render(&scene)?;
         rows.push(Row::single("scene times 2, c over 2", name(pass), difference(&own, &scaled), |_| 1e-5));
 
         let mut scene = preset("fire").map_err(VariantError::from)?;
@@ -67,7 +68,7 @@ pub(super) fn rows(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
         rows.push(Row::single("bands of the picture", name(pass), difference(&whole, &joined), |_| 0.0));
         if pass == Pass::March {
             scene.quality.traverse = Traverse::Fixed;
-            let fixed = draw(&scene, &torus)?;
+            let fixed = renderer.render(&scene)?;
             rows.push(Row::single("leaping", name(pass), difference(&whole, &fixed), |_| 0.0));
         }
         passes.push(own);
@@ -96,13 +97,14 @@ pub(super) fn layers(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
         ("float16 target", TargetFormat::Float16, Some(|level| 2e-4 * f64::from(level.samples)), ""),
         ("unorm8 target", TargetFormat::Unorm8, None, "for comparison: the paper's target loses thin matter"),
     ];
+    let mut renderer = Renderer::new(bench.gpu, &bench.library, &subject);
     let mut rows = Vec::new();
     for (what, format, bound, note) in cases {
         scene.quality.target = format;
         let mut levels = Vec::new();
         for slices in [64, 256, 1024] {
             scene.quality.samples = 3 * slices;
-            let frame = render(bench.gpu, &bench.library, &scene, &subject)?;
+            let frame = renderer.render(&scene)?;
             levels.push(Level::of(slices, 0.0, frame.pixels.iter().map(|pixel| (f64::from(pixel[3]) - truth).abs())));
         }
         let row = Row::of(&levels, bound.unwrap_or(|_| f64::INFINITY), None, "slices");
