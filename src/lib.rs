@@ -37,7 +37,8 @@
 //!    -> PNG, EXR; a page                              output, gallery
 //! the same program in f64 and in intervals            exact
 //! its cost beforehand; many pictures; many processes  predict, sequence, shard
-//! its error against its cost                          reference, compare
+//! its error against its cost; the cheapest way        reference, compare, pick
+//! closed forms; a picture against its own scene       verify
 //! ```
 
 pub mod compare;
@@ -60,3 +61,4 @@ pub mod shape;
 pub mod shard;
 pub mod texture;
 pub mod variant;
+pub mod verify;

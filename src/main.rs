@@ -8,6 +8,8 @@ use std::process::ExitCode;
 
 /// Exit code of anything that the person at the keyboard can mend.
 const BAD_INPUT: u8 = 2;
+/// Exit code of `verify` where a device or a picture is not as it must be.
+const DISAGREES: u8 = 1;
 
 fn main() -> ExitCode {
     let arguments = match cli::Arguments::try_parse() {
@@ -33,6 +35,10 @@ fn main() -> ExitCode {
         Err(error) if error.is::<cli::Interrupted>() => {
             eprintln!("{error}");
             ExitCode::from(cli::INTERRUPTED)
+        }
+        Err(error) if error.is::<cli::Disagreement>() => {
+            eprintln!("{error}");
+            ExitCode::from(DISAGREES)
         }
         Err(error) => {
             eprintln!("error: {}", error.to_string().replace('\n', " "));

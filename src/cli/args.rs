@@ -5,9 +5,10 @@ use super::modules::{module, show};
 use super::sequence::{Motion, ShardChoice, shard};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use hypertexture::glsl::library::hex_color;
-use hypertexture::output::Depth;
+use hypertexture::output::{self, Depth, OutputError};
 use hypertexture::pick::Metric;
 use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
 /// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
@@ -40,6 +41,8 @@ pub enum Command {
     Compare(Box<Compare>),
     /// List the effects and their knobs.
     Effects,
+    /// Hold the device against closed forms in both passes, or a picture against the scene in it.
+    Verify(Verify),
     /// Say which device was found, what is missing, and test what the renderer relies on.
     Doctor,
 }
@@ -47,7 +50,8 @@ pub enum Command {
 /// Arguments of `render`.
 #[derive(Args)]
 pub struct Render {
-    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), or a figure such as fire_ball.
+    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), a figure such as fire_ball, or
+    /// a picture that this program has written: its scene.
     pub input: String,
     /// Where the picture goes: .png or .exr.
     #[arg(long, short, default_value = "out.png", value_name = "FILE")]
@@ -97,6 +101,26 @@ pub struct Merge {
     /// All shards of the picture, in any order.
     #[arg(required = true, value_name = "SHARD")]
     pub shards: Vec<PathBuf>,
+}
+
+/// Arguments of `verify`.
+#[derive(Args)]
+pub struct Verify {
+    /// A picture that this program has written: .png or .exr; without one, the device is verified.
+    pub image: Option<PathBuf>,
+    /// How many pixels of the picture are held against the truth.
+    #[arg(long, default_value_t = 1000, requires = "image", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub pixels: u32,
+    /// Which pixels.
+    #[arg(long, default_value_t = 0, requires = "image")]
+    pub seed: u64,
+    /// The root mean square error that is allowed; without it, what the codes of the file and its step explain.
+    #[arg(long, requires = "image", value_parser = bound)]
+    pub bound: Option<f64>,
+}
+
+fn bound(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|bound| (0.0..=1.0).contains(bound)).ok_or_else(|| "must be from 0 to 1".into())
 }
 
 /// How an input becomes an object.
@@ -291,12 +315,21 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 impl Look {
-    /// The scene of an input: its file, the figure of that name, or the preset of the effect, with the arguments over it.
-    pub fn scene(&self, input: &str, object: &ObjectArguments) -> Result<Scene, SceneError> {
-        let is_file = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
-        let is_figure = !Path::new(input).exists() && scene::names().any(|name| name == input);
-        let load = || if is_figure { scene::preset(input) } else { scene::load(Path::new(input)) };
-        let mut scene = match (is_file || is_figure, &self.effect) {
+    /// The scene of an input: its file, that of a picture, the figure of that name, or the preset of the effect, with the
+    /// arguments over it.
+    pub fn scene(&self, input: &str, object: &ObjectArguments) -> Result<Scene, Box<dyn Error>> {
+        let path = Path::new(input);
+        let ends = |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|e| end.eq_ignore_ascii_case(e)));
+        let (is_file, is_picture) = (ends(&["toml"]), ends(&["png", "exr"]));
+        let is_figure = !path.exists() && scene::names().any(|name| name == input);
+        let load = || -> Result<Scene, Box<dyn Error>> {
+            Ok(match (is_picture, is_figure) {
+                (true, _) => scene_of_picture(path)?,
+                (_, true) => scene::preset(input)?,
+                _ => scene::load(path)?,
+            })
+        };
+        let mut scene = match (is_file || is_picture || is_figure, &self.effect) {
             (true, None) => load()?,
             (true, Some(effect)) => {
                 let file = load()?;
@@ -411,6 +444,17 @@ impl Look {
         let library = scene.library()?;
         scene.drop_foreign_knobs(&library)
     }
+}
+
+/// The scene that a picture says it shows.
+fn scene_of_picture(path: &Path) -> Result<Scene, OutputError> {
+    let provenance = output::read_provenance(path)?;
+    let of = |source| OutputError::Provenance { path: path.display().to_string(), source };
+    let scene = provenance.scene(path).map_err(of)?;
+    if let Err(changed) = provenance.check_inputs(path) {
+        log::warn!("{}", of(changed));
+    }
+    Ok(scene)
 }
 
 fn put<T>(field: &mut T, value: Option<T>) {

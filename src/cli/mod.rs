@@ -5,16 +5,18 @@ mod compare;
 mod log;
 mod modules;
 mod sequence;
+mod verify;
 
 pub use args::Arguments;
 use args::{Command, Field, Gallery, Merge, Render};
 pub use compare::Failed;
 pub use sequence::Interrupted;
 use sequence::ShardChoice;
+pub use verify::Disagreement;
 
 use hypertexture::glsl::{self, Library, library::Default as KnobDefault};
 use hypertexture::gpu::{Format, Gpu, Options};
-use hypertexture::output;
+use hypertexture::output::{self, Provenance};
 use hypertexture::pick::{Bound, Pick, pick};
 use hypertexture::predict::{Estimate, Prediction, predict};
 use hypertexture::render::{Frame, Renderer, Subject, open, render, request};
@@ -49,6 +51,7 @@ pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         Command::Gallery(command) => write_gallery(&command, &options, quiet),
         Command::Compare(command) => compare::run(&command, &options, quiet),
         Command::Effects => list_effects(),
+        Command::Verify(command) => verify::run(&command, &options, quiet),
         Command::Doctor => {
             let report = doctor::examine(&options);
             say(&report.text);
@@ -114,7 +117,8 @@ fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Bo
 fn render_picture(command: &Render, picture: &Picture<'_>, quiet: bool) -> Result<(), Box<dyn Error>> {
     let Picture { gpu, library, scene, subject } = *picture;
     let frame = render(gpu, library, scene, subject)?;
-    output::write(&frame, scene.image.background, command.depth(), &frame.measurements.modules, &command.output)?;
+    let provenance = Provenance::of(scene, &gpu.facts().title(), &frame.measurements.modules)?;
+    output::write(&frame, scene.image.background, command.depth(), &provenance, &command.output)?;
     if !quiet {
         say(&summary(gpu, subject, &frame));
         say(&format!("wrote {}\n", absolute(&command.output)));
@@ -130,8 +134,7 @@ fn render_shard(command: &Render, picture: &Picture<'_>, shard: Shard, quiet: bo
         size: scene.image.size,
         background: scene.image.background,
         depth: command.depth(),
-        about: frame.measurements.modules.clone(),
-        device: format!("{} ({})", gpu.facts().name, gpu.facts().driver),
+        provenance: Provenance::of(scene, &gpu.facts().title(), &frame.measurements.modules)?,
     };
     let path = shard.path(&command.output);
     output::write_whole(&path, &shard::encode(&whole, shard, &frame))
@@ -147,10 +150,10 @@ fn merge(command: &Merge, quiet: bool) -> Result<(), Box<dyn Error>> {
     output::check(&command.output)?;
     let (frame, whole, others) = shard::merge(&command.shards)?;
     if !others.is_empty() {
-        let (first, others) = (&whole.device, others.join(", "));
-        ::log::warn!("the shards were rendered on {first} and on {others}, which may round another way");
+        let all = &whole.provenance.device;
+        ::log::warn!("the shards were rendered on several devices, which may round another way: {all}");
     }
-    output::write(&frame, whole.background, whole.depth, &whole.about, &command.output)?;
+    output::write(&frame, whole.background, whole.depth, &whole.provenance, &command.output)?;
     if !quiet {
         say(&format!("wrote {}\n", absolute(&command.output)));
     }

@@ -3,7 +3,7 @@
 use super::args::Render;
 use super::{Picture, absolute, say, with_progress};
 use clap::Args;
-use hypertexture::output;
+use hypertexture::output::{self, Provenance};
 use hypertexture::render::Renderer;
 use hypertexture::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
 use hypertexture::shard::{self, Shard, ShardError};
@@ -108,9 +108,10 @@ pub fn render_frames(
                 ))
                 .into());
             }
-            let drawn = renderer.render(&sequence.scene(scene, *frame))?;
-            let background = scene.image.background;
-            output::write(&drawn, background, command.depth(), &drawn.measurements.modules, path)?;
+            let scene = sequence.scene(scene, *frame);
+            let drawn = renderer.render(&scene)?;
+            let provenance = Provenance::of(&scene, &gpu.facts().title(), &drawn.measurements.modules)?;
+            output::write(&drawn, scene.image.background, command.depth(), &provenance, path)?;
             manifest.add(*frame, path)?;
             rendered += 1;
             progress(rendered as f32 / left.len() as f32);
