@@ -52,7 +52,6 @@ pub(super) enum Op {
     ToBits,
     FromBits,
     Ldexp,
-    Exponent,
     /// The first where the condition holds, else the second; of any file.
     Select,
     Int(IntBinary),
@@ -111,9 +110,17 @@ pub(super) enum Source {
     Int(u32, bool),
     Truth(bool),
     /// A scalar of a uniform block: binding, offset in bytes; whether it is signed matters to integers.
-    Block { binding: u32, offset: u32, signed: bool },
+    Block {
+        binding: u32,
+        offset: u32,
+        signed: bool,
+    },
     /// The number of texels along an axis.
-    Size { image: u32, axis: usize, signed: bool },
+    Size {
+        image: u32,
+        axis: usize,
+        signed: bool,
+    },
 }
 
 /// Registers that are written in a part of the program, and may be read after it.
@@ -123,11 +130,23 @@ pub(super) type Written = Vec<Reg>;
 #[derive(Clone, Debug)]
 pub(super) enum Node {
     Run(usize, usize),
-    If { condition: Reg, accept: Vec<Node>, reject: Vec<Node>, written: Written },
+    If {
+        condition: Reg,
+        accept: Vec<Node>,
+        reject: Vec<Node>,
+        written: Written,
+    },
     Loop(Box<Loop>),
-    Switch { selector: Reg, cases: Vec<Case>, written: Written },
+    Switch {
+        selector: Reg,
+        cases: Vec<Case>,
+        written: Written,
+    },
     /// A function: `Return` ends it.
-    Scope { body: Vec<Node>, written: Written },
+    Scope {
+        body: Vec<Node>,
+        written: Written,
+    },
     Break,
     Continue,
     Return,

@@ -118,7 +118,15 @@ impl<'m> Lower<'m> {
                 resource => return Ok(resource),
             },
             Expression::ImageSample {
-                image, sampler, gather: None, coordinate, array_index: None, offset: None, level, depth_ref: None, ..
+                image,
+                sampler,
+                gather: None,
+                coordinate,
+                array_index: None,
+                offset: None,
+                level,
+                depth_ref: None,
+                ..
             } => {
                 let level = match level {
                     SampleLevel::Auto | SampleLevel::Zero => None,
@@ -405,8 +413,7 @@ impl<'m> Lower<'m> {
         let signed = kind.signed();
         let integer = matches!(kind, Kind::Sint | Kind::Uint);
         let int = |function| Op::Int(function);
-        let (less, less_equal) =
-            if integer { (Op::IntLess, None) } else { (Op::Less, Some(Op::LessEqual)) };
+        let (less, less_equal) = if integer { (Op::IntLess, None) } else { (Op::Less, Some(Op::LessEqual)) };
         let not = |lower: &mut Self, op: Op, a: Reg, b: Reg| {
             let reg = lower.emit(op, signed, &[a, b]);
             lower.emit(Op::Not, false, &[reg])

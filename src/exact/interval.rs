@@ -88,8 +88,7 @@ impl Interval {
     fn corners(self, b: Interval, f: impl Fn(f64, f64) -> f64) -> (f64, f64) {
         let values = [f(self.lo, b.lo), f(self.lo, b.hi), f(self.hi, b.lo), f(self.hi, b.hi)];
         let nan = values.iter().any(|value| value.is_nan());
-        let (lo, hi) =
-            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (v.min(lo), v.max(hi)));
+        let (lo, hi) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (v.min(lo), v.max(hi)));
         if nan { (f64::NAN, f64::NAN) } else { (lo, hi) }
     }
 
@@ -253,7 +252,8 @@ impl Number for Interval {
         }
         let whole = self.div(b).unary(Unary::Trunc);
         let largest = b.abs().hi;
-        let bound = Interval { lo: if self.lo < 0.0 { -largest } else { 0.0 }, hi: if self.hi > 0.0 { largest } else { 0.0 } };
+        let bound =
+            Interval { lo: if self.lo < 0.0 { -largest } else { 0.0 }, hi: if self.hi > 0.0 { largest } else { 0.0 } };
         let found = self.sub(b.mul(whole));
         Interval { lo: found.lo.max(bound.lo), hi: found.hi.min(bound.hi) }.ordered(bound)
     }
@@ -318,15 +318,6 @@ impl Number for Interval {
         }
         let fold = |f: fn(f64, f64) -> f64, start| values.iter().copied().fold(start, f);
         Interval::rounded(fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY))
-    }
-    fn exponent(self) -> Range {
-        let Interval { lo, hi } = self.abs();
-        let exponent = |x: f64| i64::from(x.exponent() as i32);
-        match () {
-            () if hi.is_infinite() => Range { lo: -2000, hi: 2000 },
-            () if lo == 0.0 && hi > 0.0 => Range { lo: -2000, hi: exponent(hi).max(0) },
-            () => Range { lo: exponent(lo), hi: exponent(hi) },
-        }
     }
     fn sample(image: &Image<'_>, at: [Interval; 3], _: [bool; 4]) -> [Interval; 4] {
         let endless = |at: &Interval| at.lo.is_infinite() || at.hi.is_infinite();
@@ -491,8 +482,9 @@ impl Integer for Range {
         }
     }
     fn unary(self, function: IntUnary, signed: bool) -> Range {
-        if let Some(bits) = self.single() {
-            return Range::new(function.of(bits, signed), signed);
+        let bits = matches!(function, IntUnary::CountBits | IntUnary::LowestBit | IntUnary::HighestBit);
+        if let Some(value) = self.single() {
+            return Range::new(function.of(value, signed), signed || bits);
         }
         let a = self.reread(signed);
         match function {
@@ -502,7 +494,7 @@ impl Integer for Range {
             IntUnary::Abs => Range::held(0, a.hi.max(-a.lo), signed),
             IntUnary::Sign => Range { lo: a.lo.signum(), hi: a.hi.signum() },
             IntUnary::Not if signed => Range { lo: -1 - a.hi, hi: -1 - a.lo },
-            IntUnary::CountBits => Range { lo: 0, hi: 32 },
+            _ if bits => Range { lo: -1, hi: 32 },
             _ => Range::full(signed),
         }
     }

@@ -201,7 +201,13 @@ fn of_file(written: &[Reg], file: File) -> impl Iterator<Item = usize> + '_ {
 }
 
 /// Adds lanes to rows that hold those of `before`.
-fn add<T: Copy>(rows: &mut Vec<Row<T>>, bank: &Bank<T>, of: impl Iterator<Item = usize>, (before, lanes): (u64, u64), joins: &Joins<T>) {
+fn add<T: Copy>(
+    rows: &mut Vec<Row<T>>,
+    bank: &Bank<T>,
+    of: impl Iterator<Item = usize>,
+    (before, lanes): (u64, u64),
+    joins: &Joins<T>,
+) {
     for (slot, index) in of.enumerate() {
         let now = &bank.rows.rows[index];
         if slot == rows.len() {
@@ -213,7 +219,13 @@ fn add<T: Copy>(rows: &mut Vec<Row<T>>, bank: &Bank<T>, of: impl Iterator<Item =
 }
 
 /// Brings lanes back: those of `here` have come another way as well.
-fn take<T: Copy>(rows: &[Row<T>], bank: &mut Bank<T>, of: impl Iterator<Item = usize>, (lanes, here): (u64, u64), joins: &Joins<T>) {
+fn take<T: Copy>(
+    rows: &[Row<T>],
+    bank: &mut Bank<T>,
+    of: impl Iterator<Item = usize>,
+    (lanes, here): (u64, u64),
+    joins: &Joins<T>,
+) {
     for (row, index) in rows.iter().zip(of) {
         let now = &mut bank.rows.rows[index];
         each(lanes & here, |lane| now[lane] = (joins.join)(now[lane], row[lane]));
@@ -222,7 +234,13 @@ fn take<T: Copy>(rows: &[Row<T>], bank: &mut Bank<T>, of: impl Iterator<Item = u
 }
 
 /// The lanes in which nothing is new.
-fn old<T: Copy>(rows: &[Row<T>], bank: &Bank<T>, of: impl Iterator<Item = usize>, mut lanes: u64, joins: &Joins<T>) -> u64 {
+fn old<T: Copy>(
+    rows: &[Row<T>],
+    bank: &Bank<T>,
+    of: impl Iterator<Item = usize>,
+    mut lanes: u64,
+    joins: &Joins<T>,
+) -> u64 {
     for (row, index) in rows.iter().zip(of) {
         let now = &bank.rows.rows[index];
         each(lanes, |lane| lanes &= !(u64::from(!(joins.within)(now[lane], row[lane])) << lane));

@@ -25,6 +25,8 @@ pub use interval::Interval;
 pub use number::Number;
 pub use texture::{Texture, Wrap};
 
+use naga::front::spv::Error as SpirvError;
+
 use code::{Code, File, Input, Source};
 use number::{Integer, Truth};
 use run::Machine;
@@ -118,9 +120,17 @@ pub struct Lanes<N> {
     pub varyings: BTreeMap<u32, Vec<[N; 4]>>,
 }
 
+/// Functions of GLSL that naga does not read, by their numbers in GLSL.std.450.
+const FUNCTIONS: [(u32, &str); 5] = [
+    (35, "modf"),
+    (51, "frexp"),
+    (76, "interpolateAtCentroid"),
+    (77, "interpolateAtSample"),
+    (78, "interpolateAtOffset"),
+];
+
 /// Outputs of every lane by location, and the number of scalar operations that it took.
 pub type Measured<N> = (BTreeMap<u32, Vec<[N; 4]>>, u64);
-
 
 impl Program {
     /// Reads the fragment stage of a SPIR-V module. `constants` are specialization constants: their numbers, and their
@@ -137,11 +147,17 @@ impl Program {
             block_ctx_dump_prefix: None,
         };
         let module = naga::front::spv::Frontend::new(words.words.iter().copied(), &options).parse();
+        let uncovered = |construct, place| ExactError::Uncovered { construct, place };
         let module = module.map_err(|error| match error {
-            naga::front::spv::Error::UnsupportedInstruction(_, op) => ExactError::Uncovered {
-                construct: format!("the instruction {op:?}"),
-                place: words.place_of(op as u32).unwrap_or_else(|| "its line is not known".into()),
-            },
+            SpirvError::UnsupportedInstruction(_, op) => {
+                uncovered(format!("the instruction {op:?}"), words.place_of_op(op as u32))
+            }
+            SpirvError::UnsupportedExtInst(number) => {
+                let name = FUNCTIONS.iter().find(|(known, _)| *known == number);
+                let name =
+                    name.map_or_else(|| format!("number {number} of GLSL.std.450"), |(_, name)| name.to_string());
+                uncovered(format!("the function {name}"), words.place_of_function(number))
+            }
             other => ExactError::Spirv(other.to_string()),
         })?;
         let (mut code, classes) = lower::lower(&module, &words)?;
@@ -194,8 +210,7 @@ fn start(inputs: &Inputs, file: File, source: Source) -> Result<Start, ExactErro
         Source::Truth(truth) => Start::Truth(truth),
         Source::Size { image: binding, axis, signed } => Start::Int(image(inputs, binding)?.size[axis], signed),
         Source::Block { binding, offset, signed } => {
-            let bytes =
-                inputs.blocks.get(&binding).ok_or(ExactError::Missing { binding, what: "a uniform block" })?;
+            let bytes = inputs.blocks.get(&binding).ok_or(ExactError::Missing { binding, what: "a uniform block" })?;
             let word = bytes.get(offset as usize..offset as usize + 4);
             let word = word.ok_or_else(|| ExactError::Unfit {
                 binding,
@@ -270,7 +285,8 @@ impl Bound<'_> {
             Input::Varying(location) => Some(*location),
             Input::Fragment => None,
         });
-        let mut count = (fragment || !lanes.fragment_coordinates.is_empty()).then_some(lanes.fragment_coordinates.len());
+        let mut count =
+            (fragment || !lanes.fragment_coordinates.is_empty()).then_some(lanes.fragment_coordinates.len());
         for location in needed {
             let missing = || ExactError::Lanes(format!("the program reads location {location}, and the lanes lack it"));
             let found = lanes.varyings.get(&location).ok_or_else(missing)?.len();
@@ -333,6 +349,12 @@ impl Program {
     /// How large the lowered program is.
     pub fn summary(&self) -> String {
         let code = &self.code;
-        format!("{} instructions, registers {:?}, {} uniform, {} before the lanes", code.instrs.len(), code.registers, code.uniforms.iter().sum::<u32>(), code.prelude.len())
+        format!(
+            "{} instructions, registers {:?}, {} uniform, {} before the lanes",
+            code.instrs.len(),
+            code.registers,
+            code.uniforms.iter().sum::<u32>(),
+            code.prelude.len()
+        )
     }
 }

@@ -3,11 +3,11 @@
 //! Invariant: a lane of a number type whose comparisons are decided goes one way; the lanes that do not go it are masked
 //! out. A lane whose comparison is not decided goes both ways, and where they meet its registers hold what is either.
 
+use super::ExactError;
 use super::code::{Case, Code, Loop, Node, Op, Reg};
 use super::lanes::{Bank, Banks, Operand, State, each};
 use super::number::{Integer, Number, Truth};
 use super::texture::Image;
-use super::ExactError;
 
 /// Turns of a loop after which a program does not end.
 const ENDLESS: u64 = 1 << 26;
@@ -120,8 +120,7 @@ impl<'a, N: Number> Machine<'a, N> {
         let (mut holds, mut fails) = (0, 0);
         match self.banks.truths.rows.read(condition) {
             Operand::One(truth) => {
-                (holds, fails) =
-                    (if truth.may_hold() { mask } else { 0 }, if truth.may_fail() { mask } else { 0 });
+                (holds, fails) = (if truth.may_hold() { mask } else { 0 }, if truth.may_fail() { mask } else { 0 });
             }
             Operand::Lanes(row) => each(mask, |lane| {
                 holds |= u64::from(row[lane].may_hold()) << lane;
@@ -230,13 +229,7 @@ impl<'a, N: Number> Machine<'a, N> {
         live
     }
 
-    fn switch(
-        &mut self,
-        selector: Reg,
-        cases: &'a [Case],
-        written: &'a [Reg],
-        mask: u64,
-    ) -> Result<u64, ExactError> {
+    fn switch(&mut self, selector: Reg, cases: &'a [Case], written: &'a [Reg], mask: u64) -> Result<u64, ExactError> {
         let row = self.banks.ints.rows.read(selector);
         let chosen: Vec<Vec<N::Int>> =
             cases.iter().map(|case| case.values.iter().map(|value| N::Int::new(*value, true)).collect()).collect();

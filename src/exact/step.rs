@@ -63,7 +63,6 @@ impl<N: Number> Banks<N> {
             Op::FromInt => map1(float, mask, i.read(a), |x| N::from_int(x, signed)),
             Op::ToBits => map1(int, mask, f.read(a), |x| x.to_bits(signed)),
             Op::FromBits => map1(float, mask, i.read(a), N::from_bits),
-            Op::Exponent => map1(int, mask, f.read(a), N::exponent),
             Op::Ldexp => slow(float, mask, (f.read(a), i.read(b)), |(a, b)| a.ldexp(b)),
             Op::Select => match instr.dst.file {
                 File::Float => map3(float, mask, (t.read(a), f.read(b), f.read(c)), N::select),
@@ -89,8 +88,12 @@ impl<N: Number> Banks<N> {
                 let table = &code.tables[instr.table as usize];
                 let index = i.read(a);
                 match instr.dst.file {
-                    File::Float => pick(float, mask, index, table.len(), |at, lane| f.read(table[at]).at(lane), N::join),
-                    File::Int => pick(int, mask, index, table.len(), |at, lane| i.read(table[at]).at(lane), N::Int::join),
+                    File::Float => {
+                        pick(float, mask, index, table.len(), |at, lane| f.read(table[at]).at(lane), N::join)
+                    }
+                    File::Int => {
+                        pick(int, mask, index, table.len(), |at, lane| i.read(table[at]).at(lane), N::Int::join)
+                    }
                     File::Truth => {
                         pick(truth, mask, index, table.len(), |at, lane| t.read(table[at]).at(lane), N::Truth::join);
                     }

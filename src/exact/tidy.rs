@@ -64,7 +64,10 @@ impl Occurrences {
     pub(super) fn last_use(&self, reg: Reg, defined: usize) -> usize {
         let reads = self.reads.get(&reg).map(Vec::as_slice).unwrap_or_default();
         let last = |read: &usize| {
-            let around = self.loops.iter().filter(|(start, end)| (*start..*end).contains(read) && !(*start..*end).contains(&defined));
+            let around = self
+                .loops
+                .iter()
+                .filter(|(start, end)| (*start..*end).contains(read) && !(*start..*end).contains(&defined));
             around.map(|(_, end)| *end).fold(*read, usize::max)
         };
         reads.iter().map(last).max().unwrap_or(defined)
@@ -196,7 +199,9 @@ fn merge_stores(code: &mut Code, classes: &[Vec<Class>; 3], runs: &[(usize, usiz
     let found = Occurrences::of(code);
     let mut writes = found.writes.clone();
     let touched = |writes: &HashMap<Reg, Vec<usize>>, reg: &Reg, from: usize, to: usize| {
-        [&found.reads, writes].iter().any(|map| map.get(reg).is_some_and(|at| at.iter().any(|at| (from..to).contains(at))))
+        [&found.reads, writes]
+            .iter()
+            .any(|map| map.get(reg).is_some_and(|at| at.iter().any(|at| (from..to).contains(at))))
     };
     for &(start, end) in runs {
         for at in start..end {
