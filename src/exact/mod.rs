@@ -166,6 +166,11 @@ impl Program {
         Ok(Program { code })
     }
 
+    /// Number of scalar instructions; what functions and loops repeat counts as often as it is in the text.
+    pub fn instructions(&self) -> usize {
+        self.code.instrs.len()
+    }
+
     /// Puts a program and its inputs together.
     ///
     /// # Errors
@@ -343,18 +348,4 @@ fn quads<N: Number>(at: &[[N; 4]]) -> bool {
                     && near(quad[pixel][1], f64::from(pixel as u32 / 2), quad[0][1])
             })
         })
-}
-
-impl Program {
-    /// How large the lowered program is.
-    pub fn summary(&self) -> String {
-        let code = &self.code;
-        format!(
-            "{} instructions, registers {:?}, {} uniform, {} before the lanes",
-            code.instrs.len(),
-            code.registers,
-            code.uniforms.iter().sum::<u32>(),
-            code.prelude.len()
-        )
-    }
 }
