@@ -114,18 +114,20 @@ fn mark(nodes: &mut [Node], code: &Code, spans: &Spans, mut at: usize) -> (usize
             all.extend(code.instrs[*start..*end].iter().filter(|instr| instr.masked).map(|instr| instr.dst));
             at = *end;
         }
-        let mut own = HashSet::new();
+        let (mut own, mut ends) = (HashSet::new(), Vec::new());
         for part in parts(node) {
             let (end, written) = mark(part, code, spans, at);
             at = end;
+            ends.push(end);
             own.extend(written);
         }
-        let lives_on = own.iter().copied().filter(|reg| spans[reg].1 > at);
+        // What is needed where ways part or meet: behind the first branch, anywhere, or behind it all.
+        let needed_after = |at: usize| own.iter().copied().filter(|reg| spans[reg].1 > at).collect();
         match node {
-            Node::If { written, .. } | Node::Switch { written, .. } | Node::Scope { written, .. } => {
-                *written = lives_on.collect();
-            }
-            Node::Loop(node) => node.written = own.iter().copied().collect(),
+            Node::If { written, .. } => *written = needed_after(ends[0]),
+            Node::Switch { written, .. } => *written = needed_after(0),
+            Node::Scope { written, .. } => *written = needed_after(at),
+            Node::Loop(node) => node.written = needed_after(0),
             Node::Run(..) | Node::Break | Node::Continue | Node::Return | Node::Kill => {}
         }
         all.extend(own);

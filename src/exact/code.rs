@@ -52,7 +52,6 @@ pub(super) enum Op {
     ToBits,
     FromBits,
     Ldexp,
-    Exponent,
     /// The first where the condition holds, else the second; of any file.
     Select,
     Int(IntBinary),

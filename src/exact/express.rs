@@ -128,17 +128,14 @@ impl<'m> Lower<'m> {
                 depth_ref: None,
                 ..
             } => {
-                let level = match level {
-                    SampleLevel::Auto | SampleLevel::Zero => None,
-                    SampleLevel::Exact(level) => Some(self.scalar(frame, *level)?),
-                    _ => return Err(self.refuse("texture lookup with a bias or gradients")),
-                };
-                // There is one level: whatever is asked for is answered by it.
-                let _ = level;
+                // There is one level: it answers whatever is asked for.
+                if !matches!(level, SampleLevel::Auto | SampleLevel::Zero | SampleLevel::Exact(_)) {
+                    return Err(self.refuse("a texture lookup with a bias or gradients"));
+                }
                 self.lookup(frame, *image, Some(*sampler), *coordinate)?
             }
             Expression::ImageSample { .. } => {
-                return Err(self.refuse("texture lookup with gather, offset, layers or comparison"));
+                return Err(self.refuse("a texture lookup with gather, offset, layers or comparison"));
             }
             Expression::ImageLoad { image, coordinate, array_index: None, sample: None, .. } => {
                 self.lookup(frame, *image, None, *coordinate)?

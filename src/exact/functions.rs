@@ -1,7 +1,7 @@
 //! Lowering of GLSL's mathematical functions.
 
 use super::ExactError;
-use super::code::{File, Op, Reg};
+use super::code::{Op, Reg};
 use super::lower::Lower;
 use super::number::{IntBinary, IntUnary, Unary};
 use super::value::{Kind, Ty, Value};
@@ -60,7 +60,11 @@ impl Lower<'_> {
             M::Mix => (Op::Mix, 3),
             _ => return self.composite(function, values),
         };
-        Ok(self.by_component(op, &values[..count]))
+        let mut found = self.by_component(op, &values[..count]);
+        if matches!(function, M::CountOneBits | M::FirstTrailingBit | M::FirstLeadingBit) {
+            found.ty = found.ty.with(Kind::Sint); // of GLSL, whatever the argument
+        }
+        Ok(found)
     }
 
     fn by_component(&mut self, op: Op, values: &[Value]) -> Value {
@@ -137,18 +141,6 @@ impl Lower<'_> {
                 let part = self.value_binary(B::Divide, &way, &whole)?;
                 let part = self.by_component(Op::Unary(Unary::Saturate), &[part]);
                 self.by_component(Op::Unary(Unary::Hermite), &[part])
-            }
-            M::Modf => {
-                let whole = self.by_component(Op::Unary(Unary::Trunc), &[a.clone()]);
-                let part = self.value_binary(B::Subtract, a, &whole)?;
-                pair(part, whole)
-            }
-            M::Frexp => {
-                let exponent = self.by_component(Op::Exponent, &[a.clone()]);
-                let ty = a.ty.with(Kind::Sint);
-                let exponent = Value { ty, ..exponent };
-                let negated = self.by_component(Op::IntUnary(IntUnary::Negate), &[exponent.clone()]);
-                pair(self.by_component(Op::Ldexp, &[a.clone(), negated]), exponent)
             }
             M::Dot if float => scalar(self.dot(&a.regs, &second().regs)),
             M::Length => scalar(self.length(&a.regs)),
@@ -266,11 +258,4 @@ impl Lower<'_> {
         }
         sum.unwrap_or_else(|| self.float(1.0))
     }
-}
-
-/// A structure of two.
-fn pair(a: Value, b: Value) -> Value {
-    let regs = [&a.regs[..], &b.regs[..]].concat();
-    debug_assert!(regs.iter().all(|reg| reg.file != File::Truth));
-    Value::new(Ty::Struct([a.ty, b.ty].into()), regs)
 }

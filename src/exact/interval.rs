@@ -149,6 +149,7 @@ impl Number for Interval {
             _ => a.join(b),
         }
     }
+    #[inline(never)]
     fn unary(self, function: Unary) -> Interval {
         let Interval { lo, hi } = self;
         let exact = |f: fn(f64) -> f64| Interval { lo: f(lo), hi: f(hi) };
@@ -205,10 +206,12 @@ impl Number for Interval {
     fn sub(self, b: Interval) -> Interval {
         Interval::rounded(self.lo - b.hi, self.hi - b.lo)
     }
+    #[inline(never)]
     fn mul(self, b: Interval) -> Interval {
         let (lo, hi) = self.corners(b, |x, y| x * y);
         Interval::rounded(lo, hi)
     }
+    #[inline(never)]
     fn div(self, b: Interval) -> Interval {
         if b.contains(0.0) {
             return Interval::WHOLE;
@@ -217,17 +220,13 @@ impl Number for Interval {
         Interval::rounded(lo, hi)
     }
     fn min(self, b: Interval) -> Interval {
-        // One of them may be NaN: then the other.
-        let hi = match (self.is_whole(), b.is_whole()) {
-            (true, _) => b.hi,
-            (_, true) => self.hi,
-            _ => self.hi.min(b.hi),
-        };
-        Interval { lo: self.lo.min(b.lo), hi }
+        // Also where one of them may be NaN: then the other, which is not above its own end.
+        Interval { lo: self.lo.min(b.lo), hi: self.hi.min(b.hi) }
     }
     fn max(self, b: Interval) -> Interval {
         self.negate().min(b.negate()).negate()
     }
+    #[inline(never)]
     fn pow(self, b: Interval) -> Interval {
         if self.lo < 0.0 {
             return Interval::WHOLE;
@@ -235,6 +234,7 @@ impl Number for Interval {
         let (lo, hi) = self.corners(b, f64::powf);
         Interval::library(lo, hi).meet(0.0, f64::INFINITY)
     }
+    #[inline(never)]
     fn atan2(self, x: Interval) -> Interval {
         if self.is_whole() || x.is_whole() {
             return Interval::WHOLE;
@@ -246,6 +246,7 @@ impl Number for Interval {
         let (lo, hi) = self.corners(x, f64::atan2);
         Interval::library(lo, hi)
     }
+    #[inline(never)]
     fn rem(self, b: Interval) -> Interval {
         if b.contains(0.0) || self.lo.is_infinite() || self.hi.is_infinite() {
             return Interval::WHOLE;
@@ -257,6 +258,7 @@ impl Number for Interval {
         let found = self.sub(b.mul(whole));
         Interval { lo: found.lo.max(bound.lo), hi: found.hi.min(bound.hi) }.ordered(bound)
     }
+    #[inline(never)]
     fn unit(self, length: Interval) -> Interval {
         if self.is_whole() || length.contains(0.0) || length.hi.is_infinite() {
             return Interval::WHOLE; // 0 / 0 is NaN
@@ -264,6 +266,7 @@ impl Number for Interval {
         let margin = 1.0 + 4.0 * f64::EPSILON;
         self.div(length).meet(-margin, margin)
     }
+    #[inline(never)]
     fn mix(self, b: Interval, t: Interval) -> Interval {
         // Linear in each: the extremes are at corners.
         let [(a, c), (d, e)] = [t.lo, t.hi].map(|t| self.corners(b, |x, y| x * (1.0 - t) + y * t));
@@ -319,15 +322,7 @@ impl Number for Interval {
         let fold = |f: fn(f64, f64) -> f64, start| values.iter().copied().fold(start, f);
         Interval::rounded(fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY))
     }
-    fn exponent(self) -> Range {
-        let Interval { lo, hi } = self.abs();
-        let exponent = |x: f64| i64::from(x.exponent() as i32);
-        match () {
-            () if hi.is_infinite() => Range { lo: -2000, hi: 2000 },
-            () if lo == 0.0 && hi > 0.0 => Range { lo: -2000, hi: exponent(hi).max(0) },
-            () => Range { lo: exponent(lo), hi: exponent(hi) },
-        }
-    }
+    #[inline(never)]
     fn sample(image: &Image<'_>, at: [Interval; 3], _: [bool; 4]) -> [Interval; 4] {
         let endless = |at: &Interval| at.lo.is_infinite() || at.hi.is_infinite();
         if at[..image.axes].iter().any(|at| at.is_whole() || image.wrap != Wrap::Clamp && endless(at)) {
@@ -452,6 +447,7 @@ impl Integer for Range {
             _ => a.join(b),
         }
     }
+    #[inline(never)]
     fn binary(self, function: IntBinary, b: Range, signed: bool) -> Range {
         if let (Some(x), Some(y)) = (self.single(), b.single()) {
             return Range::new(x.binary(function, y, signed), signed);
@@ -490,9 +486,11 @@ impl Integer for Range {
             _ => Range::full(signed),
         }
     }
+    #[inline(never)]
     fn unary(self, function: IntUnary, signed: bool) -> Range {
-        if let Some(bits) = self.single() {
-            return Range::new(function.of(bits, signed), signed);
+        let bits = matches!(function, IntUnary::CountBits | IntUnary::LowestBit | IntUnary::HighestBit);
+        if let Some(value) = self.single() {
+            return Range::new(function.of(value, signed), signed || bits);
         }
         let a = self.reread(signed);
         match function {
@@ -502,10 +500,11 @@ impl Integer for Range {
             IntUnary::Abs => Range::held(0, a.hi.max(-a.lo), signed),
             IntUnary::Sign => Range { lo: a.lo.signum(), hi: a.hi.signum() },
             IntUnary::Not if signed => Range { lo: -1 - a.hi, hi: -1 - a.lo },
-            IntUnary::CountBits => Range { lo: 0, hi: 32 },
+            _ if bits => Range { lo: -1, hi: 32 },
             _ => Range::full(signed),
         }
     }
+    #[inline(never)]
     fn reread(self, signed: bool) -> Range {
         let full = Range::full(signed);
         match self.single() {

@@ -3,7 +3,7 @@
 use super::ExactError;
 use super::code::{Case, Code, File, Input, Instr, Loop, Node, Op, Reg, Source};
 use super::value::{Place, Thing, Ty, Value, image, is_private, layout};
-use super::words::Words;
+use super::words::{Words, unknown};
 use naga::{Block, Expression, Function, GlobalVariable, Handle, LocalVariable, Module, Statement, SwitchValue};
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -126,10 +126,7 @@ impl<'m> Lower<'m> {
     /// An error about what is being lowered.
     pub(super) fn refuse(&self, construct: impl Into<String>) -> ExactError {
         let place = self.here.and_then(|byte| self.words.place(byte));
-        ExactError::Uncovered {
-            construct: construct.into(),
-            place: place.unwrap_or_else(|| "its line is not known".into()),
-        }
+        ExactError::Uncovered { construct: construct.into(), place: place.unwrap_or_else(unknown) }
     }
 
     pub(super) fn ty(&self, ty: Handle<naga::Type>) -> Result<Ty, ExactError> {
@@ -227,7 +224,7 @@ impl<'m> Lower<'m> {
             Op::Gather => table[0].file,
             Op::Less | Op::LessEqual | Op::Equal | Op::IsNan | Op::IsInfinite => File::Truth,
             Op::IntLess | Op::IntEqual | Op::And | Op::Or | Op::Not | Op::Same => File::Truth,
-            Op::ToInt | Op::ToBits | Op::Exponent | Op::Int(_) | Op::IntUnary(_) | Op::Reread => File::Int,
+            Op::ToInt | Op::ToBits | Op::Int(_) | Op::IntUnary(_) | Op::Reread => File::Int,
             _ => File::Float,
         };
         let mut all = [sources[0]; 3];

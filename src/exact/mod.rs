@@ -25,6 +25,8 @@ pub use interval::Interval;
 pub use number::Number;
 pub use texture::{Texture, Wrap};
 
+use naga::front::spv::Error as SpirvError;
+
 use code::{Code, File, Input, Source};
 use number::{Integer, Truth};
 use run::Machine;
@@ -118,6 +120,15 @@ pub struct Lanes<N> {
     pub varyings: BTreeMap<u32, Vec<[N; 4]>>,
 }
 
+/// Functions of GLSL that naga does not read, by their numbers in GLSL.std.450.
+const FUNCTIONS: [(u32, &str); 5] = [
+    (35, "modf"),
+    (51, "frexp"),
+    (76, "interpolateAtCentroid"),
+    (77, "interpolateAtSample"),
+    (78, "interpolateAtOffset"),
+];
+
 /// Outputs of every lane by location, and the number of scalar operations that it took.
 pub type Measured<N> = (BTreeMap<u32, Vec<[N; 4]>>, u64);
 
@@ -136,17 +147,28 @@ impl Program {
             block_ctx_dump_prefix: None,
         };
         let module = naga::front::spv::Frontend::new(words.words.iter().copied(), &options).parse();
+        let uncovered = |construct, place| ExactError::Uncovered { construct, place };
         let module = module.map_err(|error| match error {
-            naga::front::spv::Error::UnsupportedInstruction(_, op) => ExactError::Uncovered {
-                construct: format!("the instruction {op:?}"),
-                place: words.place_of(op as u32).unwrap_or_else(|| "its line is not known".into()),
-            },
+            SpirvError::UnsupportedInstruction(_, op) => {
+                uncovered(format!("the instruction {op:?}"), words.place_of_op(op as u32))
+            }
+            SpirvError::UnsupportedExtInst(number) => {
+                let name = FUNCTIONS.iter().find(|(known, _)| *known == number);
+                let name =
+                    name.map_or_else(|| format!("number {number} of GLSL.std.450"), |(_, name)| name.to_string());
+                uncovered(format!("the function {name}"), words.place_of_function(number))
+            }
             other => ExactError::Spirv(other.to_string()),
         })?;
         let (mut code, classes) = lower::lower(&module, &words)?;
         tidy::tidy(&mut code, &classes);
         allocate::allocate(&mut code, &classes);
         Ok(Program { code })
+    }
+
+    /// Number of scalar instructions; what functions and loops repeat counts as often as it is in the text.
+    pub fn instructions(&self) -> usize {
+        self.code.instrs.len()
     }
 
     /// Puts a program and its inputs together.
@@ -326,18 +348,4 @@ fn quads<N: Number>(at: &[[N; 4]]) -> bool {
                     && near(quad[pixel][1], f64::from(pixel as u32 / 2), quad[0][1])
             })
         })
-}
-
-impl Program {
-    /// How large the lowered program is.
-    pub fn summary(&self) -> String {
-        let code = &self.code;
-        format!(
-            "{} instructions, registers {:?}, {} uniform, {} before the lanes",
-            code.instrs.len(),
-            code.registers,
-            code.uniforms.iter().sum::<u32>(),
-            code.prelude.len()
-        )
-    }
 }

@@ -67,8 +67,6 @@ pub trait Number: Copy + Debug + Send + Sync + 'static {
     fn from_bits(int: Self::Int) -> Self;
     /// `self * 2^exponent`.
     fn ldexp(self, exponent: Self::Int) -> Self;
-    /// The exponent of GLSL's `frexp`: 2^exponent is the least power of two above `|self|`; 0 of 0.
-    fn exponent(self) -> Self::Int;
     /// A texture's channels (as far as `wanted` says) at texture coordinates.
     fn sample(image: &super::texture::Image<'_>, at: [Self; 3], wanted: [bool; 4]) -> [Self; 4];
     /// A texel; outside of the image the nearest.
@@ -386,7 +384,7 @@ impl Number for f64 {
             Unary::Saturate => self.max(0.0).min(1.0),
             Unary::Square => self * self,
             Unary::Sqrt => self.sqrt(),
-            Unary::InverseSqrt => 1.0 / self.sqrt(),
+            Unary::InverseSqrt => 1.0 / self.sqrt().abs(), // also of -0
             Unary::Hermite => self * self * (3.0 - 2.0 * self),
             Unary::Exp => self.exp(),
             Unary::Exp2 => self.exp2(),
@@ -486,14 +484,6 @@ impl Number for f64 {
         let exponent = (exponent as i32).clamp(-2200, 2200);
         let half = exponent / 2;
         self * 2f64.powi(half) * 2f64.powi(exponent - half)
-    }
-    fn exponent(self) -> u32 {
-        if self == 0.0 || !self.is_finite() {
-            return 0;
-        }
-        let scaled = if self.abs() < f64::MIN_POSITIVE { self * 2f64.powi(64) } else { self };
-        let bits = (scaled.abs().to_bits() >> 52) as i32 - 1022;
-        (if scaled == self { bits } else { bits - 64 }) as u32
     }
     fn sample(image: &super::texture::Image<'_>, at: [f64; 3], wanted: [bool; 4]) -> [f64; 4] {
         image.sample(at, wanted)

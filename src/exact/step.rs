@@ -63,7 +63,6 @@ impl<N: Number> Banks<N> {
             Op::FromInt => map1(float, mask, i.read(a), |x| N::from_int(x, signed)),
             Op::ToBits => map1(int, mask, f.read(a), |x| x.to_bits(signed)),
             Op::FromBits => map1(float, mask, i.read(a), N::from_bits),
-            Op::Exponent => map1(int, mask, f.read(a), N::exponent),
             Op::Ldexp => slow(float, mask, (f.read(a), i.read(b)), |(a, b)| a.ldexp(b)),
             Op::Select => match instr.dst.file {
                 File::Float => map3(float, mask, (t.read(a), f.read(b), f.read(c)), N::select),

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 
 const HEADER: usize = 5;
 const STRING: u32 = 7;
+const EXTENDED: u32 = 12;
 const LINE: u32 = 8;
 const NO_LINE: u32 = 317;
 const MODULE_PROCESSED: u32 = 330;
@@ -79,17 +80,33 @@ impl Words {
         self.files.get(file).map(|file| format!("{file}:{line}"))
     }
 
-    /// File and line of the first instruction with this number.
-    pub(super) fn place_of(&self, op: u32) -> Option<String> {
+    /// File and line of the first instruction of which this holds.
+    pub(super) fn place_of(&self, is: impl Fn(&[u32]) -> bool) -> String {
         let mut at = HEADER;
         while at < self.words.len() {
-            if self.words[at] & 0xffff == op {
-                return self.place(4 * at);
+            let end = at + ((self.words[at] >> 16) as usize).max(1);
+            if is(&self.words[at..end]) {
+                return self.place(4 * at).unwrap_or_else(unknown);
             }
-            at += ((self.words[at] >> 16) as usize).max(1);
+            at = end;
         }
-        None
+        unknown()
     }
+
+    /// The same of an instruction by its number.
+    pub(super) fn place_of_op(&self, op: u32) -> String {
+        self.place_of(|instruction| instruction[0] & 0xffff == op)
+    }
+
+    /// The same of a function of GLSL by its number.
+    pub(super) fn place_of_function(&self, number: u32) -> String {
+        self.place_of(|instruction| instruction[0] & 0xffff == EXTENDED && instruction.get(4) == Some(&number))
+    }
+}
+
+/// What is said of a place in SPIR-V that has no lines.
+pub(super) fn unknown() -> String {
+    "its line is not known".into()
 }
 
 fn text(words: &[u32]) -> String {
