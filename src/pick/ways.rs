@@ -15,13 +15,16 @@ pub(super) struct Families {
 
 /// Every way that has the truth of the scene, with the fewest samples, and that may have an error below `error`.
 pub(super) fn families(scene: &Scene, library: &Library, error: f64) -> Result<Families, CompareError> {
-    let truth = truth_of(scene);
+    let truth = truth_of(scene, library)?;
     let mut base = scene.clone();
+    // Said, so that another module does not repeat as it would by itself.
+    (base.effect.noise_repeat, base.effect.turbulence_repeat) =
+        (truth.effect.noise_repeat, truth.effect.turbulence_repeat);
     (base.quality.traverse, base.quality.order) = (Traverse::Leap, Order::FrontToBack);
     let sweep = Sweep { samples: Some(vec![super::SAMPLES[0]]), ..Sweep::default() };
     let mut families = Families { kept: Vec::new(), left_out: 0 };
     for mut way in candidates(&base, library, &sweep)? {
-        if truth_of(&way.scene) != truth {
+        if truth_of(&way.scene, library)? != truth {
             continue;
         }
         if way.blend_bound() > error {
@@ -45,16 +48,16 @@ pub(super) fn with_samples(way: &Candidate, samples: u32) -> Candidate {
 }
 
 /// The way that has no error but that of its steps.
-pub(super) fn finest(scene: &Scene, library: &Library, samples: u32) -> Scene {
-    let mut finest = truth_of(scene);
+pub(super) fn finest(scene: &Scene, library: &Library, samples: u32) -> Result<Scene, CompareError> {
+    let mut finest = truth_of(scene, library)?;
     finest.quality.samples = samples;
     let rules = [(Pass::March, Rule::Segment), (Pass::Slices, Rule::Segment), (Pass::March, Rule::Point)];
     for (pass, rule) in rules {
         (finest.quality.pass, finest.quality.rule) = (pass, rule);
         if finest.check(library).is_ok() {
-            return finest;
+            return Ok(finest);
         }
     }
     (finest.quality.pass, finest.quality.rule) = (Pass::Slices, Rule::Point);
-    finest
+    Ok(finest)
 }

@@ -199,8 +199,8 @@ impl Program {
     pub fn left_out(&self) -> Vec<&'static str> {
         const PARTS: [(&str, &str); 9] = [
             ("volume_image", "volume"),
-            ("noise_image", "noise block"),
-            ("turbulence_image", "turbulence block"),
+            ("noise_", "noise block"), // with or without its gradient
+            ("turbulence_", "turbulence block"),
             ("transfer_image", "transfer map"),
             ("segment_image", "segment table"),
             ("classified_image", "classified volume"),
@@ -334,6 +334,6 @@ mod tests {
         let mut scene = preset("fur").unwrap();
         scene.effect.dmf = vec!["fur".into(), "fire".into()];
         let program = program(&scene);
-        assert!(program.reads("noise_image") && program.reads("turbulence_image"));
+        assert!(program.reads("noise_image") && program.reads("turbulence_value_image"));
     }
 }

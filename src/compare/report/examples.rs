@@ -4,8 +4,9 @@ use super::{Environment, Report};
 use crate::compare::candidates::{Sweep, candidates};
 use crate::compare::metrics::Metrics;
 use crate::compare::timing::Run;
-use crate::compare::{Comparison, Row, Truths};
+use crate::compare::{Comparison, Row};
 use crate::glsl;
+use crate::reference::Reference;
 use crate::render::Frame;
 use crate::scene::preset;
 
@@ -33,17 +34,20 @@ pub fn report() -> Report {
         };
         let run = |index: u32| Run { gpu_ms: samples + 0.01 * f64::from(index), wall_ms: samples + 2.0 };
         let first = Frame { size: [8, 8], pixels: Vec::new(), measurements: Default::default() };
-        Row { candidate, metrics, reference_error: 1e-7, normals: None, runs: (0..7).map(run).collect(), first }
+        let truth = Reference { size: [8, 8], pixels: vec![[0.0; 4]; 64], estimate: vec![0.0; 64] };
+        Row {
+            candidate,
+            truth: truth.into(),
+            metrics,
+            reference_error: 1e-7,
+            normals: None,
+            runs: (0..7).map(run).collect(),
+            first,
+        }
     };
     let rows: Vec<Row> = candidates(&scene, &glsl::shipped(), &sweep).unwrap().into_iter().map(row).collect();
-    let comparison = Comparison {
-        scene: scene.clone(),
-        planned: rows.len(),
-        rows,
-        failures: Vec::new(),
-        partial: false,
-        truths: Truths::default(),
-    };
+    let comparison =
+        Comparison { scene: scene.clone(), planned: rows.len(), rows, failures: Vec::new(), partial: false };
     let environment = Environment { device: "a device".into(), ..Environment::default() };
     let hash = super::hash(&scene);
     let (pictures, crops) = (Vec::new(), Vec::new());

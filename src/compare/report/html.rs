@@ -153,7 +153,7 @@ fn front_pictures(report: &Report) -> String {
     let mut figures = Vec::new();
     for (index, frame) in &report.pictures {
         let row = &comparison.rows[*index];
-        let Some(truth) = comparison.truths.known(&row.candidate.scene) else { continue };
+        let truth = &row.truth;
         let pixels: Vec<[f64; 4]> = frame.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
         let address = [
             images::picture(&truth.pixels, frame.size, background),
