@@ -27,7 +27,8 @@ pub struct Probe {
 impl Probe {
     /// The program of a file of `tests/glsl` with modules in its slots; `None` where it does not reach `slot`.
     pub fn new(library: &Library, text: &str, choice: &Slots, slot: &str, given: bool) -> Option<Probe> {
-        let library = library.clone().with_module("probe", "exact", &text.replace("POINT", if given { GIVEN } else { HASHED }));
+        let library =
+            library.clone().with_module("probe", "exact", &text.replace("POINT", if given { GIVEN } else { HASHED }));
         let entries = ["march.vert", "probe/exact.glsl"];
         let slots = library.needed(&entries, choice).unwrap();
         if !slots.contains_key(slot) {
