@@ -177,7 +177,6 @@ fn functions_of_several_numbers_are_their_definitions() {
 #[test]
 fn functions_of_vectors_and_matrices_are_their_definitions() {
     type Of = fn([f64; 3], f64) -> [f64; 4];
-    let n = [0.6, 0.0, 0.8];
     let functions: [(&str, Of); 9] = [
         ("vec4(dot(v, n), length(v), distance(v, n), length(x.w))", |v, w| {
             let n = [0.6f32, 0.0, 0.8].map(f64::from);
@@ -214,12 +213,11 @@ fn functions_of_vectors_and_matrices_are_their_definitions() {
         (
             "vec4(determinant(m), m[1][2], (m * inverse(m))[0][0] * 0.0 + determinant(transpose(m)), outerProduct(v, v)[2].x)",
             |v, w| {
-                let determinant = 2.0 + w * -1.0;
+                let determinant = 2.0 - w;
                 [determinant, -1.0, determinant, v[0] * v[2]]
             },
         ),
     ];
-    let _ = n;
     for (text, function) in functions {
         let body = format!(
             "vec3 v = x.xyz; const vec3 n = vec3(0.6, 0.0, 0.8);\n\
@@ -331,7 +329,7 @@ fn arrays_and_structures_are_indexed_by_lanes() {
         let (i, j) = ((x[0] + 3.0).floor() as usize % 5, x[1].abs() as usize);
         let (mut a, mut b, mut v, mut m) = ([x[0], x[1]], [x[0], x[1], x[2]], x, [[x[0], x[1]], [x[2], x[3]]]);
         b[j % 3] = x[3];
-        a[j % 3 & 1] += x[3];
+        a[(j % 3) & 1] += x[3];
         v[j] = 9.0;
         m[i & 1][j & 1] = 7.0;
         let table = [1.0, -2.0, 4.0, -8.0, 16.0];

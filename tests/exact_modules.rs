@@ -1,4 +1,5 @@
 //! Every shipped module in the exact evaluator: against the device, and in intervals.
+#![expect(clippy::unwrap_used, reason = "a test fails where a module is not as described")]
 
 mod common;
 #[path = "common/probe.rs"]
@@ -7,7 +8,7 @@ mod probe;
 use common::with_gpu;
 use hypertexture::exact::{Interval, Lanes};
 use hypertexture::glsl::{self, Library, Slots};
-use hypertexture::scene::{self, Scene};
+use hypertexture::scene;
 use hypertexture::variant::Variant;
 use probe::Probe;
 use std::collections::BTreeMap;
@@ -20,7 +21,7 @@ const GLASS: &str = include_str!("glsl/exact_glass.glsl");
 /// that need certain modules beside them.
 type Subject = (&'static str, &'static str, &'static str, &'static [(&'static str, &'static str)]);
 
-const SLOTS: [Subject; 26] = [
+const SLOTS: [Subject; 25] = [
     ("object", POINT, "lit", &[]),
     ("softness", POINT, "fire", &[]),
     ("surface", POINT, "solid", &[]),
@@ -32,7 +33,7 @@ const SLOTS: [Subject; 26] = [
     ("gradient", POINT, "clouds", &[("medium", "lit")]),
     ("opacity", POINT, "fire", &[]),
     ("warp", POINT, "noisy_sphere", &[]),
-    ("dmf", POINT, "fire", &[("medium", "material")]),
+    ("dmf", POINT, "fire", &[]),
     ("project", POINT, "fur", &[]),
     ("shadow", POINT, "fur", &[]),
     ("classify", POINT, "fire", &[]),
@@ -46,35 +47,42 @@ const SLOTS: [Subject; 26] = [
     ("absorption", GLASS, "blue_glass", &[]),
     ("environment", GLASS, "blue_glass", &[]),
     ("course", GLASS, "blue_glass", &[("index", "transfer")]),
-    ("proxy", "", "lit", &[]),
 ];
 
 /// Calls `on` with a name, a probe's text, the slots and the slot that must be reached: every module, and every preset.
 fn each(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
-    let slots_of = |scene: &Scene| {
-        let mut slots = scene.slots();
-        slots.extend(Variant::of(scene, library).unwrap().slots);
-        slots
-    };
-    for (slot, probe, preset, beside) in SLOTS.iter().filter(|subject| !subject.1.is_empty()) {
-        let base = slots_of(&scene::preset(preset).unwrap());
+    let presets: Vec<(&str, Slots, Slots)> = scene::names()
+        .map(|name| {
+            let scene = scene::preset(name).unwrap();
+            let reached = Variant::of(&scene, library).unwrap().slots;
+            let mut all = scene.slots();
+            all.extend(reached.clone());
+            (name, all, reached)
+        })
+        .collect();
+    // What glass classifies is clear: its probe shows the rest of it.
+    let of = |slots: &Slots, probe: &'static str| if slots["classify"] == ["clear"] { GLASS } else { probe };
+    for (slot, probe, preset, beside) in SLOTS {
         for module in library.modules(slot) {
-            if (*slot, module) == ("classify", "objects") {
+            if (slot, module) == ("classify", "objects") {
                 continue; // `boolean` goes through it
             }
-            let mut choice = base.clone();
-            for (slot, module) in *beside {
+            // Some modules need others beside them: a preset that has this one has those.
+            let has = |slots: &Slots| slots.get(slot).is_some_and(|names| names.iter().any(|name| name == module));
+            let found = presets.iter().find(|(_, _, reached)| beside.is_empty() && has(reached));
+            let found = found.or_else(|| presets.iter().find(|(name, ..)| *name == preset)).unwrap();
+            let mut choice = found.1.clone();
+            for (slot, module) in beside {
                 choice.insert(slot.to_string(), vec![module.to_string()]);
             }
-            match *slot {
-                "mask" => choice.insert("dmf".into(), vec![format!("noisy@{module}")]),
-                _ => choice.insert(slot.to_string(), vec![module.to_string()]),
-            };
-            on(&format!("{slot}/{module}"), probe, &choice, if *slot == "mask" { "dmf" } else { slot });
+            let (filled, name) =
+                if slot == "mask" { ("dmf", format!("noisy@{module}")) } else { (slot, module.into()) };
+            choice.insert(filled.to_string(), vec![name]);
+            on(&format!("{slot}/{module}"), of(&choice, probe), &choice, filled);
         }
     }
-    for name in scene::names() {
-        on(name, POINT, &slots_of(&scene::preset(name).unwrap()), "classify");
+    for (name, choice, _) in &presets {
+        on(name, of(choice, POINT), choice, "classify");
     }
 }
 
@@ -94,11 +102,58 @@ fn no_slot_is_left_out() {
 /// Pixels on a side: 10^5 points and more.
 const SIDE: u32 = 320;
 
-/// Largest error of f32 beside f64, relative to 1 and the value: 400 roundings.
+/// Largest error of f32 beside f64, relative to 1 and the value: 400 roundings. Where a module is steep, four times what
+/// a step of [`NUDGE`] along each axis changes is added to it.
 const BOUND: f64 = 400.0 / (1 << 24) as f64;
+/// Rounding of coordinates of unit size in some operations on the way to a module.
+const NUDGE: f64 = 1.0 / (1 << 21) as f64;
+/// Part of the points that may be off by more: those next to a jump, of a floor or a threshold.
+const NEAR_JUMPS: f64 = 1e-3;
+/// A module whose function the device has less exactly than others: Vulkan gives a sine 2^-11.
+const SINE: (&str, f64) = ("dmf/waves", 4.0);
+/// The floor of the studio is a difference over a footprint of 2^-7 in the probe of glass: that many roundings more.
+const STUDIO: f64 = 32.0;
 
-/// Parts of the points that may be off by more: those next to a jump, of a floor, a threshold or a shadow's texel.
-const NEAR_JUMPS: f64 = 5e-3;
+/// The point that a probe on the device has at a pixel: the hash of `glsl/hash.glsl`.
+fn hashed(pixel: u32) -> [f64; 4] {
+    let mut v = [pixel % SIDE, pixel / SIDE, 7].map(|c| c.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    let mix =
+        |v: &mut [u32; 3]| (0..3).for_each(|k| v[k] = v[k].wrapping_add(v[(k + 1) % 3].wrapping_mul(v[(k + 2) % 3])));
+    mix(&mut v);
+    v = v.map(|c| c ^ (c >> 16));
+    mix(&mut v);
+    let [x, y, z] = v.map(|c| f64::from(c >> 14) / 65536.0 - 2.0);
+    [x, y, z, -2.0]
+}
+
+fn coordinates(pixel: u32) -> [f64; 4] {
+    [f64::from(pixel % SIDE) + 0.5, f64::from(pixel / SIDE) + 0.5, 0.5, 1.0]
+}
+
+/// What the device may be off by at some pixels.
+fn allowed(given: &Probe, pixels: &[u32], factor: f64) -> Vec<f64> {
+    let program = given.program();
+    let bound = program.bind(&given.inputs).unwrap();
+    let at = |nudge: [f64; 3]| {
+        let moved = |pixel: &u32| {
+            let [x, y, z, w] = hashed(*pixel);
+            [x + nudge[0], y + nudge[1], z + nudge[2], w]
+        };
+        let fragment_coordinates = pixels.iter().map(|pixel| coordinates(*pixel)).collect();
+        let lanes = Lanes { fragment_coordinates, varyings: BTreeMap::from([(0, pixels.iter().map(moved).collect())]) };
+        bound.run::<f64>(&lanes).unwrap()[&0].clone()
+    };
+    let middle = at([0.0; 3]);
+    let mut allowed = vec![factor * BOUND; pixels.len()];
+    for (axis, side) in (0..3).flat_map(|axis| [(axis, NUDGE), (axis, -NUDGE)]) {
+        let mut nudge = [0.0; 3];
+        nudge[axis] = side;
+        for ((allowed, a), b) in allowed.iter_mut().zip(&middle).zip(at(nudge)) {
+            *allowed += 4.0 * (0..4).map(|channel| (a[channel] - b[channel]).abs()).fold(0.0, f64::max);
+        }
+    }
+    allowed
+}
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
@@ -107,41 +162,49 @@ fn f64_agrees_with_the_device_on_every_module_and_preset() {
     let mut failed = Vec::new();
     with_gpu(|gpu| {
         each(&library, |name, text, choice, slot| {
-            let Some(probe) = Probe::new(&library, text, choice, slot, false) else {
+            let made = [false, true].map(|given| Probe::new(&library, text, choice, slot, given));
+            let [Some(probe), Some(given)] = made else {
                 failed.push(format!("{name}: its probe does not reach it"));
                 return;
             };
             let seen = probe.draw(gpu, SIDE);
-            let places = (0..SIDE * SIDE).map(|pixel| {
-                let [x, y] = [pixel % SIDE, pixel / SIDE].map(|at| f64::from(at) + 0.5);
-                [x, y, 0.5, 1.0]
-            });
-            let lanes = Lanes { fragment_coordinates: places.collect(), varyings: BTreeMap::new() };
+            let lanes =
+                Lanes { fragment_coordinates: (0..SIDE * SIDE).map(coordinates).collect(), varyings: BTreeMap::new() };
             let program = probe.program();
             let found = &program.bind(&probe.inputs).unwrap().run::<f64>(&lanes).unwrap()[&0];
-            let errors = seen.iter().zip(found).map(|(seen, found)| {
-                let off = |channel: usize| {
-                    let (a, b) = (f64::from(seen[channel]), found[channel]);
+            let error = |pixel: usize| {
+                let off = (0..4).map(|channel| {
+                    let (a, b) = (f64::from(seen[pixel][channel]), found[pixel][channel]);
                     if a.is_nan() && b.is_nan() { 0.0 } else { (a - b).abs() / (1.0 + b.abs()) }
-                };
-                (0..4).map(off).fold(0.0, |worst: f64, off| if off.is_nan() { f64::INFINITY } else { worst.max(off) })
-            });
-            let errors: Vec<f64> = errors.collect();
-            let beyond = errors.iter().filter(|error| **error > BOUND).count() as f64 / errors.len() as f64;
-            let within = errors.iter().copied().filter(|error| *error <= BOUND).fold(0.0, f64::max);
-            let worst = errors.iter().copied().fold(0.0, f64::max);
-            let busy =
-                found.iter().filter(|value| value.iter().any(|x| *x != 0.0)).count() as f64 / errors.len() as f64;
+                });
+                off.fold(0.0, |worst: f64, off| if off.is_nan() { f64::INFINITY } else { worst.max(off) })
+            };
+            let (beyond, within): (Vec<u32>, Vec<u32>) =
+                (0..SIDE * SIDE).partition(|pixel| error(*pixel as usize) > BOUND);
+            let worst = within.iter().map(|pixel| error(*pixel as usize)).fold(0.0, f64::max);
+            let factor = if text == GLASS {
+                STUDIO
+            } else if name == SINE.0 {
+                SINE.1
+            } else {
+                1.0
+            };
+            let allowed = allowed(&given, &beyond, factor);
+            let jumps =
+                beyond.iter().zip(&allowed).filter(|(pixel, allowed)| error(**pixel as usize) > **allowed).count();
+            let percent = |count: usize| 100.0 * count as f64 / f64::from(SIDE * SIDE);
+            let busy = found.iter().filter(|value| value.iter().any(|x| *x != 0.0)).count();
             println!(
-                "{name:28} {:5.1} % not empty, within the bound {within:.1e}, beyond {:.3} %, worst {worst:.1e}",
-                100.0 * busy,
-                100.0 * beyond
+                "{name:28} {:5.1} % not empty; error up to {worst:.1e}, steep {:.3} %, at jumps {:.3} %",
+                percent(busy),
+                percent(beyond.len() - jumps),
+                percent(jumps)
             );
-            if beyond > NEAR_JUMPS || busy < 0.01 {
+            if percent(jumps) > 100.0 * NEAR_JUMPS || percent(busy) < 1.0 {
                 failed.push(format!(
-                    "{name}: {:.3} % beyond the bound, {:.1} % not empty",
-                    100.0 * beyond,
-                    100.0 * busy
+                    "{name}: {:.3} % beyond what is allowed, {:.1} % not empty",
+                    percent(jumps),
+                    percent(busy)
                 ));
             }
         });
@@ -161,10 +224,12 @@ impl Random {
     }
 }
 
+/// Boxes of each program, and points in each.
+const BOXES: usize = 448;
+const POINTS: usize = 24;
+
 #[test]
 fn intervals_hold_what_their_points_give_on_every_module_and_preset() {
-    const BOXES: usize = 448;
-    const POINTS: usize = 24;
     let library = glsl::shipped();
     let mut random = Random(7);
     let mut total = 0;

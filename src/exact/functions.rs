@@ -117,7 +117,7 @@ impl Lower<'_> {
                 let (zero, one) = (self.float(0.0), self.float(1.0));
                 let (low, high) = (second(), third());
                 if low.regs.iter().all(|reg| *reg == zero) && high.regs.iter().all(|reg| *reg == one) {
-                    return Ok(self.by_component(Op::Unary(Unary::Saturate), &[a.clone()]));
+                    return Ok(self.by_component(Op::Unary(Unary::Saturate), std::slice::from_ref(a)));
                 }
                 let low = self.by_component(max, &[a.clone(), low]);
                 self.by_component(min, &[low, high])
@@ -167,7 +167,7 @@ impl Lower<'_> {
                 let facing = self.dot(&third().regs, &second().regs);
                 let zero = self.float(0.0);
                 let facing = self.emit(Op::Less, false, &[facing, zero]);
-                let back = self.by_component(Op::Unary(Unary::Negate), &[a.clone()]);
+                let back = self.by_component(Op::Unary(Unary::Negate), std::slice::from_ref(a));
                 self.chosen(facing, a, &back)
             }
             M::Reflect => {

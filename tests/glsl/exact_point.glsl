@@ -10,6 +10,8 @@ vec4 color = vec4(1.0);
 const bool follows = false;
 mat3 ray_basis;
 #include <projection>
+#include <jitter>
+#include <clip>
 #include <classify>
 
 void main() {
