@@ -218,7 +218,7 @@ pub fn pick(
         let other = fitting.iter().find(|drawn| drawn.way.scene.quality.pass != pass);
         let other = other.map(|drawn| (drawn.way.label(), drawn.ms));
         let share = |done: f32| progress(0.7 + 0.3 * done);
-        let verified = match verify::verify(gpu, library, &best.way.scene, subject, bound.metric, &share) {
+        let verified = match verify::verify(gpu, library, &best.way.scene, subject, bound, &share) {
             Ok(verified) => Ok(verified),
             Err(ReferenceError::NoLimit(why)) => Err(why.to_string()),
             Err(ReferenceError::Exact(error)) => Err(error.to_string()),

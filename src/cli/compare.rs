@@ -9,7 +9,7 @@ use hypertexture::compare::report::{self, Environment, Report};
 use hypertexture::compare::{Comparison, Settings, Stage, compare, paper};
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output;
-use hypertexture::reference::{Reference, reference};
+use hypertexture::reference::{Reference, TOLERANCE, reference};
 use hypertexture::render::Subject;
 use hypertexture::scene::Scene;
 use std::error::Error;
@@ -150,6 +150,6 @@ fn conclude(report: &Report, page: &Path, quiet: bool) -> Result<(), Box<dyn Err
 
 /// The exact picture of a scene.
 fn truth(stage: Stage<'_>, scene: &Scene) -> Result<Arc<Reference>, String> {
-    let found = reference(stage.library, scene, stage.subject, &|_| ());
+    let found = reference(stage.library, scene, stage.subject, TOLERANCE, &|_| ());
     found.map(Arc::new).map_err(|error| error.to_string())
 }

@@ -1,6 +1,6 @@
 //! A way held against the f64 reference.
 
-use super::Metric;
+use super::Bound;
 use crate::compare::timing::Random;
 use crate::glsl::Library;
 use crate::gpu::Gpu;
@@ -13,6 +13,8 @@ use serde::{Deserialize, Serialize};
 const PART: f64 = 0.05;
 /// The fewest and the most of them.
 const PIXELS: [usize; 2] = [256, 1024];
+/// The reference may be wrong by this part of the bound.
+const OWN: f64 = 0.02;
 /// A pixel that differs from a neighbor by more than this is at an edge, where few pixels have most of the error: half of
 /// those that are looked at are such. Less: all of a furry object is an edge. More: a dim outline is none.
 const EDGE: f32 = 0.1;
@@ -35,16 +37,17 @@ pub(super) fn verify(
     library: &Library,
     scene: &Scene,
     subject: &Subject,
-    metric: Metric,
+    bound: Bound,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Verified, ReferenceError> {
     let frame = render(gpu, library, scene, subject)?;
+    let tolerance = (OWN * bound.error).clamp(1e-7, TOLERANCE);
     let looked_at = Sample::of(&frame);
-    let reference = reference_pixels(library, scene, subject, &looked_at.pixels, TOLERANCE, progress)?;
+    let reference = reference_pixels(library, scene, subject, &looked_at.pixels, tolerance, progress)?;
     let width = scene.image.size[0] as usize;
     let drawn = looked_at.pixels.iter().map(|[x, y]| frame.pixels[*y as usize * width + *x as usize].map(f64::from));
     let pairs = drawn.zip(reference.pixels.iter().copied()).zip(&looked_at.weights);
-    let error = metric.of(pairs.map(|((drawn, truth), weight)| (drawn, truth, *weight)));
+    let error = bound.metric.of(pairs.map(|((drawn, truth), weight)| (drawn, truth, *weight)));
     let estimate = reference.estimate.iter().zip(&looked_at.weights).map(|(estimate, weight)| (*estimate, *weight));
     let estimate = super::root_mean_square(estimate);
     let ms = frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0);
