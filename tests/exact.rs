@@ -2,7 +2,7 @@
 
 use hypertexture::exact::{Bound, Inputs, Interval, Lanes, Number, Program, Texture, Wrap};
 use hypertexture::glsl::{self, Library, Linker, Slots, Stage};
-use hypertexture::scene;
+use hypertexture::scene::{self, Pass};
 use hypertexture::variant::Variant;
 use std::collections::BTreeMap;
 
@@ -455,16 +455,23 @@ fn a_loop_without_a_bound_gives_the_whole_line() {
 }
 
 #[test]
-fn every_preset_lowers() {
+fn every_program_of_every_preset_lowers() {
     let library = glsl::shipped();
     for name in scene::names() {
-        let scene = scene::preset(name).unwrap();
-        let variant = Variant::of(&scene, &library).unwrap();
-        let linked = variant.program(&library, Linker::new).unwrap();
-        let start = std::time::Instant::now();
-        let program = Program::read(&linked.fragment, &[]).unwrap_or_else(|error| panic!("{name}: {error}"));
-        println!("{name}: {} instructions, {:.1} ms", program.instructions(), start.elapsed().as_secs_f64() * 1e3);
-        let shadow = variant.shadow(&scene, &library).unwrap().program(&library, Linker::new).unwrap();
-        Program::read(&shadow.fragment, &[]).unwrap_or_else(|error| panic!("shadow of {name}: {error}"));
+        let mut scene = scene::preset(name).unwrap();
+        let own = scene.quality.pass;
+        for pass in [Pass::March, own] {
+            scene.quality.pass = pass;
+            let variant = Variant::of(&scene, &library).unwrap();
+            let linked = variant.program(&library, Linker::new).unwrap();
+            let start = std::time::Instant::now();
+            let program = Program::read(&linked.fragment, &[]).unwrap_or_else(|error| panic!("{name}: {error}"));
+            let ms = start.elapsed().as_secs_f64() * 1e3;
+            println!("{name}, {}: {} instructions, {ms:.1} ms", variant.entries[1], program.instructions());
+            if pass == own {
+                let shadow = variant.shadow(&scene, &library).unwrap().program(&library, Linker::new).unwrap();
+                Program::read(&shadow.fragment, &[]).unwrap_or_else(|error| panic!("shadow of {name}: {error}"));
+            }
+        }
     }
 }

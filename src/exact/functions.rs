@@ -80,10 +80,6 @@ impl Lower<'_> {
         Value::new(ty, regs)
     }
 
-    fn value_binary(&mut self, op: BinaryOperator, a: &Value, b: &Value) -> Result<Value, ExactError> {
-        self.binary(op, a, b)
-    }
-
     fn scaled(&mut self, value: &Value, by: Reg) -> Value {
         let by = Value::new(Ty::Scalar(Kind::Float), vec![by]);
         self.by_component(Op::Mul, &[value.clone(), by])
@@ -128,7 +124,7 @@ impl Lower<'_> {
                 self.scaled(a, factor)
             }
             M::Step => {
-                let below = self.value_binary(B::Less, &second(), a)?;
+                let below = self.binary(B::Less, &second(), a)?;
                 let (one, zero) = (self.float(1.0), self.float(0.0));
                 let regs = below.regs.iter().map(|below| self.emit(Op::Select, false, &[*below, zero, one]));
                 let regs = regs.collect();
@@ -136,16 +132,16 @@ impl Lower<'_> {
             }
             M::SmoothStep => {
                 let (from, to, x) = (a, second(), third());
-                let way = self.value_binary(B::Subtract, &x, from)?;
-                let whole = self.value_binary(B::Subtract, &to, from)?;
-                let part = self.value_binary(B::Divide, &way, &whole)?;
+                let way = self.binary(B::Subtract, &x, from)?;
+                let whole = self.binary(B::Subtract, &to, from)?;
+                let part = self.binary(B::Divide, &way, &whole)?;
                 let part = self.by_component(Op::Unary(Unary::Saturate), &[part]);
                 self.by_component(Op::Unary(Unary::Hermite), &[part])
             }
             M::Dot if float => scalar(self.dot(&a.regs, &second().regs)),
             M::Length => scalar(self.length(&a.regs)),
             M::Distance => {
-                let way = self.value_binary(B::Subtract, a, &second())?;
+                let way = self.binary(B::Subtract, a, &second())?;
                 scalar(self.length(&way.regs))
             }
             M::Normalize => {
@@ -176,7 +172,7 @@ impl Lower<'_> {
                 let two = self.float(2.0);
                 let twice = self.emit(Op::Mul, false, &[two, cosine]);
                 let along = self.scaled(&normal, twice);
-                self.value_binary(B::Subtract, a, &along)?
+                self.binary(B::Subtract, a, &along)?
             }
             M::Refract => self.refract(a, &second(), third().regs[0])?,
             M::Outer => {
@@ -238,7 +234,7 @@ impl Lower<'_> {
         let along = self.emit(Op::MulAdd, false, &[eta, cosine, root]);
         let bent = self.scaled(incident, eta);
         let normal = self.scaled(normal, along);
-        let bent = self.value_binary(BinaryOperator::Subtract, &bent, &normal)?;
+        let bent = self.binary(BinaryOperator::Subtract, &bent, &normal)?;
         let nothing = Value::new(bent.ty.clone(), vec![zero; bent.regs.len()]);
         Ok(self.chosen(total, &nothing, &bent))
     }
