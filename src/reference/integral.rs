@@ -188,17 +188,18 @@ impl Ray {
         self.pieces = halved;
     }
 
-    /// Light of the ray, and how wrong it may be: the errors of its pieces behind what hides them, together. Of a piece
-    /// that was halved down to `shortest` because a surface is in it, nothing is left to be wrong.
+    /// Light of the ray, and how wrong it may be: three times the root of the sum of the squared errors of its pieces,
+    /// behind what hides them. They have no common sign, and each is that of the coarser rule, while the light is by the
+    /// finer one. Of a piece that was halved down to `shortest` because a surface is in it, nothing is left to be wrong.
     pub(super) fn light(&self, limits: &Limits) -> (Transport, f64) {
         let (mut whole, mut error) = (Transport::CLEAR, 0.0);
         for piece in &self.pieces {
             if piece.length > limits.shortest {
-                error += whole.transmittance * piece.error;
+                error += (whole.transmittance * piece.error).powi(2);
             }
             whole = whole.then(piece.fine);
         }
-        (whole, error)
+        (whole, 3.0 * error.sqrt())
     }
 }
 

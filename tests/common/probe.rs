@@ -7,8 +7,9 @@ use hypertexture::gpu::{
     Address, Binding, BindingKind, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Load, Pipeline,
     PipelineDescription, Resource, Sampler, Target,
 };
-use hypertexture::noise::{Noise, Weights, noise_block, turbulence_block};
+use hypertexture::noise::{Bake, Noise, Weights, random_block};
 use hypertexture::scene::{self, Knobs};
+use hypertexture::texture::{Depth, block_channels, block_gradients, block_values, table_rows};
 use hypertexture::variant::{self, Use, Variant};
 use std::collections::BTreeMap;
 
@@ -74,7 +75,8 @@ impl Probe {
                     inputs.images.insert(resource.binding, image(&bare(&resource.name)));
                 }
                 Use::Sampler => {
-                    let wrap = if resource.name == "repeat_sampler" { Wrap::Repeat } else { Wrap::Clamp };
+                    let repeats = ["repeat_sampler", "block_sampler"].contains(&resource.name.as_str());
+                    let wrap = if repeats { Wrap::Repeat } else { Wrap::Clamp };
                     inputs.samplers.insert(resource.binding, wrap);
                 }
             }
@@ -150,6 +152,7 @@ impl Probe {
     fn dimension(&self, binding: u32) -> u32 {
         let resource = self.linked.resources.iter().find(|resource| resource.binding == binding).unwrap();
         match resource.name.as_str() {
+            "permutation_image" | "gradient_image" => 1,
             name if name.starts_with("transfer_image") || name.starts_with("index_image") => 1,
             name if name.starts_with("segment_image") => 2,
             _ => 3,
@@ -195,6 +198,9 @@ fn value(name: &str, floats: usize) -> Vec<f32> {
         ("time", _) => vec![1.5],
         ("noise_cells", _) => vec![8.0],
         ("turbulence_cells", _) => vec![4.0],
+        ("channel_cells" | "low_octaves", _) => vec![2.0],
+        ("noise_period" | "turbulence_period", _) => vec![16.0],
+        ("turbulence_growth" | "turbulence_cycle", _) => vec![1.0],
         ("shadow_rim", _) => vec![0.5],
         ("shadow_near", _) => vec![2.0],
         ("shadow_far", _) => vec![6.0],
@@ -216,11 +222,23 @@ fn value(name: &str, floats: usize) -> Vec<f32> {
 /// An image by its name: the noise of the renderer, and smooth values for the others.
 fn image(name: &str) -> Texture {
     const SIDE: u32 = 16;
-    let noise = Noise::new(1989, Weights::Quintic);
-    let unorm = |texels: Vec<u16>| {
-        let values: Vec<f32> = texels.iter().map(|code| f32::from(*code) / 65535.0).collect();
-        values.chunks_exact(4).map(|texel| [texel[0], texel[1], texel[2], texel[3]]).collect()
+    let bake = |size, cells, octaves, absolute| Bake { weights: Weights::Quintic, size, cells, octaves, absolute };
+    let rows = |floats: &[f32]| floats.as_chunks::<4>().0.to_vec();
+    let codes = |bytes: Vec<u8>| {
+        let values: Vec<f32> =
+            bytes.as_chunks().0.iter().map(|code| f32::from(u16::from_ne_bytes(*code)) / 65535.0).collect();
+        rows(&values)
     };
+    let values = |bake: Bake| {
+        let stored = block_values(&bake.values(), bake.absolute, Depth::Sixteen);
+        let texel = |code: &[u8; 2]| [f32::from(u16::from_ne_bytes(*code)) / 65535.0, 0.0, 0.0, 1.0];
+        Texture { size: [bake.size; 3], texels: stored.as_chunks().0.iter().map(texel).collect() }
+    };
+    let gradients = |bake: Bake| {
+        let stored = block_gradients(&bake.values_and_gradients(), bake.absolute, Depth::Sixteen);
+        Texture { size: [bake.size; 3], texels: codes(stored) }
+    };
+    let [permutation, pointed] = table_rows(&Noise::new(1989, Weights::Quintic));
     let filled = |size: [u32; 3], f: &dyn Fn([f32; 3]) -> [f32; 4]| {
         let [x, y, z] = size;
         let places = (0..z).flat_map(|k| (0..y).flat_map(move |j| (0..x).map(move |i| [i, j, k])));
@@ -228,8 +246,18 @@ fn image(name: &str) -> Texture {
         Texture { size, texels: places.map(|place| f(at(place))).collect() }
     };
     match name {
-        "noise_image" => Texture { size: [2 * SIDE; 3], texels: unorm(noise_block(&noise, 2 * SIDE, 8)) },
-        "turbulence_image" => Texture { size: [SIDE; 3], texels: unorm(turbulence_block(&noise, SIDE, 4, 2).0) },
+        "noise_image" => gradients(bake(2 * SIDE, 8, 1, false)),
+        "noise_value_image" => values(bake(2 * SIDE, 8, 1, false)),
+        "turbulence_image" => gradients(bake(SIDE, 4, 2, true)),
+        "turbulence_value_image" | "low_octaves_image" => values(bake(SIDE, 4, 2, true)),
+        "channel_image" => {
+            let octave = |octave: u32| bake(2 * SIDE, 2 << octave, 1, false).values();
+            let stored = block_channels(&[0, 1, 2, 3].map(octave), Depth::Sixteen);
+            Texture { size: [2 * SIDE; 3], texels: codes(stored) }
+        }
+        "permutation_image" => Texture { size: [256, 1, 1], texels: rows(&permutation) },
+        "gradient_image" => Texture { size: [256, 1, 1], texels: rows(&pointed) },
+        "random_image" => Texture { size: [SIDE; 3], texels: random_block(7, SIDE, 0.7) },
         "transfer_image" => filled([SIDE, 1, 1], &|[t, ..]| [t, 1.0 - t, 0.5, t * t]),
         "index_image" => filled([SIDE, 1, 1], &|[t, ..]| [1.0 + 0.5 * t, 0.5, (4.0 * t).floor(), t]),
         "segment_image" => filled([SIDE, SIDE, 1], &|[s, t, _]| [s, t, 0.5, 0.9 * s * t]),
