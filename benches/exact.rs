@@ -5,7 +5,6 @@
 #![expect(clippy::unwrap_used, reason = "a bench stops where something is not as described")]
 
 #[path = "common/mod.rs"]
-#[allow(dead_code, reason = "a bench without a device")]
 mod bench;
 #[path = "../tests/common/probe.rs"]
 #[allow(dead_code, reason = "a bench draws nothing")]

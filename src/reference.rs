@@ -14,7 +14,7 @@ use crate::glsl::{Library, LibraryError, Linker};
 use crate::gpu::{Address, Dimension, Format};
 use crate::render::{Blocks, Encoded, Frozen, OCTAVES_ID, RenderError, Subject};
 use crate::scene::{
-    BlockFormat, Order, Pass, Proxy, Quality, Ray as Course, Rule, Scene, TargetFormat, Traverse, Wrap,
+    BlockFormat, Effect, Order, Pass, Proxy, Quality, Ray as Course, Rule, Scene, TargetFormat, Traverse, Wrap,
 };
 use crate::variant::{Variant, VariantError};
 use integral::{Limits, Matter, Ray};
@@ -105,6 +105,17 @@ pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError>
     }
     if effect.classify == "preintegrated" {
         effect.classify = "post".into();
+    }
+    // What is not read makes no difference.
+    if let Ok(variant) = Variant::of(&truth, library) {
+        let reads = |slot: &str| variant.slots.keys().any(|key| key.rsplit('.').next() == Some(slot));
+        let (effect, default) = (&mut truth.effect, Effect::default());
+        if !reads("noise") {
+            (effect.noise, effect.noise_repeat) = (default.noise, default.noise_repeat);
+        }
+        if !reads("turbulence") {
+            (effect.turbulence, effect.turbulence_repeat) = (default.turbulence, default.turbulence_repeat);
+        }
     }
     Ok(truth)
 }

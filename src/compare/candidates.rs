@@ -26,6 +26,8 @@ pub struct Sweep {
 const SAMPLES: [u32; 6] = [16, 32, 64, 128, 256, 512];
 /// How many of them a quick sweep has.
 const QUICK_SAMPLES: usize = 4;
+/// Strategies that a quick sweep leaves out, unless the scene has them: they compute what others compute sooner.
+const FULL_ONLY: [&str; 3] = ["arrays", "octaves", "tables"];
 /// Sides of the blocks of noise, texels, beside that of the scene.
 const BLOCKS: [u32; 3] = [32, 64, 128];
 
@@ -141,7 +143,7 @@ pub fn candidates(scene: &Scene, library: &Library, sweep: &Sweep) -> Result<Vec
     checked.quality.samples = least;
     checked.check(library)?;
     let mut found: Vec<(String, Candidate)> = Vec::new();
-    for strategy in chosen(strategies(scene, library, sweep.quick), sweep)? {
+    for strategy in chosen(strategies(scene, library, sweep.quick && sweep.strategies.is_none()), sweep)? {
         let brief = sweep.quick && !strategy.is_own(scene);
         for ((pass, rule), (target, block), aside) in ways(scene, sweep.quick) {
             if brief && !aside && (pass, rule) != (Pass::March, Rule::Point) {
@@ -212,6 +214,9 @@ fn strategies(scene: &Scene, library: &Library, quick: bool) -> Vec<Strategy> {
     };
     let mut found: Vec<Strategy> = Vec::new();
     for turbulence in library.modules("turbulence") {
+        if quick && turbulence != scene.effect.turbulence && FULL_ONLY.contains(&turbulence) {
+            continue;
+        }
         for noise in library.modules("noise") {
             if quick && noise != scene.effect.noise && noise != "procedural" {
                 continue;

@@ -5,6 +5,7 @@ use crate::compare::candidates::{Candidate, Sweep, candidates};
 use crate::glsl::Library;
 use crate::reference::truth_of;
 use crate::scene::{Order, Pass, Rule, Scene, Traverse};
+use std::collections::BTreeSet;
 
 /// The ways of a scene without their samples.
 pub(super) struct Families {
@@ -16,28 +17,47 @@ pub(super) struct Families {
 /// Every way that has the truth of the scene, with the fewest samples, and that may have an error below `error`.
 pub(super) fn families(scene: &Scene, library: &Library, error: f64) -> Result<Families, CompareError> {
     let truth = truth_of(scene, library)?;
-    let mut base = scene.clone();
-    // Said, so that another module does not repeat as it would by itself.
-    (base.effect.noise_repeat, base.effect.turbulence_repeat) =
-        (truth.effect.noise_repeat, truth.effect.turbulence_repeat);
-    (base.quality.traverse, base.quality.order) = (Traverse::Leap, Order::FrontToBack);
     let sweep = Sweep { samples: Some(vec![super::SAMPLES[0]]), ..Sweep::default() };
     let mut families = Families { kept: Vec::new(), left_out: 0 };
-    for mut way in candidates(&base, library, &sweep)? {
-        if truth_of(&way.scene, library)? != truth {
-            continue;
+    let mut known = BTreeSet::new();
+    for base in bases(scene, &truth) {
+        for mut way in candidates(&base, library, &sweep)? {
+            if truth_of(&way.scene, library)? != truth || !known.insert(way.curve().label()) {
+                continue;
+            }
+            if way.blend_bound() > error {
+                families.left_out += 1;
+                continue;
+            }
+            if way.scene.quality.pass == Pass::March {
+                // A ray may end early by a part of the error that it may have.
+                way.scene.quality.stop = (0.25 * error).min(0.1) as f32;
+            }
+            families.kept.push(way);
         }
-        if way.blend_bound() > error {
-            families.left_out += 1;
-            continue;
-        }
-        if way.scene.quality.pass == Pass::March {
-            // A ray may end early by a part of the error that it may have.
-            way.scene.quality.stop = (0.25 * error).min(0.1) as f32;
-        }
-        families.kept.push(way);
     }
     Ok(families)
+}
+
+/// The scene with its noise and turbulence as they are, and each of them computed where it is looked up: what computes
+/// must be told after how many cells a block repeats, and a block must not.
+fn bases(scene: &Scene, truth: &Scene) -> Vec<Scene> {
+    let mut bases = Vec::new();
+    for computed in [[false, false], [true, false], [false, true], [true, true]] {
+        let mut base = scene.clone();
+        (base.quality.traverse, base.quality.order) = (Traverse::Leap, Order::FrontToBack);
+        let (effect, exact) = (&mut base.effect, &truth.effect);
+        if computed[0] {
+            effect.noise.clone_from(&exact.noise);
+            effect.noise_repeat = exact.noise_repeat;
+        }
+        if computed[1] {
+            effect.turbulence.clone_from(&exact.turbulence);
+            effect.turbulence_repeat = exact.turbulence_repeat;
+        }
+        bases.push(base);
+    }
+    bases
 }
 
 /// A way with more samples, or with fewer.
