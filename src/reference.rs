@@ -14,7 +14,7 @@ use crate::glsl::{Library, LibraryError, Linker};
 use crate::gpu::{Address, Dimension, Format};
 use crate::render::{Blocks, Encoded, Frozen, OCTAVES_ID, RenderError, Subject};
 use crate::scene::{
-    BlockFormat, Effect, Order, Pass, Proxy, Quality, Ray as Course, Rule, Scene, TargetFormat, Traverse, Wrap,
+    BlockFormat, Effect, Order, Pass, Proxy, Quality, Ray as Course, Rule, Scene, TargetFormat, Traverse,
 };
 use crate::variant::{Variant, VariantError};
 use integral::{Limits, Matter, Ray};
@@ -78,33 +78,12 @@ impl From<VariantError> for ReferenceError {
 /// # Errors
 /// A module of noise or turbulence does not exist, or its header cannot be read.
 pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError> {
-    // A block that is mirrored is a pattern of its own, of which nothing but the block itself is an exact form.
-    let mut truth = if scene.quality.wrap == Wrap::Mirror { scene.clone() } else { scene.exact_twin(library)? };
+    let mut truth = limit_of(&scene.exact_twin(library)?);
+    truth.quality.block_format = BlockFormat::Auto;
     let mut other = truth.clone();
     other.quality.block_size = Quality::default().block_size;
     if other.periods() == truth.periods() {
         truth = other; // nothing reads a block, and nothing repeats as one of its size would
-    }
-    let bends = truth.effect.ray == Course::Refracted;
-    let quality = &mut truth.quality;
-    quality.pass = if bends { Pass::March } else { Pass::Slices }; // which may have the more samples
-    quality.samples = SAMPLES;
-    quality.rule = Rule::Point;
-    quality.traverse = Traverse::Leap;
-    quality.stop = 0.0;
-    quality.target = TargetFormat::Float32;
-    quality.order = Order::FrontToBack;
-    quality.proxy = Proxy::Polygons;
-    quality.msaa = 1;
-    (quality.jitter, quality.seed) = (false, 0);
-    quality.anisotropy = 1.0;
-    quality.block_format = BlockFormat::Auto;
-    let effect = &mut truth.effect;
-    if effect.gradient == "three" {
-        effect.gradient = "central".into();
-    }
-    if effect.classify == "preintegrated" {
-        effect.classify = "post".into();
     }
     // What is not read makes no difference.
     if let Ok(variant) = Variant::of(&truth, library) {
@@ -118,6 +97,32 @@ pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError>
         }
     }
     Ok(truth)
+}
+
+/// The scene of which this one is the limit with ever more samples: as [`truth_of`], with its blocks of noise as they are.
+pub fn limit_of(scene: &Scene) -> Scene {
+    let mut limit = scene.clone();
+    let bends = limit.effect.ray == Course::Refracted;
+    let quality = &mut limit.quality;
+    quality.pass = if bends { Pass::March } else { Pass::Slices }; // which may have the more samples
+    quality.samples = SAMPLES;
+    quality.rule = Rule::Point;
+    quality.traverse = Traverse::Leap;
+    quality.stop = 0.0;
+    quality.target = TargetFormat::Float32;
+    quality.order = Order::FrontToBack;
+    quality.proxy = Proxy::Polygons;
+    quality.msaa = 1;
+    (quality.jitter, quality.seed) = (false, 0);
+    quality.anisotropy = 1.0;
+    let effect = &mut limit.effect;
+    if effect.gradient == "three" {
+        effect.gradient = "central".into();
+    }
+    if effect.classify == "preintegrated" {
+        effect.classify = "post".into();
+    }
+    limit
 }
 
 /// The truth of a picture, from the cache or computed.
@@ -140,24 +145,24 @@ pub fn reference(
     }
     let [width, height] = truth.image.size;
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
-    let found = reference_pixels(library, scene, subject, &pixels, tolerance, progress)?;
+    let found = reference_pixels(library, &truth, subject, &pixels, tolerance, progress)?;
     store::save(&key, &found);
     Ok(found)
 }
 
-/// The truth of some pixels of a picture, each with an error of about `tolerance`.
+/// The light of some pixels of a scene that [`truth_of`] or [`limit_of`] gave, each with an error of about `tolerance`.
 ///
 /// # Errors
 /// As [`reference`].
 pub fn reference_pixels(
     library: &Library,
-    scene: &Scene,
+    truth: &Scene,
     subject: &Subject,
     pixels: &[[u32; 2]],
     tolerance: f64,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Reference, ReferenceError> {
-    let (probe, mut inputs) = Probe::new(library, &truth_of(scene, library).map_err(VariantError::from)?, subject)?;
+    let (probe, mut inputs) = Probe::new(library, truth, subject)?;
     let (count, done) = (probe.moments.len(), AtomicUsize::new(0));
     let mut sum = vec![([0.0; 4], 0.0); pixels.len()];
     for moment in &probe.moments {
@@ -176,7 +181,7 @@ pub fn reference_pixels(
         }
     }
     let (pixels, estimate) = sum.into_iter().unzip();
-    Ok(Reference { size: scene.image.size, pixels, estimate })
+    Ok(Reference { size: truth.image.size, pixels, estimate })
 }
 
 /// The program of a scene that gives one sample of a ray, ready to be evaluated.

@@ -5,7 +5,7 @@ mod common;
 use common::{picture, subject, with_gpu};
 use hypertexture::glsl::{self, library::Default as KnobDefault};
 use hypertexture::pick::{Bound, Metric, PickError, pick};
-use hypertexture::reference::reference_pixels;
+use hypertexture::reference::{reference_pixels, truth_of};
 use hypertexture::scene::{KnobValue, Projection, Scene, preset};
 use hypertexture::variant::Variant;
 
@@ -62,7 +62,8 @@ fn rmse(gpu: &hypertexture::gpu::Gpu, scene: &Scene) -> f64 {
     let frame = picture(gpu, &library, scene, &subject);
     let [width, height] = scene.image.size;
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
-    let truth = reference_pixels(&library, scene, &subject, &pixels, 1e-4, &|_| ()).expect("a reference");
+    let truth = truth_of(scene, &library).expect("modules");
+    let truth = reference_pixels(&library, &truth, &subject, &pixels, 1e-4, &|_| ()).expect("a reference");
     let squares = frame
         .pixels
         .iter()

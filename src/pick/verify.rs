@@ -4,9 +4,10 @@ use super::Bound;
 use crate::compare::timing::Random;
 use crate::glsl::Library;
 use crate::gpu::Gpu;
-use crate::reference::{ReferenceError, TOLERANCE, reference_pixels};
+use crate::reference::{ReferenceError, TOLERANCE, reference_pixels, truth_of};
 use crate::render::{Frame, Subject, render};
 use crate::scene::Scene;
+use crate::variant::VariantError;
 use serde::{Deserialize, Serialize};
 
 /// Part of the pixels that are looked at.
@@ -44,7 +45,8 @@ pub(super) fn verify(
     let frame = render(gpu, library, scene, subject)?;
     let tolerance = (OWN * bound.error).clamp(1e-7, TOLERANCE);
     let looked_at = Sample::of(&frame);
-    let reference = reference_pixels(library, scene, subject, &looked_at.pixels, tolerance, progress)?;
+    let truth = truth_of(scene, library).map_err(VariantError::from)?;
+    let reference = reference_pixels(library, &truth, subject, &looked_at.pixels, tolerance, progress)?;
     let width = scene.image.size[0] as usize;
     let drawn = looked_at.pixels.iter().map(|[x, y]| frame.pixels[*y as usize * width + *x as usize].map(f64::from));
     let pairs = drawn.zip(reference.pixels.iter().copied()).zip(&looked_at.weights);
