@@ -1,8 +1,8 @@
 //! The cheapest way to draw a scene within an error.
 //!
 //! Role: scene and bound -> the same scene with other accuracy settings, and why these. Ways that cannot keep the bound
-//! are left out beforehand ([`ways`]); the others are drawn small against a finer small picture, cheapest first; the
-//! winner is held against the f64 reference in some pixels of the whole picture ([`verify`]), and on a violation the next
+//! are left out beforehand; the others are drawn small against a finer small picture, cheapest first; the
+//! winner is held against the f64 reference in some pixels of the whole picture, and on a violation the next
 //! one is taken. Invariant: only what is there for speed changes, so every way has the truth of the scene as it is.
 //! Source: the protocol of numerical work-precision diagrams; Richardson's extrapolation for the finer picture.
 

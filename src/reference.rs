@@ -1,7 +1,7 @@
 //! The truth that a picture is measured against.
 //!
 //! Role: the picture of a scene as the limit of ever finer samples, in f64: the scene's own program, evaluated by
-//! [`exact`](crate::exact) and integrated along each ray to a stated error. Invariant: nothing of the formulas is
+//! [`exact`] and integrated along each ray to a stated error. Invariant: nothing of the formulas is
 //! written here a second time; what the limit of a scene is, [`truth_of`] says.
 //!
 //! What is not in it: bending rays, whose picture depends on its neighbors (the studio is filtered by derivatives).
@@ -130,7 +130,7 @@ pub fn limit_of(scene: &Scene) -> Scene {
 /// Each pixel has an error of about `tolerance`. `progress` is called with the part that is done, from any thread.
 ///
 /// # Errors
-/// The scene has no program, one that [`exact`](crate::exact) does not cover, or no limit.
+/// The scene has no program, one that [`exact`] does not cover, or no limit.
 pub fn reference(
     library: &Library,
     scene: &Scene,
@@ -153,7 +153,7 @@ pub fn reference(
 /// The light of some pixels of a scene that [`truth_of`] or [`limit_of`] gave, each with an error of about `tolerance`.
 ///
 /// # Errors
-/// As [`reference`].
+/// As [`reference()`].
 pub fn reference_pixels(
     library: &Library,
     truth: &Scene,
@@ -388,7 +388,7 @@ impl Sampled {
     }
 }
 
-/// An image as [`exact`](crate::exact) samples it.
+/// An image as [`exact`] samples it.
 fn texture(image: &Encoded) -> exact::Texture {
     let size = match image.dimension {
         Dimension::Line(x) => [x, 1, 1],
