@@ -382,6 +382,84 @@ fn a_module_of_a_preset_can_be_exchanged_although_the_preset_sets_its_knobs() {
     assert!(said.contains("medium=lit"), "{said}");
 }
 
+const SWELL: &str = "// A power of the density.
+// Source: none.
+// density: in [0, 1]; result in [0, 1].
+// @outer swell_width
+// @knob swell_width = 0.3 in [0.01, 1]: Width of the soft region, object units.
+// @knob swell_power = 0.5 in [0.1, 4]: The power.
+float swell(float density, Sample s) { return pow(density, swell_power); }
+";
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_module_of_ones_own_is_used_as_one_that_ships() {
+    let desk = Desk::new();
+    desk.write("swell.glsl", SWELL);
+    let look = SMALL;
+    desk.good(&format!("render sphere {look} -o plain.png"));
+    let said =
+        desk.good(&format!("render sphere --dmf swell.glsl --set swell_power=3 {look} -o own.png --save-scene s.toml"));
+    assert!(said.contains("dmf=swell") && said.contains("linked now"), "{said}");
+    desk.good("render s.toml -o again.png");
+    let [plain, own, again] = ["plain.png", "own.png", "again.png"].map(|name| fs::read(desk.file(name)).unwrap());
+    assert!(plain != own && own == again);
+    let said = desk.good(&format!("render sphere --dmf swell.glsl {look} -o bound.png --max-error 0.05"));
+    assert!(said.contains("dmf=swell") && said.contains("f64 reference"), "{said}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_module_of_ones_own_that_is_wrong_is_refused_at_its_line() {
+    let broken = |desk: &Desk| {
+        desk.write("swell.glsl", SWELL.replace("pow(density, swell_power)", "pow(density, swell_powr)"));
+        desk.write("other.glsl", SWELL);
+    };
+    refused(
+        broken,
+        &[
+            ("render sphere -o out.png --dmf swell.glsl", &["swell", "7", "swell_powr"]),
+            ("render sphere -o out.png --dmf other.glsl", &["other"]),
+            ("render sphere -o out.png --dmf absent.glsl", &["absent.glsl"]),
+        ],
+    );
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn the_cheapest_way_within_an_error_is_drawn_and_remembered() {
+    let desk = Desk::new();
+    let first = desk.good(&format!("render lit -o a.png --max-error 0.03 --metric p999 {SMALL}"));
+    assert!(first.contains("asked for 3.0e-2") && !first.contains("remembered"), "{first}");
+    let second = desk.good(&format!("render lit -o b.png --max-error 0.03 --metric p999 {SMALL}"));
+    assert!(second.contains("remembered"), "{second}");
+    assert_eq!(fs::read(desk.file("a.png")).unwrap(), fs::read(desk.file("b.png")).unwrap());
+    let rows: [(&str, &[&str]); 3] = [
+        ("render lit -o out.png --max-error 1e-12 --size 16x16", &["no way", "1e-12", "the nearest"]),
+        ("render lit -o out.png --max-error 0", &["must be above 0"]),
+        ("render lit -o out.png --max-error 0.1 --metric beauty", &["beauty", "rmse"]),
+    ];
+    refused(|_| (), &rows);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_knob_of_one_object_is_set_by_its_name() {
+    let desk = Desk::new();
+    let small = "--size 32x32 --samples 32";
+    for (set, name) in [("", "as_is.png"), ("--set parts.stone.distortion=4", "stone.png")] {
+        desk.good(&format!("render ensemble {set} {small} -o {name}"));
+    }
+    assert!(fs::read(desk.file("as_is.png")).unwrap() != fs::read(desk.file("stone.png")).unwrap());
+    refused(
+        |_| (),
+        &[
+            ("render ensemble -o out.png --set parts.ston.distortion=4", &["ston", "stone"]),
+            ("render ensemble -o out.png --set parts.stone.distorsion=4", &["distorsion", "distortion"]),
+        ],
+    );
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn an_exr_and_a_png_of_16_bits_are_written_by_their_names() {

@@ -438,6 +438,17 @@ impl Look {
         }
         // What is wrong with the scene as it came is said before modules go, and knobs with them.
         scene.check(&scene.library()?)?;
+        if dmf.is_some() {
+            // A hard object has no density to modulate; it becomes soft, unless the line says otherwise.
+            let effect = &mut scene.effect;
+            for (slot, hard, soft) in
+                [(&mut effect.softness, "hard", "linear"), (&mut effect.classify, "surface", "soft")]
+            {
+                if slot == hard {
+                    *slot = soft.into();
+                }
+            }
+        }
         for text in dmf.iter().chain(&self.modules) {
             module(text, scene)?;
         }
