@@ -33,6 +33,12 @@ const FINER: f64 = 0.25;
 const FINEST: [u32; 2] = [1024, 16_384];
 /// Runs of a small picture, of which the fastest counts.
 const RUNS: usize = 3;
+/// The highest order in the step that a picture has: so many fewer samples are not tried.
+const ORDER: f64 = 2.0;
+/// An error that twice the samples leave at this part of what it was is one that no samples remove; fewer samples than
+/// these say nothing about it.
+const STAYS: f64 = 0.85;
+const FLAT_FROM: u32 = 128;
 /// The fewest and the most samples of a way.
 const SAMPLES: [u32; 2] = [8, 4096];
 /// Winners that are held against the reference, at most.
@@ -306,16 +312,14 @@ impl<'a> Search<'a> {
     fn draw(&mut self, family: &Candidate, target: f64, drawn: &mut Vec<Drawn>) -> Result<(), PickError> {
         let [fewest, most] = SAMPLES;
         let steps = (0..).map(|step| (f64::from(fewest) * 2f64.powf(f64::from(step) / 2.0)).round() as u32);
-        let mut skip = false;
+        let mut least = 0.0;
+        let mut before: Option<(u32, f64)> = None;
         for samples in steps.take_while(|samples| *samples <= most) {
             let way = ways::with_samples(family, samples);
             let known = drawn.iter().position(|drawn| drawn.way.scene == way.scene);
             let index = match known {
                 Some(index) => index,
-                None if skip => {
-                    skip = false;
-                    continue;
-                }
+                None if f64::from(samples) < least => continue,
                 None if way.scene.check(self.library).is_err() => return Ok(()),
                 None => {
                     drawn.push(self.measure(way, target)?);
@@ -328,7 +332,15 @@ impl<'a> Search<'a> {
             if error <= target || ms > 1.5 * fastest {
                 return Ok(());
             }
-            skip = error > 4.0 * target; // far from it: the next step would not do
+            // Its noise is what it has for error, and more samples show no other.
+            let stays = |(fewer, larger): (u32, f64)| samples >= 2 * fewer && error > STAYS * larger;
+            if samples >= FLAT_FROM && before.is_some_and(stays) {
+                return Ok(());
+            }
+            if before.is_none_or(|(fewer, _)| samples >= 2 * fewer) {
+                before = Some((samples, error));
+            }
+            least = f64::from(samples) * (error / target).powf(1.0 / ORDER); // fewer would not do
         }
         Ok(())
     }
