@@ -35,6 +35,7 @@
 //!    -> device                                        gpu
 //! all of it, top to bottom -> picture, measurements   render
 //!    -> PNG, EXR; a page                              output, gallery
+//! the same, live in a window                        view
 //! its cost beforehand; many pictures; many processes  predict, sequence, shard
 //! ```
 
@@ -54,3 +55,5 @@ pub mod shape;
 pub mod shard;
 pub mod texture;
 pub mod variant;
+#[cfg(feature = "view")]
+pub mod view;

@@ -8,6 +8,9 @@ use std::process::ExitCode;
 
 /// Exit code of anything that the person at the keyboard can mend.
 const BAD_INPUT: u8 = 2;
+/// Exit code of a window that could not be shown, or not be shown on.
+#[cfg(feature = "view")]
+const NO_WINDOW: u8 = 1;
 
 fn main() -> ExitCode {
     let arguments = match cli::Arguments::try_parse() {
@@ -33,6 +36,11 @@ fn main() -> ExitCode {
         Err(error) if error.is::<cli::Interrupted>() => {
             eprintln!("{error}");
             ExitCode::from(cli::INTERRUPTED)
+        }
+        #[cfg(feature = "view")]
+        Err(error) if error.is::<cli::NoWindow>() => {
+            eprintln!("error: {}", error.to_string().replace('\n', " "));
+            ExitCode::from(NO_WINDOW)
         }
         Err(error) => {
             eprintln!("error: {}", error.to_string().replace('\n', " "));

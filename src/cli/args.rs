@@ -28,6 +28,9 @@ pub struct Arguments {
 pub enum Command {
     /// Render a picture.
     Render(Box<Render>),
+    /// Show a window, in which the mouse turns the scene and panels change it.
+    #[cfg(feature = "view")]
+    View(Box<View>),
     /// Join the shards of a picture, as `render --shard` writes them.
     Merge(Merge),
     /// Compute the distance field of an object and write it as NRRD.
@@ -77,6 +80,45 @@ impl Render {
     pub fn depth(&self) -> Depth {
         if self.depth == "16" { Depth::Sixteen } else { Depth::Eight }
     }
+}
+
+/// Arguments of `view`.
+#[cfg(feature = "view")]
+#[derive(Args)]
+pub struct View {
+    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), or a figure such as fire_ball.
+    #[arg(default_value = "furry_donut")]
+    pub input: String,
+    /// Refine a picture that stands still until its root mean square error is about this [default: 0.001].
+    #[arg(long, value_name = "RMSE", value_parser = error)]
+    pub max_error: Option<f64>,
+    /// Let time run from the beginning.
+    #[arg(long)]
+    pub play: bool,
+    /// Width and height of the window, in points.
+    #[arg(long, default_value = "1280x800", value_parser = size, value_name = "WxH")]
+    pub window: [u32; 2],
+    /// Draw so many frames after the first picture, then end.
+    #[arg(long, value_name = "NUMBER")]
+    pub frames: Option<u32>,
+    /// Write the picture that `render` makes, after those frames or when the picture has converged, then end.
+    #[arg(long, value_name = "FILE")]
+    pub screenshot: Option<PathBuf>,
+    /// Do what this file says.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "screenshot"], hide = true)]
+    pub script: Option<PathBuf>,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectArguments,
+    /// What the picture shows.
+    #[command(flatten)]
+    pub look: Look,
+}
+
+#[cfg(feature = "view")]
+fn error(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|error| (1e-7..=1.0).contains(error));
+    parsed.ok_or_else(|| "write a number from 1e-7 to 1; a code of 8 bits is 0.004".into())
 }
 
 /// Arguments of `merge`.

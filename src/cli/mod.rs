@@ -4,11 +4,15 @@ mod args;
 mod log;
 mod modules;
 mod sequence;
+#[cfg(feature = "view")]
+mod view;
 
 pub use args::Arguments;
 use args::{Command, Field, Gallery, Merge, Render};
 pub use sequence::Interrupted;
 use sequence::ShardChoice;
+#[cfg(feature = "view")]
+pub use view::NoWindow;
 
 use hypertexture::glsl::{self, Library, library::Default as KnobDefault};
 use hypertexture::gpu::{Format, Gpu, Options};
@@ -38,6 +42,8 @@ pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     let quiet = arguments.quiet;
     match arguments.command {
         Command::Render(command) => run_render(&command, &options, quiet),
+        #[cfg(feature = "view")]
+        Command::View(command) => view::run(*command, options),
         Command::Merge(command) => merge(&command, quiet),
         Command::Field(command) => write_field(&command, quiet),
         Command::Gallery(command) => write_gallery(&command, &options, quiet),

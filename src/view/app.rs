@@ -1,0 +1,598 @@
+//! What happens in the window: the mouse and the keys to the scene, the scene to the thread that renders.
+
+use super::ViewError;
+use super::host;
+use super::keys::{self, Action};
+use super::load::Loader;
+use super::model::Model;
+use super::panels::{Panels, Request, Status};
+use super::screen::{Screen, status_line};
+use super::script::Script;
+use super::status::{Figures, Stage};
+use super::trackball::Trackball;
+use super::worker::{Event, Job, Task, Variant, Worker};
+use crate::glsl::Library;
+use crate::gpu::{Gpu, Options};
+use crate::render;
+use crate::scene::{self, Camera, Scene};
+use egui::{Area, Color32, Frame, Id, Panel, PointerButton, ProgressBar, Rect, Response, RichText, Sense, Ui, Vec2};
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// What the window begins with.
+pub struct Start {
+    /// The scene; it has been checked.
+    pub scene: Scene,
+    /// Its modules.
+    pub library: Library,
+    /// How to open the device.
+    pub options: Options,
+    /// The root mean square error at which a picture is good enough.
+    pub max_error: Option<f64>,
+    /// Whether time runs from the beginning.
+    pub play: bool,
+    /// Width and height of the window, points.
+    pub window: [u32; 2],
+    /// Draw so many frames after the first picture, write the screenshot, and end.
+    pub frames: Option<u32>,
+    /// Where the screenshot goes, at the end of those frames or when the picture has converged.
+    pub screenshot: Option<PathBuf>,
+    /// A file of what a person would do.
+    pub script: Option<PathBuf>,
+    /// When the program began.
+    pub began: Instant,
+}
+
+/// Shows a window until it is closed.
+///
+/// # Errors
+/// No display, library, loader or driver: one line that says what to do. With [`Start::frames`], a screenshot or a script,
+/// whatever they run into; and what the validation layer has found.
+pub fn run(start: Start) -> Result<(), ViewError> {
+    let script = match &start.script {
+        Some(file) => Some(Script::read(file)?),
+        None if start.frames.is_some() || start.screenshot.is_some() => {
+            Some(Script::of_frames(start.frames, start.screenshot.clone()))
+        }
+        None => None,
+    };
+    host::run(start, script)
+}
+
+/// Good enough for the eye: half a code of an 8-bit picture in its mid tones, without the option.
+const GOOD: f64 = 1e-3;
+/// A scene that has not changed for so long stands still.
+const REST: Duration = Duration::from_millis(200);
+/// Milliseconds that a picture may take while the scene moves, on a CPU and on another device.
+const BUDGET_MS: [f64; 2] = [50.0, 12.0];
+/// The part of its speed that a ball with inertia keeps for a second.
+const GLIDE: f64 = 0.2;
+/// Frames of a recording: four seconds.
+const TURN: u32 = 100;
+
+/// Tells the window from another thread that there is something new.
+pub(super) type Notify = Arc<dyn Fn() + Send + Sync>;
+
+/// The window's state.
+pub(super) struct App {
+    pub(super) model: Model,
+    panels: Panels,
+    library: Arc<Library>,
+    worker: Option<Worker>,
+    loader: Loader,
+    notify: Notify,
+    screen: Screen,
+    pub(super) figures: Figures,
+    /// Where the picture is, points.
+    pub(super) place: Rect,
+    /// The camera to go back to.
+    home: Camera,
+    ball: Trackball,
+    /// Axis, radians per second.
+    glide: Option<(DVec3, f64)>,
+    last_turn: (DVec3, f64),
+    inertia: bool,
+    /// The time, while it runs.
+    clock: Option<f64>,
+    last_frame: Instant,
+    /// The variant that the scene is compared with.
+    kept: Option<Scene>,
+    max_error: Option<f64>,
+    posted: Option<Job>,
+    dragging: bool,
+    changed: Instant,
+    number: u64,
+    /// Tasks that are not finished.
+    pub(super) tasks: u32,
+    help: bool,
+    /// Whether the picture is that of the scene as it is now.
+    pub(super) is_current: bool,
+    /// The first thing that went wrong with an object or a task.
+    pub(super) failure: Option<String>,
+    pub(super) lost: bool,
+    pub(super) quit: bool,
+    pub(super) full_screen: bool,
+}
+
+impl App {
+    /// A window that shows a scene.
+    pub(super) fn new(start: &Start, notify: Notify) -> Result<App, ViewError> {
+        let model = Model::new(start.scene.clone(), start.library.clone())?;
+        let program = std::env::current_exe().unwrap_or_else(|_| PathBuf::from("hypertexture"));
+        let panels = Panels::new(program, &model).map_err(scene::SceneError::from)?;
+        let (now, camera) = (Instant::now(), model.scene().camera.clone());
+        Ok(App {
+            library: Arc::new(model.library().clone()),
+            panels,
+            worker: None,
+            loader: Loader::default(),
+            notify,
+            screen: Screen::default(),
+            figures: Figures::default(),
+            place: Rect::ZERO,
+            ball: Trackball::of(&camera),
+            glide: None,
+            last_turn: (DVec3::Y, 0.0),
+            inertia: false,
+            clock: start.play.then_some(f64::from(camera.time)),
+            home: camera,
+            last_frame: now,
+            kept: None,
+            max_error: start.max_error,
+            posted: None,
+            dragging: false,
+            changed: now,
+            number: 0,
+            tasks: 0,
+            help: false,
+            is_current: false,
+            failure: None,
+            lost: false,
+            quit: false,
+            full_screen: false,
+            model,
+        })
+    }
+
+    /// Takes a device, the first or another one; what was on the screen is shown and rendered again.
+    pub(super) fn use_device(&mut self, gpu: &Gpu) {
+        let facts = gpu.facts();
+        self.figures.device = format!("{} ({})", facts.name, facts.driver);
+        self.figures.budget_ms = BUDGET_MS[usize::from(!facts.cpu)];
+        let notify = self.notify.clone();
+        self.worker = Some(Worker::start(gpu.clone(), self.figures.budget_ms, move || notify()));
+        self.screen.forget();
+        (self.posted, self.lost, self.tasks) = (None, false, 0);
+    }
+
+    /// Lets go of the device: nothing of this holds it any more.
+    pub(super) fn leave_device(&mut self) {
+        self.worker = None;
+    }
+
+    /// What is being loaded, and how far it is.
+    pub(super) fn loading(&self) -> Option<(String, f32)> {
+        self.loader.progress()
+    }
+
+    /// Takes what the other threads have made.
+    pub(super) fn receive(&mut self) {
+        if let Err(reason) = self.loader.poll() {
+            self.failure.get_or_insert(reason.clone());
+            self.say(reason);
+        }
+        let Some(worker) = &self.worker else { return };
+        let events: Vec<Event> = worker.events.try_iter().collect();
+        for event in events {
+            match event {
+                Event::Picture(mut picture) => {
+                    self.screen.take(&mut picture);
+                    let figures = &mut self.figures;
+                    (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
+                    (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
+                    (figures.error, figures.standard_error) = (picture.error, picture.standard_error);
+                    if picture.stage == Stage::Coarse {
+                        figures.recent_ms.push(picture.gpu_ms);
+                        let surplus = figures.recent_ms.len().saturating_sub(120);
+                        figures.recent_ms.drain(..surplus);
+                    }
+                    self.is_current = picture.number == self.number;
+                }
+                Event::Wrote(path) => {
+                    self.tasks = self.tasks.saturating_sub(1);
+                    self.figures.recording = None;
+                    self.say(format!("wrote {}", std::path::absolute(&path).unwrap_or(path).display()));
+                }
+                Event::Recorded(done, all) => self.figures.recording = Some((done, all)),
+                Event::Failed(reason) => {
+                    if self.tasks > 0 {
+                        self.failure.get_or_insert(reason.clone());
+                    }
+                    (self.tasks, self.figures.recording) = (0, None);
+                    self.say(reason);
+                }
+                Event::Lost => self.lost = true,
+            }
+        }
+    }
+
+    fn say(&mut self, line: String) {
+        self.figures.message = Some(line);
+    }
+
+    /// One frame: the panels, the picture, and what is over it.
+    pub(super) fn ui(&mut self, ui: &mut Ui) {
+        let now = Instant::now();
+        let passed = now.duration_since(self.last_frame).as_secs_f64();
+        self.last_frame = now;
+        for action in keys::pressed(ui.ctx()) {
+            self.act(action);
+        }
+        Panel::bottom("figures").show(ui, |ui| status_line(ui, &self.figures, self.clock.is_some()));
+        let status = self.status();
+        let angles = |camera: &Camera| (camera.azimuth, camera.elevation);
+        let before = angles(&self.model.scene().camera);
+        let requests = self.panels.show(ui, &mut self.model, &status);
+        if angles(&self.model.scene().camera) != before && self.model.scene().camera.rotation.is_some() {
+            // Who asks for an angle means it.
+            self.model.edit("camera", |scene| scene.camera.rotation = None);
+        }
+        for request in requests {
+            self.request(request);
+        }
+        let dropped: Vec<PathBuf> =
+            ui.ctx().input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_path_buf()).collect());
+        for path in dropped {
+            self.open(&path);
+        }
+        self.place = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(self.place, Sense::click_and_drag());
+        self.navigate(ui, &response);
+        self.glide(passed);
+        if let Some(clock) = &mut self.clock {
+            *clock += passed;
+        }
+        self.screen.draw(ui, self.place, self.figures.difference);
+        self.show_over(ui);
+        self.post(ui, now);
+    }
+
+    fn status(&self) -> Status {
+        let Figures { error, standard_error, size, samples, recording, .. } = &self.figures;
+        let recent = &self.figures.recent_ms;
+        let mean = recent.iter().sum::<f64>() / recent.len().max(1) as f64;
+        let variance = recent.iter().map(|ms| (ms - mean).powi(2)).sum::<f64>() / recent.len().max(1) as f64;
+        Status {
+            frame_ms: (!recent.is_empty()).then_some([self.figures.gpu_ms, variance.sqrt()]),
+            error: error.map(|error| [error, standard_error.unwrap_or(error)]),
+            samples: format!("{}, {} x {}, {samples} samples", self.figures.stage.text(), size[0], size[1]),
+            device: self.figures.device.clone(),
+            message: self.figures.message.clone(),
+            progress: self.loader.progress().map(|(_, done)| done),
+            paused: self.clock.is_none(),
+            recording: recording.is_some(),
+            split: self.kept.is_some(),
+            max_error: self.max_error,
+        }
+    }
+
+    fn act(&mut self, action: Action) {
+        match action {
+            Action::Help => self.help = !self.help,
+            Action::Play => self.request(Request::Pause(self.clock.is_some())),
+            Action::Reset => self.request(Request::ResetCamera),
+            Action::Previous => self.step(-1),
+            Action::Next => self.step(1),
+            Action::Screenshot => self.request(Request::Screenshot(free_name("hypertexture", ".png"))),
+            Action::Record => self.request(Request::Record(self.figures.recording.is_none())),
+            Action::Compare => {
+                let kept = self.kept.is_none().then(|| Box::new(self.shown()));
+                self.request(Request::Split(kept));
+            }
+            Action::Inertia => {
+                self.inertia = !self.inertia;
+                self.glide = None;
+                self.say(if self.inertia { "the ball turns on" } else { "the ball stops when it is let go" }.into());
+            }
+            Action::Undo => drop(self.model.undo()),
+            Action::Redo => drop(self.model.redo()),
+            Action::FullScreen => self.full_screen = !self.full_screen,
+            Action::Leave if self.help => self.help = false,
+            Action::Leave => self.quit = true,
+        }
+    }
+
+    fn request(&mut self, request: Request) {
+        match request {
+            Request::Screenshot(path) => self.shoot(path),
+            Request::ResetCamera => {
+                let time = self.model.scene().camera.time;
+                let home = Camera { time, ..self.home.clone() };
+                self.glide = None;
+                self.model.edit("camera", |scene| scene.camera = home);
+            }
+            Request::Split(kept) => self.kept = kept.map(|scene| *scene),
+            Request::Record(true) => self.record(),
+            Request::Record(false) => {
+                if let Some(worker) = &self.worker {
+                    worker.stop();
+                }
+            }
+            Request::Pause(false) => self.clock = Some(f64::from(self.model.scene().camera.time)),
+            Request::Pause(true) => {
+                if let Some(clock) = self.clock.take() {
+                    self.model.edit("camera.time", |scene| scene.camera.time = clock as f32);
+                }
+            }
+            Request::MaxError(error) => self.max_error = error,
+            Request::Quit => self.quit = true,
+        }
+    }
+
+    /// The preset before or after the one whose effect is shown.
+    fn step(&mut self, by: isize) {
+        let names: Vec<&str> = scene::names().collect();
+        let about = &self.model.scene().about;
+        let here = names.iter().position(|name| scene::preset(name).is_ok_and(|preset| preset.about == *about));
+        let count = names.len() as isize;
+        let next = here.map_or(0, |here| (here as isize + by).rem_euclid(count));
+        self.model.take_preset(names[next as usize], false);
+        self.home = self.model.scene().camera.clone();
+        self.glide = None;
+        self.say(format!("{}: {}", names[next as usize], self.model.scene().about));
+    }
+
+    /// Shows a mesh, a scan or a scene file.
+    pub(super) fn open(&mut self, path: &Path) {
+        self.loader.forgive();
+        self.model.open(path);
+        self.home = self.model.scene().camera.clone();
+    }
+
+    /// Writes the picture that `render` makes of what is shown.
+    pub(super) fn shoot(&mut self, path: PathBuf) {
+        self.task(|library, variant| Task::Shot { library, variant, path });
+    }
+
+    fn record(&mut self) {
+        let path = free_name("turntable", "_####.png");
+        self.figures.recording = Some((0, TURN));
+        self.task(|library, variant| Task::Turntable { library, variant, path, frames: TURN });
+    }
+
+    fn task(&mut self, task: impl FnOnce(Arc<Library>, Box<Variant>) -> Task) {
+        let scene = self.shown();
+        let subject = self.posted.as_ref().filter(|_| self.loader.progress().is_none());
+        let (Some(posted), Some(worker)) = (subject, &self.worker) else {
+            self.failure.get_or_insert("the object is not loaded yet".into());
+            self.say("the object is not loaded yet".into());
+            return;
+        };
+        let subject = posted.variants[0].subject.clone();
+        worker.add(task(self.library.clone(), Box::new(Variant { scene, subject })));
+        self.tasks += 1;
+        self.posted = None; // the picture is gone on with afterwards
+    }
+
+    /// The scene at the time it is.
+    fn shown(&self) -> Scene {
+        let mut scene = self.model.scene().clone();
+        if let Some(clock) = self.clock {
+            scene.camera.time = clock as f32;
+        }
+        scene
+    }
+
+    /// The mouse over the picture.
+    fn navigate(&mut self, ui: &Ui, response: &Response) {
+        let pane = Screen::pane(self.place, self.kept.is_some());
+        let (delta, shift) = (response.drag_delta(), ui.input(|input| input.modifiers.shift));
+        let turns = response.dragged_by(PointerButton::Primary) && !shift;
+        let pans = response.dragged() && !turns;
+        self.dragging = response.dragged();
+        if response.drag_started() {
+            (self.glide, self.last_turn) = (None, (DVec3::Y, 0.0));
+        }
+        if let Some(to) = response.interact_pointer_pos().filter(|_| turns) {
+            // Every pane has a ball of its own.
+            let start = self.place.min.x + ((to.x - self.place.min.x) / pane.x).floor() * pane.x;
+            let middle = egui::pos2(start + 0.5 * pane.x, self.place.center().y);
+            let radius = 0.5 * pane.x.min(pane.y).max(1.0);
+            let on_ball =
+                |at: egui::Pos2| [f64::from((at.x - middle.x) / radius), f64::from((middle.y - at.y) / radius)];
+            self.ball.follow(&self.model.scene().camera);
+            if delta != Vec2::ZERO {
+                let (axis, angle) = self.ball.drag(on_ball(to - delta), on_ball(to));
+                let passed = f64::from(ui.input(|input| input.stable_dt)).max(1e-3);
+                self.last_turn = (axis, angle / passed);
+                self.turn();
+            } else {
+                self.last_turn.1 = 0.0;
+            }
+        }
+        if response.drag_stopped() {
+            self.glide = (self.inertia && self.last_turn.1 > 0.05).then_some(self.last_turn);
+            self.model.settle();
+        }
+        if pans
+            && delta != Vec2::ZERO
+            && let Some(half) = self.half_height()
+        {
+            let unit = half / (0.5 * pane.y.max(1.0));
+            self.model.edit("camera", |scene| {
+                let [x, y] = scene.camera.pan;
+                scene.camera.pan = [x + delta.x * unit, y - delta.y * unit].map(|side| side.clamp(-100.0, 100.0));
+            });
+        }
+        if response.hovered() {
+            let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+            let factor = (scroll / 400.0).exp() * if scroll == 0.0 { pinch } else { 1.0 };
+            if factor != 1.0 {
+                self.model.edit("camera.zoom", |scene| {
+                    scene.camera.zoom = (scene.camera.zoom * factor).clamp(0.02, 100.0);
+                });
+            }
+        }
+    }
+
+    /// Half the height of the view, object units.
+    fn half_height(&self) -> Option<f32> {
+        let Variant { scene, subject } = self.posted.as_ref()?.variants.first()?;
+        let variant = crate::variant::Variant::of(scene, &self.library).ok()?;
+        Some(render::half_height(scene, subject, &variant))
+    }
+
+    fn turn(&mut self) {
+        let rotation = self.ball.rotation();
+        self.model.edit("camera", |scene| scene.camera.rotation = Some(rotation));
+    }
+
+    /// Lets the ball turn on.
+    fn glide(&mut self, passed: f64) {
+        let Some((axis, speed)) = self.glide else { return };
+        self.ball.follow(&self.model.scene().camera);
+        self.ball.spin(axis, speed * passed);
+        self.turn();
+        let slower = speed * GLIDE.powf(passed);
+        self.glide = (slower > 0.02).then_some((axis, slower));
+        if self.glide.is_none() {
+            self.model.settle();
+        }
+    }
+
+    /// Progress, the last message and the list of keys.
+    fn show_over(&mut self, ui: &Ui) {
+        let place = self.place;
+        let dark = Frame::popup(ui.style()).fill(Color32::from_black_alpha(200));
+        if let Some((name, done)) = self.loader.progress() {
+            Area::new(Id::new("loading")).fixed_pos(place.center() - Vec2::new(130.0, 30.0)).show(ui.ctx(), |ui| {
+                dark.show(ui, |ui| {
+                    ui.set_width(260.0);
+                    ui.label(format!("distance field of {name}"));
+                    ui.add(ProgressBar::new(done).show_percentage());
+                    if ui.button("Cancel").clicked() {
+                        self.loader.cancel();
+                        self.figures.message = Some(format!("{name} was given up"));
+                    }
+                });
+            });
+        }
+        if let Some(message) = self.model.message().map(String::from).or(self.figures.message.clone()) {
+            let at = place.left_bottom() + Vec2::new(12.0, -40.0);
+            Area::new(Id::new("message")).fixed_pos(at).show(ui.ctx(), |ui| {
+                ui.set_max_width(place.width() - 24.0);
+                dark.show(ui, |ui| ui.label(message));
+            });
+        }
+        if self.help {
+            Area::new(Id::new("help")).fixed_pos(place.left_top() + Vec2::new(16.0, 16.0)).show(ui.ctx(), |ui| {
+                dark.show(ui, |ui| self.show_keys(ui));
+            });
+        }
+    }
+
+    fn show_keys(&self, ui: &mut Ui) {
+        egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
+            let state = |action: Action| match action {
+                Action::Play => Some(self.clock.is_some()),
+                Action::Compare => Some(self.kept.is_some()),
+                Action::Inertia => Some(self.inertia),
+                Action::FullScreen => Some(self.full_screen),
+                Action::Record => Some(self.figures.recording.is_some()),
+                _ => None,
+            };
+            for binding in keys::KEYS.iter().filter(|binding| !binding.what.is_empty()) {
+                ui.label(RichText::new(binding.name).strong());
+                let state = state(binding.action).map_or("", |on| if on { " (on)" } else { " (off)" });
+                ui.label(format!("{}{state}", binding.what));
+                ui.end_row();
+            }
+            for (name, what) in keys::MOUSE {
+                ui.label(RichText::new(name).strong());
+                ui.label(what);
+                ui.end_row();
+            }
+        });
+    }
+
+    /// Gives the thread that renders what is to be seen now, if that is something new.
+    fn post(&mut self, ui: &Ui, now: Instant) {
+        if *self.library != *self.model.library() {
+            self.library = Arc::new(self.model.library().clone());
+        }
+        let points = ui.ctx().pixels_per_point();
+        let pane = Screen::pane(self.place, self.kept.is_some()) * points;
+        let size = [pane.x, pane.y].map(|side| (side.round() as u32).clamp(16, 8192));
+        let mut scenes = vec![self.shown()];
+        if let Some(kept) = &self.kept {
+            scenes.push(Scene { camera: scenes[0].camera.clone(), ..kept.clone() });
+        }
+        let notify = self.notify.clone();
+        let mut variants = Vec::new();
+        for mut scene in scenes {
+            scene.image.size = size;
+            match self.loader.subject(&scene, &self.library, &move_clone(&notify)) {
+                Ok(Some(subject)) => variants.push(Variant { scene, subject }),
+                Ok(None) => {}
+                Err(error) => self.say(error.to_string()),
+            }
+        }
+        if self.loader.progress().is_some() {
+            ui.ctx().request_repaint_after(Duration::from_millis(50));
+        }
+        let expected = 1 + usize::from(self.kept.is_some());
+        if variants.len() < expected {
+            self.is_current = false;
+            return;
+        }
+        let same = |job: &Job| {
+            Arc::ptr_eq(&job.library, &self.library)
+                && job.variants.len() == variants.len()
+                && job
+                    .variants
+                    .iter()
+                    .zip(&variants)
+                    .all(|(a, b)| a.scene == b.scene && Arc::ptr_eq(&a.subject, &b.subject))
+        };
+        let changed = !self.posted.as_ref().is_some_and(same);
+        if changed && self.posted.is_some() {
+            self.changed = now;
+        }
+        let busy = self.dragging || self.clock.is_some() || self.glide.is_some();
+        let moving = busy || now.duration_since(self.changed) < REST;
+        let max_error = self.max_error.unwrap_or(GOOD);
+        let as_before = |job: &Job| job.moving == moving && job.max_error.to_bits() == max_error.to_bits();
+        if changed || !self.posted.as_ref().is_some_and(as_before) {
+            self.number += 1;
+            self.is_current = false;
+            let job = Job { number: self.number, library: self.library.clone(), variants, moving, max_error };
+            if let Some(worker) = &self.worker {
+                worker.show(job.clone());
+            }
+            self.posted = Some(job);
+        }
+        if busy {
+            ui.ctx().request_repaint();
+        } else if moving {
+            ui.ctx().request_repaint_after(REST);
+        }
+    }
+}
+
+/// A function that calls this one.
+fn move_clone(notify: &Notify) -> impl Fn() + Clone + Send + 'static + use<> {
+    let notify = notify.clone();
+    move || notify()
+}
+
+/// The first name that no file has: `stem`, a number and `end`.
+fn free_name(stem: &str, end: &str) -> PathBuf {
+    let name = |number: u32| PathBuf::from(format!("{stem}_{number:03}{end}"));
+    let taken = |path: &Path| {
+        let first = path.to_string_lossy().replace("####", "0000");
+        path.exists() || Path::new(&first).exists()
+    };
+    (1..1000).map(name).find(|path| !taken(path)).unwrap_or_else(|| name(1000))
+}
