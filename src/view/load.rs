@@ -79,7 +79,8 @@ impl Loader {
         notify: &(impl Fn() + Clone + Send + 'static),
     ) -> Result<Option<Arc<Subject>>, VariantError> {
         let key = Key::of(scene, library)?;
-        if let Some(found) = self.kept.iter().position(|(known, _)| known.serves(&key)) {
+        // From the last on: where several serve, it is the same one as before, and the picture is not begun anew.
+        if let Some(found) = self.kept.iter().rposition(|(known, _)| known.serves(&key)) {
             let last = self.kept.remove(found);
             self.kept.push(last);
             return Ok(self.kept.last().map(|(_, subject)| subject.clone()));
@@ -194,6 +195,20 @@ mod tests {
         assert!(Arc::ptr_eq(&first, &wait(&mut loader, &fur, &library).unwrap()));
         fur.object.input = "sphere".into();
         assert!(!Arc::ptr_eq(&first, &wait(&mut loader, &fur, &library).unwrap()));
+    }
+
+    #[test]
+    fn of_two_subjects_that_serve_it_is_always_the_same() {
+        let library = Arc::new(glsl::shipped());
+        let mut scene = scene::preset("lit").unwrap();
+        scene.object.input = "torus".into();
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        let key = Key::of(&scene, &library).unwrap();
+        let kept = (0..2).map(|_| (key.clone(), Arc::new(subject.clone()))).collect();
+        let mut loader = Loader { kept, ..Loader::default() };
+        let mut next = || loader.subject(&scene, &library, &|| ()).unwrap().unwrap();
+        let first = next();
+        assert!((0..3).all(|_| Arc::ptr_eq(&first, &next())));
     }
 
     #[test]
