@@ -12,11 +12,11 @@ mod common;
 mod peer;
 
 use bench::Spread;
-use common::two_tone;
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, Renderer, Subject};
 use hypertexture::scene::{self, Pass, Projection, Rule, Scene, Traverse};
+use hypertexture::verify;
 use std::time::Instant;
 
 const REPEATS: usize = 5;
@@ -88,10 +88,11 @@ fn rules(gpu: &Gpu) {
         "{:>6} {:>12} {:>20} {:>12} {:>20} {:>30}",
         "steps", "points", "ms", "segments", "ms", "points/segments at this error"
     );
-    let library = two_tone::library();
+    let library = verify::library();
     let scenes = [Rule::Point, Rule::Segment].map(|rule| {
         STEPS.map(|steps| {
-            let mut scene = two_tone::scene(rule, Pass::March, Projection::Parallel);
+            let mut scene = verify::two_tone(rule);
+            (scene.quality.pass, scene.camera.projection) = (Pass::March, Projection::Parallel);
             (scene.image.size, scene.quality.samples) = ([SIZE; 2], steps);
             scene
         })
@@ -101,9 +102,9 @@ fn rules(gpu: &Gpu) {
     let cases: Vec<(Scene, &Subject)> = scenes.into_iter().flatten().map(|scene| (scene, &subject)).collect();
     let (times, frames) = measure(gpu, &library, &cases);
     let error = |frame: &Frame| {
-        let off = rays.iter().zip(&frame.pixels).filter(|(ray, _)| ray.impact() < two_tone::OUTER);
+        let off = rays.iter().zip(&frame.pixels).filter(|(ray, _)| ray.impact() < verify::TWO_TONE.outer);
         let off: Vec<f64> = off
-            .map(|(ray, pixel)| (f64::from(pixel[1]) - (1.0 - two_tone::transmittance(ray.impact()))).abs())
+            .map(|(ray, pixel)| (f64::from(pixel[1]) - (1.0 - verify::TWO_TONE.perlin(ray.impact()))).abs())
             .collect();
         off.iter().sum::<f64>() / off.len() as f64
     };
@@ -181,9 +182,15 @@ fn main() {
     let gpu = bench::open();
     let library = glsl::shipped();
     println!("{SIZE} x {SIZE} pixels, {SAMPLES} steps, {REPEATS} repeats in turns: median (lowest-highest)");
-    leaping(&gpu, &library);
-    rules(&gpu);
-    sweeps(&gpu, &library);
-    peer::compare(&gpu);
+    // `cargo bench --bench march -- peer` measures that alone.
+    let chosen: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    let wanted = |part: &str| chosen.is_empty() || chosen.iter().any(|name| name == part);
+    let parts: [(&str, &dyn Fn()); 4] = [
+        ("leaping", &|| leaping(&gpu, &library)),
+        ("rules", &|| rules(&gpu)),
+        ("sweeps", &|| sweeps(&gpu, &library)),
+        ("peer", &|| peer::compare(&gpu)),
+    ];
+    parts.iter().filter(|(name, _)| wanted(name)).for_each(|(_, part)| part());
     println!("\n{:.0} s in all", start.elapsed().as_secs_f64());
 }

@@ -12,6 +12,7 @@ layout(set = 0, binding = 0) uniform View {
     vec4 clip_plane;        // keeps dot(clip_plane.xyz, x) <= clip_plane.w
     vec4 picture_scale;     // pixel coordinates to [0, 2] across the picture, in xy; where in its pixel a ray is, in zw
     vec4 ray_scale;         // half width and height of the view: at depth 1 in perspective, at any depth in parallel
+    float soft_radius;      // no matter is farther from the origin of object space than this
     float step_size;        // distance between slices, object units
     float first_depth;      // depth of the slice nearest to the eye
     float slice_count;      // slices from there on
@@ -22,6 +23,12 @@ layout(set = 0, binding = 0) uniform View {
     float time;             // seconds
     float noise_cells;      // lattice cells across the noise block
     float turbulence_cells; // lattice cells of the first octave across the turbulence block
+    float channel_cells;    // those across the block of four octaves
+    float low_octaves;      // octaves in the block of the low ones
+    float noise_period;     // cells after which the lattice of procedural noise repeats, a power of two
+    float turbulence_period;    // those of the first octave of turbulence
+    float turbulence_growth;    // 1: each octave repeats after twice as many cells as the one before; 0: after as many
+    float turbulence_cycle; // octaves after which that begins anew, a power of two
     mat4 shadow_matrix;     // eye space to that of the light: the light at the origin, the scene along +z
     float shadow_rim;       // angle from the axis of the light that the shadow volume covers
     float shadow_near;      // distances from the light between which the scene is
@@ -36,7 +43,22 @@ layout(set = 0, binding = 4) uniform texture3D turbulence_image;    // MJ 4.1: t
 layout(set = 0, binding = 5) uniform sampler clamp_sampler;
 layout(set = 0, binding = 6) uniform sampler repeat_sampler;
 layout(set = 0, binding = 7) uniform texture3D shadow_image;        // light that is left before each segment
-#define noise_block sampler3D(noise_image, repeat_sampler)
-#define turbulence_block sampler3D(turbulence_image, repeat_sampler)
+layout(set = 0, binding = 8) uniform sampler block_sampler;         // MJ 4.1: repeats, or mirrors
+layout(set = 0, binding = 9) uniform texture3D noise_value_image;   // noise alone
+layout(set = 0, binding = 10) uniform texture3D turbulence_value_image;     // turbulence alone
+layout(set = 0, binding = 11) uniform texture3D channel_image;      // MJ 4.1: four octaves of noise
+layout(set = 0, binding = 12) uniform texture1D permutation_image;  // MJ 4.2: an entry and the next one
+layout(set = 0, binding = 13) uniform texture1D gradient_image;     // MJ 4.2: gradients in the order of the permutation
+layout(set = 0, binding = 14) uniform texture3D low_octaves_image;  // the first octaves of turbulence
+layout(set = 0, binding = 15) uniform texture3D random_image;       // GG 39.5
+#define noise_block sampler3D(noise_image, block_sampler)
+#define noise_value_block sampler3D(noise_value_image, block_sampler)
+#define turbulence_block sampler3D(turbulence_image, block_sampler)
+#define turbulence_value_block sampler3D(turbulence_value_image, block_sampler)
+#define channel_block sampler3D(channel_image, block_sampler)
+#define low_octaves_block sampler3D(low_octaves_image, block_sampler)
+#define random_block sampler3D(random_image, block_sampler)
+#define permutation_table sampler1D(permutation_image, repeat_sampler)
+#define gradient_table sampler1D(gradient_image, repeat_sampler)
 #define shadow_volume sampler3D(shadow_image, clamp_sampler)
 #include "part.glsl"

@@ -22,6 +22,7 @@ layout(set = 0, binding = 16) uniform Constants {
     float opacity_rate;     // c of PH 3.1, per object unit
     float place_scale;      // object units of the scene in one of this object
     float leap_slack;       // how much nearer the matter may be than a sampled distance says, units of the object
+    float own_radius;       // no matter is farther from the origin of the object's own space than this
     float closest_range;    // stored texel s to the way to the closest point: (2 s - 1) times this, object units
 };
 layout(set = 0, binding = 17) uniform texture3D volume_image;       // MJ 3.1

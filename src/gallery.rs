@@ -4,7 +4,7 @@ use crate::field::Progress;
 use crate::glsl::Library;
 use crate::glsl::library::Default as KnobDefault;
 use crate::gpu::Gpu;
-use crate::output::{self, Depth, OutputError};
+use crate::output::{self, Depth, OutputError, Provenance};
 use crate::render::{RenderError, Subject, render};
 use crate::scene::{Color, EFFECTS, KnobValue, Object, Pass, Scene, SceneError, names, preset};
 use crate::variant::Variant;
@@ -85,7 +85,10 @@ pub fn write(
         std::fs::create_dir_all(folder).map_err(io(folder))?; // not before an object that cannot be read
         let frame = render(gpu, library, scene, subject)?;
         let file = format!("{name}.png");
-        output::write(&frame, scene.image.background, Depth::Eight, &frame.measurements.modules, &folder.join(&file))?;
+        let path = folder.join(&file);
+        let provenance = Provenance::of(scene, &gpu.facts().title(), &frame.measurements.modules);
+        let provenance = provenance.map_err(|source| OutputError::Provenance { path: name.clone(), source })?;
+        output::write(&frame, scene.image.background, Depth::Eight, &provenance, &path)?;
         let variant = Variant::of(scene, library).map_err(RenderError::from)?;
         let m = &frame.measurements;
         let own = preset(name).is_ok_and(|preset| preset.object.input == scene.object.input);

@@ -35,11 +35,16 @@
 //!    -> device                                        gpu
 //! all of it, top to bottom -> picture, measurements   render
 //!    -> PNG, EXR; a page                              output, gallery
-//! the same, live in a window                        view
+//! the same program in f64 and in intervals            exact
 //! its cost beforehand; many pictures; many processes  predict, sequence, shard
+//! its error against its cost; the cheapest way        reference, compare, pick
+//! closed forms; a picture against its own scene       verify
+//! all of it, live in a window                         view
 //! ```
 
+pub mod compare;
 pub mod doctor;
+pub mod exact;
 pub mod field;
 pub mod gallery;
 pub mod glsl;
@@ -47,7 +52,9 @@ pub mod gpu;
 pub mod noise;
 pub mod output;
 pub mod pass;
+pub mod pick;
 pub mod predict;
+pub mod reference;
 pub mod render;
 pub mod scene;
 pub mod sequence;
@@ -55,5 +62,6 @@ pub mod shape;
 pub mod shard;
 pub mod texture;
 pub mod variant;
+pub mod verify;
 #[cfg(feature = "view")]
 pub mod view;

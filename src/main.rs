@@ -11,6 +11,8 @@ const BAD_INPUT: u8 = 2;
 /// Exit code of a window that could not be shown, or not be shown on.
 #[cfg(feature = "view")]
 const NO_WINDOW: u8 = 1;
+/// Exit code of `verify` where a device or a picture is not as it must be.
+const DISAGREES: u8 = 1;
 
 fn main() -> ExitCode {
     let arguments = match cli::Arguments::try_parse() {
@@ -42,9 +44,13 @@ fn main() -> ExitCode {
             eprintln!("error: {}", error.to_string().replace('\n', " "));
             ExitCode::from(NO_WINDOW)
         }
+        Err(error) if error.is::<cli::Disagreement>() => {
+            eprintln!("{error}");
+            ExitCode::from(DISAGREES)
+        }
         Err(error) => {
             eprintln!("error: {}", error.to_string().replace('\n', " "));
-            ExitCode::from(BAD_INPUT)
+            ExitCode::from(if error.is::<cli::Failed>() { cli::FAILED } else { BAD_INPUT })
         }
     }
 }

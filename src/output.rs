@@ -1,14 +1,27 @@
 //! Pictures on disk.
 //!
 //! Role: a [`Frame`] into a PNG (8 or 16 bits, straight alpha, sRGB) or an OpenEXR file (32-bit float, premultiplied
-//! linear, as that format has it). Invariant: a file appears whole or not at all: it is written beside its place under
-//! a temporary name, synced and renamed.
+//! linear, as that format has it), with its [`Provenance`]; and both back. Invariant: a file appears whole or not at
+//! all: it is written beside its place under a temporary name, synced and renamed.
+
+mod provenance;
+mod read;
+
+pub use provenance::{Provenance, ProvenanceError};
+pub use read::{Encoding, Stored, read, read_provenance};
 
 use crate::render::Frame;
 use crate::scene::{Color, linear_to_srgb};
+use exr::image::write::WritableImage;
+use exr::image::{Image, SpecificChannels};
+use exr::math::Vec2;
+use exr::meta::attribute::{AttributeValue, Text};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Cursor, Write};
 use std::path::{Path, PathBuf};
+
+/// Name and version of this program.
+pub const PROGRAM: &str = concat!("hypertexture ", env!("CARGO_PKG_VERSION"));
 
 /// Bits of each channel of a PNG.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,7 +33,7 @@ pub enum Depth {
     Sixteen,
 }
 
-/// Why a picture is not on disk.
+/// Why a picture is not on disk, or cannot be had from there.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The file name does not say which format to write.
@@ -44,6 +57,22 @@ pub enum OutputError {
         path: String,
         /// What the system says.
         source: io::Error,
+    },
+    /// The file cannot be read.
+    #[error("{path}: {reason}")]
+    Read {
+        /// The file.
+        path: String,
+        /// What the system or the decoder says.
+        reason: String,
+    },
+    /// What the file says of its origin is not there, or not to be believed.
+    #[error("{path}: {source}")]
+    Provenance {
+        /// The file.
+        path: String,
+        /// What is wrong.
+        source: ProvenanceError,
     },
 }
 
@@ -78,7 +107,7 @@ pub fn check_folder(path: &Path) -> Result<(), OutputError> {
     }
 }
 
-/// Writes a picture over `background`; without one, its alpha is kept. `about` goes into the file as a comment.
+/// Writes a picture over `background`; without one, its alpha is kept. The provenance goes into the file.
 ///
 /// # Errors
 /// An unknown format, or what the system says; the file is then not there.
@@ -86,12 +115,12 @@ pub fn write(
     frame: &Frame,
     background: Option<Color>,
     depth: Depth,
-    about: &str,
+    provenance: &Provenance,
     path: &Path,
 ) -> Result<(), OutputError> {
     let encoded = match kind(path)? {
-        Kind::Png => png(frame, background, depth, about).map_err(|error| error.to_string()),
-        Kind::Exr => exr(frame, background).map_err(|error| error.to_string()),
+        Kind::Png => png(frame, background, depth, provenance).map_err(|error| error.to_string()),
+        Kind::Exr => exr(frame, background, provenance).map_err(|error| error.to_string()),
     };
     let bytes = encoded.map_err(|reason| OutputError::Encode { path: path.display().to_string(), reason })?;
     write_whole(path, &bytes).map_err(|source| OutputError::Write { path: path.display().to_string(), source })
@@ -146,7 +175,12 @@ fn straight(pixel: [f32; 4]) -> [f32; 4] {
     [code(pixel[0]), code(pixel[1]), code(pixel[2]), alpha]
 }
 
-fn png(frame: &Frame, background: Option<Color>, depth: Depth, about: &str) -> Result<Vec<u8>, png::EncodingError> {
+fn png(
+    frame: &Frame,
+    background: Option<Color>,
+    depth: Depth,
+    provenance: &Provenance,
+) -> Result<Vec<u8>, png::EncodingError> {
     let behind = background.map(Color::linear);
     let codes = frame.pixels.iter().flat_map(|&pixel| straight(over(pixel, behind)));
     let data: Vec<u8> = match depth {
@@ -161,29 +195,35 @@ fn png(frame: &Frame, background: Option<Color>, depth: Depth, about: &str) -> R
         Depth::Sixteen => png::BitDepth::Sixteen,
     });
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    encoder.add_text_chunk("Software".into(), concat!("hypertexture ", env!("CARGO_PKG_VERSION")).into())?;
-    encoder.add_text_chunk("Comment".into(), about.into())?;
+    encoder.add_text_chunk("Software".into(), PROGRAM.into())?;
+    encoder.add_itxt_chunk(provenance::KEY.into(), provenance.to_text())?;
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&data)?;
     writer.finish()?;
     Ok(bytes)
 }
 
-fn exr(frame: &Frame, background: Option<Color>) -> Result<Vec<u8>, image::ImageError> {
+fn exr(frame: &Frame, background: Option<Color>, provenance: &Provenance) -> exr::error::Result<Vec<u8>> {
     let behind = background.map(Color::linear);
-    let data: Vec<f32> = frame.pixels.iter().flat_map(|&pixel| over(pixel, behind)).collect();
+    let [width, height] = frame.size.map(|side| side as usize);
+    let channels = SpecificChannels::rgba(|at: Vec2<usize>| {
+        let [r, g, b, a] = over(frame.pixels[at.y() * width + at.x()], behind);
+        (r, g, b, a)
+    });
+    let mut image = Image::from_channels((width, height), channels);
+    image.layer_data.attributes.software_name = Some(Text::from(PROGRAM));
+    // One attribute and not several: the encoder writes those that it does not know in an order that changes.
+    let text = Text::from_slice_unchecked(provenance.to_text().as_bytes());
+    image.layer_data.attributes.other.insert(Text::from(provenance::KEY), AttributeValue::Text(text));
     let mut bytes = Cursor::new(Vec::new());
-    let encoder = image::codecs::openexr::OpenExrEncoder::new(&mut bytes);
-    let [width, height] = frame.size;
-    let raw: &[u8] = bytemuck::cast_slice(&data);
-    image::ImageEncoder::write_image(encoder, raw, width, height, image::ExtendedColorType::Rgba32F)?;
+    image.write().to_buffered(&mut bytes)?;
     Ok(bytes.into_inner())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::srgb_to_linear;
+    use crate::scene::{Scene, srgb_to_linear};
 
     fn frame(pixels: Vec<[f32; 4]>) -> Frame {
         Frame { size: [pixels.len() as u32, 1], pixels, measurements: Default::default() }
@@ -193,13 +233,17 @@ mod tests {
         image::open(path).unwrap()
     }
 
+    fn provenance() -> Provenance {
+        Provenance::of(&Scene::default(), "a device", "").unwrap()
+    }
+
     #[test]
     fn half_cover_over_white_and_black_is_right_to_a_code() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("half.png");
         let half = frame(vec![[0.5 * 0.2, 0.5 * 0.4, 0.5 * 0.8, 0.5]]);
         for (behind, value) in [([255; 3], 1.0), ([0; 3], 0.0)] {
-            write(&half, Some(Color(behind)), Depth::Eight, "", &path).unwrap();
+            write(&half, Some(Color(behind)), Depth::Eight, &provenance(), &path).unwrap();
             let pixel = read(&path).to_rgba8().get_pixel(0, 0).0;
             for (code, linear) in pixel.into_iter().zip([0.2, 0.4, 0.8]) {
                 let expected = 0.5 * linear + 0.5 * value;
@@ -212,8 +256,14 @@ mod tests {
     fn a_transparent_picture_keeps_its_straight_color() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("straight.png");
-        write(&frame(vec![[0.25 * 0.5, 0.0, 0.0, 0.25], [1e-9, 0.0, 0.0, 1e-9]]), None, Depth::Sixteen, "", &path)
-            .unwrap();
+        write(
+            &frame(vec![[0.25 * 0.5, 0.0, 0.0, 0.25], [1e-9, 0.0, 0.0, 1e-9]]),
+            None,
+            Depth::Sixteen,
+            &provenance(),
+            &path,
+        )
+        .unwrap();
         let image = read(&path).to_rgba16();
         let red = srgb_to_linear(f32::from(image.get_pixel(0, 0).0[0]) / 65535.0);
         assert!((red - 0.5).abs() < 1e-4);
@@ -226,7 +276,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("exact.exr");
         let pixels = vec![[0.1, 7.5, 1e-7, 0.3], [0.0, 0.0, 0.0, 0.0]];
-        write(&frame(pixels.clone()), None, Depth::Eight, "", &path).unwrap();
+        write(&frame(pixels.clone()), None, Depth::Eight, &provenance(), &path).unwrap();
         let image = read(&path).to_rgba32f();
         assert_eq!(image.get_pixel(0, 0).0, pixels[0]);
     }
@@ -236,7 +286,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("taken.png");
         fs::create_dir(&path).unwrap();
-        assert!(write(&frame(vec![[0.0; 4]]), None, Depth::Eight, "", &path).is_err());
+        assert!(write(&frame(vec![[0.0; 4]]), None, Depth::Eight, &provenance(), &path).is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
         let error = check(&folder.path().join("missing/x.png")).unwrap_err().to_string();
         assert!(error.contains("there is no folder"), "{error}");

@@ -4,12 +4,15 @@
 //! [`Frame`]. Invariant: every picture that a person sees comes through [`render`].
 
 mod bind;
+mod frozen;
 mod inputs;
 mod shadow;
 mod sub_frame;
 mod subject;
 mod view;
 
+pub(crate) use frozen::{Blocks, Frozen};
+pub(crate) use inputs::Encoded;
 pub use shadow::{Transmittance, transmittance};
 pub use subject::{Subject, field_margin, open, request};
 pub use view::half_height;
@@ -171,10 +174,12 @@ impl<'a> Renderer<'a> {
     ) -> Result<Frame, RenderError> {
         let start = Instant::now();
         let variant = Variant::of(scene, self.library)?;
-        let kept = self.prepared.take().filter(|prepared| prepared.fits(scene, &variant));
-        let mut prepared = match kept {
-            Some(prepared) => prepared,
-            None => Prepared::new(self.gpu, self.library, scene, self.subject, &variant)?,
+        let mut prepared = match self.prepared.take() {
+            Some(prepared) if prepared.fits(scene, &variant) => prepared,
+            other => {
+                let linked = other.filter(|other| other.runs(&variant)).map(|other| other.program);
+                Prepared::new(self.gpu, self.library, scene, self.subject, &variant, linked)?
+            }
         };
         let mut frame = prepared.frame(scene, &variant, bands, wanted)?;
         self.prepared = Some(prepared);
@@ -200,16 +205,17 @@ struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// Makes what the pictures of a scene share.
+    /// Makes what the pictures of a scene share; its program may be linked already.
     fn new(
         gpu: &'a Gpu,
         library: &'a Library,
         scene: &Scene,
         subject: &'a Subject,
         variant: &Variant,
+        linked: Option<Program>,
     ) -> Result<Prepared<'a>, RenderError> {
         let start = Instant::now();
-        let program = variant.program(library, Linker::new)?;
+        let program = linked.map_or_else(|| variant.program(library, Linker::new), Ok)?;
         let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
         let view = view::View::of(scene, subject, variant);
         let quality = &scene.quality;
@@ -269,9 +275,12 @@ impl<'a> Prepared<'a> {
             let all = [&variant.knobs].into_iter().chain(variant.parts.values());
             all.map(|knobs| (knobs.outer_iso(), knobs.reach())).collect::<Vec<_>>()
         };
-        same == *scene
-            && (variant.entries, &variant.slots) == (self.variant.entries, &self.variant.slots)
-            && reach(variant) == reach(&self.variant)
+        same == *scene && self.runs(variant) && reach(variant) == reach(&self.variant)
+    }
+
+    /// Whether its program is that of a variant.
+    fn runs(&self, variant: &Variant) -> bool {
+        (variant.entries, &variant.slots) == (self.variant.entries, &self.variant.slots)
     }
 
     /// Some bands of a picture of a scene that fits, the mean of the sub-frames that are wanted: the story of a frame.
@@ -342,8 +351,8 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// `constant_id` of the octaves in `glsl/turbulence/procedural.glsl`.
-const OCTAVES_ID: u32 = 0;
+/// `constant_id` of the octaves in `glsl/octave_constants.glsl`.
+pub(crate) const OCTAVES_ID: u32 = 0;
 
 fn add(sum: &mut [[f64; 4]], pixels: &[[f32; 4]]) {
     for (sum, pixel) in sum.as_flattened_mut().iter_mut().zip(pixels.as_flattened()) {

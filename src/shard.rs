@@ -5,7 +5,7 @@
 //! is made only of all its shards. Source: PH 3.1 (interleaved pixels on 64 processors, a dozen workstations).
 
 use crate::glsl::{Library, Linker};
-use crate::output::Depth;
+use crate::output::{Depth, Provenance};
 use crate::render::{Frame, Measurements, RenderError, Subject};
 use crate::scene::{self, Color, Scene};
 use crate::variant::Variant;
@@ -26,7 +26,7 @@ const BAND_STEP: u32 = 4;
 const BAND_ROWS: u32 = 32;
 /// The largest side of a picture, as scenes have it.
 const MAX_SIDE: u32 = 16_384;
-const MAGIC: &[u8; 8] = b"HTSHARD1";
+const MAGIC: &[u8; 8] = b"HTSHARD2";
 /// Bytes of a BLAKE3 hash.
 const HASH: usize = 32;
 
@@ -192,6 +192,7 @@ fn band_rows(height: u32, count: u32) -> u32 {
 pub fn identity(scene: &Scene, library: &Library, subject: &Subject) -> Result<blake3::Hash, RenderError> {
     let program = Variant::of(scene, library)?.program(library, Linker::new)?;
     let mut named = scene.clone();
+    named.modules.clear(); // they are in the program
     let mut hash = blake3::Hasher::new();
     hash.update(concat!("hypertexture ", env!("CARGO_PKG_VERSION"), "\n").as_bytes());
     let further = named.parts.iter_mut().map(|(name, part)| (&mut part.object, &subject.parts[name]));
@@ -218,10 +219,9 @@ pub struct Whole {
     pub background: Option<Color>,
     /// Bits of each channel, if it becomes a PNG.
     pub depth: Depth,
-    /// Comment that goes into the picture's file.
-    pub about: String,
-    /// The device; not part of the agreement, but another one may round another way.
-    pub device: String,
+    /// Where the picture comes from; not part of the agreement: another device may round another way, and another
+    /// machine may have its files elsewhere.
+    pub provenance: Provenance,
 }
 
 /// The file of a shard: a magic, a header, the pixels of the shard's bands from the top (little-endian f32, premultiplied
@@ -234,10 +234,9 @@ pub fn encode(whole: &Whole, shard: Shard, frame: &Frame) -> Vec<u8> {
     for number in [whole.size[0], whole.size[1], shard.index, shard.count, background, depth] {
         bytes.extend(number.to_le_bytes());
     }
-    for text in [&whole.about, &whole.device] {
-        bytes.extend((text.len() as u32).to_le_bytes());
-        bytes.extend(text.as_bytes());
-    }
+    let text = whole.provenance.to_text();
+    bytes.extend((text.len() as u32).to_le_bytes());
+    bytes.extend(text.as_bytes());
     for band in shard.bands(whole.size[1]) {
         let pixels = &frame.pixels[span(&band, whole.size[0])];
         bytes.extend(pixels.as_flattened().iter().flat_map(|value| value.to_le_bytes()));
@@ -271,8 +270,9 @@ pub fn merge(paths: &[PathBuf]) -> Result<(Frame, Whole, Vec<String>), ShardErro
         if let Some(what) = difference((of, *count), (&whole, shard.count)) {
             return Err(ShardError::Foreign { path: name, first: one.clone(), what });
         }
-        if whole.device != of.device && !devices.contains(&whole.device) {
-            devices.push(whole.device);
+        let device = whole.provenance.device;
+        if device != of.provenance.device && !devices.contains(&device) {
+            devices.push(device);
         }
         let content = blake3::hash(rows);
         match found.get(&shard.index) {
@@ -288,13 +288,16 @@ pub fn merge(paths: &[PathBuf]) -> Result<(Frame, Whole, Vec<String>), ShardErro
             own.iter_mut().zip(&mut values).for_each(|(pixel, value)| *pixel = value);
         }
     }
-    let Some((_, whole, count)) = first else { return Err(ShardError::Spec("of no files".into())) };
+    let Some((_, mut whole, count)) = first else { return Err(ShardError::Spec("of no files".into())) };
     let missing: Vec<Shard> =
         (0..count).filter(|index| !found.contains_key(index)).map(|index| Shard { index, count }).collect();
     if let Some(&first) = missing.first() {
         let some: Vec<String> = missing.iter().take(8).map(|shard| shard.index.to_string()).collect();
         let which = format!("{}{}", some.join(", "), if missing.len() > some.len() { ", ..." } else { "" });
         return Err(ShardError::Missing { missing: missing.len(), count, which, first });
+    }
+    for device in &devices {
+        whole.provenance.device.push_str(&format!(", {device}"));
     }
     Ok((Frame { size: whole.size, pixels, measurements: Measurements::default() }, whole, devices))
 }
@@ -330,14 +333,9 @@ fn header(bytes: &[u8]) -> Option<(Whole, Shard, &[u8])> {
         *number = take_number(&mut rest)?;
     }
     let [width, height, index, count, background, depth] = numbers;
-    let mut texts = [String::new(), String::new()];
-    for text in &mut texts {
-        let length = take_number(&mut rest)? as usize;
-        let (own, after) = rest.split_at_checked(length)?;
-        *text = String::from_utf8(own.to_vec()).ok()?;
-        rest = after;
-    }
-    let [about, device] = texts;
+    let length = take_number(&mut rest)? as usize;
+    let (text, rest) = rest.split_at_checked(length)?;
+    let provenance = Provenance::from_text(str::from_utf8(text).ok()?).ok()?;
     let whole = Whole {
         identity: blake3::Hash::from_bytes(*identity),
         size: [width, height],
@@ -346,8 +344,7 @@ fn header(bytes: &[u8]) -> Option<(Whole, Shard, &[u8])> {
             [_, r, g, b] => Some(Color([r, g, b])),
         },
         depth: if depth == 16 { Depth::Sixteen } else { Depth::Eight },
-        about,
-        device,
+        provenance,
     };
     let shard = Shard::new(index, count)?;
     let sides = 1..=MAX_SIDE;

@@ -5,6 +5,10 @@
 //! and the two numbers of [`Texels::decode`] are all that the one decoder in GLSL needs.
 //! Source: MJ 3.1 (gradient normal in RGB, density in A, at most 16 bits).
 
+mod blocks;
+
+pub use blocks::{Depth, block_channels, block_gradients, block_values, table_rows, texels_of};
+
 use crate::field::{ClosestPoints, DistanceField};
 use crate::scene::{Curve, Stop, Transfer};
 use glam::{Vec3, Vec4};

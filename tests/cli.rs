@@ -175,6 +175,18 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
             ("field torus --margin nan", &["--margin NaN", "from 0 to 4"]),
             ("field torus --resolution 2", &["resolution 2", "8 to 1024"]),
             ("gallery torus --size 0x0", &["image.size = 0"]),
+            ("compare", &["<SCENE>"]),
+            ("compare fire --strategies lokups8", &["no strategy `lokups8`", "choose one of: encoded"]),
+            ("compare fire --samples 0", &["quality.samples = 0", "from 1 to"]),
+            ("compare fire --samples 16,x", &["'x'", "--samples"]),
+            ("compare fire --samples 2000000", &["quality.samples = 2000000", "from 1 to"]),
+            ("compare fire --repeat 0", &["--repeat 0", "from 1 to 1000"]),
+            ("compare fire --repeat many", &["'many'", "--repeat"]),
+            ("compare fire --size 0x5", &["image.size = 0", "from 1 to 16384"]),
+            ("compare fir", &["fir"]),
+            ("compare torus --effect fir", &["no effect `fir`", "did you mean `fire`?"]),
+            ("compare sphere --effect fire -o out.png", &["out.png", "nothing was written"]),
+            ("compare sphere --effect fire -o /proc/none", &["/proc/none", "nothing was written"]),
         ],
     );
 }

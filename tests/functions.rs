@@ -7,12 +7,9 @@ use glam::{DMat3, DVec3, Vec3};
 use hypertexture::field::{DistanceField, Grid};
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
-use hypertexture::noise::{Noise, Weights};
+use hypertexture::noise::{Lattice, Period, Weights};
 use hypertexture::render::{Frame, Subject};
 use hypertexture::scene::{Projection, Scene, Source};
-
-/// The seed of the noise in every picture.
-const SEED: u64 = 1989;
 
 /// An opaque cube seen along -z in parallel projection, its face colored by a module.
 fn probe(module: &str, text: &str) -> (Scene, Library) {
@@ -69,7 +66,7 @@ fn m14_the_blocks_hold_the_noise_and_turbulence_of_the_cpu() {
             (128, [0.08, 0.05], Weights::Quintic, "quintic"),
             (64, [0.08, 0.09], Weights::Cubic, "cubic"),
         ] {
-            let noise = Noise::new(SEED, weights);
+            let noise = Lattice { weights };
             let (mut scene, library) = probe("noise_probe", include_str!("glsl/noise_probe.glsl"));
             scene.quality.block_size = size;
             scene.effect.weights = name.into();
@@ -80,7 +77,7 @@ fn m14_the_blocks_hold_the_noise_and_turbulence_of_the_cpu() {
             let off = worst(&seen, 0, |p| 0.5 + 0.5 * noise.sample(at(p), size / 4).1);
             assert!(off <= 0.5 * bounds[0], "noise of {size}^3: {off:e}");
             let octaves = (0..8u32).take_while(|octave| (4 << octave) * 2 <= size).count() as u32;
-            let off = worst(&seen, 1, |p| 0.5 * noise.turbulence(at(p), 4, octaves).1);
+            let off = worst(&seen, 1, |p| 0.5 * noise.turbulence(at(p), Period::growing(4), octaves).1);
             assert!(off <= 0.5 * bounds[1], "turbulence of {size}^3: {off:e}");
         }
     });

@@ -9,7 +9,7 @@ mod common;
 
 use hypertexture::glsl;
 use hypertexture::gpu::Gpu;
-use hypertexture::output::{self, Depth};
+use hypertexture::output::{self, Depth, Provenance};
 use hypertexture::render::{Subject, render};
 use hypertexture::scene::{self, Color, Scene};
 use image::{Rgb, RgbImage};
@@ -140,7 +140,8 @@ fn picture(gpu: &Gpu, scene: &Scene) -> RgbImage {
     let frame = render(gpu, &library, scene, &subject).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("actual.png");
-    output::write(&frame, scene.image.background, Depth::Eight, "", &path).unwrap();
+    let provenance = Provenance::of(scene, "", "").unwrap();
+    output::write(&frame, scene.image.background, Depth::Eight, &provenance, &path).unwrap();
     image::open(&path).unwrap().to_rgb8()
 }
 

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{difference, homogeneous, order, picture, rays, with_gpu};
+use common::{difference, homogeneous, picture, rays, with_gpu};
 use glam::DVec3;
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
@@ -153,21 +153,16 @@ fn m63_a_placed_object_is_where_and_as_large_as_its_place_says() {
             let mut scene = scene.clone();
             scene.quality.samples = samples;
             let frame = picture(gpu, &library, &scene, &subject);
-            let off: Vec<f64> = rays(&scene, &subject)
-                .iter()
-                .zip(&frame.pixels)
-                .map(|(ray, pixel)| {
-                    let b = (ray.from - center).cross(ray.along).length();
-                    let chord = 2.0 * (radius * radius - b * b).max(0.0).sqrt();
-                    (f64::from(pixel[3]) - (1.0 - (-rate * chord).exp())).abs()
-                })
-                .collect();
-            let mean = off.iter().sum::<f64>() / off.len() as f64;
-            let max = off.into_iter().fold(0.0, f64::max);
-            common::Row { samples, step: f64::from(frame.measurements.step), max, mean }
+            let rays = rays(&scene, &subject);
+            let off = rays.iter().zip(&frame.pixels).map(|(ray, pixel)| {
+                let b = (ray.from - center).cross(ray.along).length();
+                let chord = 2.0 * (radius * radius - b * b).max(0.0).sqrt();
+                (f64::from(pixel[3]) - (1.0 - (-rate * chord).exp())).abs()
+            });
+            common::Level::of(samples, f64::from(frame.measurements.step), off)
         });
         println!("{rows:?}");
-        assert!(rows[1].mean < 1e-3 && order(&rows[0], &rows[1]) > 0.8);
+        assert!(rows[1].mean < 1e-3 && rows[0].order(&rows[1]) > 0.8);
     });
 }
 

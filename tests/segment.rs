@@ -2,43 +2,32 @@
 
 mod common;
 
-use common::two_tone::{self, INNER, OUTER, RATE, transmittance};
-use common::{Row, difference, errors, formula, homogeneous, order, picture, subject, with_gpu};
+use common::{difference, errors, formula, homogeneous, picture, subject, with_gpu};
 use hypertexture::glsl;
-use hypertexture::gpu::Gpu;
-use hypertexture::scene::{EFFECTS, Pass, Projection, Rule, Scene, Traverse, preset};
+use hypertexture::scene::{EFFECTS, Pass, Projection, Rule, Traverse, preset};
+use hypertexture::verify::{self, Bench, Known, Level, PASSES, TWO_TONE, order, two_tone};
 
 const PROJECTIONS: [Projection; 2] = [Projection::Parallel, Projection::Perspective];
-const PASSES: [Pass; 2] = [Pass::Slices, Pass::March];
 const DOUBLING: [u32; 6] = [32, 64, 128, 256, 512, 1024];
 
-fn overall(rows: &[Row]) -> f64 {
-    let above: Vec<&Row> = rows.iter().filter(|row| row.mean > 1e-6).collect();
-    order(above[0], above[above.len() - 1])
-}
-
-fn rows(gpu: &Gpu, scene: &Scene) -> Vec<Row> {
-    let library = two_tone::library();
-    println!("{:?} {:?}", scene.quality.rule, scene.quality.pass);
-    errors(gpu, &library, (scene, &subject(scene, &library)), &DOUBLING, 1, |ray| {
-        Some(match ray.impact() {
-            b if b < OUTER => 1.0 - transmittance(b),
-            _ => 0.0,
-        })
-    })
+fn overall(rows: &[Level]) -> f64 {
+    order(rows).expect("errors above rounding")
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p45_the_two_tone_sphere_is_of_second_order_by_segments() {
-    assert!((-(transmittance(1.0).ln()) - 2.268_715_928_011_75).abs() < 1e-13, "truth 4 itself");
     with_gpu(|gpu| {
-        for projection in PROJECTIONS {
-            let control = rows(gpu, &two_tone::scene(Rule::Point, Pass::March, projection));
+        let bench = Bench::new(gpu);
+        let [points, segments]: [Vec<_>; 2] =
+            ["points", "segments"].map(|rule| verify::TWO_TONES.iter().filter(|case| case.variant == rule).collect());
+        for (point, segment) in points.into_iter().zip(segments) {
+            let control = levels(point, &bench, Pass::March);
             for pass in PASSES {
-                let segments = rows(gpu, &two_tone::scene(Rule::Segment, pass, projection));
-                let (point, segment) = (&control[3], &segments[3]);
-                assert!(segment.mean <= 4e-5, "{segment:?}");
+                let segments = levels(segment, &bench, pass);
+                let (point, segment) = (&control[1], &segments[1]);
+                println!("{pass:?}, {} samples: points {point:?}, segments {segment:?}", segment.samples);
+                assert!(segment.samples == 256 && segment.mean <= 4e-5, "{segment:?}");
                 assert!(overall(&segments) >= 1.9, "order {}", overall(&segments));
                 assert!(point.mean > 50.0 * segment.mean, "points {point:?}, segments {segment:?}");
             }
@@ -46,19 +35,20 @@ fn p45_the_two_tone_sphere_is_of_second_order_by_segments() {
     });
 }
 
+fn levels(case: &Known, bench: &Bench<'_>, pass: Pass) -> Vec<Level> {
+    case.levels(bench, pass).unwrap_or_else(|error| panic!("{error}"))
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p45_a_soft_medium_is_of_second_order_by_segments() {
     with_gpu(|gpu| {
         for projection in PROJECTIONS {
-            let mut scene = two_tone::scene(Rule::Segment, Pass::March, projection);
+            let mut scene = two_tone(Rule::Segment);
+            (scene.quality.pass, scene.camera.projection) = (Pass::March, projection);
             (scene.effect.opacity, scene.effect.surface) = ("beer".into(), "unlit".into());
-            // Truth 3: extinction k D, and k in the core.
             let segments = errors(gpu, &glsl::shipped(), (&scene, &formula(&scene)), &DOUBLING, 3, |ray| {
-                let b2 = ray.impact().powi(2);
-                let (l0, l1) = ((OUTER * OUTER - b2).max(0.0).sqrt(), (INNER * INNER - b2).max(0.0).sqrt());
-                let soft = (OUTER * OUTER - b2) * (l0 - l1) - (l0.powi(3) - l1.powi(3)) / 3.0;
-                Some(1.0 - (-2.0 * RATE * (soft / (OUTER * OUTER - INNER * INNER) + l1)).exp())
+                Some(TWO_TONE.beer(ray.impact()))
             });
             assert!(overall(&segments) >= 1.9, "order {}", overall(&segments));
         }

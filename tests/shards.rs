@@ -5,9 +5,9 @@ mod common;
 
 use common::{picture, subject, with_gpu};
 use hypertexture::glsl;
-use hypertexture::output::Depth;
+use hypertexture::output::{Depth, Provenance};
 use hypertexture::render::{Frame, Measurements, Renderer};
-use hypertexture::scene::{Color, Pass, TargetFormat, preset};
+use hypertexture::scene::{Color, Pass, Scene, TargetFormat, preset};
 use hypertexture::shard::{Shard, Whole, encode, identity, merge};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -62,8 +62,7 @@ fn whole(size: [u32; 2]) -> Whole {
         size,
         background: Some(Color([1, 2, 3])),
         depth: Depth::Sixteen,
-        about: "surface=lit".into(),
-        device: "this one".into(),
+        provenance: Provenance::of(&Scene::default(), "this one", "surface=lit").unwrap(),
     }
 }
 

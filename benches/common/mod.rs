@@ -1,5 +1,7 @@
 //! What the benches share: the device, and numbers with their spread.
 
+#![allow(dead_code, reason = "each bench uses its part of this")]
+
 use hypertexture::gpu::{Gpu, Options};
 use std::fmt;
 

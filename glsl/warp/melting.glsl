@@ -8,7 +8,7 @@
 // @knob melt_time = 1.0 in [0, 1]: How far the melting has gone.
 #include <noise>
 void melting(inout vec3 x, inout mat3 jacobian) {
-    vec4 n = noise_gradient(vec3(drip_frequency * x.x, 7.3, drip_frequency * x.z));
+    vec4 n = noise_gradient(vec3(drip_frequency * x.x, 5.5, drip_frequency * x.z));
     float drip = clamp(0.35 + 1.3 * n.w, 0.0, 1.0);
     float inside = drip > 0.0 && drip < 1.0 ? 1.3 : 0.0;
     float ground = clamp(0.5 - 0.5 * x.y, 0.0, 1.0);             // 0 at the top of the object, 1 at its bottom

@@ -10,6 +10,10 @@
 #include "scale_radius.glsl"
 void turbulent(inout vec3 x, inout mat3 jacobian) {
     vec3 p = turbulence_frequency * (x - vec3(0.0, turbulence_speed * time, 0.0));
-    vec4 t = turbulence_amplitude * turbulence_gradient(p);
+    // Beyond this radius there is no matter, however far the other warps move it back: the density is 0 from there on.
+    float arm = min(length(x), HELD_RADIUS), outside = own_radius - 2.0 * turbulence_amplitude;
+    float enough = 1.0001 * (outside - length(x)) / max(turbulence_amplitude * arm, 1e-6);
+    if (segment_reach > 0.0) enough = ALL;      // a segment asks how far outside its ends are
+    vec4 t = turbulence_amplitude * turbulence_gradient(p, 0.0, enough);
     scale_radius(x, jacobian, t.w, turbulence_frequency * t.xyz);
 }

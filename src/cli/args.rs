@@ -1,11 +1,14 @@
 //! The command line, and how it goes over a scene.
 
+use super::compare::Compare;
 use super::modules::{module, show};
 use super::sequence::{Motion, ShardChoice, shard};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use hypertexture::glsl::library::hex_color;
-use hypertexture::output::Depth;
+use hypertexture::output::{self, Depth, OutputError};
+use hypertexture::pick::Metric;
 use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
+use std::error::Error;
 use std::path::{Path, PathBuf};
 
 /// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
@@ -37,8 +40,12 @@ pub enum Command {
     Field(Field),
     /// Render every figure, or the six effects on one object, with a page that explains them.
     Gallery(Gallery),
+    /// Measure error against run time: strategies, samples, blocks, formats and rules, with a report.
+    Compare(Box<Compare>),
     /// List the effects and their knobs.
     Effects,
+    /// Hold the device against closed forms in both passes, or a picture against the scene in it.
+    Verify(Verify),
     /// Say which device was found, what is missing, and test what the renderer relies on.
     Doctor,
 }
@@ -46,7 +53,8 @@ pub enum Command {
 /// Arguments of `render`.
 #[derive(Args)]
 pub struct Render {
-    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), or a figure such as fire_ball.
+    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), a figure such as fire_ball, or
+    /// a picture that this program has written: its scene.
     pub input: String,
     /// Where the picture goes: .png or .exr.
     #[arg(long, short, default_value = "out.png", value_name = "FILE")]
@@ -60,6 +68,12 @@ pub struct Render {
     /// Say what the picture will cost, from small ones, and write none.
     #[arg(long, conflicts_with_all = ["frames", "shard"])]
     pub predict: bool,
+    /// Draw it in the cheapest way whose error is below this, such as 1e-3; the scene says what is drawn, and no longer how.
+    #[arg(long, value_name = "ERROR", conflicts_with = "shard")]
+    pub max_error: Option<f64>,
+    /// How that error is measured: rmse, max, p999, opacity.
+    #[arg(long, default_value = "rmse", value_parser = metric, requires = "max_error")]
+    pub metric: Metric,
     /// Render part K, from 0 to N - 1, of a picture or of the frames; without a value, the part that Slurm or
     /// Kubernetes gives to this process.
     #[arg(long, value_name = "K/N", num_args = 0..=1, default_missing_value = "auto", value_parser = shard)]
@@ -129,6 +143,26 @@ pub struct Merge {
     /// All shards of the picture, in any order.
     #[arg(required = true, value_name = "SHARD")]
     pub shards: Vec<PathBuf>,
+}
+
+/// Arguments of `verify`.
+#[derive(Args)]
+pub struct Verify {
+    /// A picture that this program has written: .png or .exr; without one, the device is verified.
+    pub image: Option<PathBuf>,
+    /// How many pixels of the picture are held against the truth.
+    #[arg(long, default_value_t = 1000, requires = "image", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub pixels: u32,
+    /// Which pixels.
+    #[arg(long, default_value_t = 0, requires = "image")]
+    pub seed: u64,
+    /// The root mean square error that is allowed; without it, what the codes of the file and its step explain.
+    #[arg(long, requires = "image", value_parser = bound)]
+    pub bound: Option<f64>,
+}
+
+fn bound(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|bound| (0.0..=1.0).contains(bound)).ok_or_else(|| "must be from 0 to 1".into())
 }
 
 /// How an input becomes an object.
@@ -218,7 +252,7 @@ pub enum Debug {
 }
 
 /// What a picture shows: each goes over the scene.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct Look {
     /// The effect; `hypertexture effects` lists them.
     #[arg(long, value_name = "NAME")]
@@ -229,7 +263,10 @@ pub struct Look {
     /// A knob of the effect, or as parts.OBJECT.KNOB of a further object; may be given again.
     #[arg(long = "set", value_name = "KNOB=VALUE")]
     pub knobs: Vec<String>,
-    /// The module of a slot, such as noise=procedural, surface=solid_unlit or dmf=fur+fire; may be given again.
+    /// The density modulation functions, applied in this order: names, or GLSL files of one's own, such as fur+my_waves.glsl.
+    #[arg(long, value_name = "NAMES")]
+    pub dmf: Option<String>,
+    /// The module of a slot, such as noise=procedural or surface=my_marble.glsl; may be given again.
     #[arg(long = "module", value_name = "SLOT=NAME")]
     pub modules: Vec<String>,
     /// Width and height in pixels.
@@ -309,18 +346,32 @@ fn numbers(text: &str) -> Result<Numbers, String> {
     parsed.map(Numbers).map_err(|_| "write numbers with commas between them".into())
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
+fn metric(text: &str) -> Result<Metric, String> {
+    let found = Metric::ALL.into_iter().find(|(name, _)| *name == text);
+    found.map(|(_, metric)| metric).ok_or_else(|| "write rmse, max, p999 or opacity".into())
+}
+
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let parsed = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     parsed.ok_or_else(|| "write width x height in pixels, such as 640x480".into())
 }
 
 impl Look {
-    /// The scene of an input: its file, the figure of that name, or the preset of the effect, with the arguments over it.
-    pub fn scene(&self, input: &str, object: &ObjectArguments) -> Result<Scene, SceneError> {
-        let is_file = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
-        let is_figure = !Path::new(input).exists() && scene::names().any(|name| name == input);
-        let load = || if is_figure { scene::preset(input) } else { scene::load(Path::new(input)) };
-        let mut scene = match (is_file || is_figure, &self.effect) {
+    /// The scene of an input: its file, that of a picture, the figure of that name, or the preset of the effect, with the
+    /// arguments over it.
+    pub fn scene(&self, input: &str, object: &ObjectArguments) -> Result<Scene, Box<dyn Error>> {
+        let path = Path::new(input);
+        let ends = |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|e| end.eq_ignore_ascii_case(e)));
+        let (is_file, is_picture) = (ends(&["toml"]), ends(&["png", "exr"]));
+        let is_figure = !path.exists() && scene::names().any(|name| name == input);
+        let load = || -> Result<Scene, Box<dyn Error>> {
+            Ok(match (is_picture, is_figure) {
+                (true, _) => scene_of_picture(path)?,
+                (_, true) => scene::preset(input)?,
+                _ => scene::load(path)?,
+            })
+        };
+        let mut scene = match (is_file || is_picture || is_figure, &self.effect) {
             (true, None) => load()?,
             (true, Some(effect)) => {
                 let file = load()?;
@@ -423,17 +474,29 @@ impl Look {
                 scene.quality.samples = 24;
             }
         }
-        if self.modules.is_empty() {
+        let dmf = self.dmf.as_ref().map(|names| format!("dmf={names}"));
+        if self.modules.is_empty() && dmf.is_none() {
             return Ok(());
         }
         // What is wrong with the scene as it came is said before modules go, and knobs with them.
-        let library = hypertexture::glsl::shipped();
-        scene.check(&library)?;
-        for text in &self.modules {
+        scene.check(&scene.library()?)?;
+        for text in dmf.iter().chain(&self.modules) {
             module(text, scene)?;
         }
+        let library = scene.library()?;
         scene.drop_foreign_knobs(&library)
     }
+}
+
+/// The scene that a picture says it shows.
+fn scene_of_picture(path: &Path) -> Result<Scene, OutputError> {
+    let provenance = output::read_provenance(path)?;
+    let of = |source| OutputError::Provenance { path: path.display().to_string(), source };
+    let scene = provenance.scene(path).map_err(of)?;
+    if let Err(changed) = provenance.check_inputs(path) {
+        log::warn!("{}", of(changed));
+    }
+    Ok(scene)
 }
 
 fn put<T>(field: &mut T, value: Option<T>) {

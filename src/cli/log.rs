@@ -6,7 +6,9 @@ struct Stderr;
 
 impl Log for Stderr {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        metadata.level() <= log::max_level()
+        // What a library warns of is nothing that a person can act upon.
+        let ours = metadata.target().starts_with("hypertexture");
+        metadata.level() <= if ours { log::max_level() } else { LevelFilter::Error }
     }
 
     fn log(&self, record: &Record<'_>) {

@@ -1,22 +1,27 @@
 //! What each command does, in terms of the library.
 
 mod args;
+mod compare;
 mod log;
 mod modules;
 mod sequence;
+mod verify;
 #[cfg(feature = "view")]
 mod view;
 
 pub use args::Arguments;
 use args::{Command, Field, Gallery, Merge, Render};
+pub use compare::Failed;
 pub use sequence::Interrupted;
 use sequence::ShardChoice;
+pub use verify::Disagreement;
 #[cfg(feature = "view")]
 pub use view::NoWindow;
 
 use hypertexture::glsl::{self, Library, library::Default as KnobDefault};
 use hypertexture::gpu::{Format, Gpu, Options};
-use hypertexture::output;
+use hypertexture::output::{self, Provenance};
+use hypertexture::pick::{Bound, Pick, pick};
 use hypertexture::predict::{Estimate, Prediction, predict};
 use hypertexture::render::{Frame, Renderer, Subject, open, render, request};
 use hypertexture::scene::{self, KnobValue, Object, Pass, Scene};
@@ -30,6 +35,9 @@ use std::time::{Duration, Instant};
 
 /// Exit code of a program that was interrupted, as shells have it: 128 and the number of SIGINT.
 pub const INTERRUPTED: u8 = 130;
+
+/// Exit code of a report that holds failures.
+pub const FAILED: u8 = 1;
 
 /// Runs the command that was asked for.
 pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
@@ -47,7 +55,9 @@ pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         Command::Merge(command) => merge(&command, quiet),
         Command::Field(command) => write_field(&command, quiet),
         Command::Gallery(command) => write_gallery(&command, &options, quiet),
+        Command::Compare(command) => compare::run(&command, &options, quiet),
         Command::Effects => list_effects(),
+        Command::Verify(command) => verify::run(&command, &options, quiet),
         Command::Doctor => {
             let report = doctor::examine(&options);
             say(&report.text);
@@ -71,9 +81,10 @@ struct Picture<'a> {
 }
 
 fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let scene = command.look.scene(&command.input, &command.object)?;
-    let library = glsl::shipped();
+    let mut scene = command.look.scene(&command.input, &command.object)?;
+    let library = scene.library()?;
     scene.check(&library)?;
+    let bound = command.max_error.map(|error| Bound::new(command.metric, error)).transpose()?;
     output::check(&command.output)?;
     command.save_scene.iter().try_for_each(|file| output::check_folder(file))?;
     let shard = command.shard.map(ShardChoice::shard).transpose()?;
@@ -83,6 +94,14 @@ fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Bo
     }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let gpu = Gpu::new(options)?;
+    if let Some(bound) = bound {
+        let pick =
+            with_progress(quiet, "cheapest way", |progress| pick(&gpu, &library, &scene, &subject, bound, progress))?;
+        if !quiet {
+            say(&explain(&pick, bound));
+        }
+        scene = pick.scene;
+    }
     let picture = Picture { gpu: &gpu, library: &library, scene: &scene, subject: &subject };
     if command.predict {
         let prediction = predict(&mut Renderer::new(&gpu, &library, &subject), &scene)?;
@@ -104,7 +123,8 @@ fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Bo
 fn render_picture(command: &Render, picture: &Picture<'_>, quiet: bool) -> Result<(), Box<dyn Error>> {
     let Picture { gpu, library, scene, subject } = *picture;
     let frame = render(gpu, library, scene, subject)?;
-    output::write(&frame, scene.image.background, command.depth(), &frame.measurements.modules, &command.output)?;
+    let provenance = Provenance::of(scene, &gpu.facts().title(), &frame.measurements.modules)?;
+    output::write(&frame, scene.image.background, command.depth(), &provenance, &command.output)?;
     if !quiet {
         say(&summary(gpu, subject, &frame));
         say(&format!("wrote {}\n", absolute(&command.output)));
@@ -120,8 +140,7 @@ fn render_shard(command: &Render, picture: &Picture<'_>, shard: Shard, quiet: bo
         size: scene.image.size,
         background: scene.image.background,
         depth: command.depth(),
-        about: frame.measurements.modules.clone(),
-        device: format!("{} ({})", gpu.facts().name, gpu.facts().driver),
+        provenance: Provenance::of(scene, &gpu.facts().title(), &frame.measurements.modules)?,
     };
     let path = shard.path(&command.output);
     output::write_whole(&path, &shard::encode(&whole, shard, &frame))
@@ -137,14 +156,40 @@ fn merge(command: &Merge, quiet: bool) -> Result<(), Box<dyn Error>> {
     output::check(&command.output)?;
     let (frame, whole, others) = shard::merge(&command.shards)?;
     if !others.is_empty() {
-        let (first, others) = (&whole.device, others.join(", "));
-        ::log::warn!("the shards were rendered on {first} and on {others}, which may round another way");
+        let all = &whole.provenance.device;
+        ::log::warn!("the shards were rendered on several devices, which may round another way: {all}");
     }
-    output::write(&frame, whole.background, whole.depth, &whole.about, &command.output)?;
+    output::write(&frame, whole.background, whole.depth, &whole.provenance, &command.output)?;
     if !quiet {
         say(&format!("wrote {}\n", absolute(&command.output)));
     }
     Ok(())
+}
+
+/// A pick in words.
+fn explain(pick: &Pick, bound: Bound) -> String {
+    let [left_out, drawn, kept] = pick.counts;
+    let remembered = if pick.remembered { ", remembered" } else { "" };
+    let mut text = format!("way        {}{remembered}\n", pick.way);
+    text += &match (&pick.verified, &pick.unverified) {
+        (Some(found), _) => format!(
+            "error      {} {:.1e}, asked for {:.1e}; by the f64 reference (own error {:.0e}) in {} pixels\n",
+            bound.metric, found.error, bound.error, found.estimate, found.pixels
+        ),
+        (None, why) => format!(
+            "error      {} {:.1e}, asked for {:.1e}; by a finer picture: {}\n",
+            bound.metric,
+            pick.error,
+            bound.error,
+            why.as_deref().unwrap_or_default()
+        ),
+    };
+    text += &format!(
+        "why        the fastest of {kept} that fit, of {drawn} drawn small ({:.2} ms); {left_out} could not fit",
+        pick.small_ms
+    );
+    let other = pick.other.as_ref().map(|(way, ms)| format!("; {way} takes {:.1}x", ms / pick.small_ms.max(1e-6)));
+    text + &other.unwrap_or_default() + "\n"
 }
 
 /// A prediction in words.

@@ -2,13 +2,19 @@
 
 use hypertexture::scene::{Ray, Scene, SceneError};
 
-/// Puts the modules of one slot, separated by `+`, into the scene.
+/// Puts the modules of one slot, separated by `+`, into the scene. One that ends in `.glsl` is a file of one's own.
 pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
     let limit = "write SLOT=MODULE, such as noise=procedural; a stack is DMF+DMF".to_string();
     let wrong = || SceneError::Value { field: "--module".into(), value: text.into(), limit };
     let (slot, names) = text.split_once('=').ok_or_else(wrong)?;
+    let slot = slot.trim();
+    let mut modules = Vec::new();
+    for name in names.split('+').map(str::trim).filter(|name| !name.is_empty()) {
+        let is_file = name.ends_with(".glsl");
+        modules.push(if is_file { scene.add_module(slot, name)? } else { name.to_string() });
+    }
     let effect = &mut scene.effect;
-    let single = match slot.trim() {
+    let single = match slot {
         "classify" => &mut effect.classify,
         "softness" => &mut effect.softness,
         "surface" => &mut effect.surface,
@@ -24,8 +30,6 @@ pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
         "environment" => &mut effect.environment,
         "project" => &mut effect.project,
         stack @ ("warp" | "dmf") => {
-            let modules =
-                names.split('+').map(|name| name.trim().to_string()).filter(|name| !name.is_empty()).collect();
             *if stack == "warp" { &mut effect.warp } else { &mut effect.dmf } = modules;
             return Ok(());
         }
@@ -51,7 +55,7 @@ pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
             return Err(SceneError::unknown("slot", other, &known));
         }
     };
-    *single = names.trim().into();
+    *single = modules.join("+");
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 use super::args::Render;
 use super::{Picture, absolute, say, with_progress};
 use clap::Args;
-use hypertexture::output;
+use hypertexture::output::{self, Provenance};
 use hypertexture::render::Renderer;
 use hypertexture::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
 use hypertexture::shard::{self, Shard, ShardError};
@@ -55,20 +55,13 @@ pub struct Motion {
     pub restart: bool,
 }
 
-/// A person or a scheduler wants the program to end.
+/// A person or a scheduler wants the program to end; says what is finished.
 #[derive(Debug)]
-pub struct Interrupted {
-    finished: usize,
-    frames: usize,
-}
+pub struct Interrupted(pub String);
 
 impl fmt::Display for Interrupted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Interrupted { finished, frames } = self;
-        write!(
-            f,
-            "interrupted: {finished} of {frames} frames are finished; the same command, without --restart, renders the others"
-        )
+        f.write_str(&self.0)
     }
 }
 
@@ -108,11 +101,17 @@ pub fn render_frames(
         for (frame, path) in &left {
             if stop.load(Ordering::Relaxed) {
                 let finished = frames.len() - left.len() + rendered;
-                return Err(Interrupted { finished, frames: frames.len() }.into());
+                return Err(Interrupted(format!(
+                    "interrupted: {finished} of {} frames are finished; the same command, without --restart, renders the \
+                     others",
+                    frames.len()
+                ))
+                .into());
             }
-            let drawn = renderer.render(&sequence.scene(scene, *frame))?;
-            let background = scene.image.background;
-            output::write(&drawn, background, command.depth(), &drawn.measurements.modules, path)?;
+            let scene = sequence.scene(scene, *frame);
+            let drawn = renderer.render(&scene)?;
+            let provenance = Provenance::of(&scene, &gpu.facts().title(), &drawn.measurements.modules)?;
+            output::write(&drawn, scene.image.background, command.depth(), &provenance, path)?;
             manifest.add(*frame, path)?;
             rendered += 1;
             progress(rendered as f32 / left.len() as f32);
@@ -132,7 +131,7 @@ pub fn render_frames(
 
 /// Set at the first signal to end, so that the frame in work is finished; the second one ends the process at once, which
 /// harms no file, for each appears whole or not at all.
-fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
+pub fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();
     ctrlc::set_handler(move || {

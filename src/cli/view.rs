@@ -1,7 +1,6 @@
 //! The window, by the arguments of `view`.
 
 use super::args::View;
-use hypertexture::glsl;
 use hypertexture::gpu::Options;
 use hypertexture::view::{self, Start, ViewError};
 use std::error::Error;
@@ -23,8 +22,8 @@ impl Error for NoWindow {}
 /// Shows the window.
 pub fn run(command: View, options: Options) -> Result<(), Box<dyn Error>> {
     let began = Instant::now();
-    let library = glsl::shipped();
     let scene = command.look.scene(&command.input, &command.object)?;
+    let library = scene.library()?;
     scene.check(&library)?;
     command.screenshot.iter().try_for_each(|file| hypertexture::output::check(file))?;
     let View { max_error, play, window, frames, screenshot, script, .. } = command;

@@ -7,6 +7,7 @@
 //! // @outer hair_length      the soft region ends at this signed distance
 //! // @reach drip_length      the matter reaches this much further than the object and its soft region
 //! // @needs normal           the module reads the normal of a sample
+//! // @exact procedural noise_block   what the module holds samples of: a module of its slot, and the lattice's repetition
 //! ```
 //! The same lines feed the uniform block, the checks of a scene file and the documentation.
 
@@ -36,6 +37,18 @@ pub struct Declarations {
     pub reach: Vec<String>,
     /// Whether the normal of a sample is read.
     pub needs_normal: bool,
+    /// The module of the same slot that computes what this one holds samples of.
+    pub exact: Option<Exact>,
+}
+
+/// The module that a module approximates.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Exact {
+    /// Its name; it fills the same slot.
+    pub module: String,
+    /// After how many cells its lattice has to repeat: a value of `effect.turbulence_repeat`; none where it does not
+    /// matter.
+    pub repeat: Option<String>,
 }
 
 /// A parameter of a module.
@@ -104,6 +117,15 @@ impl Library {
     /// Text of a file, by its path relative to the `glsl` folder.
     pub fn source(&self, path: &str) -> Option<&str> {
         self.sources.get(path).map(String::as_str)
+    }
+
+    /// What a module declares to hold samples of; `None` where it is its own truth.
+    ///
+    /// # Errors
+    /// The module does not exist or has a declaration that cannot be read.
+    pub fn exact(&self, slot: &str, name: &str) -> Result<Option<Exact>, LibraryError> {
+        let path = self.path(slot, name)?;
+        Ok(parse(&path, self.source(&path).unwrap_or_default())?.exact)
     }
 
     /// Names of the modules of a slot, sorted.
@@ -331,6 +353,11 @@ fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError> {
             "knob" => found.knobs.push(number(rest).ok_or_else(wrong)?),
             "color" => found.knobs.push(color(rest).ok_or_else(wrong)?),
             "outer" => found.outer = Some(identifier(rest).ok_or_else(wrong)?),
+            "exact" => {
+                let (module, repeat) = rest.trim().split_once(' ').map_or((rest, None), |(a, b)| (a, Some(b)));
+                let repeat = repeat.map(|name| identifier(name).ok_or_else(wrong)).transpose()?;
+                found.exact = Some(Exact { module: identifier(module).ok_or_else(wrong)?, repeat });
+            }
             "needs" if rest.trim() == "normal" => found.needs_normal = true,
             "reach" => {
                 for name in rest.split('+') {

@@ -44,6 +44,13 @@ pub struct Facts {
     pub timestamp_period: f32,
 }
 
+impl Facts {
+    /// Device and driver, as pictures name them.
+    pub fn title(&self) -> String {
+        format!("{} ({})", self.name, self.driver)
+    }
+}
+
 /// An open device. Clones share it; the last one closes it.
 #[derive(Clone)]
 pub struct Gpu(pub(super) Arc<Shared>);

@@ -9,6 +9,8 @@ use std::cell::Cell;
 /// Texel formats that the renderer uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
+    /// One channel, 8 bits, [0, 1].
+    R8Unorm,
     /// One channel, 16 bits, [0, 1].
     R16Unorm,
     /// One channel, 32-bit float.
@@ -27,6 +29,7 @@ impl Format {
     /// Bytes of one texel.
     pub fn bytes(self) -> u64 {
         match self {
+            Format::R8Unorm => 1,
             Format::R16Unorm => 2,
             Format::R32Float | Format::Rgba8Unorm => 4,
             Format::Rgba16Unorm | Format::Rgba16Float => 8,
@@ -36,6 +39,7 @@ impl Format {
 
     pub(super) fn vk(self) -> vk::Format {
         match self {
+            Format::R8Unorm => vk::Format::R8_UNORM,
             Format::R16Unorm => vk::Format::R16_UNORM,
             Format::R32Float => vk::Format::R32_SFLOAT,
             Format::Rgba8Unorm => vk::Format::R8G8B8A8_UNORM,
@@ -309,6 +313,8 @@ pub enum Address {
     Clamp,
     /// The image again and again.
     Repeat,
+    /// The image and its mirror image in turns.
+    Mirror,
 }
 
 /// A sampler with linear filtering.
@@ -334,6 +340,7 @@ impl Sampler {
         let mode = match address {
             Address::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
             Address::Repeat => vk::SamplerAddressMode::REPEAT,
+            Address::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
         };
         let info = vk::SamplerCreateInfo::default()
             .mag_filter(vk::Filter::LINEAR)

@@ -6,19 +6,14 @@ use super::sub_frame::SubFrame;
 use super::view::{Own, View};
 use super::{RenderError, Subject};
 use crate::gpu::{Address, Dimension, Format};
-use crate::noise::{Noise, Weights, noise_block, turbulence_block};
+use crate::noise::{Bake, Noise, Weights, random_block};
 use crate::pass::Planes;
-use crate::scene::{KnobValue, Knobs, Projection, Rule, Scene, Source};
-use crate::texture::{self, Encoding, Texels};
+use crate::scene::{BlockFormat, KnobValue, Knobs, Projection, Rule, Scene, Source, Wrap};
+use crate::texture::{self, Depth, Encoding, Texels};
 use crate::variant::{Program, Resource, Use, Variant};
 use std::collections::HashMap;
 
-/// Lattice cells across a block of noise of 64 texels: four texels for each cell. Fewer texels: the trilinear filter
-/// shows its facets. More: the noise repeats sooner.
-const NOISE_TEXELS_PER_CELL: u32 = 4;
-/// Lattice cells of the first octave across a block of turbulence. More: fewer octaves fit. Fewer: it repeats sooner.
-const TURBULENCE_CELLS: u32 = 4;
-/// Seed of the noise: changing it changes every picture.
+/// Seed of Perlin's tables and of random texels: changing it changes every picture that is made of them.
 const SEED: u64 = 1989;
 
 /// An image, encoded.
@@ -95,6 +90,10 @@ impl Inputs {
                 Use::Image if name == SHADOW => {}
                 Use::Image => images.push((*binding, image(scene, &items, (&mut texels, &mut ways), planes, name)?)),
                 Use::Sampler if name == "repeat_sampler" => samplers.push((*binding, Address::Repeat)),
+                Use::Sampler if name == "block_sampler" => {
+                    let mirrors = scene.quality.wrap == Wrap::Mirror;
+                    samplers.push((*binding, if mirrors { Address::Mirror } else { Address::Repeat }));
+                }
                 Use::Sampler => samplers.push((*binding, Address::Clamp)),
                 Use::Block(_) => {}
             }
@@ -241,6 +240,7 @@ fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Planes) -> Ha
     set("display_matrix", &view.display_matrix.to_cols_array());
     set("box_min", &view.box_min.extend(0.0).to_array());
     set("box_max", &view.box_max.extend(0.0).to_array());
+    set("soft_radius", &[view.soft_radius]);
     let plane = scene.camera.clip.unwrap_or([0.0, 0.0, 1.0, f32::MAX]);
     let length = glam::Vec3::from_slice(&plane).length();
     set("clip_plane", &plane.map(|value| value / length));
@@ -254,8 +254,16 @@ fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Planes) -> Ha
     set("segment_reach", &[reaches[0] * half_path]);
     set("box_margin", &[(reaches[0] + reaches[1]) * half_path]);
     set("ray_scale", &[view.ray_scale[0], view.ray_scale[1], 0.0, 0.0]);
-    set("noise_cells", &[noise_cells(scene) as f32]);
-    set("turbulence_cells", &[TURBULENCE_CELLS as f32]);
+    let [noise_cells, turbulence_cells, channel_cells] = scene.block_cells().map(|cells| cells as f32);
+    set("noise_cells", &[noise_cells]);
+    set("turbulence_cells", &[turbulence_cells]);
+    set("channel_cells", &[channel_cells]);
+    set("low_octaves", &[scene.block_octaves()[1] as f32]);
+    let [noise, turbulence] = scene.periods();
+    set("noise_period", &[noise.cells as f32]);
+    set("turbulence_period", &[turbulence.cells as f32]);
+    set("turbulence_growth", &[f32::from(u8::from(turbulence.growing))]);
+    set("turbulence_cycle", &[turbulence.cycle as f32]);
     for item in items {
         set_object(item, view, &mut |name, floats| set(&format!("{name}{}", item.suffix), floats));
     }
@@ -268,6 +276,7 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     set("normal_matrix", &(view.object_matrix * own.place).inverse().transpose().to_cols_array());
     set("place_matrix", &own.place.inverse().to_cols_array());
     set("place_scale", &[own.scale]);
+    set("own_radius", &[own.own_radius]);
     set("own_min", &own.own_min.extend(0.0).to_array());
     set("own_max", &own.own_max.extend(0.0).to_array());
 
@@ -318,14 +327,57 @@ fn half_path(scene: &Scene, view: &View, planes: &Planes) -> f32 {
     0.5 * planes.step * slant / glam::Vec3::from(scene.object.stretch).min_element()
 }
 
-/// The noise that blocks are made of.
-fn noise(scene: &Scene) -> Noise {
+/// The blocks of noise and turbulence of a scene, and the tables of noise: what depends on no object.
+fn block(scene: &Scene, name: &str) -> Option<Encoded> {
+    let size = scene.quality.block_size;
     let weights = if scene.effect.weights == "cubic" { Weights::Cubic } else { Weights::Quintic };
-    Noise::new(SEED, weights)
-}
-
-fn noise_cells(scene: &Scene) -> u32 {
-    (scene.quality.block_size / NOISE_TEXELS_PER_CELL).max(1)
+    let [noise_cells, turbulence_cells, channel_cells] = scene.block_cells();
+    let [held, low] = scene.block_octaves();
+    let noise = Bake { weights, size, cells: noise_cells, octaves: 1, absolute: false };
+    let turbulence = |octaves| Bake { weights, size, cells: turbulence_cells, octaves, absolute: true };
+    let depth = |channels: u32| match (scene.quality.block_format, channels) {
+        (BlockFormat::Unorm8, _) => Depth::Eight,
+        (BlockFormat::Unorm16, _) | (BlockFormat::Auto, 4) => Depth::Sixteen,
+        (BlockFormat::Float32 | BlockFormat::Auto, _) => Depth::Float,
+    };
+    let encoded = |name, channels, bytes| {
+        let format = match (channels, depth(channels)) {
+            (1, Depth::Eight) => Format::R8Unorm,
+            (1, Depth::Sixteen) => Format::R16Unorm,
+            (1, Depth::Float) => Format::R32Float,
+            (_, Depth::Eight) => Format::Rgba8Unorm,
+            (_, Depth::Sixteen) => Format::Rgba16Unorm,
+            (_, Depth::Float) => Format::Rgba32Float,
+        };
+        Some(Encoded { name, dimension: Dimension::Volume(size, size, size), format, content: Content::Bytes(bytes) })
+    };
+    let values = |name, bake: Bake| encoded(name, 1, texture::block_values(&bake.values(), bake.absolute, depth(1)));
+    let gradients = |name, bake: Bake| {
+        encoded(name, 4, texture::block_gradients(&bake.values_and_gradients(), bake.absolute, depth(4)))
+    };
+    let row = |name, index: usize| {
+        let texels = texture::table_rows(&Noise::new(SEED, weights))[index].clone();
+        let (dimension, format) = (Dimension::Line(256), Format::Rgba32Float);
+        Some(Encoded { name, dimension, format, content: Content::Floats(texels) })
+    };
+    match name {
+        "noise_image" => gradients("noise block", noise),
+        "noise_value_image" => values("noise values", noise),
+        "turbulence_image" => gradients("turbulence block", turbulence(held)),
+        "turbulence_value_image" => values("turbulence values", turbulence(held)),
+        "low_octaves_image" => values("low octaves", turbulence(low)),
+        "channel_image" => {
+            let blocks = [0, 1, 2, 3].map(|octave| Bake { cells: channel_cells << octave, ..noise }.values());
+            encoded("four octaves", 4, texture::block_channels(&blocks, depth(4)))
+        }
+        "random_image" => {
+            let numbers = random_block(SEED, size, scene.quality.block_blur);
+            encoded("random texels", 4, texture::texels_of(&numbers, depth(4)))
+        }
+        "permutation_image" => row("permutation", 0),
+        "gradient_image" => row("table of gradients", 1),
+        _ => None,
+    }
 }
 
 /// The image of a name in `interface.glsl` or `part.glsl`; takes what was encoded of the object.
@@ -336,23 +388,16 @@ fn image(
     planes: &Planes,
     name: &str,
 ) -> Result<Encoded, RenderError> {
+    if let Some(block) = block(scene, name) {
+        return Ok(block);
+    }
     let base = |item: &Item<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
     let found = (0..items.len()).rev().find_map(|index| base(&items[index]).map(|base| (index, base)));
     let (index, name) = found.ok_or_else(|| RenderError::Unfilled(name.into()))?;
     let item = &items[index];
     let (scene, subject) = (if item.suffix.is_empty() { scene } else { &item.scene }, item.subject);
-    let side = scene.quality.block_size;
-    let block = Dimension::Volume(side, side, side);
     let encoded = |name, dimension, format, content| Encoded { name, dimension, format, content };
     Ok(match name {
-        "noise_image" => {
-            let texels = noise_block(&noise(scene), side, noise_cells(scene));
-            encoded("noise block", block, Format::Rgba16Unorm, Content::Codes(texels))
-        }
-        "turbulence_image" => {
-            let (texels, _) = turbulence_block(&noise(scene), side, TURBULENCE_CELLS, scene.effect.octaves);
-            encoded("turbulence block", block, Format::Rgba16Unorm, Content::Codes(texels))
-        }
         "transfer_image" => {
             let texels = texture::transfer_map(&scene.transfer);
             let size = Dimension::Line(texels.len() as u32 / 4);

@@ -97,8 +97,19 @@ impl LightSpace {
         f64::from(self.side.div_ceil(4)).sqrt().ceil() as u32
     }
 
+    /// Size of the target that the segments are drawn into.
+    pub(super) fn target(&self) -> [u32; 2] {
+        let columns = self.columns();
+        [columns * self.side, self.side.div_ceil(4).div_ceil(columns) * self.side]
+    }
+
+    /// Texels of the volume on each axis.
+    pub(super) fn texels(&self) -> [u32; 3] {
+        [self.side, self.side, self.side + 1]
+    }
+
     /// The light before and behind each segment, ray by ray, from the transmittances of the segments in the target.
-    fn products(&self, segments: &[[f32; 4]]) -> Vec<f32> {
+    pub(super) fn products(&self, segments: &[[f32; 4]]) -> Vec<f32> {
         let (side, columns) = (self.side as usize, self.columns() as usize);
         let mut left = vec![1.0; side * side * (side + 1)];
         for layer in 0..side {
@@ -149,8 +160,8 @@ impl Transmittance {
     /// The volume as it is sampled by the device.
     pub(super) fn image(&self, gpu: &Gpu) -> Result<Image, RenderError> {
         let texels: Vec<u16> = self.values.iter().map(|value| (value * 65535.0).round() as u16).collect();
-        let side = self.space.side;
-        let size = Dimension::Volume(side, side, side + 1);
+        let [x, y, z] = self.space.texels();
+        let size = Dimension::Volume(x, y, z);
         Ok(Image::sampled(gpu, "shadow volume", size, Format::R16Unorm, bytemuck::cast_slice(&texels))?)
     }
 }
@@ -215,8 +226,7 @@ impl Caster {
         bound: &Bound,
         space: LightSpace,
     ) -> Result<Transmittance, RenderError> {
-        let columns = space.columns();
-        let (width, height) = (columns * space.side, space.side.div_ceil(4).div_ceil(columns) * space.side);
+        let [width, height] = space.target();
         let blocks = bound.blocks_of(gpu, &self.program)?;
         let own = blocks.iter().map(|(binding, block)| (*binding, gpu::Resource::Uniform(block)));
         let set = self.pipeline.bind(&own.chain(bound.images_and_samplers()).collect::<Vec<_>>())?;

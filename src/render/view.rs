@@ -29,6 +29,8 @@ pub(super) struct View {
     pub(super) objects: Vec<Own>,
     pub(super) box_min: Vec3,
     pub(super) box_max: Vec3,
+    /// No matter is farther from the origin of object space than this.
+    pub(super) soft_radius: f32,
     pub(super) extent: Extent,
     /// Half width and height of the view: at depth 1 in perspective, at any depth in parallel projection.
     pub(super) ray_scale: [f32; 2],
@@ -50,6 +52,8 @@ pub(super) struct Own {
     /// Box around the soft region, its own space.
     pub(super) own_min: Vec3,
     pub(super) own_max: Vec3,
+    /// No matter is farther from the origin of its own space than this.
+    pub(super) own_radius: f32,
     /// The sphere around the object alone: its center and its radius, object space of the scene.
     center: Vec3,
     radius: f32,
@@ -62,6 +66,8 @@ impl Own {
         let declared = knobs.outer_iso().unwrap_or(scene.object.outer_iso);
         let outer_iso = if soft { declared } else { scene.object.inner_iso };
         let reach = outer_iso.max(0.0) + knobs.reach();
+        // The radius is that of the samples inside: the surface is at most a voxel beyond. And a rounding.
+        let voxel = subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length() * subject.scale);
         Own {
             name: name.into(),
             place: place.matrix(),
@@ -69,6 +75,7 @@ impl Own {
             outer_iso,
             own_min: -subject.half_size - reach,
             own_max: subject.half_size + reach,
+            own_radius: 1.0001 * (subject.radius + voxel + reach),
             center: Vec3::from(place.at),
             radius: place.scale * subject.radius,
         }
@@ -120,6 +127,8 @@ impl View {
             objects.push(Own::of(name, part.place, &scene.alone(name), &subject.parts[name], &variant.parts[name]));
         }
         let (box_min, box_max) = soft_box(scene, &objects);
+        let farthest = |own: &Own| own.center.length() + own.scale * own.own_radius;
+        let soft_radius = objects.iter().map(farthest).fold(0.0, f32::max);
         let center = 0.5 * (box_min + box_max);
         let reach = match objects.as_slice() {
             [own] => own.radius,
@@ -175,6 +184,7 @@ impl View {
             objects,
             box_min,
             box_max,
+            soft_radius,
             extent: Extent { distance, radius, near: NEAR },
             ray_scale,
             pan,

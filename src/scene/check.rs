@@ -1,6 +1,6 @@
 //! The checks that make a scene valid.
 
-use super::{KnobValue, Ray, Rule, Scene, SceneError};
+use super::{KnobValue, Ray, Repeat, Rule, Scene, SceneError};
 use crate::glsl::library::{COMBINE, Default, Knob, Library};
 use crate::glsl::{Declarations, Slots};
 
@@ -217,7 +217,7 @@ impl Scene {
         }
         let quality = &self.quality;
         let effect = &self.effect;
-        let procedural = effect.noise != "block" || effect.turbulence == "procedural";
+        let procedural = self.noise_loops() > 1.0 || effect.turbulence != "encoded";
         let most = match (quality.pass, procedural) {
             (super::Pass::Slices, _) => 100_000.0,
             (super::Pass::March, false) => LOOP_BUDGET,
@@ -251,7 +251,22 @@ impl Scene {
         within("quality.supersampling", quality.supersampling as f32, 1.0, 256.0)?;
         within("quality.stop", quality.stop, 0.0, 0.5)?;
         within("quality.anisotropy", quality.anisotropy, 1.0, 16.0)?;
-        within("quality.block_size", quality.block_size as f32, 8.0, 256.0)?;
+        within("quality.block_blur", quality.block_blur, 0.0, 4.0)?;
+        if !quality.block_size.is_power_of_two() || !(16..=256).contains(&quality.block_size) {
+            let (field, value) = ("quality.block_size".into(), quality.block_size.to_string());
+            return Err(SceneError::Value { field, value, limit: "16, 32, 64, 128 or 256".into() });
+        }
+        for (field, repeat, module) in [
+            ("effect.noise_repeat", effect.noise_repeat, &effect.noise),
+            ("effect.turbulence_repeat", effect.turbulence_repeat, &effect.turbulence),
+        ] {
+            const FIXED: [&str; 9] =
+                ["block", "lookups8", "lookups4", "channels", "encoded", "hybrid", "tables", "arrays", "random"];
+            if repeat != Repeat::Own && FIXED.contains(&module.as_str()) {
+                let limit = format!("must be \"own\" with {module}, which repeats as its memory does; use procedural");
+                return Err(SceneError::Value { field: field.into(), value: format!("{repeat:?}"), limit });
+            }
+        }
         match quality.msaa {
             1 | 2 | 4 | 8 => Ok(()),
             other => Err(SceneError::Value {
@@ -262,13 +277,21 @@ impl Scene {
         }
     }
 
+    /// Iterations of one noise: of those that ship, the wavelets alone loop, over the corners of a cell.
+    fn noise_loops(&self) -> f32 {
+        match self.effect.noise.as_str() {
+            "block" | "procedural" | "tables" | "arrays" | "random" => 1.0,
+            _ => 9.0,
+        }
+    }
+
     /// Iterations of the noise at one sample of a ray, at most, for all objects.
     fn procedural_loops(&self) -> f32 {
         self.own_loops() + self.parts.keys().map(|name| self.alone(name).own_loops()).sum::<f32>()
     }
 
-    /// Those of one object: a sum of octaves with eight corners each for every module that changes the density, one for
-    /// the color and three more noises, at each place where the density is asked for.
+    /// Those of one object: a sum of octaves for every module that changes the density, one for the color and three more
+    /// noises, at each place where the density is asked for.
     fn own_loops(&self) -> f32 {
         let places = match self.quality.rule {
             Rule::Point => 1.0,
@@ -281,7 +304,13 @@ impl Scene {
         };
         let vapor = f32::from(u8::from(self.effect.medium == "vapor")); // it asks once more, towards the light
         let sums = (self.effect.warp.len() + self.effect.dmf.len() + 1).max(2) as f32;
-        (places + more + vapor) * (sums * self.effect.octaves as f32 * 9.0 + 3.0 * 8.0)
+        let octave = match self.effect.turbulence.as_str() {
+            "channels" => 5.0, // and the six differences of its gradient
+            "lookups8" | "lookups4" | "encoded" | "tables" | "arrays" | "procedural" | "hybrid" => 1.0,
+            _ => 1.0 + self.noise_loops(),
+        };
+        let sum = (self.effect.octaves as f32 * octave).max(6.0 * self.noise_loops());
+        (places + more + vapor) * (sums * sum + 3.0 * self.noise_loops())
     }
 
     /// What bends needs rays, and what only bent rays read needs rays that bend.
@@ -305,9 +334,8 @@ impl Scene {
             let limit = "needs quality.pass = \"march\": light does not bend from slice to slice".into();
             return refuse("effect.ray", "refracted", limit);
         }
-        if effect.noise == "procedural" || effect.turbulence == "procedural" {
-            let limit =
-                "needs noise = \"block\" and turbulence = \"encoded\": a ray that bends reads too much of a sum";
+        if self.noise_loops() > 1.0 || effect.turbulence != "encoded" {
+            let limit = "needs turbulence = \"encoded\" and a noise that ships and is no wavelet: a ray that bends reads too much of a sum";
             return refuse("effect.ray", "refracted", limit.into());
         }
         let straight_only = [
@@ -414,6 +442,9 @@ mod tests {
         assert!(refusal(look).starts_with("camera.slice_stack = true: needs quality.pass"));
         assert_eq!(refusal(|s| s.effect.octaves = 11), "effect.octaves = 11: must be from 1 to 10");
         assert!(refusal(|s| s.quality.supersampling = 257).ends_with("must be from 1 to 256"));
+        assert_eq!(refusal(|s| s.quality.block_size = 48), "quality.block_size = 48: 16, 32, 64, 128 or 256");
+        let repeats = refusal(|s| s.effect.noise_repeat = Repeat::Never);
+        assert!(repeats.starts_with("effect.noise_repeat = Never: must be \"own\" with block"), "{repeats}");
         let fine = |s: &mut Scene| s.light.shadow_resolution = 512;
         assert_eq!(refusal(fine), "light.shadow_resolution = 512: must be from 16 to 256");
         assert!(refusal(|s| s.image.size = [0, 5]).starts_with("image.size = 0"));
@@ -426,24 +457,25 @@ mod tests {
             move |s: &mut Scene| (s.quality.pass, s.quality.samples, s.effect.noise) = (Pass::March, samples, noise)
         };
         assert_eq!(refusal(march(60_001, "block")), "quality.samples = 60001: must be from 1 to 60000");
-        assert_eq!(refusal(march(400, "procedural")), "quality.samples = 400: must be from 1 to 357");
+        assert_eq!(refusal(march(500, "wavelet")), "quality.samples = 500: must be from 1 to 444");
         let segments = |s: &mut Scene| {
-            march(120, "procedural")(s);
+            march(149, "wavelet")(s);
             s.quality.rule = Rule::Segment;
         };
-        assert_eq!(refusal(segments), "quality.samples = 120: must be from 1 to 119");
+        assert_eq!(refusal(segments), "quality.samples = 149: must be from 1 to 148");
     }
 
     #[test]
     fn every_object_and_the_light_count_in_what_a_fragment_may_loop() {
         let several = |s: &mut Scene| {
-            (s.quality.pass, s.quality.samples, s.effect.noise) = (Pass::March, 200, "procedural".into());
+            (s.quality.pass, s.quality.samples, s.effect.noise) = (Pass::March, 300, "wavelet".into());
             s.light.shadows = false;
             s.parts.insert("b".into(), Part { effect: s.effect.clone(), knobs: s.knobs.clone(), ..Part::default() });
         };
-        assert_eq!(refusal(several), "quality.samples = 200: must be from 1 to 178");
+        assert_eq!(refusal(several), "quality.samples = 300: must be from 1 to 222");
         let shaded = |s: &mut Scene| {
-            (s.effect.noise, s.effect.octaves, s.light.shadows) = ("procedural".into(), 10, true);
+            (s.effect.noise, s.effect.octaves, s.light.shadows) = ("wavelet".into(), 10, true);
+            s.effect.turbulence = "octaves".into();
             s.effect.dmf.push("fire".into());
         };
         assert!(refusal(shaded).starts_with("light.shadows = true: needs fewer modules or octaves"));

@@ -1,5 +1,6 @@
 //! The modules of an effect.
 
+use super::Repeat;
 use serde::{Deserialize, Serialize};
 
 /// The modules of an effect: names of files in the folders of `glsl`.
@@ -20,10 +21,14 @@ pub struct Effect {
     pub medium: String,
     /// Where noise comes from.
     pub noise: String,
+    /// After how many cells the lattice of `noise = "procedural"` repeats.
+    pub noise_repeat: Repeat,
     /// Weights of the noise: `cubic` (1989) or `quintic` (2002).
     pub weights: String,
     /// Where turbulence comes from.
     pub turbulence: String,
+    /// After how many cells the lattice of each octave of `turbulence = "procedural"` repeats.
+    pub turbulence_repeat: Repeat,
     /// Octaves of turbulence, 1 to 10; an encoded block holds as many as it has texels for.
     pub octaves: u32,
     /// What becomes of octaves that are finer than a sample: `none` (nothing) or `clamp` (they fade).
@@ -57,8 +62,10 @@ impl std::default::Default for Effect {
             surface: "lit".into(),
             medium: "material".into(),
             noise: "block".into(),
+            noise_repeat: Repeat::Own,
             weights: "quintic".into(),
             turbulence: "encoded".into(),
+            turbulence_repeat: Repeat::Own,
             octaves: 8,
             bandlimit: "none".into(),
             gradient: "analytic".into(),

@@ -6,7 +6,7 @@ use std::path::Path;
 /// The largest scene file that is read, in bytes: more is no scene.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Reads a scene file; a path of an object in it is relative to the file.
+/// Reads a scene file; a path of an object or a module in it is relative to the file.
 ///
 /// # Errors
 /// [`SceneError::Read`] or [`SceneError::Syntax`]. Values are not checked yet: see [`Scene::check`].
@@ -20,10 +20,11 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let text = std::fs::read_to_string(path).map_err(|error| fail(error.to_string()))?;
     let mut scene = parse(&text, &name)?;
     let objects = scene.parts.values_mut().map(|part| &mut part.object);
-    for object in objects.chain([&mut scene.object]) {
-        let beside = path.parent().unwrap_or(Path::new("")).join(&object.input);
+    let inputs = objects.chain([&mut scene.object]).map(|object| &mut object.input);
+    for file in inputs.chain(scene.modules.values_mut()) {
+        let beside = path.parent().unwrap_or(Path::new("")).join(&*file);
         if beside.is_file() {
-            object.input = beside.display().to_string();
+            *file = beside.display().to_string();
         }
     }
     Ok(scene)

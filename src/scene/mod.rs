@@ -9,9 +9,11 @@ mod color;
 mod effect;
 mod error;
 mod file;
+mod modules;
 mod part;
 mod presets;
 mod quality;
+mod strategy;
 mod transfer;
 
 pub use axis::Axis;
@@ -22,7 +24,8 @@ pub use error::{SceneError, nearest};
 pub use file::{load, parse, to_text};
 pub use part::{Boolean, Part, Place};
 pub use presets::{EFFECTS, names, preset};
-pub use quality::{Order, Pass, Proxy, Quality, Rule, TargetFormat, Traverse};
+pub use quality::{BlockFormat, Order, Pass, Proxy, Quality, Rule, TargetFormat, Traverse, Wrap};
+pub use strategy::Repeat;
 pub use transfer::{Curve, Stop, Transfer};
 
 use crate::glsl::Slots;
@@ -42,6 +45,9 @@ pub struct Scene {
     pub object: Object,
     /// The modules that make the effect.
     pub effect: Effect,
+    /// Modules of one's own: `slot/name` and the file that holds it.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub modules: BTreeMap<String, String>,
     /// Parameters of those modules, by name.
     pub knobs: BTreeMap<String, KnobValue>,
     /// Reflection of the hard surface.
@@ -364,6 +370,11 @@ impl Scene {
         fill("jitter", vec![if self.quality.jitter { "hash" } else { "none" }.into()]);
         let jumps = effect.index == "transfer" && self.transfer.curve == Curve::Steps;
         fill("course", vec![if jumps { "straight" } else { "curved" }.into()]);
+        let wrap = match self.quality.wrap {
+            Wrap::Repeat => "repeat",
+            Wrap::Mirror => "mirror",
+        };
+        fill("wrap", vec![wrap.into()]);
         fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
         if self.has_several() {
             self.fill_parts(&mut slots);

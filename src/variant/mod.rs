@@ -16,7 +16,9 @@ include!(concat!(env!("OUT_DIR"), "/programs.rs"));
 
 /// The entry files of the program that gives the shadow volume.
 const SHADOW_ENTRIES: [&str; 2] = ["march.vert", "shadow.frag"];
-/// What that program has in place of the modules that color and light matter.
+/// The entry files of the program that gives one sample.
+const PROBE_ENTRIES: [&str; 2] = ["march.vert", "probe.frag"];
+/// What the program of shadows has in place of the modules that color and light matter.
 const SHADOW_SLOTS: [(&str, &str); 4] =
     [("surface", "unlit"), ("medium", "material"), ("shadow", "none"), ("gradient", "analytic")];
 
@@ -99,10 +101,7 @@ impl Variant {
     /// A module is missing, which [`Variant::of`] excludes.
     pub fn shadow(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
         let mut choice = scene.slots();
-        let is_object = |key: &&String| key.as_str() == "object" || key.ends_with(".object");
-        choice.extend(
-            self.slots.iter().filter(|(key, _)| is_object(key)).map(|(key, names)| (key.clone(), names.clone())),
-        );
+        choice.extend(self.objects());
         for (key, names) in &mut choice {
             let slot = key.rsplit('.').next().unwrap_or_default();
             if let Some((_, module)) = SHADOW_SLOTS.iter().find(|(other, _)| *other == slot) {
@@ -113,6 +112,24 @@ impl Variant {
         }
         let slots = library.needed(&SHADOW_ENTRIES, &choice)?;
         Ok(Variant { entries: SHADOW_ENTRIES, slots, knobs: self.knobs.clone(), parts: self.parts.clone() })
+    }
+
+    /// The modules that give one sample of a ray of the same scene, anywhere on it: what a picture is the integral of.
+    ///
+    /// # Errors
+    /// A module is missing, which [`Variant::of`] excludes.
+    pub fn probe(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        let mut choice = scene.slots();
+        choice.extend(self.objects());
+        let slots = library.needed(&PROBE_ENTRIES, &choice)?;
+        Ok(Variant { entries: PROBE_ENTRIES, slots, knobs: self.knobs.clone(), parts: self.parts.clone() })
+    }
+
+    /// The modules that sample the objects, by slot.
+    fn objects(&self) -> impl Iterator<Item = (String, Vec<String>)> {
+        let of_object = |key: &String| key == "object" || key.ends_with(".object");
+        let own = self.slots.iter().filter(move |(key, _)| of_object(key));
+        own.map(|(key, names)| (key.clone(), names.clone()))
     }
 
     /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
@@ -182,8 +199,8 @@ impl Program {
     pub fn left_out(&self) -> Vec<&'static str> {
         const PARTS: [(&str, &str); 9] = [
             ("volume_image", "volume"),
-            ("noise_image", "noise block"),
-            ("turbulence_image", "turbulence block"),
+            ("noise_", "noise block"), // with or without its gradient
+            ("turbulence_", "turbulence block"),
             ("transfer_image", "transfer map"),
             ("segment_image", "segment table"),
             ("classified_image", "classified volume"),
@@ -317,6 +334,6 @@ mod tests {
         let mut scene = preset("fur").unwrap();
         scene.effect.dmf = vec!["fur".into(), "fire".into()];
         let program = program(&scene);
-        assert!(program.reads("noise_image") && program.reads("turbulence_image"));
+        assert!(program.reads("noise_image") && program.reads("turbulence_value_image"));
     }
 }

@@ -5,7 +5,7 @@ use super::screen::develop;
 use super::status::Stage;
 use crate::glsl::Library;
 use crate::gpu::Gpu;
-use crate::output::{self, Depth};
+use crate::output::{self, Depth, Provenance};
 use crate::render::{Frame, RenderError, Renderer, Subject};
 use crate::scene::Scene;
 use crate::sequence::{Frames, Sequence, frame_path};
@@ -267,14 +267,14 @@ impl Studio {
 
     fn work(&self, task: Task) -> Result<(), RenderError> {
         let write = |frame: &Frame, scene: &Scene, path: &PathBuf| {
-            let about = &frame.measurements.modules;
-            match output::write(frame, scene.image.background, Depth::Eight, about, path) {
-                Ok(()) => true,
-                Err(error) => {
-                    (self.tell)(Event::Failed(error.to_string()));
-                    false
-                }
-            }
+            let modules = &frame.measurements.modules;
+            let written = Provenance::of(scene, &self.gpu.facts().title(), modules)
+                .map_err(|error| error.to_string())
+                .and_then(|provenance| {
+                    let background = scene.image.background;
+                    output::write(frame, background, Depth::Eight, &provenance, path).map_err(|error| error.to_string())
+                });
+            written.map_err(|reason| (self.tell)(Event::Failed(reason))).is_ok()
         };
         match task {
             Task::Shot { library, variant, path } => {

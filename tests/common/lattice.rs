@@ -1,6 +1,7 @@
-//! The procedural noise of `glsl/noise` in f64: what the toolkit is compared with.
+//! The noises of `glsl/noise` in f64: what the toolkit is compared with.
 
 use glam::DVec3;
+use hypertexture::noise::Lattice;
 
 /// Three random words for a lattice point: PCG3D.
 fn hash(cell: [i64; 3]) -> [u32; 3] {
@@ -34,12 +35,7 @@ const WORDS: f64 = 4_294_967_296.0;
 
 /// `noise=procedural`.
 pub fn noise(p: DVec3) -> f64 {
-    sum(p, |bits, from| {
-        let z = f64::from(bits[0]) * 2.0 / WORDS - 1.0;
-        let angle = f64::from(bits[1]) * std::f64::consts::TAU / WORDS;
-        let r = (1.0 - z * z).max(0.0).sqrt();
-        DVec3::new(r * angle.cos(), r * angle.sin(), z).dot(from)
-    })
+    Lattice::default().sample(p.to_array(), 1 << 20).1
 }
 
 /// `noise=wavelet`.

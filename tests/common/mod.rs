@@ -2,17 +2,14 @@
 
 #![allow(dead_code, reason = "each file of tests uses its part of this")]
 
-pub mod two_tone;
+#[allow(unused_imports, reason = "each file of tests uses its part of this")]
+pub use hypertexture::verify::{Level, Ray, box_subject, homogeneous, rays};
 
-use glam::{DVec3, Vec3};
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::{Frame, Subject, render};
-use hypertexture::scene::{Color, Projection, Scene};
-use std::collections::BTreeMap;
-
-/// The object fills this part of a picture's height at zoom 1.
-const FILL: f64 = 0.8;
+use hypertexture::scene::Scene;
+use hypertexture::verify;
 
 /// Runs a test on a device with validation, closes the device, and fails on whatever the layer has reported until then.
 pub fn with_gpu<T>(test: impl FnOnce(&Gpu) -> T) -> T {
@@ -28,22 +25,6 @@ pub fn with_gpu<T>(test: impl FnOnce(&Gpu) -> T) -> T {
     result
 }
 
-/// A homogeneous white object with Beer-Lambert opacity, seen along -z: small, unlit, one modulated density.
-pub fn homogeneous(object: &str, rate: f32, projection: Projection) -> Scene {
-    let mut scene = Scene::default();
-    scene.object.input = object.into();
-    scene.effect.classify = "soft".into();
-    scene.effect.surface = "unlit".into();
-    scene.effect.opacity = "beer".into();
-    scene.effect.opacity_rate = rate;
-    scene.material.color = Color([255; 3]);
-    scene.camera.projection = projection;
-    scene.camera.azimuth = 0.0;
-    scene.camera.elevation = 0.0;
-    scene.image.size = [64, 64];
-    scene
-}
-
 /// The subject of a scene whose object is a formula.
 pub fn formula(scene: &Scene) -> Subject {
     subject(scene, &glsl::shipped())
@@ -54,80 +35,13 @@ pub fn subject(scene: &Scene, library: &Library) -> Subject {
     Subject::load(scene, library, &|_| {}).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A box with these half sides around the origin, of which the cube's formula is the inside.
-///
-/// The stack of slices spans the box's diagonal: with half sides (2, 2, 1) / 3 it is [-1, 1], so that a face can lie
-/// between two slices.
-pub fn box_subject(half_size: Vec3) -> Subject {
-    let (center, scale, radius) = (Vec3::ZERO, 1.0, 1.0);
-    let parts = BTreeMap::new();
-    Subject { input: "cube".into(), field: None, closest: None, center, scale, half_size, radius, report: None, parts }
-}
-
 /// Renders a scene that must render.
 pub fn picture(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) -> Frame {
     render(gpu, library, scene, subject).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The ray through the center of a pixel: a point, and a unit vector. Object space of azimuth 0 and elevation 0.
-#[derive(Clone, Copy, Debug)]
-pub struct Ray {
-    pub from: DVec3,
-    pub along: DVec3,
-}
-
-impl Ray {
-    /// Distance from the origin.
-    pub fn impact(&self) -> f64 {
-        self.from.cross(self.along).length()
-    }
-
-    /// Path length over depth.
-    pub fn slant(&self) -> f64 {
-        -1.0 / self.along.z
-    }
-
-    /// Where the ray crosses a plane of constant z.
-    pub fn at(&self, z: f64) -> DVec3 {
-        self.from + self.along * ((z - self.from.z) / self.along.z)
-    }
-}
-
-/// The rays of a picture, in the order of its pixels.
-pub fn rays(scene: &Scene, subject: &Subject) -> Vec<Ray> {
-    let camera = &scene.camera;
-    let [width, height] = scene.image.size.map(f64::from);
-    let (aspect, fit) = (width / height, (width / height).min(1.0));
-    let half_height = f64::from(subject.radius) / FILL / f64::from(camera.zoom) / fit;
-    let half_angle = 0.5 * f64::from(camera.field_of_view).to_radians();
-    let pixel = |index: u32| {
-        let [columns, _] = scene.image.size;
-        let x = 2.0 * (f64::from(index % columns) + 0.5) / width - 1.0;
-        let y = 1.0 - 2.0 * (f64::from(index / columns) + 0.5) / height;
-        match camera.projection {
-            Projection::Parallel => {
-                Ray { from: DVec3::new(x * aspect * half_height, y * half_height, 0.0), along: DVec3::NEG_Z }
-            }
-            Projection::Perspective => {
-                let along = DVec3::new(x * aspect * half_angle.tan(), y * half_angle.tan(), -1.0).normalize();
-                Ray { from: DVec3::new(0.0, 0.0, half_height / half_angle.sin()), along }
-            }
-        }
-    };
-    (0..scene.image.size[0] * scene.image.size[1]).map(pixel).collect()
-}
-
-/// Largest and mean absolute error of one rendering.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    pub samples: u32,
-    pub step: f64,
-    pub max: f64,
-    pub mean: f64,
-}
-
-/// Renders with each number of samples and compares a channel with what `expected` says of a ray; rays of which it says
-/// nothing do not count. Prints the table.
+/// Renders with each number of samples and compares a channel with what `expected` says of a ray, as
+/// [`verify::levels`] does. Prints the table.
 pub fn errors(
     gpu: &Gpu,
     library: &Library,
@@ -135,31 +49,14 @@ pub fn errors(
     samples: &[u32],
     channel: usize,
     expected: impl Fn(&Ray) -> Option<f64>,
-) -> Vec<Row> {
-    let rays = rays(scene, subject);
-    let truth: Vec<(usize, f64)> = rays.iter().enumerate().filter_map(|(i, ray)| Some((i, expected(ray)?))).collect();
-    assert!(truth.len() > 100, "only {} rays have a known answer", truth.len());
-    println!("{:?}\n    N  max error  mean error  order", scene.camera.projection);
-    let mut rows: Vec<Row> = Vec::new();
-    for &samples in samples {
-        let mut scene = scene.clone();
-        scene.quality.samples = samples;
-        let frame = picture(gpu, library, &scene, subject);
-        let off: Vec<f64> =
-            truth.iter().map(|(i, truth)| (f64::from(frame.pixels[*i][channel]) - truth).abs()).collect();
-        let (max, mean) = (off.iter().copied().fold(0.0, f64::max), off.iter().sum::<f64>() / off.len() as f64);
-        let row = Row { samples, step: f64::from(frame.measurements.step), max, mean };
-        let above_rounding = rows.last().filter(|_| row.mean > 2e-7);
-        let order = above_rounding.map_or(String::new(), |last| format!("{:6.2}", order(last, &row)));
-        println!("{samples:5}  {max:.3e}   {mean:.3e}  {order}");
-        rows.push(row);
-    }
-    rows
-}
-
-/// The observed order of the mean error between two renderings.
-pub fn order(coarse: &Row, fine: &Row) -> f64 {
-    (coarse.mean / fine.mean).ln() / (f64::from(fine.samples) / f64::from(coarse.samples)).ln()
+) -> Vec<Level> {
+    let known = rays(scene, subject).iter().filter(|ray| expected(ray).is_some()).count();
+    assert!(known > 100, "only {known} rays have a known answer");
+    let levels = verify::levels(gpu, library, (scene, subject), samples, channel, expected);
+    let levels = levels.unwrap_or_else(|error| panic!("{error}"));
+    println!("{:?}\n    N  max error  mean error", scene.camera.projection);
+    levels.iter().for_each(|row| println!("{:5}  {:.3e}   {:.3e}", row.samples, row.max, row.mean));
+    levels
 }
 
 /// Largest and root-mean-square difference of two pictures, over all channels.

@@ -1,5 +1,5 @@
 // The Luneburg lens of radius 1: parallel rays meet at its far side.
-// Source: truth 7 of the tests: n = sqrt(2 - r^2).
+// Source: truth 7: n = sqrt(2 - r^2).
 // x: object space.
 #include "index_point.glsl"
 Index index_at(vec3 x) {

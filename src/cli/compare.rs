@@ -1,0 +1,155 @@
+//! Error against run time, from the command line.
+
+use super::args::{Look, ObjectArguments};
+use super::sequence::{Interrupted, stop_flag};
+use super::{absolute, say, with_progress};
+use clap::Args;
+use hypertexture::compare::candidates::{Sweep, candidates};
+use hypertexture::compare::report::{self, Environment, Report};
+use hypertexture::compare::{Comparison, Settings, Stage, compare, paper};
+use hypertexture::gpu::{Gpu, Options};
+use hypertexture::output;
+use hypertexture::reference::{Reference, TOLERANCE, reference};
+use hypertexture::render::Subject;
+use hypertexture::scene::Scene;
+use std::error::Error;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+/// Share of the progress that candidates take; the rest is the paper's table.
+const CANDIDATES: f32 = 0.8;
+
+/// Pixels of the pictures that are compared, unless said otherwise.
+const SIZE: [u32; 2] = [128, 128];
+
+/// Arguments of `compare`.
+#[derive(Args)]
+pub struct Compare {
+    /// A built-in object, a mesh, a volume, a scene file (.toml), or an effect or figure such as fire.
+    #[arg(value_name = "SCENE")]
+    pub input: String,
+    /// Where the report goes: a folder.
+    #[arg(long, short, default_value = "compare", value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Few candidates and few runs: about a minute.
+    #[arg(long)]
+    pub quick: bool,
+    /// Timed runs of each candidate, at most, 1 to 1000 [default: 31; quick: 7].
+    #[arg(long, value_name = "RUNS")]
+    pub repeat: Option<usize>,
+    /// Samples to try, such as 32,64,128.
+    #[arg(long, value_delimiter = ',', value_name = "LIST")]
+    pub sweep: Option<Vec<u32>>,
+    /// Strategies of turbulence and noise to try, such as encoded,procedural.
+    #[arg(long, value_delimiter = ',', value_name = "LIST")]
+    pub strategies: Option<Vec<String>>,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectArguments,
+    /// What is drawn, 128 x 128 pixels unless said otherwise.
+    #[command(flatten)]
+    pub look: Look,
+}
+
+/// A report that holds failures; it was written.
+#[derive(Debug)]
+pub struct Failed(String);
+
+impl fmt::Display for Failed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl Error for Failed {}
+
+/// Compares, and writes the report.
+pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let (scene, settings) = plan(command)?;
+    let library = scene.library()?;
+    candidates(&scene, &library, &settings.sweep)?; // what is wrong is said before the work begins
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let gpu = Gpu::new(options)?;
+    let flag = stop_flag()?;
+    make_folder(&command.output)?;
+    let stop = || flag.load(Ordering::Relaxed);
+    let stage = Stage { gpu: &gpu, library: &library, subject: &subject, stop: &stop };
+    let environment = Environment::of(&gpu);
+    let title = title(command);
+    let report = with_progress(quiet, "compare", |progress| -> Result<Report, Box<dyn Error>> {
+        let mut refer = |scene: &Scene| truth(stage, scene);
+        let part = |fraction: f32| progress(CANDIDATES * fraction);
+        let comparison = compare(stage, &scene, &settings, &mut refer, &part)?;
+        let part = |fraction: f32| progress(CANDIDATES + (1.0 - CANDIDATES) * fraction);
+        let table = paper::table(stage, &comparison, command.quick, &part)?;
+        let crops = paper::figure(stage, &comparison)?;
+        let pictures = report::pictures(stage, &comparison)?;
+        let comparison = Comparison { partial: comparison.partial || stop(), ..comparison };
+        let environment = Environment { load_after: report::load(), ..environment };
+        Ok(Report { title, hash: report::hash(&scene), environment, comparison, pictures, table, crops })
+    })?;
+    let page = report::write(&report, &command.output)?;
+    conclude(&report, &page, quiet)
+}
+
+/// The scene and what to do with it.
+fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
+    let repeat = command.repeat.unwrap_or(if command.quick { 7 } else { 31 });
+    if !(1..=1000).contains(&repeat) {
+        return Err(format!("--repeat {repeat}: must be from 1 to 1000").into());
+    }
+    let mut scene = command.look.scene(&command.input, &command.object)?;
+    if command.look.size.is_none() {
+        scene.image.size = SIZE;
+    }
+    let (samples, strategies) = (command.sweep.clone(), command.strategies.clone());
+    Ok((scene, Settings { sweep: Sweep { quick: command.quick, samples, strategies }, repeat }))
+}
+
+/// The folder of the report, made and written into before the measurements, so that none is lost.
+fn make_folder(folder: &Path) -> Result<(), String> {
+    let fail = |error: std::io::Error| format!("{}: {error}; nothing was written", folder.display());
+    std::fs::create_dir_all(folder).map_err(fail)?;
+    let probe = folder.join(format!(".probe.{}", std::process::id()));
+    output::write_whole(&probe, b"").and_then(|()| std::fs::remove_file(&probe)).map_err(fail)
+}
+
+fn title(command: &Compare) -> String {
+    let input = report::file_name(&command.input);
+    command.look.effect.as_ref().map_or(input.clone(), |effect| format!("{effect} on {input}"))
+}
+
+/// The end: what was written, and whether it is good.
+fn conclude(report: &Report, page: &Path, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let Comparison { rows, failures, planned, partial, .. } = &report.comparison;
+    if !quiet {
+        let front = report.comparison.front();
+        for row in front.iter().map(|&index| &rows[index]) {
+            let (time, error) = row.point();
+            say(&format!("front      {time:9.3} ms  error {error:.2e}  {}\n", row.candidate.label()));
+        }
+        say(&format!("wrote {}\n", absolute(page)));
+    }
+    if *partial {
+        let measured = rows.len();
+        return Err(Interrupted(format!(
+            "interrupted: {measured} of {planned} candidates are in the report, which is marked as partial"
+        ))
+        .into());
+    }
+    match failures.first() {
+        None => Ok(()),
+        Some(first) => {
+            let (count, label, message) = (failures.len(), &first.label, &first.message);
+            Err(Failed(format!("{count} of {planned} candidates failed; the first, {label}: {message}")).into())
+        }
+    }
+}
+
+/// The exact picture of a scene.
+fn truth(stage: Stage<'_>, scene: &Scene) -> Result<Arc<Reference>, String> {
+    let found = reference(stage.library, scene, stage.subject, TOLERANCE, &|_| ());
+    found.map(Arc::new).map_err(|error| error.to_string())
+}

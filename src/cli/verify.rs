@@ -1,0 +1,108 @@
+//! `verify`: the truths on the device at hand, or a picture against its own scene.
+
+use super::args::Verify;
+use super::{say, with_progress};
+use hypertexture::field::Progress;
+use hypertexture::glsl::Library;
+use hypertexture::gpu::{Gpu, Options};
+use hypertexture::output;
+use hypertexture::reference::{Reference, ReferenceError, TOLERANCE, reference_pixels};
+use hypertexture::render::{Subject, render};
+use hypertexture::scene::Scene;
+use hypertexture::verify::{self, Asked, PixelTruth};
+use std::error::Error;
+use std::fmt;
+use std::path::Path;
+use std::time::Instant;
+
+/// Something is not as it must be.
+#[derive(Debug)]
+pub struct Disagreement(String);
+
+impl fmt::Display for Disagreement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl Error for Disagreement {}
+
+/// Verifies the device, or a picture.
+pub fn run(command: &Verify, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    match &command.image {
+        None => truths(options, quiet),
+        Some(image) => picture(image, command, options, quiet),
+    }
+}
+
+fn truths(options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let gpu = Gpu::new(options)?;
+    let start = Instant::now();
+    let report = with_progress(quiet, "truths", |progress| verify::run(&gpu, verify::TRUTHS, progress))?;
+    let (missed, all) = (report.missed().map(verify::Row::title).collect::<Vec<_>>(), report.rows.len());
+    if !quiet {
+        let seconds = start.elapsed().as_secs_f64();
+        let count = all - missed.len();
+        say(&format!("{}{count} of {all} rows hold on {}, in {seconds:.1} s\n", report.text(), gpu.facts().title()));
+    }
+    match missed.is_empty() {
+        true => Ok(()),
+        false => Err(Disagreement(format!("{} of {all} bounds missed: {}", missed.len(), missed.join("; "))).into()),
+    }
+}
+
+fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let provenance = output::read_provenance(image)?; // before a device is opened
+    let gpu = Gpu::new(options)?;
+    let library = provenance.scene(image)?.library()?;
+    let asked = Asked { pixels: command.pixels, seed: command.seed, bound: command.bound };
+    let known = |scene: &Scene, subject: &Subject, pixels: &[[u32; 2]], progress: Progress<'_>| {
+        truth(&gpu, &library, (scene, subject), pixels, progress)
+    };
+    let agreement =
+        with_progress(quiet, "verifying", |progress| verify::check(&gpu, &library, image, &asked, progress, &known))?;
+    if !quiet {
+        let hash = provenance.scene_hash.get(..16).unwrap_or(&provenance.scene_hash);
+        let inputs: Vec<&str> = provenance.inputs.keys().map(String::as_str).collect();
+        let inputs = if inputs.is_empty() { String::new() } else { format!("; unchanged: {}", inputs.join(", ")) };
+        say(&format!(
+            "picture    by {} on {}; scene {hash}{inputs}\n{}",
+            provenance.program,
+            provenance.device,
+            agreement.text()
+        ));
+    }
+    if !agreement.holds() {
+        let verify::Agreement { redrawn: [changed, all], rms, bound, beyond, .. } = agreement;
+        return Err(Disagreement(format!(
+            "{}: this is not what its scene gives: {changed} of {all} pixels changed, RMS {rms:.1e} where {bound:.1e} is \
+             allowed, {beyond} pixels beyond what is explained",
+            image.display()
+        ))
+        .into());
+    }
+    if !quiet {
+        say("the picture is what its scene gives\n");
+    }
+    Ok(())
+}
+
+/// What knows the pixels of a scene: the f64 reference; where there is none, a second rendering.
+fn truth(
+    gpu: &Gpu,
+    library: &Library,
+    (scene, subject): (&Scene, &Subject),
+    pixels: &[[u32; 2]],
+    progress: Progress<'_>,
+) -> Result<PixelTruth, Box<dyn Error>> {
+    match reference_pixels(library, scene, subject, pixels, TOLERANCE, progress) {
+        Ok(Reference { pixels, estimate, .. }) => Ok(PixelTruth { pixels, estimate, source: "the f64 reference" }),
+        Err(ReferenceError::NoLimit(_) | ReferenceError::Exact(_)) => {
+            let frame = render(gpu, library, scene, subject)?;
+            let at = |[x, y]: &[u32; 2]| frame.pixels[(y * frame.size[0] + x) as usize].map(f64::from);
+            let pixels: Vec<[f64; 4]> = pixels.iter().map(at).collect();
+            Ok(PixelTruth { estimate: vec![0.0; pixels.len()], pixels, source: "a second rendering" })
+        }
+        Err(error) => Err(error.into()),
+    }
+}

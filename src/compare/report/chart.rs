@@ -1,0 +1,325 @@
+//! A chart as SVG: points of error against run time on logarithmic axes, curves, the front and the floor.
+//!
+//! The colors of ink and paper are CSS variables, so that a page can show the chart in light and dark; [`standalone`]
+//! gives them values of its own.
+
+use super::html::escape;
+use std::fmt::Write;
+
+/// What a point is drawn as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marker {
+    /// A ray.
+    Circle,
+    /// A stack of slices.
+    Square,
+}
+
+/// Points that belong together, by rising samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Index of its color and of its entry in the legend.
+    pub group: usize,
+    /// What its points are drawn as.
+    pub marker: Marker,
+    /// Whether they are filled.
+    pub filled: bool,
+    /// Whether it stands behind the others.
+    pub faint: bool,
+    /// Time, error, and what to say about it.
+    pub points: Vec<(f64, f64, String)>,
+}
+
+/// What to draw.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chart {
+    /// Names of the groups.
+    pub groups: Vec<String>,
+    /// The lines, of every group.
+    pub lines: Vec<Line>,
+    /// Time and error along the front.
+    pub front: Vec<(f64, f64)>,
+    /// Errors of the references: what lies below says nothing.
+    pub floor: Option<f64>,
+}
+
+const SIZE: [f64; 2] = [960.0, 560.0];
+/// Left, top, right, bottom of the area of the points.
+const AREA: [f64; 4] = [78.0, 20.0, 700.0, 500.0];
+
+/// Colors of the groups, legible on white and on black (after Tableau 10).
+const COLORS: [&str; 10] =
+    ["#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#b07aa1", "#2fa8a0", "#c9a227", "#9c755f", "#e377a2", "#7f8790"];
+
+/// A logarithmic axis.
+struct Axis {
+    low: f64,
+    high: f64,
+    from: f64,
+    to: f64,
+}
+
+impl Axis {
+    /// An axis that holds the values with a margin, from one pixel to another.
+    fn over(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Axis {
+        let positive = values.filter(|value| *value > 0.0 && value.is_finite());
+        let (low, high) = positive.fold((f64::INFINITY, 0.0f64), |(low, high), v| (low.min(v), high.max(v)));
+        let (low, high) = if low <= high { (low, high) } else { (0.1, 10.0) };
+        let room = (high / low).powf(0.06).max(1.3);
+        Axis { low: low / room, high: high * room, from, to }
+    }
+
+    fn place(&self, value: f64) -> f64 {
+        let share = (value.max(self.low) / self.low).ln() / (self.high / self.low).ln();
+        self.from + share.min(1.0) * (self.to - self.from)
+    }
+
+    /// Values with a tick, and whether they have a label: powers of ten, and 2 and 5 of them where there are few.
+    fn ticks(&self) -> Vec<(f64, bool)> {
+        let decades = self.low.log10().floor() as i32..=self.high.log10().ceil() as i32;
+        let few = (self.high / self.low).log10() < 3.0;
+        let all = decades.flat_map(|decade| (1..10).map(move |digit| (digit, f64::from(digit) * 10f64.powi(decade))));
+        let inside = all.filter(|(_, value)| (self.low..=self.high).contains(value));
+        inside.map(|(digit, value)| (value, digit == 1 || few && (digit == 2 || digit == 5))).collect()
+    }
+}
+
+/// A number as a label: 0.001 to 10000 written out, others as a power of ten.
+fn tick_label(value: f64) -> String {
+    let power = value.log10().floor() as i32;
+    if (-3..=4).contains(&power) {
+        return format!("{:.*}", (-power).max(0) as usize, value);
+    }
+    let digit = (value / 10f64.powi(power)).round() as i32;
+    let raised: String =
+        power.to_string().chars().map(|c| if c == '-' { '⁻' } else { RAISED[c as usize - 48] }).collect();
+    if digit == 1 { format!("10{raised}") } else { format!("{digit}·10{raised}") }
+}
+
+/// A number with one digit left.
+fn one_digit(value: f64) -> f64 {
+    let power = 10f64.powf(value.log10().floor());
+    (value / power).round() * power
+}
+
+const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+
+/// The chart as an `svg` element for a page that defines `--ink`, `--muted`, `--rule` and `--paper`.
+pub fn svg(chart: &Chart) -> String {
+    let [left, top, right, bottom] = AREA;
+    let [width, height] = SIZE;
+    let all = || chart.lines.iter().flat_map(|line| &line.points);
+    let x = Axis::over(all().map(|point| point.0), left, right);
+    // A floor far below would leave the points no room: it is then told at the lower edge.
+    let least = all().map(|point| point.1).fold(f64::INFINITY, f64::min);
+    let near = chart.floor.filter(|floor| 30.0 * floor >= least);
+    let y = Axis::over(all().map(|point| point.1).chain(near), bottom, top);
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
+         aria-label=\"Error against time on the device\" font-family=\"system-ui, sans-serif\" font-size=\"13\">\n"
+    );
+    let mut add = |text: String| {
+        out.push_str(&text);
+        out.push('\n');
+    };
+    for (value, label) in x.ticks() {
+        let px = x.place(value);
+        add(format!("<path d=\"M{px:.1} {top}V{bottom}\" stroke=\"var(--rule)\" stroke-width=\"{}\"/>", weight(label)));
+        if label {
+            let y = bottom + 20.0;
+            add(format!(
+                "<text x=\"{px:.1}\" y=\"{y}\" text-anchor=\"middle\" fill=\"var(--muted)\">{}</text>",
+                tick_label(value)
+            ));
+        }
+    }
+    for (value, label) in y.ticks() {
+        let py = y.place(value);
+        add(format!("<path d=\"M{left} {py:.1}H{right}\" stroke=\"var(--rule)\" stroke-width=\"{}\"/>", weight(label)));
+        if label {
+            let (x, y) = (left - 8.0, py + 4.5);
+            add(format!(
+                "<text x=\"{x}\" y=\"{y:.1}\" text-anchor=\"end\" fill=\"var(--muted)\">{}</text>",
+                tick_label(value)
+            ));
+        }
+    }
+    let middle = 0.5 * (left + right);
+    add(format!(
+        "<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\" fill=\"var(--ink)\">time on the device, ms (median)</text>",
+        bottom + 46.0
+    ));
+    let middle = 0.5 * (top + bottom);
+    add(format!(
+        "<text transform=\"translate(18 {middle}) rotate(-90)\" text-anchor=\"middle\" fill=\"var(--ink)\">error: linear RMSE against the reference</text>"
+    ));
+    if let Some(floor) = chart.floor.filter(|floor| *floor > 0.0) {
+        let (py, right) = (if near.is_some() { y.place(floor) } else { bottom }, right - 6.0);
+        let text = format!("error of the reference: {}", tick_label(one_digit(floor)));
+        add(format!(
+            "<path d=\"M{left} {py:.1}H{}\" stroke=\"var(--muted)\" stroke-width=\"1.5\" stroke-dasharray=\"2 4\"/>",
+            right + 6.0
+        ));
+        add(format!(
+            "<text x=\"{right}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"var(--muted)\" font-size=\"12\">{text}{}</text>",
+            py - 6.0,
+            if near.is_some() { "" } else { ", below" }
+        ));
+    }
+    let place = |&(time, error): &(f64, f64)| (x.place(time), y.place(error));
+    let faint_first = [true, false].into_iter();
+    for line in faint_first.flat_map(|faint| chart.lines.iter().filter(move |line| line.faint == faint)) {
+        add(self::line(line, &place));
+    }
+    if let Some(first) = chart.front.first() {
+        let (px, py) = place(first);
+        let mut path = format!("M{px:.1} {top}V{py:.1}");
+        for point in &chart.front[1..] {
+            let (px, py) = place(point);
+            write!(path, "H{px:.1}V{py:.1}").expect("writing to a string");
+        }
+        write!(path, "H{right}").expect("writing to a string");
+        add(format!(
+            "<path d=\"{path}\" fill=\"none\" stroke=\"var(--ink)\" stroke-width=\"1.6\" stroke-opacity=\".75\"/>"
+        ));
+        for point in &chart.front {
+            let (px, py) = place(point);
+            add(format!(
+                "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"8\" fill=\"none\" stroke=\"var(--ink)\" stroke-width=\"1.4\"/>"
+            ));
+        }
+    }
+    add(legend(chart));
+    out + "</svg>"
+}
+
+/// The same as a file of its own.
+pub fn standalone(chart: &Chart) -> String {
+    let style = "<style>svg{--ink:#1c1e21;--muted:#5c6166;--rule:#e3e4e6;--paper:#fff;background:#fff}</style>";
+    svg(chart).replacen(">\n", &format!(">\n{style}\n"), 1)
+}
+
+fn weight(label: bool) -> f64 {
+    if label { 1.0 } else { 0.4 }
+}
+
+fn color(group: usize) -> &'static str {
+    COLORS[group % COLORS.len()]
+}
+
+fn line(line: &Line, place: &impl Fn(&(f64, f64)) -> (f64, f64)) -> String {
+    let points: Vec<(f64, f64)> = line.points.iter().map(|(time, error, _)| place(&(*time, *error))).collect();
+    let path: Vec<String> = points.iter().map(|(px, py)| format!("{px:.1},{py:.1}")).collect();
+    let (color, dash) = (color(line.group), if line.filled { "" } else { " stroke-dasharray=\"5 3\"" });
+    let opacity = if line.faint { ".35" } else { "1" };
+    let mut out = format!("<g opacity=\"{opacity}\" stroke=\"{color}\" stroke-width=\"1.4\">");
+    write!(out, "<polyline points=\"{}\" fill=\"none\"{dash}/>", path.join(" ")).expect("writing to a string");
+    for ((px, py), (_, _, about)) in points.iter().zip(&line.points) {
+        let size = if line.faint { 2.6 } else { 4.0 };
+        out.push_str(&marker(line.marker, line.filled, color, (*px, *py), size, about));
+    }
+    out + "</g>"
+}
+
+fn marker(kind: Marker, filled: bool, color: &str, (x, y): (f64, f64), size: f64, about: &str) -> String {
+    let fill = if filled { color } else { "var(--paper)" };
+    let title = if about.is_empty() { String::new() } else { format!("<title>{}</title>", escape(about)) };
+    match kind {
+        Marker::Circle => format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{size}\" fill=\"{fill}\">{title}</circle>"),
+        Marker::Square => {
+            let (x, y, side) = (x - size, y - size, 2.0 * size);
+            format!("<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{side}\" height=\"{side}\" fill=\"{fill}\">{title}</rect>")
+        }
+    }
+}
+
+/// The names of the groups with their colors, and what the marks mean, to the right of the points.
+fn legend(chart: &Chart) -> String {
+    let left = AREA[2] + 26.0;
+    let mut y = AREA[1] + 10.0;
+    let mut out = String::new();
+    let mut entry = |mark: String, text: &str| {
+        let text = escape(text);
+        writeln!(out, "{mark}<text x=\"{}\" y=\"{:.1}\" fill=\"var(--ink)\">{text}</text>", left + 24.0, y + 4.5)
+            .expect("writing to a string");
+        y += 22.0;
+        y
+    };
+    let mut at = AREA[1] + 10.0;
+    for (group, name) in chart.groups.iter().enumerate() {
+        let mark = format!("<path d=\"M{} {at}h16\" stroke=\"{}\" stroke-width=\"4\"/>", left - 2.0, color(group));
+        at = entry(mark, name);
+    }
+    let faint = chart.lines.iter().any(|line| line.faint);
+    let has = |kind, filled| chart.lines.iter().any(|line| line.marker == kind && line.filled == filled);
+    let marks = [
+        (Marker::Circle, true, "rays, segments"),
+        (Marker::Circle, false, "rays, points"),
+        (Marker::Square, true, "slices, segments"),
+        (Marker::Square, false, "slices, points"),
+    ];
+    for (kind, filled, text) in marks.into_iter().filter(|(kind, filled, _)| has(*kind, *filled)) {
+        let mark = marker(kind, filled, "var(--muted)", (left + 6.0, at), 4.0, "");
+        at = entry(format!("<g stroke=\"var(--muted)\" stroke-width=\"1.4\">{mark}</g>"), text);
+    }
+    if faint {
+        let mark = marker(Marker::Square, false, "var(--muted)", (left + 6.0, at), 2.6, "");
+        at = entry(format!("<g stroke=\"var(--muted)\" opacity=\".5\">{mark}</g>"), "other targets and blocks");
+    }
+    if !chart.front.is_empty() {
+        let mark = format!(
+            "<circle cx=\"{}\" cy=\"{at}\" r=\"7\" fill=\"none\" stroke=\"var(--ink)\" stroke-width=\"1.4\"/>",
+            left + 6.0
+        );
+        entry(mark, "front: nothing beats it");
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_is_logarithmic_and_its_ends_have_room() {
+        let axis = Axis::over([1.0, 100.0, 0.0, f64::INFINITY].into_iter(), 0.0, 100.0);
+        assert!((axis.place(10.0) - 50.0).abs() < 1e-9);
+        assert!(axis.place(1.0) > 0.0 && axis.place(100.0) < 100.0);
+        assert_eq!(axis.place(1e-9), 0.0, "what lies below the axis is drawn on it");
+        let labels: Vec<f64> = axis.ticks().into_iter().filter(|tick| tick.1).map(|tick| tick.0).collect();
+        assert_eq!(labels, [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0]);
+    }
+
+    #[test]
+    fn labels_are_written_out_or_powers_of_ten() {
+        let written = [1e-6, 2e-5, 0.001, 0.05, 1.0, 20.0, 10000.0, 1e6].map(tick_label);
+        assert_eq!(written, ["10⁻⁶", "2·10⁻⁵", "0.001", "0.05", "1", "20", "10000", "10⁶"]);
+    }
+
+    #[test]
+    fn a_chart_holds_every_point_with_its_words_and_closes_every_tag() {
+        let line = |filled, faint| Line {
+            group: 1,
+            marker: Marker::Square,
+            filled,
+            faint,
+            points: vec![(1.0, 0.1, "a < b".into()), (4.0, 0.02, "finer".into())],
+        };
+        let chart = Chart {
+            groups: vec!["encoded".into(), "procedural".into()],
+            lines: vec![line(true, false), line(false, true)],
+            front: vec![(1.0, 0.1), (4.0, 0.02)],
+            floor: Some(2.2e-6),
+        };
+        let text = svg(&chart);
+        assert_eq!(text.matches("<title>a &lt; b</title>").count(), 2);
+        for part in
+            ["encoded", "slices, segments", "slices, points", "error of the reference: 2·10⁻⁶, below", "nothing beats"]
+        {
+            assert!(text.contains(part), "{part}");
+        }
+        assert!(!text.contains("NaN") && !text.contains("rays, points"));
+        assert_eq!(text.matches("<g").count(), text.matches("</g>").count());
+        assert!(standalone(&chart).contains("--paper:#fff") && svg(&Chart::default()).ends_with("</svg>"));
+    }
+}

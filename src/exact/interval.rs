@@ -1,0 +1,346 @@
+//! Intervals with outward rounding: bounds of everything that a program may compute from a box of inputs.
+//!
+//! Invariant: whatever a point of the box gives in exact arithmetic or in f64 lies in the interval of the box; an
+//! operation that gives NaN for a point of its box gives the whole line, which alone stands for NaN as well.
+//! Source: Moore 1966; the containment tests follow fidget (M. Keeter).
+
+use super::number::{Integer, Number, Unary};
+use super::range::{Range, Tri};
+use super::texture::{Image, Wrap};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// All numbers from `lo` to `hi`; from -infinity to infinity: anything, NaN included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// The least.
+    pub lo: f64,
+    /// The greatest.
+    pub hi: f64,
+}
+
+/// Relative error that is allowed for functions of the standard library: some ulp.
+const LIBRARY: f64 = 1e-15;
+
+/// Beyond it, where extremes of sine and cosine are is not decided.
+const FAR: f64 = 1e6;
+
+impl Interval {
+    /// The whole line.
+    pub const WHOLE: Interval = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+
+    /// The numbers between two, in any order.
+    pub fn of(a: f64, b: f64) -> Interval {
+        if a.is_nan() || b.is_nan() { Interval::WHOLE } else { Interval { lo: a.min(b), hi: a.max(b) } }
+    }
+
+    /// Whether a number, or NaN, is in it.
+    pub fn contains(self, x: f64) -> bool {
+        if x.is_nan() { self == Interval::WHOLE } else { self.lo <= x && x <= self.hi }
+    }
+
+    /// Bounds that are the ends of correctly rounded operations.
+    fn rounded(lo: f64, hi: f64) -> Interval {
+        if lo.is_nan() || hi.is_nan() {
+            return Interval::WHOLE;
+        }
+        Interval { lo: lo.next_down(), hi: hi.next_up() }
+    }
+
+    /// Bounds that come from the standard library.
+    fn library(lo: f64, hi: f64) -> Interval {
+        if lo.is_nan() || hi.is_nan() {
+            return Interval::WHOLE;
+        }
+        let down = |x: f64| if x.is_finite() { x - x.abs() * LIBRARY - f64::MIN_POSITIVE } else { x.next_down() };
+        Interval { lo: down(lo), hi: -down(-hi) }
+    }
+
+    /// Of a function that rises.
+    fn rising(self, f: impl Fn(f64) -> f64) -> Interval {
+        Interval::library(f(self.lo), f(self.hi))
+    }
+
+    /// Of a function that rises on `[low, high]` and is not defined elsewhere.
+    fn rising_within(self, low: f64, high: f64, f: impl Fn(f64) -> f64) -> Interval {
+        if self.lo < low || self.hi > high { Interval::WHOLE } else { self.rising(f) }
+    }
+
+    fn meet(self, lo: f64, hi: f64) -> Interval {
+        Interval { lo: self.lo.clamp(lo, hi), hi: self.hi.clamp(lo, hi) }
+    }
+
+    fn abs(self) -> Interval {
+        match self {
+            Interval { lo, .. } if lo >= 0.0 => self,
+            Interval { hi, .. } if hi <= 0.0 => self.negate(),
+            Interval { lo, hi } => Interval { lo: 0.0, hi: hi.max(-lo) },
+        }
+    }
+
+    fn negate(self) -> Interval {
+        Interval { lo: -self.hi, hi: -self.lo }
+    }
+
+    fn is_whole(self) -> bool {
+        self == Interval::WHOLE
+    }
+
+    /// `f` at every combination of the ends: of a function whose extremes are at corners.
+    fn corners(self, b: Interval, f: impl Fn(f64, f64) -> f64) -> (f64, f64) {
+        let values = [f(self.lo, b.lo), f(self.lo, b.hi), f(self.hi, b.lo), f(self.hi, b.hi)];
+        let nan = values.iter().any(|value| value.is_nan());
+        let (lo, hi) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (v.min(lo), v.max(hi)));
+        if nan { (f64::NAN, f64::NAN) } else { (lo, hi) }
+    }
+
+    /// Cosine; `shift` is added to the angle.
+    fn cosine(self, shift: f64, f: impl Fn(f64) -> f64) -> Interval {
+        if self.lo.abs().max(self.hi.abs()) > FAR || self.hi - self.lo >= TAU {
+            return if self.is_whole() || !(self.hi - self.lo).is_finite() {
+                Interval::WHOLE // the cosine of infinity is NaN
+            } else {
+                Interval { lo: -1.0, hi: 1.0 }
+            };
+        }
+        // Whether (2 k + odd) pi is among the angles; where that is uncertain it is.
+        let has = |odd: f64| {
+            let turns = |x: f64| (x + shift - odd * PI) / TAU;
+            (turns(self.hi) + 1e-9).floor() >= (turns(self.lo) - 1e-9).ceil()
+        };
+        let ends = Interval::of(f(self.lo), f(self.hi));
+        let lo = if has(1.0) { -1.0 } else { ends.lo - LIBRARY };
+        let hi = if has(0.0) { 1.0 } else { ends.hi + LIBRARY };
+        Interval { lo: lo.max(-1.0), hi: hi.min(1.0) }
+    }
+
+    fn tangent(self) -> Interval {
+        let cosine = self.cosine(0.0, f64::cos);
+        if cosine.lo <= 1e-12 && cosine.hi >= -1e-12 || self.hi - self.lo >= PI {
+            return Interval::WHOLE;
+        }
+        let scaled = self.rising(f64::tan);
+        // The slope is large near a pole: a rounding of the angle counts as much.
+        let off = LIBRARY * (1.0 + self.lo.abs().max(self.hi.abs()));
+        let slope = 1.0 + scaled.lo.abs().max(scaled.hi.abs()).powi(2);
+        Interval { lo: scaled.lo - off * slope, hi: scaled.hi + off * slope }
+    }
+}
+
+impl Number for Interval {
+    type Int = Range;
+    type Truth = Tri;
+    const DECIDED: bool = false;
+
+    fn new(x: f64) -> Interval {
+        Interval::of(x, x)
+    }
+    fn whole() -> Interval {
+        Interval::WHOLE
+    }
+    fn join(self, other: Interval) -> Interval {
+        Interval { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
+    fn within(self, other: Interval) -> bool {
+        other.lo <= self.lo && self.hi <= other.hi
+    }
+    fn select(truth: Tri, a: Interval, b: Interval) -> Interval {
+        match (truth.may_hold, truth.may_fail) {
+            (true, false) => a,
+            (false, true) => b,
+            _ => a.join(b),
+        }
+    }
+    #[inline(never)]
+    fn unary(self, function: Unary) -> Interval {
+        let Interval { lo, hi } = self;
+        let exact = |f: fn(f64) -> f64| Interval { lo: f(lo), hi: f(hi) };
+        match function {
+            _ if self.is_whole() && !matches!(function, Unary::Saturate | Unary::Sign) => Interval::WHOLE,
+            Unary::Negate => self.negate(),
+            Unary::Abs => self.abs(),
+            Unary::Sign => exact(|x| x.unary(Unary::Sign)),
+            Unary::Floor => exact(f64::floor),
+            Unary::Ceil => exact(f64::ceil),
+            Unary::Trunc => exact(f64::trunc),
+            Unary::Round => exact(f64::round_ties_even),
+            Unary::Fract if lo.floor() == hi.floor() => {
+                Interval::rounded(lo - lo.floor(), hi - hi.floor()).meet(0.0, 1.0)
+            }
+            Unary::Fract if lo.is_infinite() || hi.is_infinite() => Interval::WHOLE,
+            Unary::Fract => Interval { lo: 0.0, hi: 1.0 },
+            Unary::Saturate => exact(|x| x.clamp(0.0, 1.0)),
+            Unary::Square => {
+                let Interval { lo, hi } = self.abs();
+                let squared = Interval::rounded(lo * lo, hi * hi);
+                Interval { lo: squared.lo.max(0.0), hi: squared.hi }
+            }
+            Unary::Sqrt if lo < 0.0 => Interval::WHOLE,
+            Unary::Sqrt => Interval { lo: lo.sqrt().next_down().max(0.0), hi: hi.sqrt().next_up() },
+            Unary::InverseSqrt if lo < 0.0 => Interval::WHOLE,
+            // Of a rounded root: two roundings.
+            Unary::InverseSqrt => Interval::library(1.0 / hi.sqrt(), 1.0 / lo.abs().sqrt()).meet(0.0, f64::INFINITY),
+            Unary::Hermite => {
+                let [lo, hi] = [lo, hi].map(|t| t.clamp(0.0, 1.0));
+                Interval::library(lo.unary(function), hi.unary(function))
+            }
+            Unary::Exp => self.rising(f64::exp).meet(0.0, f64::INFINITY),
+            Unary::Exp2 => self.rising(f64::exp2).meet(0.0, f64::INFINITY),
+            Unary::Log => self.rising_within(0.0, f64::INFINITY, f64::ln),
+            Unary::Log2 => self.rising_within(0.0, f64::INFINITY, f64::log2),
+            Unary::Sin => self.cosine(-FRAC_PI_2, f64::sin),
+            Unary::Cos => self.cosine(0.0, f64::cos),
+            Unary::Tan => self.tangent(),
+            Unary::Asin => self.rising_within(-1.0, 1.0, f64::asin),
+            Unary::Acos => self.rising_within(-1.0, 1.0, |x| -x.acos()).negate(),
+            Unary::Atan => self.rising(f64::atan),
+            Unary::Sinh => self.rising(f64::sinh),
+            Unary::Cosh => self.abs().rising(f64::cosh),
+            Unary::Tanh => self.rising(f64::tanh).meet(-1.0, 1.0),
+            Unary::Asinh => self.rising(f64::asinh),
+            Unary::Acosh => self.rising_within(1.0, f64::INFINITY, f64::acosh),
+            Unary::Atanh => self.rising_within(-1.0, 1.0, f64::atanh),
+        }
+    }
+    fn add(self, b: Interval) -> Interval {
+        Interval::rounded(self.lo + b.lo, self.hi + b.hi)
+    }
+    fn sub(self, b: Interval) -> Interval {
+        Interval::rounded(self.lo - b.hi, self.hi - b.lo)
+    }
+    #[inline(never)]
+    fn mul(self, b: Interval) -> Interval {
+        let (lo, hi) = self.corners(b, |x, y| x * y);
+        Interval::rounded(lo, hi)
+    }
+    #[inline(never)]
+    fn div(self, b: Interval) -> Interval {
+        if b.contains(0.0) {
+            return Interval::WHOLE;
+        }
+        let (lo, hi) = self.corners(b, |x, y| x / y);
+        Interval::rounded(lo, hi)
+    }
+    fn min(self, b: Interval) -> Interval {
+        // Also where one of them may be NaN: then the other, which is not above its own end.
+        Interval { lo: self.lo.min(b.lo), hi: self.hi.min(b.hi) }
+    }
+    fn max(self, b: Interval) -> Interval {
+        self.negate().min(b.negate()).negate()
+    }
+    #[inline(never)]
+    fn pow(self, b: Interval) -> Interval {
+        if self.lo < 0.0 {
+            return Interval::WHOLE;
+        }
+        let (lo, hi) = self.corners(b, f64::powf);
+        Interval::library(lo, hi).meet(0.0, f64::INFINITY)
+    }
+    #[inline(never)]
+    fn atan2(self, x: Interval) -> Interval {
+        if self.is_whole() || x.is_whole() {
+            return Interval::WHOLE;
+        }
+        if self.contains(0.0) && x.lo <= 0.0 {
+            return Interval { lo: -PI.next_up(), hi: PI.next_up() };
+        }
+        // A box without the origin and the cut: the angles of its corners are the extremes.
+        let (lo, hi) = self.corners(x, f64::atan2);
+        Interval::library(lo, hi)
+    }
+    #[inline(never)]
+    fn rem(self, b: Interval) -> Interval {
+        if b.contains(0.0) || self.lo.is_infinite() || self.hi.is_infinite() {
+            return Interval::WHOLE;
+        }
+        let whole = self.div(b).unary(Unary::Trunc);
+        let largest = b.abs().hi;
+        let bound =
+            Interval { lo: if self.lo < 0.0 { -largest } else { 0.0 }, hi: if self.hi > 0.0 { largest } else { 0.0 } };
+        let found = self.sub(b.mul(whole));
+        Interval { lo: found.lo.max(bound.lo), hi: found.hi.min(bound.hi) }.ordered(bound)
+    }
+    #[inline(never)]
+    fn unit(self, length: Interval) -> Interval {
+        if self.is_whole() || length.contains(0.0) || length.hi.is_infinite() {
+            return Interval::WHOLE; // 0 / 0 is NaN
+        }
+        let margin = 1.0 + 4.0 * f64::EPSILON;
+        self.div(length).meet(-margin, margin)
+    }
+    #[inline(never)]
+    fn mix(self, b: Interval, t: Interval) -> Interval {
+        // Linear in each: the extremes are at corners.
+        let [(a, c), (d, e)] = [t.lo, t.hi].map(|t| self.corners(b, |x, y| x * (1.0 - t) + y * t));
+        let (lo, hi) = (a.min(d), c.max(e));
+        if [a, c, d, e].iter().any(|value| value.is_nan()) {
+            return Interval::WHOLE;
+        }
+        let largest = |x: Interval| x.abs().hi;
+        let size = (largest(self) + largest(b)) * (1.0 + largest(t));
+        let margin = 4.0 * f64::EPSILON * size + f64::MIN_POSITIVE;
+        if margin.is_finite() { Interval { lo: lo - margin, hi: hi + margin } } else { Interval::WHOLE }
+    }
+    fn less(self, b: Interval) -> Tri {
+        Tri { may_hold: self.lo < b.hi, may_fail: self.hi >= b.lo }
+    }
+    fn less_equal(self, b: Interval) -> Tri {
+        // The whole line may be NaN, which is not less even than infinity.
+        Tri { may_hold: self.lo <= b.hi, may_fail: self.hi > b.lo || self.is_whole() || b.is_whole() }
+    }
+    fn equal(self, b: Interval) -> Tri {
+        let same = self.lo == self.hi && self == b;
+        Tri { may_hold: self.lo <= b.hi && b.lo <= self.hi, may_fail: !same }
+    }
+    fn is_nan(self) -> Tri {
+        Tri { may_hold: self.is_whole(), may_fail: true }
+    }
+    fn is_infinite(self) -> Tri {
+        Tri { may_hold: self.lo.is_infinite() || self.hi.is_infinite(), may_fail: true }
+    }
+    fn to_int(self, signed: bool) -> Range {
+        let full = Range::full(signed);
+        if self.is_whole() {
+            return full;
+        }
+        Range { lo: (self.lo as i64).clamp(full.lo, full.hi), hi: (self.hi as i64).clamp(full.lo, full.hi) }
+    }
+    fn from_int(int: Range, _: bool) -> Interval {
+        Interval { lo: int.lo as f64, hi: int.hi as f64 }
+    }
+    fn to_bits(self, signed: bool) -> Range {
+        if self.lo == self.hi { Range::new((self.lo as f32).to_bits(), signed) } else { Range::full(signed) }
+    }
+    fn from_bits(int: Range) -> Interval {
+        int.single().map_or(Interval::WHOLE, |bits| Interval::new(f64::from(f32::from_bits(bits))))
+    }
+    fn ldexp(self, exponent: Range) -> Interval {
+        let [low, high] = [exponent.lo, exponent.hi].map(|e| e.clamp(-2200, 2200) as i32 as u32);
+        let ends = [self.lo, self.hi].map(|x| [x.ldexp(low), x.ldexp(high)]);
+        let values = ends.as_flattened();
+        if self.is_whole() || values.iter().any(|value| value.is_nan()) {
+            return Interval::WHOLE;
+        }
+        let fold = |f: fn(f64, f64) -> f64, start| values.iter().copied().fold(start, f);
+        Interval::rounded(fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY))
+    }
+    #[inline(never)]
+    fn sample(image: &Image<'_>, at: [Interval; 3], _: [bool; 4]) -> [Interval; 4] {
+        let endless = |at: &Interval| at.lo.is_infinite() || at.hi.is_infinite();
+        if at[..image.axes].iter().any(|at| at.is_whole() || image.wrap != Wrap::Clamp && endless(at)) {
+            return [Interval::WHOLE; 4]; // there is no such texel: NaN
+        }
+        image.range(at.map(|at| at.lo), at.map(|at| at.hi)).map(|[lo, hi]| Interval { lo, hi })
+    }
+    fn fetch(image: &Image<'_>, at: [Range; 3]) -> [Interval; 4] {
+        let sides = image.texture.size.map(|side| side as usize);
+        let of = [0, 1, 2].map(|axis| at[axis].index(sides[axis])).map(|(first, last)| [first, last]);
+        image.texels(of).map(|[lo, hi]| Interval { lo, hi })
+    }
+}
+
+impl Interval {
+    /// `self`, or `otherwise` where rounding has turned it around.
+    fn ordered(self, otherwise: Interval) -> Interval {
+        if self.lo <= self.hi { self } else { otherwise }
+    }
+}

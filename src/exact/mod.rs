@@ -1,0 +1,355 @@
+//! Exact evaluation: the SPIR-V of a linked program, run on the CPU in f64 or in intervals.
+//!
+//! Role: SPIR-V and the bytes and texels that it reads -> its outputs, for many points at once. The program is the very
+//! one that the GPU runs, so nothing about a module is written a second time. naga reads the SPIR-V; it is lowered to
+//! scalar instructions, each of which is one loop over a block of lanes.
+//! Invariant: pure; an [`Interval`] holds everything that any point of its box gives. A comparison that is not decided
+//! goes both ways, a loop without a bound gives the whole line. What is not covered is an error that names it.
+
+mod allocate;
+mod code;
+mod express;
+mod functions;
+pub mod interval;
+mod lanes;
+mod lower;
+pub mod number;
+mod operators;
+mod plain;
+mod ports;
+mod range;
+mod run;
+mod step;
+pub mod texture;
+mod tidy;
+mod value;
+mod words;
+
+pub use interval::Interval;
+pub use number::Number;
+pub use texture::{Texture, Wrap};
+
+use naga::front::spv::Error as SpirvError;
+
+use code::{Code, File, Input, Source};
+use number::{Integer, Truth};
+use run::Machine;
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+use texture::Image;
+
+/// Why a program cannot be evaluated.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ExactError {
+    /// The SPIR-V cannot be read.
+    #[error("the SPIR-V cannot be read: {0}")]
+    Spirv(String),
+    /// The program uses something that the evaluator does not know.
+    #[error("the exact evaluator does not cover {construct} ({place})")]
+    Uncovered {
+        /// What it is.
+        construct: String,
+        /// File and line.
+        place: String,
+    },
+    /// A binding for which the inputs have nothing.
+    #[error("binding {binding} needs {what}, and the inputs have none; add it to `Inputs`")]
+    Missing {
+        /// Its number.
+        binding: u32,
+        /// A block, an image or a sampler.
+        what: &'static str,
+    },
+    /// A binding whose input is too small, or not of its shape.
+    #[error("binding {binding} has {found}, but the program needs {needed}")]
+    Unfit {
+        /// Its number.
+        binding: u32,
+        /// What the inputs have.
+        found: String,
+        /// What they should have.
+        needed: String,
+    },
+    /// The lanes lack something.
+    #[error("{0}")]
+    Lanes(String),
+    /// A loop that does not end.
+    #[error("a loop has not ended after {turns} turns")]
+    Endless {
+        /// Turns that it made.
+        turns: u64,
+    },
+}
+
+/// A program that has been read and lowered.
+#[derive(Debug)]
+pub struct Program {
+    code: Code,
+}
+
+/// What a program reads, by binding of set 0.
+#[derive(Clone, Debug, Default)]
+pub struct Inputs {
+    /// Uniform blocks, laid out as on the GPU.
+    pub blocks: BTreeMap<u32, Vec<u8>>,
+    /// Images.
+    pub images: BTreeMap<u32, Texture>,
+    /// Samplers.
+    pub samplers: BTreeMap<u32, Wrap>,
+}
+
+/// A program with its inputs.
+#[derive(Debug)]
+pub struct Bound<'a> {
+    code: &'a Code,
+    images: Vec<Image<'a>>,
+    /// What uniform registers start with, in the order of [`Code::sources`].
+    values: Vec<Start>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Start {
+    Float(f64),
+    Int(u32, bool),
+    Truth(bool),
+}
+
+/// Points at which a program is evaluated; all lists have one length.
+#[derive(Clone, Debug)]
+pub struct Lanes<N> {
+    /// `gl_FragCoord` of each point. A program with derivatives takes four lanes for a quad: the pixels (x, y),
+    /// (x + 1, y), (x, y + 1) and (x + 1, y + 1).
+    pub fragment_coordinates: Vec<[N; 4]>,
+    /// What comes from the vertex stage, by location.
+    pub varyings: BTreeMap<u32, Vec<[N; 4]>>,
+}
+
+/// Functions of GLSL that naga does not read, by their numbers in GLSL.std.450.
+const FUNCTIONS: [(u32, &str); 5] = [
+    (35, "modf"),
+    (51, "frexp"),
+    (76, "interpolateAtCentroid"),
+    (77, "interpolateAtSample"),
+    (78, "interpolateAtOffset"),
+];
+
+/// Outputs of every lane by location, and the number of scalar operations that it took.
+pub type Measured<N> = (BTreeMap<u32, Vec<[N; 4]>>, u64);
+
+impl Program {
+    /// Reads the fragment stage of a SPIR-V module. `constants` are specialization constants: their numbers, and their
+    /// values as bits; others keep their defaults.
+    ///
+    /// # Errors
+    /// [`ExactError::Spirv`] and [`ExactError::Uncovered`], which names the construct, and file and line if the SPIR-V
+    /// has them.
+    pub fn read(spirv: &[u32], constants: &[(u32, u32)]) -> Result<Program, ExactError> {
+        let words = words::Words::read(spirv, constants)?;
+        let options = naga::front::spv::Options {
+            adjust_coordinate_space: false,
+            strict_capabilities: false,
+            block_ctx_dump_prefix: None,
+        };
+        let module = naga::front::spv::Frontend::new(words.words.iter().copied(), &options).parse();
+        let uncovered = |construct, place| ExactError::Uncovered { construct, place };
+        let module = module.map_err(|error| match error {
+            SpirvError::UnsupportedInstruction(_, op) => {
+                uncovered(format!("the instruction {op:?}"), words.place_of_op(op as u32))
+            }
+            SpirvError::UnsupportedExtInst(number) => {
+                let name = FUNCTIONS.iter().find(|(known, _)| *known == number);
+                let name =
+                    name.map_or_else(|| format!("number {number} of GLSL.std.450"), |(_, name)| name.to_string());
+                uncovered(format!("the function {name}"), words.place_of_function(number))
+            }
+            other => ExactError::Spirv(other.to_string()),
+        })?;
+        let (mut code, classes) = lower::lower(&module, &words)?;
+        tidy::tidy(&mut code, &classes);
+        allocate::allocate(&mut code, &classes);
+        Ok(Program { code })
+    }
+
+    /// Number of scalar instructions; what functions and loops repeat counts as often as it is in the text.
+    pub fn instructions(&self) -> usize {
+        self.code.instrs.len()
+    }
+
+    /// Puts a program and its inputs together.
+    ///
+    /// # Errors
+    /// [`ExactError::Missing`] and [`ExactError::Unfit`].
+    pub fn bind<'a>(&'a self, inputs: &'a Inputs) -> Result<Bound<'a>, ExactError> {
+        let code = &self.code;
+        let mut images = Vec::new();
+        for pair in &code.images {
+            let texture = image(inputs, pair.image)?;
+            let wrap = match pair.sampler {
+                None => Wrap::Clamp,
+                Some(binding) => {
+                    *inputs.samplers.get(&binding).ok_or(ExactError::Missing { binding, what: "a sampler" })?
+                }
+            };
+            if texture.size[pair.axes..].iter().any(|side| *side != 1) {
+                let found = format!("an image of {:?} texels", texture.size);
+                let needed = format!("one with {} axes", pair.axes);
+                return Err(ExactError::Unfit { binding: pair.image, found, needed });
+            }
+            images.push(Image { texture, wrap, axes: pair.axes, pyramid: OnceLock::new() });
+        }
+        let values = code.sources.iter().map(|(reg, source)| start(inputs, reg.file, *source));
+        Ok(Bound { code, images, values: values.collect::<Result<_, _>>()? })
+    }
+}
+
+fn image(inputs: &Inputs, binding: u32) -> Result<&Texture, ExactError> {
+    let texture = inputs.images.get(&binding).ok_or(ExactError::Missing { binding, what: "an image" })?;
+    let needed = texture.size.iter().map(|side| *side as usize).product::<usize>();
+    if needed == 0 || texture.texels.len() != needed {
+        let found = format!("{} texels for a size of {:?}", texture.texels.len(), texture.size);
+        return Err(ExactError::Unfit { binding, found, needed: format!("{needed} and at least one") });
+    }
+    Ok(texture)
+}
+
+fn start(inputs: &Inputs, file: File, source: Source) -> Result<Start, ExactError> {
+    Ok(match source {
+        Source::Float(bits) => Start::Float(f64::from_bits(bits)),
+        Source::Int(bits, signed) => Start::Int(bits, signed),
+        Source::Truth(truth) => Start::Truth(truth),
+        Source::Size { image: binding, axis, signed } => Start::Int(image(inputs, binding)?.size[axis], signed),
+        Source::Block { binding, offset, signed } => {
+            let bytes = inputs.blocks.get(&binding).ok_or(ExactError::Missing { binding, what: "a uniform block" })?;
+            let word = bytes.get(offset as usize..offset as usize + 4);
+            let word = word.ok_or_else(|| ExactError::Unfit {
+                binding,
+                found: format!("a block of {} bytes", bytes.len()),
+                needed: format!("at least {}", offset + 4),
+            })?;
+            let bits = u32::from_le_bytes([word[0], word[1], word[2], word[3]]);
+            match file {
+                File::Float => Start::Float(f64::from(f32::from_bits(bits))),
+                File::Int => Start::Int(bits, signed),
+                File::Truth => Start::Truth(bits != 0),
+            }
+        }
+    })
+}
+
+impl Bound<'_> {
+    /// Evaluates every lane; the outputs by location, zeros where the fragment is discarded. An output of fewer than
+    /// four components has zeros behind them.
+    ///
+    /// # Errors
+    /// [`ExactError::Lanes`] and [`ExactError::Endless`].
+    pub fn run<N: Number>(&self, lanes: &Lanes<N>) -> Result<BTreeMap<u32, Vec<[N; 4]>>, ExactError> {
+        self.measure(lanes).map(|(outputs, _)| outputs)
+    }
+
+    /// The same, with the number of scalar operations of GLSL that it took; copies and branches do not count.
+    ///
+    /// # Errors
+    /// [`ExactError::Lanes`] and [`ExactError::Endless`].
+    pub fn measure<N: Number>(&self, lanes: &Lanes<N>) -> Result<Measured<N>, ExactError> {
+        let count = self.check(lanes)?;
+        let mut machine = Machine::new(self.code, &self.images, self.uniforms());
+        let mut outputs: BTreeMap<u32, Vec<[N; 4]>> =
+            self.code.outputs.iter().map(|(location, _)| (*location, Vec::with_capacity(count))).collect();
+        for first in (0..count).step_by(lanes::LANES) {
+            let here = (count - first).min(lanes::LANES);
+            for (input, component, reg) in &self.code.inputs {
+                let values = match input {
+                    Input::Fragment => &lanes.fragment_coordinates,
+                    Input::Varying(location) => &lanes.varyings[location],
+                };
+                let row = machine.banks.floats.row(*reg);
+                for lane in 0..here {
+                    row[lane] = values[first + lane][*component];
+                }
+            }
+            let (ended, killed) = machine.run(u64::MAX >> (lanes::LANES - here))?;
+            for (location, regs) in &self.code.outputs {
+                let Some(out) = outputs.get_mut(location) else { continue };
+                out.extend((0..here).map(|lane| {
+                    let mut pixel = [N::new(0.0); 4];
+                    for (value, reg) in pixel.iter_mut().zip(regs) {
+                        let computed = machine.banks.floats.rows.read(*reg).at(lane);
+                        *value = match (ended >> lane & 1 == 1, killed >> lane & 1 == 1) {
+                            (true, false) => computed,
+                            (true, true) => computed.join(*value),
+                            (false, _) => *value,
+                        };
+                    }
+                    pixel
+                }));
+            }
+        }
+        Ok((outputs, machine.operations))
+    }
+
+    /// The number of lanes.
+    fn check<N: Number>(&self, lanes: &Lanes<N>) -> Result<usize, ExactError> {
+        let fragment = self.code.inputs.iter().any(|(input, ..)| *input == Input::Fragment);
+        let needed = self.code.inputs.iter().filter_map(|(input, ..)| match input {
+            Input::Varying(location) => Some(*location),
+            Input::Fragment => None,
+        });
+        let mut count =
+            (fragment || !lanes.fragment_coordinates.is_empty()).then_some(lanes.fragment_coordinates.len());
+        for location in needed {
+            let missing = || ExactError::Lanes(format!("the program reads location {location}, and the lanes lack it"));
+            let found = lanes.varyings.get(&location).ok_or_else(missing)?.len();
+            if found != *count.get_or_insert(found) {
+                let text = format!("location {location} has {found} lanes, others have {}", count.unwrap_or_default());
+                return Err(ExactError::Lanes(text));
+            }
+        }
+        let count = count.unwrap_or_default();
+        if self.code.derivatives && !quads(&lanes.fragment_coordinates) {
+            let text = "the program has derivatives (dFdx): lanes 4 i to 4 i + 3 must be the pixels (x, y), (x + 1, y), \
+                        (x, y + 1) and (x + 1, y + 1)";
+            return Err(ExactError::Lanes(text.into()));
+        }
+        Ok(count)
+    }
+
+    /// What uniform registers hold.
+    fn uniforms<N: Number>(&self) -> (Vec<N>, Vec<N::Int>, Vec<N::Truth>) {
+        let prelude = Code {
+            instrs: self.code.prelude.clone(),
+            body: vec![code::Node::Run(0, self.code.prelude.len())],
+            tables: self.code.tables.clone(),
+            registers: self.code.uniforms,
+            ..Code::default()
+        };
+        let mut machine = Machine::<N>::new(&prelude, &[], (Vec::new(), Vec::new(), Vec::new()));
+        for ((reg, _), value) in self.code.sources.iter().zip(&self.values) {
+            match *value {
+                Start::Float(x) => machine.banks.floats.row(*reg).fill(N::new(x)),
+                Start::Int(bits, signed) => machine.banks.ints.row(*reg).fill(N::Int::new(bits, signed)),
+                Start::Truth(truth) => machine.banks.truths.row(*reg).fill(N::Truth::new(truth)),
+            }
+        }
+        // Straight code does not fail.
+        drop(machine.run(1));
+        let row = |file, index| code::Reg { file, uniform: true, index };
+        let counts = self.code.uniforms;
+        (
+            (0..counts[0]).map(|index| machine.banks.floats.row(row(File::Float, index))[0]).collect(),
+            (0..counts[1]).map(|index| machine.banks.ints.row(row(File::Int, index))[0]).collect(),
+            (0..counts[2]).map(|index| machine.banks.truths.row(row(File::Truth, index))[0]).collect(),
+        )
+    }
+}
+
+/// Whether every four lanes are a quad.
+fn quads<N: Number>(at: &[[N; 4]]) -> bool {
+    let near = |a: N, b: f64, c: N| a.sub(c).equal(N::new(b)).may_hold();
+    at.len().is_multiple_of(4)
+        && at.chunks_exact(4).all(|quad| {
+            (0..4).all(|pixel| {
+                near(quad[pixel][0], f64::from(pixel as u32 % 2), quad[0][0])
+                    && near(quad[pixel][1], f64::from(pixel as u32 / 2), quad[0][1])
+            })
+        })
+}

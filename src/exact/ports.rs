@@ -1,0 +1,92 @@
+//! Lowering of what a program has from outside, and gives: inputs, outputs, blocks, images, variables of the module.
+
+use super::ExactError;
+use super::code::{File, Input, Reg, Source};
+use super::lower::{Class, Lower};
+use super::value::{Place, Thing, Ty, Value, image, is_private, layout};
+use naga::{Function, GlobalVariable, Handle};
+
+impl Lower<'_> {
+    pub(super) fn inputs(&mut self, function: &Function) -> Result<Vec<Thing>, ExactError> {
+        let mut arguments = Vec::new();
+        for argument in &function.arguments {
+            let ty = self.ty(argument.ty)?;
+            let input = match argument.binding {
+                Some(naga::Binding::BuiltIn(naga::BuiltIn::Position { .. })) => Input::Fragment,
+                Some(naga::Binding::Location { location, .. }) => Input::Varying(location),
+                ref other => return Err(self.refuse(format!("the input {other:?}"))),
+            };
+            if ty.kinds().iter().any(|kind| kind.file() != File::Float) || ty.size() > 4 {
+                return Err(self.refuse("an input that is no float or vector of floats"));
+            }
+            let regs: Vec<Reg> = (0..ty.size()).map(|_| self.register(File::Float, Class::Variable)).collect();
+            self.code.inputs.extend(regs.iter().enumerate().map(|(component, reg)| (input, component, *reg)));
+            arguments.push(Thing::Value(Value::new(ty, regs)));
+        }
+        Ok(arguments)
+    }
+
+    pub(super) fn outputs(&mut self, function: &Function, result: Option<Value>) -> Result<(), ExactError> {
+        let (Some(result), Some(value)) = (&function.result, result) else { return Ok(()) };
+        let bindings: Vec<Option<naga::Binding>> = match &self.module.types[result.ty].inner {
+            naga::TypeInner::Struct { members, .. } => members.iter().map(|member| member.binding.clone()).collect(),
+            _ => vec![result.binding.clone()],
+        };
+        for (index, binding) in bindings.iter().enumerate() {
+            let part = if let Ty::Struct(_) = value.ty { value.element(index) } else { Some(value.clone()) };
+            let part = part.filter(|part| part.ty.size() <= 4 && part.ty.kind().is_some());
+            match (binding, part) {
+                (Some(naga::Binding::Location { location, .. }), Some(part))
+                    if part.regs.iter().all(|reg| reg.file == File::Float) =>
+                {
+                    self.code.outputs.push((*location, part.regs.to_vec()));
+                }
+                _ => return Err(self.refuse("an output that is no vector of floats at a location")),
+            }
+        }
+        Ok(())
+    }
+
+    /// Where a global variable is; of an image or sampler, which it is.
+    pub(super) fn global(&mut self, handle: Handle<GlobalVariable>) -> Result<Thing, ExactError> {
+        if let Some(thing) = self.globals.get(&handle) {
+            return Ok(thing.clone());
+        }
+        let global = &self.module.global_variables[handle];
+        let thing = match (global.space, &global.binding) {
+            (space, _) if is_private(space) => {
+                let ty = self.ty(global.ty)?;
+                let init = match global.init {
+                    Some(init) => self.constant(init)?.regs.to_vec(),
+                    None => self.zero(&ty),
+                };
+                if self.stored_globals.contains(&handle) {
+                    let place = self.variable(ty, Class::Variable);
+                    for (dst, value) in place.choices[0].iter().zip(init) {
+                        self.assign(*dst, value);
+                    }
+                    Thing::Place(place)
+                } else {
+                    Thing::Place(Place { ty, choices: vec![init.into()], index: None })
+                }
+            }
+            (naga::AddressSpace::Uniform, Some(naga::ResourceBinding { group: 0, binding })) => {
+                let ty = self.ty(global.ty)?;
+                let mut scalars = Vec::new();
+                layout(self.module, global.ty, 0, &mut scalars).map_err(|construct| self.refuse(construct))?;
+                let regs = scalars.into_iter().map(|(kind, offset)| {
+                    let source = Source::Block { binding: *binding, offset, signed: kind.signed() };
+                    self.source(kind.file(), source)
+                });
+                Thing::Place(Place { ty, choices: vec![regs.collect()], index: None })
+            }
+            (naga::AddressSpace::Handle, Some(naga::ResourceBinding { group: 0, binding })) => {
+                let inner = &self.module.types[global.ty].inner;
+                image(inner, *binding).map_err(|construct| self.refuse(construct))?
+            }
+            (space, _) => return Err(self.refuse(format!("a variable in {space:?}, or out of set 0"))),
+        };
+        self.globals.insert(handle, thing.clone());
+        Ok(thing)
+    }
+}

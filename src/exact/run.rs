@@ -1,0 +1,275 @@
+//! Control flow: blocks of lanes go through a program together.
+//!
+//! Invariant: a lane of a number type whose comparisons are decided goes one way; the lanes that do not go it are masked
+//! out. A lane whose comparison is not decided goes both ways, and where they meet its registers hold what is either.
+
+use super::ExactError;
+use super::code::{Case, Code, Loop, Node, Op, Reg};
+use super::lanes::{Bank, Banks, Operand, State, each};
+use super::number::{Integer, Number, Truth};
+use super::texture::Image;
+
+/// Turns of a loop after which a program does not end.
+const ENDLESS: u64 = 1 << 26;
+/// Turns of a loop after which nothing is known about what it gives, where it is not decided how many there are.
+const UNBOUNDED: u64 = 1 << 16;
+
+/// A part of the program that can be left early.
+struct Frame<'a, N: Number> {
+    kind: Kind,
+    written: &'a [Reg],
+    /// Lanes that left it, and lanes that go on with the next turn.
+    left: u64,
+    again: u64,
+    exit: State<N>,
+    next: State<N>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Loop,
+    Switch,
+    Scope,
+}
+
+/// A program in work, for one block of lanes after another.
+pub(super) struct Machine<'a, N: Number> {
+    code: &'a Code,
+    images: &'a [Image<'a>],
+    pub(super) banks: Banks<N>,
+    frames: Vec<Frame<'a, N>>,
+    whole: u64,
+    /// Lanes that are discarded, or may be.
+    killed: u64,
+    /// Scalar operations up to each instruction.
+    work: Vec<u64>,
+    /// Scalar operations in active lanes.
+    pub(super) operations: u64,
+}
+
+impl<'a, N: Number> Machine<'a, N> {
+    pub(super) fn new(code: &'a Code, images: &'a [Image<'a>], ones: (Vec<N>, Vec<N::Int>, Vec<N::Truth>)) -> Self {
+        let counts = code.registers;
+        let banks = Banks {
+            floats: Bank::new(counts[0], ones.0, N::new(0.0)),
+            ints: Bank::new(counts[1], ones.1, N::Int::new(0, true)),
+            truths: Bank::new(counts[2], ones.2, N::Truth::new(false)),
+        };
+        let mut work = vec![0];
+        for instr in &code.instrs {
+            work.push(work[work.len() - 1] + u64::from(instr.op != Op::Copy));
+        }
+        Machine { code, images, banks, frames: Vec::new(), whole: 0, killed: 0, work, operations: 0 }
+    }
+
+    /// Runs the program; the lanes that come to its end, and those that are discarded or may be.
+    pub(super) fn run(&mut self, whole: u64) -> Result<(u64, u64), ExactError> {
+        (self.whole, self.killed) = (whole, 0);
+        let code = self.code;
+        let ended = self.block(&code.body, whole)?;
+        Ok((ended, self.killed))
+    }
+
+    /// Runs nodes for some lanes; those that come to their end.
+    fn block(&mut self, nodes: &'a [Node], mut mask: u64) -> Result<u64, ExactError> {
+        for node in nodes {
+            if mask == 0 {
+                break;
+            }
+            mask = match node {
+                Node::Run(start, end) => {
+                    for instr in &self.code.instrs[*start..*end] {
+                        self.banks.run(instr, self.code, self.images, mask, self.whole);
+                    }
+                    self.operations += u64::from(mask.count_ones()) * (self.work[*end] - self.work[*start]);
+                    mask
+                }
+                Node::If { condition, accept, reject, written } => {
+                    let (holds, fails) = self.split(*condition, mask);
+                    self.branch((accept, reject), (holds, fails), written)?
+                }
+                Node::Loop(node) => self.turns(node, mask)?,
+                Node::Switch { selector, cases, written } => self.switch(*selector, cases, written, mask)?,
+                Node::Scope { body, written } => {
+                    self.enter(Kind::Scope, written);
+                    let ended = self.block(body, mask)?;
+                    self.leave(ended)
+                }
+                Node::Break => self.quit(|kind| kind != Kind::Scope, mask),
+                Node::Return => self.quit(|kind| kind == Kind::Scope, mask),
+                Node::Continue => {
+                    if let Some(frame) = self.frames.iter_mut().rev().find(|frame| frame.kind == Kind::Loop) {
+                        frame.again |= mask;
+                        if !N::DECIDED {
+                            frame.next.add(&self.banks, frame.written, mask);
+                        }
+                    }
+                    0
+                }
+                Node::Kill => {
+                    self.killed |= mask;
+                    0
+                }
+            };
+        }
+        Ok(mask)
+    }
+
+    /// The lanes in which a condition may hold, and those in which it may fail.
+    fn split(&self, condition: Reg, mask: u64) -> (u64, u64) {
+        let (mut holds, mut fails) = (0, 0);
+        match self.banks.truths.rows.read(condition) {
+            Operand::One(truth) => {
+                (holds, fails) = (if truth.may_hold() { mask } else { 0 }, if truth.may_fail() { mask } else { 0 });
+            }
+            Operand::Lanes(row) => each(mask, |lane| {
+                holds |= u64::from(row[lane].may_hold()) << lane;
+                fails |= u64::from(row[lane].may_fail()) << lane;
+            }),
+        }
+        (holds, fails)
+    }
+
+    fn branch(
+        &mut self,
+        (accept, reject): (&'a [Node], &'a [Node]),
+        (holds, fails): (u64, u64),
+        written: &'a [Reg],
+    ) -> Result<u64, ExactError> {
+        let both = holds & fails;
+        if both == 0 {
+            return Ok(self.block(accept, holds)? | self.block(reject, fails)?);
+        }
+        let (mut before, mut after) = (State::new(), State::new());
+        before.add(&self.banks, written, both);
+        let accepted = self.block(accept, holds)?;
+        after.add(&self.banks, written, accepted & both);
+        before.take(&mut self.banks, written, both, 0);
+        let rejected = self.block(reject, fails)?;
+        after.take(&mut self.banks, written, both, rejected);
+        Ok(accepted | rejected)
+    }
+
+    fn enter(&mut self, kind: Kind, written: &'a [Reg]) {
+        self.frames.push(Frame { kind, written, left: 0, again: 0, exit: State::new(), next: State::new() });
+    }
+
+    /// Ends a frame, to whose end some lanes came; the lanes that go on behind it.
+    fn leave(&mut self, ended: u64) -> u64 {
+        let Some(frame) = self.frames.pop() else { return ended };
+        if !N::DECIDED {
+            frame.exit.take(&mut self.banks, frame.written, frame.left, ended);
+        }
+        ended | frame.left
+    }
+
+    /// Lanes leave the innermost frame of a kind.
+    fn quit(&mut self, is: impl Fn(Kind) -> bool, mask: u64) -> u64 {
+        if let Some(frame) = self.frames.iter_mut().rev().find(|frame| is(frame.kind)) {
+            frame.left |= mask;
+            if !N::DECIDED {
+                frame.exit.add(&self.banks, frame.written, mask);
+            }
+        }
+        0
+    }
+
+    fn turns(&mut self, node: &'a Loop, mask: u64) -> Result<u64, ExactError> {
+        self.enter(Kind::Loop, &node.written);
+        let index = self.frames.len() - 1;
+        let (mut live, mut turn) = (mask, 0u64);
+        let mut seen = State::new();
+        while live != 0 {
+            turn += 1;
+            if N::DECIDED && turn > ENDLESS {
+                return Err(ExactError::Endless { turns: ENDLESS });
+            }
+            if !N::DECIDED {
+                live = self.bound(node, live, turn, &mut seen);
+            }
+            let ended = self.block(&node.body, live)?;
+            let frame = &mut self.frames[index];
+            let again = std::mem::take(&mut frame.again);
+            if !N::DECIDED {
+                let next = std::mem::replace(&mut frame.next, State::new());
+                next.take(&mut self.banks, &node.written, again, ended);
+            }
+            live = self.block(&node.continuing, ended | again)?;
+            if let Some(condition) = node.break_if {
+                let (holds, fails) = self.split(condition, live);
+                self.quit(|kind| kind != Kind::Scope, holds);
+                live = fails;
+            }
+        }
+        Ok(self.leave(0))
+    }
+
+    /// The lanes that need another turn: those in which something is new. What never ends may give anything.
+    fn bound(&mut self, node: &'a Loop, live: u64, turn: u64, seen: &mut State<N>) -> u64 {
+        let old = seen.covers(&self.banks, &node.written, live);
+        let left = self.frames.last().map_or(0, |frame| frame.left);
+        // A turn from here on gives nothing that an earlier one did not: the ways out that it found are all.
+        let done = old & left;
+        let lost = if turn > UNBOUNDED { live & !done } else { old & !left };
+        if lost != 0 {
+            self.banks.forget(&node.written, lost);
+            self.quit(|kind| kind == Kind::Loop, lost);
+            if node.returns {
+                self.quit(|kind| kind == Kind::Scope, lost);
+            }
+            if node.kills {
+                self.killed |= lost;
+            }
+        }
+        let live = live & !done & !lost;
+        if turn.is_power_of_two() {
+            *seen = State::new();
+            seen.add(&self.banks, &node.written, live);
+        }
+        live
+    }
+
+    fn switch(&mut self, selector: Reg, cases: &'a [Case], written: &'a [Reg], mask: u64) -> Result<u64, ExactError> {
+        let row = self.banks.ints.rows.read(selector);
+        let chosen: Vec<Vec<N::Int>> =
+            cases.iter().map(|case| case.values.iter().map(|value| N::Int::new(*value, true)).collect()).collect();
+        let mut enters = vec![0u64; cases.len()];
+        each(mask, |lane| {
+            let value = row.at(lane).reread(true);
+            // Whether the value may be none of the cases'.
+            let mut other = true;
+            for (case, values) in chosen.iter().enumerate() {
+                for same in values.iter().map(|number| value.equal(*number)) {
+                    enters[case] |= u64::from(same.may_hold()) << lane;
+                    other &= same.may_fail();
+                }
+            }
+            if let Some(default) = cases.iter().position(|case| case.default).filter(|_| other) {
+                enters[default] |= 1 << lane;
+            }
+        });
+        let entered = enters.iter().fold(0, |all, lanes| all | lanes);
+        let past = if cases.iter().any(|case| case.default) { 0 } else { mask & !entered };
+        self.enter(Kind::Switch, written);
+        let mut before = State::new();
+        if !N::DECIDED {
+            before.add(&self.banks, written, mask);
+            self.quit(|kind| kind == Kind::Switch, past);
+        }
+        let mut falling = 0;
+        for (case, lanes) in cases.iter().zip(enters) {
+            if !N::DECIDED {
+                before.take(&mut self.banks, written, lanes, falling);
+            }
+            let ended = self.block(&case.body, lanes | falling)?;
+            falling = if case.falls { ended } else { 0 };
+            if !case.falls {
+                self.quit(|kind| kind == Kind::Switch, ended);
+            }
+        }
+        if N::DECIDED {
+            return Ok(self.leave(falling | past));
+        }
+        Ok(self.leave(falling))
+    }
+}

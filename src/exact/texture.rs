@@ -1,0 +1,229 @@
+//! Images: exact linear filtering at a point, and the range of an image over a box of coordinates.
+//!
+//! Texel i of n is centered at (i + 0.5) / n. Between texels values change linearly along each axis; no rounding of
+//! weights as in hardware.
+
+use std::sync::OnceLock;
+
+/// How coordinates outside of [0, 1] are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wrap {
+    /// As the nearest texel of the edge.
+    Clamp,
+    /// The image is repeated.
+    Repeat,
+    /// The image is repeated, every other time mirrored.
+    Mirror,
+}
+
+/// An image: decoded texels, x fastest. A line is `[n, 1, 1]`, a plane `[n, m, 1]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// Number of texels along each axis.
+    pub size: [u32; 3],
+    /// Red, green, blue and alpha of each texel.
+    pub texels: Vec<[f32; 4]>,
+}
+
+/// An image as a program reads it.
+#[derive(Debug)]
+pub struct Image<'a> {
+    pub(super) texture: &'a Texture,
+    pub(super) wrap: Wrap,
+    /// 1, 2 or 3.
+    pub(super) axes: usize,
+    /// Ranges of ever larger boxes: made when an interval is first looked up.
+    pub(super) pyramid: OnceLock<Pyramid>,
+}
+
+/// Which two texels a coordinate lies between, and how far from the first.
+fn place(coordinate: f64, count: u32, wrap: Wrap) -> ([usize; 2], f64) {
+    let n = f64::from(count);
+    let x = coordinate * n - 0.5;
+    let x = if wrap == Wrap::Clamp { x.clamp(-1.0, n) } else { x };
+    let low = x.floor();
+    let first = low as i64;
+    ([wrapped(first, count, wrap), wrapped(first + 1, count, wrap)], x - low)
+}
+
+/// The texel that an index means.
+fn wrapped(index: i64, count: u32, wrap: Wrap) -> usize {
+    let n = i64::from(count);
+    let index = match wrap {
+        Wrap::Clamp => index.clamp(0, n - 1),
+        Wrap::Repeat => index.rem_euclid(n),
+        Wrap::Mirror => {
+            let index = index.rem_euclid(2 * n);
+            if index < n { index } else { 2 * n - 1 - index }
+        }
+    };
+    index as usize
+}
+
+impl Image<'_> {
+    pub(super) fn texel(&self, at: [usize; 3]) -> [f32; 4] {
+        let [x, y, _] = self.texture.size.map(|side| side as usize);
+        self.texture.texels[(at[2] * y + at[1]) * x + at[0]]
+    }
+
+    /// The channels at a point; channels that are not wanted are 0.
+    pub(super) fn sample(&self, at: [f64; 3], wanted: [bool; 4]) -> [f64; 4] {
+        let sides = self.texture.size;
+        let mut ends = [[0; 2]; 3];
+        let mut part = [0.0; 3];
+        for axis in 0..self.axes {
+            (ends[axis], part[axis]) = place(at[axis], sides[axis], self.wrap);
+        }
+        let mut sum = [0.0; 4];
+        for corner in 0..1 << self.axes {
+            let side = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let weight: f64 =
+                (0..self.axes).map(|axis| if side[axis] == 1 { part[axis] } else { 1.0 - part[axis] }).product();
+            let texel = self.texel([0, 1, 2].map(|axis| ends[axis][side[axis]]));
+            for channel in 0..4 {
+                if wanted[channel] {
+                    sum[channel] += weight * f64::from(texel[channel]);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Lower and upper bounds of the channels over a box of coordinates.
+    pub(super) fn range(&self, low: [f64; 3], high: [f64; 3]) -> [[f64; 2]; 4] {
+        let mut ranges = [[[0, 0]; 2]; 3];
+        let mut counts = [1; 3];
+        let mut one_cell = true;
+        for axis in 0..self.axes {
+            let count = self.texture.size[axis];
+            let n = f64::from(count);
+            // Twice the rounding of a product of this size.
+            let margin = (low[axis].abs().max(high[axis].abs()) * n + 1.0) * 4.0 * f64::EPSILON;
+            let [from, to] = [low[axis] * n - 0.5 - margin, high[axis] * n - 0.5 + margin].map(f64::floor);
+            one_cell &= from == to;
+            (ranges[axis], counts[axis]) = self.indices(from, to + 1.0, count);
+        }
+        let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
+        if one_cell {
+            // Multilinear within a cell: the extremes are at corners of the box.
+            for corner in 0..1 << self.axes {
+                let at = [0, 1, 2].map(|axis| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] });
+                include(&mut all, self.sample(at, [true; 4]).map(|value| [value; 2]));
+            }
+            // A coordinate is rounded as well: a part of a cell, times what the channel changes across it.
+            let texels = places([0, 1, 2].map(|axis| {
+                let ends = place(low[axis], self.texture.size[axis], self.wrap).0;
+                if axis < self.axes { [ends[0].min(ends[1]), ends[0].max(ends[1])] } else { [0, 0] }
+            }));
+            let largest = texels.flat_map(|at| self.texel(at)).fold(0f32, |largest, value| largest.max(value.abs()));
+            let longest = self.texture.size.into_iter().max().unwrap_or(1);
+            let margin = (16.0 + 8.0 * f64::from(longest)) * f64::EPSILON * f64::from(largest);
+            return all.map(|[low, high]| [low - margin, high + margin]);
+        }
+        for choice in 0..counts.iter().product() {
+            let pick = [choice % counts[0], choice / counts[0] % counts[1], choice / counts[0] / counts[1]];
+            let of = [0, 1, 2].map(|axis| ranges[axis][pick[axis]]);
+            include(&mut all, self.texels(of));
+        }
+        // A mean of texels is rounded.
+        all.map(|[low, high]| {
+            let margin = 16.0 * f64::EPSILON * low.abs().max(high.abs());
+            [low - margin, high + margin]
+        })
+    }
+
+    /// Lower and upper bounds of the channels over a box of texels.
+    pub(super) fn texels(&self, of: [[usize; 2]; 3]) -> [[f64; 2]; 4] {
+        self.pyramid.get_or_init(|| Pyramid::new(self.texture)).range(of)
+    }
+
+    /// The texels that indices from one to another mean: one range or two, first and last.
+    fn indices(&self, from: f64, to: f64, count: u32) -> ([[usize; 2]; 2], usize) {
+        let n = i64::from(count);
+        let whole = ([[0, count as usize - 1]; 2], 1);
+        let short = to - from < f64::from(count);
+        if self.wrap == Wrap::Clamp && !from.is_nan() && !to.is_nan() {
+            return ([[wrapped(from as i64, count, Wrap::Clamp), wrapped(to as i64, count, Wrap::Clamp)]; 2], 1);
+        }
+        if !short || from.abs() > 1e15 || to.abs() > 1e15 {
+            return whole;
+        }
+        let (from, to) = (from as i64, to as i64);
+        let [first, last] = [from, to].map(|index| wrapped(index, count, self.wrap));
+        match self.wrap {
+            Wrap::Repeat if first > last => ([[first, count as usize - 1], [0, last]], 2),
+            Wrap::Mirror => {
+                let (mut low, mut high) = (first.min(last), first.max(last));
+                let fold = from.div_euclid(n) + 1;
+                if fold * n <= to {
+                    (low, high) = if fold % 2 == 0 { (0, high) } else { (low, count as usize - 1) };
+                }
+                ([[low, high]; 2], 1)
+            }
+            _ => ([[first, last]; 2], 1),
+        }
+    }
+}
+
+fn include(all: &mut [[f64; 2]; 4], values: [[f64; 2]; 4]) {
+    for (range, [low, high]) in all.iter_mut().zip(values) {
+        *range = [range[0].min(low), range[1].max(high)];
+    }
+}
+
+/// Least and greatest values of cubes of texels, the side of each level's twice that of the one before.
+#[derive(Debug)]
+pub struct Pyramid {
+    levels: Vec<Level>,
+}
+
+#[derive(Debug)]
+struct Level {
+    size: [usize; 3],
+    ranges: Vec<[[f32; 2]; 4]>,
+}
+
+impl Level {
+    fn range(&self, [x, y, z]: [usize; 3]) -> [[f32; 2]; 4] {
+        self.ranges[(z * self.size[1] + y) * self.size[0] + x]
+    }
+}
+
+impl Pyramid {
+    fn new(texture: &Texture) -> Pyramid {
+        let ranges = texture.texels.iter().map(|texel| texel.map(|value| [value; 2])).collect();
+        let mut levels = vec![Level { size: texture.size.map(|side| side as usize), ranges }];
+        while let Some(last) = levels.last().filter(|level| level.size.iter().any(|side| *side > 1)) {
+            let size = last.size.map(|side| side.div_ceil(2));
+            let mut ranges = Vec::with_capacity(size.iter().product());
+            for at in places([[0, size[0] - 1], [0, size[1] - 1], [0, size[2] - 1]]) {
+                let of = [0, 1, 2].map(|axis| [2 * at[axis], (2 * at[axis] + 1).min(last.size[axis] - 1)]);
+                let mut all = [[f32::INFINITY, f32::NEG_INFINITY]; 4];
+                for part in places(of) {
+                    for (range, [low, high]) in all.iter_mut().zip(last.range(part)) {
+                        *range = [range[0].min(low), range[1].max(high)];
+                    }
+                }
+                ranges.push(all);
+            }
+            levels.push(Level { size, ranges });
+        }
+        Pyramid { levels }
+    }
+
+    /// The range over a box of texels: of the boxes of one level that cover it, at most four along each axis.
+    fn range(&self, of: [[usize; 2]; 3]) -> [[f64; 2]; 4] {
+        let longest = of.iter().map(|[first, last]| last - first).max().unwrap_or(0);
+        let level = (0..self.levels.len() - 1).find(|level| longest >> level < 3).unwrap_or(self.levels.len() - 1);
+        let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
+        for at in places(of.map(|ends| ends.map(|index| index >> level))) {
+            include(&mut all, self.levels[level].range(at).map(|ends| ends.map(f64::from)));
+        }
+        all
+    }
+}
+
+/// Every place of a box, x fastest.
+fn places([x, y, z]: [[usize; 2]; 3]) -> impl Iterator<Item = [usize; 3]> {
+    (z[0]..=z[1]).flat_map(move |k| (y[0]..=y[1]).flat_map(move |j| (x[0]..=x[1]).map(move |i| [i, j, k])))
+}

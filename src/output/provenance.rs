@@ -1,0 +1,210 @@
+//! Where a picture comes from: what goes into its file, so that it can be rendered again and verified.
+//!
+//! Role: the scene as text, what it read, and what drew it. Invariant: of the machine it says nothing but the device,
+//! and the path of an input as the person typed it. PNG holds it in an iTXt chunk, OpenEXR in a text attribute, as TOML.
+
+use super::PROGRAM;
+use crate::scene::{self, Scene, SceneError};
+use crate::shape::BUILT_IN;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io;
+use std::path::Path;
+
+/// Name of the chunk or attribute.
+pub(super) const KEY: &str = "hypertexture";
+/// The longest text that is read, in bytes: more than the largest scene file, every character of it escaped.
+const MAX_BYTES: usize = 8 << 20;
+
+/// Where a picture comes from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Name and version of the program.
+    pub program: String,
+    /// Name and driver of the device; of a merged picture all of them, in order of the shards.
+    pub device: String,
+    /// Slots and modules of the program that the device ran.
+    pub modules: String,
+    /// BLAKE3 hash of `scene`.
+    pub scene_hash: String,
+    /// The scene, complete with defaults, as a scene file.
+    pub scene: String,
+    /// BLAKE3 hashes of the files that the scene reads, by path as in the scene.
+    #[serde(default)]
+    pub inputs: BTreeMap<String, String>,
+}
+
+/// Why a picture does not say where it comes from, or where it says is no longer to be had.
+#[derive(Debug, thiserror::Error)]
+pub enum ProvenanceError {
+    /// Nothing there.
+    #[error("it does not say which scene it shows; pictures that hypertexture has written do, unless a tool drops it")]
+    None,
+    /// Too much there.
+    #[error("its provenance has {0} bytes, more than the {MAX_BYTES} that any scene needs")]
+    Long(usize),
+    /// Not what this program writes.
+    #[error("its provenance cannot be read: {0}")]
+    Syntax(String),
+    /// The scene was changed after the picture was made.
+    #[error("the scene in it is not the one that was rendered: its hash is {found}, not {said}")]
+    Changed {
+        /// The hash of the text.
+        found: String,
+        /// The hash beside it.
+        said: String,
+    },
+    /// The scene cannot be read.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// An input is not there.
+    #[error("input {input}: {reason}; it was rendered from a file with BLAKE3 hash {said}")]
+    Missing {
+        /// The path.
+        input: String,
+        /// What the system says.
+        reason: io::Error,
+        /// Its hash.
+        said: String,
+    },
+    /// An input is another file.
+    #[error("input {input}: this is not the file it was rendered from: its BLAKE3 hash is {found}, not {said}")]
+    Input {
+        /// The path.
+        input: String,
+        /// Its hash.
+        found: String,
+        /// The hash that it had.
+        said: String,
+    },
+}
+
+impl Provenance {
+    /// The provenance of a picture of a scene, rendered by this program; `modules` as in its measurements.
+    ///
+    /// # Errors
+    /// [`ProvenanceError::Missing`] where a file of the scene is no longer there.
+    pub fn of(scene: &Scene, device: &str, modules: &str) -> Result<Provenance, ProvenanceError> {
+        let parts = scene.parts.values().map(|part| &part.object);
+        let mut inputs = BTreeMap::new();
+        let objects = [&scene.object].into_iter().chain(parts).map(|object| &object.input);
+        for input in objects.chain(scene.modules.values()) {
+            if !BUILT_IN.contains(&input.as_str()) && !inputs.contains_key(input) {
+                let missing = |reason| ProvenanceError::Missing { input: input.clone(), reason, said: "?".into() };
+                inputs.insert(input.clone(), hash_of(Path::new(input)).map_err(missing)?);
+            }
+        }
+        let text = scene::to_text(scene);
+        let scene_hash = blake3::hash(text.as_bytes()).to_string();
+        let (program, device, modules) = (PROGRAM.into(), device.into(), modules.into());
+        Ok(Provenance { program, device, modules, scene_hash, scene: text, inputs })
+    }
+
+    /// As it stands in a file: TOML.
+    pub fn to_text(&self) -> String {
+        toml::to_string(self).expect("strings by name are TOML")
+    }
+
+    /// Reads what [`Provenance::to_text`] gives.
+    ///
+    /// # Errors
+    /// A text that is none, or a scene that does not have the hash beside it.
+    pub fn from_text(text: &str) -> Result<Provenance, ProvenanceError> {
+        if text.len() > MAX_BYTES {
+            return Err(ProvenanceError::Long(text.len()));
+        }
+        let syntax = |error: toml::de::Error| ProvenanceError::Syntax(error.message().replace('\n', " "));
+        let read: Provenance = toml::from_str(text).map_err(syntax)?;
+        let found = blake3::hash(read.scene.as_bytes()).to_string();
+        if found != read.scene_hash {
+            return Err(ProvenanceError::Changed { found, said: read.scene_hash });
+        }
+        Ok(read)
+    }
+
+    /// The scene of a picture that lies at `picture`. An input that is not where the person typed it may lie beside the
+    /// picture.
+    ///
+    /// # Errors
+    /// A scene that this version cannot read.
+    pub fn scene(&self, picture: &Path) -> Result<Scene, ProvenanceError> {
+        let mut scene = scene::parse(&self.scene, &format!("the scene in {}", picture.display()))?;
+        for file in files(&mut scene).filter(|file| self.inputs.contains_key(*file)) {
+            *file = self.place(file, picture);
+        }
+        Ok(scene)
+    }
+
+    /// Checks that the files of the scene are those that were rendered.
+    ///
+    /// # Errors
+    /// A file that is missing or another one.
+    pub fn check_inputs(&self, picture: &Path) -> Result<(), ProvenanceError> {
+        for (input, said) in &self.inputs {
+            let (input, said) = (self.place(input, picture), said.clone());
+            match hash_of(Path::new(&input)) {
+                Err(reason) => return Err(ProvenanceError::Missing { input, reason, said }),
+                Ok(found) if found != said => return Err(ProvenanceError::Input { input, found, said }),
+                Ok(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Where an input of the picture is now.
+    fn place(&self, input: &str, picture: &Path) -> String {
+        let beside = picture.parent().unwrap_or(Path::new("")).join(input);
+        match !Path::new(input).is_file() && beside.is_file() {
+            true => beside.display().to_string(),
+            false => input.into(),
+        }
+    }
+}
+
+/// The objects of a scene.
+/// What may be a file: the inputs of the objects, and modules of one's own.
+fn files(scene: &mut Scene) -> impl Iterator<Item = &mut String> {
+    let objects = [&mut scene.object].into_iter().chain(scene.parts.values_mut().map(|part| &mut part.object));
+    objects.map(|object| &mut object.input).chain(scene.modules.values_mut())
+}
+
+fn hash_of(path: &Path) -> io::Result<String> {
+    let mut hash = blake3::Hasher::new();
+    hash.update_reader(File::open(path)?)?;
+    Ok(hash.finalize().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_text_comes_back_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut scene =
+            Scene { about: "line\nline\r\n\"\"\" ''' \\ \u{0} \u{7f} é 毛 \u{1f525}".into(), ..Scene::default() };
+        scene.object.input = folder.path().join("ü '\"\n.obj").display().to_string();
+        std::fs::write(&scene.object.input, "v 0 0 0").unwrap();
+        let whole = Provenance::of(&scene, "a \"device\"", "surface=lit").unwrap();
+        let read = Provenance::from_text(&whole.to_text()).unwrap();
+        assert_eq!(read, whole);
+        assert_eq!(read.scene(Path::new("x.png")).unwrap(), scene);
+        assert_eq!(read.inputs[&scene.object.input], blake3::hash(b"v 0 0 0").to_string());
+    }
+
+    #[test]
+    fn what_is_no_provenance_or_was_changed_is_refused_in_one_line() {
+        let good = Provenance::of(&Scene::default(), "a device", "surface=lit").unwrap().to_text();
+        let said = |text: &str| Provenance::from_text(text).unwrap_err().to_string();
+        for (text, expected) in [
+            (String::new(), "cannot be read: missing field `program`"),
+            (good.replace("program = ", "program"), "cannot be read"),
+            (good.replace("samples = 256", "samples = 255"), "is not the one that was rendered"),
+            ("x".repeat(MAX_BYTES + 1), "more than the"),
+        ] {
+            let said = said(&text);
+            assert!(said.contains(expected) && !said.contains('\n'), "{said}");
+        }
+    }
+}

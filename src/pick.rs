@@ -1,0 +1,348 @@
+//! The cheapest way to draw a scene within an error.
+//!
+//! Role: scene and bound -> the same scene with other accuracy settings, and why these. Ways that cannot keep the bound
+//! are left out beforehand ([`ways`]); the others are drawn small against a finer small picture, cheapest first; the
+//! winner is held against the f64 reference in some pixels of the whole picture ([`verify`]), and on a violation the next
+//! one is taken. Invariant: only what is there for speed changes, so every way has the truth of the scene as it is.
+//! Source: the protocol of numerical work-precision diagrams; Richardson's extrapolation for the finer picture.
+
+mod store;
+mod verify;
+mod ways;
+
+pub use verify::Verified;
+
+use crate::compare::CompareError;
+use crate::compare::candidates::Candidate;
+use crate::glsl::Library;
+use crate::gpu::Gpu;
+use crate::reference::ReferenceError;
+use crate::render::{RenderError, Renderer, Subject};
+use crate::scene::Scene;
+use std::fmt;
+
+/// Longest side of the small pictures, pixels. Smaller: few pixels meet an edge. Larger: they take longer than the
+/// picture that is asked for.
+const SMALL: u32 = 96;
+/// A way is taken whose error is this much below the bound. Nearer to 1: the whole picture, which the small one stands
+/// for, breaks the bound more often. Farther: too careful to be fast.
+const SAFETY: f64 = 1.6;
+/// The finer picture should be wrong by less than this part of the bound.
+const FINER: f64 = 0.25;
+/// Samples of the finer picture to begin with, and at most.
+const FINEST: [u32; 2] = [1024, 16_384];
+/// Runs of a small picture, of which the fastest counts.
+const RUNS: usize = 3;
+/// The fewest and the most samples of a way.
+const SAMPLES: [u32; 2] = [8, 4096];
+/// Winners that are held against the reference, at most.
+const VERIFIED: usize = 6;
+
+/// How an error is measured; all of premultiplied linear RGBA, in units of the brightest white.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Metric {
+    /// Root of the mean square over pixels and channels.
+    #[default]
+    Rmse,
+    /// The largest of any pixel that was looked at.
+    Max,
+    /// What 99.9 % of the pixels that were looked at stay below.
+    P999,
+    /// Root of the mean square of the opacity alone.
+    Opacity,
+}
+
+impl Metric {
+    /// Every metric with its name.
+    pub const ALL: [(&str, Metric); 4] =
+        [("rmse", Metric::Rmse), ("max", Metric::Max), ("p999", Metric::P999), ("opacity", Metric::Opacity)];
+
+    /// The error of pixels against others; each pair stands for as many as its weight says.
+    fn of(self, pairs: impl Iterator<Item = ([f64; 4], [f64; 4], f64)>) -> f64 {
+        let differences =
+            pairs.map(|(a, b, weight)| (std::array::from_fn::<f64, 4, _>(|c| (a[c] - b[c]).abs()), weight));
+        let worst = |(channels, weight): ([f64; 4], f64)| (channels.into_iter().fold(0.0, f64::max), weight);
+        match self {
+            Metric::Rmse => root_mean_square(
+                differences.flat_map(|(channels, weight)| channels.map(|difference| (difference, weight))),
+            ),
+            Metric::Opacity => root_mean_square(differences.map(|(channels, weight)| (channels[3], weight))),
+            Metric::Max => differences.map(worst).map(|(worst, _)| worst).fold(0.0, f64::max),
+            Metric::P999 => {
+                let mut all: Vec<(f64, f64)> = differences.map(worst).collect();
+                all.sort_by(|a, b| b.0.total_cmp(&a.0));
+                let mut above = 1e-3 * all.iter().map(|(_, weight)| weight).sum::<f64>();
+                let first_below = all.iter().find(|(_, weight)| {
+                    above -= weight;
+                    above < 0.0
+                });
+                first_below.map_or(0.0, |(worst, _)| *worst)
+            }
+        }
+    }
+}
+
+impl fmt::Display for Metric {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = Metric::ALL.iter().find(|(_, metric)| metric == self).map(|(name, _)| *name);
+        f.write_str(name.unwrap_or_default())
+    }
+}
+
+/// Of values with weights.
+fn root_mean_square(values: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), (value, w)| (sum + w * value * value, count + w));
+    if count == 0.0 { 0.0 } else { (sum / count).sqrt() }
+}
+
+/// An error that a picture may have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// How it is measured.
+    pub metric: Metric,
+    /// The largest error, above 0.
+    pub error: f64,
+}
+
+impl Bound {
+    /// A bound on an error.
+    ///
+    /// # Errors
+    /// Not above 0, or not finite.
+    pub fn new(metric: Metric, error: f64) -> Result<Bound, PickError> {
+        if !error.is_finite() || error <= 0.0 {
+            return Err(PickError::Value(error));
+        }
+        Ok(Bound { metric, error })
+    }
+}
+
+/// What was picked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pick {
+    /// The scene, drawn in the way that was picked.
+    pub scene: Scene,
+    /// That way in words.
+    pub way: String,
+    /// Its error in a small picture.
+    pub error: f64,
+    /// Milliseconds of the small picture on the device.
+    pub small_ms: f64,
+    /// What the reference says of it; `None` where the scene has none.
+    pub verified: Option<Verified>,
+    /// Why there is no reference, where there is none.
+    pub unverified: Option<String>,
+    /// Ways that were left out beforehand, that were drawn, and that kept the bound.
+    pub counts: [usize; 3],
+    /// The fastest way of another pass that keeps the bound: in words, with its milliseconds.
+    pub other: Option<(String, f64)>,
+    /// Whether it is remembered from an earlier time.
+    pub remembered: bool,
+}
+
+/// Why nothing was picked.
+#[derive(Debug, thiserror::Error)]
+pub enum PickError {
+    /// No error that a picture can have.
+    #[error("--max-error {0}: must be above 0, such as 1e-3")]
+    Value(f64),
+    /// The scene cannot be drawn.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// There is no way to draw it.
+    #[error(transparent)]
+    Compare(#[from] CompareError),
+    /// The reference cannot be computed.
+    #[error(transparent)]
+    Reference(#[from] ReferenceError),
+    /// Nothing is that accurate.
+    #[error("no way to draw this scene has a {metric} error of {asked:e}: the nearest, {way}, has {found:.1e}")]
+    Bound {
+        /// How it is measured.
+        metric: Metric,
+        /// What was asked for.
+        asked: f64,
+        /// The nearest way in words.
+        way: String,
+        /// Its error.
+        found: f64,
+    },
+}
+
+/// A way that was drawn small.
+#[derive(Clone, Debug)]
+struct Drawn {
+    way: Candidate,
+    /// With that of the finer picture.
+    error: f64,
+    ms: f64,
+}
+
+/// Picks the cheapest way to draw a scene within an error on this device.
+///
+/// Small pictures are at most 96 pixels wide; the reference is computed for up to 1024 pixels of the whole. The same
+/// scene, device and bound are remembered in the cache. `progress` is called with the part that is done, roughly.
+///
+/// # Errors
+/// The scene cannot be drawn, or no way keeps the bound.
+pub fn pick(
+    gpu: &Gpu,
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    bound: Bound,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Pick, PickError> {
+    let key = store::key(gpu, library, scene, subject, bound)?;
+    if let Some(pick) = store::load(&key) {
+        return Ok(pick);
+    }
+    let mut search = Search::new(gpu, library, scene, subject, bound)?;
+    progress(0.1);
+    let families = ways::families(scene, library, bound.error)?;
+    let (mut drawn, mut target) = (Vec::new(), bound.error / SAFETY);
+    let mut tried: Vec<Scene> = Vec::new();
+    for round in 0..VERIFIED {
+        for (index, family) in families.kept.iter().enumerate() {
+            search.draw(family, target, &mut drawn)?;
+            if round == 0 {
+                progress(0.1 + 0.6 * (index + 1) as f32 / families.kept.len() as f32);
+            }
+        }
+        let fits = |drawn: &&Drawn| drawn.error <= target && !tried.contains(&drawn.way.scene);
+        let mut fitting: Vec<&Drawn> = drawn.iter().filter(fits).collect();
+        fitting.sort_by(|a, b| a.ms.total_cmp(&b.ms));
+        let Some(best) = fitting.first().copied().cloned() else { break };
+        let kept = fitting.len();
+        let pass = best.way.scene.quality.pass;
+        let other = fitting.iter().find(|drawn| drawn.way.scene.quality.pass != pass);
+        let other = other.map(|drawn| (drawn.way.label(), drawn.ms));
+        let share = |done: f32| progress(0.7 + 0.3 * done);
+        let verified = match verify::verify(gpu, library, &best.way.scene, subject, bound, &share) {
+            Ok(verified) => Ok(verified),
+            Err(ReferenceError::NoLimit(why)) => Err(why.to_string()),
+            Err(ReferenceError::Exact(error)) => Err(error.to_string()),
+            Err(error) => return Err(error.into()),
+        };
+        let found = verified.as_ref().map_or(0.0, |verified| verified.error);
+        log::info!("{}: {:.2e} in a small picture, {found:.2e} of the whole", best.way.label(), best.error);
+        if found > bound.error {
+            tried.push(best.way.scene);
+            target *= 0.8 * bound.error / found; // what is missing in a small picture is missing in the next one too
+            continue;
+        }
+        let unverified = verified.as_ref().err().cloned();
+        let pick = Pick {
+            way: best.way.label(),
+            scene: best.way.scene,
+            error: best.error,
+            small_ms: best.ms,
+            verified: verified.ok(),
+            unverified,
+            counts: [families.left_out, drawn.len(), kept],
+            other,
+            remembered: false,
+        };
+        store::save(&key, &pick);
+        return Ok(pick);
+    }
+    let nearest = drawn.iter().min_by(|a, b| a.error.total_cmp(&b.error));
+    let (way, found) = nearest.map_or(("none".into(), f64::INFINITY), |near| (near.way.label(), near.error));
+    Err(PickError::Bound { metric: bound.metric, asked: bound.error, way, found })
+}
+
+/// Small pictures and what they are held against.
+struct Search<'a> {
+    renderer: Renderer<'a>,
+    library: &'a Library,
+    bound: Bound,
+    finer: Vec<[f32; 4]>,
+    /// Error of the finer picture.
+    floor: f64,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        gpu: &'a Gpu,
+        library: &'a Library,
+        scene: &Scene,
+        subject: &'a Subject,
+        bound: Bound,
+    ) -> Result<Search<'a>, PickError> {
+        let mut renderer = Renderer::new(gpu, library, subject);
+        let mut draw = |samples| -> Result<Vec<[f32; 4]>, PickError> {
+            Ok(renderer.render(&small(&ways::finest(scene, library, samples)?))?.pixels)
+        };
+        let [mut samples, most] = FINEST;
+        let mut before = draw(samples / 2)?;
+        let (finer, floor) = loop {
+            let finer = draw(samples)?;
+            // Richardson's estimate for the lowest order that pictures show, 0.8: the difference / (2^0.8 - 1).
+            let floor = metric(bound.metric, &finer, &before) / (2f64.powf(0.8) - 1.0);
+            if floor <= FINER * bound.error || 2 * samples > most {
+                break (finer, floor);
+            }
+            (samples, before) = (2 * samples, finer);
+        };
+        Ok(Search { renderer, library, bound, finer, floor })
+    }
+
+    /// Draws a family with more and more samples until one fits, and none that takes longer than one that fits.
+    fn draw(&mut self, family: &Candidate, target: f64, drawn: &mut Vec<Drawn>) -> Result<(), PickError> {
+        let [fewest, most] = SAMPLES;
+        let steps = (0..).map(|step| (f64::from(fewest) * 2f64.powf(f64::from(step) / 2.0)).round() as u32);
+        let mut skip = false;
+        for samples in steps.take_while(|samples| *samples <= most) {
+            let way = ways::with_samples(family, samples);
+            let known = drawn.iter().position(|drawn| drawn.way.scene == way.scene);
+            let index = match known {
+                Some(index) => index,
+                None if skip => {
+                    skip = false;
+                    continue;
+                }
+                None if way.scene.check(self.library).is_err() => return Ok(()),
+                None => {
+                    drawn.push(self.measure(way)?);
+                    drawn.len() - 1
+                }
+            };
+            let (error, ms) = (drawn[index].error, drawn[index].ms);
+            let fastest =
+                drawn.iter().filter(|drawn| drawn.error <= target).map(|drawn| drawn.ms).fold(f64::INFINITY, f64::min);
+            if error <= target || ms > 1.5 * fastest {
+                return Ok(());
+            }
+            skip = error > 4.0 * target; // far from it: the next step would not do
+        }
+        Ok(())
+    }
+
+    fn measure(&mut self, way: Candidate) -> Result<Drawn, PickError> {
+        let scene = small(&way.scene);
+        let mut ms = f64::INFINITY;
+        let mut pixels = Vec::new();
+        for _ in 0..RUNS {
+            let frame = self.renderer.render(&scene)?;
+            ms = ms.min(frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0));
+            pixels = frame.pixels;
+        }
+        let error = metric(self.bound.metric, &pixels, &self.finer) + self.floor;
+        Ok(Drawn { way, error, ms })
+    }
+}
+
+fn metric(metric: Metric, found: &[[f32; 4]], truth: &[[f32; 4]]) -> f64 {
+    metric.of(found.iter().zip(truth).map(|(a, b)| (a.map(f64::from), b.map(f64::from), 1.0)))
+}
+
+/// The scene, smaller.
+fn small(scene: &Scene) -> Scene {
+    let mut small = scene.clone();
+    let longest = scene.image.size[0].max(scene.image.size[1]);
+    if longest > SMALL {
+        let scale = f64::from(SMALL) / f64::from(longest);
+        small.image.size = scene.image.size.map(|side| ((f64::from(side) * scale).round() as u32).max(1));
+    }
+    small
+}

@@ -1,0 +1,80 @@
+//! All that a picture is computed from, for a processor to compute it.
+
+use super::inputs::{Encoded, Inputs, SHADOW, Values, blocks};
+use super::shadow::LightSpace;
+use super::sub_frame::SubFrame;
+use super::view::View;
+use super::{RenderError, Subject};
+use crate::gpu::Address;
+use crate::pass::Planes;
+use crate::scene::Scene;
+use crate::variant::{Program, Variant};
+use std::collections::BTreeMap;
+
+/// The blocks of a program, by binding.
+pub(crate) type Blocks = BTreeMap<u32, Vec<u8>>;
+
+/// What a program reads, for every sub-frame of a picture.
+pub(crate) struct Frozen {
+    inputs: Inputs,
+    moments: Vec<Values>,
+    space: LightSpace,
+    /// Depths between which the scene is.
+    pub(crate) depths: [f64; 2],
+}
+
+impl Frozen {
+    /// What `program`, of the same scene as `variant`, reads.
+    pub(crate) fn new(
+        scene: &Scene,
+        subject: &Subject,
+        variant: &Variant,
+        program: &Program,
+    ) -> Result<Frozen, RenderError> {
+        let view = View::of(scene, subject, variant);
+        let planes = Planes::new(view.extent, scene.quality.samples);
+        let space = LightSpace::of(scene, &view, &planes);
+        let inputs = Inputs::new(scene, subject, variant, program, &view, &planes)?;
+        let values =
+            |moment: SubFrame| inputs.stored().values(scene, subject, variant, &view, (&planes, &space), &moment);
+        let moments = SubFrame::all(scene).map(values).collect();
+        let extent = view.extent;
+        let near = (extent.distance - extent.radius).max(extent.near);
+        let depths = [near, extent.distance + extent.radius].map(f64::from);
+        Ok(Frozen { inputs, moments, space, depths })
+    }
+
+    /// The images by binding, but for the shadow volume.
+    pub(crate) fn images(&self) -> &[(u32, Encoded)] {
+        &self.inputs.images
+    }
+
+    /// The samplers by binding.
+    pub(crate) fn samplers(&self) -> &[(u32, Address)] {
+        &self.inputs.samplers
+    }
+
+    /// The blocks of a program that reads no value which this one does not have, for each sub-frame, by binding.
+    pub(crate) fn moments(&self, program: &Program) -> Result<Vec<Blocks>, RenderError> {
+        let filled = |values| {
+            let blocks = blocks(program, values)?;
+            Ok(blocks.into_iter().map(|(resource, bytes)| (resource.binding, bytes)).collect())
+        };
+        self.moments.iter().map(filled).collect()
+    }
+
+    /// Binding of the shadow volume, where the program reads one.
+    pub(crate) fn shadow_binding(program: &Program) -> Option<u32> {
+        program.resources.iter().find(|resource| resource.name == SHADOW).map(|resource| resource.binding)
+    }
+
+    /// Size of the target that the segments of the shadow volume are drawn into.
+    pub(crate) fn shadow_target(&self) -> [u32; 2] {
+        self.space.target()
+    }
+
+    /// Size and texels of the shadow volume, from the transmittances of its segments.
+    pub(crate) fn shadow_volume(&self, segments: &[[f32; 4]]) -> ([u32; 3], Vec<f32>) {
+        (self.space.texels(), self.space.products(segments))
+    }
+}

@@ -1,0 +1,88 @@
+//! A person's own modules: GLSL files beside those that ship.
+
+use super::{Scene, SceneError};
+use crate::glsl::{self, Library};
+use std::path::Path;
+
+/// The largest file of a module, bytes: more is no module.
+const MAX_BYTES: u64 = 1 << 20;
+
+impl Scene {
+    /// Takes a module from a file for a slot, under the name of the file without its end; returns that name.
+    ///
+    /// # Errors
+    /// The name is no identifier of GLSL.
+    pub fn add_module(&mut self, slot: &str, file: &str) -> Result<String, SceneError> {
+        let name = Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let letters = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+        if !name.starts_with(|c: char| c.is_ascii_lowercase()) || !name.chars().all(letters) {
+            let limit = "a module is named after its file: a-z, 0-9 and _, a letter first, such as my_fur.glsl";
+            return Err(SceneError::Value { field: slot.into(), value: file.into(), limit: limit.into() });
+        }
+        self.modules.insert(format!("{slot}/{name}"), file.into());
+        Ok(name)
+    }
+
+    /// The modules that ship, and those of the scene.
+    ///
+    /// # Errors
+    /// A file cannot be read, is for no slot, or has the name of a module that ships.
+    pub fn library(&self) -> Result<Library, SceneError> {
+        let mut library = glsl::shipped();
+        for (module, file) in &self.modules {
+            let fail = |reason: String| SceneError::Read { path: file.clone(), reason };
+            let (slot, name) = module.split_once('/').unwrap_or((module, ""));
+            let shipped = library.modules(slot);
+            if shipped.is_empty() {
+                let limit = format!("`{slot}` is no slot; write modules.\"dmf/my_fur\" = \"my_fur.glsl\"");
+                return Err(SceneError::Value { field: format!("modules.\"{module}\""), value: file.clone(), limit });
+            }
+            if shipped.contains(&name) {
+                return Err(fail(format!("{slot}/{name} is a module that ships; give the file another name")));
+            }
+            let bytes = std::fs::metadata(file).map_err(|error| fail(error.to_string()))?.len();
+            if bytes > MAX_BYTES {
+                return Err(fail(format!("{bytes} bytes, and a module has at most {MAX_BYTES}; is this a module?")));
+            }
+            let text = std::fs::read_to_string(file).map_err(|error| fail(error.to_string()))?;
+            library = library.with_module(slot, name, &text);
+        }
+        Ok(library)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::preset;
+    use crate::variant::Variant;
+
+    const MODULE: &str = "// Half of it.\n// Source: a test.\n// @knob part = 0.5 in [0, 1]: How much.\n// Result: density.\n\
+                          float half_of(float density, Sample s) { return part * density; }\n";
+
+    #[test]
+    fn m52_a_module_of_a_file_is_one_among_the_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("half_of.glsl");
+        std::fs::write(&file, MODULE).unwrap();
+        let mut scene = preset("fire").unwrap();
+        let name = scene.add_module("dmf", &file.display().to_string()).unwrap();
+        scene.effect.dmf.push(name);
+        let library = scene.library().unwrap();
+        let variant = Variant::of(&scene, &library).unwrap();
+        assert!(variant.all_knobs().any(|(name, ..)| name == "part"));
+        assert!(!variant.program(&library, crate::glsl::Linker::new).unwrap().shipped);
+    }
+
+    #[test]
+    fn a_file_that_is_no_module_is_one_clear_line() {
+        let refusal = |slot: &str, file: &str| {
+            let mut scene = Scene::default();
+            scene.add_module(slot, file).and_then(|_| scene.library()).unwrap_err().to_string()
+        };
+        assert!(refusal("dmf", "My Fur.glsl").starts_with("dmf = My Fur.glsl: a module is named after its file"));
+        assert!(refusal("dmf", "no_such.glsl").starts_with("no_such.glsl: No such file"));
+        assert!(refusal("dfm", "half.glsl").contains("`dfm` is no slot"));
+        assert_eq!(refusal("dmf", "fur.glsl"), "fur.glsl: dmf/fur is a module that ships; give the file another name");
+    }
+}

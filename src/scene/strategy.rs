@@ -1,0 +1,180 @@
+//! Where noise and turbulence come from: how blocks are laid out, after how many cells a lattice repeats, and the scene
+//! whose noise nothing discretizes.
+
+use super::Scene;
+use crate::glsl::{Library, LibraryError};
+use crate::noise::{Bake, Period};
+use serde::{Deserialize, Serialize};
+
+/// Lattice cells across a block of noise: four texels for each cell. Fewer texels: the trilinear filter shows its
+/// facets. More: the noise repeats sooner.
+const NOISE_TEXELS_PER_CELL: u32 = 4;
+/// Lattice cells of the first octave across a block of turbulence. More: fewer octaves fit. Fewer: it repeats sooner.
+const TURBULENCE_CELLS: u32 = 4;
+/// Octaves of one fetch of four channels; the finest has two texels for each cell.
+const CHANNELS: u32 = 4;
+/// Octaves with fewer texels for each cell than this are computed by the hybrid. Fewer: the filter blurs what is in the
+/// block by more than the octaves above it hide. More: more is computed.
+const HYBRID_TEXELS_PER_CELL: u32 = 4;
+
+/// After how many of its cells the lattice of an octave repeats.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Repeat {
+    /// As the strategy has it by itself: where it reads a block, as the block; else not at all.
+    #[default]
+    Own,
+    /// Not at all: after 2^20 cells.
+    Never,
+    /// As a block of noise does that every octave is looked up in.
+    NoiseBlock,
+    /// As a block in which all octaves of turbulence are summed.
+    TurbulenceBlock,
+    /// As a block whose channels hold four octaves.
+    ChannelBlock,
+}
+
+impl Repeat {
+    /// The value with this name in a scene file.
+    fn named(name: &str) -> Option<Repeat> {
+        match name {
+            "never" => Some(Repeat::Never),
+            "noise_block" => Some(Repeat::NoiseBlock),
+            "turbulence_block" => Some(Repeat::TurbulenceBlock),
+            "channel_block" => Some(Repeat::ChannelBlock),
+            _ => None,
+        }
+    }
+}
+
+impl Scene {
+    /// Lattice cells across the block of noise, that of turbulence (its first octave), and that of four octaves.
+    pub fn block_cells(&self) -> [u32; 3] {
+        let size = self.quality.block_size;
+        let cells = size / NOISE_TEXELS_PER_CELL;
+        [cells.max(1), TURBULENCE_CELLS, (size >> CHANNELS).max(1)]
+    }
+
+    /// Octaves of turbulence that its block is given: those wanted that it can hold; and those of the hybrid's block.
+    pub fn block_octaves(&self) -> [u32; 2] {
+        let (size, wanted) = (self.quality.block_size, self.effect.octaves);
+        let low = Bake::held(2 * size / HYBRID_TEXELS_PER_CELL, TURBULENCE_CELLS, wanted);
+        [Bake::held(size, TURBULENCE_CELLS, wanted), low]
+    }
+
+    /// Octaves that the turbulence of the scene really has: a block cannot hold them all, and four lookups are four.
+    pub fn octaves_held(&self) -> u32 {
+        match self.effect.turbulence.as_str() {
+            "encoded" => self.block_octaves()[0],
+            "lookups4" => self.effect.octaves.min(4),
+            _ => self.effect.octaves,
+        }
+    }
+
+    /// After how many cells procedural noise repeats, and the octaves of procedural turbulence.
+    pub fn periods(&self) -> [Period; 2] {
+        let [noise, turbulence, channels] = self.block_cells();
+        let period = |repeat: Repeat, own: Repeat| match if repeat == Repeat::Own { own } else { repeat } {
+            Repeat::Own | Repeat::Never => Period::ENDLESS,
+            Repeat::NoiseBlock => Period::same(noise),
+            Repeat::TurbulenceBlock => Period::growing(turbulence),
+            Repeat::ChannelBlock => Period { cycle: CHANNELS, ..Period::growing(channels) },
+        };
+        let own = if self.effect.turbulence == "hybrid" { Repeat::TurbulenceBlock } else { Repeat::Never };
+        [period(self.effect.noise_repeat, Repeat::Never), period(self.effect.turbulence_repeat, own)]
+    }
+
+    /// The scene whose noise and turbulence are those of this one without what a block does to them, the same pattern
+    /// computed at every place: evaluated in f64, the truth that this scene is an approximation of. A module says in its
+    /// header which module that is (`// @exact`); without it, it is its own truth.
+    ///
+    /// The twin has all octaves that are asked for; set `effect.octaves` to [`Scene::octaves_held`] for the truth of
+    /// those alone that this scene has.
+    ///
+    /// # Errors
+    /// A module does not exist, or its header cannot be read.
+    pub fn exact_twin(&self, library: &Library) -> Result<Scene, LibraryError> {
+        let mut twin = self.clone();
+        let effect = &mut twin.effect;
+        let slots = [
+            ("noise", &mut effect.noise, &mut effect.noise_repeat),
+            ("turbulence", &mut effect.turbulence, &mut effect.turbulence_repeat),
+        ];
+        for (slot, module, repeat) in slots {
+            if let Some(exact) = library.exact(slot, module)? {
+                library.path(slot, &exact.module)?;
+                *module = exact.module;
+                if *repeat == Repeat::Own {
+                    *repeat = exact.repeat.as_deref().and_then(Repeat::named).unwrap_or_default();
+                }
+            }
+        }
+        for part in twin.parts.values_mut() {
+            part.effect.noise.clone_from(&twin.effect.noise);
+            part.effect.turbulence.clone_from(&twin.effect.turbulence);
+        }
+        Ok(twin)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::glsl;
+
+    fn twin(noise: &str, turbulence: &str) -> Scene {
+        let mut scene = Scene::default();
+        (scene.effect.noise, scene.effect.turbulence) = (noise.into(), turbulence.into());
+        scene.exact_twin(&glsl::shipped()).unwrap()
+    }
+
+    #[test]
+    fn every_strategy_has_a_twin_that_nothing_discretizes() {
+        let library = glsl::shipped();
+        for turbulence in library.modules("turbulence") {
+            for noise in library.modules("noise") {
+                let twin = twin(noise, turbulence);
+                for (slot, module) in [("noise", &twin.effect.noise), ("turbulence", &twin.effect.turbulence)] {
+                    assert_eq!(library.exact(slot, module).unwrap(), None, "{slot}: {module}");
+                    assert!(["procedural", "arrays", "wavelet", "random", "octaves"].contains(&module.as_str()));
+                }
+                assert_eq!(twin.exact_twin(&library).unwrap(), twin);
+                assert!(twin.check(&library).is_ok());
+            }
+        }
+    }
+
+    #[test]
+    fn a_twin_repeats_as_the_block_does() {
+        assert_eq!(twin("block", "encoded").periods(), [Period::same(16), Period::growing(4)]);
+        assert_eq!(twin("tables", "channels").periods(), [Period::ENDLESS, Period { cycle: 4, ..Period::growing(4) }]);
+        assert_eq!(twin("procedural", "hybrid").periods(), [Period::ENDLESS, Period::growing(4)]);
+        assert_eq!(twin("block", "lookups8").periods(), [Period::same(16); 2]);
+        assert_eq!(twin("tables", "tables").effect.turbulence, "arrays");
+    }
+
+    #[test]
+    fn a_module_of_ones_own_says_its_truth_in_its_header() {
+        let text = "// @exact procedural turbulence_block\n";
+        let mut scene = Scene::default();
+        scene.effect.turbulence = "mine".into();
+        let twin = scene.exact_twin(&glsl::shipped().with_module("turbulence", "mine", text)).unwrap();
+        assert_eq!(
+            (twin.effect.turbulence.as_str(), twin.effect.turbulence_repeat),
+            ("procedural", Repeat::TurbulenceBlock)
+        );
+        let unknown = glsl::shipped().with_module("turbulence", "mine", "// @exact nothing\n");
+        assert!(scene.exact_twin(&unknown).unwrap_err().to_string().starts_with("no module `nothing`"));
+    }
+
+    #[test]
+    fn the_octaves_that_a_strategy_has() {
+        let held = |turbulence: &str, size: u32| {
+            let mut scene = Scene::default();
+            (scene.effect.turbulence, scene.quality.block_size) = (turbulence.into(), size);
+            scene.octaves_held()
+        };
+        assert_eq!([16, 64, 256].map(|size| held("encoded", size)), [2, 4, 6]);
+        assert_eq!([held("lookups4", 64), held("lookups8", 64), held("hybrid", 64)], [4, 8, 8]);
+    }
+}

@@ -1,0 +1,58 @@
+//! The rays of a picture, from the camera of its scene alone.
+
+use crate::render::Subject;
+use crate::scene::{Projection, Scene};
+use glam::DVec3;
+
+/// The object fills this part of a picture's height at zoom 1.
+const FILL: f64 = 0.8;
+
+/// The ray through the center of a pixel: a point, and a unit vector. Object space of azimuth 0 and elevation 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray {
+    /// The eye; in parallel projection where the ray crosses the plane z = 0.
+    pub from: DVec3,
+    /// Unit vector.
+    pub along: DVec3,
+}
+
+impl Ray {
+    /// Distance from the origin.
+    pub fn impact(&self) -> f64 {
+        self.from.cross(self.along).length()
+    }
+
+    /// Path length over depth.
+    pub fn slant(&self) -> f64 {
+        -1.0 / self.along.z
+    }
+
+    /// Where the ray crosses a plane of constant z.
+    pub fn at(&self, z: f64) -> DVec3 {
+        self.from + self.along * ((z - self.from.z) / self.along.z)
+    }
+}
+
+/// The rays of a picture, in the order of its pixels.
+pub fn rays(scene: &Scene, subject: &Subject) -> Vec<Ray> {
+    let camera = &scene.camera;
+    let [width, height] = scene.image.size.map(f64::from);
+    let (aspect, fit) = (width / height, (width / height).min(1.0));
+    let half_height = f64::from(subject.radius) / FILL / f64::from(camera.zoom) / fit;
+    let half_angle = 0.5 * f64::from(camera.field_of_view).to_radians();
+    let pixel = |index: u32| {
+        let [columns, _] = scene.image.size;
+        let x = 2.0 * (f64::from(index % columns) + 0.5) / width - 1.0;
+        let y = 1.0 - 2.0 * (f64::from(index / columns) + 0.5) / height;
+        match camera.projection {
+            Projection::Parallel => {
+                Ray { from: DVec3::new(x * aspect * half_height, y * half_height, 0.0), along: DVec3::NEG_Z }
+            }
+            Projection::Perspective => {
+                let along = DVec3::new(x * aspect * half_angle.tan(), y * half_angle.tan(), -1.0).normalize();
+                Ray { from: DVec3::new(0.0, 0.0, half_height / half_angle.sin()), along }
+            }
+        }
+    };
+    (0..scene.image.size[0] * scene.image.size[1]).map(pixel).collect()
+}

@@ -1,0 +1,196 @@
+//! Error against run time, from end to end: what is written, that it repeats, and how failures and interruptions are told.
+#![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
+
+mod common;
+
+use common::with_gpu;
+use hypertexture::compare::candidates::Sweep;
+use hypertexture::compare::{Settings, Stage, compare};
+use hypertexture::glsl;
+use hypertexture::gpu::Format;
+use hypertexture::reference::Reference;
+use hypertexture::render::render;
+use hypertexture::scene::{Pass, Rule, Scene, preset};
+use std::collections::HashMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::sync::Arc;
+
+fn command(folder: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hypertexture"));
+    command.args(arguments.split_whitespace()).current_dir(folder).env("HYPERTEXTURE_CACHE", folder.join("cache"));
+    command.stdin(Stdio::null());
+    command
+}
+
+fn run(folder: &Path, arguments: &str) -> Output {
+    command(folder, arguments).output().unwrap()
+}
+
+/// The rows of a table, each by the names of its columns.
+fn rows(path: &Path) -> Vec<HashMap<String, String>> {
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_string).collect::<Vec<_>>());
+    let names = lines.next().unwrap();
+    let row = |cells: Vec<String>| {
+        assert_eq!(cells.len(), names.len());
+        names.iter().cloned().zip(cells).collect()
+    };
+    lines.map(row).collect()
+}
+
+fn number(row: &HashMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("{column} = {}", row[column]))
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
+    let desk = tempfile::tempdir().unwrap();
+    let arguments = "compare sphere --effect fire --quick --size 48x48 --sweep 8,16,32 --repeat 3";
+    for name in ["a", "b"] {
+        let output = run(desk.path(), &format!("{arguments} -o {name}"));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && said.is_empty(), "{said}");
+    }
+    let [first, second] = ["a", "b"].map(|name| rows(&desk.path().join(name).join("candidates.csv")));
+    assert!(first.len() >= 18, "{} candidates", first.len());
+    for (a, b) in first.iter().zip(&second) {
+        for column in ["strategy", "samples", "rmse", "max", "p999", "psnr_db", "ssim", "flip", "opacity_rmse"] {
+            assert_eq!(a[column], b[column], "{column}");
+        }
+        assert!(number(a, "gpu_low_ms") <= number(a, "gpu_ms") && number(a, "gpu_ms") <= number(a, "gpu_high_ms"));
+        assert!(number(a, "wall_ms") > 0.0 && number(a, "runs") == 3.0);
+    }
+    for curve in first.chunk_by(|a, b| number(a, "samples") < number(b, "samples")) {
+        let errors: Vec<f64> = curve.iter().map(|row| number(row, "rmse")).collect();
+        assert!(errors.len() == 3, "{curve:?}");
+        // Codes of 8 bits have a floor.
+        let falls = errors.is_sorted_by(|a, b| a > b) || curve[0]["target"] == "unorm8" && errors[0] > errors[1];
+        assert!(falls, "{}: {errors:?}", curve[0]["strategy"]);
+    }
+    assert!(first.iter().any(|row| row["front"] == "true"));
+    let runs = rows(&desk.path().join("a/runs.csv"));
+    assert_eq!(runs.len(), 3 * first.len());
+
+    let read = |name: &str| fs::read_to_string(desk.path().join("a").join(name)).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
+    assert_eq!((json["failed"].as_u64(), json["partial"].as_bool()), (Some(0), Some(false)));
+    assert_eq!(json["scene_blake3"].as_str().unwrap().len(), 64);
+    assert!(json["environment"]["driver"].as_str().is_some_and(|driver| !driver.is_empty()));
+    let page = read("index.html");
+    for part in [
+        "fire on sphere",
+        "cheapest",
+        "<svg",
+        "Along the front",
+        "Table 3",
+        "23.24",
+        "Observed order",
+        "data:image/png",
+    ] {
+        assert!(page.contains(part), "the page lacks {part}");
+    }
+    for name in ["index.html", "candidates.csv", "runs.csv", "report.json", "chart.svg"] {
+        let text = read(name);
+        assert!(!text.contains(&*desk.path().to_string_lossy()) && !text.contains("/home/"), "{name} names a folder");
+    }
+}
+
+/// A picture of no light at all: wrong, and quick.
+fn dark(scene: &Scene) -> Reference {
+    let count = (scene.image.size[0] * scene.image.size[1]) as usize;
+    Reference { size: scene.image.size, pixels: vec![[0.0; 4]; count], estimate: vec![0.0; count] }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn errors_are_those_against_the_reference_and_a_missing_reference_is_a_failure() {
+    with_gpu(|gpu| {
+        let library = glsl::shipped();
+        let mut scene = preset("fire").unwrap();
+        (scene.object.input, scene.image.size) = ("sphere".into(), [24, 24]);
+        let subject = common::subject(&scene, &library);
+        let sweep = Sweep { quick: true, samples: Some(vec![16]), strategies: None };
+        let settings = Settings { sweep, repeat: 2 };
+        let stage = Stage { gpu, library: &library, subject: &subject, stop: &|| false };
+        let mut refer = |scene: &Scene| match scene.effect.turbulence.as_str() {
+            "encoded" => Ok(Arc::new(dark(scene))),
+            _ => Err("not today".into()),
+        };
+        let found = compare(stage, &scene, &settings, &mut refer, &|_| ()).unwrap();
+        assert_eq!(found.rows.len(), 4);
+        assert_eq!(found.rows.len() + found.failures.len(), found.planned);
+        assert!(!found.partial && found.failures.iter().all(|failure| failure.message == "no reference: not today"));
+        for row in &found.rows {
+            let frame = render(gpu, &library, &row.candidate.scene, &subject).unwrap();
+            let squares = frame.pixels.iter().flat_map(|pixel| &pixel[..3]).map(|c| f64::from(*c).powi(2));
+            let rmse = (squares.sum::<f64>() / (3.0 * 24.0 * 24.0)).sqrt();
+            assert!((row.metrics.rmse - rmse).abs() < 1e-12, "{}", row.candidate.label());
+            assert_eq!((row.runs.len(), row.metrics.not_finite), (2, 0));
+        }
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn more_samples_of_segments_turn_the_normals_less() {
+    with_gpu(|gpu| {
+        let library = glsl::shipped();
+        let mut scene = preset("lit").unwrap();
+        (scene.object.input, scene.image.size) = ("torus".into(), [48, 48]);
+        let subject = common::subject(&scene, &library);
+        let sweep = Sweep { samples: Some(vec![16, 128]), ..Sweep::default() };
+        let stage = Stage { gpu, library: &library, subject: &subject, stop: &|| false };
+        let mut refer = |scene: &Scene| Ok(Arc::new(dark(scene)));
+        let found = compare(stage, &scene, &Settings { sweep, repeat: 1 }, &mut refer, &|_| ()).unwrap();
+        let angle = |rule, samples| {
+            let is = |c: &hypertexture::compare::candidates::Candidate| {
+                (c.curve().pass, c.curve().rule, c.samples()) == (Pass::March, rule, samples)
+            };
+            found.rows.iter().find(|row| is(&row.candidate)).unwrap().normals.unwrap().mean
+        };
+        assert!(angle(Rule::Point, 128) < 0.5 * angle(Rule::Point, 16));
+        assert!(angle(Rule::Segment, 128) < 0.5 * angle(Rule::Point, 128));
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_candidate_that_fails_fails_the_report_which_is_written() {
+    let desk = tempfile::tempdir().unwrap();
+    fs::write(desk.path().join("s.toml"), "preset = \"lit\"\nobject.input = \"sphere\"\nquality.msaa = 8\n").unwrap();
+    let output = run(desk.path(), "compare s.toml --quick --size 16x16 --sweep 8 --repeat 1 -o r");
+    let said = String::from_utf8(output.stderr).unwrap();
+    let page = fs::read_to_string(desk.path().join("r/index.html")).unwrap();
+    if with_gpu(|gpu| gpu.sample_counts(Format::Rgba32Float).contains(&8)) {
+        assert!(output.status.success() && !page.contains("FAILED"), "{said}");
+    } else {
+        assert_eq!((output.status.code(), said.lines().count()), (Some(1), 1), "{said}");
+        assert!(said.contains("candidates failed; the first, plain") && said.contains("8 samples per pixel"), "{said}");
+        assert!(page.contains("FAILED") && page.contains("8 samples per pixel"));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn an_interrupted_comparison_keeps_what_is_measured() {
+    let desk = tempfile::tempdir().unwrap();
+    let mut started = command(desk.path(), "compare sphere --effect fire --size 48x48 -o r");
+    let child = started.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    while !desk.path().join("r").is_dir() {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), said.lines().count()), (Some(130), 1), "{said}");
+    assert!(said.starts_with("interrupted: ") && said.contains("marked as partial"), "{said}");
+    let page = fs::read_to_string(desk.path().join("r/index.html")).unwrap();
+    assert!(page.contains("Partial"));
+    let names = fs::read_dir(desk.path().join("r")).unwrap().map(|entry| entry.unwrap().file_name());
+    assert_eq!(names.count(), 5, "something was left behind");
+}

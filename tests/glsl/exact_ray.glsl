@@ -1,0 +1,27 @@
+#version 450
+// What rays go by, at points, for tests of the exact evaluator.
+#include "interface.glsl"
+#include "vector.glsl"
+#include "hash.glsl"
+layout(location = 0) out vec4 fragment;
+POINT
+vec3 position_eye;
+vec4 color = vec4(1.0);
+const bool follows = false;
+mat3 ray_basis;
+#include <projection>
+#include <jitter>
+#include <clip>
+#include <classify>
+#include <traverse>
+#include "crossing.glsl"
+
+void main() {
+    vec3 x = 0.75 * point().xyz;
+    position_eye = (object_matrix * vec4(x, 1.0)).xyz;
+    ray_basis = ray_basis_of();
+    vec4 matter = classify(x, 0.015625);
+    vec3 far = ray_at(x.xy, 3.0 + x.z);
+    vec3 kept = clipped(x) ? vec3(0.0) : vec3(1.0, sample_phase(), 0.0);
+    fragment = vec4(kept.x + kept.y, advance(0.25), path_scale() + far.y, 0.125 * crossing(vec3(x.xy, 3.0), vec3(0.1, x.z, -1.0)).x + matter.a);
+}

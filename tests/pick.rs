@@ -1,0 +1,121 @@
+//! `--max-error`: what is picked keeps its bound against the f64 reference of the whole picture.
+
+mod common;
+
+use common::{picture, subject, with_gpu};
+use hypertexture::glsl::{self, library::Default as KnobDefault};
+use hypertexture::pick::{Bound, Metric, PickError, pick};
+use hypertexture::reference::reference_pixels;
+use hypertexture::scene::{KnobValue, Projection, Scene, preset};
+use hypertexture::variant::Variant;
+
+/// SplitMix64 (Vigna).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        mixed ^ (mixed >> 31)
+    }
+
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.next() >> 11) as f64 / 2f64.powi(53)
+    }
+
+    fn one<'a>(&mut self, of: &[&'a str]) -> &'a str {
+        of[(self.next() % of.len() as u64) as usize]
+    }
+}
+
+/// A scene of any effect on any object, from anywhere, with knobs anywhere within their ranges.
+fn random_scene(random: &mut Random) -> Scene {
+    let effects =
+        ["lit", "solid", "bump", "fur", "melting", "fire", "noisy_sphere", "fractal_sphere", "fire_ball", "smoke"];
+    let mut scene = preset(random.one(&effects)).expect("a preset");
+    scene.object.input = random.one(&["sphere", "cube", "torus"]).into();
+    scene.image.size = [32, 32];
+    scene.camera.azimuth = random.within(-180.0, 180.0) as f32;
+    scene.camera.elevation = random.within(-80.0, 80.0) as f32;
+    scene.camera.zoom = random.within(0.8, 2.0) as f32;
+    scene.camera.projection =
+        if random.next().is_multiple_of(2) { Projection::Parallel } else { Projection::Perspective };
+    scene.effect.turbulence = random.one(&["encoded", "hybrid", "procedural", "lookups8", "channels"]).into();
+    let library = glsl::shipped();
+    let variant = Variant::of(&scene, &library).expect("a valid scene");
+    for (name, knob, _) in variant.all_knobs() {
+        let KnobDefault::Number(_, [low, high]) = knob.default else { continue };
+        let mut other = scene.clone();
+        other.knobs.insert(name, KnobValue::Number(random.within(low.into(), high.into()) as f32));
+        if other.check(&library).is_ok() {
+            scene = other;
+        }
+    }
+    scene
+}
+
+/// Root of the mean square error of a picture, and the error of the reference, all of its pixels looked at.
+fn rmse(gpu: &hypertexture::gpu::Gpu, scene: &Scene) -> f64 {
+    let library = glsl::shipped();
+    let subject = subject(scene, &library);
+    let frame = picture(gpu, &library, scene, &subject);
+    let [width, height] = scene.image.size;
+    let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
+    let truth = reference_pixels(&library, scene, &subject, &pixels, 1e-4, &|_| ()).expect("a reference");
+    let squares = frame
+        .pixels
+        .iter()
+        .zip(&truth.pixels)
+        .map(|(a, b)| (0..4).map(|c| (f64::from(a[c]) - b[c]).powi(2)).sum::<f64>() / 4.0);
+    (squares.sum::<f64>() / f64::from(width * height)).sqrt()
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn no_pick_breaks_its_bound_on_random_scenes() {
+    // HYPERTEXTURE_SCENES=200 asks for as many.
+    let count = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok()).unwrap_or(8);
+    let mut random = Random(33);
+    let (mut picked, mut refused, mut worst) = (0, 0, 0f64);
+    with_gpu(|gpu| {
+        let library = glsl::shipped();
+        for index in 0..count {
+            let scene = random_scene(&mut random);
+            let error = 10f64.powf(random.within(-2.7, -1.0));
+            let bound = Bound::new(Metric::Rmse, error).unwrap();
+            match pick(gpu, &library, &scene, &subject(&scene, &library), bound, &|_| ()) {
+                Ok(pick) => {
+                    let found = rmse(gpu, &pick.scene);
+                    worst = worst.max(found / error);
+                    picked += 1;
+                    println!("{index:3} {:6.1e} asked, {found:6.1e} found: {}", error, pick.way);
+                    assert!(found <= error, "scene {index}: {found:e} where {error:e} was asked\n{scene:?}");
+                }
+                Err(PickError::Bound { .. }) => refused += 1,
+                Err(error) => panic!("scene {index}: {error}"),
+            }
+        }
+    });
+    println!("{picked} picked, {refused} without a way that is so accurate; at most {worst:.2} of the bound");
+    assert!(picked * 4 >= count * 3, "{refused} of {count} scenes had no way");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_smaller_bound_is_no_cheaper_and_an_impossible_one_says_what_is_nearest() {
+    with_gpu(|gpu| {
+        let library = glsl::shipped();
+        let mut scene = preset("noisy_sphere").unwrap();
+        scene.image.size = [48, 48];
+        let subject = subject(&scene, &library);
+        let pick = |metric, error| pick(gpu, &library, &scene, &subject, Bound::new(metric, error).unwrap(), &|_| ());
+        let [loose, tight] = [0.05, 0.002].map(|error| pick(Metric::Rmse, error).unwrap());
+        assert!(loose.scene.quality.samples < tight.scene.quality.samples, "{} {}", loose.way, tight.way);
+        assert!(tight.verified.is_some_and(|verified| verified.error <= 0.002 && verified.pixels >= 256));
+        assert!(pick(Metric::Opacity, 0.05).is_ok() && pick(Metric::P999, 0.2).is_ok());
+        let error = pick(Metric::Rmse, 1e-12).unwrap_err().to_string();
+        assert!(error.starts_with("no way to draw this scene has a rmse error of 1e-12: the nearest, "), "{error}");
+        assert!(Bound::new(Metric::Max, 0.0).unwrap_err().to_string().contains("must be above 0"));
+    });
+}
