@@ -54,3 +54,5 @@ pub mod shape;
 pub mod shard;
 pub mod texture;
 pub mod variant;
+#[cfg(feature = "view")]
+pub mod view;

@@ -38,6 +38,10 @@ pub enum Command {
     Effects,
     /// Say which device was found, what is missing, and test what the renderer relies on.
     Doctor,
+    /// Compile the job on standard input: what the window runs a user's GLSL through.
+    #[cfg(feature = "view")]
+    #[command(hide = true)]
+    Compile(Compile),
 }
 
 /// Arguments of `render`.
@@ -87,6 +91,18 @@ pub struct Merge {
     /// All shards of the picture, in any order.
     #[arg(required = true, value_name = "SHARD")]
     pub shards: Vec<PathBuf>,
+}
+
+/// Arguments of `compile`: the limits of the process.
+#[cfg(feature = "view")]
+#[derive(Args)]
+pub struct Compile {
+    /// Time of the processor, seconds.
+    #[arg(long, default_value_t = 10)]
+    pub seconds: u64,
+    /// Address space, MiB.
+    #[arg(long, default_value_t = 1024)]
+    pub memory_mib: u64,
 }
 
 /// How an input becomes an object.
@@ -184,7 +200,8 @@ pub struct Look {
     /// A look that shows how the picture is made.
     #[arg(long, value_enum)]
     pub look: Option<Debug>,
-    /// A knob of the effect, or as parts.OBJECT.KNOB of a further object; may be given again.
+    /// A knob of the effect, or as parts.OBJECT.KNOB of a further object; or any field of a scene file, such as
+    /// light.color=#ffe0c0; may be given again.
     #[arg(long = "set", value_name = "KNOB=VALUE")]
     pub knobs: Vec<String>,
     /// The module of a slot, such as noise=procedural, surface=solid_unlit or dmf=fur+fire; may be given again.
@@ -306,6 +323,10 @@ impl Look {
     fn apply(&self, scene: &mut Scene) -> Result<(), SceneError> {
         self.apply_effect(scene)?;
         for text in &self.knobs {
+            if let Some((field, value)) = text.split_once('=').filter(|(name, _)| is_field(name.trim())) {
+                scene.set_field(field.trim(), value.trim())?;
+                continue;
+            }
             let (name, value) = knob(text)?;
             let further = name.strip_prefix("parts.").and_then(|rest| rest.split_once('.'));
             let (knobs, name) = match further {
@@ -414,6 +435,12 @@ fn name_into<T: serde::de::DeserializeOwned>(
         limit: error.message().replace('\n', " "),
     })?;
     Ok(())
+}
+
+/// Whether `--set` means a field of the scene: one in a table, or one of the three that are in none.
+fn is_field(name: &str) -> bool {
+    let is_knob_of_part = name.starts_with("parts.") && name.split('.').count() == 3;
+    (name.contains('.') && !is_knob_of_part) || ["about", "combine", "boolean"].contains(&name)
 }
 
 fn knob(text: &str) -> Result<(String, KnobValue), SceneError> {

@@ -1,6 +1,8 @@
 //! What each command does, in terms of the library.
 
 mod args;
+#[cfg(all(test, feature = "view"))]
+mod line_tests;
 mod log;
 mod modules;
 mod sequence;
@@ -18,6 +20,8 @@ use hypertexture::render::{Frame, Renderer, Subject, open, render, request};
 use hypertexture::scene::{self, KnobValue, Object, Pass, Scene};
 use hypertexture::shard::{self, Shard};
 use hypertexture::variant::Variant;
+#[cfg(feature = "view")]
+use hypertexture::view::author::compile;
 use hypertexture::{doctor, field, gallery, shape};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
@@ -46,6 +50,11 @@ pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
             let report = doctor::examine(&options);
             say(&report.text);
             if report.healthy { Ok(()) } else { Err("the tests above did not all pass".into()) }
+        }
+        #[cfg(feature = "view")]
+        Command::Compile(limits) => {
+            compile::limit(limits.seconds, limits.memory_mib)?;
+            Ok(compile::serve(std::io::stdin().lock(), &mut std::io::stdout().lock())?)
         }
     }
 }
