@@ -1,6 +1,6 @@
 //! The objects of a scene.
 
-use super::widgets::{self, button, choice, field, number, numbers, switch, text};
+use super::widgets::{self, Field, button, choice, field, number, numbers, switch, text};
 use super::{Act, Pass, own, prefix};
 use crate::scene::{Axis, Boolean, Source};
 use egui::Ui;
@@ -30,9 +30,9 @@ pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<Strin
     }
     let mut formula = pass.draft.combine.clone().unwrap_or_default();
     let doc = "The formula by which the objects make one, such as main - hole; nothing is the union of all.";
-    text(ui, &mut pass.touch, &field("combine", doc), &mut formula);
+    text(ui, &mut pass.touch, &Field { text: Some("formula"), ..field("combine", doc) }, &mut formula);
     pass.draft.combine = Some(formula).filter(|formula| !formula.trim().is_empty());
-    let boolean = field("boolean", "What the signs of that formula mean.");
+    let boolean = Field { text: Some("its signs"), ..field("boolean", "What the signs of that formula mean.") };
     let options = [
         (Boolean::Algebraic, "algebraic", "Products, with fillets as wide as the soft regions.".into()),
         (Boolean::Minmax, "minmax", "Minimum and maximum, with creases.".into()),

@@ -17,13 +17,15 @@ const DECIMALS: usize = 5;
 pub struct Field<'a> {
     /// Name with its tables.
     pub name: String,
+    /// What it is called on the panel; without one, by the last part of its name.
+    pub text: Option<&'a str>,
     /// What it does, with its unit.
     pub doc: &'a str,
 }
 
 /// The field of that name.
 pub fn field(name: impl Into<String>, doc: &str) -> Field<'_> {
-    Field { name: name.into(), doc }
+    Field { name: name.into(), text: None, doc }
 }
 
 /// What was changed in this frame: the name of the last field.
@@ -44,7 +46,8 @@ pub fn button(ui: &mut Ui, text: &str, name: &str, doc: &str) -> Response {
 /// A label, and what belongs to it at its right.
 pub fn line<R>(ui: &mut Ui, field: &Field<'_>, add: impl FnOnce(&mut Ui) -> R) -> R {
     ui.horizontal(|ui| {
-        let text = field.name.rsplit('.').next().unwrap_or_default().replace('_', " ");
+        let last = field.name.rsplit('.').next().unwrap_or_default();
+        let text = field.text.map_or_else(|| last.replace('_', " "), String::from);
         let height = ui.spacing().interact_size.y;
         let label = ui.allocate_ui_with_layout(vec2(LABEL, height), Layout::left_to_right(Align::Center), |ui| {
             ui.set_min_width(LABEL);
