@@ -101,6 +101,18 @@ fn n0_10_a_compiler_that_does_not_end_is_one_line() {
 }
 
 #[test]
+fn n0_10_an_array_that_would_keep_the_driver_busy_is_refused() {
+    let array = |length: usize| {
+        let body =
+            format!("float a[{length}]; for (int i = 0; i < 9; i++) a[int(s.x.x) + i] = s.x.y; return a[int(s.x.z)];");
+        try_body("", &body, &Limits::default())
+    };
+    array(64).unwrap();
+    let error = array(100_000_000).unwrap_err().to_string();
+    assert!(error.starts_with("an array of 400000000 bytes"), "{error}");
+}
+
+#[test]
 fn a_long_text_a_long_answer_and_a_missing_program_are_errors() {
     let long = format!("// {}\n", "x".repeat(300_000));
     assert!(matches!(try_body(&long, "return density;", &Limits::default()), Err(CompileError::Long { .. })));

@@ -4,6 +4,7 @@
 //! The child is this very program with a hidden command. It reads a [`Job`] as TOML from standard input and answers on
 //! standard output: a line that says what follows, then SPIR-V or the text of the error.
 
+use super::arrays;
 use crate::glsl::{self, Library, Linker, Slots, Stage};
 use crate::variant::Variant;
 use serde::{Deserialize, Serialize};
@@ -20,8 +21,12 @@ pub const COMMAND: &str = "compile";
 const MAX_SOURCE: usize = 256 << 10;
 /// The longest job that a child reads, in bytes: every module of a library at its longest would not fit, none needs to.
 const MAX_JOB: u64 = 16 << 20;
+/// The largest array of a program, in bytes: larger ones keep a driver busy for minutes when it makes the pipeline.
+const MAX_ARRAY: u64 = 64 << 10;
 /// How often a child is asked whether it has ended.
 const PATIENCE: Duration = Duration::from_millis(4);
+/// How a child ends that has used up its time of the processor: SIGXCPU.
+const TOO_LATE: &str = "signal 24";
 /// First lines of an answer.
 const GOOD: &[u8] = b"spirv\n";
 const BAD: &[u8] = b"error\n";
@@ -197,7 +202,12 @@ pub fn compile(
         _ => return Err(run("a thread that talks to it ended".into())),
     };
     if !status.success() {
-        return Err(CompileError::Crashed(end(status)));
+        let how = end(status);
+        return Err(if how == TOO_LATE {
+            CompileError::Late(limits.time.as_secs_f32())
+        } else {
+            CompileError::Crashed(how)
+        });
     }
     if answer.len() as u64 > most {
         return Err(run(format!("its answer is longer than {most} bytes")));
@@ -244,7 +254,16 @@ pub fn serve(input: impl Read, output: &mut impl Write) -> io::Result<()> {
     input.take(MAX_JOB).read_to_string(&mut text)?;
     let job: Job =
         toml::from_str(&text).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error.to_string()))?;
-    match link(&job) {
+    let linked = link(&job).map_err(|error| error.to_string()).and_then(|programs| {
+        let largest = programs.iter().flatten().map(|module| arrays::largest(module)).max().unwrap_or_default();
+        if largest <= MAX_ARRAY {
+            return Ok(programs);
+        }
+        Err(format!(
+            "an array of {largest} bytes; one may have at most {MAX_ARRAY}, since a driver makes a pipeline of more for minutes"
+        ))
+    });
+    match linked {
         Ok(programs) => {
             output.write_all(GOOD)?;
             for module in programs.iter().flatten() {
@@ -254,7 +273,7 @@ pub fn serve(input: impl Read, output: &mut impl Write) -> io::Result<()> {
         }
         Err(error) => {
             output.write_all(BAD)?;
-            output.write_all(error.to_string().as_bytes())?;
+            output.write_all(error.as_bytes())?;
         }
     }
     output.flush()
@@ -270,7 +289,8 @@ pub fn limit(seconds: u64, memory_mib: u64) -> io::Result<()> {
         use rustix::process::{Resource, Rlimit, setrlimit};
         let most = |value: u64| Rlimit { current: Some(value), maximum: Some(value) };
         setrlimit(Resource::Core, most(0))?;
-        setrlimit(Resource::Cpu, most(seconds))?;
+        // The soft limit comes first, so that its signal tells a late child from one that was killed.
+        setrlimit(Resource::Cpu, Rlimit { current: Some(seconds), maximum: Some(seconds + 1) })?;
         setrlimit(Resource::As, most(memory_mib << 20))?;
     }
     #[cfg(not(unix))]

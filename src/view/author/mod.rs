@@ -4,6 +4,7 @@
 //! the GLSL compiler in a child process first ([`compile`]), so that a crash or a hang of it is one such line; until a
 //! text is good, the model keeps its library and the picture its program.
 
+mod arrays;
 pub mod compile;
 mod editor;
 mod source;

@@ -152,6 +152,7 @@ impl Author {
         let text = read(path).map_err(|error| format!("{}: {error}", path.display()))?;
         self.leave(library);
         (self.slot, self.name, self.text, self.tried) = (slot.into(), name.into(), text, None);
+        self.drafts.remove(&self.path());
         self.changed = Instant::now() - REST;
         self.file = Some(Watched { path: path.into(), seen: stamp(path), looked: Instant::now() });
         Ok(())

@@ -54,9 +54,11 @@ fn window(ui: &mut Ui, pass: &mut Pass<'_>) {
 pub(super) fn presets(ui: &mut Ui, pass: &mut Pass<'_>) {
     Grid::new("presets").num_columns(2).striped(true).spacing([10.0, 4.0]).show(ui, |ui| {
         for name in scene::names() {
-            let about = scene::preset(name).map(|preset| preset.about).unwrap_or_default();
             let mut take = |ui: &mut Ui, text: &str, id: String, effect_only: bool| {
-                if button(ui, text, &id, &about).clicked() {
+                let response = ui.button(text).on_hover_ui(|ui| {
+                    ui.label(scene::preset(name).map(|preset| preset.about).unwrap_or_default());
+                });
+                if named(ui, &response, &id).clicked() {
                     pass.acts.push(Act::Preset { name: name.into(), effect_only });
                 }
             };
