@@ -48,6 +48,10 @@ pub enum Command {
     Verify(Verify),
     /// Say which device was found, what is missing, and test what the renderer relies on.
     Doctor,
+    /// Compile the job on standard input: what the window runs a user's GLSL through.
+    #[cfg(feature = "view")]
+    #[command(hide = true)]
+    Compile(Compile),
 }
 
 /// Arguments of `render`.
@@ -165,6 +169,18 @@ fn bound(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|bound| (0.0..=1.0).contains(bound)).ok_or_else(|| "must be from 0 to 1".into())
 }
 
+/// Arguments of `compile`: the limits of the process.
+#[cfg(feature = "view")]
+#[derive(Args)]
+pub struct Compile {
+    /// Time of the processor, seconds.
+    #[arg(long, default_value_t = 10)]
+    pub seconds: u64,
+    /// Address space, MiB.
+    #[arg(long, default_value_t = 1024)]
+    pub memory_mib: u64,
+}
+
 /// How an input becomes an object.
 #[derive(Args)]
 pub struct ObjectArguments {
@@ -260,7 +276,8 @@ pub struct Look {
     /// A look that shows how the picture is made.
     #[arg(long, value_enum)]
     pub look: Option<Debug>,
-    /// A knob of the effect, or as parts.OBJECT.KNOB of a further object; may be given again.
+    /// A knob of the effect, or as parts.OBJECT.KNOB of a further object; or any field of a scene file, such as
+    /// light.color=#ffe0c0; may be given again.
     #[arg(long = "set", value_name = "KNOB=VALUE")]
     pub knobs: Vec<String>,
     /// The density modulation functions, applied in this order: names, or GLSL files of one's own, such as fur+my_waves.glsl.
@@ -399,6 +416,10 @@ impl Look {
     fn apply(&self, scene: &mut Scene) -> Result<(), SceneError> {
         self.apply_effect(scene)?;
         for text in &self.knobs {
+            if let Some((field, value)) = text.split_once('=').filter(|(name, _)| is_field(name.trim())) {
+                scene.set_field(field.trim(), value.trim())?;
+                continue;
+            }
             let (name, value) = knob(text)?;
             let further = name.strip_prefix("parts.").and_then(|rest| rest.split_once('.'));
             let (knobs, name) = match further {
@@ -519,6 +540,12 @@ fn name_into<T: serde::de::DeserializeOwned>(
         limit: error.message().replace('\n', " "),
     })?;
     Ok(())
+}
+
+/// Whether `--set` means a field of the scene: one in a table, or one of the three that are in none.
+fn is_field(name: &str) -> bool {
+    let is_knob_of_part = name.starts_with("parts.") && name.split('.').count() == 3;
+    (name.contains('.') && !is_knob_of_part) || ["about", "combine", "boolean"].contains(&name)
 }
 
 fn knob(text: &str) -> Result<(String, KnobValue), SceneError> {

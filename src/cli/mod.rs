@@ -2,6 +2,8 @@
 
 mod args;
 mod compare;
+#[cfg(all(test, feature = "view"))]
+mod line_tests;
 mod log;
 mod modules;
 mod sequence;
@@ -27,6 +29,8 @@ use hypertexture::render::{Frame, Renderer, Subject, open, render, request};
 use hypertexture::scene::{self, KnobValue, Object, Pass, Scene};
 use hypertexture::shard::{self, Shard};
 use hypertexture::variant::Variant;
+#[cfg(feature = "view")]
+use hypertexture::view::author::compile;
 use hypertexture::{doctor, field, gallery, shape};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
@@ -62,6 +66,11 @@ pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
             let report = doctor::examine(&options);
             say(&report.text);
             if report.healthy { Ok(()) } else { Err("the tests above did not all pass".into()) }
+        }
+        #[cfg(feature = "view")]
+        Command::Compile(limits) => {
+            compile::limit(limits.seconds, limits.memory_mib)?;
+            Ok(compile::serve(std::io::stdin().lock(), &mut std::io::stdout().lock())?)
         }
     }
 }
