@@ -1,23 +1,26 @@
 //! What happens in the window: the mouse and the keys to the scene, the scene to the thread that renders.
 
+mod mouse;
+mod over;
+mod wish;
+
 use super::ViewError;
 use super::host;
-use super::keys::{self, Action};
+use super::keys;
 use super::load::Loader;
 use super::model::Model;
-use super::panels::{Panels, Request, Status};
-use super::screen::{Screen, status_line};
+use super::panels::{Panels, Status};
+use super::screen::Screen;
 use super::script::Script;
 use super::status::{Figures, Stage};
 use super::trackball::Trackball;
-use super::worker::{Event, Job, Task, Variant, Worker};
+use super::worker::{Event, Job, Variant, Worker};
 use crate::glsl::Library;
 use crate::gpu::{Gpu, Options};
-use crate::render;
 use crate::scene::{self, Camera, Scene};
-use egui::{Area, Color32, Frame, Id, Panel, PointerButton, ProgressBar, Rect, Response, RichText, Sense, Ui, Vec2};
+use egui::{Rect, Sense, Ui};
 use glam::DVec3;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -67,10 +70,6 @@ const GOOD: f64 = 1e-3;
 const REST: Duration = Duration::from_millis(200);
 /// Milliseconds that a picture may take while the scene moves, on a CPU and on another device.
 const BUDGET_MS: [f64; 2] = [50.0, 12.0];
-/// The part of its speed that a ball with inertia keeps for a second.
-const GLIDE: f64 = 0.2;
-/// Frames of a recording: four seconds.
-const TURN: u32 = 100;
 
 /// Tells the window from another thread that there is something new.
 pub(super) type Notify = Arc<dyn Fn() + Send + Sync>;
@@ -87,8 +86,6 @@ pub(super) struct App {
     pub(super) figures: Figures,
     /// Where the picture is, points.
     pub(super) place: Rect,
-    /// The camera to go back to.
-    home: Camera,
     ball: Trackball,
     /// Axis, radians per second.
     glide: Option<(DVec3, f64)>,
@@ -100,6 +97,8 @@ pub(super) struct App {
     /// The variant that the scene is compared with.
     kept: Option<Scene>,
     max_error: Option<f64>,
+    /// The error that a way to draw is still to be looked for.
+    pick: Option<f64>,
     posted: Option<Job>,
     dragging: bool,
     changed: Instant,
@@ -137,10 +136,10 @@ impl App {
             last_turn: (DVec3::Y, 0.0),
             inertia: false,
             clock: start.play.then_some(f64::from(camera.time)),
-            home: camera,
             last_frame: now,
             kept: None,
             max_error: start.max_error,
+            pick: start.max_error,
             posted: None,
             dragging: false,
             changed: now,
@@ -205,12 +204,19 @@ impl App {
                     self.figures.recording = None;
                     self.say(format!("wrote {}", std::path::absolute(&path).unwrap_or(path).display()));
                 }
+                Event::Picking(done) => self.figures.picking = Some(done),
+                Event::Picked(pick) => {
+                    (self.tasks, self.figures.picking) = (self.tasks.saturating_sub(1), None);
+                    if let Some(pick) = pick {
+                        self.take(&pick);
+                    }
+                }
                 Event::Recorded(done, all) => self.figures.recording = Some((done, all)),
                 Event::Failed(reason) => {
                     if self.tasks > 0 {
                         self.failure.get_or_insert(reason.clone());
                     }
-                    (self.tasks, self.figures.recording) = (0, None);
+                    (self.tasks, self.figures.recording, self.figures.picking) = (0, None, None);
                     self.say(reason);
                 }
                 Event::Lost => self.lost = true,
@@ -230,7 +236,6 @@ impl App {
         for action in keys::pressed(ui.ctx()) {
             self.act(action);
         }
-        Panel::bottom("figures").show(ui, |ui| status_line(ui, &self.figures, self.clock.is_some()));
         let status = self.status();
         let angles = |camera: &Camera| (camera.azimuth, camera.elevation);
         let before = angles(&self.model.scene().camera);
@@ -257,6 +262,7 @@ impl App {
         self.screen.draw(ui, self.place, self.figures.difference);
         self.show_over(ui);
         self.post(ui, now);
+        self.pick(ui);
     }
 
     fn status(&self) -> Status {
@@ -270,110 +276,14 @@ impl App {
             samples: format!("{}, {} x {}, {samples} samples", self.figures.stage.text(), size[0], size[1]),
             device: self.figures.device.clone(),
             message: self.figures.message.clone(),
-            progress: self.loader.progress().map(|(_, done)| done),
+            progress: self.figures.picking.or(recording.map(|(done, all)| done as f32 / all.max(1) as f32)),
+            recent_ms: recent.clone(),
+            budget_ms: self.figures.budget_ms,
             paused: self.clock.is_none(),
             recording: recording.is_some(),
             split: self.kept.is_some(),
             max_error: self.max_error,
         }
-    }
-
-    fn act(&mut self, action: Action) {
-        match action {
-            Action::Help => self.help = !self.help,
-            Action::Play => self.request(Request::Pause(self.clock.is_some())),
-            Action::Reset => self.request(Request::ResetCamera),
-            Action::Previous => self.step(-1),
-            Action::Next => self.step(1),
-            Action::Screenshot => self.request(Request::Screenshot(free_name("hypertexture", ".png"))),
-            Action::Record => self.request(Request::Record(self.figures.recording.is_none())),
-            Action::Compare => {
-                let kept = self.kept.is_none().then(|| Box::new(self.shown()));
-                self.request(Request::Split(kept));
-            }
-            Action::Inertia => {
-                self.inertia = !self.inertia;
-                self.glide = None;
-                self.say(if self.inertia { "the ball turns on" } else { "the ball stops when it is let go" }.into());
-            }
-            Action::Undo => drop(self.model.undo()),
-            Action::Redo => drop(self.model.redo()),
-            Action::FullScreen => self.full_screen = !self.full_screen,
-            Action::Leave if self.help => self.help = false,
-            Action::Leave => self.quit = true,
-        }
-    }
-
-    fn request(&mut self, request: Request) {
-        match request {
-            Request::Screenshot(path) => self.shoot(path),
-            Request::ResetCamera => {
-                let time = self.model.scene().camera.time;
-                let home = Camera { time, ..self.home.clone() };
-                self.glide = None;
-                self.model.edit("camera", |scene| scene.camera = home);
-            }
-            Request::Split(kept) => self.kept = kept.map(|scene| *scene),
-            Request::Record(true) => self.record(),
-            Request::Record(false) => {
-                if let Some(worker) = &self.worker {
-                    worker.stop();
-                }
-            }
-            Request::Pause(false) => self.clock = Some(f64::from(self.model.scene().camera.time)),
-            Request::Pause(true) => {
-                if let Some(clock) = self.clock.take() {
-                    self.model.edit("camera.time", |scene| scene.camera.time = clock as f32);
-                }
-            }
-            Request::MaxError(error) => self.max_error = error,
-            Request::Quit => self.quit = true,
-        }
-    }
-
-    /// The preset before or after the one whose effect is shown.
-    fn step(&mut self, by: isize) {
-        let names: Vec<&str> = scene::names().collect();
-        let about = &self.model.scene().about;
-        let here = names.iter().position(|name| scene::preset(name).is_ok_and(|preset| preset.about == *about));
-        let count = names.len() as isize;
-        let next = here.map_or(0, |here| (here as isize + by).rem_euclid(count));
-        self.model.take_preset(names[next as usize], false);
-        self.home = self.model.scene().camera.clone();
-        self.glide = None;
-        self.say(format!("{}: {}", names[next as usize], self.model.scene().about));
-    }
-
-    /// Shows a mesh, a scan or a scene file.
-    pub(super) fn open(&mut self, path: &Path) {
-        self.loader.forgive();
-        self.model.open(path);
-        self.home = self.model.scene().camera.clone();
-    }
-
-    /// Writes the picture that `render` makes of what is shown.
-    pub(super) fn shoot(&mut self, path: PathBuf) {
-        self.task(|library, variant| Task::Shot { library, variant, path });
-    }
-
-    fn record(&mut self) {
-        let path = free_name("turntable", "_####.png");
-        self.figures.recording = Some((0, TURN));
-        self.task(|library, variant| Task::Turntable { library, variant, path, frames: TURN });
-    }
-
-    fn task(&mut self, task: impl FnOnce(Arc<Library>, Box<Variant>) -> Task) {
-        let scene = self.shown();
-        let subject = self.posted.as_ref().filter(|_| self.loader.progress().is_none());
-        let (Some(posted), Some(worker)) = (subject, &self.worker) else {
-            self.failure.get_or_insert("the object is not loaded yet".into());
-            self.say("the object is not loaded yet".into());
-            return;
-        };
-        let subject = posted.variants[0].subject.clone();
-        worker.add(task(self.library.clone(), Box::new(Variant { scene, subject })));
-        self.tasks += 1;
-        self.posted = None; // the picture is gone on with afterwards
     }
 
     /// The scene at the time it is.
@@ -383,138 +293,6 @@ impl App {
             scene.camera.time = clock as f32;
         }
         scene
-    }
-
-    /// The mouse over the picture.
-    fn navigate(&mut self, ui: &Ui, response: &Response) {
-        let pane = Screen::pane(self.place, self.kept.is_some());
-        let (delta, shift) = (response.drag_delta(), ui.input(|input| input.modifiers.shift));
-        let turns = response.dragged_by(PointerButton::Primary) && !shift;
-        let pans = response.dragged() && !turns;
-        self.dragging = response.dragged();
-        if response.drag_started() {
-            (self.glide, self.last_turn) = (None, (DVec3::Y, 0.0));
-        }
-        if let Some(to) = response.interact_pointer_pos().filter(|_| turns) {
-            // Every pane has a ball of its own.
-            let start = self.place.min.x + ((to.x - self.place.min.x) / pane.x).floor() * pane.x;
-            let middle = egui::pos2(start + 0.5 * pane.x, self.place.center().y);
-            let radius = 0.5 * pane.x.min(pane.y).max(1.0);
-            let on_ball =
-                |at: egui::Pos2| [f64::from((at.x - middle.x) / radius), f64::from((middle.y - at.y) / radius)];
-            self.ball.follow(&self.model.scene().camera);
-            if delta != Vec2::ZERO {
-                let (axis, angle) = self.ball.drag(on_ball(to - delta), on_ball(to));
-                let passed = f64::from(ui.input(|input| input.stable_dt)).max(1e-3);
-                self.last_turn = (axis, angle / passed);
-                self.turn();
-            } else {
-                self.last_turn.1 = 0.0;
-            }
-        }
-        if response.drag_stopped() {
-            self.glide = (self.inertia && self.last_turn.1 > 0.05).then_some(self.last_turn);
-            self.model.settle();
-        }
-        if pans
-            && delta != Vec2::ZERO
-            && let Some(half) = self.half_height()
-        {
-            let unit = half / (0.5 * pane.y.max(1.0));
-            self.model.edit("camera", |scene| {
-                let [x, y] = scene.camera.pan;
-                scene.camera.pan = [x + delta.x * unit, y - delta.y * unit].map(|side| side.clamp(-100.0, 100.0));
-            });
-        }
-        if response.hovered() {
-            let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-            let factor = (scroll / 400.0).exp() * if scroll == 0.0 { pinch } else { 1.0 };
-            if factor != 1.0 {
-                self.model.edit("camera.zoom", |scene| {
-                    scene.camera.zoom = (scene.camera.zoom * factor).clamp(0.02, 100.0);
-                });
-            }
-        }
-    }
-
-    /// Half the height of the view, object units.
-    fn half_height(&self) -> Option<f32> {
-        let Variant { scene, subject } = self.posted.as_ref()?.variants.first()?;
-        let variant = crate::variant::Variant::of(scene, &self.library).ok()?;
-        Some(render::half_height(scene, subject, &variant))
-    }
-
-    fn turn(&mut self) {
-        let rotation = self.ball.rotation();
-        self.model.edit("camera", |scene| scene.camera.rotation = Some(rotation));
-    }
-
-    /// Lets the ball turn on.
-    fn glide(&mut self, passed: f64) {
-        let Some((axis, speed)) = self.glide else { return };
-        self.ball.follow(&self.model.scene().camera);
-        self.ball.spin(axis, speed * passed);
-        self.turn();
-        let slower = speed * GLIDE.powf(passed);
-        self.glide = (slower > 0.02).then_some((axis, slower));
-        if self.glide.is_none() {
-            self.model.settle();
-        }
-    }
-
-    /// Progress, the last message and the list of keys.
-    fn show_over(&mut self, ui: &Ui) {
-        let place = self.place;
-        let dark = Frame::popup(ui.style()).fill(Color32::from_black_alpha(200));
-        if let Some((name, done)) = self.loader.progress() {
-            Area::new(Id::new("loading")).fixed_pos(place.center() - Vec2::new(130.0, 30.0)).show(ui.ctx(), |ui| {
-                dark.show(ui, |ui| {
-                    ui.set_width(260.0);
-                    ui.label(format!("distance field of {name}"));
-                    ui.add(ProgressBar::new(done).show_percentage());
-                    if ui.button("Cancel").clicked() {
-                        self.loader.cancel();
-                        self.figures.message = Some(format!("{name} was given up"));
-                    }
-                });
-            });
-        }
-        if let Some(message) = self.model.message().map(String::from).or(self.figures.message.clone()) {
-            let at = place.left_bottom() + Vec2::new(12.0, -40.0);
-            Area::new(Id::new("message")).fixed_pos(at).show(ui.ctx(), |ui| {
-                ui.set_max_width(place.width() - 24.0);
-                dark.show(ui, |ui| ui.label(message));
-            });
-        }
-        if self.help {
-            Area::new(Id::new("help")).fixed_pos(place.left_top() + Vec2::new(16.0, 16.0)).show(ui.ctx(), |ui| {
-                dark.show(ui, |ui| self.show_keys(ui));
-            });
-        }
-    }
-
-    fn show_keys(&self, ui: &mut Ui) {
-        egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
-            let state = |action: Action| match action {
-                Action::Play => Some(self.clock.is_some()),
-                Action::Compare => Some(self.kept.is_some()),
-                Action::Inertia => Some(self.inertia),
-                Action::FullScreen => Some(self.full_screen),
-                Action::Record => Some(self.figures.recording.is_some()),
-                _ => None,
-            };
-            for binding in keys::KEYS.iter().filter(|binding| !binding.what.is_empty()) {
-                ui.label(RichText::new(binding.name).strong());
-                let state = state(binding.action).map_or("", |on| if on { " (on)" } else { " (off)" });
-                ui.label(format!("{}{state}", binding.what));
-                ui.end_row();
-            }
-            for (name, what) in keys::MOUSE {
-                ui.label(RichText::new(name).strong());
-                ui.label(what);
-                ui.end_row();
-            }
-        });
     }
 
     /// Gives the thread that renders what is to be seen now, if that is something new.
@@ -585,14 +363,4 @@ impl App {
 fn move_clone(notify: &Notify) -> impl Fn() + Clone + Send + 'static + use<> {
     let notify = notify.clone();
     move || notify()
-}
-
-/// The first name that no file has: `stem`, a number and `end`.
-fn free_name(stem: &str, end: &str) -> PathBuf {
-    let name = |number: u32| PathBuf::from(format!("{stem}_{number:03}{end}"));
-    let taken = |path: &Path| {
-        let first = path.to_string_lossy().replace("####", "0000");
-        path.exists() || Path::new(&first).exists()
-    };
-    (1..1000).map(name).find(|path| !taken(path)).unwrap_or_else(|| name(1000))
 }

@@ -5,10 +5,11 @@
 
 mod command;
 
+use super::author::{programs, reaches};
 use crate::glsl::library::Default as KnobDefault;
-use crate::glsl::{Library, Slots};
+use crate::glsl::{self, Library, Slots};
 use crate::output;
-use crate::scene::{self, KnobValue, Knobs, Part, Scene, SceneError};
+use crate::scene::{self, Camera, KnobValue, Knobs, Part, Scene, SceneError};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 
@@ -27,6 +28,7 @@ pub struct Model {
     open: Option<String>,
     saved: Scene,
     file: Option<PathBuf>,
+    home: Camera,
     message: Option<String>,
 }
 
@@ -44,8 +46,8 @@ impl Model {
     pub fn new(scene: Scene, library: Library) -> Result<Model, SceneError> {
         let (knobs, parts) = checked(&scene, &library)?;
         let saved = scene.clone();
-        let (past, future) = (VecDeque::new(), Vec::new());
-        Ok(Model { scene, library, knobs, parts, past, future, open: None, saved, file: None, message: None })
+        let (past, future, home) = (VecDeque::new(), Vec::new(), scene.camera.clone());
+        Ok(Model { scene, library, knobs, parts, past, future, open: None, saved, file: None, home, message: None })
     }
 
     /// The scene.
@@ -76,6 +78,29 @@ impl Model {
     /// The file that the scene was read from or written to last.
     pub fn file(&self) -> Option<&Path> {
         self.file.as_deref()
+    }
+
+    /// The camera of the preset or file that was opened last.
+    pub fn home(&self) -> &Camera {
+        &self.home
+    }
+
+    /// Says which file holds a module of the scene's own, as a part of the scene. It is no step of the history: the module
+    /// is in that file whatever is undone.
+    pub fn file_module(&mut self, module: &str, file: &str) {
+        if self.scene.modules.get(module).is_none_or(|known| known != file) {
+            self.scene.modules.insert(module.into(), file.into());
+        }
+    }
+
+    /// The modules in the programs of the scene that are not as they ship, nor as the scene's files have them: what a
+    /// scene file does not say.
+    pub fn edited(&self) -> Vec<String> {
+        let filed = self.scene.library().unwrap_or_else(|_| glsl::shipped());
+        let changed = self.library.sources().filter(|(path, text)| filed.source(path) != Some(text));
+        let programs = programs(&self.scene, &self.library).unwrap_or_default();
+        let is_used = |path: &str| programs.iter().any(|program| reaches(program, &self.library, path));
+        changed.map(|(path, _)| path.to_string()).filter(|path| is_used(path)).collect()
     }
 
     /// Whether the scene is another than the one in its file, or than the one it began with.
@@ -190,14 +215,34 @@ impl Model {
                 false
             }
             Ok(scene) => {
+                let library = match self.with_modules_of(&scene) {
+                    Ok(library) => std::mem::replace(&mut self.library, library),
+                    Err(error) => {
+                        self.say(error.to_string());
+                        return false;
+                    }
+                };
                 let good = self.propose(&format!("open {name}"), scene);
                 if good {
                     self.settle();
                     (self.saved, self.file) = (self.scene.clone(), Some(path.into()));
+                    self.home.clone_from(&self.scene.camera);
+                } else {
+                    self.library = library;
                 }
                 good
             }
         }
+    }
+
+    /// The modules that there are, and a scene's own as its files have them.
+    fn with_modules_of(&self, scene: &Scene) -> Result<Library, SceneError> {
+        let own = scene.library()?;
+        let modules = scene.modules.keys().filter_map(|module| module.split_once('/'));
+        Ok(modules.fold(self.library.clone(), |library, (slot, name)| {
+            let text = own.source(&format!("{slot}/{name}.glsl")).unwrap_or_default();
+            library.with_module(slot, name, text)
+        }))
     }
 
     /// Writes the scene, complete with defaults; what was in the file before is gone only when the new text is there.
@@ -205,7 +250,13 @@ impl Model {
         match output::write_whole(path, scene::to_text(&self.scene).as_bytes()) {
             Ok(()) => {
                 (self.saved, self.file) = (self.scene.clone(), Some(path.into()));
-                self.say(format!("wrote {}", path.display()));
+                let edited = self.edited();
+                let missing = if edited.is_empty() {
+                    String::new()
+                } else {
+                    format!("; save these modules as files too, a scene holds no text of them: {}", edited.join(", "))
+                };
+                self.say(format!("wrote {}{missing}", path.display()));
                 true
             }
             Err(error) => {
@@ -234,6 +285,9 @@ impl Model {
         };
         let good = self.propose(&format!("preset {name}"), scene);
         self.settle();
+        if good && !effect_only {
+            self.home.clone_from(&self.scene.camera);
+        }
         good
     }
 

@@ -1,11 +1,8 @@
-//! How a picture gets on the screen: its colors, its place, and the line of figures below it.
+//! How a picture gets on the screen: its colors and its place.
 
-use super::status::{Figures, Stage};
 use super::worker::Picture;
 use crate::scene::{Color, linear_to_srgb};
-use egui::{
-    Align2, Color32, ColorImage, FontId, Pos2, Rect, RichText, Sense, Stroke, TextureHandle, TextureOptions, Ui, Vec2,
-};
+use egui::{Align2, Color32, ColorImage, FontId, Pos2, Rect, Stroke, TextureHandle, TextureOptions, Ui, Vec2};
 use rayon::prelude::*;
 use std::sync::LazyLock;
 
@@ -117,58 +114,8 @@ impl Screen {
 }
 
 /// A number with one digit before the point and one behind it.
-pub(super) fn scientific(value: f64) -> String {
+fn scientific(value: f64) -> String {
     format!("{value:.1e}")
-}
-
-/// The line of figures. `playing` is whether time runs.
-pub(super) fn status_line(ui: &mut Ui, figures: &Figures, playing: bool) {
-    ui.horizontal(|ui| {
-        let [width, height] = figures.size;
-        ui.label(RichText::new(figures.stage.text()).strong());
-        if figures.stage != Stage::None {
-            ui.separator();
-            ui.label(format!("{width} \u{d7} {height}, {} samples", figures.samples));
-            ui.separator();
-            ui.label(format!("{:.1} ms", figures.gpu_ms));
-            plot(ui, &figures.recent_ms, figures.budget_ms);
-            ui.separator();
-            let spread = |error| format!(" (standard error {})", scientific(error));
-            let spread = figures.standard_error.map_or(String::new(), spread);
-            ui.label(match figures.error {
-                Some(error) => format!("RMSE about {} against the converged image{spread}", scientific(error)),
-                None => "RMSE not known yet".into(),
-            });
-        }
-        if playing {
-            ui.separator();
-            ui.label("\u{25b6}");
-        }
-        if let Some((done, all)) = figures.recording {
-            ui.separator();
-            ui.label(format!("recording {done} of {all}"));
-        }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.label(RichText::new("? keys").weak());
-            ui.add(egui::Label::new(RichText::new(&figures.device).weak()).truncate());
-        });
-    });
-}
-
-/// The times of the last pictures; the line is what they may take while the scene moves.
-fn plot(ui: &mut Ui, recent_ms: &[f64], budget_ms: f64) {
-    let (response, painter) = ui.allocate_painter(Vec2::new(120.0, 18.0), Sense::hover());
-    let rect = response.rect;
-    painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
-    let top = (2.0 * budget_ms).max(1e-3);
-    let y = |ms: f64| rect.bottom() - rect.height() * (ms / top).min(1.0) as f32;
-    painter.hline(rect.x_range(), y(budget_ms), Stroke::new(1.0, Color32::from_gray(70)));
-    for (index, ms) in recent_ms.iter().rev().take(60).enumerate() {
-        let x = rect.right() - 2.0 * index as f32 - 1.0;
-        let color = if *ms <= budget_ms { Color32::from_rgb(110, 170, 230) } else { Color32::from_rgb(220, 150, 80) };
-        painter.vline(x, y(*ms)..=rect.bottom(), Stroke::new(1.5, color));
-    }
-    response.on_hover_text(format!("milliseconds on the device of the last pictures; the line: {budget_ms:.0} ms"));
 }
 
 #[cfg(test)]

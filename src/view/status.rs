@@ -57,6 +57,8 @@ pub(super) struct Figures {
     pub(super) recent_ms: Vec<f64>,
     /// Frames of the recording, finished and in all.
     pub(super) recording: Option<(u32, u32)>,
+    /// How much of the search for a way to draw is done, 0 to 1.
+    pub(super) picking: Option<f32>,
     /// What went wrong or was done last.
     pub(super) message: Option<String>,
 }

@@ -1,14 +1,15 @@
 //! The thread that renders: the newest scene first, coarse while it moves, better and better while it stands still.
 
+mod task;
+
 use super::progressive::{FEWEST, Level, MOST, Mean, enlarge, number, reference, rms_difference};
 use super::screen::develop;
 use super::status::Stage;
 use crate::glsl::Library;
 use crate::gpu::Gpu;
-use crate::output::{self, Depth, Provenance};
+use crate::pick::{Bound, Pick};
 use crate::render::{Frame, RenderError, Renderer, Subject};
 use crate::scene::Scene;
-use crate::sequence::{Frames, Sequence, frame_path};
 use egui::ColorImage;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -22,8 +23,6 @@ use std::time::{Duration, Instant};
 const BAND_MS: f64 = 150.0;
 /// A picture in the making is shown this often.
 const SHOW_EVERY: Duration = Duration::from_millis(150);
-/// Frames per second of a recording.
-const FPS: f64 = 25.0;
 
 /// A scene and its object.
 #[derive(Clone)]
@@ -48,10 +47,12 @@ pub(super) struct Job {
 
 /// What is done between two jobs.
 pub(super) enum Task {
-    /// Writes the picture that `render` makes.
-    Shot { library: Arc<Library>, variant: Box<Variant>, path: PathBuf },
+    /// Writes the picture that `render` makes. `edited` are modules that are in no file as they are drawn here.
+    Shot { library: Arc<Library>, variant: Box<Variant>, path: PathBuf, edited: Vec<String> },
     /// Writes a turn around the object.
-    Turntable { library: Arc<Library>, variant: Box<Variant>, path: PathBuf, frames: u32 },
+    Turntable { library: Arc<Library>, variant: Box<Variant>, path: PathBuf, frames: u32, edited: Vec<String> },
+    /// Looks for the cheapest way to draw within an error.
+    Pick { library: Arc<Library>, variant: Box<Variant>, bound: Bound },
 }
 
 /// A picture, ready to be shown, and what is known about it.
@@ -77,6 +78,10 @@ pub(super) enum Event {
     Picture(Picture),
     /// A file was written.
     Wrote(PathBuf),
+    /// So much of the search for a way to draw is done.
+    Picking(f32),
+    /// A way to draw was found, or the search was given up.
+    Picked(Option<Box<Pick>>),
     /// So many frames of a recording are written.
     Recorded(u32, u32),
     /// Something could not be done; one line.
@@ -100,7 +105,7 @@ struct Shared {
     newest: AtomicU64,
     /// Whether the thread ends.
     quit: AtomicBool,
-    /// Whether a recording ends.
+    /// Whether a recording or a search ends.
     stop: AtomicBool,
 }
 
@@ -127,7 +132,7 @@ impl Shared {
 
 impl Worker {
     /// Starts the thread. `notify` is called from it when there is an event.
-    pub(super) fn start(gpu: Gpu, budget_ms: f64, notify: impl Fn() + Send + 'static) -> Worker {
+    pub(super) fn start(gpu: Gpu, budget_ms: f64, notify: impl Fn() + Send + Sync + 'static) -> Worker {
         let shared = Arc::new(Shared::default());
         let (sender, events) = mpsc::channel();
         let own = shared.clone();
@@ -159,7 +164,7 @@ impl Worker {
         self.shared.wake.notify_one();
     }
 
-    /// Ends a recording.
+    /// Ends a recording or a search.
     pub(super) fn stop(&self) {
         self.shared.stop.store(true, Ordering::Relaxed);
     }
@@ -183,7 +188,7 @@ impl Drop for Worker {
 struct Studio {
     gpu: Gpu,
     shared: Arc<Shared>,
-    tell: Box<dyn Fn(Event) + Send>,
+    tell: Box<dyn Fn(Event) + Send + Sync>,
     level: Level,
     budget_ms: f64,
     /// Error of the last coarse picture that a mean could be held against, and its level.
@@ -263,48 +268,6 @@ impl Studio {
         let lost = matches!(&error, RenderError::Gpu(error) if error.is_lost());
         (self.tell)(if lost { Event::Lost } else { Event::Failed(error.to_string()) });
         !lost
-    }
-
-    fn work(&self, task: Task) -> Result<(), RenderError> {
-        let write = |frame: &Frame, scene: &Scene, path: &PathBuf| {
-            let modules = &frame.measurements.modules;
-            let written = Provenance::of(scene, &self.gpu.facts().title(), modules)
-                .map_err(|error| error.to_string())
-                .and_then(|provenance| {
-                    let background = scene.image.background;
-                    output::write(frame, background, Depth::Eight, &provenance, path).map_err(|error| error.to_string())
-                });
-            written.map_err(|reason| (self.tell)(Event::Failed(reason))).is_ok()
-        };
-        match task {
-            Task::Shot { library, variant, path } => {
-                let frame = Renderer::new(&self.gpu, &library, &variant.subject).render(&variant.scene)?;
-                if write(&frame, &variant.scene, &path) {
-                    (self.tell)(Event::Wrote(path));
-                }
-            }
-            Task::Turntable { library, variant, path, frames } => {
-                let last = frames.max(1) - 1;
-                let sequence = Sequence { frames: Frames { first: 0, last }, fps: FPS, turntable: true };
-                let mut renderer = Renderer::new(&self.gpu, &library, &variant.subject);
-                for frame in 0..=last {
-                    if self.shared.stop.load(Ordering::Relaxed) {
-                        (self.tell)(Event::Failed(format!(
-                            "the recording was stopped after {frame} of {frames} frames"
-                        )));
-                        return Ok(());
-                    }
-                    (self.tell)(Event::Recorded(frame, frames));
-                    let picture = renderer.render(&sequence.scene(&variant.scene, frame))?;
-                    if !write(&picture, &variant.scene, &frame_path(&path, frame)) {
-                        return Ok(());
-                    }
-                }
-                (self.tell)(Event::Recorded(frames, frames));
-                (self.tell)(Event::Wrote(path));
-            }
-        }
-        Ok(())
     }
 
     /// Shows a job and those after it that have the same modules and objects; gives the first that has not.

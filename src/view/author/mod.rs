@@ -14,3 +14,4 @@ pub use compile::Fault;
 pub(crate) use editor::WRONG;
 pub use editor::show;
 pub use source::{Author, State};
+pub(super) use trial::{programs, reaches};

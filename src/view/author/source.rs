@@ -50,6 +50,8 @@ pub enum State {
 /// A file that somebody edits elsewhere.
 struct Watched {
     path: PathBuf,
+    /// Whether the module is no other text of one that ships.
+    is_own: bool,
     seen: Option<(SystemTime, u64)>,
     looked: Instant,
 }
@@ -154,8 +156,13 @@ impl Author {
         (self.slot, self.name, self.text, self.tried) = (slot.into(), name.into(), text, None);
         self.drafts.remove(&self.path());
         self.changed = Instant::now() - REST;
-        self.file = Some(Watched { path: path.into(), seen: stamp(path), looked: Instant::now() });
+        self.file = Some(self.watched(path));
         Ok(())
+    }
+
+    fn watched(&self, path: &Path) -> Watched {
+        let is_own = glsl::shipped().source(&self.path()).is_none();
+        Watched { path: path.into(), is_own, seen: stamp(path), looked: Instant::now() }
     }
 
     /// Writes the text to a file, and follows that file.
@@ -165,7 +172,7 @@ impl Author {
     pub fn save(&mut self, path: &Path) -> Result<(), String> {
         output::write_whole(path, self.text.as_bytes())
             .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
-        self.file = Some(Watched { path: path.into(), seen: stamp(path), looked: Instant::now() });
+        self.file = Some(self.watched(path));
         Ok(())
     }
 
@@ -190,6 +197,11 @@ impl Author {
         self.look();
         if self.tried.as_deref() != Some(self.text.as_str()) && self.changed.elapsed() >= REST {
             self.submit(model);
+        }
+        if let Some(file) = self.file.as_ref().filter(|file| file.is_own && self.state == State::Good)
+            && model.library().source(&self.path()).is_some()
+        {
+            model.file_module(&format!("{}/{}", self.slot, self.name), &file.path.to_string_lossy());
         }
         match self.worker.answer() {
             None => false,

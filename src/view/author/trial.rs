@@ -23,7 +23,7 @@ pub(super) fn job(scene: &Scene, library: &Library, slot: &str, name: &str) -> R
 }
 
 /// What a scene would link: its picture, and its shadows where it casts some.
-pub(super) fn programs(scene: &Scene, library: &Library) -> Result<Vec<Variant>, VariantError> {
+pub(in crate::view) fn programs(scene: &Scene, library: &Library) -> Result<Vec<Variant>, VariantError> {
     let picture = Variant::of(scene, library)?;
     let shadow = scene.light.shadows.then(|| picture.shadow(scene, library)).transpose()?;
     Ok([picture].into_iter().chain(shadow).collect())
@@ -45,7 +45,7 @@ fn candidates(scene: &Scene, slot: &str, name: &str) -> Vec<Scene> {
 }
 
 /// Whether the file is among those that a program is linked from.
-fn reaches(variant: &Variant, library: &Library, path: &str) -> bool {
+pub(in crate::view) fn reaches(variant: &Variant, library: &Library, path: &str) -> bool {
     let is_it = |file: &String| file.split('#').next() == Some(path);
     let filled = |(key, names): (&String, &Vec<String>)| {
         let slot = key.rsplit('.').next().unwrap_or_default();

@@ -93,9 +93,17 @@ fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
     if !slots.is_empty() && exchanged.check(library).is_ok() {
         for (slot, value) in slots {
             let names = match value {
-                Value::Array(stack) => stack.iter().filter_map(Value::as_str).collect::<Vec<_>>().join("+"),
-                other => other.as_str().unwrap_or_default().into(),
+                Value::Array(stack) => stack.iter().filter_map(Value::as_str).collect::<Vec<_>>(),
+                other => other.as_str().into_iter().collect(),
             };
+            let mut word = |name: &str| match own_file(scene, slot, name) {
+                Some(file) => {
+                    base.modules.insert(format!("{slot}/{name}"), file.into());
+                    file.to_string()
+                }
+                None => name.to_string(),
+            };
+            let names = names.into_iter().map(&mut word).collect::<Vec<_>>().join("+");
             modules.extend(["--module".to_string(), format!("{slot}={names}")]);
             if exchanged.set_field(&format!("effect.{slot}"), &value.to_string()).is_err() {
                 modules.clear();
@@ -129,6 +137,12 @@ fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
         words.extend(valued("--camera", &format!("{},{}{zoom}", eye.azimuth, eye.elevation)));
     }
     words
+}
+
+/// The file of a module of the scene's own, where `--module` makes the same of it.
+fn own_file<'a>(scene: &'a Scene, slot: &str, name: &str) -> Option<&'a str> {
+    let file = scene.modules.get(&format!("{slot}/{name}"))?;
+    (Path::new(file).file_stem()? == name && !file.contains(['+', '@'])).then_some(file)
 }
 
 /// The option for one field.

@@ -13,7 +13,7 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
     ui.horizontal(|ui| {
         let asked = controls.status.max_error;
         let mut on = asked.is_some();
-        let doc = "Choose the samples so that the estimated error of a pixel is at most this.";
+        let doc = "Draw in the cheapest way whose root mean square error is at most this.";
         let response = ui.checkbox(&mut on, "largest error").on_hover_text(doc);
         if super::widgets::named(ui, &response, "max_error.on").changed() {
             controls.requests.push(Request::MaxError(on.then_some(FIRST_ERROR)));

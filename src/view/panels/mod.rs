@@ -6,6 +6,7 @@
 
 mod accuracy;
 mod effect;
+mod figures;
 mod knobs;
 mod object;
 mod session;
@@ -16,7 +17,7 @@ pub mod widgets;
 use super::author::{self, Author};
 use super::model::Model;
 use crate::scene::{Effect, KnobValue, Material, Object, Scene, Transfer};
-use egui::{CollapsingHeader, Panel, ProgressBar, RichText, ScrollArea, Ui};
+use egui::{CollapsingHeader, Panel, RichText, ScrollArea, Ui};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use widgets::Touch;
@@ -26,7 +27,11 @@ use widgets::Touch;
 pub struct Status {
     /// Time of the last frame and its spread, milliseconds.
     pub frame_ms: Option<[f64; 2]>,
-    /// Estimated error of the picture that is shown, and its own spread, in units of 1.
+    /// Milliseconds of the last pictures on the device, the newest last.
+    pub recent_ms: Vec<f64>,
+    /// Milliseconds that one may take while the scene moves.
+    pub budget_ms: f64,
+    /// Estimated root mean square error of the picture that is shown, and its own spread, in units of 1.
     pub error: Option<[f64; 2]>,
     /// Samples, slices or pictures that are shown, in words.
     pub samples: String,
@@ -136,7 +141,7 @@ impl Panels {
     pub fn show(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
         ui.spacing_mut().item_spacing.y = 5.0;
         ui.spacing_mut().slider_width = 118.0;
-        Panel::bottom("status").show(ui, |ui| show_status(ui, model, status));
+        Panel::bottom("status").show(ui, |ui| figures::show(ui, model, status));
         let requests = Panel::right("scene").default_size(376.0).size_range(320.0..=640.0).show(ui, |ui| {
             let requests = self.controls(ui, model, status);
             ui.take_available_width();
@@ -231,21 +236,5 @@ fn section(ui: &mut Ui, title: &str, open: bool, add: impl FnOnce(&mut Ui)) {
     CollapsingHeader::new(RichText::new(title).strong()).id_salt(title).default_open(open).show(ui, |ui| {
         add(ui);
         ui.add_space(4.0);
-    });
-}
-
-fn show_status(ui: &mut Ui, model: &Model, status: &Status) {
-    if let Some(message) = model.message().or(status.message.as_deref()) {
-        widgets::wrong(ui, message);
-    }
-    ui.horizontal(|ui| {
-        let mut parts = Vec::new();
-        parts.extend(status.frame_ms.map(|[ms, spread]| format!("{ms:.1} ± {spread:.1} ms")));
-        parts.extend(status.error.map(|[error, spread]| format!("error {error:.1e} ± {spread:.0e}")));
-        parts.extend([&status.samples, &status.device].into_iter().filter(|text| !text.is_empty()).cloned());
-        ui.label(RichText::new(parts.join("   ")).monospace());
-        if let Some(progress) = status.progress {
-            ui.add(ProgressBar::new(progress).desired_width(160.0).show_percentage());
-        }
     });
 }

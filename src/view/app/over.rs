@@ -1,0 +1,55 @@
+//! What lies over the picture.
+
+use super::App;
+use crate::view::keys::{self, Action};
+use egui::{Area, Color32, Frame, Id, ProgressBar, RichText, Ui, Vec2};
+
+impl App {
+    /// What is being loaded, and the list of keys.
+    pub(super) fn show_over(&mut self, ui: &Ui) {
+        let place = self.place;
+        let dark = Frame::popup(ui.style()).fill(Color32::from_black_alpha(200));
+        if let Some((name, done)) = self.loader.progress() {
+            Area::new(Id::new("loading")).fixed_pos(place.center() - Vec2::new(130.0, 30.0)).show(ui.ctx(), |ui| {
+                dark.show(ui, |ui| {
+                    ui.set_width(260.0);
+                    ui.label(format!("distance field of {name}"));
+                    ui.add(ProgressBar::new(done).show_percentage());
+                    if ui.button("Cancel").clicked() {
+                        self.loader.cancel();
+                        self.figures.message = Some(format!("{name} was given up"));
+                    }
+                });
+            });
+        }
+        if self.help {
+            Area::new(Id::new("help")).fixed_pos(place.left_top() + Vec2::new(16.0, 16.0)).show(ui.ctx(), |ui| {
+                dark.show(ui, |ui| self.show_keys(ui));
+            });
+        }
+    }
+
+    fn show_keys(&self, ui: &mut Ui) {
+        egui::Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
+            let state = |action: Action| match action {
+                Action::Play => Some(self.clock.is_some()),
+                Action::Compare => Some(self.kept.is_some()),
+                Action::Inertia => Some(self.inertia),
+                Action::FullScreen => Some(self.full_screen),
+                Action::Record => Some(self.figures.recording.is_some()),
+                _ => None,
+            };
+            for binding in keys::KEYS.iter().filter(|binding| !binding.what.is_empty()) {
+                ui.label(RichText::new(binding.name).strong());
+                let state = state(binding.action).map_or("", |on| if on { " (on)" } else { " (off)" });
+                ui.label(format!("{}{state}", binding.what));
+                ui.end_row();
+            }
+            for (name, what) in keys::MOUSE {
+                ui.label(RichText::new(name).strong());
+                ui.label(what);
+                ui.end_row();
+            }
+        });
+    }
+}
