@@ -150,6 +150,69 @@ fn it_draws_every_preset() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn its_panels_change_the_picture_that_is_written() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (scene, picture, rendered) = (path("scene.toml"), path("panel.png"), path("rendered.png"));
+    let script = format!(
+        "wait picture\nclick Presets\nclick effect fur\nclick preset fire_ball\nclick effect fur\nwait picture\n\
+         set knobs.fineness 40\nclick undo\nclick redo\nframes 2\nclick effect.turbulence\nframes 2\n\
+         click procedural\nframes 2\nwait picture\nclick undo\nclick Objects\nframes 2\nclick Transfer map\n\
+         click Material\nclick Light and background\nclick Camera\nclick Accuracy\nclick File\nframes 2\n\
+         set material.specular 0.5\nset light.intensity 1.5\nset camera.zoom 1.25\nset camera.azimuth 75\n\
+         set quality.samples 40\nclick quality.jitter\nclick quality.jitter\nclick quality.pass\nframes 2\n\
+         click march\nframes 2\nwait picture\nclick pause\nframes 20\nclick pause\nclick compare\nframes 2\n\
+         set camera.elevation 10\nwait picture\nclick compare\nclick camera.reset\nclick author\nframes 3\n\
+         click author\nclick copy\nframes 2\nwrite file.scene {scene}\nclick file.save\nwrite file.picture {picture}\n\
+         frames 3\nclick file.screenshot\nframes 2\nclick quit\nframes 9\n"
+    );
+    play(&display, folder.path(), &["torus", "--samples", "32", "--size", "64x48", "--window", "900x700"], &script);
+    let saved = scene::load(Path::new(&scene)).unwrap();
+    assert_eq!((saved.quality.samples, saved.material.specular), (40, 0.5));
+    assert_eq!((saved.effect.dmf, saved.light.intensity), (scene::preset("fur").unwrap().effect.dmf, 1.5));
+    render(&[&scene], Path::new(&rendered));
+    assert_eq!(std::fs::read(&picture).unwrap(), std::fs::read(&rendered).unwrap());
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn m52_a_broken_module_leaves_the_picture_and_a_mended_one_changes_it() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let text = |part: &str| {
+        format!(
+            "// A part.\n// Source: a test.\n// Result: density.\nfloat part_of(float density, Sample s) {{ return {part} * density; }}\n"
+        )
+    };
+    for (name, part) in [("part_of.glsl", "0.5"), ("broken", "missing_name"), ("mended", "0.1")] {
+        std::fs::write(path(name), text(part)).unwrap();
+    }
+    let [file, broken, mended] = ["part_of.glsl", "broken", "mended"].map(path);
+    let shots = ["first.png", "second.png", "third.png", "fourth.png"].map(path);
+    let [first, second, third, fourth] = &shots;
+    let scene = path("scene.toml");
+    let script = format!(
+        "wait picture\nshot {first}\nframes 2\ndrop {file}\nframes 3\nwait good\nclick author.use\nframes 2\nwait picture\n\
+         shot {second}\nframes 2\ncopy {broken} {file}\nwait bad\nwait picture\nshot {third}\nframes 2\n\
+         copy {mended} {file}\nframes 40\nwait good\nframes 4\nwait picture\nclick File\nframes 2\n\
+         write file.scene {scene}\nclick file.save\nshot {fourth}\nframes 2\nquit\n"
+    );
+    let arguments = ["torus", "--effect", "fire", "--samples", "32", "--size", "64x48", "--window", "1100x700"];
+    play(&display, folder.path(), &arguments, &script);
+    let pixels = |path: &String| image::open(path).unwrap().into_rgba8();
+    assert_ne!(pixels(first), pixels(second));
+    assert_eq!(pixels(second), pixels(third), "a text that is refused changes nothing");
+    assert_ne!(pixels(third), pixels(fourth));
+    assert_eq!(scene::load(Path::new(&scene)).unwrap().modules["dmf/part_of"], file);
+    let rendered = path("rendered.png");
+    render(&[&scene], Path::new(&rendered));
+    assert_eq!(std::fs::read(fourth).unwrap(), std::fs::read(&rendered).unwrap());
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
 fn a_picture_that_stands_still_gets_as_good_as_was_asked_for() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();

@@ -5,6 +5,7 @@ mod over;
 mod wish;
 
 use super::ViewError;
+use super::author::Author;
 use super::host;
 use super::keys;
 use super::load::Loader;
@@ -99,6 +100,8 @@ pub(super) struct App {
     max_error: Option<f64>,
     /// The error that a way to draw is still to be looked for.
     pick: Option<f64>,
+    /// The scene that one is being looked for.
+    picked_for: Option<Scene>,
     posted: Option<Job>,
     dragging: bool,
     changed: Instant,
@@ -140,6 +143,7 @@ impl App {
             kept: None,
             max_error: start.max_error,
             pick: start.max_error,
+            picked_for: None,
             posted: None,
             dragging: false,
             changed: now,
@@ -169,6 +173,11 @@ impl App {
     /// Lets go of the device: nothing of this holds it any more.
     pub(super) fn leave_device(&mut self) {
         self.worker = None;
+    }
+
+    /// The module that is being edited.
+    pub(super) fn author(&mut self) -> &mut Author {
+        self.panels.author()
     }
 
     /// What is being loaded, and how far it is.

@@ -218,7 +218,7 @@ impl Host {
             }
         }
         let deed = match (&mut self.script, &self.live) {
-            (Some(script), Some(live)) => script.next(&self.app, &live.widgets)?,
+            (Some(script), Some(live)) => script.next(&mut self.app, &live.widgets)?,
             _ => None,
         };
         let Some(live) = &mut self.live else { return Ok(()) };

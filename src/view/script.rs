@@ -10,7 +10,11 @@
 //! key NAME                         a key, as the window lists it
 //! drag X Y X Y [right]             the mouse over the picture: 0 to 1 from its left and top
 //! scroll LINES                     the wheel, in the middle of the picture
-//! click NAME                       the control of that name
+//! click NAME                       the control of that name; where several have it, the last
+//! set NAME NUMBER                  a slider
+//! write NAME TEXT                  the text of a field, `\n` for a new line
+//! wait good | bad                  until the text of the editor is compiled, or refused
+//! copy FILE FILE                   what another program does to the second file
 //! drop FILE                        a file dropped on the window
 //! shot FILE                        the picture that `render` makes
 //! lose                             the device is lost
@@ -19,9 +23,11 @@
 
 use super::ViewError;
 use super::app::App;
+use super::author::State;
 use super::keys;
 use super::status::Stage;
-use egui::{Event, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, TouchPhase, Vec2, accesskit};
+use accesskit::{Action, ActionData, ActionRequest, Node, NodeId, TreeId};
+use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, TouchPhase, Vec2, accesskit};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -58,7 +64,12 @@ enum Step {
     Frames(u32),
     Drag([f32; 4], PointerButton),
     Scroll(f32),
+    Good,
+    Bad,
     Click(String),
+    Set(String, f64),
+    Write(String, String),
+    Copy(PathBuf, PathBuf),
     Do(Deed),
 }
 
@@ -102,7 +113,7 @@ impl Script {
     }
 
     /// What happens before the next frame.
-    pub(super) fn next(&mut self, app: &App, tree: &[Widget]) -> Result<Option<Deed>, ViewError> {
+    pub(super) fn next(&mut self, app: &mut App, tree: &[Widget]) -> Result<Option<Deed>, ViewError> {
         if let Some(events) = self.events.pop_front() {
             return Ok(Some(Deed::Events(events)));
         }
@@ -119,6 +130,8 @@ impl Script {
             Step::Converged => app.is_current && matches!(stage, Stage::Converged(_)),
             Step::Loading => app.loading().is_some(),
             Step::Frames(count) => self.frames > *count,
+            Step::Good => self.frames > 1 && *app.author().state() == State::Good,
+            Step::Bad => matches!(app.author().state(), State::Bad(_)),
             _ => steady,
         };
         if !done {
@@ -139,14 +152,21 @@ impl Script {
                 let wheel = Event::MouseWheel { unit, delta, phase, modifiers };
                 Some(Deed::Events(vec![Event::PointerMoved(app.place.center()), wheel]))
             }
-            Step::Click(name) => {
-                let widget = tree.iter().find(|widget| widget.name == *name);
-                let widget = widget.ok_or_else(|| {
-                    let known: Vec<&str> = tree.iter().map(|widget| widget.name.as_str()).collect();
-                    fail(format!("nothing is called `{name}`; there are: {}", known.join(", ")))
-                })?;
-                self.events = click(widget.place.center());
-                self.events.pop_front().map(Deed::Events)
+            Step::Click(name) => Some(request(find(tree, name, Action::Click).map_err(fail)?, Action::Click, None)),
+            Step::Set(name, value) => {
+                let (value, widget) = (ActionData::NumericValue(*value), find(tree, name, Action::SetValue));
+                Some(request(widget.map_err(fail)?, Action::SetValue, Some(value)))
+            }
+            Step::Write(name, text) => {
+                let focus = request(find(tree, name, Action::Focus).map_err(fail)?, Action::Focus, None);
+                let all = Modifiers::COMMAND | Modifiers::CTRL;
+                self.events = [key(Key::A, all).into(), vec![Event::Text(text.clone())]].into();
+                Some(focus)
+            }
+            Step::Copy(from, to) => {
+                let failed = |error| fail(format!("{} to {}: {error}", from.display(), to.display()));
+                std::fs::copy(from, to).map_err(failed)?;
+                None
             }
             _ => None,
         };
@@ -156,34 +176,40 @@ impl Script {
     }
 }
 
-/// Something that can be clicked.
-#[derive(Clone, Debug, PartialEq)]
+/// Something that can be used.
+#[derive(Clone, Debug)]
 pub(super) struct Widget {
-    pub(super) name: String,
-    /// Points.
-    pub(super) place: Rect,
+    id: NodeId,
+    node: Node,
 }
 
 /// What egui tells a screen reader.
 pub(super) fn widgets(update: &accesskit::TreeUpdate) -> Vec<Widget> {
-    let widget = |(_, node): &(accesskit::NodeId, accesskit::Node)| {
-        let (name, place) = (node.label().or(node.value())?, node.bounds()?);
-        let place = Rect::from_min_max(
-            Pos2::new(place.x0 as f32, place.y0 as f32),
-            Pos2::new(place.x1 as f32, place.y1 as f32),
-        );
-        Some(Widget { name: name.to_string(), place })
-    };
-    update.nodes.iter().filter_map(widget).collect()
+    update.nodes.iter().map(|(id, node)| Widget { id: *id, node: node.clone() }).collect()
+}
+
+/// The last of that name that this can be done with: what lies over the rest comes last.
+fn find<'a>(tree: &'a [Widget], name: &str, action: Action) -> Result<&'a Widget, String> {
+    let named = |widget: &&Widget| widget.node.label().or(widget.node.value()) == Some(name);
+    tree.iter().rfind(|widget| widget.node.supports_action(action) && named(widget)).ok_or_else(|| {
+        let usable = tree.iter().filter(|widget| widget.node.supports_action(action));
+        let known: Vec<&str> = usable.filter_map(|widget| widget.node.label().or(widget.node.value())).collect();
+        format!("nothing is called `{name}`; there are: {}", known.join(", "))
+    })
+}
+
+/// What a screen reader asks of a control.
+fn request(widget: &Widget, action: Action, data: Option<ActionData>) -> Deed {
+    let request = ActionRequest { action, target_node: widget.id, target_tree: TreeId::ROOT, data };
+    Deed::Events(vec![Event::AccessKitActionRequest(request)])
+}
+
+fn key(key: Key, modifiers: Modifiers) -> [Event; 2] {
+    [true, false].map(|pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers })
 }
 
 fn button(pos: Pos2, button: PointerButton, pressed: bool) -> Event {
     Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE }
-}
-
-fn click(at: Pos2) -> VecDeque<Vec<Event>> {
-    let primary = PointerButton::Primary;
-    [Event::PointerMoved(at), button(at, primary, true), button(at, primary, false)].map(|event| vec![event]).into()
 }
 
 fn drag(place: Rect, [x0, y0, x1, y1]: [f32; 4], with: PointerButton) -> VecDeque<Vec<Event>> {
@@ -207,6 +233,16 @@ fn parse(line: &str) -> Result<Step, String> {
         ("wait", "picture") => Step::Picture,
         ("wait", "converged") => Step::Converged,
         ("wait", "loading") => Step::Loading,
+        ("wait", "good") => Step::Good,
+        ("wait", "bad") => Step::Bad,
+        ("set" | "write" | "copy", _) => {
+            let (name, value) = rest.split_once(' ').ok_or_else(|| format!("`{word}` needs two words"))?;
+            match word {
+                "set" => Step::Set(name.into(), value.parse().map_err(|_| format!("`{value}` is no number"))?),
+                "write" => Step::Write(name.into(), value.replace("\\n", "\n")),
+                _ => Step::Copy(name.into(), value.into()),
+            }
+        }
         ("frames", _) => Step::Frames(numbers(1)?[0] as u32),
         ("size", _) => {
             let sides = numbers(2)?;
@@ -215,10 +251,8 @@ fn parse(line: &str) -> Result<Step, String> {
         ("minimize", "") => Step::Do(Deed::Minimize(true)),
         ("restore", "") => Step::Do(Deed::Minimize(false)),
         ("key", name) => {
-            let key = keys::named(name).ok_or_else(|| format!("no key `{name}`"))?;
-            let event =
-                |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers: Modifiers::NONE };
-            Step::Do(Deed::Events(vec![event(true), event(false)]))
+            let named = keys::named(name).ok_or_else(|| format!("no key `{name}`"))?;
+            Step::Do(Deed::Events(key(named, Modifiers::NONE).into()))
         }
         ("drag", _) => {
             let places = numbers(4)?;

@@ -122,6 +122,7 @@ impl App {
         match Bound::new(Metric::Rmse, error) {
             Ok(bound) => {
                 self.figures.picking = Some(0.0);
+                self.picked_for = Some(self.model.scene().clone());
                 self.task(|library, variant| Task::Pick { library, variant, bound });
             }
             Err(error) => self.say(error.to_string()),
@@ -130,6 +131,11 @@ impl App {
 
     /// Draws the scene in the way that was picked for it.
     pub(super) fn take(&mut self, pick: &Pick) {
+        let content = |scene: &Scene| Scene { camera: Camera::default(), ..scene.clone() };
+        if self.picked_for.take().map(|scene| content(&scene)) != Some(content(self.model.scene())) {
+            self.say("the scene has changed while a way to draw it was looked for: ask again".into());
+            return;
+        }
         let Scene { quality, effect, .. } = &pick.scene;
         let good = self.model.edit("way to draw", |scene| {
             scene.quality.clone_from(quality);

@@ -90,12 +90,9 @@ fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
     (object.stretch, object.resolution) = (scene.object.stretch, scene.object.resolution);
     object.distance |= scene.object.distance;
     let mut modules = Vec::new();
-    if !slots.is_empty() && exchanged.check(library).is_ok() {
+    let own = |(slot, value): &(&str, &Value)| names(value).iter().all(|name| is_known(scene, slot, name));
+    if !slots.is_empty() && slots.iter().all(own) && exchanged.check(library).is_ok() {
         for (slot, value) in slots {
-            let names = match value {
-                Value::Array(stack) => stack.iter().filter_map(Value::as_str).collect::<Vec<_>>(),
-                other => other.as_str().into_iter().collect(),
-            };
             let mut word = |name: &str| match own_file(scene, slot, name) {
                 Some(file) => {
                     base.modules.insert(format!("{slot}/{name}"), file.into());
@@ -103,7 +100,7 @@ fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
                 }
                 None => name.to_string(),
             };
-            let names = names.into_iter().map(&mut word).collect::<Vec<_>>().join("+");
+            let names = names(value).into_iter().map(&mut word).collect::<Vec<_>>().join("+");
             modules.extend(["--module".to_string(), format!("{slot}={names}")]);
             if exchanged.set_field(&format!("effect.{slot}"), &value.to_string()).is_err() {
                 modules.clear();
@@ -137,6 +134,24 @@ fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
         words.extend(valued("--camera", &format!("{},{}{zoom}", eye.azimuth, eye.elevation)));
     }
     words
+}
+
+/// The modules that fill a slot.
+fn names(value: &Value) -> Vec<&str> {
+    match value {
+        Value::Array(stack) => stack.iter().filter_map(Value::as_str).collect(),
+        other => other.as_str().into_iter().collect(),
+    }
+}
+
+/// Whether `--module` knows a module before `--set` has said which files there are.
+fn is_known(scene: &Scene, slot: &str, name: &str) -> bool {
+    let (name, mask) = name.split_once('@').map_or((name, None), |(name, mask)| (name, Some(mask)));
+    let is_own = |slot: &str, name: &str| scene.modules.contains_key(&format!("{slot}/{name}"));
+    match mask {
+        Some(mask) => !is_own(slot, name) && !is_own("mask", mask),
+        None => !is_own(slot, name) || own_file(scene, slot, name).is_some(),
+    }
 }
 
 /// The file of a module of the scene's own, where `--module` makes the same of it.
