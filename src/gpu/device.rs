@@ -65,7 +65,8 @@ pub(super) struct Shared {
     next: Mutex<()>,
     pub(super) device: Device,
     pub(super) facts: Facts,
-    /// Family of the queue.
+    /// Family of the queue: what egui draws with is made for it.
+    #[cfg(feature = "view")]
     pub(super) family: u32,
     pub(super) physical: vk::PhysicalDevice,
     pub(super) instance: Instance,
@@ -178,6 +179,7 @@ impl Gpu {
             next,
             device,
             facts,
+            #[cfg(feature = "view")]
             family,
             physical,
             instance,
