@@ -1,8 +1,8 @@
 //! The cheapest way to draw a scene within an error.
 //!
 //! Role: scene and bound -> the same scene with other accuracy settings, and why these. Ways that cannot keep the bound
-//! are left out beforehand ([`ways`]); the others are drawn small against a finer small picture, cheapest first; the
-//! winner is held against the f64 reference in some pixels of the whole picture ([`verify`]), and on a violation the next
+//! are left out beforehand; the others are drawn small against a finer small picture, cheapest first; the
+//! winner is held against the f64 reference in some pixels of the whole picture, and on a violation the next
 //! one is taken. Invariant: only what is there for speed changes, so every way has the truth of the scene as it is.
 //! Source: the protocol of numerical work-precision diagrams; Richardson's extrapolation for the finer picture.
 
@@ -178,14 +178,11 @@ struct Drawn {
     ms: f64,
 }
 
-/// Picks the cheapest way to draw a scene within an error on this device.
-///
-/// Small pictures are at most 96 pixels wide; the reference is computed for up to 1024 pixels of the whole. The same
-/// scene, device and bound are remembered in the cache. `progress` is called with the part that is done, roughly.
+/// As [`pick`], remembered on disk by scene, bound, device and driver.
 ///
 /// # Errors
-/// The scene cannot be drawn, or no way keeps the bound.
-pub fn pick(
+/// As [`pick`].
+pub fn remembered(
     gpu: &Gpu,
     library: &Library,
     scene: &Scene,
@@ -197,6 +194,26 @@ pub fn pick(
     if let Some(pick) = store::load(&key) {
         return Ok(pick);
     }
+    let pick = pick(gpu, library, scene, subject, bound, progress)?;
+    store::save(&key, &pick);
+    Ok(pick)
+}
+
+/// Picks the cheapest way to draw a scene within an error on this device.
+///
+/// Small pictures are at most 96 pixels wide; the reference is computed for 1024 to 2048 pixels of the whole. `progress` is
+/// called with the part that is done, roughly.
+///
+/// # Errors
+/// The scene cannot be drawn, or no way keeps the bound.
+pub fn pick(
+    gpu: &Gpu,
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    bound: Bound,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Pick, PickError> {
     let mut search = Search::new(gpu, library, scene, subject, bound)?;
     progress(0.1);
     let families = ways::families(scene, library, bound.error)?;
@@ -232,7 +249,7 @@ pub fn pick(
             continue;
         }
         let unverified = verified.as_ref().err().cloned();
-        let pick = Pick {
+        return Ok(Pick {
             way: best.way.label(),
             scene: best.way.scene,
             error: best.error,
@@ -242,9 +259,7 @@ pub fn pick(
             counts: [families.left_out, drawn.len(), kept],
             other,
             remembered: false,
-        };
-        store::save(&key, &pick);
-        return Ok(pick);
+        });
     }
     let nearest = drawn.iter().min_by(|a, b| a.error.total_cmp(&b.error));
     let (way, found) = nearest.map_or(("none".into(), f64::INFINITY), |near| (near.way.label(), near.error));

@@ -1,7 +1,7 @@
 //! The truth that a picture is measured against.
 //!
 //! Role: the picture of a scene as the limit of ever finer samples, in f64: the scene's own program, evaluated by
-//! [`exact`](crate::exact) and integrated along each ray to a stated error. Invariant: nothing of the formulas is
+//! [`exact`] and integrated along each ray to a stated error. Invariant: nothing of the formulas is
 //! written here a second time; what the limit of a scene is, [`truth_of`] says.
 //!
 //! What is not in it: bending rays, whose picture depends on its neighbors (the studio is filtered by derivatives).
@@ -14,7 +14,7 @@ use crate::glsl::{Library, LibraryError, Linker};
 use crate::gpu::{Address, Dimension, Format};
 use crate::render::{Blocks, Encoded, Frozen, OCTAVES_ID, RenderError, Subject};
 use crate::scene::{
-    BlockFormat, Effect, Order, Pass, Proxy, Quality, Ray as Course, Rule, Scene, TargetFormat, Traverse, Wrap,
+    BlockFormat, Effect, Order, Pass, Proxy, Quality, Ray as Course, Rule, Scene, TargetFormat, Traverse,
 };
 use crate::variant::{Variant, VariantError};
 use integral::{Limits, Matter, Ray};
@@ -25,11 +25,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Error that a pixel is allowed, unless asked otherwise: a tenth of what pictures are told apart by. Ten times less takes
 /// two to three times as long where noise has a kink at every octave's zeros.
 pub const TOLERANCE: f64 = 1e-4;
-/// Pieces that a ray through all of the scene starts from, five samples each. Fewer: thin matter is overlooked. More:
-/// empty matter costs.
-const PIECES: u32 = 80;
+/// Pieces that a ray through all of the scene starts from, four samples each. Fewer: thin matter is overlooked, such as a
+/// drip that 512 samples of a device find. More: empty matter costs.
+const PIECES: u32 = 192;
 /// A ray is not cut into more pieces than this; its error says so then.
-const MOST_PIECES: usize = 6000;
+const MOST_PIECES: usize = 8000;
 /// The shortest piece, in depths of the scene: where the surface is, is known to this.
 const SHORTEST: f64 = 1e-8;
 /// The path of a sample, in depths of the scene: so short that only the hard region is opaque.
@@ -78,33 +78,12 @@ impl From<VariantError> for ReferenceError {
 /// # Errors
 /// A module of noise or turbulence does not exist, or its header cannot be read.
 pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError> {
-    // A block that is mirrored is a pattern of its own, of which nothing but the block itself is an exact form.
-    let mut truth = if scene.quality.wrap == Wrap::Mirror { scene.clone() } else { scene.exact_twin(library)? };
+    let mut truth = limit_of(&scene.exact_twin(library)?);
+    truth.quality.block_format = BlockFormat::Auto;
     let mut other = truth.clone();
     other.quality.block_size = Quality::default().block_size;
     if other.periods() == truth.periods() {
         truth = other; // nothing reads a block, and nothing repeats as one of its size would
-    }
-    let bends = truth.effect.ray == Course::Refracted;
-    let quality = &mut truth.quality;
-    quality.pass = if bends { Pass::March } else { Pass::Slices }; // which may have the more samples
-    quality.samples = SAMPLES;
-    quality.rule = Rule::Point;
-    quality.traverse = Traverse::Leap;
-    quality.stop = 0.0;
-    quality.target = TargetFormat::Float32;
-    quality.order = Order::FrontToBack;
-    quality.proxy = Proxy::Polygons;
-    quality.msaa = 1;
-    (quality.jitter, quality.seed) = (false, 0);
-    quality.anisotropy = 1.0;
-    quality.block_format = BlockFormat::Auto;
-    let effect = &mut truth.effect;
-    if effect.gradient == "three" {
-        effect.gradient = "central".into();
-    }
-    if effect.classify == "preintegrated" {
-        effect.classify = "post".into();
     }
     // What is not read makes no difference.
     if let Ok(variant) = Variant::of(&truth, library) {
@@ -120,12 +99,38 @@ pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError>
     Ok(truth)
 }
 
+/// The scene of which this one is the limit with ever more samples: as [`truth_of`], with its blocks of noise as they are.
+pub fn limit_of(scene: &Scene) -> Scene {
+    let mut limit = scene.clone();
+    let bends = limit.effect.ray == Course::Refracted;
+    let quality = &mut limit.quality;
+    quality.pass = if bends { Pass::March } else { Pass::Slices }; // which may have the more samples
+    quality.samples = SAMPLES;
+    quality.rule = Rule::Point;
+    quality.traverse = Traverse::Leap;
+    quality.stop = 0.0;
+    quality.target = TargetFormat::Float32;
+    quality.order = Order::FrontToBack;
+    quality.proxy = Proxy::Polygons;
+    quality.msaa = 1;
+    (quality.jitter, quality.seed) = (false, 0);
+    quality.anisotropy = 1.0;
+    let effect = &mut limit.effect;
+    if effect.gradient == "three" {
+        effect.gradient = "central".into();
+    }
+    if effect.classify == "preintegrated" {
+        effect.classify = "post".into();
+    }
+    limit
+}
+
 /// The truth of a picture, from the cache or computed.
 ///
 /// Each pixel has an error of about `tolerance`. `progress` is called with the part that is done, from any thread.
 ///
 /// # Errors
-/// The scene has no program, one that [`exact`](crate::exact) does not cover, or no limit.
+/// The scene has no program, one that [`exact`] does not cover, or no limit.
 pub fn reference(
     library: &Library,
     scene: &Scene,
@@ -140,24 +145,24 @@ pub fn reference(
     }
     let [width, height] = truth.image.size;
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
-    let found = reference_pixels(library, scene, subject, &pixels, tolerance, progress)?;
+    let found = reference_pixels(library, &truth, subject, &pixels, tolerance, progress)?;
     store::save(&key, &found);
     Ok(found)
 }
 
-/// The truth of some pixels of a picture, each with an error of about `tolerance`.
+/// The light of some pixels of a scene that [`truth_of`] or [`limit_of`] gave, each with an error of about `tolerance`.
 ///
 /// # Errors
-/// As [`reference`].
+/// As [`reference()`].
 pub fn reference_pixels(
     library: &Library,
-    scene: &Scene,
+    truth: &Scene,
     subject: &Subject,
     pixels: &[[u32; 2]],
     tolerance: f64,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Reference, ReferenceError> {
-    let (probe, mut inputs) = Probe::new(library, &truth_of(scene, library).map_err(VariantError::from)?, subject)?;
+    let (probe, mut inputs) = Probe::new(library, truth, subject)?;
     let (count, done) = (probe.moments.len(), AtomicUsize::new(0));
     let mut sum = vec![([0.0; 4], 0.0); pixels.len()];
     for moment in &probe.moments {
@@ -176,7 +181,7 @@ pub fn reference_pixels(
         }
     }
     let (pixels, estimate) = sum.into_iter().unzip();
-    Ok(Reference { size: scene.image.size, pixels, estimate })
+    Ok(Reference { size: truth.image.size, pixels, estimate })
 }
 
 /// The program of a scene that gives one sample of a ray, ready to be evaluated.
@@ -383,7 +388,7 @@ impl Sampled {
     }
 }
 
-/// An image as [`exact`](crate::exact) samples it.
+/// An image as [`exact`] samples it.
 fn texture(image: &Encoded) -> exact::Texture {
     let size = match image.dimension {
         Dimension::Line(x) => [x, 1, 1],

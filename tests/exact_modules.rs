@@ -21,7 +21,7 @@ const GLASS: &str = include_str!("glsl/exact_glass.glsl");
 /// that need certain modules beside them.
 type Subject = (&'static str, &'static str, &'static str, &'static [(&'static str, &'static str)]);
 
-const SLOTS: [Subject; 25] = [
+const SLOTS: [Subject; 26] = [
     ("object", POINT, "lit", &[]),
     ("softness", POINT, "fire", &[]),
     ("surface", POINT, "solid", &[]),
@@ -29,6 +29,7 @@ const SLOTS: [Subject; 25] = [
     ("noise", POINT, "noisy_sphere", &[]),
     ("weights", POINT, "noisy_sphere", &[("noise", "procedural")]),
     ("turbulence", POINT, "fire", &[]),
+    ("wrap", POINT, "fire", &[("turbulence", "procedural")]),
     ("bandlimit", POINT, "fire", &[("turbulence", "procedural"), ("noise", "procedural")]),
     ("gradient", POINT, "clouds", &[("medium", "lit")]),
     ("opacity", POINT, "fire", &[]),

@@ -13,7 +13,8 @@ use hypertexture::verify::{self, Known, rays};
 fn found(library: &Library, scene: &Scene, subject: &Subject, tolerance: f64) -> Vec<([f64; 4], f64)> {
     let [width, height] = scene.image.size;
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
-    let reference = reference_pixels(library, scene, subject, &pixels, tolerance, &|_| ()).expect("a reference");
+    let truth = truth_of(scene, library).expect("modules");
+    let reference = reference_pixels(library, &truth, subject, &pixels, tolerance, &|_| ()).expect("a reference");
     reference.pixels.into_iter().zip(reference.estimate).collect()
 }
 
@@ -107,7 +108,7 @@ fn every_preset_with_straight_rays_has_a_reference() {
         scene.image.size = [6, 6];
         let subject = subject(&scene, &library);
         let pixels: Vec<[u32; 2]> = (0..6).map(|x| [x, 3]).collect();
-        match reference_pixels(&library, &scene, &subject, &pixels, 1e-2, &|_| ()) {
+        match reference_pixels(&library, &truth_of(&scene, &library).unwrap(), &subject, &pixels, 1e-2, &|_| ()) {
             Ok(found) => assert!(found.pixels.iter().flatten().all(|value| value.is_finite()), "{name}"),
             Err(error) => assert!(name == "blue_glass", "{name}: {error}"),
         }

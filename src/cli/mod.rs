@@ -23,7 +23,7 @@ pub use view::NoWindow;
 use hypertexture::glsl::{self, Library, library::Default as KnobDefault};
 use hypertexture::gpu::{Format, Gpu, Options};
 use hypertexture::output::{self, Provenance};
-use hypertexture::pick::{Bound, Pick, pick};
+use hypertexture::pick::{Bound, Pick, remembered};
 use hypertexture::predict::{Estimate, Prediction, predict};
 use hypertexture::render::{Frame, Renderer, Subject, open, render, request};
 use hypertexture::scene::{self, KnobValue, Object, Pass, Scene};
@@ -104,8 +104,9 @@ fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Bo
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let gpu = Gpu::new(options)?;
     if let Some(bound) = bound {
-        let pick =
-            with_progress(quiet, "cheapest way", |progress| pick(&gpu, &library, &scene, &subject, bound, progress))?;
+        let pick = with_progress(quiet, "cheapest way", |progress| {
+            remembered(&gpu, &library, &scene, &subject, bound, progress)
+        })?;
         if !quiet {
             say(&explain(&pick, bound));
         }

@@ -6,7 +6,7 @@ use hypertexture::field::Progress;
 use hypertexture::glsl::Library;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output;
-use hypertexture::reference::{Reference, ReferenceError, TOLERANCE, reference_pixels};
+use hypertexture::reference::{Reference, ReferenceError, TOLERANCE, limit_of, reference_pixels};
 use hypertexture::render::{Subject, render};
 use hypertexture::scene::Scene;
 use hypertexture::verify::{self, Asked, PixelTruth};
@@ -95,7 +95,7 @@ fn truth(
     pixels: &[[u32; 2]],
     progress: Progress<'_>,
 ) -> Result<PixelTruth, Box<dyn Error>> {
-    match reference_pixels(library, scene, subject, pixels, TOLERANCE, progress) {
+    match reference_pixels(library, &limit_of(scene), subject, pixels, TOLERANCE, progress) {
         Ok(Reference { pixels, estimate, .. }) => Ok(PixelTruth { pixels, estimate, source: "the f64 reference" }),
         Err(ReferenceError::NoLimit(_) | ReferenceError::Exact(_)) => {
             let frame = render(gpu, library, scene, subject)?;

@@ -4,15 +4,16 @@ use super::Bound;
 use crate::compare::timing::Random;
 use crate::glsl::Library;
 use crate::gpu::Gpu;
-use crate::reference::{ReferenceError, TOLERANCE, reference_pixels};
+use crate::reference::{ReferenceError, TOLERANCE, reference_pixels, truth_of};
 use crate::render::{Frame, Subject, render};
 use crate::scene::Scene;
+use crate::variant::VariantError;
 use serde::{Deserialize, Serialize};
 
 /// Part of the pixels that are looked at.
 const PART: f64 = 0.05;
 /// The fewest and the most of them.
-const PIXELS: [usize; 2] = [256, 1024];
+const PIXELS: [usize; 2] = [1024, 2048];
 /// The reference may be wrong by this part of the bound.
 const OWN: f64 = 0.02;
 /// A pixel that differs from a neighbor by more than this is at an edge, where few pixels have most of the error: half of
@@ -22,7 +23,8 @@ const EDGE: f32 = 0.1;
 /// What the reference says of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verified {
-    /// Error over the pixels that were looked at.
+    /// Error over the pixels that were looked at, or the difference from twice the samples over all pixels, if that is
+    /// larger.
     pub error: f64,
     /// Root mean square of what the reference says of its own error.
     pub estimate: f64,
@@ -43,11 +45,19 @@ pub(super) fn verify(
     let frame = render(gpu, library, scene, subject)?;
     let tolerance = (OWN * bound.error).clamp(1e-7, TOLERANCE);
     let looked_at = Sample::of(&frame);
-    let reference = reference_pixels(library, scene, subject, &looked_at.pixels, tolerance, progress)?;
+    let truth = truth_of(scene, library).map_err(VariantError::from)?;
+    let reference = reference_pixels(library, &truth, subject, &looked_at.pixels, tolerance, progress)?;
     let width = scene.image.size[0] as usize;
     let drawn = looked_at.pixels.iter().map(|[x, y]| frame.pixels[*y as usize * width + *x as usize].map(f64::from));
     let pairs = drawn.zip(reference.pixels.iter().copied()).zip(&looked_at.weights);
     let error = bound.metric.of(pairs.map(|((drawn, truth), weight)| (drawn, truth, *weight)));
+    // A few pixels with most of the error may not be among them: twice the samples show those too.
+    let mut finer = scene.clone();
+    finer.quality.samples *= 2;
+    let error = match finer.check(library) {
+        Ok(_) => error.max(super::metric(bound.metric, &frame.pixels, &render(gpu, library, &finer, subject)?.pixels)),
+        Err(_) => error,
+    };
     let estimate = reference.estimate.iter().zip(&looked_at.weights).map(|(estimate, weight)| (*estimate, *weight));
     let estimate = super::root_mean_square(estimate);
     let ms = frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0);
@@ -111,7 +121,7 @@ mod tests {
             let all = (side * side) as usize;
             let distinct: BTreeSet<_> = sample.pixels.iter().collect();
             assert_eq!(distinct.len(), sample.pixels.len(), "{side}");
-            let wanted = (all / 20).clamp(256, 1024).min(all);
+            let wanted = (all / 20).clamp(1024, 2048).min(all);
             assert!(sample.pixels.len() == wanted, "{side}: {} of {wanted}", sample.pixels.len());
             let stands_for: f64 = sample.weights.iter().sum();
             assert!((stands_for - all as f64).abs() < 1e-6 * all as f64, "{side}: {stands_for}");

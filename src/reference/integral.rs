@@ -121,6 +121,10 @@ pub(super) struct Limits {
 /// Light that is fainter than this is not followed.
 const DARK: f64 = 1e-8;
 
+/// The rules of a piece agree by chance this many times better than those of the piece beside it. Less: twice the pieces
+/// where one would do. More: with noise finer than a piece, estimates are too small.
+const BY_CHANCE: f64 = 4.0;
+
 impl Ray {
     /// A ray through nothing yet.
     pub(super) fn new() -> Ray {
@@ -147,7 +151,7 @@ impl Ray {
         let (mut coarse, mut seen) = (Vec::new(), 0);
         for (index, piece) in self.pieces.iter().enumerate() {
             seen = index + 1;
-            if left * piece.error > limits.error && piece.length > limits.shortest {
+            if left * self.error(index, limits) > limits.error && piece.length > limits.shortest {
                 coarse.push(index);
             }
             left *= piece.fine.transmittance;
@@ -160,6 +164,15 @@ impl Ray {
             coarse.clear();
         }
         coarse
+    }
+
+    /// How wrong a piece may be: its two rules may agree by chance, but hardly where those of the pieces beside it do not.
+    /// A piece that a surface was found in says nothing about others.
+    fn error(&self, index: usize, limits: &Limits) -> f64 {
+        let beside = [index.checked_sub(1), Some(index + 1)].into_iter().flatten();
+        let others = beside.filter_map(|other| self.pieces.get(other)).filter(|piece| piece.length > limits.shortest);
+        let others = others.map(|piece| piece.error).filter(|error| *error < 1.0);
+        others.fold(self.pieces[index].error, |worst, error| worst.max(error / BY_CHANCE))
     }
 
     /// Where samples are wanted to halve these pieces: four for each.
@@ -193,9 +206,9 @@ impl Ray {
     /// finer one. Of a piece that was halved down to `shortest` because a surface is in it, nothing is left to be wrong.
     pub(super) fn light(&self, limits: &Limits) -> (Transport, f64) {
         let (mut whole, mut error) = (Transport::CLEAR, 0.0);
-        for piece in &self.pieces {
+        for (index, piece) in self.pieces.iter().enumerate() {
             if piece.length > limits.shortest {
-                error += (whole.transmittance * piece.error).powi(2);
+                error += (whole.transmittance * self.error(index, limits)).powi(2);
             }
             whole = whole.then(piece.fine);
         }

@@ -30,7 +30,7 @@ pub fn homogeneous(object: &str, rate: f32, projection: Projection) -> Scene {
 /// The stack of slices spans the box's diagonal: with half sides (2, 2, 1) / 3 it is [-1, 1], so that a face can lie
 /// between two slices.
 pub fn box_subject(half_size: Vec3) -> Subject {
-    let (center, scale, radius) = (Vec3::ZERO, 1.0, 1.0);
+    let (center, scale, radius) = (Vec3::ZERO, 1.0, half_size.length());
     let parts = BTreeMap::new();
     Subject { input: "cube".into(), field: None, closest: None, center, scale, half_size, radius, report: None, parts }
 }
@@ -40,7 +40,7 @@ pub const SLAB: Vec3 = Vec3::new(2.0 / 3.0, 2.0 / 3.0, 1.0 / 3.0);
 
 /// The built-in sphere.
 fn sphere() -> Subject {
-    Subject { half_size: Vec3::ONE, input: "sphere".into(), ..box_subject(Vec3::ONE) }
+    Subject { radius: 1.0, input: "sphere".into(), ..box_subject(Vec3::ONE) }
 }
 
 /// The ball of truths 4 and 5; its surface is at 1.
@@ -183,6 +183,7 @@ const PANE: Known = Known {
         scene.camera.field_of_view = 90.0;
         // The eye is 0.7 from the middle of the pane, and the whole view ends on it.
         scene.camera.zoom = (1.0 / 0.8 / 0.7 / 45f64.to_radians().sin()) as f32;
+        scene.camera.zoom *= 1.5; // the pane fills the view
         (scene, box_subject(Vec3::new(1.0, 1.0, 0.5)))
     },
     samples: &[96, 384],

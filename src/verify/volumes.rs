@@ -19,7 +19,7 @@ fn face(surface: &str, pass: Pass) -> Scene {
 }
 
 fn face_subject() -> Subject {
-    box_subject(Vec3::new(0.6, 0.6, 0.4))
+    Subject { radius: 1.0, ..box_subject(Vec3::new(0.6, 0.6, 0.4)) }
 }
 
 /// A field that is negative in the whole box, sampled at the corners of so many cells along each side of [-1, 1]^3.
