@@ -113,6 +113,24 @@ fn n0_10_an_array_that_would_keep_the_driver_busy_is_refused() {
 }
 
 #[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn n0_10_a_new_text_is_tried_in_a_few_rays() {
+    let (mut author, mut model) = desk("fur");
+    author.gate().try_on("");
+    let start = Instant::now();
+    let new = author.text.replacen("return ", "return 0.9 * ", 1);
+    assert_eq!(edit(&mut author, &mut model, &new), State::Good);
+    println!("compiled and tried in {:.2} s", start.elapsed().as_secs_f32());
+    let sum = "sin(cos(".repeat(100) + "sum" + &")".repeat(200);
+    let body = format!("float sum = density; for (int i = 0; i < 1000000; i++) sum = {sum}; return sum; ");
+    let at = new.find("    if (density >= 1.0)").unwrap();
+    let slow = format!("{}    {body}{}", &new[..at], &new[at..]);
+    let State::Bad(faults) = edit(&mut author, &mut model, &slow) else { panic!("an endless loop is good") };
+    assert!(faults[0].text.contains("64 rays") && faults[0].text.contains("loop"), "{faults:?}");
+    assert_eq!(model.library().source("dmf/fur.glsl"), Some(new.as_str()), "the good text stays");
+}
+
+#[test]
 fn a_long_text_a_long_answer_and_a_missing_program_are_errors() {
     let long = format!("// {}\n", "x".repeat(300_000));
     assert!(matches!(try_body(&long, "return density;", &Limits::default()), Err(CompileError::Long { .. })));

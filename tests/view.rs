@@ -143,8 +143,7 @@ fn it_resizes_hides_comes_back_and_follows_mouse_keys_and_files() {
 fn it_draws_every_preset() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
-    let script =
-        format!("wait picture\n{}quit\n", "key Right\nframes 2\nwait picture\n".repeat(scene::names().count()));
+    let script = format!("wait picture\n{}quit\n", "key Right\nframes 2\nwait drawn\n".repeat(scene::names().count()));
     play(&display, folder.path(), &["torus", "--window", "560x240"], &script);
 }
 
@@ -209,6 +208,71 @@ fn m52_a_broken_module_leaves_the_picture_and_a_mended_one_changes_it() {
     let rendered = path("rendered.png");
     render(&[&scene], Path::new(&rendered));
     assert_eq!(std::fs::read(fourth).unwrap(), std::fs::read(&rendered).unwrap());
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn n0_10_a_loop_that_is_too_long_never_meets_the_device_of_the_window() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let waves = "sin(cos(".repeat(100);
+    let text = format!(
+        "// A part.\n// Source: a test.\n// Result: density.\nfloat part_of(float density, Sample s) {{\n    float sum = density;\n    \
+         for (int i = 0; i < 1000000; i++) sum = {waves}sum + s.x.x{};\n    return sum;\n}}\n",
+        ")".repeat(200)
+    );
+    std::fs::write(path("part_of.glsl"), text).unwrap();
+    let mut slow = scene::preset("fire").unwrap();
+    slow.object.input = "torus".into();
+    slow.effect.dmf = vec!["part_of".into()];
+    slow.modules.insert("dmf/part_of".into(), path("part_of.glsl"));
+    slow.knobs.clear();
+    std::fs::write(path("slow.toml"), scene::to_text(&slow)).unwrap();
+    // In the editor it is a line of text, and what was there before goes on.
+    let script = format!(
+        "wait picture\ndrop {}\nframes 3\nwait bad\ndrag 0.3 0.5 0.7 0.4\nwait picture\nquit\n",
+        path("part_of.glsl")
+    );
+    play(&display, folder.path(), &["torus", "--effect", "fire", "--samples", "32", "--window", "1100x700"], &script);
+    // In a scene that is opened, it is the end of an automated run.
+    let output = view(&display, &[&path("slow.toml"), "--frames", "1", "--window", "560x240"]);
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("64 rays") && text.contains("loop"), "{text}");
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_dropped_mesh_is_drawn_and_a_turn_around_it_recorded() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let mesh = "v 1 1 1\nv 1 -1 -1\nv -1 1 -1\nv -1 -1 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
+    std::fs::write(path("mesh.obj"), mesh).unwrap();
+    let script = format!(
+        "wait picture\ndrop {}\nframes 2\nwait picture\nshot {}\nkey t\nframes 2\nkey s\nframes 3\nkey t\nframes 3\n\
+         key t\nframes 4\nquit\n",
+        path("mesh.obj"),
+        path("shot.png")
+    );
+    let file = folder.path().join("script");
+    std::fs::write(&file, script).unwrap();
+    let small = ["--effect", "lit", "--resolution", "24", "--size", "48x32", "--samples", "32"];
+    let arguments = [&["torus"][..], &small, &["--window", "560x240", "--script", file.to_str().unwrap()]].concat();
+    let mut command = program();
+    command.env("DISPLAY", &display.name).current_dir(folder.path()).arg("view");
+    assert_good(&command.args(arguments).output().unwrap());
+    let rendered = path("rendered.png");
+    render(&[&[path("mesh.obj").as_str()][..], &small].concat(), Path::new(&rendered));
+    let pixels = |name: &str| image::open(path(name)).unwrap().into_rgba8();
+    assert_eq!(std::fs::read(path("shot.png")).unwrap(), std::fs::read(&rendered).unwrap());
+    assert_eq!(pixels("turntable_001_0000.png"), pixels("rendered.png"));
+    assert_eq!(pixels("hypertexture_001.png"), pixels("rendered.png"), "the key writes what is on the screen");
+    assert_ne!(pixels("turntable_001_0025.png"), pixels("rendered.png"));
+    let last = folder.path().join("turntable_001_0099.png");
+    assert!(last.exists(), "a turn has a hundred pictures");
+    assert!(!folder.path().join("turntable_002_0099.png").exists(), "the second turn was ended by hand");
 }
 
 #[test]

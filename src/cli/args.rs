@@ -52,6 +52,10 @@ pub enum Command {
     #[cfg(feature = "view")]
     #[command(hide = true)]
     Compile(Compile),
+    /// Render a few rays of the scene on standard input: what the window tries a user's GLSL with.
+    #[cfg(feature = "view")]
+    #[command(hide = true)]
+    Rays(Rays),
 }
 
 /// Arguments of `render`.
@@ -179,6 +183,15 @@ pub struct Compile {
     /// Address space, MiB.
     #[arg(long, default_value_t = 1024)]
     pub memory_mib: u64,
+}
+
+/// Arguments of `rays`: the limit of the process.
+#[cfg(feature = "view")]
+#[derive(Args)]
+pub struct Rays {
+    /// Time of the processor, seconds.
+    #[arg(long, default_value_t = 20)]
+    pub seconds: u64,
 }
 
 /// How an input becomes an object.

@@ -30,7 +30,7 @@ use hypertexture::scene::{self, KnobValue, Object, Pass, Scene};
 use hypertexture::shard::{self, Shard};
 use hypertexture::variant::Variant;
 #[cfg(feature = "view")]
-use hypertexture::view::author::compile;
+use hypertexture::view::author::{compile, rays};
 use hypertexture::{doctor, field, gallery, shape};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
@@ -69,8 +69,13 @@ pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         }
         #[cfg(feature = "view")]
         Command::Compile(limits) => {
-            compile::limit(limits.seconds, limits.memory_mib)?;
+            compile::limit(limits.seconds, Some(limits.memory_mib))?;
             Ok(compile::serve(std::io::stdin().lock(), &mut std::io::stdout().lock())?)
+        }
+        #[cfg(feature = "view")]
+        Command::Rays(limits) => {
+            compile::limit(limits.seconds, None)?;
+            Ok(rays::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), &options)?)
         }
     }
 }

@@ -164,8 +164,9 @@ impl App {
         let facts = gpu.facts();
         self.figures.device = format!("{} ({})", facts.name, facts.driver);
         self.figures.budget_ms = BUDGET_MS[usize::from(!facts.cpu)];
-        let notify = self.notify.clone();
-        self.worker = Some(Worker::start(gpu.clone(), self.figures.budget_ms, move || notify()));
+        let (notify, gate) = (self.notify.clone(), self.panels.author().gate().clone());
+        gate.try_on(&facts.name);
+        self.worker = Some(Worker::start(gpu.clone(), gate, self.figures.budget_ms, move || notify()));
         self.screen.forget();
         (self.posted, self.lost, self.tasks) = (None, false, 0);
     }
@@ -208,6 +209,10 @@ impl App {
                     }
                     self.is_current = picture.number == self.number;
                 }
+                Event::Stopped(line) => {
+                    (self.tasks, self.figures.recording) = (self.tasks.saturating_sub(1), None);
+                    self.say(line);
+                }
                 Event::Wrote(path) => {
                     self.tasks = self.tasks.saturating_sub(1);
                     self.figures.recording = None;
@@ -221,6 +226,11 @@ impl App {
                     }
                 }
                 Event::Recorded(done, all) => self.figures.recording = Some((done, all)),
+                Event::Refused(reason) => {
+                    self.failure.get_or_insert(reason.clone());
+                    (self.tasks, self.figures.recording, self.figures.picking) = (0, None, None);
+                    self.say(reason);
+                }
                 Event::Failed(reason) => {
                     if self.tasks > 0 {
                         self.failure.get_or_insert(reason.clone());
@@ -268,10 +278,11 @@ impl App {
         if let Some(clock) = &mut self.clock {
             *clock += passed;
         }
-        self.screen.draw(ui, self.place, self.figures.difference);
+        let titles = self.kept.as_ref().map(|kept| over::titles(self.model.scene(), kept)).unwrap_or_default();
+        self.screen.draw(ui, self.place, self.figures.difference, &titles);
         self.show_over(ui);
         self.post(ui, now);
-        self.pick(ui);
+        self.pick(ui, now);
     }
 
     fn status(&self) -> Status {
@@ -279,8 +290,10 @@ impl App {
         let recent = &self.figures.recent_ms;
         let mean = recent.iter().sum::<f64>() / recent.len().max(1) as f64;
         let variance = recent.iter().map(|ms| (ms - mean).powi(2)).sum::<f64>() / recent.len().max(1) as f64;
+        // Only coarse pictures come often enough for their times to have a spread.
+        let spread = if self.figures.stage == Stage::Coarse { variance.sqrt() } else { 0.0 };
         Status {
-            frame_ms: (!recent.is_empty()).then_some([self.figures.gpu_ms, variance.sqrt()]),
+            frame_ms: (!recent.is_empty()).then_some([self.figures.gpu_ms, spread]),
             error: error.map(|error| [error, standard_error.unwrap_or(error)]),
             samples: format!("{}, {} x {}, {samples} samples", self.figures.stage.text(), size[0], size[1]),
             device: self.figures.device.clone(),
@@ -346,6 +359,11 @@ impl App {
         let changed = !self.posted.as_ref().is_some_and(same);
         if changed && self.posted.is_some() {
             self.changed = now;
+            if self.figures.picking.is_some() && self.clock.is_none() {
+                // The hand comes first: what is looked for is looked for again once the scene rests.
+                self.stop();
+                self.pick = self.max_error;
+            }
         }
         let busy = self.dragging || self.clock.is_some() || self.glide.is_some();
         let moving = busy || now.duration_since(self.changed) < REST;

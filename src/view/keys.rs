@@ -1,6 +1,6 @@
 //! The keys and what the mouse does, in one list: the window acts by it and shows it.
 
-use egui::{Context, Key, Modifiers};
+use egui::{Context, Key, Modifiers, Popup};
 
 /// What a key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,9 +59,10 @@ pub(super) const MOUSE: [(&str, &str); 4] = [
     ("drop a file", "show a mesh, a scan or a scene"),
 ];
 
-/// What was asked for by keys since the last frame; nothing while text is being written.
+/// What was asked for by keys since the last frame; nothing while text is being written or a list is open, which has keys
+/// of its own.
 pub(super) fn pressed(ctx: &Context) -> Vec<Action> {
-    if ctx.egui_wants_keyboard_input() {
+    if ctx.egui_wants_keyboard_input() || Popup::is_any_open(ctx) {
         return Vec::new();
     }
     ctx.input_mut(|input| {

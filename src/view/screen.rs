@@ -78,8 +78,8 @@ impl Screen {
         Vec2::new(if compared { (place.width() / 3.0).floor() } else { place.width() }, place.height())
     }
 
-    /// Draws the pictures.
-    pub(super) fn draw(&mut self, ui: &Ui, place: Rect, difference: Option<f64>) {
+    /// Draws the pictures; two have these titles.
+    pub(super) fn draw(&mut self, ui: &Ui, place: Rect, difference: Option<f64>, titles: &[String; 2]) {
         if std::mem::take(&mut self.fresh) {
             for (index, image) in self.images.iter().enumerate() {
                 match self.textures.get_mut(index) {
@@ -103,8 +103,8 @@ impl Screen {
             painter.image(texture.id(), rect, whole, Color32::WHITE);
             if compared {
                 let rms = difference.map_or(String::new(), |rms| format!(", RMS {}", scientific(rms)));
-                let titles = ["this".into(), "kept".into(), format!("difference \u{d7} {GAIN}{rms}")];
-                let title = titles.get(index).cloned().unwrap_or_default();
+                let title = titles.get(index).cloned();
+                let title = title.unwrap_or_else(|| format!("difference \u{d7} {GAIN}{rms}"));
                 let at = rect.left_top() + Vec2::new(10.0, 10.0);
                 painter.text(at, Align2::LEFT_TOP, title, FontId::proportional(13.0), Color32::from_gray(210));
                 painter.line_segment([rect.right_top(), rect.right_bottom()], Stroke::new(1.0, Color32::from_gray(60)));

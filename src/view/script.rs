@@ -3,6 +3,7 @@
 //! A script is a text with one step in each line; `#` begins a comment. Each step ends before the next begins:
 //! ```text
 //! wait picture | converged         until the picture is what `render` makes of the scene, or has converged
+//! wait drawn                       until the picture is one of the scene as it is, if only a coarse one
 //! wait loading                     until an object is being loaded
 //! frames N                         until the window was drawn so many times
 //! size W H                         the size of the window, points
@@ -58,6 +59,7 @@ pub(super) enum Deed {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Step {
+    Drawn,
     Picture,
     Converged,
     Loading,
@@ -126,6 +128,7 @@ impl Script {
         let stage = app.figures.stage;
         let steady = app.tasks == 0;
         let done = match &step {
+            Step::Drawn => app.is_current,
             Step::Picture => app.is_current && !matches!(stage, Stage::None | Stage::Coarse | Stage::Partial),
             Step::Converged => app.is_current && matches!(stage, Stage::Converged(_)),
             Step::Loading => app.loading().is_some(),
@@ -230,6 +233,7 @@ fn parse(line: &str) -> Result<Step, String> {
     };
     let path = || if rest.is_empty() { Err(format!("`{word}` needs a file")) } else { Ok(PathBuf::from(rest)) };
     Ok(match (word, rest) {
+        ("wait", "drawn") => Step::Drawn,
         ("wait", "picture") => Step::Picture,
         ("wait", "converged") => Step::Converged,
         ("wait", "loading") => Step::Loading,

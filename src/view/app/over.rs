@@ -1,8 +1,10 @@
 //! What lies over the picture.
 
 use super::App;
+use crate::scene::Scene;
 use crate::view::keys::{self, Action};
 use egui::{Area, Color32, Frame, Id, ProgressBar, RichText, Ui, Vec2};
+use std::collections::BTreeMap;
 
 impl App {
     /// What is being loaded, and the list of keys.
@@ -51,5 +53,44 @@ impl App {
                 ui.end_row();
             }
         });
+    }
+}
+
+/// What two variants are called: the first field in which they differ, with its values.
+pub(super) fn titles(now: &Scene, kept: &Scene) -> [String; 2] {
+    let fields = |scene: &Scene| -> BTreeMap<String, String> {
+        // Both are seen by the same camera, and say nothing of themselves.
+        let differs = |name: &str| !name.starts_with("camera.") && name != "about";
+        let fields = scene.fields().into_iter().filter(|(name, _)| differs(name));
+        fields.map(|(name, value)| (name, value.to_string())).collect()
+    };
+    let both = [fields(now), fields(kept)];
+    let names: Vec<&String> =
+        both[0].keys().chain(both[1].keys().filter(|name| !both[0].contains_key(*name))).collect();
+    let mut different = names.into_iter().filter(|name| both[0].get(*name) != both[1].get(*name));
+    let Some(first) = different.next() else { return ["now".into(), "kept: the same".into()] };
+    let more = match different.count() {
+        0 => String::new(),
+        count => format!(", and {count} more"),
+    };
+    let value = |index: usize| both[index].get(first).map_or("default", |value| value.trim_matches('"'));
+    [format!("now: {first} = {}{more}", value(0)), format!("kept: {}", value(1))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::preset;
+
+    #[test]
+    fn two_variants_are_called_by_what_they_differ_in() {
+        let kept = preset("fire").unwrap();
+        let mut now = kept.clone();
+        now.camera.azimuth = 99.0;
+        assert_eq!(titles(&now, &kept), ["now", "kept: the same"]);
+        now.effect.turbulence = "procedural".into();
+        assert_eq!(titles(&now, &kept), ["now: effect.turbulence = procedural", "kept: encoded"]);
+        now.quality.samples += 1;
+        assert!(titles(&now, &kept)[0].ends_with(", and 1 more"), "{:?}", titles(&now, &kept));
     }
 }

@@ -10,7 +10,10 @@ use crate::view::worker::{Task, Variant};
 use egui::Ui;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
+/// A way to draw is looked for once the scene has not changed for so long.
+const CALM: Duration = Duration::from_millis(500);
 /// Frames of a recording: four seconds.
 const TURN: u32 = 100;
 
@@ -82,7 +85,7 @@ impl App {
     }
 
     /// Ends a recording, or the search for a way to draw.
-    fn stop(&self) {
+    pub(super) fn stop(&self) {
         if let Some(worker) = &self.worker {
             worker.stop();
         }
@@ -115,9 +118,14 @@ impl App {
     }
 
     /// Looks for the cheapest way to draw the scene within the error that was asked for, once the hand lets go.
-    pub(super) fn pick(&mut self, ui: &Ui) {
-        let is_ready = !ui.input(|input| input.pointer.any_down()) && self.loader.progress().is_none();
-        let Some(error) = self.pick.filter(|_| is_ready && self.posted.is_some() && self.tasks == 0) else { return };
+    pub(super) fn pick(&mut self, ui: &Ui, now: Instant) {
+        let Some(error) = self.pick else { return };
+        let rests = self.clock.is_some() || now.duration_since(self.changed) >= CALM;
+        let is_free = !ui.input(|input| input.pointer.any_down()) && self.loader.progress().is_none();
+        // A picture comes first, if only a coarse one: the search keeps the device busy.
+        if !(rests && is_free && self.is_current && self.tasks == 0) {
+            return ui.ctx().request_repaint_after(CALM);
+        }
         self.pick = None;
         match Bound::new(Metric::Rmse, error) {
             Ok(bound) => {

@@ -5,15 +5,15 @@
 //! standard output: a line that says what follows, then SPIR-V or the text of the error.
 
 use super::arrays;
+use super::child::{self, End};
 use crate::glsl::{self, Library, Linker, Slots, Stage};
 use crate::variant::Variant;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::thread;
-use std::time::{Duration, Instant};
+
+pub use super::child::{Limits, limit};
 
 /// Name of the hidden command.
 pub const COMMAND: &str = "compile";
@@ -23,10 +23,6 @@ const MAX_SOURCE: usize = 256 << 10;
 const MAX_JOB: u64 = 16 << 20;
 /// The largest array of a program, in bytes: larger ones keep a driver busy for minutes when it makes the pipeline.
 const MAX_ARRAY: u64 = 64 << 10;
-/// How often a child is asked whether it has ended.
-const PATIENCE: Duration = Duration::from_millis(4);
-/// How a child ends that has used up its time of the processor: SIGXCPU.
-const TOO_LATE: &str = "signal 24";
 /// First lines of an answer.
 const GOOD: &[u8] = b"spirv\n";
 const BAD: &[u8] = b"error\n";
@@ -64,7 +60,8 @@ impl Job {
         }
     }
 
-    fn library(&self) -> Library {
+    /// The modules that ship, with those that are not as shipped.
+    pub(super) fn library(&self) -> Library {
         let shipped = glsl::shipped();
         let sources: BTreeMap<String, String> =
             shipped.sources().map(|(path, text)| (path.to_string(), text.to_string())).collect();
@@ -74,23 +71,6 @@ impl Job {
 
 /// SPIR-V of a linked program: vertex stage, fragment stage.
 pub type Spirv = [Vec<u32>; 2];
-
-/// What a child may take.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Limits {
-    /// Time on the wall and of the processor.
-    pub time: Duration,
-    /// Address space, MiB; on Unix.
-    pub memory_mib: u64,
-    /// Length of the answer, bytes.
-    pub answer_bytes: u64,
-}
-
-impl Default for Limits {
-    fn default() -> Limits {
-        Limits { time: Duration::from_secs(10), memory_mib: 1024, answer_bytes: 64 << 20 }
-    }
-}
 
 /// Why there is no program.
 #[derive(Debug, thiserror::Error)]
@@ -115,6 +95,30 @@ pub enum CompileError {
     /// The compiler did not end.
     #[error("the GLSL compiler was stopped after {0:.1} s; a macro or a constant of this text grows without end")]
     Late(f32),
+    /// The driver did not survive the program.
+    #[error("the driver crashed on this text ({0}); make its arrays or its loops shorter; what ran before goes on")]
+    Driver(String),
+    /// A few rays do not end.
+    #[error("{rays} rays did not end in {seconds:.0} s: a loop of this text is too long; what ran before goes on")]
+    Endless {
+        /// How many rays.
+        rays: u32,
+        /// How long they were waited for.
+        seconds: f32,
+    },
+    /// A few rays take too long.
+    #[error(
+        "{rays} rays took {ms:.0} ms on the device, and {most:.0} ms are the most: make the loops of this text shorter; \
+         what ran before goes on"
+    )]
+    Slow {
+        /// How many rays.
+        rays: u32,
+        /// Milliseconds on the device.
+        ms: f64,
+        /// Milliseconds that they may take.
+        most: f64,
+    },
     /// A newer text has come.
     #[error("given up for a newer text")]
     Abandoned,
@@ -178,71 +182,18 @@ pub fn compile(
     }
     let run = |reason: String| CompileError::Run { path: program.into(), reason };
     let text = toml::to_string(job).map_err(|error| run(error.to_string()))?;
-    let seconds = limits.time.as_secs().max(1).to_string();
-    let mut command = Command::new(program);
-    command.args([COMMAND, "--seconds", &seconds, "--memory-mib", &limits.memory_mib.to_string()]);
-    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
-    let mut child = command.spawn().map_err(|error| run(error.to_string()))?;
-    let (Some(mut input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
-        return Err(run("it has no standard input or output".into()));
+    let (seconds, memory) = (limits.time.as_secs().max(1).to_string(), limits.memory_mib.to_string());
+    let arguments = [COMMAND, "--seconds", &seconds, "--memory-mib", &memory];
+    let answer = match child::run(program, &arguments, &[], text, limits, is_stale)? {
+        End::Well(answer) => answer,
+        End::Badly(how) => return Err(CompileError::Crashed(how)),
+        End::Late(time) => return Err(CompileError::Late(time.as_secs_f32())),
     };
-    // A child that has died does not read: its end says more than the broken pipe.
-    let writer = thread::spawn(move || drop(input.write_all(text.as_bytes())));
-    let most = limits.answer_bytes;
-    let reader = thread::spawn(move || {
-        let mut answer = Vec::new();
-        output.take(most + 1).read_to_end(&mut answer).map(|_| answer)
-    });
-    let ended = wait(&mut child, limits.time, is_stale);
-    let joined = (writer.join(), reader.join());
-    let status = ended?;
-    let answer = match joined {
-        (Ok(()), Ok(Ok(answer))) => answer,
-        (_, Ok(Err(error))) => return Err(run(error.to_string())),
-        _ => return Err(run("a thread that talks to it ended".into())),
-    };
-    if !status.success() {
-        let how = end(status);
-        return Err(if how == TOO_LATE {
-            CompileError::Late(limits.time.as_secs_f32())
-        } else {
-            CompileError::Crashed(how)
-        });
-    }
-    if answer.len() as u64 > most {
-        return Err(run(format!("its answer is longer than {most} bytes")));
-    }
     match (answer.strip_prefix(BAD), answer.strip_prefix(GOOD)) {
         (Some(text), _) => Err(CompileError::Refused(String::from_utf8_lossy(text).into_owned())),
         (_, Some(bytes)) => decode(bytes).ok_or_else(|| run("its answer is cut off".into())),
         _ => Err(run("its answer is none".into())),
     }
-}
-
-/// Waits for the child, and ends it when it is late or no longer wanted.
-fn wait(child: &mut Child, limit: Duration, is_stale: &dyn Fn() -> bool) -> Result<ExitStatus, CompileError> {
-    let start = Instant::now();
-    let error = loop {
-        match child.try_wait() {
-            Ok(Some(status)) => return Ok(status),
-            Ok(None) if start.elapsed() > limit => break CompileError::Late(start.elapsed().as_secs_f32()),
-            Ok(None) if is_stale() => break CompileError::Abandoned,
-            Ok(None) => thread::sleep(PATIENCE),
-            Err(error) => break CompileError::Crashed(error.to_string()),
-        }
-    };
-    let _ = child.kill(); // it may have ended just now
-    let _ = child.wait();
-    Err(error)
-}
-
-/// How a process ended.
-fn end(status: ExitStatus) -> String {
-    #[cfg(unix)]
-    if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
-        return format!("signal {signal}");
-    }
-    status.to_string()
 }
 
 /// What the child does: reads a job, links its programs, answers.
@@ -277,25 +228,6 @@ pub fn serve(input: impl Read, output: &mut impl Write) -> io::Result<()> {
         }
     }
     output.flush()
-}
-
-/// Sets the limits of this process: for the child, before it reads anything.
-///
-/// # Errors
-/// The system refuses.
-pub fn limit(seconds: u64, memory_mib: u64) -> io::Result<()> {
-    #[cfg(unix)]
-    {
-        use rustix::process::{Resource, Rlimit, setrlimit};
-        let most = |value: u64| Rlimit { current: Some(value), maximum: Some(value) };
-        setrlimit(Resource::Core, most(0))?;
-        // The soft limit comes first, so that its signal tells a late child from one that was killed.
-        setrlimit(Resource::Cpu, Rlimit { current: Some(seconds), maximum: Some(seconds + 1) })?;
-        setrlimit(Resource::As, most(memory_mib << 20))?;
-    }
-    #[cfg(not(unix))]
-    let _ = (seconds, memory_mib); // the parent's watch on the wall remains
-    Ok(())
 }
 
 fn link(job: &Job) -> Result<Vec<Spirv>, glsl::LinkError> {

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// Background of a line that is wrong.
 const WRONG_LINE: Color32 = Color32::from_rgb(72, 24, 28);
 /// Text about it.
-pub(crate) const WRONG: Color32 = Color32::from_rgb(255, 130, 120);
+const WRONG: Color32 = Color32::from_rgb(255, 130, 120);
 const COMMENT: Color32 = Color32::from_rgb(122, 142, 122);
 const DECLARATION: Color32 = Color32::from_rgb(226, 178, 96);
 const FONT: FontId = FontId::monospace(13.0);

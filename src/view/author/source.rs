@@ -1,9 +1,11 @@
 //! The text of a module that is being edited, here or in a file, and what became of it.
 
-use super::compile::{CompileError, Fault, Job, Limits, compile};
+use super::compile::{CompileError, Fault};
+use super::gate::Gate;
 use super::trial;
 use crate::glsl::{self, Library};
 use crate::output;
+use crate::scene::Scene;
 use crate::view::model::Model;
 use std::collections::BTreeMap;
 use std::fs;
@@ -73,8 +75,13 @@ impl Author {
             file: None,
             changed: Instant::now(),
             state: State::Good,
-            worker: Worker::start(program, Limits::default()),
+            worker: Worker::start(Arc::new(Gate::new(program))),
         })
+    }
+
+    /// What decides which programs may be drawn.
+    pub fn gate(&self) -> &Arc<Gate> {
+        &self.worker.gate
     }
 
     /// Slot and name of the module.
@@ -186,7 +193,9 @@ impl Author {
     /// Puts the module into the scene.
     pub fn use_in(&self, model: &mut Model) -> bool {
         let (slot, name) = (self.slot.clone(), self.name.clone());
-        let good = model.edit(&format!("use {slot}/{name}"), |scene| trial::use_module(scene, &slot, &name));
+        let library = model.library().clone();
+        let what = format!("use {slot}/{name}");
+        let good = model.edit(&what, |scene| trial::use_module(scene, &library, &slot, &name));
         model.settle();
         good
     }
@@ -252,10 +261,10 @@ impl Author {
     fn submit(&mut self, model: &Model) {
         self.tried = Some(self.text.clone());
         let library = model.library().clone().with_module(&self.slot, &self.name, &self.text);
-        match trial::job(model.scene(), &library, &self.slot, &self.name) {
-            Ok(Some(job)) => {
+        match trial::scene_with(model.scene(), &library, &self.slot, &self.name) {
+            Ok(Some(scene)) => {
                 self.state = State::Compiling;
-                self.worker.submit(job);
+                self.worker.submit(scene, library);
             }
             Ok(None) => {
                 self.worker.forget();
@@ -308,36 +317,37 @@ fn read(path: &Path) -> Result<String, String> {
 
 /// The thread that waits for the compiler. The newest text wins: an older one is given up.
 struct Worker {
-    jobs: Sender<(u64, Job)>,
+    gate: Arc<Gate>,
+    jobs: Sender<(u64, Scene, Library)>,
     answers: Receiver<(u64, Result<(), CompileError>)>,
     newest: Arc<AtomicU64>,
 }
 
 impl Worker {
-    fn start(program: PathBuf, limits: Limits) -> Worker {
-        let (jobs, inbox) = channel::<(u64, Job)>();
+    fn start(gate: Arc<Gate>) -> Worker {
+        let (jobs, inbox) = channel::<(u64, Scene, Library)>();
         let (outbox, answers) = channel();
         let newest = Arc::new(AtomicU64::new(0));
-        let current = Arc::clone(&newest);
+        let (current, own) = (Arc::clone(&newest), Arc::clone(&gate));
         thread::spawn(move || {
-            while let Ok((number, job)) = inbox.recv() {
+            while let Ok((number, scene, library)) = inbox.recv() {
                 let is_stale = || current.load(Ordering::Relaxed) != number;
                 if is_stale() {
                     continue;
                 }
-                let answer = compile(&program, &job, &limits, &is_stale).map(drop);
+                let answer = own.admit(&scene, &library, &is_stale);
                 if outbox.send((number, answer)).is_err() {
                     return;
                 }
             }
         });
-        Worker { jobs, answers, newest }
+        Worker { gate, jobs, answers, newest }
     }
 
-    fn submit(&self, job: Job) {
+    fn submit(&self, scene: Scene, library: Library) {
         let number = self.newest.fetch_add(1, Ordering::Relaxed) + 1;
         // The thread ends only with this end of the channel.
-        let _ = self.jobs.send((number, job));
+        let _ = self.jobs.send((number, scene, library));
     }
 
     /// Gives up what is under way.

@@ -41,10 +41,17 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     let touch = &mut pass.touch;
     let effect = own(&mut pass.draft, part).effect;
     let doc = "Density modulation functions, applied from top to bottom; a mask says where one acts.";
-    stack(ui, touch, &field(format!("{prefix}effect.dmf"), doc), &mut effect.dmf, ("dmf", library));
+    stack(
+        ui,
+        touch,
+        &field(format!("{prefix}effect.dmf"), doc),
+        &mut effect.dmf,
+        ("dmf", "density modulation", library),
+    );
     let doc = "Displacements of the position that is looked up, applied from top to bottom.";
-    stack(ui, touch, &field(format!("{prefix}effect.warp"), doc), &mut effect.warp, ("warp", library));
+    stack(ui, touch, &field(format!("{prefix}effect.warp"), doc), &mut effect.warp, ("warp", "displacement", library));
     ui.separator();
+    ui.label(RichText::new("from distance to color").strong());
     for slot in OWN {
         single(ui, touch, &prefix, effect, slot, library);
     }
@@ -54,6 +61,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
         return;
     }
     ui.separator();
+    ui.label(RichText::new("noise, light and rays").strong()).on_hover_text("All objects of the scene share these.");
     for slot in SHARED {
         single(ui, touch, "", effect, slot, library);
     }
@@ -97,10 +105,9 @@ fn stack(
     touch: &mut Touch,
     field: &Field<'_>,
     names: &mut Vec<String>,
-    (slot, library): (&str, &Library),
+    (slot, title, library): (&str, &str, &Library),
 ) {
-    let title = RichText::new(slot).strong();
-    ui.label(title).on_hover_text(format!("{}\n{}", field.doc, field.name));
+    ui.label(RichText::new(title).strong()).on_hover_text(format!("{}\n{}", field.doc, field.name));
     let options = modules(library, slot);
     let mut masks = vec![(String::new(), "everywhere", "It acts everywhere.".to_string())];
     if slot == "dmf" {

@@ -1,20 +1,26 @@
 //! The line of figures below the picture.
 
-use super::{Status, widgets};
+use super::Status;
 use crate::view::model::Model;
 use egui::{Align, Color32, Label, Layout, ProgressBar, RichText, Sense, Stroke, Ui, Vec2};
+
+/// Color of the last thing that went wrong or was done.
+const MESSAGE: Color32 = Color32::from_rgb(236, 196, 120);
 
 /// What goes wrong or was done, and below it what is known of the picture.
 pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status) {
     if let Some(message) = model.message().or(status.message.as_deref()) {
-        widgets::wrong(ui, message);
+        ui.label(RichText::new(message).color(MESSAGE));
     }
     ui.horizontal(|ui| {
         if !status.recent_ms.is_empty() {
             plot(ui, &status.recent_ms, status.budget_ms);
         }
         let mut parts = Vec::new();
-        parts.extend(status.frame_ms.map(|[ms, spread]| format!("{ms:.1} ± {spread:.1} ms")));
+        parts.extend(status.frame_ms.map(|[ms, spread]| match spread > 0.0 {
+            true => format!("{ms:.1} ± {spread:.1} ms"),
+            false => format!("{ms:.0} ms"),
+        }));
         parts.extend(status.error.map(|[error, spread]| format!("error {error:.1e} ± {spread:.0e}")));
         parts.extend([&status.samples].into_iter().filter(|text| !text.is_empty()).cloned());
         ui.label(RichText::new(parts.join("   ")).monospace());

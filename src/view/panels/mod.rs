@@ -185,8 +185,8 @@ impl Panels {
         let part = self.selected.clone();
         let part = part.as_deref();
         section(ui, "Object", false, |ui| object::show(ui, pass, part));
-        section(ui, "Effect", true, |ui| effect::show(ui, pass, part));
         section(ui, "Knobs", true, |ui| knobs::show(ui, pass, part));
+        section(ui, "Effect", true, |ui| effect::show(ui, pass, part));
         section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.stop));
         section(ui, "Material", false, |ui| stage::material(ui, pass, part));
         section(ui, "Light and background", false, |ui| stage::light(ui, pass));

@@ -2,9 +2,7 @@
 //! file.
 
 use crate::scene::Color;
-use egui::{
-    Align, Color32, ComboBox, DragValue, Layout, Response, RichText, Slider, SliderClamping, TextEdit, Ui, vec2,
-};
+use egui::{Align, Color32, ComboBox, DragValue, Layout, Response, Slider, SliderClamping, TextEdit, Ui, vec2};
 use std::ops::RangeInclusive;
 
 /// Width of the labels, points.
@@ -179,11 +177,6 @@ fn field_of_text(ui: &mut Ui, name: &str, value: &str, width: f32) -> Option<Str
         ui.data_mut(|data| data.insert_temp(id, text));
     }
     None
-}
-
-/// A line in the color of what is wrong.
-pub fn wrong(ui: &mut Ui, text: &str) {
-    ui.label(RichText::new(text).color(crate::view::author::WRONG));
 }
 
 /// A color of the scene as the panels paint it.

@@ -1,6 +1,7 @@
 //! What is done between two pictures.
 
-use super::{Event, Studio, Task, Variant};
+use super::studio::Studio;
+use super::{Event, Task, Variant};
 use crate::glsl::Library;
 use crate::output::{self, Depth, Provenance};
 use crate::pick::{Bound, PickError, pick};
@@ -19,6 +20,12 @@ struct Stopped;
 
 impl Studio {
     pub(super) fn work(&self, task: Task) -> Result<(), RenderError> {
+        let (Task::Shot { library, variant, .. }
+        | Task::Turntable { library, variant, .. }
+        | Task::Pick { library, variant, .. }) = &task;
+        if !self.admits(&variant.scene, library) {
+            return Ok(());
+        }
         match task {
             Task::Shot { library, variant, path, edited } => {
                 let frame = Renderer::new(&self.gpu, &library, &variant.subject).render(&variant.scene)?;
@@ -33,7 +40,7 @@ impl Studio {
                 for frame in 0..=last {
                     if self.stops() {
                         let reason = format!("the recording was stopped after {frame} of {frames} frames");
-                        (self.tell)(Event::Failed(reason));
+                        (self.tell)(Event::Stopped(reason));
                         return Ok(());
                     }
                     (self.tell)(Event::Recorded(frame, frames));
