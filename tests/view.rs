@@ -166,7 +166,7 @@ fn its_panels_change_the_picture_that_is_written() {
          click author\nclick copy\nframes 2\nwrite file.scene {scene}\nclick file.save\nwrite file.picture {picture}\n\
          frames 3\nclick file.screenshot\nframes 2\nclick quit\nframes 9\n"
     );
-    play(&display, folder.path(), &["torus", "--samples", "32", "--size", "64x48", "--window", "900x700"], &script);
+    play(&display, folder.path(), &["torus", "--samples", "32", "--size", "64x48", "--window", "640x400"], &script);
     let saved = scene::load(Path::new(&scene)).unwrap();
     assert_eq!((saved.quality.samples, saved.material.specular), (40, 0.5));
     assert_eq!((saved.effect.dmf, saved.light.intensity), (scene::preset("fur").unwrap().effect.dmf, 1.5));
@@ -251,8 +251,8 @@ fn a_dropped_mesh_is_drawn_and_a_turn_around_it_recorded() {
     let mesh = "v 1 1 1\nv 1 -1 -1\nv -1 1 -1\nv -1 -1 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
     std::fs::write(path("mesh.obj"), mesh).unwrap();
     let script = format!(
-        "wait picture\ndrop {}\nframes 2\nwait picture\nshot {}\nkey t\nframes 2\nkey s\nframes 3\nkey t\nframes 3\n\
-         key t\nframes 4\nquit\n",
+        "wait picture\ndrop {}\nframes 2\nwait picture\nshot {}\nkey t\nwait idle\nkey s\nwait idle\n\
+         key t\nframes 3\nkey t\nwait idle\nquit\n",
         path("mesh.obj"),
         path("shot.png")
     );

@@ -193,6 +193,8 @@ impl App {
             self.say(reason);
         }
         let Some(worker) = &self.worker else { return };
+        // A thread that has failed is replaced as one whose device is lost: once.
+        self.lost |= worker.has_ended();
         let events: Vec<Event> = worker.events.try_iter().collect();
         for event in events {
             match event {

@@ -33,6 +33,9 @@ pub(super) fn run(start: Start, script: Option<Script>) -> Result<(), ViewError>
     }
     let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(|error| {
         let text = error.to_string();
+        if text.contains("shared libraries") {
+            return ViewError::NoLibrary("a shared library of X11");
+        }
         ViewError::NoDisplay(text.rsplit(": ").next().unwrap_or(&text).replace('\n', " "))
     })?;
     let proxy = event_loop.create_proxy();

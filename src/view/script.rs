@@ -11,6 +11,7 @@
 //! key NAME                         a key, as the window lists it
 //! drag X Y X Y [right]             the mouse over the picture: 0 to 1 from its left and top
 //! scroll LINES                     the wheel, in the middle of the picture
+//! wait idle                        until no picture is being written or looked for
 //! click NAME                       the control of that name; where several have it, the last
 //! set NAME NUMBER                  a slider
 //! write NAME TEXT                  the text of a field, `\n` for a new line
@@ -34,7 +35,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// A step that takes longer has failed.
-const PATIENCE: Duration = Duration::from_secs(300);
+const PATIENCE: Duration = Duration::from_secs(600);
 /// Places on the way of a drag.
 const DRAG_STEPS: u32 = 8;
 
@@ -60,6 +61,7 @@ pub(super) enum Deed {
 #[derive(Clone, Debug, PartialEq)]
 enum Step {
     Drawn,
+    Idle,
     Picture,
     Converged,
     Loading,
@@ -135,6 +137,8 @@ impl Script {
             Step::Frames(count) => self.frames > *count,
             Step::Good => self.frames > 1 && *app.author().state() == State::Good,
             Step::Bad => matches!(app.author().state(), State::Bad(_)),
+            // A key is pressed whatever is under way.
+            Step::Do(Deed::Events(_)) => true,
             _ => steady,
         };
         if !done {
@@ -234,6 +238,7 @@ fn parse(line: &str) -> Result<Step, String> {
     let path = || if rest.is_empty() { Err(format!("`{word}` needs a file")) } else { Ok(PathBuf::from(rest)) };
     Ok(match (word, rest) {
         ("wait", "drawn") => Step::Drawn,
+        ("wait", "idle") => Step::Idle,
         ("wait", "picture") => Step::Picture,
         ("wait", "converged") => Step::Converged,
         ("wait", "loading") => Step::Loading,

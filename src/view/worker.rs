@@ -165,6 +165,11 @@ impl Worker {
         self.shared.wake.notify_one();
     }
 
+    /// Whether the thread has ended by itself: with the device, or by a fault of its own.
+    pub(super) fn has_ended(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
     /// Ends a recording or a search.
     pub(super) fn stop(&self) {
         self.shared.stop.store(true, Ordering::Relaxed);

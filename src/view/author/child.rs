@@ -8,13 +8,15 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
+/// How many times as long as its processor time a child may take on the wall.
+pub const PATIENT: u32 = 3;
 /// How often a child is asked whether it has ended.
 const PATIENCE: Duration = Duration::from_millis(4);
 
 /// What a child may take.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Time on the wall and of the processor.
+    /// Time of the processor; on the wall it may take [`PATIENT`] times as long, beside other programs.
     pub time: Duration,
     /// Address space, MiB; on Unix.
     pub memory_mib: u64,
@@ -62,7 +64,7 @@ pub(super) fn run(
         let mut answer = Vec::new();
         output.take(most + 1).read_to_end(&mut answer).map(|_| answer)
     });
-    let ended = wait(&mut child, limits.time, is_stale);
+    let ended = wait(&mut child, limits.time * PATIENT, is_stale);
     let joined = (writer.join(), reader.join());
     let Some(status) = ended? else { return Ok(End::Late(limits.time)) };
     let answer = match joined {

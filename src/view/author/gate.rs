@@ -12,6 +12,8 @@ use std::sync::{Mutex, MutexGuard};
 
 /// What is known of programs with text of a user.
 pub struct Gate {
+    /// What needs no trial.
+    shipped: Library,
     /// The executable of hypertexture.
     program: PathBuf,
     /// The device that rays are tried on; none, and a text is only compiled.
@@ -27,7 +29,7 @@ fn held<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 impl Gate {
     /// Nothing is known yet. `program` is the executable that compiles: [`std::env::current_exe`].
     pub fn new(program: PathBuf) -> Gate {
-        Gate { program, device: Mutex::new(None), verdicts: Mutex::new(HashMap::new()) }
+        Gate { shipped: shipped(), program, device: Mutex::new(None), verdicts: Mutex::new(HashMap::new()) }
     }
 
     /// From now on a few rays of each program are tried on the device of this name.
@@ -40,7 +42,7 @@ impl Gate {
     /// # Errors
     /// Why not; [`CompileError::Abandoned`] once `is_stale` says yes.
     pub fn admit(&self, scene: &Scene, library: &Library, is_stale: &dyn Fn() -> bool) -> Result<(), CompileError> {
-        if *library == shipped() {
+        if *library == self.shipped {
             return Ok(());
         }
         let refused = |error: &dyn ToString| CompileError::Refused(error.to_string());

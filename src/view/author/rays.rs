@@ -12,7 +12,6 @@ use crate::scene::{self, Scene};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Read, Write};
 use std::path::Path;
-use std::thread;
 use std::time::Duration;
 
 /// Name of the hidden command.
@@ -22,7 +21,7 @@ const SIDE: u32 = 8;
 /// Milliseconds that it may take. A window has some hundred times as many pixels, on a device that draws some hundred
 /// times as many at once, or in a coarser picture.
 const MOST_MS: f64 = 1000.0;
-/// Time for all of it: a device, a small field, a pipeline, and the rays.
+/// Processor time for all of it: a device, a small field, a pipeline, and the rays.
 const TIME: Duration = Duration::from_secs(20);
 /// The longest text that a child reads, in bytes.
 const MAX_TAKE: u64 = 16 << 20;
@@ -72,8 +71,7 @@ pub(super) fn shoot(
     let take = Take { scene: scene::to_text(&small(scene)), changed };
     let text = toml::to_string(&take).map_err(|error| run(error.to_string()))?;
     let limits = Limits { time: TIME, answer_bytes: 1 << 16, ..Limits::default() };
-    let cores = thread::available_parallelism().map_or(1, |count| count.get() as u64);
-    let seconds = (TIME.as_secs() * cores).to_string();
+    let seconds = TIME.as_secs().to_string();
     let variables = [("HYPERTEXTURE_DEVICE", device), ("HYPERTEXTURE_VALIDATION", "")];
     let rays = SIDE * SIDE;
     let answer = match child::run(program, &[COMMAND, "--seconds", &seconds], &variables, text, &limits, is_stale)? {
