@@ -9,14 +9,14 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// How many times as long as its processor time a child may take on the wall.
-pub const PATIENT: u32 = 3;
+const PATIENT: u32 = 3;
 /// How often a child is asked whether it has ended.
 const PATIENCE: Duration = Duration::from_millis(4);
 
 /// What a child may take.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Time of the processor; on the wall it may take [`PATIENT`] times as long, beside other programs.
+    /// Time of the processor; on the wall it may take three times as long, beside other programs.
     pub time: Duration,
     /// Address space, MiB; on Unix.
     pub memory_mib: u64,

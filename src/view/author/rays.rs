@@ -1,7 +1,7 @@
 //! A few rays of a new program, in a process of its own: a loop that is too long, or what a driver does not survive, is a
 //! line of text before the window's own device meets it.
 //!
-//! The child is this very program with a hidden command: it reads a [`Take`] as TOML, renders a picture of 8 x 8 pixels on
+//! The child is this very program with a hidden command: it reads a scene and the texts as TOML, renders a picture of 8 x 8 pixels on
 //! a device of its own, and answers with the milliseconds that it took.
 
 use super::child::{self, End, Limits};
