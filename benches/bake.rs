@@ -61,9 +61,10 @@ fn main() {
             let name = format!("{size}^3, {octaves} octaves, {name}");
             println!("{name:<52} {ms:>24.1} {:>16.0} {each:>18.2}", samples / ms.median / 1e3);
         };
-        row("values", held, time(|| drop(black_box(bake(held).values()))));
-        row("values and gradients", held, time(|| drop(black_box(bake(held).values_and_gradients()))));
-        let stored = || drop(black_box(block_gradients(&bake(held).values_and_gradients(), true, Depth::Sixteen)));
+        row("values", held, time(|| drop(black_box(bake(held).values(&|_| ())))));
+        row("values and gradients", held, time(|| drop(black_box(bake(held).values_and_gradients(&|_| ())))));
+        let stored =
+            || drop(black_box(block_gradients(&bake(held).values_and_gradients(&|_| ()), true, Depth::Sixteen)));
         row("the same as texels of 4 x 16 bits", held, time(stored));
         if size > 128 {
             continue; // the others take minutes

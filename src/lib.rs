@@ -49,6 +49,7 @@ pub mod field;
 pub mod gallery;
 pub mod glsl;
 pub mod gpu;
+mod kept;
 pub mod noise;
 pub mod output;
 pub mod pass;

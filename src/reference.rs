@@ -140,13 +140,13 @@ pub fn reference(
 ) -> Result<Reference, ReferenceError> {
     let truth = truth_of(scene, library).map_err(VariantError::from)?;
     let key = store::key(&truth, library, subject, tolerance)?;
-    if let Some(found) = store::load(&key, truth.image.size) {
+    if let Some(found) = store::load(key, truth.image.size) {
         return Ok(found);
     }
     let [width, height] = truth.image.size;
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
     let found = reference_pixels(library, &truth, subject, &pixels, tolerance, progress)?;
-    store::save(&key, &found);
+    store::save(key, &found);
     Ok(found)
 }
 

@@ -6,6 +6,7 @@
 mod bind;
 mod frozen;
 mod inputs;
+mod noise_blocks;
 mod shadow;
 mod sub_frame;
 mod subject;
@@ -17,7 +18,7 @@ pub use shadow::{Transmittance, transmittance};
 pub use subject::{Subject, field_margin, open, request};
 pub use view::half_height;
 
-use crate::field::FieldError;
+use crate::field::{FieldError, Progress};
 use crate::glsl::{Library, Linker};
 use crate::gpu::{self, Gpu, GpuError};
 use crate::pass;
@@ -125,13 +126,21 @@ pub struct Renderer<'a> {
     gpu: &'a Gpu,
     library: &'a Library,
     subject: &'a Subject,
+    progress: Progress<'a>,
     prepared: Option<Prepared<'a>>,
 }
 
 impl<'a> Renderer<'a> {
     /// A renderer that has made nothing yet.
     pub fn new(gpu: &'a Gpu, library: &'a Library, subject: &'a Subject) -> Renderer<'a> {
-        Renderer { gpu, library, subject, prepared: None }
+        Renderer { gpu, library, subject, progress: &|_| (), prepared: None }
+    }
+
+    /// Calls `progress` with the part of a block of noise that is done, from any thread, while one is made: the largest take
+    /// seconds.
+    #[must_use]
+    pub fn with_progress(self, progress: Progress<'a>) -> Renderer<'a> {
+        Renderer { progress, ..self }
     }
 
     /// Renders a scene, as [`render`] does, bit for bit.
@@ -177,8 +186,12 @@ impl<'a> Renderer<'a> {
         let mut prepared = match self.prepared.take() {
             Some(prepared) if prepared.fits(scene, &variant) => prepared,
             other => {
-                let linked = other.filter(|other| other.runs(&variant)).map(|other| other.program);
-                Prepared::new(self.gpu, self.library, scene, self.subject, &variant, linked)?
+                let made = match other {
+                    Some(other) if other.reads_the_same(scene, &variant) => (Some(other.program), Some(other.bound)),
+                    Some(other) if other.runs(&variant) => (Some(other.program), None),
+                    _ => (None, None),
+                };
+                Prepared::new((self.gpu, self.library, self.subject), scene, &variant, made, self.progress)?
             }
         };
         let mut frame = prepared.frame(scene, &variant, bands, wanted)?;
@@ -205,24 +218,27 @@ struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// Makes what the pictures of a scene share; its program may be linked already.
+    /// Makes what the pictures of a scene share; its program and what that reads may be `made` already.
     fn new(
-        gpu: &'a Gpu,
-        library: &'a Library,
+        (gpu, library, subject): (&'a Gpu, &'a Library, &'a Subject),
         scene: &Scene,
-        subject: &'a Subject,
         variant: &Variant,
-        linked: Option<Program>,
+        (linked, bound): (Option<Program>, Option<bind::Bound>),
+        progress: Progress<'_>,
     ) -> Result<Prepared<'a>, RenderError> {
         let start = Instant::now();
         let program = linked.map_or_else(|| variant.program(library, Linker::new), Ok)?;
         let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
-        let view = view::View::of(scene, subject, variant);
         let quality = &scene.quality;
-        let planes = pass::Planes::new(view.extent, quality.samples);
-        let inputs = inputs::Inputs::new(scene, subject, variant, &program, &view, &planes)?;
-        let bound = bind::Bound::new(gpu, scene, &program, &inputs)?;
-        drop(inputs);
+        let bound = bound.map_or_else(
+            || {
+                let view = view::View::of(scene, subject, variant);
+                let planes = pass::Planes::new(view.extent, quality.samples);
+                let inputs = inputs::Inputs::new(scene, subject, variant, &program, (&view, &planes), progress)?;
+                bind::Bound::new(gpu, scene, &program, &inputs)
+            },
+            Ok,
+        )?;
         let format = match quality.target {
             TargetFormat::Unorm8 => gpu::Format::Rgba8Unorm,
             TargetFormat::Float16 => gpu::Format::Rgba16Float,
@@ -262,14 +278,30 @@ impl<'a> Prepared<'a> {
         Ok(Prepared { gpu, subject, scene, variant, program, bound, pipeline, caster, color, resolved, compile_ms })
     }
 
-    /// Whether all of this serves another scene as well: it differs in camera, time and knobs alone, and its matter
-    /// reaches as far.
+    /// Whether all of this serves another scene as well: it differs in what a picture is drawn with alone.
     fn fits(&self, scene: &Scene, variant: &Variant) -> bool {
+        let [own, other] =
+            [&self.scene, scene].map(|scene| (scene.image.size, scene.quality.target, scene.quality.msaa));
+        let blends = |scene: &Scene| (scene.quality.order, scene.quality.proxy);
+        own == other && blends(&self.scene) == blends(scene) && self.reads_the_same(scene, variant)
+    }
+
+    /// Whether another scene has the same program and images: it differs in camera, time, knobs, samples and targets
+    /// alone, and its matter reaches as far.
+    fn reads_the_same(&self, scene: &Scene, variant: &Variant) -> bool {
         let mut same = self.scene.clone();
         same.camera.clone_from(&scene.camera);
+        same.image.clone_from(&scene.image);
         same.knobs.clone_from(&scene.knobs);
         for (part, other) in same.parts.values_mut().zip(scene.parts.values()) {
             part.knobs.clone_from(&other.knobs);
+        }
+        let (quality, other) = (&mut same.quality, &scene.quality);
+        (quality.target, quality.msaa) = (other.target, other.msaa);
+        (quality.order, quality.proxy) = (other.order, other.proxy);
+        (quality.stop, quality.seed, quality.supersampling) = (other.stop, other.seed, other.supersampling);
+        if !self.program.reads("segment_image") {
+            quality.samples = other.samples;
         }
         let reach = |variant: &Variant| {
             let all = [&variant.knobs].into_iter().chain(variant.parts.values());

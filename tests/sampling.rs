@@ -5,7 +5,7 @@ mod common;
 use common::{difference, formula, homogeneous, picture, subject, with_gpu};
 use hypertexture::glsl;
 use hypertexture::render::{Frame, Renderer};
-use hypertexture::scene::{Pass, Projection, Rule, Scene, Traverse, preset};
+use hypertexture::scene::{Order, Pass, Projection, Rule, Scene, TargetFormat, Traverse, preset};
 
 /// The front face of the cube in turbulence that is clamped by the step.
 fn face(bandlimit: &str) -> Scene {
@@ -278,9 +278,24 @@ fn p49_a_renderer_that_is_used_again_gives_the_pictures_that_a_new_one_gives() {
                     seen.push(again.pixels);
                 }
                 assert!(seen[0] != seen[1] && seen[0] == seen[2]);
-                scene.quality.samples = 65;
-                let again = renderer.render(&scene).unwrap_or_else(|error| panic!("{error}"));
-                assert!(again.pixels == picture(gpu, &library, &scene, &subject).pixels, "{effect}, more samples");
+                let changes: [(&str, fn(&mut Scene)); 5] = [
+                    ("more samples", |scene| scene.quality.samples = 65),
+                    ("another target", |scene| scene.quality.target = TargetFormat::Unorm8),
+                    ("another size", |scene| scene.image.size = [40, 30]),
+                    ("another order", |scene| scene.quality.order = Order::BackToFront),
+                    ("a table of segments", |scene| scene.effect.classify = "preintegrated".into()),
+                ];
+                for (what, change) in changes {
+                    change(&mut scene);
+                    for samples in [scene.quality.samples, 48] {
+                        scene.quality.samples = samples;
+                        if scene.check(&library).is_ok() {
+                            let again = renderer.render(&scene).unwrap_or_else(|error| panic!("{error}"));
+                            let new = picture(gpu, &library, &scene, &subject);
+                            assert!(again.pixels == new.pixels, "{effect}, {what}, {samples} samples");
+                        }
+                    }
+                }
             }
         }
     });

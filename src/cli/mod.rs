@@ -25,7 +25,7 @@ use hypertexture::gpu::{Format, Gpu, Options};
 use hypertexture::output::{self, Provenance};
 use hypertexture::pick::{Bound, Pick, remembered};
 use hypertexture::predict::{Estimate, Prediction, predict};
-use hypertexture::render::{Frame, Renderer, Subject, open, render, request};
+use hypertexture::render::{Frame, Renderer, Subject, open, request};
 use hypertexture::scene::{self, KnobValue, Object, Pass, Scene};
 use hypertexture::shard::{self, Shard};
 use hypertexture::variant::Variant;
@@ -137,7 +137,9 @@ fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Bo
 
 fn render_picture(command: &Render, picture: &Picture<'_>, quiet: bool) -> Result<(), Box<dyn Error>> {
     let Picture { gpu, library, scene, subject } = *picture;
-    let frame = render(gpu, library, scene, subject)?;
+    let frame = with_progress(quiet, "noise", |progress| {
+        Renderer::new(gpu, library, subject).with_progress(progress).render(scene)
+    })?;
     let provenance = Provenance::of(scene, &gpu.facts().title(), &frame.measurements.modules)?;
     output::write(&frame, scene.image.background, command.depth(), &provenance, &command.output)?;
     if !quiet {
@@ -149,7 +151,10 @@ fn render_picture(command: &Render, picture: &Picture<'_>, quiet: bool) -> Resul
 
 fn render_shard(command: &Render, picture: &Picture<'_>, shard: Shard, quiet: bool) -> Result<(), Box<dyn Error>> {
     let Picture { gpu, library, scene, subject } = *picture;
-    let frame = Renderer::new(gpu, library, subject).render_bands(scene, &shard.bands(scene.image.size[1]))?;
+    let bands = shard.bands(scene.image.size[1]);
+    let frame = with_progress(quiet, "noise", |progress| {
+        Renderer::new(gpu, library, subject).with_progress(progress).render_bands(scene, &bands)
+    })?;
     let whole = shard::Whole {
         identity: shard::identity(scene, library, subject)?,
         size: scene.image.size,
@@ -370,7 +375,9 @@ fn with_progress<T>(quiet: bool, what: &'static str, run: impl FnOnce(field::Pro
     let bar = ProgressBar::new(STEPS).with_message(what).with_style(style.expect("the template is valid"));
     let start = Instant::now();
     let result = run(&|fraction| {
-        if !quiet && start.elapsed() > Duration::from_secs(1) {
+        if fraction >= 1.0 {
+            bar.finish_and_clear(); // what follows is something else
+        } else if !quiet && start.elapsed() > Duration::from_secs(1) {
             bar.set_position((f64::from(fraction) * STEPS as f64) as u64);
         }
     });

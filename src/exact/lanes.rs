@@ -39,9 +39,17 @@ pub(super) fn each(mut mask: u64, mut on: impl FnMut(usize)) {
 /// Calls `on` with each group of lanes of which one is in the mask, and its number.
 #[inline(always)]
 fn groups<T>(out: &mut Row<T>, mask: u64, mut on: impl FnMut(usize, &mut [T; GROUP])) {
-    for (group, out) in out.as_chunks_mut::<GROUP>().0.iter_mut().enumerate() {
-        if (mask >> (GROUP * group)) & 0xff != 0 {
+    let groups = out.as_chunks_mut::<GROUP>().0.iter_mut().enumerate();
+    if mask == u64::MAX {
+        // Most often, and without a jump for each group.
+        for (group, out) in groups {
             on(group, out);
+        }
+    } else {
+        for (group, out) in groups {
+            if (mask >> (GROUP * group)) & 0xff != 0 {
+                on(group, out);
+            }
         }
     }
 }
@@ -51,11 +59,16 @@ pub(super) fn map1<A: Copy, D: Copy>(out: &mut Row<D>, mask: u64, a: Operand<'_,
     match a {
         Operand::Lanes(a) => {
             let a = a.as_chunks::<GROUP>().0;
-            groups(out, mask, |group, out| {
-                for lane in 0..GROUP {
-                    out[lane] = f(a[group][lane]);
-                }
-            });
+            groups(
+                out,
+                mask,
+                #[inline(always)]
+                |group, out| {
+                    for lane in 0..GROUP {
+                        out[lane] = f(a[group][lane]);
+                    }
+                },
+            );
         }
         Operand::One(a) => out.fill(f(a)),
     }
@@ -71,14 +84,31 @@ pub(super) fn map2<A: Copy, B: Copy, D: Copy>(
     match (a, b) {
         (Operand::Lanes(a), Operand::Lanes(b)) => {
             let (a, b) = (a.as_chunks::<GROUP>().0, b.as_chunks::<GROUP>().0);
-            groups(out, mask, |group, out| {
-                for lane in 0..GROUP {
-                    out[lane] = f(a[group][lane], b[group][lane]);
-                }
-            });
+            groups(
+                out,
+                mask,
+                #[inline(always)]
+                |group, out| {
+                    for lane in 0..GROUP {
+                        out[lane] = f(a[group][lane], b[group][lane]);
+                    }
+                },
+            );
         }
-        (a, Operand::One(b)) => map1(out, mask, a, |a| f(a, b)),
-        (Operand::One(a), b) => map1(out, mask, b, |b| f(a, b)),
+        (a, Operand::One(b)) => map1(
+            out,
+            mask,
+            a,
+            #[inline(always)]
+            |a| f(a, b),
+        ),
+        (Operand::One(a), b) => map1(
+            out,
+            mask,
+            b,
+            #[inline(always)]
+            |b| f(a, b),
+        ),
     }
 }
 
@@ -92,15 +122,38 @@ pub(super) fn map3<A: Copy, B: Copy, C: Copy, D: Copy>(
     match (a, b, c) {
         (Operand::Lanes(a), Operand::Lanes(b), Operand::Lanes(c)) => {
             let (a, b, c) = (a.as_chunks::<GROUP>().0, b.as_chunks::<GROUP>().0, c.as_chunks::<GROUP>().0);
-            groups(out, mask, |group, out| {
-                for lane in 0..GROUP {
-                    out[lane] = f(a[group][lane], b[group][lane], c[group][lane]);
-                }
-            });
+            groups(
+                out,
+                mask,
+                #[inline(always)]
+                |group, out| {
+                    for lane in 0..GROUP {
+                        out[lane] = f(a[group][lane], b[group][lane], c[group][lane]);
+                    }
+                },
+            );
         }
-        (a, b, Operand::One(c)) => map2(out, mask, (a, b), |a, b| f(a, b, c)),
-        (a, Operand::One(b), c) => map2(out, mask, (a, c), |a, c| f(a, b, c)),
-        (Operand::One(a), b, c) => map2(out, mask, (b, c), |b, c| f(a, b, c)),
+        (a, b, Operand::One(c)) => map2(
+            out,
+            mask,
+            (a, b),
+            #[inline(always)]
+            |a, b| f(a, b, c),
+        ),
+        (a, Operand::One(b), c) => map2(
+            out,
+            mask,
+            (a, c),
+            #[inline(always)]
+            |a, c| f(a, b, c),
+        ),
+        (Operand::One(a), b, c) => map2(
+            out,
+            mask,
+            (b, c),
+            #[inline(always)]
+            |b, c| f(a, b, c),
+        ),
     }
 }
 
@@ -167,10 +220,15 @@ impl<T: Copy> Bank<T> {
             std::mem::swap(row, &mut self.spare);
         } else {
             let from = self.spare.as_chunks::<GROUP>().0;
-            groups(row, mask, |group, out| match (mask >> (GROUP * group)) & 0xff {
-                0xff => *out = from[group],
-                bits => each(bits, |lane| out[lane] = from[group][lane]),
-            });
+            groups(
+                row,
+                mask,
+                #[inline(always)]
+                |group, out| match (mask >> (GROUP * group)) & 0xff {
+                    0xff => *out = from[group],
+                    bits => each(bits, |lane| out[lane] = from[group][lane]),
+                },
+            );
         }
     }
 }

@@ -4,8 +4,8 @@
 //! out. A lane whose comparison is not decided goes both ways, and where they meet its registers hold what is either.
 
 use super::ExactError;
-use super::code::{Case, Code, Loop, Node, Op, Reg};
-use super::lanes::{Bank, Banks, Operand, State, each};
+use super::code::{Case, Code, Instr, Loop, Node, Op, Reg};
+use super::lanes::{Bank, Banks, Operand, Row, State, each};
 use super::number::{Integer, Number, Truth};
 use super::texture::Image;
 
@@ -32,10 +32,50 @@ enum Kind {
     Scope,
 }
 
+/// Instructions one after the other, for the lanes of a mask.
+struct Straight<'a, 'b, N: Number> {
+    banks: &'b mut Banks<N>,
+    instrs: &'a [Instr],
+    code: &'a Code,
+    images: &'a [Image<'a>],
+    mask: u64,
+    whole: u64,
+}
+
+impl<N: Number> pulp::NullaryFnOnce for Straight<'_, '_, N> {
+    type Output = ();
+
+    #[inline(always)] // into code for the vectors of this processor
+    fn call(self) {
+        for instr in self.instrs {
+            self.banks.run(instr, self.code, self.images, self.mask, self.whole);
+        }
+    }
+}
+
+/// The lanes in which a truth may hold, and those in which it may fail.
+struct Answers<'a, T>(&'a Row<T>);
+
+impl<T: Truth> pulp::NullaryFnOnce for Answers<'_, T> {
+    type Output = (u64, u64);
+
+    #[inline(always)] // as above
+    fn call(self) -> (u64, u64) {
+        let (mut holds, mut fails) = (0, 0);
+        for (lane, truth) in self.0.iter().enumerate() {
+            holds |= u64::from(truth.may_hold()) << lane;
+            fails |= u64::from(truth.may_fail()) << lane;
+        }
+        (holds, fails)
+    }
+}
+
 /// A program in work, for one block of lanes after another.
 pub(super) struct Machine<'a, N: Number> {
     code: &'a Code,
     images: &'a [Image<'a>],
+    /// The widest vectors that this processor has.
+    arch: pulp::Arch,
     pub(super) banks: Banks<N>,
     frames: Vec<Frame<'a, N>>,
     whole: u64,
@@ -59,7 +99,17 @@ impl<'a, N: Number> Machine<'a, N> {
         for instr in &code.instrs {
             work.push(work[work.len() - 1] + u64::from(instr.op != Op::Copy));
         }
-        Machine { code, images, banks, frames: Vec::new(), whole: 0, killed: 0, work, operations: 0 }
+        Machine {
+            code,
+            images,
+            arch: pulp::Arch::new(),
+            banks,
+            frames: Vec::new(),
+            whole: 0,
+            killed: 0,
+            work,
+            operations: 0,
+        }
     }
 
     /// Runs the program; the lanes that come to its end, and those that are discarded or may be.
@@ -78,9 +128,9 @@ impl<'a, N: Number> Machine<'a, N> {
             }
             mask = match node {
                 Node::Run(start, end) => {
-                    for instr in &self.code.instrs[*start..*end] {
-                        self.banks.run(instr, self.code, self.images, mask, self.whole);
-                    }
+                    let (banks, code, images) = (&mut self.banks, self.code, self.images);
+                    let instrs = &code.instrs[*start..*end];
+                    self.arch.dispatch(Straight { banks, instrs, code, images, mask, whole: self.whole });
                     self.operations += u64::from(mask.count_ones()) * (self.work[*end] - self.work[*start]);
                     mask
                 }
@@ -117,17 +167,13 @@ impl<'a, N: Number> Machine<'a, N> {
 
     /// The lanes in which a condition may hold, and those in which it may fail.
     fn split(&self, condition: Reg, mask: u64) -> (u64, u64) {
-        let (mut holds, mut fails) = (0, 0);
         match self.banks.truths.rows.read(condition) {
-            Operand::One(truth) => {
-                (holds, fails) = (if truth.may_hold() { mask } else { 0 }, if truth.may_fail() { mask } else { 0 });
+            Operand::One(truth) => (if truth.may_hold() { mask } else { 0 }, if truth.may_fail() { mask } else { 0 }),
+            Operand::Lanes(row) => {
+                let (holds, fails) = self.arch.dispatch(Answers(row));
+                (holds & mask, fails & mask)
             }
-            Operand::Lanes(row) => each(mask, |lane| {
-                holds |= u64::from(row[lane].may_hold()) << lane;
-                fails |= u64::from(row[lane].may_fail()) << lane;
-            }),
         }
-        (holds, fails)
     }
 
     fn branch(

@@ -20,6 +20,7 @@ macro_rules! known {
 
 impl<N: Number> Banks<N> {
     /// Runs an instruction for the lanes of a mask, of those that there are.
+    #[inline(always)] // into code for the vectors of this processor
     pub(super) fn run(&mut self, instr: &Instr, code: &Code, images: &[Image<'_>], mask: u64, whole: u64) {
         let [a, b, c] = instr.sources;
         let signed = instr.signed;

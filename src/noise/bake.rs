@@ -8,6 +8,7 @@
 use super::lattice::direction;
 use super::{SplitMix, Weights};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Planes of texels that one task makes, and rows that it makes together: what is summed along x and y for them stays in
 /// the cache of a core.
@@ -68,10 +69,12 @@ impl Places {
     }
 
     /// The four factors of a place: of the near and far side, for what is constant and for what grows along the axis.
+    #[inline(always)]
     fn factors(&self, place: usize) -> [f32; 4] {
         [self.weight[0][place], self.weight[1][place], self.moment[0][place], self.moment[1][place]]
     }
 
+    #[inline(always)]
     fn slopes(&self, place: usize) -> [f32; 4] {
         [
             self.weight_slope[0][place],
@@ -94,23 +97,45 @@ impl Plane {
     }
 }
 
+/// Some planes of a block: the first and how many, and where their values and slopes go.
+struct Task<'a, const GRADIENT: bool> {
+    bake: &'a Bake,
+    places: &'a [Places],
+    planes: (usize, usize),
+    out: [&'a mut [f32]; 4],
+}
+
+impl<const GRADIENT: bool> pulp::NullaryFnOnce for Task<'_, GRADIENT> {
+    type Output = ();
+
+    #[inline(always)] // as all that is called here: into code for the vectors of this processor
+    fn call(mut self) {
+        let side = self.bake.size as usize;
+        for rows in (0..side).step_by(ROWS.min(side)) {
+            for (octave, places) in (0..).zip(self.places) {
+                self.bake.add::<GRADIENT>(octave, places, self.planes, rows, &mut self.out);
+            }
+        }
+    }
+}
+
 impl Bake {
     /// The octaves out of `wanted` that a block can hold: those whose cells are wider than two texels (PH 3.1).
     pub fn held(size: u32, cells: u32, wanted: u32) -> u32 {
         (0..wanted).take_while(|octave| (cells << octave) * 2 <= size).count() as u32
     }
 
-    /// The values alone: a third of the work.
-    pub fn values(&self) -> Block {
-        self.bake::<false>()
+    /// The values alone: a third of the work. `progress` is called with the part that is done, from any thread.
+    pub fn values(&self, progress: &(dyn Fn(f32) + Sync)) -> Block {
+        self.bake::<false>(progress)
     }
 
-    /// The values with their gradients.
-    pub fn values_and_gradients(&self) -> Block {
-        self.bake::<true>()
+    /// The values with their gradients; `progress` as in [`Bake::values`].
+    pub fn values_and_gradients(&self, progress: &(dyn Fn(f32) + Sync)) -> Block {
+        self.bake::<true>(progress)
     }
 
-    fn bake<const GRADIENT: bool>(&self) -> Block {
+    fn bake<const GRADIENT: bool>(&self, progress: &(dyn Fn(f32) + Sync)) -> Block {
         let side = self.size as usize;
         let texels = side.pow(3);
         let slopes = if GRADIENT { texels } else { 0 };
@@ -128,17 +153,16 @@ impl Bake {
             let ((x, y), z) = slopes.next().unwrap_or_default();
             parts.push([values, x, y, z]);
         }
-        parts.into_par_iter().enumerate().for_each(|(index, mut out)| {
-            for rows in (0..side).step_by(ROWS.min(side)) {
-                for (octave, places) in (0..self.octaves).zip(&places) {
-                    self.add::<GRADIENT>(octave, places, (index * planes, planes), rows, &mut out);
-                }
-            }
+        let (arch, done, all) = (pulp::Arch::new(), AtomicUsize::new(0), side / planes);
+        parts.into_par_iter().enumerate().for_each(|(index, out)| {
+            arch.dispatch(Task::<GRADIENT> { bake: self, places: &places, planes: (index * planes, planes), out });
+            progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f32 / all as f32);
         });
         Block { values, gradient }
     }
 
     /// Adds an octave to some rows of some planes.
+    #[inline(always)]
     fn add<const GRADIENT: bool>(
         &self,
         octave: u32,
@@ -182,6 +206,7 @@ impl Bake {
     }
 
     /// A lattice plane of an octave, summed along x and y for some rows.
+    #[inline(always)]
     fn plane<const GRADIENT: bool>(
         &self,
         octave: u32,
@@ -234,6 +259,7 @@ impl Lines {
     }
 
     /// Sums line `line`, of which `direction` gives the lattice points by their x.
+    #[inline(always)]
     fn sum<const GRADIENT: bool>(
         &mut self,
         line: usize,
@@ -264,12 +290,14 @@ impl Lines {
 }
 
 /// `out = a w0 + b w1 + c w2 + d w3`.
+#[inline(always)]
 fn mix_four(out: &mut [f32], [a, b, c, d]: [&[f32]; 4], w: [f32; 4]) {
     for ((((out, a), b), c), d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
         *out = a * w[0] + b * w[1] + c * w[2] + d * w[3];
     }
 }
 
+#[inline(always)]
 fn mix_two(out: &mut [f32], [a, b]: [&[f32]; 2], w: [f32; 4]) {
     for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
         *out = a * w[0] + b * w[1];
@@ -277,6 +305,7 @@ fn mix_two(out: &mut [f32], [a, b]: [&[f32]; 2], w: [f32; 4]) {
 }
 
 /// Adds one octave of rows: `field` is constant and growing, near and far.
+#[inline(always)]
 fn add_values(out: &mut [f32], [a, b, c, d]: [&[f32]; 4], w: [f32; 4], (amplitude, absolute): (f32, bool)) {
     let values = out.iter_mut().zip(a).zip(b).zip(c).zip(d);
     if absolute {
@@ -292,6 +321,7 @@ fn add_values(out: &mut [f32], [a, b, c, d]: [&[f32]; 4], w: [f32; 4], (amplitud
 
 /// The same with gradients: fields of the noise and of its slopes along x and y; factors of z and their slopes. Of an
 /// absolute value the slope has the sign of what it is of; 2^i of the chain rule and the amplitude cancel.
+#[inline(always)]
 fn add_gradients(
     [values, xs, ys, zs]: [&mut [f32]; 4],
     [n, nx, ny]: [[&[f32]; 4]; 3],
@@ -357,7 +387,7 @@ mod tests {
             (32, 1, 3, true, Weights::Quintic),
         ] {
             let bake = Bake { weights, size, cells, octaves, absolute };
-            let (block, values) = (bake.values_and_gradients(), bake.values().values);
+            let (block, values) = (bake.values_and_gradients(&|_| ()), bake.values(&|_| ()).values);
             assert_eq!(block.values, values);
             let lattice = Lattice { weights };
             let (mut off, mut slope_off) = (0.0f64, 0.0f64);

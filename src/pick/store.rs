@@ -3,38 +3,31 @@
 use super::{Bound, Pick, PickError, Verified};
 use crate::glsl::Library;
 use crate::gpu::Gpu;
+use crate::kept::{self, Kind};
 use crate::render::Subject;
 use crate::scene::{self, Scene};
-use crate::{field, output, shard};
+use crate::shard;
 use serde::{Deserialize, Serialize};
-use std::fs;
-use std::path::PathBuf;
 
 /// Raise it when the same scene may give another pick.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
+/// A few thousand picks.
+const KIND: Kind = Kind { end: "pick", limit: 16 << 20 };
 
-/// What a pick depends on, hashed.
-pub(super) struct Key(blake3::Hash);
-
+/// The key of a pick: the hash of what it depends on.
 pub(super) fn key(
     gpu: &Gpu,
     library: &Library,
     scene: &Scene,
     subject: &Subject,
     bound: Bound,
-) -> Result<Key, PickError> {
+) -> Result<blake3::Hash, PickError> {
     let facts = gpu.facts();
     let mut hash = blake3::Hasher::new();
     hash.update(&VERSION.to_le_bytes()).update(&bound.error.to_le_bytes());
     hash.update(format!("{}\n{}\n{}\n", bound.metric, facts.name, facts.driver).as_bytes());
     hash.update(shard::identity(scene, library, subject)?.as_bytes());
-    Ok(Key(hash.finalize()))
-}
-
-impl Key {
-    fn file(&self) -> Option<PathBuf> {
-        Some(field::default_folder()?.join(format!("{}.pick", self.0.to_hex())))
-    }
+    Ok(hash.finalize())
 }
 
 /// A pick as its file has it.
@@ -52,8 +45,8 @@ struct Stored {
 }
 
 /// The pick that was saved under a key; `None` if there is none, or its file is not as it was written.
-pub(super) fn load(key: &Key) -> Option<Pick> {
-    let stored: Stored = toml::from_str(&fs::read_to_string(key.file()?).ok()?).ok()?;
+pub(super) fn load(key: blake3::Hash) -> Option<Pick> {
+    let stored: Stored = toml::from_slice(&kept::load(KIND, key)?).ok()?;
     Some(Pick {
         scene: scene::parse(&stored.scene, "remembered").ok()?,
         way: stored.way,
@@ -68,7 +61,7 @@ pub(super) fn load(key: &Key) -> Option<Pick> {
 }
 
 /// Saves a pick; a folder that cannot be written to costs the next one its time, and no more.
-pub(super) fn save(key: &Key, pick: &Pick) {
+pub(super) fn save(key: blake3::Hash, pick: &Pick) {
     let stored = Stored {
         way: pick.way.clone(),
         error: pick.error,
@@ -79,8 +72,7 @@ pub(super) fn save(key: &Key, pick: &Pick) {
         other: pick.other.clone(),
         scene: scene::to_text(&pick.scene),
     };
-    let (Some(file), Ok(text)) = (key.file(), toml::to_string(&stored)) else { return };
-    if file.parent().is_some_and(|folder| fs::create_dir_all(folder).is_ok()) {
-        let _ = output::write_whole(&file, text.as_bytes());
+    if let Ok(text) = toml::to_string(&stored) {
+        kept::save(KIND, key, text.as_bytes());
     }
 }

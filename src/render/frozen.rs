@@ -34,7 +34,7 @@ impl Frozen {
         let view = View::of(scene, subject, variant);
         let planes = Planes::new(view.extent, scene.quality.samples);
         let space = LightSpace::of(scene, &view, &planes);
-        let inputs = Inputs::new(scene, subject, variant, program, &view, &planes)?;
+        let inputs = Inputs::new(scene, subject, variant, program, (&view, &planes), &|_| ())?;
         let values =
             |moment: SubFrame| inputs.stored().values(scene, subject, variant, &view, (&planes, &space), &moment);
         let moments = SubFrame::all(scene).map(values).collect();

@@ -1,31 +1,29 @@
 //! What a program reads, made without a device: the values of its blocks, its images encoded, and nothing that it does
 //! not read.
 
+use super::noise_blocks::block;
 use super::shadow::LightSpace;
 use super::sub_frame::SubFrame;
 use super::view::{Own, View};
 use super::{RenderError, Subject};
+use crate::field::Progress;
 use crate::gpu::{Address, Dimension, Format};
-use crate::noise::{Bake, Noise, Weights, random_block};
 use crate::pass::Planes;
-use crate::scene::{BlockFormat, KnobValue, Knobs, Projection, Rule, Scene, Source, Wrap};
-use crate::texture::{self, Depth, Encoding, Texels};
+use crate::scene::{KnobValue, Knobs, Projection, Rule, Scene, Source, Wrap};
+use crate::texture::{self, Encoding, Texels};
 use crate::variant::{Program, Resource, Use, Variant};
 use std::collections::HashMap;
-
-/// Seed of Perlin's tables and of random texels: changing it changes every picture that is made of them.
-const SEED: u64 = 1989;
 
 /// An image, encoded.
 pub(crate) struct Encoded {
     pub(crate) name: &'static str,
     pub(crate) dimension: Dimension,
     pub(crate) format: Format,
-    content: Content,
+    pub(super) content: Content,
 }
 
 /// Texels as they were made, x fastest.
-enum Content {
+pub(super) enum Content {
     Bytes(Vec<u8>),
     Codes(Vec<u16>),
     Floats(Vec<f32>),
@@ -59,14 +57,14 @@ pub(super) struct StoredObjects(Vec<Stored>);
 pub(crate) type Values = HashMap<String, Vec<f32>>;
 
 impl Inputs {
-    /// Encodes every image that a program reads.
+    /// Encodes every image that a program reads; `progress` is told of each block of noise.
     pub(crate) fn new(
         scene: &Scene,
         subject: &Subject,
         variant: &Variant,
         program: &Program,
-        view: &View,
-        planes: &Planes,
+        (view, planes): (&View, &Planes),
+        progress: Progress<'_>,
     ) -> Result<Inputs, RenderError> {
         let mut items: Vec<Item<'_>> =
             view.objects.iter().map(|own| Item::of(own, scene, subject, variant, Stored::default())).collect();
@@ -88,7 +86,13 @@ impl Inputs {
         for Resource { name, binding, holds, .. } in &program.resources {
             match holds {
                 Use::Image if name == SHADOW => {}
-                Use::Image => images.push((*binding, image(scene, &items, (&mut texels, &mut ways), planes, name)?)),
+                Use::Image => {
+                    let made = match block(scene, name, progress) {
+                        Some(block) => block,
+                        None => image(scene, &items, (&mut texels, &mut ways), planes, name)?,
+                    };
+                    images.push((*binding, made));
+                }
                 Use::Sampler if name == "repeat_sampler" => samplers.push((*binding, Address::Repeat)),
                 Use::Sampler if name == "block_sampler" => {
                     let mirrors = scene.quality.wrap == Wrap::Mirror;
@@ -327,60 +331,7 @@ fn half_path(scene: &Scene, view: &View, planes: &Planes) -> f32 {
     0.5 * planes.step * slant / glam::Vec3::from(scene.object.stretch).min_element()
 }
 
-/// The blocks of noise and turbulence of a scene, and the tables of noise: what depends on no object.
-fn block(scene: &Scene, name: &str) -> Option<Encoded> {
-    let size = scene.quality.block_size;
-    let weights = if scene.effect.weights == "cubic" { Weights::Cubic } else { Weights::Quintic };
-    let [noise_cells, turbulence_cells, channel_cells] = scene.block_cells();
-    let [held, low] = scene.block_octaves();
-    let noise = Bake { weights, size, cells: noise_cells, octaves: 1, absolute: false };
-    let turbulence = |octaves| Bake { weights, size, cells: turbulence_cells, octaves, absolute: true };
-    let depth = |channels: u32| match (scene.quality.block_format, channels) {
-        (BlockFormat::Unorm8, _) => Depth::Eight,
-        (BlockFormat::Unorm16, _) | (BlockFormat::Auto, 4) => Depth::Sixteen,
-        (BlockFormat::Float32 | BlockFormat::Auto, _) => Depth::Float,
-    };
-    let encoded = |name, channels, bytes| {
-        let format = match (channels, depth(channels)) {
-            (1, Depth::Eight) => Format::R8Unorm,
-            (1, Depth::Sixteen) => Format::R16Unorm,
-            (1, Depth::Float) => Format::R32Float,
-            (_, Depth::Eight) => Format::Rgba8Unorm,
-            (_, Depth::Sixteen) => Format::Rgba16Unorm,
-            (_, Depth::Float) => Format::Rgba32Float,
-        };
-        Some(Encoded { name, dimension: Dimension::Volume(size, size, size), format, content: Content::Bytes(bytes) })
-    };
-    let values = |name, bake: Bake| encoded(name, 1, texture::block_values(&bake.values(), bake.absolute, depth(1)));
-    let gradients = |name, bake: Bake| {
-        encoded(name, 4, texture::block_gradients(&bake.values_and_gradients(), bake.absolute, depth(4)))
-    };
-    let row = |name, index: usize| {
-        let texels = texture::table_rows(&Noise::new(SEED, weights))[index].clone();
-        let (dimension, format) = (Dimension::Line(256), Format::Rgba32Float);
-        Some(Encoded { name, dimension, format, content: Content::Floats(texels) })
-    };
-    match name {
-        "noise_image" => gradients("noise block", noise),
-        "noise_value_image" => values("noise values", noise),
-        "turbulence_image" => gradients("turbulence block", turbulence(held)),
-        "turbulence_value_image" => values("turbulence values", turbulence(held)),
-        "low_octaves_image" => values("low octaves", turbulence(low)),
-        "channel_image" => {
-            let blocks = [0, 1, 2, 3].map(|octave| Bake { cells: channel_cells << octave, ..noise }.values());
-            encoded("four octaves", 4, texture::block_channels(&blocks, depth(4)))
-        }
-        "random_image" => {
-            let numbers = random_block(SEED, size, scene.quality.block_blur);
-            encoded("random texels", 4, texture::texels_of(&numbers, depth(4)))
-        }
-        "permutation_image" => row("permutation", 0),
-        "gradient_image" => row("table of gradients", 1),
-        _ => None,
-    }
-}
-
-/// The image of a name in `interface.glsl` or `part.glsl`; takes what was encoded of the object.
+/// The image of a name in `interface.glsl` or `part.glsl` that is no block; takes what was encoded of the object.
 fn image(
     scene: &Scene,
     items: &[Item<'_>],
@@ -388,9 +339,6 @@ fn image(
     planes: &Planes,
     name: &str,
 ) -> Result<Encoded, RenderError> {
-    if let Some(block) = block(scene, name) {
-        return Ok(block);
-    }
     let base = |item: &Item<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
     let found = (0..items.len()).rev().find_map(|index| base(&items[index]).map(|base| (index, base)));
     let (index, name) = found.ok_or_else(|| RenderError::Unfilled(name.into()))?;

@@ -184,7 +184,7 @@ pub fn transmittance(
     let view = View::of(scene, subject, &variant);
     let planes = Planes::new(view.extent, scene.quality.samples);
     let space = LightSpace::of(scene, &view, &planes);
-    let inputs = Inputs::new(scene, subject, &variant, &program, &view, &planes)?;
+    let inputs = Inputs::new(scene, subject, &variant, &program, (&view, &planes), &|_| ())?;
     let mut bound = Bound::new(gpu, scene, &program, &inputs)?;
     for sub_frame in SubFrame::all(scene).take(1) {
         bound.fill(scene, subject, &variant, &view, (&planes, &space), &sub_frame)?;

@@ -230,12 +230,12 @@ fn image(name: &str) -> Texture {
         rows(&values)
     };
     let values = |bake: Bake| {
-        let stored = block_values(&bake.values(), bake.absolute, Depth::Sixteen);
+        let stored = block_values(&bake.values(&|_| ()), bake.absolute, Depth::Sixteen);
         let texel = |code: &[u8; 2]| [f32::from(u16::from_ne_bytes(*code)) / 65535.0, 0.0, 0.0, 1.0];
         Texture { size: [bake.size; 3], texels: stored.as_chunks().0.iter().map(texel).collect() }
     };
     let gradients = |bake: Bake| {
-        let stored = block_gradients(&bake.values_and_gradients(), bake.absolute, Depth::Sixteen);
+        let stored = block_gradients(&bake.values_and_gradients(&|_| ()), bake.absolute, Depth::Sixteen);
         Texture { size: [bake.size; 3], texels: codes(stored) }
     };
     let [permutation, pointed] = table_rows(&Noise::new(1989, Weights::Quintic));
@@ -251,7 +251,7 @@ fn image(name: &str) -> Texture {
         "turbulence_image" => gradients(bake(SIDE, 4, 2, true)),
         "turbulence_value_image" | "low_octaves_image" => values(bake(SIDE, 4, 2, true)),
         "channel_image" => {
-            let octave = |octave: u32| bake(2 * SIDE, 2 << octave, 1, false).values();
+            let octave = |octave: u32| bake(2 * SIDE, 2 << octave, 1, false).values(&|_| ());
             let stored = block_channels(&[0, 1, 2, 3].map(octave), Depth::Sixteen);
             Texture { size: [2 * SIDE; 3], texels: codes(stored) }
         }
