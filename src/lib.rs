@@ -55,6 +55,7 @@ pub mod output;
 pub mod pass;
 pub mod pick;
 pub mod predict;
+pub mod random;
 pub mod reference;
 pub mod render;
 pub mod scene;

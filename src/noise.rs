@@ -13,6 +13,8 @@ pub use bake::{Bake, Block, random_block};
 pub use lattice::{Lattice, Period};
 pub use table::Noise;
 
+use crate::random::SplitMix;
+
 /// The gradient of the noise never exceeds this (2.8 for quintic weights and unit gradients), per lattice cell.
 pub const NOISE_GRADIENT_BOUND: f64 = 3.0;
 /// The gradient of eight octaves of turbulence never exceeds this, per lattice cell of the first octave.
@@ -74,31 +76,13 @@ fn absolute_sum(octaves: u32, octave: impl Fn(u32) -> ([f64; 3], f64)) -> ([f64;
     (gradient, value)
 }
 
-/// Vigna's SplitMix64: a small generator whose sequence is fixed for ever.
-struct SplitMix(u64);
-
-impl SplitMix {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in [0, 1).
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// PH 2.3: a point in the cube, kept when it lies in the ball, brought to the sphere.
-    fn direction(&mut self) -> [f64; 3] {
-        loop {
-            let p: [f64; 3] = std::array::from_fn(|_| (self.next() >> 11) as f64 / (1u64 << 52) as f64 - 1.0);
-            let n2: f64 = p.iter().map(|c| c * c).sum();
-            if (1e-6..=1.0).contains(&n2) {
-                return p.map(|c| c / n2.sqrt());
-            }
+/// PH 2.3: a point in the cube, kept when it lies in the ball, brought to the sphere.
+fn random_direction(random: &mut SplitMix) -> [f64; 3] {
+    loop {
+        let p: [f64; 3] = std::array::from_fn(|_| (random.next() >> 11) as f64 / (1u64 << 52) as f64 - 1.0);
+        let n2: f64 = p.iter().map(|c| c * c).sum();
+        if (1e-6..=1.0).contains(&n2) {
+            return p.map(|c| c / n2.sqrt());
         }
     }
 }

@@ -2,10 +2,9 @@
 //!
 //! Role: the picture of a scene as the limit of ever finer samples, in f64: the scene's own program, evaluated by
 //! [`exact`] and integrated along each ray to a stated error. Invariant: nothing of the formulas is
-//! written here a second time; what the limit of a scene is, [`truth_of`] says.
-//!
-//! What is not in it: bending rays, whose picture depends on its neighbors (the studio is filtered by derivatives).
+//! written here a second time; what the limit of a scene is, [`truth_of`] says. Rays that bend are in `bent`.
 
+mod bent;
 mod integral;
 mod store;
 
@@ -78,7 +77,9 @@ impl From<VariantError> for ReferenceError {
 /// # Errors
 /// A module of noise or turbulence does not exist, or its header cannot be read.
 pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError> {
-    let mut truth = limit_of(&scene.exact_twin(library)?);
+    // A ray that bends reads what it reads: no sum of noise may be computed along it.
+    let bends = scene.effect.ray == Course::Refracted;
+    let mut truth = if bends { limit_of(scene) } else { limit_of(&scene.exact_twin(library)?) };
     truth.quality.block_format = BlockFormat::Auto;
     let mut other = truth.clone();
     other.quality.block_size = Quality::default().block_size;
@@ -105,7 +106,7 @@ pub fn limit_of(scene: &Scene) -> Scene {
     let bends = limit.effect.ray == Course::Refracted;
     let quality = &mut limit.quality;
     quality.pass = if bends { Pass::March } else { Pass::Slices }; // which may have the more samples
-    quality.samples = SAMPLES;
+    quality.samples = if bends { bent::FEWEST } else { SAMPLES };
     quality.rule = Rule::Point;
     quality.traverse = Traverse::Leap;
     quality.stop = 0.0;
@@ -162,6 +163,9 @@ pub fn reference_pixels(
     tolerance: f64,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Reference, ReferenceError> {
+    if truth.effect.ray == Course::Refracted {
+        return bent::reference(library, truth, subject, pixels, tolerance, progress);
+    }
     let (probe, mut inputs) = Probe::new(library, truth, subject)?;
     let (count, done) = (probe.moments.len(), AtomicUsize::new(0));
     let mut sum = vec![([0.0; 4], 0.0); pixels.len()];
@@ -205,9 +209,6 @@ struct Moment {
 impl Probe {
     /// The probe of a scene, and its images and samplers.
     fn new(library: &Library, truth: &Scene, subject: &Subject) -> Result<(Probe, exact::Inputs), ReferenceError> {
-        if truth.effect.ray == Course::Refracted {
-            return Err(ReferenceError::NoLimit("rays that bend are filtered by their neighbors"));
-        }
         if truth.effect.classify == "stack" {
             return Err(ReferenceError::NoLimit("effect.classify = \"stack\" shows the slices themselves"));
         }
@@ -227,11 +228,7 @@ impl Probe {
                 moment.caster = blocks;
             }
         }
-        let inputs = exact::Inputs {
-            blocks: BTreeMap::new(),
-            images: frozen.images().iter().map(|(binding, image)| (*binding, texture(image))).collect(),
-            samplers: frozen.samplers().iter().map(|(binding, address)| (*binding, wrap(*address))).collect(),
-        };
+        let inputs = inputs(&frozen);
         let caster = match shadow {
             None => None,
             Some((binding, caster)) => Some((binding, exact::Program::read(&caster.fragment, &octaves)?)),
@@ -385,6 +382,15 @@ impl Sampled {
             _ => Matter::default(),
         };
         Sampled { matter, span: [enters, leaves], clearance }
+    }
+}
+
+/// Images and samplers, as yet without blocks.
+fn inputs(frozen: &Frozen) -> exact::Inputs {
+    exact::Inputs {
+        blocks: BTreeMap::new(),
+        images: frozen.images().iter().map(|(binding, image)| (*binding, texture(image))).collect(),
+        samplers: frozen.samplers().iter().map(|(binding, address)| (*binding, wrap(*address))).collect(),
     }
 }
 

@@ -5,49 +5,38 @@ mod common;
 use common::{picture, subject, with_gpu};
 use hypertexture::glsl::{self, library::Default as KnobDefault};
 use hypertexture::pick::{Bound, Metric, PickError, pick};
+use hypertexture::random::SplitMix;
 use hypertexture::reference::{reference_pixels, truth_of};
 use hypertexture::scene::{KnobValue, Projection, Scene, preset};
 use hypertexture::variant::Variant;
 
-/// SplitMix64 (Vigna).
-struct Random(u64);
+fn within(random: &mut SplitMix, low: f64, high: f64) -> f64 {
+    low + (high - low) * random.unit()
+}
 
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
-
-    fn within(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.next() >> 11) as f64 / 2f64.powi(53)
-    }
-
-    fn one<'a>(&mut self, of: &[&'a str]) -> &'a str {
-        of[(self.next() % of.len() as u64) as usize]
-    }
+fn one<'a>(random: &mut SplitMix, of: &[&'a str]) -> &'a str {
+    of[(random.next() % of.len() as u64) as usize]
 }
 
 /// A scene of any effect on any object, from anywhere, with knobs anywhere within their ranges.
-fn random_scene(random: &mut Random) -> Scene {
+fn random_scene(random: &mut SplitMix) -> Scene {
     let effects =
         ["lit", "solid", "bump", "fur", "melting", "fire", "noisy_sphere", "fractal_sphere", "fire_ball", "smoke"];
-    let mut scene = preset(random.one(&effects)).expect("a preset");
-    scene.object.input = random.one(&["sphere", "cube", "torus"]).into();
+    let mut scene = preset(one(random, &effects)).expect("a preset");
+    scene.object.input = one(random, &["sphere", "cube", "torus"]).into();
     scene.image.size = [32, 32];
-    scene.camera.azimuth = random.within(-180.0, 180.0) as f32;
-    scene.camera.elevation = random.within(-80.0, 80.0) as f32;
-    scene.camera.zoom = random.within(0.8, 2.0) as f32;
+    scene.camera.azimuth = within(random, -180.0, 180.0) as f32;
+    scene.camera.elevation = within(random, -80.0, 80.0) as f32;
+    scene.camera.zoom = within(random, 0.8, 2.0) as f32;
     scene.camera.projection =
         if random.next().is_multiple_of(2) { Projection::Parallel } else { Projection::Perspective };
-    scene.effect.turbulence = random.one(&["encoded", "hybrid", "procedural", "lookups8", "channels"]).into();
+    scene.effect.turbulence = one(random, &["encoded", "hybrid", "procedural", "lookups8", "channels"]).into();
     let library = glsl::shipped();
     let variant = Variant::of(&scene, &library).expect("a valid scene");
     for (name, knob, _) in variant.all_knobs() {
         let KnobDefault::Number(_, [low, high]) = knob.default else { continue };
         let mut other = scene.clone();
-        other.knobs.insert(name, KnobValue::Number(random.within(low.into(), high.into()) as f32));
+        other.knobs.insert(name, KnobValue::Number(within(random, low.into(), high.into()) as f32));
         if other.check(&library).is_ok() {
             scene = other;
         }
@@ -77,13 +66,13 @@ fn rmse(gpu: &hypertexture::gpu::Gpu, scene: &Scene) -> f64 {
 fn no_pick_breaks_its_bound_on_random_scenes() {
     // HYPERTEXTURE_SCENES=200 asks for as many.
     let count = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok()).unwrap_or(5);
-    let mut random = Random(33);
+    let mut random = SplitMix(33);
     let (mut picked, mut refused, mut worst) = (0, 0, 0f64);
     with_gpu(|gpu| {
         let library = glsl::shipped();
         for index in 0..count {
             let scene = random_scene(&mut random);
-            let error = 10f64.powf(random.within(-2.7, -1.0));
+            let error = 10f64.powf(within(&mut random, -2.7, -1.0));
             let bound = Bound::new(Metric::Rmse, error).unwrap();
             match pick(gpu, &library, &scene, &subject(&scene, &library), bound, &|_| ()) {
                 Ok(pick) => {

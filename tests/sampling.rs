@@ -278,7 +278,8 @@ fn p49_a_renderer_that_is_used_again_gives_the_pictures_that_a_new_one_gives() {
                     seen.push(again.pixels);
                 }
                 assert!(seen[0] != seen[1] && seen[0] == seen[2]);
-                let changes: [(&str, fn(&mut Scene)); 5] = [
+                type Change = fn(&mut Scene);
+                let changes: [(&str, Change); 5] = [
                     ("more samples", |scene| scene.quality.samples = 65),
                     ("another target", |scene| scene.quality.target = TargetFormat::Unorm8),
                     ("another size", |scene| scene.image.size = [40, 30]),

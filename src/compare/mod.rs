@@ -19,13 +19,14 @@ pub mod timing;
 
 use crate::glsl::{Library, LibraryError};
 use crate::gpu::Gpu;
+use crate::random::SplitMix;
 use crate::reference::{Reference, truth_of};
 use crate::render::{Frame, RenderError, Renderer, Subject};
 use crate::scene::{Color, Pass, Rule, Scene, SceneError};
 use candidates::{Candidate, Sweep};
 use metrics::{Angles, Metrics};
 use std::sync::Arc;
-use timing::{FEWEST_RUNS, Random, Run, Spread, interleave};
+use timing::{FEWEST_RUNS, Run, Spread, interleave};
 
 /// Background of a scene that has none, where a person looks at the picture: that of the gallery.
 pub const BACKGROUND: Color = Color([24, 26, 31]);
@@ -204,7 +205,7 @@ pub fn compare(
     let mut waiting: Vec<(usize, Candidate)> =
         candidates::candidates(scene, stage.library, &settings.sweep)?.into_iter().enumerate().collect();
     let planned = waiting.len();
-    let mut random = Random(SEED);
+    let mut random = SplitMix(SEED);
     random.shuffle(&mut waiting); // so that a batch holds a bit of everything
     let mut normals = Normals::new(stage, scene);
     let mut rows: Vec<(usize, Row)> = Vec::new();
@@ -268,7 +269,7 @@ fn first(
 fn time(
     batch: &mut [(usize, Row, Renderer<'_>)],
     settings: &Settings,
-    random: &mut Random,
+    random: &mut SplitMix,
     stop: &dyn Fn() -> bool,
     progress: &dyn Fn(f32),
 ) -> Vec<Failure> {

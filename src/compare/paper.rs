@@ -4,9 +4,10 @@
 //! drew nor into what format; here it is those of the comparison's 8-bit slices. Its 8x is antialiasing and anisotropic
 //! filtering together; here every sample of a pixel is shaded.
 
-use super::timing::{FEWEST_RUNS, Random, Spread, interleave};
+use super::timing::{FEWEST_RUNS, Spread, interleave};
 use super::{Comparison, Stage, run};
 use crate::gpu::Format;
+use crate::random::SplitMix;
 use crate::render::{Frame, RenderError, Renderer};
 use crate::scene::{Pass, Rule, Scene, TargetFormat};
 
@@ -152,7 +153,7 @@ pub fn table(
         let runs: Vec<usize> =
             cells.iter().map(|(.., ms)| ((CELL_MS / ms.max(1e-3)) as usize).clamp(2, FEWEST_RUNS + 1)).collect();
         let mut times: Vec<Vec<f64>> = vec![Vec::new(); cells.len()];
-        for index in interleave(&runs, &mut Random(column as u64)) {
+        for index in interleave(&runs, &mut SplitMix(column as u64)) {
             if (stage.stop)() {
                 return Ok(None);
             }

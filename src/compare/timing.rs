@@ -3,6 +3,7 @@
 //! Runs of all candidates of a batch are mixed in random order, so that a machine that slows down for a while slows all
 //! of them alike. Nothing is dropped.
 
+use crate::random::SplitMix;
 use serde::Serialize;
 
 /// A run is unsteady if its 95th percentile exceeds the median by this factor.
@@ -69,7 +70,7 @@ fn lower_rank(n: usize) -> usize {
 }
 
 /// The order of interleaved runs: in each round, everything that has runs left, shuffled.
-pub fn interleave(runs: &[usize], random: &mut Random) -> Vec<usize> {
+pub fn interleave(runs: &[usize], random: &mut SplitMix) -> Vec<usize> {
     let rounds = runs.iter().copied().max().unwrap_or(0);
     let round = |round: usize| {
         let mut due: Vec<usize> = (0..runs.len()).filter(|&index| runs[index] > round).collect();
@@ -77,27 +78,6 @@ pub fn interleave(runs: &[usize], random: &mut Random) -> Vec<usize> {
         due
     };
     (0..rounds).flat_map(round).collect()
-}
-
-/// Numbers that look random and are the same each time: SplitMix64 (Steele, Lea and Flood 2014).
-#[derive(Clone, Debug)]
-pub struct Random(pub u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Puts things into a random order (Fisher and Yates).
-    pub fn shuffle<T>(&mut self, things: &mut [T]) {
-        for left in (1..things.len()).rev() {
-            things.swap(left, (self.next() % (left as u64 + 1)) as usize);
-        }
-    }
 }
 
 #[cfg(test)]
@@ -125,14 +105,14 @@ mod tests {
 
     #[test]
     fn runs_are_interleaved_and_each_happens_as_often_as_it_should() {
-        let order = interleave(&[3, 1, 2], &mut Random(7));
+        let order = interleave(&[3, 1, 2], &mut SplitMix(7));
         assert_eq!(order.len(), 6);
         assert_eq!([0, 1, 2].map(|i| order.iter().filter(|&&other| other == i).count()), [3, 1, 2]);
         let mut first = order[..3].to_vec();
         first.sort_unstable();
         assert_eq!(first, [0, 1, 2], "a round holds each once");
-        assert_eq!(order, interleave(&[3, 1, 2], &mut Random(7)));
-        let many = |seed| interleave(&[5; 9], &mut Random(seed));
+        assert_eq!(order, interleave(&[3, 1, 2], &mut SplitMix(7)));
+        let many = |seed| interleave(&[5; 9], &mut SplitMix(seed));
         assert_ne!(many(1), many(2));
     }
 }

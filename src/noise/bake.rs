@@ -5,8 +5,9 @@
 //! and along z with four products for each texel and octave; nothing is hashed more than once for each plane of texels
 //! that starts a task. Invariant: a block equals `Lattice` at its texel centers to the rounding of f32.
 
+use super::Weights;
 use super::lattice::direction;
-use super::{SplitMix, Weights};
+use crate::random::SplitMix;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -2,7 +2,8 @@
 //!
 //! Source: PH 2.3 (n = 256).
 
-use super::{SplitMix, Weights, absolute_sum};
+use super::{Weights, absolute_sum, random_direction};
+use crate::random::SplitMix;
 
 /// Entries of the permutation and gradient tables: the period of the noise in lattice cells.
 const TABLE: usize = 256;
@@ -26,7 +27,7 @@ impl Noise {
         for last in (1..TABLE).rev() {
             permutation.swap(last, (random.next() % (last as u64 + 1)) as usize);
         }
-        let gradients = std::array::from_fn(|_| random.direction());
+        let gradients = std::array::from_fn(|_| random_direction(&mut random));
         Noise { weights, permutation, gradients }
     }
 

@@ -1,9 +1,9 @@
 //! A way held against the f64 reference.
 
 use super::Bound;
-use crate::compare::timing::Random;
 use crate::glsl::Library;
 use crate::gpu::Gpu;
+use crate::random::SplitMix;
 use crate::reference::{ReferenceError, TOLERANCE, reference_pixels, truth_of};
 use crate::render::{Frame, Subject, render};
 use crate::scene::Scene;
@@ -88,7 +88,7 @@ impl Sample {
         let of_edges = edges.len().min((wanted / 2).max(wanted.saturating_sub(others.len())));
         let of_others = others.len().min(wanted - of_edges);
         let mut sample = Sample { pixels: Vec::new(), weights: Vec::new() };
-        let mut random = Random(1);
+        let mut random = SplitMix(1);
         for (stratum, count) in [(&mut edges, of_edges), (&mut others, of_others)] {
             random.shuffle(stratum);
             let weight = stratum.len() as f64 / count.max(1) as f64;

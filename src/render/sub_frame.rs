@@ -2,6 +2,7 @@
 //!
 //! Source: PH 3.1 suggests jittered rays and motion blur by rays over time.
 
+use crate::random::SplitMix;
 use crate::scene::Scene;
 
 /// One of the pictures of which a picture is the mean.
@@ -26,7 +27,7 @@ impl SubFrame {
             SubFrame {
                 offset: offset(index, count),
                 time: (f64::from(time) + f64::from(shutter) * moment) as f32,
-                jitter_seed: (mix(u64::from(seed) << 32 | u64::from(index)) >> 40) as f32,
+                jitter_seed: (SplitMix(u64::from(seed) << 32 | u64::from(index)).next() >> 40) as f32,
             }
         })
     }
@@ -47,14 +48,6 @@ fn offset(index: u32, count: u32) -> [f32; 2] {
 
 fn gcd(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { gcd(b, a % b) }
-}
-
-/// The last steps of SplitMix64 (Vigna): neighbors give bits that have nothing to do with each other.
-fn mix(value: u64) -> u64 {
-    let value = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let value = (value ^ value >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let value = (value ^ value >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    value ^ value >> 31
 }
 
 #[cfg(test)]

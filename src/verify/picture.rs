@@ -6,6 +6,7 @@ use crate::field::Progress;
 use crate::glsl::Library;
 use crate::gpu::Gpu;
 use crate::output::{self, Encoding, OutputError, PROGRAM, Stored};
+use crate::random::SplitMix;
 use crate::render::{Frame, RenderError, Subject, render};
 use crate::scene::{Scene, SceneError};
 use std::collections::BTreeMap;
@@ -163,18 +164,11 @@ impl Agreement {
 /// Pixels of a picture, each once: as many as asked for, or all of them.
 pub fn draw_pixels(size: [u32; 2], count: u32, seed: u64) -> Vec<[u32; 2]> {
     let all = u64::from(size[0]) * u64::from(size[1]);
-    let mut random = seed;
-    let mut next = || {
-        random = random.wrapping_add(0x9e37_79b9_7f4a_7c15); // SplitMix64 (Vigna)
-        let mut bits = random;
-        bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ bits >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        bits ^ bits >> 31
-    };
+    let mut random = SplitMix(seed);
     // The first of a shuffle, of which only what was exchanged is kept.
     let mut exchanged: BTreeMap<u64, u64> = BTreeMap::new();
     let picked = (0..all.min(u64::from(count))).map(|first| {
-        let other = first + next() % (all - first);
+        let other = first + random.next() % (all - first);
         let at = |exchanged: &BTreeMap<u64, u64>, place| exchanged.get(&place).copied().unwrap_or(place);
         let (pick, displaced) = (at(&exchanged, other), at(&exchanged, first));
         exchanged.insert(other, displaced);
