@@ -30,6 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=glsl");
     println!("cargo::rerun-if-changed=src/glsl");
     switch("HYPERTEXTURE_NO_GPU", "no_gpu");
+    switch("HYPERTEXTURE_NO_DISPLAY", "no_display");
     switch("HYPERTEXTURE_DATA", "test_data");
     let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("glsl");
     let out = PathBuf::from(env::var("OUT_DIR")?);

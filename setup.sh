@@ -14,6 +14,8 @@ present() { for package in "$@"; do dpkg -s "$package" >/dev/null 2>&1 || return
 
 build="g++ libshaderc-dev spirv-tools"
 run="libvulkan1 mesa-vulkan-drivers vulkan-validationlayers"
+# The window on X11 (Wayland's library comes with Mesa), and a display that nobody sees, for its tests.
+window="libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 xvfb"
 if ! command -v cargo >/dev/null; then
     # Debian 12's own Rust is too old; rustup is packaged from Debian 13 and Ubuntu 24.04 on.
     $sudo apt-get update -q
@@ -26,11 +28,11 @@ if ! command -v cargo >/dev/null; then
 fi
 
 # shellcheck disable=SC2086
-if ! present $build $run; then
+if ! present $build $run $window; then
     $sudo apt-get update -q
     # Without a packaged shaderc, cargo builds it from source: the same result, minutes later.
     apt-cache show libshaderc-dev >/dev/null 2>&1 || build="g++ cmake ninja-build python3 git"
-    install $build $run
+    install $build $run $window
 fi
 if [ "${1-}" = --backports ]; then
     $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -yq -t "$(. /etc/os-release; echo "$VERSION_CODENAME")-backports" mesa-vulkan-drivers

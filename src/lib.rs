@@ -39,6 +39,7 @@
 //! its cost beforehand; many pictures; many processes  predict, sequence, shard
 //! its error against its cost; the cheapest way        reference, compare, pick
 //! closed forms; a picture against its own scene       verify
+//! all of it, live in a window                         view
 //! ```
 
 pub mod compare;
@@ -64,3 +65,5 @@ pub mod shard;
 pub mod texture;
 pub mod variant;
 pub mod verify;
+#[cfg(feature = "view")]
+pub mod view;

@@ -8,6 +8,9 @@ use std::process::ExitCode;
 
 /// Exit code of anything that the person at the keyboard can mend.
 const BAD_INPUT: u8 = 2;
+/// Exit code of a window that could not be shown, or not be shown on.
+#[cfg(feature = "view")]
+const NO_WINDOW: u8 = 1;
 /// Exit code of `verify` where a device or a picture is not as it must be.
 const DISAGREES: u8 = 1;
 
@@ -35,6 +38,11 @@ fn main() -> ExitCode {
         Err(error) if error.is::<cli::Interrupted>() => {
             eprintln!("{error}");
             ExitCode::from(cli::INTERRUPTED)
+        }
+        #[cfg(feature = "view")]
+        Err(error) if error.is::<cli::NoWindow>() => {
+            eprintln!("error: {}", error.to_string().replace('\n', " "));
+            ExitCode::from(NO_WINDOW)
         }
         Err(error) if error.is::<cli::Disagreement>() => {
             eprintln!("{error}");

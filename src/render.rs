@@ -15,7 +15,8 @@ mod view;
 pub(crate) use frozen::{Blocks, Frozen};
 pub(crate) use inputs::Encoded;
 pub use shadow::{Transmittance, transmittance};
-pub use subject::{Subject, open, request};
+pub use subject::{Subject, field_margin, open, request};
+pub use view::half_height;
 
 use crate::field::{FieldError, Progress};
 use crate::glsl::{Library, Linker};
@@ -151,12 +152,35 @@ impl<'a> Renderer<'a> {
         self.render_bands(scene, std::slice::from_ref(&all))
     }
 
+    /// Renders some of the pictures of which a picture with `quality.supersampling` is the mean, by their numbers from 0
+    /// on: their mean, in bands as [`Renderer::render_bands`] has them. The mean over all numbers is the whole picture.
+    ///
+    /// # Errors
+    /// As [`render`].
+    ///
+    /// # Panics
+    /// Without a number, or with one that is not below `quality.supersampling`.
+    pub fn render_part(&mut self, scene: &Scene, bands: &[Range<u32>], numbers: &[u32]) -> Result<Frame, RenderError> {
+        let count = scene.quality.supersampling;
+        assert!(!numbers.is_empty() && numbers.iter().all(|&number| number < count), "{numbers:?} of {count}");
+        self.render_sub_frames(scene, bands, |number| numbers.contains(&number))
+    }
+
     /// Renders some bands of a picture, ranges of rows in it that neither overlap nor touch. Their pixels are those of
     /// the whole picture, bit for bit; the others are undefined.
     ///
     /// # Errors
     /// As [`render`].
     pub fn render_bands(&mut self, scene: &Scene, bands: &[Range<u32>]) -> Result<Frame, RenderError> {
+        self.render_sub_frames(scene, bands, |_| true)
+    }
+
+    fn render_sub_frames(
+        &mut self,
+        scene: &Scene,
+        bands: &[Range<u32>],
+        wanted: impl Fn(u32) -> bool,
+    ) -> Result<Frame, RenderError> {
         let start = Instant::now();
         let variant = Variant::of(scene, self.library)?;
         let mut prepared = match self.prepared.take() {
@@ -170,7 +194,7 @@ impl<'a> Renderer<'a> {
                 Prepared::new((self.gpu, self.library, self.subject), scene, &variant, made, self.progress)?
             }
         };
-        let mut frame = prepared.frame(scene, &variant, bands)?;
+        let mut frame = prepared.frame(scene, &variant, bands, wanted)?;
         self.prepared = Some(prepared);
         frame.measurements.total_ms = start.elapsed().as_secs_f64() * 1e3;
         Ok(frame)
@@ -291,8 +315,14 @@ impl<'a> Prepared<'a> {
         (variant.entries, &variant.slots) == (self.variant.entries, &self.variant.slots)
     }
 
-    /// Some bands of a picture of a scene that fits: the story of a frame.
-    fn frame(&mut self, scene: &Scene, variant: &Variant, bands: &[Range<u32>]) -> Result<Frame, RenderError> {
+    /// Some bands of a picture of a scene that fits, the mean of the sub-frames that are wanted: the story of a frame.
+    fn frame(
+        &mut self,
+        scene: &Scene,
+        variant: &Variant,
+        bands: &[Range<u32>],
+        wanted: impl Fn(u32) -> bool,
+    ) -> Result<Frame, RenderError> {
         let view = view::View::of(scene, self.subject, variant);
         let quality = &scene.quality;
         let planes = pass::Planes::new(view.extent, quality.samples);
@@ -310,7 +340,9 @@ impl<'a> Prepared<'a> {
         let mut drawn = pass::Drawn { fragments: Some(0), ..Default::default() };
         let space = shadow::LightSpace::of(scene, &view, &planes);
         let mut shadow_ms = None;
-        for sub_frame in SubFrame::all(scene) {
+        let mut count = 0;
+        for (_, sub_frame) in (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)) {
+            count += 1;
             self.bound.fill(scene, self.subject, variant, &view, (&planes, &space), &sub_frame)?;
             // The shadow of matter that moves while the shutter is open moves with it.
             let due = shadow_ms.is_none() || scene.camera.shutter > 0.0;
@@ -329,7 +361,7 @@ impl<'a> Prepared<'a> {
             let texels = self.resolved.as_ref().unwrap_or(&self.color).read()?;
             add(&mut sum, &decode(&texels, quality.target));
         }
-        let pixels = mean(&sum, quality.supersampling);
+        let pixels = mean(&sum, count);
         check_finite(&pixels, width as usize)?;
         let targets = self.color.bytes() + self.resolved.as_ref().map_or(0, gpu::Image::bytes);
         let measurements = Measurements {

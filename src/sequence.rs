@@ -102,6 +102,10 @@ impl Sequence {
             let Frames { first, last } = self.frames;
             let part = f64::from(frame - first) / f64::from(last - first + 1);
             moved.camera.azimuth = (f64::from(scene.camera.azimuth) + 360.0 * part) as f32;
+            if scene.camera.rotation.is_some() {
+                let around = glam::Quat::from_rotation_y((-std::f64::consts::TAU * part) as f32);
+                moved.camera.rotation = Some((scene.camera.turn() * around).normalize().to_array());
+            }
         }
         moved
     }

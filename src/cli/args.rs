@@ -31,6 +31,9 @@ pub struct Arguments {
 pub enum Command {
     /// Render a picture.
     Render(Box<Render>),
+    /// Show a window, in which the mouse turns the scene and panels change it.
+    #[cfg(feature = "view")]
+    View(Box<View>),
     /// Join the shards of a picture, as `render --shard` writes them.
     Merge(Merge),
     /// Compute the distance field of an object and write it as NRRD.
@@ -45,6 +48,14 @@ pub enum Command {
     Verify(Verify),
     /// Say which device was found, what is missing, and test what the renderer relies on.
     Doctor,
+    /// Compile the job on standard input: what the window runs a user's GLSL through.
+    #[cfg(feature = "view")]
+    #[command(hide = true)]
+    Compile(Compile),
+    /// Render a few rays of the scene on standard input: what the window tries a user's GLSL with.
+    #[cfg(feature = "view")]
+    #[command(hide = true)]
+    Rays(Rays),
 }
 
 /// Arguments of `render`.
@@ -93,6 +104,45 @@ impl Render {
     }
 }
 
+/// Arguments of `view`.
+#[cfg(feature = "view")]
+#[derive(Args)]
+pub struct View {
+    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), or a figure such as fire_ball.
+    #[arg(default_value = "furry_donut")]
+    pub input: String,
+    /// Refine a picture that stands still until its root mean square error is about this [default: 0.001].
+    #[arg(long, value_name = "RMSE", value_parser = error)]
+    pub max_error: Option<f64>,
+    /// Let time run from the beginning.
+    #[arg(long)]
+    pub play: bool,
+    /// Width and height of the window, in points.
+    #[arg(long, default_value = "1280x800", value_parser = size, value_name = "WxH")]
+    pub window: [u32; 2],
+    /// Draw so many frames after the first picture, then end.
+    #[arg(long, value_name = "NUMBER")]
+    pub frames: Option<u32>,
+    /// Write the picture that `render` makes, after those frames or when the picture has converged, then end.
+    #[arg(long, value_name = "FILE")]
+    pub screenshot: Option<PathBuf>,
+    /// Do what this file says.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "screenshot"], hide = true)]
+    pub script: Option<PathBuf>,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectArguments,
+    /// What the picture shows.
+    #[command(flatten)]
+    pub look: Look,
+}
+
+#[cfg(feature = "view")]
+fn error(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|error| (1e-7..=1.0).contains(error));
+    parsed.ok_or_else(|| "write a number from 1e-7 to 1; a code of 8 bits is 0.004".into())
+}
+
 /// Arguments of `merge`.
 #[derive(Args)]
 pub struct Merge {
@@ -121,6 +171,27 @@ pub struct Verify {
 
 fn bound(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|bound| (0.0..=1.0).contains(bound)).ok_or_else(|| "must be from 0 to 1".into())
+}
+
+/// Arguments of `compile`: the limits of the process.
+#[cfg(feature = "view")]
+#[derive(Args)]
+pub struct Compile {
+    /// Time of the processor, seconds.
+    #[arg(long, default_value_t = 10)]
+    pub seconds: u64,
+    /// Address space, MiB.
+    #[arg(long, default_value_t = 1024)]
+    pub memory_mib: u64,
+}
+
+/// Arguments of `rays`: the limit of the process.
+#[cfg(feature = "view")]
+#[derive(Args)]
+pub struct Rays {
+    /// Time of the processor, seconds.
+    #[arg(long, default_value_t = 20)]
+    pub seconds: u64,
 }
 
 /// How an input becomes an object.
@@ -218,7 +289,8 @@ pub struct Look {
     /// A look that shows how the picture is made.
     #[arg(long, value_enum)]
     pub look: Option<Debug>,
-    /// A knob of the effect, or as parts.OBJECT.KNOB of a further object; may be given again.
+    /// A knob of the effect, or as parts.OBJECT.KNOB of a further object; or any field of a scene file, such as
+    /// light.color=#ffe0c0; may be given again.
     #[arg(long = "set", value_name = "KNOB=VALUE")]
     pub knobs: Vec<String>,
     /// The density modulation functions, applied in this order: names, or GLSL files of one's own, such as fur+my_waves.glsl.
@@ -357,6 +429,10 @@ impl Look {
     fn apply(&self, scene: &mut Scene) -> Result<(), SceneError> {
         self.apply_effect(scene)?;
         for text in &self.knobs {
+            if let Some((field, value)) = text.split_once('=').filter(|(name, _)| is_field(name.trim())) {
+                scene.set_field(field.trim(), value.trim())?;
+                continue;
+            }
             let (name, value) = knob(text)?;
             let further = name.strip_prefix("parts.").and_then(|rest| rest.split_once('.'));
             let (knobs, name) = match further {
@@ -488,6 +564,12 @@ fn name_into<T: serde::de::DeserializeOwned>(
         limit: error.message().replace('\n', " "),
     })?;
     Ok(())
+}
+
+/// Whether `--set` means a field of the scene: one in a table, or one of the three that are in none.
+fn is_field(name: &str) -> bool {
+    let is_knob_of_part = name.starts_with("parts.") && name.split('.').count() == 3;
+    (name.contains('.') && !is_knob_of_part) || ["about", "combine", "boolean"].contains(&name)
 }
 
 fn knob(text: &str) -> Result<(String, KnobValue), SceneError> {

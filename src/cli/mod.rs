@@ -2,10 +2,14 @@
 
 mod args;
 mod compare;
+#[cfg(all(test, feature = "view"))]
+mod line_tests;
 mod log;
 mod modules;
 mod sequence;
 mod verify;
+#[cfg(feature = "view")]
+mod view;
 
 pub use args::Arguments;
 use args::{Command, Field, Gallery, Merge, Render};
@@ -13,6 +17,8 @@ pub use compare::Failed;
 pub use sequence::Interrupted;
 use sequence::ShardChoice;
 pub use verify::Disagreement;
+#[cfg(feature = "view")]
+pub use view::NoWindow;
 
 use hypertexture::glsl::{self, Library, library::Default as KnobDefault};
 use hypertexture::gpu::{Format, Gpu, Options};
@@ -23,6 +29,8 @@ use hypertexture::render::{Frame, Renderer, Subject, open, request};
 use hypertexture::scene::{self, KnobValue, Object, Pass, Scene};
 use hypertexture::shard::{self, Shard};
 use hypertexture::variant::Variant;
+#[cfg(feature = "view")]
+use hypertexture::view::author::{compile, rays};
 use hypertexture::{doctor, field, gallery, shape};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
@@ -46,6 +54,8 @@ pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     let quiet = arguments.quiet;
     match arguments.command {
         Command::Render(command) => run_render(&command, &options, quiet),
+        #[cfg(feature = "view")]
+        Command::View(command) => view::run(*command, options),
         Command::Merge(command) => merge(&command, quiet),
         Command::Field(command) => write_field(&command, quiet),
         Command::Gallery(command) => write_gallery(&command, &options, quiet),
@@ -56,6 +66,16 @@ pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
             let report = doctor::examine(&options);
             say(&report.text);
             if report.healthy { Ok(()) } else { Err("the tests above did not all pass".into()) }
+        }
+        #[cfg(feature = "view")]
+        Command::Compile(limits) => {
+            compile::limit(limits.seconds, Some(limits.memory_mib))?;
+            Ok(compile::serve(std::io::stdin().lock(), &mut std::io::stdout().lock())?)
+        }
+        #[cfg(feature = "view")]
+        Command::Rays(limits) => {
+            compile::limit(limits.seconds, None)?;
+            Ok(rays::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), &options)?)
         }
     }
 }

@@ -114,6 +114,11 @@ impl Library {
         self
     }
 
+    /// Every file: path relative to the `glsl` folder, and text.
+    pub fn sources(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.sources.iter().map(|(path, text)| (path.as_str(), text.as_str()))
+    }
+
     /// Text of a file, by its path relative to the `glsl` folder.
     pub fn source(&self, path: &str) -> Option<&str> {
         self.sources.get(path).map(String::as_str)

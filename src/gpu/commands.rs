@@ -47,7 +47,7 @@ impl Gpu {
     pub fn submit(&self, what: &str, record: impl FnOnce(&mut Commands<'_>)) -> Result<Submitted, GpuError> {
         let device = &self.0.device;
         // The lock makes this the only user of pool and queue.
-        let queue = self.0.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let queue = self.queue();
         let mut job = Job::new(self)?;
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the command buffer is new and in no use.

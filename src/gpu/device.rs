@@ -4,6 +4,7 @@ use super::instance::Instance;
 use super::{Format, GpuError, Messages, Named};
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+use std::ffi::c_char;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard};
 
@@ -59,10 +60,15 @@ pub(super) struct Shared {
     pub(super) pipeline_cache: PipelineCache,
     pub(super) pool: CommandPool,
     allocator: Mutex<Allocator>,
-    pub(super) queue: Mutex<vk::Queue>,
+    queue: Mutex<vk::Queue>,
+    /// Who waits for the queue holds this: the one who gave it back cannot take it again before.
+    next: Mutex<()>,
     pub(super) device: Device,
     pub(super) facts: Facts,
-    physical: vk::PhysicalDevice,
+    /// Family of the queue: what egui draws with is made for it.
+    #[cfg(feature = "view")]
+    pub(super) family: u32,
+    pub(super) physical: vk::PhysicalDevice,
     pub(super) instance: Instance,
 }
 
@@ -124,9 +130,19 @@ impl Gpu {
     /// # Errors
     /// No loader, driver, device or validation layer: the message says what to install.
     pub fn new(options: &Options) -> Result<Gpu, GpuError> {
-        let instance = Instance::new(options.validation)?;
-        let (physical, family, facts) = choose(&instance.raw, options.device.as_deref().unwrap_or_default())?;
-        let device = Device(create_device(&instance.raw, physical, family)?);
+        Gpu::with_instance(options, Instance::new(options.validation, &[])?, &[], |_, _| true)
+    }
+
+    /// Opens the best device of an instance with a queue family that fits, and with these extensions.
+    pub(super) fn with_instance(
+        options: &Options,
+        instance: Instance,
+        extensions: &[*const c_char],
+        fits: impl Fn(vk::PhysicalDevice, u32) -> bool,
+    ) -> Result<Gpu, GpuError> {
+        let wanted = options.device.as_deref().unwrap_or_default();
+        let (physical, family, facts) = choose(&instance.raw, wanted, fits)?;
+        let device = Device(create_device(&instance.raw, physical, family, extensions)?);
         // SAFETY: the device was just made with one queue of this family.
         let queue = unsafe { device.get_device_queue(family, 0) };
         let allocator = Allocator::new(&AllocatorCreateDesc {
@@ -154,8 +170,20 @@ impl Gpu {
         // SAFETY: the device is alive; the data was written by this very driver, as its file name and checksum say.
         let handle = unsafe { device.create_pipeline_cache(&info, None) }.named("vkCreatePipelineCache")?;
         let pipeline_cache = PipelineCache { device: device.0.clone(), handle, file };
-        let (allocator, queue) = (Mutex::new(allocator), Mutex::new(queue));
-        Ok(Gpu(Arc::new(Shared { pipeline_cache, pool, allocator, queue, device, facts, physical, instance })))
+        let (allocator, queue, next) = (Mutex::new(allocator), Mutex::new(queue), Mutex::new(()));
+        Ok(Gpu(Arc::new(Shared {
+            pipeline_cache,
+            pool,
+            allocator,
+            queue,
+            next,
+            device,
+            facts,
+            #[cfg(feature = "view")]
+            family,
+            physical,
+            instance,
+        })))
     }
 
     /// What the device is and can do.
@@ -202,12 +230,23 @@ impl Gpu {
             .optimal_tiling_features
     }
 
+    /// The queue, in turn: a thread that submits again and again keeps no other one waiting.
+    pub(super) fn queue(&self) -> MutexGuard<'_, vk::Queue> {
+        let _turn = self.0.next.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        self.0.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+
     pub(super) fn allocator(&self) -> MutexGuard<'_, Allocator> {
         self.0.allocator.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 }
 
-fn create_device(instance: &ash::Instance, physical: vk::PhysicalDevice, family: u32) -> Result<ash::Device, GpuError> {
+fn create_device(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    family: u32,
+    extensions: &[*const c_char],
+) -> Result<ash::Device, GpuError> {
     // SAFETY: the physical device belongs to `instance`, which is alive.
     let supported = unsafe { instance.get_physical_device_features(physical) };
     let features = vk::PhysicalDeviceFeatures::default()
@@ -221,12 +260,17 @@ fn create_device(instance: &ash::Instance, physical: vk::PhysicalDevice, family:
     let info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_features(&features)
+        .enabled_extension_names(extensions)
         .push_next(&mut features13);
     // SAFETY: every pointer in `info` outlives the call; the features are supported or core in 1.3.
     unsafe { instance.create_device(physical, &info, None) }.named("vkCreateDevice")
 }
 
-fn choose(instance: &ash::Instance, wanted: &str) -> Result<(vk::PhysicalDevice, u32, Facts), GpuError> {
+fn choose(
+    instance: &ash::Instance,
+    wanted: &str,
+    fits: impl Fn(vk::PhysicalDevice, u32) -> bool,
+) -> Result<(vk::PhysicalDevice, u32, Facts), GpuError> {
     // SAFETY: the instance is alive.
     let all = unsafe { instance.enumerate_physical_devices() }.named("vkEnumeratePhysicalDevices")?;
     let mut found = Vec::new();
@@ -241,7 +285,8 @@ fn choose(instance: &ash::Instance, wanted: &str) -> Result<(vk::PhysicalDevice,
         };
         let facts = facts(instance, physical, &properties);
         found.push(facts.name.clone());
-        let family = queues.iter().position(|queue| queue.queue_flags.contains(vk::QueueFlags::GRAPHICS));
+        let draws = |family: &usize| queues[*family].queue_flags.contains(vk::QueueFlags::GRAPHICS);
+        let family = (0..queues.len()).find(|family| draws(family) && fits(physical, *family as u32));
         let named = facts.name.to_lowercase().contains(&wanted.to_lowercase());
         if let (Some(family), true, true) = (family, named, properties.api_version >= vk::API_VERSION_1_3) {
             let rank = match properties.device_type {

@@ -3,24 +3,35 @@
 use super::messages::{Messages, Messenger, create_info};
 use super::{GpuError, Named};
 use ash::vk;
+use std::ffi::c_char;
 
-/// Owner of the Vulkan instance and of the registration of its messages.
+/// Owner of the Vulkan instance, of the registration of its messages, and of the surface of its window if it has one.
 pub(super) struct Instance {
+    #[cfg(feature = "view")]
+    pub(super) surface: Option<super::surface::WindowSurface>,
     pub(super) raw: ash::Instance,
     messenger: Option<Messenger>,
     pub(super) messages: Messages,
-    _entry: ash::Entry,
+    pub(super) entry: ash::Entry,
 }
 
 impl Instance {
-    pub(super) fn new(validation: bool) -> Result<Instance, GpuError> {
+    /// An instance with these extensions, by name.
+    pub(super) fn new(validation: bool, extensions: &[*const c_char]) -> Result<Instance, GpuError> {
         // SAFETY: the loader is the system's Vulkan library, which has no requirement on when it is loaded.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| GpuError::NoLoader(error.to_string()))?;
         let messages = Messages::default();
-        let raw = create_instance(&entry, validation, &messages)?;
-        let mut instance = Instance { raw, messenger: None, messages, _entry: entry };
+        let raw = create_instance(&entry, validation, extensions, &messages)?;
+        let mut instance = Instance {
+            #[cfg(feature = "view")]
+            surface: None,
+            raw,
+            messenger: None,
+            messages,
+            entry,
+        };
         if validation {
-            instance.messenger = Some(Messenger::new(&instance._entry, &instance.raw, &instance.messages)?);
+            instance.messenger = Some(Messenger::new(&instance.entry, &instance.raw, &instance.messages)?);
         }
         Ok(instance)
     }
@@ -28,6 +39,8 @@ impl Instance {
 
 impl Drop for Instance {
     fn drop(&mut self) {
+        #[cfg(feature = "view")]
+        drop(self.surface.take());
         if let Some(messenger) = &self.messenger {
             messenger.destroy();
         }
@@ -36,7 +49,12 @@ impl Drop for Instance {
     }
 }
 
-fn create_instance(entry: &ash::Entry, validation: bool, messages: &Messages) -> Result<ash::Instance, GpuError> {
+fn create_instance(
+    entry: &ash::Entry,
+    validation: bool,
+    extensions: &[*const c_char],
+    messages: &Messages,
+) -> Result<ash::Instance, GpuError> {
     const LAYER: &std::ffi::CStr = c"VK_LAYER_KHRONOS_validation";
     let application = vk::ApplicationInfo::default().application_name(c"hypertexture").api_version(vk::API_VERSION_1_3);
     let mut info = vk::InstanceCreateInfo::default().application_info(&application);
@@ -44,7 +62,7 @@ fn create_instance(entry: &ash::Entry, validation: bool, messages: &Messages) ->
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
     let mut messenger = create_info(messages);
     let layers = [LAYER.as_ptr()];
-    let extensions = [ash::ext::debug_utils::NAME.as_ptr()];
+    let mut extensions = extensions.to_vec();
     if validation {
         // SAFETY: the loader is alive.
         let present =
@@ -52,12 +70,15 @@ fn create_instance(entry: &ash::Entry, validation: bool, messages: &Messages) ->
         if !present.iter().any(|layer| layer.layer_name_as_c_str() == Ok(LAYER)) {
             return Err(GpuError::NoValidation);
         }
-        info = info.enabled_layer_names(&layers).enabled_extension_names(&extensions);
+        extensions.push(ash::ext::debug_utils::NAME.as_ptr());
+        info = info.enabled_layer_names(&layers);
         info = info.push_next(&mut features).push_next(&mut messenger);
     }
-    // SAFETY: every pointer in `info` outlives the call.
+    info = info.enabled_extension_names(&extensions);
+    // SAFETY: every pointer in `info` outlives the call; the names of the extensions are those of ash.
     unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER => GpuError::NoDriver,
+        vk::Result::ERROR_EXTENSION_NOT_PRESENT => GpuError::NoPresent,
         result => GpuError::Call { call: "vkCreateInstance", result },
     })
 }

@@ -14,15 +14,24 @@ mod device;
 mod instance;
 mod memory;
 mod messages;
+#[cfg(feature = "view")]
+mod overlay;
 mod pipeline;
 #[cfg(test)]
 mod planted;
+#[cfg(feature = "view")]
+mod surface;
 
 pub use commands::{Commands, Draw, Load, Submitted, Target};
 pub use device::{Facts, Gpu, Options};
 pub use memory::{Address, Buffer, BufferUse, Dimension, Format, Image, ImageUse, Sampler};
 pub use messages::Messages;
+#[cfg(feature = "view")]
+pub use overlay::{Canvas, Shown};
 pub use pipeline::{BindSet, Binding, BindingKind, Blend, Pipeline, PipelineDescription, Resource};
+
+#[cfg(feature = "view")]
+pub use surface::{WindowHandle, has_library};
 
 use ash::vk;
 
@@ -45,6 +54,15 @@ pub enum GpuError {
         /// Names of the devices present.
         found: String,
     },
+    /// No device can draw into a window.
+    #[error("no Vulkan driver here can draw into a window; use `hypertexture render`, which needs none")]
+    NoPresent,
+    /// The window system gives no handle.
+    #[error("the window cannot be drawn into: {0}")]
+    Window(String),
+    /// The window cannot be drawn.
+    #[error("the window cannot be drawn: {0}")]
+    Drawing(String),
     /// The validation layer is asked for and not installed.
     #[error(
         "the Vulkan validation layer is not installed; on Debian or Ubuntu: sudo apt install vulkan-validationlayers"
@@ -98,6 +116,18 @@ pub enum GpuError {
         /// Its result.
         result: vk::Result,
     },
+}
+
+impl GpuError {
+    /// Whether the device is gone, with all that was on it: another one may be opened.
+    pub fn is_lost(&self) -> bool {
+        matches!(self, GpuError::Call { result: vk::Result::ERROR_DEVICE_LOST, .. })
+    }
+
+    /// What a call says when the device is gone.
+    pub fn lost() -> GpuError {
+        GpuError::Call { call: "vkQueueSubmit2", result: vk::Result::ERROR_DEVICE_LOST }
+    }
 }
 
 /// Names the call that failed.

@@ -224,8 +224,8 @@ impl<'a> Item<'a> {
 /// Members that differ from sub-frame to sub-frame, by name.
 fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(String, Vec<f32>); 4] {
     let [width, height] = scene.image.size.map(|side| 2.0 / side as f32);
-    let [x, y] = [sub_frame.offset[0] * width, sub_frame.offset[1] * height];
-    // The slices move against the rays, which go through a place beside the center of the pixel.
+    let [x, y] = [sub_frame.offset[0] * width - view.pan[0], sub_frame.offset[1] * height - view.pan[1]];
+    // The slices move against the rays, which go through a place beside the center of the pixel, or of another one.
     let projection = glam::Mat4::from_translation(glam::Vec3::new(-x, -y, 0.0)) * view.projection;
     [
         ("projection".into(), projection.to_cols_array().to_vec()),
@@ -323,7 +323,10 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
 fn half_path(scene: &Scene, view: &View, planes: &Planes) -> f32 {
     let slant = match scene.camera.projection {
         Projection::Parallel => 1.0,
-        Projection::Perspective => glam::Vec2::from(view.ray_scale).extend(1.0).length(),
+        Projection::Perspective => {
+            let farthest = glam::Vec2::from(view.pan).abs() + 1.0;
+            (farthest * glam::Vec2::from(view.ray_scale)).extend(1.0).length()
+        }
     };
     0.5 * planes.step * slant / glam::Vec3::from(scene.object.stretch).min_element()
 }

@@ -120,8 +120,13 @@ pub fn request(shape: &Shape, object: &Object, margin: f32) -> field::Request {
         }
         _ => 0.0,
     });
-    let margin = (margin.max(0.0) / MARGIN_STEP + 1e-3).ceil().max(1.0) * MARGIN_STEP * half;
+    let margin = field_margin(margin) * half;
     field::Request { resolution: object.resolution, margin, band: margin, iso }
+}
+
+/// How far a field that must reach `margin` beyond its object does reach, object units.
+pub fn field_margin(margin: f32) -> f32 {
+    (margin.max(0.0) / MARGIN_STEP + 1e-3).ceil().max(1.0) * MARGIN_STEP
 }
 
 /// A built-in object that is a formula in `glsl/object`.

@@ -9,7 +9,7 @@ use crate::pass::Extent;
 use crate::scene::{Knobs, Place, Projection, Scene};
 use crate::variant::Variant;
 use glam::camera::rh;
-use glam::{Mat4, Quat, Vec3};
+use glam::{Mat4, Vec3};
 
 /// The object fills this part of the height of a picture at zoom 1, whatever grows around it. Larger: hair is cut off.
 const FILL: f32 = 0.8;
@@ -34,6 +34,8 @@ pub(super) struct View {
     pub(super) extent: Extent,
     /// Half width and height of the view: at depth 1 in perspective, at any depth in parallel projection.
     pub(super) ray_scale: [f32; 2],
+    /// How far the picture is moved to the right and down; its sides are at -1 and 1.
+    pub(super) pan: [f32; 2],
     slice_stack: bool,
 }
 
@@ -107,6 +109,16 @@ fn soft_box(scene: &Scene, objects: &[Own]) -> (Vec3, Vec3) {
     whole.unwrap_or_else(|| around(&mut all()))
 }
 
+/// Half the height of the view at the depth of the middle of the scene, object units: what [`crate::scene::Camera::pan`]
+/// is measured by.
+pub fn half_height(scene: &Scene, subject: &Subject, variant: &Variant) -> f32 {
+    let view = View::of(scene, subject, variant);
+    match scene.camera.projection {
+        Projection::Perspective => view.ray_scale[1] * view.extent.distance,
+        Projection::Parallel => view.ray_scale[1],
+    }
+}
+
 impl View {
     pub(super) fn of(scene: &Scene, subject: &Subject, variant: &Variant) -> View {
         let camera = &scene.camera;
@@ -126,9 +138,7 @@ impl View {
             }
         };
 
-        // The trackball: azimuth around the object's vertical axis, then elevation.
-        let turn =
-            Quat::from_rotation_x(camera.elevation.to_radians()) * Quat::from_rotation_y(-camera.azimuth.to_radians());
+        let turn = camera.turn(); // the trackball
         let stretch = Vec3::from(scene.object.stretch);
         let half_height = reach * stretch.max_element() / FILL / camera.zoom;
         let [width, height] = scene.image.size.map(|side| side as f32);
@@ -151,6 +161,9 @@ impl View {
                 (rh::proj::vulkan::orthographic(-y * aspect, y * aspect, -y, y, 0.0, far), distance, [y * aspect, y])
             }
         };
+        // At the depth of the center; in parallel projection, at any.
+        let depth = if camera.projection == Projection::Perspective { distance } else { 1.0 };
+        let pan = [camera.pan[0] / (ray_scale[0] * depth), -camera.pan[1] / (ray_scale[1] * depth)];
         let center_eye = Vec3::new(0.0, 0.0, -distance);
         let object_matrix = Mat4::from_rotation_translation(turn, center_eye)
             * Mat4::from_scale(stretch)
@@ -174,6 +187,7 @@ impl View {
             soft_radius,
             extent: Extent { distance, radius, near: NEAR },
             ray_scale,
+            pan,
             slice_stack: camera.slice_stack,
         }
     }

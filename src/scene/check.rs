@@ -141,6 +141,19 @@ impl Scene {
         let camera = &self.camera;
         within("camera.azimuth", camera.azimuth, -1e6, 1e6)?;
         within("camera.elevation", camera.elevation, -90.0, 90.0)?;
+        if let Some(rotation) = camera.rotation {
+            let length = rotation.iter().map(|value| value * value).sum::<f32>().sqrt();
+            if !(0.999..=1.001).contains(&length) {
+                return Err(SceneError::Value {
+                    field: "camera.rotation".into(),
+                    value: format!("{rotation:?}"),
+                    limit: "must be a unit quaternion x, y, z, w: its squares sum to 1".into(),
+                });
+            }
+        }
+        for value in camera.pan {
+            within("camera.pan", value, -100.0, 100.0)?;
+        }
         within("camera.zoom", camera.zoom, 0.01, 100.0)?;
         within("camera.field_of_view", camera.field_of_view, 1.0, 120.0)?;
         within("camera.time", camera.time, -1e9, 1e9)?;
@@ -419,6 +432,9 @@ mod tests {
         assert_eq!(refusal(|s| s.quality.samples = 0), "quality.samples = 0: must be from 1 to 100000");
         assert_eq!(refusal(|s| s.camera.zoom = f32::NAN), "camera.zoom = NaN: must be from 0.01 to 100");
         assert!(refusal(|s| s.object.inner_iso = 1.0).starts_with("object.inner_iso = 1: at most object.outer_iso"));
+        assert!(refusal(|s| s.camera.rotation = Some([0.0, 0.0, 0.0, 1.1])).ends_with("its squares sum to 1"));
+        assert!(refusal(|s| s.camera.rotation = Some([f32::NAN; 4])).starts_with("camera.rotation = [NaN"));
+        assert_eq!(refusal(|s| s.camera.pan[1] = 101.0), "camera.pan = 101: must be from -100 to 100");
         assert!(refusal(|s| s.camera.clip = Some([0.0, 0.0, 0.0, 1.0])).contains("normal of the plane"));
         assert!(refusal(|s| s.transfer.stops.clear()).starts_with("transfer.stops = 0 stops"));
         assert!(refusal(|s| s.quality.msaa = 3).ends_with("1, 2, 4 or 8"));

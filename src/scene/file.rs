@@ -133,6 +133,7 @@ mod tests {
         for effect in super::super::EFFECTS {
             let mut scene = presets::preset(effect).unwrap();
             scene.camera.clip = Some([0.0, 0.0, 1.0, 0.25]);
+            scene.camera.rotation = Some([0.6, 0.0, 0.0, 0.8]);
             assert_eq!(parse(&to_text(&scene), "saved").unwrap(), scene);
         }
     }

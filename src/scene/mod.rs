@@ -8,6 +8,7 @@ mod check;
 mod color;
 mod effect;
 mod error;
+mod field;
 mod file;
 mod modules;
 mod part;
@@ -21,6 +22,7 @@ pub use check::Knobs;
 pub use color::{Color, linear_to_srgb, srgb_to_linear};
 pub use effect::{Effect, Ray};
 pub use error::{SceneError, nearest};
+pub use field::parse_value;
 pub use file::{load, parse, to_text};
 pub use part::{Boolean, Part, Place};
 pub use presets::{EFFECTS, names, preset};
@@ -210,6 +212,11 @@ pub struct Camera {
     pub azimuth: f32,
     /// Degrees above the horizon, -90 to 90.
     pub elevation: f32,
+    /// The turn from object space to that of the eye, a unit quaternion x, y, z, w, in place of azimuth and elevation:
+    /// what a free trackball leaves behind.
+    pub rotation: Option<[f32; 4]>,
+    /// How far the picture is moved to the right and up, object units at the middle of the scene: a shift of the lens.
+    pub pan: [f32; 2],
     /// 1 fits the object into the picture; 2 is twice as close.
     pub zoom: f32,
     /// Vertical angle of view in degrees, perspective only.
@@ -230,12 +237,28 @@ impl std::default::Default for Camera {
             projection: Projection::Perspective,
             azimuth: 30.0,
             elevation: 25.0,
+            rotation: None,
+            pan: [0.0; 2],
             zoom: 1.0,
             field_of_view: 30.0,
             time: 0.0,
             shutter: 0.0,
             clip: None,
             slice_stack: false,
+        }
+    }
+}
+
+impl Camera {
+    /// The turn from object space to that of the eye: the rotation, or azimuth around the object's vertical axis and then
+    /// elevation.
+    pub fn turn(&self) -> glam::Quat {
+        match self.rotation {
+            Some(rotation) => glam::Quat::from_array(rotation).normalize(),
+            None => {
+                let elevation = glam::Quat::from_rotation_x(self.elevation.to_radians());
+                elevation * glam::Quat::from_rotation_y(-self.azimuth.to_radians())
+            }
         }
     }
 }

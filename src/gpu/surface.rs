@@ -1,0 +1,226 @@
+//! What a window shows: its surface, and the images of its swapchain.
+
+use super::device::Gpu;
+use super::instance::Instance;
+use super::memory::COLOR;
+use super::{GpuError, Named, Options};
+use ash::{khr, vk};
+use raw_window_handle::{HandleError, HasDisplayHandle, HasWindowHandle};
+use std::sync::Arc;
+
+/// A window that can be drawn into.
+pub trait WindowHandle: HasDisplayHandle + HasWindowHandle + Send + Sync {}
+
+impl<T: HasDisplayHandle + HasWindowHandle + Send + Sync> WindowHandle for T {}
+
+/// Whether a shared library is installed, by its file name: for those of which the absence would end the program.
+pub fn has_library(name: &str) -> bool {
+    // SAFETY: a library of the system, whose constructors have no requirement on when it is loaded.
+    unsafe { libloading::Library::new(name) }.is_ok()
+}
+
+/// The surface of a window, which is kept for as long: a part of its instance, so that it goes before that.
+pub(super) struct WindowSurface {
+    functions: khr::surface::Instance,
+    handle: vk::SurfaceKHR,
+    _window: Arc<dyn WindowHandle>,
+}
+
+impl WindowSurface {
+    fn new(instance: &Instance, window: Arc<dyn WindowHandle>) -> Result<WindowSurface, GpuError> {
+        let display = window.display_handle().map_err(no_handle)?.as_raw();
+        let own = window.window_handle().map_err(no_handle)?.as_raw();
+        let functions = khr::surface::Instance::new(&instance.entry, &instance.raw);
+        // SAFETY: the instance has the extensions of this display; the window is kept for longer than the surface.
+        let handle = unsafe { ash_window::create_surface(&instance.entry, &instance.raw, display, own, None) }
+            .named("vkCreateSurfaceKHR")?;
+        Ok(WindowSurface { functions, handle, _window: window })
+    }
+}
+
+impl Drop for WindowSurface {
+    fn drop(&mut self) {
+        // SAFETY: its swapchain is gone, which holds the device alive, which holds the instance, which drops this.
+        unsafe { self.functions.destroy_surface(self.handle, None) };
+    }
+}
+
+fn no_handle(error: HandleError) -> GpuError {
+    GpuError::Window(error.to_string())
+}
+
+/// The swapchain of the surface of a device.
+pub(super) struct Surface {
+    pub(super) gpu: Gpu,
+    pub(super) swapchains: khr::swapchain::Device,
+    pub(super) format: vk::SurfaceFormatKHR,
+    swapchain: Option<Swapchain>,
+}
+
+/// The images that are shown in turn.
+pub(super) struct Swapchain {
+    pub(super) handle: vk::SwapchainKHR,
+    pub(super) extent: vk::Extent2D,
+    pub(super) images: Vec<ChainImage>,
+    /// The size of the window that it was made for.
+    asked: [u32; 2],
+}
+
+/// One of them.
+#[derive(Clone, Copy)]
+pub(super) struct ChainImage {
+    pub(super) image: vk::Image,
+    pub(super) view: vk::ImageView,
+    /// Signaled when it is drawn: one for each image, since presenting says of no other moment when it is free again.
+    pub(super) drawn: vk::Semaphore,
+}
+
+impl Surface {
+    /// Opens a device that can draw into a window.
+    pub(super) fn open(options: &Options, window: Arc<dyn WindowHandle>) -> Result<Surface, GpuError> {
+        let display = window.display_handle().map_err(no_handle)?.as_raw();
+        let extensions = ash_window::enumerate_required_extensions(display).named("the extensions of the display")?;
+        let mut instance = Instance::new(options.validation, extensions)?;
+        let surface = WindowSurface::new(&instance, window)?;
+        let (functions, handle) = (surface.functions.clone(), surface.handle);
+        instance.surface = Some(surface);
+        let presents = |physical, family| {
+            // SAFETY: device, family and surface belong to the same instance, which is alive.
+            unsafe { functions.get_physical_device_surface_support(physical, family, handle) }.unwrap_or(false)
+        };
+        let gpu = match Gpu::with_instance(options, instance, &[khr::swapchain::NAME.as_ptr()], presents) {
+            Err(GpuError::NoDevice { wanted, .. }) if wanted.is_empty() => return Err(GpuError::NoPresent),
+            other => other?,
+        };
+        let swapchains = khr::swapchain::Device::new(&gpu.0.instance.raw, &gpu.0.device);
+        let mut surface = Surface { gpu, swapchains, format: vk::SurfaceFormatKHR::default(), swapchain: None };
+        surface.format = surface.choose_format()?;
+        Ok(surface)
+    }
+
+    /// The functions of surfaces, the device, and the surface.
+    fn parts(&self) -> Result<(&khr::surface::Instance, vk::PhysicalDevice, vk::SurfaceKHR), GpuError> {
+        let surface = self.gpu.0.instance.surface.as_ref().ok_or(GpuError::NoPresent)?;
+        Ok((&surface.functions, self.gpu.0.physical, surface.handle))
+    }
+
+    /// Codes are written as they are where the surface allows it: colors are mixed as in every other program then.
+    fn choose_format(&self) -> Result<vk::SurfaceFormatKHR, GpuError> {
+        use vk::Format as F;
+        let (functions, physical, surface) = self.parts()?;
+        // SAFETY: device and surface belong to the same instance.
+        let formats = unsafe { functions.get_physical_device_surface_formats(physical, surface) }
+            .named("vkGetPhysicalDeviceSurfaceFormatsKHR")?;
+        let wanted = [F::B8G8R8A8_UNORM, F::R8G8B8A8_UNORM, F::B8G8R8A8_SRGB, F::R8G8B8A8_SRGB];
+        let find = |format: F| formats.iter().find(|found| found.format == format);
+        wanted.into_iter().find_map(find).copied().ok_or(GpuError::NoPresent)
+    }
+
+    /// The swapchain for a window of this size; `None` while there is nothing to draw into.
+    pub(super) fn swapchain(&mut self, size: [u32; 2]) -> Result<Option<&Swapchain>, GpuError> {
+        if size.contains(&0) {
+            return Ok(None);
+        }
+        if self.swapchain.as_ref().is_none_or(|chain| chain.asked != size) {
+            self.renew(size)?;
+        }
+        Ok(self.swapchain.as_ref())
+    }
+
+    /// Makes the next use of the swapchain begin with a new one.
+    pub(super) fn outdated(&mut self) {
+        if let Some(chain) = &mut self.swapchain {
+            chain.asked = [0; 2];
+        }
+    }
+
+    fn renew(&mut self, size: [u32; 2]) -> Result<(), GpuError> {
+        let old = self.swapchain.take();
+        let made = self.make(size, old.as_ref().map_or(vk::SwapchainKHR::null(), |chain| chain.handle));
+        self.drop_swapchain(old);
+        self.swapchain = made?;
+        self.fill()
+    }
+
+    /// A swapchain without its images, in place of another one.
+    fn make(&self, size: [u32; 2], old: vk::SwapchainKHR) -> Result<Option<Swapchain>, GpuError> {
+        let (functions, physical, surface) = self.parts()?;
+        // SAFETY: device and surface belong to the same instance.
+        let can = unsafe { functions.get_physical_device_surface_capabilities(physical, surface) }
+            .named("vkGetPhysicalDeviceSurfaceCapabilitiesKHR")?;
+        let own = can.current_extent;
+        let extent = match own.width {
+            // The surface is as large as what is drawn.
+            u32::MAX => vk::Extent2D {
+                width: size[0].clamp(can.min_image_extent.width, can.max_image_extent.width),
+                height: size[1].clamp(can.min_image_extent.height, can.max_image_extent.height),
+            },
+            _ => own,
+        };
+        if extent.width == 0 || extent.height == 0 {
+            return Ok(None);
+        }
+        let most = if can.max_image_count == 0 { u32::MAX } else { can.max_image_count };
+        let info = vk::SwapchainCreateInfoKHR::default()
+            .surface(surface)
+            .min_image_count((can.min_image_count + 1).min(most))
+            .image_format(self.format.format)
+            .image_color_space(self.format.color_space)
+            .image_extent(extent)
+            .image_array_layers(1)
+            .image_usage(vk::ImageUsageFlags::COLOR_ATTACHMENT)
+            .pre_transform(can.current_transform)
+            .composite_alpha(vk::CompositeAlphaFlagsKHR::OPAQUE)
+            .present_mode(vk::PresentModeKHR::FIFO)
+            .clipped(true)
+            .old_swapchain(old);
+        // SAFETY: the surface is alive and the old swapchain is one of it; FIFO is always there.
+        let handle = unsafe { self.swapchains.create_swapchain(&info, None) }.named("vkCreateSwapchainKHR")?;
+        Ok(Some(Swapchain { handle, asked: size, extent, images: Vec::new() }))
+    }
+
+    /// Takes the images of a new swapchain.
+    fn fill(&mut self) -> Result<(), GpuError> {
+        let Some(chain) = &mut self.swapchain else { return Ok(()) };
+        let device = &self.gpu.0.device;
+        // SAFETY: the swapchain is alive.
+        let images = unsafe { self.swapchains.get_swapchain_images(chain.handle) }.named("vkGetSwapchainImagesKHR")?;
+        for image in images {
+            let info = vk::ImageViewCreateInfo::default()
+                .image(image)
+                .view_type(vk::ImageViewType::TYPE_2D)
+                .format(self.format.format)
+                .subresource_range(COLOR);
+            chain.images.push(ChainImage { image, view: vk::ImageView::null(), drawn: vk::Semaphore::null() });
+            let Some(own) = chain.images.last_mut() else { continue };
+            // SAFETY: the image is one of the swapchain; each handle is owned as soon as it exists.
+            unsafe {
+                own.view = device.create_image_view(&info, None).named("vkCreateImageView")?;
+                own.drawn = device.create_semaphore(&Default::default(), None).named("vkCreateSemaphore")?;
+            }
+        }
+        Ok(())
+    }
+
+    fn drop_swapchain(&self, chain: Option<Swapchain>) {
+        let Some(chain) = chain else { return };
+        let device = &self.gpu.0.device;
+        let _queue = self.gpu.queue();
+        // SAFETY: nothing is in use any more, since the device is waited for while its queue is locked; null is ignored.
+        unsafe {
+            let _ = device.device_wait_idle();
+            for shown in chain.images {
+                device.destroy_semaphore(shown.drawn, None);
+                device.destroy_image_view(shown.view, None);
+            }
+            self.swapchains.destroy_swapchain(chain.handle, None);
+        }
+    }
+}
+
+impl Drop for Surface {
+    fn drop(&mut self) {
+        let chain = self.swapchain.take();
+        self.drop_swapchain(chain);
+    }
+}

@@ -1,0 +1,89 @@
+//! Fields of a scene by name, as `--set` writes them.
+
+use super::{Scene, SceneError};
+use toml::{Table, Value};
+
+impl Scene {
+    /// Gives a field its value: the name with its tables, such as `light.color` or `parts.stone.place.at`, and a value as
+    /// in a scene file, where the quotes of a text may be left out. An empty value takes the field back to its default.
+    ///
+    /// # Errors
+    /// There is no such field, or it cannot have that value. The range is not checked yet: see [`Scene::check`].
+    pub fn set_field(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
+        let wrong = |limit: String| SceneError::Value {
+            field: name.into(),
+            value: value.into(),
+            limit: limit.replace('\n', " "),
+        };
+        let mut whole = Table::try_from(&*self).map_err(|error| wrong(error.to_string()))?;
+        let (tables, field) = name.rsplit_once('.').map_or((Vec::new(), name), |(t, f)| (t.split('.').collect(), f));
+        let mut table = &mut whole;
+        for name in tables {
+            let below = table.entry(name).or_insert_with(|| Table::new().into());
+            table = below.as_table_mut().ok_or_else(|| wrong(format!("{name} has no fields of its own")))?;
+        }
+        match value {
+            "" => drop(table.remove(field)),
+            _ => drop(table.insert(field.into(), parse_value(value))),
+        }
+        *self = whole.try_into().map_err(|error: toml::de::Error| wrong(error.message().into()))?;
+        Ok(())
+    }
+
+    /// Every field that is written into a scene file, with the name that [`Scene::set_field`] knows it by.
+    pub fn fields(&self) -> Vec<(String, Value)> {
+        let whole = Table::try_from(self).expect("a scene holds nothing that TOML cannot hold");
+        let mut fields = Vec::new();
+        flatten("", whole, &mut fields);
+        fields
+    }
+}
+
+/// A value as in a scene file; anything else is a text.
+pub fn parse_value(text: &str) -> Value {
+    let parsed = toml::from_str::<Table>(&format!("value = {text}")).ok().filter(|table| table.len() == 1);
+    parsed.and_then(|mut table| table.remove("value")).unwrap_or_else(|| text.into())
+}
+
+fn flatten(prefix: &str, table: Table, fields: &mut Vec<(String, Value)>) {
+    for (name, value) in table {
+        let name = if prefix.is_empty() { name } else { format!("{prefix}.{name}") };
+        match value {
+            Value::Table(below) => flatten(&name, below, fields),
+            value => fields.push((name, value)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scene::{Color, preset};
+
+    #[test]
+    fn a_field_is_set_by_name_and_goes_back_to_its_default() {
+        let mut scene = preset("fur").unwrap();
+        scene.set_field("light.color", "#ff8000").unwrap();
+        scene.set_field("effect.dmf", "['fur', 'biased']").unwrap();
+        scene.set_field("parts.b.place.at", "[1, 2, 0.5]").unwrap();
+        scene.set_field("combine", "main - b").unwrap();
+        scene.set_field("camera.clip", "[1, 0, 0, 0]").unwrap();
+        assert_eq!((scene.light.color, scene.parts["b"].place.at), (Color([255, 128, 0]), [1.0, 2.0, 0.5]));
+        assert_eq!((scene.effect.dmf.len(), scene.combine.as_deref()), (2, Some("main - b")));
+        for field in ["camera.clip", "combine", "parts.b", "quality.samples"] {
+            scene.set_field(field, "").unwrap();
+        }
+        assert!(scene.camera.clip.is_none() && scene.combine.is_none() && scene.parts.is_empty());
+        assert_eq!(scene.quality.samples, 256);
+    }
+
+    #[test]
+    fn an_unknown_field_is_refused_and_changes_nothing() {
+        let mut scene = preset("fur").unwrap();
+        let before = scene.clone();
+        for (field, value) in [("quality.sample", "3"), ("quality.samples", "many"), ("about.x", "1")] {
+            let error = scene.set_field(field, value).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("{field} = {value}: ")) && !error.contains('\n'), "{error}");
+        }
+        assert_eq!(scene, before);
+    }
+}

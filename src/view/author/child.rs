@@ -1,0 +1,144 @@
+//! A child process with limits: this very program with a hidden command, a text on its standard input, an answer on its
+//! standard output.
+
+use super::compile::CompileError;
+use std::io::{Read, Write};
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// How many times as long as its processor time a child may take on the wall.
+const PATIENT: u32 = 3;
+/// How often a child is asked whether it has ended.
+const PATIENCE: Duration = Duration::from_millis(4);
+
+/// What a child may take.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Time of the processor; on the wall it may take three times as long, beside other programs.
+    pub time: Duration,
+    /// Address space, MiB; on Unix.
+    pub memory_mib: u64,
+    /// Length of the answer, bytes.
+    pub answer_bytes: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Limits {
+        Limits { time: Duration::from_secs(10), memory_mib: 1024, answer_bytes: 64 << 20 }
+    }
+}
+
+/// How a child has ended, and what it has answered.
+pub(super) enum End {
+    /// It says that it went well.
+    Well(Vec<u8>),
+    /// It was stopped, by a signal or a code.
+    Badly(String),
+    /// It did not end in time.
+    Late(Duration),
+}
+
+/// Runs `program` with these arguments. `is_stale` is asked now and then: once it says yes, the child is ended.
+pub(super) fn run(
+    program: &Path,
+    arguments: &[&str],
+    variables: &[(&str, &str)],
+    text: String,
+    limits: &Limits,
+    is_stale: &dyn Fn() -> bool,
+) -> Result<End, CompileError> {
+    let run = |reason: String| CompileError::Run { path: program.into(), reason };
+    let mut command = Command::new(program);
+    command.args(arguments).envs(variables.iter().copied());
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+    let mut child = command.spawn().map_err(|error| run(error.to_string()))?;
+    let (Some(mut input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
+        return Err(run("it has no standard input or output".into()));
+    };
+    // A child that has died does not read: its end says more than the broken pipe.
+    let writer = thread::spawn(move || drop(input.write_all(text.as_bytes())));
+    let most = limits.answer_bytes;
+    let reader = thread::spawn(move || {
+        let mut answer = Vec::new();
+        output.take(most + 1).read_to_end(&mut answer).map(|_| answer)
+    });
+    let ended = wait(&mut child, limits.time * PATIENT, is_stale);
+    let joined = (writer.join(), reader.join());
+    let Some(status) = ended? else { return Ok(End::Late(limits.time)) };
+    let answer = match joined {
+        (Ok(()), Ok(Ok(answer))) => answer,
+        (_, Ok(Err(error))) => return Err(run(error.to_string())),
+        _ => return Err(run("a thread that talks to it ended".into())),
+    };
+    if !status.success() {
+        return Ok(if is_out_of_time(status) { End::Late(limits.time) } else { End::Badly(end(status)) });
+    }
+    if answer.len() as u64 > most {
+        return Err(run(format!("its answer is longer than {most} bytes")));
+    }
+    Ok(End::Well(answer))
+}
+
+/// Waits for the child, and ends it when it is late, `None`, or no longer wanted.
+fn wait(child: &mut Child, limit: Duration, is_stale: &dyn Fn() -> bool) -> Result<Option<ExitStatus>, CompileError> {
+    let start = Instant::now();
+    let ended = loop {
+        match child.try_wait() {
+            Ok(Some(status)) => return Ok(Some(status)),
+            Ok(None) if start.elapsed() > limit => break Ok(None),
+            Ok(None) if is_stale() => break Err(CompileError::Abandoned),
+            Ok(None) => thread::sleep(PATIENCE),
+            Err(error) => break Err(CompileError::Crashed(error.to_string())),
+        }
+    };
+    let _ = child.kill(); // it may have ended just now
+    let _ = child.wait();
+    ended
+}
+
+/// Whether a process has used up its time of the processor.
+fn is_out_of_time(status: ExitStatus) -> bool {
+    #[cfg(unix)]
+    {
+        const SIGXCPU: i32 = 24;
+        std::os::unix::process::ExitStatusExt::signal(&status) == Some(SIGXCPU)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = status; // there is no such limit
+        false
+    }
+}
+
+/// How a process ended.
+fn end(status: ExitStatus) -> String {
+    #[cfg(unix)]
+    if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
+        return format!("signal {signal}");
+    }
+    status.to_string()
+}
+
+/// Sets the limits of this process: for the child, before it reads anything. Without `memory_mib`, its memory has none: a
+/// driver maps what it will never use.
+///
+/// # Errors
+/// The system refuses.
+pub fn limit(seconds: u64, memory_mib: Option<u64>) -> std::io::Result<()> {
+    #[cfg(unix)]
+    {
+        use rustix::process::{Resource, Rlimit, setrlimit};
+        let most = |value: u64| Rlimit { current: Some(value), maximum: Some(value) };
+        setrlimit(Resource::Core, most(0))?;
+        // The soft limit comes first, so that its signal tells a late child from one that was killed.
+        setrlimit(Resource::Cpu, Rlimit { current: Some(seconds), maximum: Some(seconds + 1) })?;
+        if let Some(memory_mib) = memory_mib {
+            setrlimit(Resource::As, most(memory_mib << 20))?;
+        }
+    }
+    #[cfg(not(unix))]
+    let _ = (seconds, memory_mib); // the parent's watch on the wall remains
+    Ok(())
+}

@@ -1,0 +1,21 @@
+//! Live authoring: a module of the effect is edited while the picture follows.
+//!
+//! Role: text -> a library that the scene links with, or lines that say what is wrong. Invariant: text of a user meets
+//! the GLSL compiler in a child process first ([`compile`]), and the device in another one ([`rays`]), so that a crash or
+//! a hang of either is one such line ([`Gate`]); until a text is good, the model keeps its library and the picture its
+//! program.
+
+mod arrays;
+mod child;
+pub mod compile;
+mod editor;
+mod gate;
+pub mod rays;
+mod source;
+mod trial;
+
+pub use compile::Fault;
+pub use editor::show;
+pub use gate::Gate;
+pub use source::{Author, State};
+pub(super) use trial::{programs, reaches};

@@ -1,0 +1,55 @@
+//! Why there is no window.
+
+use crate::gpu::GpuError;
+use crate::output::OutputError;
+use crate::scene::SceneError;
+
+/// Why there is no window, or no longer one.
+#[derive(Debug, thiserror::Error)]
+pub enum ViewError {
+    /// There is no display.
+    #[error(
+        "no display: {0}; log in to a desktop, or run `xvfb-run -a hypertexture view ...`, or use `hypertexture render`, \
+         which needs none"
+    )]
+    NoDisplay(String),
+    /// A library of the display is missing.
+    #[error(
+        "{0} is not installed; on Debian or Ubuntu: sudo apt install libx11-6 libx11-xcb1 libxcursor1 libxi6 \
+         libxkbcommon-x11-0"
+    )]
+    NoLibrary(&'static str),
+    /// The window system refuses.
+    #[error("the window could not be opened: {0}")]
+    Window(String),
+    /// The device refuses.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The scene cannot be shown.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A picture that was asked for on the command line could not be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// What was asked for on the command line could not be done.
+    #[error("{0}")]
+    Failed(String),
+    /// A script cannot be read, or asks for what is not there.
+    #[error("{file}:{line}: {reason}")]
+    Script {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The validation layer has found something.
+    #[error("the validation layer reported {count} messages, the first: {first}")]
+    Validation {
+        /// How many.
+        count: usize,
+        /// The first.
+        first: String,
+    },
+}

@@ -1,0 +1,281 @@
+//! The window itself: what the window system says, and when a frame is drawn.
+
+use super::ViewError;
+use super::app::{App, Notify, Start};
+use super::script::{Deed, Script, Widget, widgets};
+use crate::gpu::{Canvas, GpuError, Messages, Shown, has_library};
+use egui::{Context, Theme, ViewportId};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::{LogicalSize, PhysicalSize};
+use winit::event::{StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Fullscreen, Window, WindowId};
+
+/// While a script runs, the next frame comes after this: it waits for no person.
+const SCRIPT_PACE: Duration = Duration::from_millis(16);
+
+/// Something came from another thread.
+struct Wake;
+
+/// Runs the window until it is closed.
+pub(super) fn run(start: Start, script: Option<Script>) -> Result<(), ViewError> {
+    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let wayland = set("WAYLAND_DISPLAY") || set("WAYLAND_SOCKET");
+    if !wayland && !set("DISPLAY") && cfg!(target_os = "linux") {
+        return Err(ViewError::NoDisplay("DISPLAY and WAYLAND_DISPLAY are not set".into()));
+    }
+    // Without this one the window system ends the program in place of an error.
+    const KEYBOARD: &str = "libxkbcommon-x11.so.0";
+    if !wayland && cfg!(target_os = "linux") && !has_library(KEYBOARD) {
+        return Err(ViewError::NoLibrary(KEYBOARD));
+    }
+    let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(|error| {
+        let text = error.to_string();
+        if text.contains("shared libraries") {
+            return ViewError::NoLibrary("a shared library of X11");
+        }
+        ViewError::NoDisplay(text.rsplit(": ").next().unwrap_or(&text).replace('\n', " "))
+    })?;
+    let proxy = event_loop.create_proxy();
+    // A loop that has ended needs no waking.
+    let notify: Notify = Arc::new(move || drop(proxy.send_event(Wake)));
+    let app = App::new(&start, notify)?;
+    let (messages, outcome) = {
+        let mut host = Host {
+            start,
+            app,
+            script,
+            live: None,
+            outcome: Ok(()),
+            messages: Vec::new(),
+            revived: false,
+            minimized: false,
+            waiting: true,
+        };
+        let ran = event_loop.run_app(&mut host).map_err(|error| ViewError::Window(error.to_string()));
+        (host.messages, ran.and(host.outcome))
+    };
+    outcome?;
+    let said: Vec<String> = messages.iter().flat_map(Messages::take).collect();
+    match said.first() {
+        None => Ok(()),
+        Some(first) => Err(ViewError::Validation { count: said.len(), first: first.clone() }),
+    }
+}
+
+struct Host {
+    start: Start,
+    app: App,
+    script: Option<Script>,
+    live: Option<Live>,
+    outcome: Result<(), ViewError>,
+    /// What the validation layer says, of every device that was opened.
+    messages: Vec<Messages>,
+    /// Whether a lost device has been replaced: once is an accident.
+    revived: bool,
+    minimized: bool,
+    /// Whether the first picture is yet to come.
+    waiting: bool,
+}
+
+/// What there is while there is a window.
+struct Live {
+    // The canvas before the window: its surface is one of it.
+    canvas: Canvas,
+    context: Context,
+    input: egui_winit::State,
+    window: Arc<Window>,
+    widgets: Vec<Widget>,
+    full_screen: bool,
+}
+
+impl Live {
+    fn new(start: &Start, window: Arc<Window>, reads_names: bool) -> Result<Live, ViewError> {
+        let canvas = Canvas::open(&start.options, window.clone())?;
+        let context = Context::default();
+        context.set_theme(Theme::Dark);
+        if reads_names {
+            context.enable_accesskit();
+        }
+        let (scale, side) = (Some(window.scale_factor() as f32), canvas.gpu().facts().max_image as usize);
+        let input = egui_winit::State::new(context.clone(), ViewportId::ROOT, &window, scale, None, Some(side));
+        Ok(Live { canvas, context, input, window, widgets: Vec::new(), full_screen: false })
+    }
+}
+
+impl ApplicationHandler<Wake> for Host {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.live.is_some() {
+            return;
+        }
+        let [width, height] = self.start.window;
+        let attributes = Window::default_attributes()
+            .with_title(format!("hypertexture \u{2013} {}", self.app.model.scene().object.input))
+            .with_inner_size(LogicalSize::new(width, height))
+            .with_min_inner_size(LogicalSize::new(320, 240));
+        let opened = event_loop
+            .create_window(attributes)
+            .map_err(|error| ViewError::Window(error.to_string()))
+            .and_then(|window| self.open(Arc::new(window)));
+        self.end_on_error(event_loop, opened);
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        if matches!(cause, StartCause::ResumeTimeReached { .. }) {
+            self.ask_for_frame();
+        }
+    }
+
+    fn user_event(&mut self, _: &ActiveEventLoop, Wake: Wake) {
+        self.ask_for_frame();
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(live) = &mut self.live else { return };
+        match &event {
+            WindowEvent::CloseRequested => return event_loop.exit(),
+            WindowEvent::RedrawRequested => {
+                let drawn = self.frame(event_loop);
+                return self.end_on_error(event_loop, drawn);
+            }
+            _ => {}
+        }
+        if live.input.on_window_event(&live.window, &event).repaint {
+            self.ask_for_frame();
+        }
+    }
+
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        // The connection to the display ends with the loop, and what is drawn into needs it until it is gone.
+        drop(self.close());
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        if self.app.quit {
+            event_loop.exit();
+        }
+    }
+}
+
+impl Host {
+    fn open(&mut self, window: Arc<Window>) -> Result<(), ViewError> {
+        let live = Live::new(&self.start, window, self.script.is_some())?;
+        self.messages.push(live.canvas.gpu().messages());
+        self.app.use_device(live.canvas.gpu());
+        live.window.request_redraw();
+        self.live = Some(live);
+        Ok(())
+    }
+
+    /// Lets go of everything that is on the device; gives the window.
+    fn close(&mut self) -> Option<Arc<Window>> {
+        self.app.leave_device();
+        self.live.take().map(|live| live.window)
+    }
+
+    fn end_on_error(&mut self, event_loop: &ActiveEventLoop, done: Result<(), ViewError>) {
+        let lost = match &done {
+            Err(ViewError::Gpu(error)) => error.is_lost(),
+            _ => false,
+        };
+        let done = if lost { self.revive(done) } else { done };
+        if let Err(error) = done {
+            if self.outcome.is_ok() {
+                self.outcome = Err(error);
+            }
+            event_loop.exit();
+        }
+    }
+
+    /// Opens a device in place of one that is lost, once.
+    fn revive(&mut self, lost: Result<(), ViewError>) -> Result<(), ViewError> {
+        if std::mem::replace(&mut self.revived, true) {
+            return lost;
+        }
+        log::warn!("the device was lost; another one is opened");
+        match self.close() {
+            Some(window) => self.open(window),
+            None => lost,
+        }
+    }
+
+    fn ask_for_frame(&self) {
+        if let Some(live) = &self.live {
+            live.window.request_redraw();
+        }
+    }
+
+    fn frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ViewError> {
+        self.app.receive();
+        if self.app.lost {
+            return Err(GpuError::lost().into());
+        }
+        if self.waiting && self.app.is_current {
+            self.waiting = false;
+            let seconds = self.start.began.elapsed().as_secs_f64();
+            match self.script {
+                Some(_) => println!("first picture after {seconds:.2} s"),
+                None => log::info!("first picture after {seconds:.2} s"),
+            }
+        }
+        let deed = match (&mut self.script, &self.live) {
+            (Some(script), Some(live)) => script.next(&mut self.app, &live.widgets)?,
+            _ => None,
+        };
+        let Some(live) = &mut self.live else { return Ok(()) };
+        if let Some(deed) = deed {
+            self.minimized = perform(deed, live, &mut self.app, self.minimized)?;
+        }
+        let raw = live.input.take_egui_input(&live.window);
+        let PhysicalSize { width, height } = live.window.inner_size();
+        let size = if self.minimized { [0, 0] } else { [width, height] };
+        let output = live.context.run_ui(raw, |ui| self.app.ui(ui));
+        if let Some(update) = &output.platform_output.accesskit_update {
+            live.widgets = widgets(update);
+        }
+        live.input.handle_platform_output(&live.window, output.platform_output);
+        let primitives = live.context.tessellate(output.shapes, output.pixels_per_point);
+        let shown = live.canvas.draw(size, output.textures_delta, &primitives, output.pixels_per_point)?;
+        if live.full_screen != self.app.full_screen {
+            live.full_screen = self.app.full_screen;
+            live.window.set_fullscreen(live.full_screen.then_some(Fullscreen::Borderless(None)));
+        }
+        let wanted =
+            output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
+        let delay = match (&self.script, shown) {
+            (Some(_), _) => wanted.min(SCRIPT_PACE),
+            (None, Shown::Later) => Duration::ZERO,
+            // Nothing is seen, and nothing needs to be drawn before the window is back.
+            (None, Shown::Hidden) => Duration::MAX,
+            (None, Shown::Yes) => wanted,
+        };
+        event_loop.set_control_flow(match Instant::now().checked_add(delay) {
+            Some(_) if delay.is_zero() => {
+                live.window.request_redraw();
+                ControlFlow::Wait
+            }
+            Some(then) if delay < Duration::from_secs(3600) => ControlFlow::WaitUntil(then),
+            _ => ControlFlow::Wait,
+        });
+        Ok(())
+    }
+}
+
+/// Does what a script asks for; whether the window is minimized.
+fn perform(deed: Deed, live: &mut Live, app: &mut App, minimized: bool) -> Result<bool, ViewError> {
+    match deed {
+        Deed::Events(events) => live.input.egui_input_mut().events.extend(events),
+        Deed::Drop(path) => drop(live.input.on_window_event(&live.window, &WindowEvent::DroppedFile(path))),
+        Deed::Size([width, height]) => drop(live.window.request_inner_size(LogicalSize::new(width, height))),
+        Deed::Minimize(minimize) => {
+            live.window.set_minimized(minimize);
+            return Ok(minimize);
+        }
+        Deed::Shot(path) => app.shoot(path),
+        Deed::Lose => return Err(GpuError::lost().into()),
+        Deed::Quit => app.quit = true,
+    }
+    Ok(minimized)
+}

@@ -1,0 +1,82 @@
+//! The keys and what the mouse does, in one list: the window acts by it and shows it.
+
+use egui::{Context, Key, Modifiers, Popup};
+
+/// What a key does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Action {
+    Help,
+    Play,
+    Reset,
+    Previous,
+    Next,
+    Screenshot,
+    Record,
+    Compare,
+    Inertia,
+    Undo,
+    Redo,
+    FullScreen,
+    Leave,
+}
+
+/// A key, how it is written, and what it does.
+pub(super) struct Binding {
+    pub(super) key: Key,
+    pub(super) modifiers: Modifiers,
+    pub(super) name: &'static str,
+    pub(super) action: Action,
+    pub(super) what: &'static str,
+}
+
+const fn plain(key: Key, name: &'static str, action: Action, what: &'static str) -> Binding {
+    Binding { key, modifiers: Modifiers::NONE, name, action, what }
+}
+
+/// Every key, in the order in which they are listed. The first of two with the same name is the one that is listed.
+pub(super) const KEYS: [Binding; 14] = [
+    plain(Key::Questionmark, "? or H", Action::Help, "this list"),
+    plain(Key::H, "? or H", Action::Help, ""),
+    plain(Key::Space, "Space", Action::Play, "let time run, or stop it"),
+    plain(Key::R, "R", Action::Reset, "look as at the beginning"),
+    plain(Key::ArrowLeft, "Left", Action::Previous, "the preset before"),
+    plain(Key::ArrowRight, "Right", Action::Next, "the next preset"),
+    plain(Key::S, "S", Action::Screenshot, "write the picture that `render` makes"),
+    plain(Key::T, "T", Action::Record, "record a turn around the object, or stop"),
+    plain(Key::C, "C", Action::Compare, "keep this variant and compare with it, or stop"),
+    plain(Key::I, "I", Action::Inertia, "let the ball turn on"),
+    plain(Key::Z, "Z", Action::Undo, "undo"),
+    plain(Key::Y, "Y", Action::Redo, "redo"),
+    plain(Key::F, "F", Action::FullScreen, "the whole screen"),
+    plain(Key::Escape, "Esc", Action::Leave, "close this list, then the window"),
+];
+
+/// What the mouse does.
+pub(super) const MOUSE: [(&str, &str); 4] = [
+    ("drag", "turn the object, like a ball"),
+    ("right or middle drag, or Shift", "move it"),
+    ("wheel or pinch", "come closer"),
+    ("drop a file", "show a mesh, a scan or a scene"),
+];
+
+/// What was asked for by keys since the last frame; nothing while text is being written or a list is open, which has keys
+/// of its own.
+pub(super) fn pressed(ctx: &Context) -> Vec<Action> {
+    if ctx.egui_wants_keyboard_input() || Popup::is_any_open(ctx) {
+        return Vec::new();
+    }
+    ctx.input_mut(|input| {
+        let hit = |binding: &&Binding| {
+            // A question mark needs Shift on some keyboards, and none on others.
+            let shift = Modifiers { shift: input.modifiers.shift, ..binding.modifiers };
+            input.modifiers.matches_exact(shift) && input.key_pressed(binding.key)
+        };
+        KEYS.iter().filter(hit).map(|binding| binding.action).collect()
+    })
+}
+
+/// The key of that name: one of the list, or any that egui knows.
+pub(super) fn named(name: &str) -> Option<Key> {
+    let listed = KEYS.iter().find(|binding| binding.name.eq_ignore_ascii_case(name));
+    listed.map(|binding| binding.key).or_else(|| Key::from_name(name))
+}

@@ -1,0 +1,27 @@
+//! The live window.
+//!
+//! Role: [`run`] shows a scene that the mouse turns and the panels change, and the modules of its effect while they are
+//! edited. A thread of its own renders pictures, through [`crate::render`] as everywhere; the window shows the newest one
+//! and waits for none.
+//! Invariants: every picture is one that [`crate::render::Renderer`] has made, of a scene that
+//! [`crate::scene::Scene::check`] accepts; a change that it refuses is one line of text and nothing else. The thread of the
+//! window submits nothing but what egui draws, and computes no field.
+
+mod app;
+pub mod author;
+mod error;
+mod host;
+mod keys;
+mod load;
+pub mod model;
+pub mod panels;
+mod progressive;
+mod screen;
+mod script;
+mod status;
+mod trackball;
+mod worker;
+
+pub use app::{Start, run};
+pub use error::ViewError;
+pub use trackball::Trackball;

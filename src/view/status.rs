@@ -1,0 +1,64 @@
+//! What the window knows about its picture.
+
+/// How good the picture on the screen is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Stage {
+    /// There is none yet.
+    #[default]
+    None,
+    /// Fewer pixels and samples than the scene asks for, in time for the next one.
+    Coarse,
+    /// On the way from there to the next: some rows are of that already.
+    Partial,
+    /// What `render` makes of the scene, in the size of the window.
+    Scene,
+    /// The mean of so many pictures, each with its own place in the pixels and phase.
+    Refined(u32),
+    /// As good as was asked for.
+    Converged(u32),
+}
+
+impl Stage {
+    /// In words.
+    pub(super) fn text(self) -> String {
+        match self {
+            Stage::None => "no picture yet".into(),
+            Stage::Coarse => "coarse".into(),
+            Stage::Partial => "being rendered".into(),
+            Stage::Scene => "as rendered".into(),
+            Stage::Refined(count) => format!("mean of {count}"),
+            Stage::Converged(count) => format!("converged, mean of {count}"),
+        }
+    }
+}
+
+/// What the window knows about its picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Figures {
+    /// Device and driver.
+    pub(super) device: String,
+    /// How good the picture is.
+    pub(super) stage: Stage,
+    /// Its width and height in pixels.
+    pub(super) size: [u32; 2],
+    /// Samples of its rays.
+    pub(super) samples: u32,
+    /// Milliseconds on the device.
+    pub(super) gpu_ms: f64,
+    /// Milliseconds that a picture may take while the scene moves.
+    pub(super) budget_ms: f64,
+    /// Root mean square difference from the converged image, about; linear light, all channels.
+    pub(super) error: Option<f64>,
+    /// Standard error of a value of the mean, root mean square: that of independent pictures, so it is an upper bound.
+    pub(super) standard_error: Option<f64>,
+    /// The difference of two variants, root mean square.
+    pub(super) difference: Option<f64>,
+    /// Milliseconds of the last coarse pictures, the newest last.
+    pub(super) recent_ms: Vec<f64>,
+    /// Frames of the recording, finished and in all.
+    pub(super) recording: Option<(u32, u32)>,
+    /// How much of the search for a way to draw is done, 0 to 1.
+    pub(super) picking: Option<f32>,
+    /// What went wrong or was done last.
+    pub(super) message: Option<String>,
+}

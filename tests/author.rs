@@ -1,0 +1,264 @@
+//! Live authoring: what a person writes reaches the scene, and what the compiler makes of it reaches the person.
+#![cfg(feature = "view")]
+#![expect(clippy::unwrap_used, reason = "a test fails where a process or a file is not as described")]
+
+use hypertexture::glsl::{self, Library, Linker};
+use hypertexture::scene::{KnobValue, preset};
+use hypertexture::variant::Variant;
+use hypertexture::view::author::compile::{CompileError, Job, Limits, compile};
+use hypertexture::view::author::{Author, State};
+use hypertexture::view::model::Model;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+const RIPPLES: &str = "// Rings.\n// @knob rings = 6 in [1, 40]: Number of rings.\nfloat ripples(float density, Sample s) {\n    \
+                       return density * (0.5 + 0.5 * cos(rings * density));\n}\n";
+
+fn program() -> PathBuf {
+    env!("CARGO_BIN_EXE_hypertexture").into()
+}
+
+fn job(library: &Library, dmf: &str) -> Job {
+    let mut scene = preset("fur").unwrap();
+    scene.knobs.clear();
+    (scene.effect.dmf, scene.effect.medium) = (vec![dmf.into()], "lit".into());
+    Job::new(library, &[Variant::of(&scene, library).unwrap()])
+}
+
+/// A program with this text for the body of a DMF, compiled in a child.
+fn try_body(header: &str, body: &str, limits: &Limits) -> Result<(), CompileError> {
+    let text = format!("{header}\nfloat mine(float density, Sample s) {{ {body} }}\n");
+    let library = glsl::shipped().with_module("dmf", "mine", &text);
+    compile(&program(), &job(&library, "mine"), limits, &|| false).map(drop)
+}
+
+/// Waits until the compiler has answered.
+fn answer(author: &mut Author, model: &mut Model) -> State {
+    let start = Instant::now();
+    loop {
+        author.poll(model);
+        let is_waiting = model.library().source(&author.path()) != Some(author.text.as_str())
+            && !matches!(author.state(), State::Bad(_));
+        if *author.state() != State::Compiling && !is_waiting {
+            return author.state().clone();
+        }
+        assert!(start.elapsed() < Duration::from_secs(120), "no answer");
+        sleep(Duration::from_millis(10));
+    }
+}
+
+fn edit(author: &mut Author, model: &mut Model, text: &str) -> State {
+    author.text = text.into();
+    author.touch();
+    sleep(Duration::from_millis(150)); // a text rests before it is tried
+    author.poll(model);
+    answer(author, model)
+}
+
+fn desk(name: &str) -> (Author, Model) {
+    let model = Model::new(preset(name).unwrap(), glsl::shipped()).unwrap();
+    let author = Author::new(program(), model.library(), "dmf", "fur").unwrap();
+    (author, model)
+}
+
+#[test]
+fn a_child_links_the_same_program_as_this_process() {
+    let library = glsl::shipped().with_module("dmf", "ripples", RIPPLES);
+    let job = job(&library, "ripples");
+    let [vertex, fragment] = &compile(&program(), &job, &Limits::default(), &|| false).unwrap()[0];
+    let mut scene = preset("fur").unwrap();
+    scene.knobs.clear();
+    (scene.effect.dmf, scene.effect.medium) = (vec!["ripples".into()], "lit".into());
+    let here = Variant::of(&scene, &library).unwrap().program(&library, Linker::new).unwrap();
+    assert_eq!((vertex, fragment), (&here.vertex, &here.fragment));
+}
+
+#[test]
+fn n0_10_a_crash_of_the_compiler_is_one_line() {
+    let terms = vec!["s.x.x"; 20_000].join(" + ");
+    let error = try_body("", &format!("return {terms};"), &Limits::default());
+    // A compiler that takes it is as good; one that ends by it must not end us.
+    if let Err(error) = error {
+        assert!(matches!(error, CompileError::Crashed(_)), "{error}");
+        assert!(!error.to_string().contains('\n') && error.to_string().contains("crashed"), "{error}");
+    }
+    let deep = format!("return {}1.0{};", "(".repeat(100_000), ")".repeat(100_000));
+    let error = try_body("", &deep, &Limits::default()).unwrap_err();
+    assert!(matches!(error, CompileError::Crashed(_) | CompileError::Refused(_)), "{error}");
+}
+
+#[test]
+fn n0_10_a_compiler_that_does_not_end_is_one_line() {
+    let doubled = (1..40).map(|level| format!("#define D{level} D{0} + D{0}\n", level - 1)).collect::<String>();
+    let limits = Limits { time: Duration::from_secs(2), ..Limits::default() };
+    let start = Instant::now();
+    let error = try_body(&format!("#define D0 s.x.x\n{doubled}"), "return D39;", &limits).unwrap_err();
+    assert!(matches!(error, CompileError::Late(_) | CompileError::Crashed(_)), "{error}");
+    assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
+    assert!(!error.to_string().contains('\n'));
+}
+
+#[test]
+fn n0_10_an_array_that_would_keep_the_driver_busy_is_refused() {
+    let array = |length: usize| {
+        let body =
+            format!("float a[{length}]; for (int i = 0; i < 9; i++) a[int(s.x.x) + i] = s.x.y; return a[int(s.x.z)];");
+        try_body("", &body, &Limits::default())
+    };
+    array(64).unwrap();
+    let error = array(100_000_000).unwrap_err().to_string();
+    assert!(error.starts_with("an array of 400000000 bytes"), "{error}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn n0_10_a_new_text_is_tried_in_a_few_rays() {
+    let (mut author, mut model) = desk("fur");
+    author.gate().try_on("");
+    let start = Instant::now();
+    let new = author.text.replacen("return ", "return 0.9 * ", 1);
+    assert_eq!(edit(&mut author, &mut model, &new), State::Good);
+    println!("compiled and tried in {:.2} s", start.elapsed().as_secs_f32());
+    let sum = "sin(cos(".repeat(100) + "sum" + &")".repeat(200);
+    let body = format!("float sum = density; for (int i = 0; i < 1000000; i++) sum = {sum}; return sum; ");
+    let at = new.find("    if (density >= 1.0)").unwrap();
+    let slow = format!("{}    {body}{}", &new[..at], &new[at..]);
+    let State::Bad(faults) = edit(&mut author, &mut model, &slow) else { panic!("an endless loop is good") };
+    assert!(faults[0].text.contains("64 rays") && faults[0].text.contains("loop"), "{faults:?}");
+    assert_eq!(model.library().source("dmf/fur.glsl"), Some(new.as_str()), "the good text stays");
+}
+
+#[test]
+fn a_long_text_a_long_answer_and_a_missing_program_are_errors() {
+    let long = format!("// {}\n", "x".repeat(300_000));
+    assert!(matches!(try_body(&long, "return density;", &Limits::default()), Err(CompileError::Long { .. })));
+    let limits = Limits { answer_bytes: 100, ..Limits::default() };
+    let error = try_body("", "return density;", &limits).unwrap_err().to_string();
+    assert!(error.contains("longer than 100 bytes"), "{error}");
+    let job = job(&glsl::shipped(), "biased");
+    let error = compile(Path::new("/nowhere/hypertexture"), &job, &Limits::default(), &|| false).unwrap_err();
+    assert!(error.to_string().starts_with("the GLSL compiler cannot be run as `/nowhere/hypertexture`"), "{error}");
+    assert!(matches!(compile(&program(), &job, &Limits::default(), &|| true), Err(CompileError::Abandoned)));
+}
+
+#[test]
+fn m52_a_broken_module_keeps_the_old_and_a_mended_one_brings_its_knobs() {
+    let (mut author, mut model) = desk("fur");
+    let old = author.text.clone();
+    let broken = old.replacen("float fur(", "float qq = tangled;\nfloat fur(", 1);
+    let line = broken.lines().position(|line| line.contains("tangled")).unwrap() + 1;
+    let State::Bad(faults) = edit(&mut author, &mut model, &broken) else { panic!("a broken text is good") };
+    assert_eq!(faults[0].at, Some(("dmf/fur.glsl".into(), line)), "{faults:?}");
+    assert!(faults[0].text.contains("tangled"), "{faults:?}");
+    assert_eq!(model.library().source("dmf/fur.glsl"), Some(old.as_str()), "the old library stays");
+    // A declaration is refused before the compiler sees it, at its line as well.
+    let State::Bad(faults) = edit(&mut author, &mut model, &format!("// @knob x = 9 in [0, 1]: No.\n{old}")) else {
+        panic!("a default out of its range is good")
+    };
+    assert_eq!(faults[0].at, Some(("dmf/fur.glsl".into(), 1)));
+    let new = format!("// @knob shine = 0.5 in [0, 2]: New.\n{old}").replacen("return ", "return shine * ", 1);
+    assert_eq!(edit(&mut author, &mut model, &new), State::Good);
+    let knobs: Vec<_> = model.knobs(None).iter().map(|(knob, _)| knob.name.clone()).collect();
+    assert!(knobs.contains(&"shine".into()), "{knobs:?}");
+    let shine = ("shine".to_string(), KnobValue::Number(1.5));
+    assert!(model.edit("knobs.shine", |scene| scene.knobs.extend([shine])));
+    // The knob goes, and its value with it; undo does not bring back what no module has.
+    author.reset();
+    assert_eq!(edit(&mut author, &mut model, &old), State::Good);
+    assert!(!model.scene().knobs.contains_key("shine"));
+    model.undo();
+    model.scene().check(model.library()).unwrap();
+}
+
+#[test]
+fn a_new_module_is_tried_before_the_scene_uses_it() {
+    let (mut author, mut model) = desk("lit");
+    assert!(author.fork(model.library(), "no good name").is_err());
+    assert!(author.fork(model.library(), "biased").is_err());
+    author.fork(model.library(), "pelt").unwrap();
+    assert!(author.text.contains("float pelt("));
+    sleep(Duration::from_millis(150));
+    assert_eq!(answer(&mut author, &mut model), State::Good);
+    assert!(model.library().modules("dmf").contains(&"pelt"));
+    assert!(author.use_in(&mut model));
+    assert_eq!(model.scene().effect.dmf, ["pelt"]);
+    // A module that the picture of the scene does not reach is refused when it is broken.
+    let broken = author.text.replace("float pelt(", "float pelt((");
+    assert!(matches!(edit(&mut author, &mut model, &broken), State::Bad(_)));
+}
+
+#[test]
+fn a_file_is_followed_however_an_editor_writes_it() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("dmf")).unwrap();
+    let path = folder.path().join("dmf/ripples.glsl");
+    fs::write(&path, RIPPLES).unwrap();
+    let (mut author, mut model) = desk("fur");
+    assert!(author.watch(model.library(), &folder.path().join("dmf/none.glsl")).is_err());
+    author.watch(model.library(), &path).unwrap();
+    assert_eq!(author.module(), ("dmf", "ripples"));
+    assert_eq!(answer(&mut author, &mut model), State::Good);
+    let follow = |author: &mut Author, model: &mut Model, text: &str| {
+        let start = Instant::now();
+        while author.text != text {
+            assert!(start.elapsed() < Duration::from_secs(30), "the file is not followed");
+            author.poll(model);
+            sleep(Duration::from_millis(10));
+        }
+        answer(author, model)
+    };
+    let longer = RIPPLES.replace("rings", "hoops");
+    fs::write(&path, &longer).unwrap();
+    assert_eq!(follow(&mut author, &mut model, &longer), State::Good);
+    let replaced = RIPPLES.replace("rings", "circles");
+    let beside = folder.path().join("dmf/.ripples.swp");
+    fs::write(&beside, &replaced).unwrap();
+    fs::remove_file(&path).unwrap();
+    sleep(Duration::from_millis(300));
+    author.poll(&mut model);
+    fs::rename(&beside, &path).unwrap();
+    assert_eq!(follow(&mut author, &mut model, &replaced), State::Good);
+    assert!(model.library().source("dmf/ripples.glsl").unwrap().contains("circles"));
+    author.text = longer.clone();
+    author.save(&path).unwrap();
+    assert_eq!(fs::read_to_string(&path).unwrap(), longer);
+}
+
+#[test]
+fn the_newest_text_wins() {
+    let (mut author, mut model) = desk("fur");
+    let old = author.text.clone();
+    for step in 0..5 {
+        author.text = format!("// @knob step_{step} = 0.5 in [0, 2]: New.\n{old}");
+        sleep(Duration::from_millis(130));
+        author.poll(&mut model);
+    }
+    assert_eq!(answer(&mut author, &mut model), State::Good);
+    let knobs: Vec<_> = model.knobs(None).iter().map(|(knob, _)| knob.name.clone()).collect();
+    assert!(knobs.contains(&"step_4".into()) && !knobs.contains(&"step_3".into()), "{knobs:?}");
+}
+
+#[test]
+fn a_module_of_any_slot_can_be_tried() {
+    let (mut author, mut model) = desk("fur");
+    for path in [
+        "dmf/noisy",
+        "warp/swirl",
+        "mask/band",
+        "medium/vapor",
+        "surface/bump",
+        "noise/wavelet",
+        "opacity/beer",
+        "softness/quadratic",
+        "absorption/tinted",
+        "environment/studio",
+        "traverse/leap",
+    ] {
+        let (slot, name) = path.split_once('/').unwrap();
+        author.open(model.library(), slot, name);
+        let text = format!("{}\n", author.text);
+        assert_eq!(edit(&mut author, &mut model, &text), State::Good, "{path}");
+    }
+}

@@ -1,0 +1,334 @@
+//! The window, under a display of its own: what a person does, done by scripts, with the validation layer listening.
+
+#![cfg(feature = "view")]
+#![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
+
+use hypertexture::scene;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+
+/// An X server that ends with this.
+struct Display {
+    server: Option<Child>,
+    name: String,
+}
+
+impl Display {
+    /// The display there is, or one that nobody sees.
+    fn new() -> Display {
+        if let Ok(name) = std::env::var("DISPLAY")
+            && !name.is_empty()
+        {
+            return Display { server: None, name };
+        }
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap_or_else(|error| {
+                panic!("Xvfb: {error}; sudo apt install xvfb, or HYPERTEXTURE_NO_DISPLAY=1 leaves these tests out")
+            });
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        Display { server: Some(server), name: format!(":{}", number.trim()) }
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        if let Some(server) = &mut self.server {
+            let _ = server.kill();
+            let _ = server.wait();
+        }
+    }
+}
+
+fn program() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hypertexture"));
+    command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env("HYPERTEXTURE_VALIDATION", "1");
+    command
+}
+
+/// Runs `view` with these arguments; what it says.
+fn view(display: &Display, arguments: &[&str]) -> Output {
+    program().env("DISPLAY", &display.name).arg("view").args(arguments).output().unwrap()
+}
+
+/// Runs a script, which must succeed; its standard output.
+fn play(display: &Display, folder: &Path, arguments: &[&str], script: &str) -> String {
+    let file = folder.join("script");
+    std::fs::write(&file, script).unwrap();
+    let output = view(display, &[arguments, &["--script", file.to_str().unwrap()]].concat());
+    assert_good(&output);
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn assert_good(output: &Output) {
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{:?}: {text}", output.status);
+    assert!(!text.contains("panicked") && !text.contains("VUID"), "{text}");
+}
+
+fn render(arguments: &[&str], to: &Path) {
+    assert_good(&program().arg("render").args(arguments).arg("--output").arg(to).output().unwrap());
+}
+
+/// Seconds until the first picture.
+fn seconds(output: &str) -> f64 {
+    let line = output.lines().find_map(|line| line.strip_prefix("first picture after ")).unwrap();
+    line.trim_end_matches(" s").parse().unwrap()
+}
+
+#[test]
+fn without_a_display_one_line_says_what_to_do() {
+    let output = program().env_remove("DISPLAY").args(["view", "torus"]).output().unwrap();
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert_eq!(text.lines().count(), 1, "{text}");
+    assert!(text.starts_with("error: no display: ") && text.contains("xvfb-run -a hypertexture view"), "{text}");
+    let output = program().env("DISPLAY", ":4095").args(["view", "torus"]).output().unwrap();
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), text.lines().count()), (Some(1), 1), "{text}");
+    assert!(text.starts_with("error: no display: "), "{text}");
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_screenshot_is_the_picture_that_render_makes() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let (shot, rendered) = (folder.path().join("shot.png"), folder.path().join("rendered.png"));
+    let scene = ["teapot", "--effect", "fur", "--resolution", "64", "--size", "96x64", "--samples", "64"];
+    render(&scene, &rendered);
+    let small = ["--window", "640x360", "--frames", "3", "--screenshot", shot.to_str().unwrap()];
+    let output = view(&display, &[&scene[..], &small].concat());
+    assert_good(&output);
+    assert_eq!(std::fs::read(&shot).unwrap(), std::fs::read(&rendered).unwrap());
+    let seconds = seconds(&String::from_utf8(output.stdout).unwrap());
+    println!("first picture after {seconds:.2} s, with validation and the field in the cache");
+    assert!(seconds < 10.0, "{seconds} s: two, on a machine that has nothing else to do");
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn it_resizes_hides_comes_back_and_follows_mouse_keys_and_files() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let dropped = folder.path().join("dropped.toml");
+    let mut other = scene::preset("fire_ball").unwrap();
+    (other.quality.samples, other.image.size) = (48, [64, 48]);
+    other.camera.rotation = Some([0.0, 0.6, 0.0, 0.8]);
+    other.camera.pan = [0.2, -0.1];
+    std::fs::write(&dropped, scene::to_text(&other)).unwrap();
+    let (shot, rendered) = (folder.path().join("shot.png"), folder.path().join("rendered.png"));
+    let script = format!(
+        "wait picture\nsize 720 420\nwait picture\nsize 640 360\nframes 3\nminimize\nframes 5\nrestore\nwait picture\n\
+         drag 0.3 0.5 0.7 0.4\nwait picture\ndrag 0.5 0.5 0.6 0.6 right\nscroll 3\nwait picture\nkey z\nkey y\nkey R\n\
+         key ?\nframes 2\nkey Escape\nkey i\ndrag 0.4 0.5 0.6 0.5\nframes 20\nkey i\nkey Space\nframes 30\nkey Space\n\
+         wait picture\nkey c\ndrag 0.1 0.5 0.2 0.6\nwait picture\nkey f\nframes 3\nkey f\nwait picture\nkey c\n\
+         drop {}\nframes 2\nwait picture\nshot {}\nframes 2\nquit\n",
+        dropped.display(),
+        shot.display()
+    );
+    let arguments = ["torus", "--effect", "melting", "--samples", "48", "--window", "640x360"];
+    play(&display, folder.path(), &arguments, &script);
+    render(&[dropped.to_str().unwrap()], &rendered);
+    assert_eq!(std::fs::read(&shot).unwrap(), std::fs::read(&rendered).unwrap());
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn it_draws_every_preset() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let script = format!("wait picture\n{}quit\n", "key Right\nframes 2\nwait drawn\n".repeat(scene::names().count()));
+    play(&display, folder.path(), &["torus", "--window", "560x240"], &script);
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn its_panels_change_the_picture_that_is_written() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (scene, picture, rendered) = (path("scene.toml"), path("panel.png"), path("rendered.png"));
+    let script = format!(
+        "wait picture\nclick Presets\nclick effect fur\nclick preset fire_ball\nclick effect fur\nwait picture\n\
+         set knobs.fineness 40\nclick undo\nclick redo\nframes 2\nclick effect.turbulence\nframes 2\n\
+         click procedural\nframes 2\nwait picture\nclick undo\nclick Objects\nframes 2\nclick Transfer map\n\
+         click Material\nclick Light and background\nclick Camera\nclick Accuracy\nclick File\nframes 2\n\
+         set material.specular 0.5\nset light.intensity 1.5\nset camera.zoom 1.25\nset camera.azimuth 75\n\
+         set quality.samples 40\nclick quality.jitter\nclick quality.jitter\nclick quality.pass\nframes 2\n\
+         click march\nframes 2\nwait picture\nclick pause\nframes 20\nclick pause\nclick compare\nframes 2\n\
+         set camera.elevation 10\nwait picture\nclick compare\nclick camera.reset\nclick author\nframes 3\n\
+         click author\nclick copy\nframes 2\nwrite file.scene {scene}\nclick file.save\nwrite file.picture {picture}\n\
+         frames 3\nclick file.screenshot\nframes 2\nclick quit\nframes 9\n"
+    );
+    play(&display, folder.path(), &["torus", "--samples", "32", "--size", "64x48", "--window", "640x400"], &script);
+    let saved = scene::load(Path::new(&scene)).unwrap();
+    assert_eq!((saved.quality.samples, saved.material.specular), (40, 0.5));
+    assert_eq!((saved.effect.dmf, saved.light.intensity), (scene::preset("fur").unwrap().effect.dmf, 1.5));
+    render(&[&scene], Path::new(&rendered));
+    assert_eq!(std::fs::read(&picture).unwrap(), std::fs::read(&rendered).unwrap());
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn m52_a_broken_module_leaves_the_picture_and_a_mended_one_changes_it() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let text = |part: &str| {
+        format!(
+            "// A part.\n// Source: a test.\n// Result: density.\nfloat part_of(float density, Sample s) {{ return {part} * density; }}\n"
+        )
+    };
+    for (name, part) in [("part_of.glsl", "0.5"), ("broken", "missing_name"), ("mended", "0.1")] {
+        std::fs::write(path(name), text(part)).unwrap();
+    }
+    let [file, broken, mended] = ["part_of.glsl", "broken", "mended"].map(path);
+    let shots = ["first.png", "second.png", "third.png", "fourth.png"].map(path);
+    let [first, second, third, fourth] = &shots;
+    let scene = path("scene.toml");
+    let script = format!(
+        "wait picture\nshot {first}\nframes 2\ndrop {file}\nframes 3\nwait good\nclick author.use\nframes 2\nwait picture\n\
+         shot {second}\nframes 2\ncopy {broken} {file}\nwait bad\nwait picture\nshot {third}\nframes 2\n\
+         copy {mended} {file}\nframes 40\nwait good\nframes 4\nwait picture\nclick File\nframes 2\n\
+         write file.scene {scene}\nclick file.save\nshot {fourth}\nframes 2\nquit\n"
+    );
+    let arguments = ["torus", "--effect", "fire", "--samples", "32", "--size", "64x48", "--window", "1100x700"];
+    play(&display, folder.path(), &arguments, &script);
+    let pixels = |path: &String| image::open(path).unwrap().into_rgba8();
+    assert_ne!(pixels(first), pixels(second));
+    assert_eq!(pixels(second), pixels(third), "a text that is refused changes nothing");
+    assert_ne!(pixels(third), pixels(fourth));
+    assert_eq!(scene::load(Path::new(&scene)).unwrap().modules["dmf/part_of"], file);
+    let rendered = path("rendered.png");
+    render(&[&scene], Path::new(&rendered));
+    assert_eq!(std::fs::read(fourth).unwrap(), std::fs::read(&rendered).unwrap());
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn n0_10_a_loop_that_is_too_long_never_meets_the_device_of_the_window() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let waves = "sin(cos(".repeat(100);
+    let text = format!(
+        "// A part.\n// Source: a test.\n// Result: density.\nfloat part_of(float density, Sample s) {{\n    float sum = density;\n    \
+         for (int i = 0; i < 1000000; i++) sum = {waves}sum + s.x.x{};\n    return sum;\n}}\n",
+        ")".repeat(200)
+    );
+    std::fs::write(path("part_of.glsl"), text).unwrap();
+    let mut slow = scene::preset("fire").unwrap();
+    slow.object.input = "torus".into();
+    slow.effect.dmf = vec!["part_of".into()];
+    slow.modules.insert("dmf/part_of".into(), path("part_of.glsl"));
+    slow.knobs.clear();
+    std::fs::write(path("slow.toml"), scene::to_text(&slow)).unwrap();
+    // In the editor it is a line of text, and what was there before goes on.
+    let script = format!(
+        "wait picture\ndrop {}\nframes 3\nwait bad\ndrag 0.3 0.5 0.7 0.4\nwait picture\nquit\n",
+        path("part_of.glsl")
+    );
+    play(&display, folder.path(), &["torus", "--effect", "fire", "--samples", "32", "--window", "1100x700"], &script);
+    // In a scene that is opened, it is the end of an automated run.
+    let output = view(&display, &[&path("slow.toml"), "--frames", "1", "--window", "560x240"]);
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("64 rays") && text.contains("loop"), "{text}");
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_dropped_mesh_is_drawn_and_a_turn_around_it_recorded() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let mesh = "v 1 1 1\nv 1 -1 -1\nv -1 1 -1\nv -1 -1 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
+    std::fs::write(path("mesh.obj"), mesh).unwrap();
+    let script = format!(
+        "wait picture\ndrop {}\nframes 2\nwait picture\nshot {}\nkey t\nwait idle\nkey s\nwait idle\n\
+         key t\nframes 3\nkey t\nwait idle\nquit\n",
+        path("mesh.obj"),
+        path("shot.png")
+    );
+    let file = folder.path().join("script");
+    std::fs::write(&file, script).unwrap();
+    let small = ["--effect", "lit", "--resolution", "24", "--size", "48x32", "--samples", "32"];
+    let arguments = [&["torus"][..], &small, &["--window", "560x240", "--script", file.to_str().unwrap()]].concat();
+    let mut command = program();
+    command.env("DISPLAY", &display.name).current_dir(folder.path()).arg("view");
+    assert_good(&command.args(arguments).output().unwrap());
+    let rendered = path("rendered.png");
+    render(&[&[path("mesh.obj").as_str()][..], &small].concat(), Path::new(&rendered));
+    let pixels = |name: &str| image::open(path(name)).unwrap().into_rgba8();
+    assert_eq!(std::fs::read(path("shot.png")).unwrap(), std::fs::read(&rendered).unwrap());
+    assert_eq!(pixels("turntable_001_0000.png"), pixels("rendered.png"));
+    assert_eq!(pixels("hypertexture_001.png"), pixels("rendered.png"), "the key writes what is on the screen");
+    assert_ne!(pixels("turntable_001_0025.png"), pixels("rendered.png"));
+    let last = folder.path().join("turntable_001_0099.png");
+    assert!(last.exists(), "a turn has a hundred pictures");
+    assert!(!folder.path().join("turntable_002_0099.png").exists(), "the second turn was ended by hand");
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_picture_that_stands_still_gets_as_good_as_was_asked_for() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["torus", "--effect", "lit", "--samples", "32", "--window", "560x240", "--max-error", "0.02"];
+    play(&display, folder.path(), &arguments, "wait converged\nquit\n");
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_lost_device_is_replaced_once() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let (shot, rendered) = (folder.path().join("shot.png"), folder.path().join("rendered.png"));
+    let scene = ["torus", "--effect", "lit", "--size", "64x48", "--samples", "32"];
+    let arguments = [&scene[..], &["--window", "560x240"]].concat();
+    let script = format!("wait picture\nlose\nwait picture\nframes 2\nshot {}\nframes 1\nquit\n", shot.display());
+    play(&display, folder.path(), &arguments, &script);
+    render(&scene, &rendered);
+    assert_eq!(std::fs::read(&shot).unwrap(), std::fs::read(&rendered).unwrap());
+    let file = folder.path().join("twice");
+    std::fs::write(&file, "wait picture\nlose\nwait picture\nlose\nframes 1\nquit\n").unwrap();
+    let output = view(&display, &[&arguments[..], &["--script", file.to_str().unwrap()]].concat());
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.lines().last().unwrap().contains("device has been lost"), "{text}");
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_field_is_computed_beside_the_window_and_can_be_given_up() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("script");
+    std::fs::write(&file, "wait loading\nframes 20\nclick Cancel\nframes 5\nkey ?\nframes 2\nquit\n").unwrap();
+    let arguments = ["teapot", "--effect", "lit", "--resolution", "320", "--window", "560x240", "--script"];
+    let mut command = program();
+    command.env("DISPLAY", &display.name).env("XDG_CACHE_HOME", folder.path());
+    assert_good(&command.arg("view").args(arguments).arg(&file).output().unwrap());
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn what_goes_wrong_in_an_automated_run_is_its_exit_code() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("missing.obj");
+    let shot = folder.path().join("shot.png");
+    let arguments = ["--window", "560x240", "--frames", "2", "--screenshot", shot.to_str().unwrap()];
+    let output = view(&display, &[&[missing.to_str().unwrap()][..], &arguments].concat());
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success() && text.contains("missing.obj"), "{text}");
+    assert!(!shot.exists());
+    let refused = view(&display, &["torus", "--frames", "1", "--screenshot", "out.jpg"]);
+    assert_eq!(refused.status.code(), Some(2));
+}
