@@ -7,6 +7,7 @@ mod bind;
 mod frozen;
 mod inputs;
 mod noise_blocks;
+mod pixels;
 mod shadow;
 mod sub_frame;
 mod subject;
@@ -25,6 +26,7 @@ use crate::pass;
 use crate::scene::{Order, Pass, Scene, TargetFormat};
 use crate::shape::ShapeError;
 use crate::variant::{Program, Variant, VariantError};
+use pixels::{add, check_finite, decode, floats, mean};
 use std::ops::Range;
 use std::time::Instant;
 use sub_frame::SubFrame;
@@ -385,43 +387,3 @@ impl<'a> Prepared<'a> {
 
 /// `constant_id` of the octaves in `glsl/octave_constants.glsl`.
 pub(crate) const OCTAVES_ID: u32 = 0;
-
-fn add(sum: &mut [[f64; 4]], pixels: &[[f32; 4]]) {
-    for (sum, pixel) in sum.as_flattened_mut().iter_mut().zip(pixels.as_flattened()) {
-        *sum += f64::from(*pixel);
-    }
-}
-
-fn mean(sum: &[[f64; 4]], count: u32) -> Vec<[f32; 4]> {
-    sum.iter().map(|pixel| pixel.map(|channel| (channel / f64::from(count)) as f32)).collect()
-}
-
-/// The texels of a target of 32-bit floats.
-fn floats(bytes: &[u8]) -> Vec<[f32; 4]> {
-    let texels = bytes.as_chunks::<16>().0.iter();
-    texels.map(|texel| std::array::from_fn(|c| f32::from_ne_bytes([0, 1, 2, 3].map(|b| texel[4 * c + b])))).collect()
-}
-
-/// The texels of a target as floats.
-fn decode(bytes: &[u8], format: TargetFormat) -> Vec<[f32; 4]> {
-    match format {
-        TargetFormat::Float32 => floats(bytes),
-        TargetFormat::Float16 => bytes
-            .chunks_exact(8)
-            .map(|texel| std::array::from_fn(|c| half::f16::from_ne_bytes([texel[2 * c], texel[2 * c + 1]]).to_f32()))
-            .collect(),
-        TargetFormat::Unorm8 => {
-            bytes.chunks_exact(4).map(|texel| std::array::from_fn(|c| f32::from(texel[c]) / 255.0)).collect()
-        }
-    }
-}
-
-fn check_finite(pixels: &[[f32; 4]], width: usize) -> Result<(), RenderError> {
-    let bad = |pixel: &&[f32; 4]| pixel.iter().any(|value| !value.is_finite());
-    match pixels.iter().position(|pixel| bad(&pixel)) {
-        None => Ok(()),
-        Some(first) => {
-            Err(RenderError::NotFinite { count: pixels.iter().filter(bad).count(), x: first % width, y: first / width })
-        }
-    }
-}

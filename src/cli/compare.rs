@@ -1,6 +1,6 @@
 //! Error against run time, from the command line.
 
-use super::args::{Look, ObjectArguments};
+use super::look::{Look, ObjectArguments};
 use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, say, with_progress};
 use clap::Args;

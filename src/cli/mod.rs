@@ -5,6 +5,7 @@ mod compare;
 #[cfg(all(test, feature = "view"))]
 mod line_tests;
 mod log;
+mod look;
 mod modules;
 mod sequence;
 mod verify;

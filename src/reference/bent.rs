@@ -4,7 +4,7 @@
 //! can be sampled along it beforehand: the program of the picture itself runs in f64, four pixels of a quad together,
 //! with ever more steps. Invariant: what two numbers of steps differ by is the error that is stated.
 
-use super::{Reference, ReferenceError};
+use super::{Reference, ReferenceError, images};
 use crate::exact;
 use crate::glsl::{Library, Linker};
 use crate::render::{Frozen, OCTAVES_ID, Subject};
@@ -67,7 +67,7 @@ fn light(
     let frozen = Frozen::new(scene, subject, &variant, &linked)?;
     let program = exact::Program::read(&linked.fragment, &[(OCTAVES_ID, scene.effect.octaves)])?;
     let moments = frozen.moments(&linked)?;
-    let mut inputs = super::inputs(&frozen);
+    let mut inputs = images::inputs(&frozen);
     let mut quads: BTreeMap<[u32; 2], [[f64; 4]; 4]> =
         pixels.iter().map(|p| (p.map(|c| c / 2), [[0.0; 4]; 4])).collect();
     for blocks in &moments {

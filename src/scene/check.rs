@@ -1,50 +1,9 @@
 //! The checks that make a scene valid.
 
-use super::{KnobValue, Ray, Repeat, Rule, Scene, SceneError};
-use crate::glsl::library::{COMBINE, Default, Knob, Library};
-use crate::glsl::{Declarations, Slots};
-
-/// The declared parameters of a scene's modules with the values that the scene gives them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Knobs {
-    declared: Vec<(Knob, KnobValue)>,
-    outer: Option<String>,
-    reach: Vec<String>,
-}
-
-impl Knobs {
-    /// Every knob with its value, in the order of the modules.
-    pub fn iter(&self) -> impl Iterator<Item = (&Knob, &KnobValue)> {
-        self.declared.iter().map(|(knob, value)| (knob, value))
-    }
-
-    /// Signed distance at which the soft region starts, if a module says so; object units.
-    pub fn outer_iso(&self) -> Option<f32> {
-        self.outer.as_deref().map(|name| self.number(name))
-    }
-
-    /// How far matter reaches beyond the soft region, object units.
-    pub fn reach(&self) -> f32 {
-        self.reach.iter().map(|name| self.number(name)).sum()
-    }
-
-    fn number(&self, name: &str) -> f32 {
-        let found = self.declared.iter().find(|(knob, _)| knob.name == name);
-        match found.map(|(_, value)| value) {
-            Some(KnobValue::Number(value)) => *value,
-            _ => 0.0,
-        }
-    }
-}
-
-/// Loop iterations of one fragment that every device bears: lavapipe ends a fragment in silence after 65 535.
-const LOOP_BUDGET: f32 = 60_000.0;
-/// Samples of one fragment of the shadow volume, at most: four segments of 64.
-const SHADOW_SAMPLES: f32 = 4.0 * 64.0;
-/// Iterations of a ray that bends, for each step of it: the step, and three gradients of three differences each.
-const BENDING_LOOPS: f32 = 1.0 + 3.0 * 3.0;
-/// Steps of a ray that bends, for each sample of the scene, and in all to locate its interfaces: see `refract.frag`.
-const BENDING_STEPS: [f32; 2] = [3.0, 24.0 * (14.0 + 1.0)];
+use super::loops::{BENDING_LOOPS, BENDING_STEPS, LOOP_BUDGET, SHADOW_SAMPLES};
+use super::{Knobs, Ray, Repeat, Rule, Scene, SceneError};
+use crate::glsl::Slots;
+use crate::glsl::library::{COMBINE, Library};
 
 impl Scene {
     /// Checks every value, module and knob, and gives the knobs their values.
@@ -277,42 +236,6 @@ impl Scene {
         }
     }
 
-    /// Iterations of one noise: of those that ship, the wavelets alone loop, over the corners of a cell.
-    fn noise_loops(&self) -> f32 {
-        match self.effect.noise.as_str() {
-            "block" | "procedural" | "tables" | "arrays" | "random" => 1.0,
-            _ => 9.0,
-        }
-    }
-
-    /// Iterations of the noise at one sample of a ray, at most, for all objects.
-    fn procedural_loops(&self) -> f32 {
-        self.own_loops() + self.parts.keys().map(|name| self.alone(name).own_loops()).sum::<f32>()
-    }
-
-    /// Those of one object: a sum of octaves for every module that changes the density, one for the color and three more
-    /// noises, at each place where the density is asked for.
-    fn own_loops(&self) -> f32 {
-        let places = match self.quality.rule {
-            Rule::Point => 1.0,
-            Rule::Segment => 3.0,
-        };
-        let more = match self.effect.gradient.as_str() {
-            "central" => 6.0,
-            "three" => 3.0,
-            _ => 0.0,
-        };
-        let vapor = f32::from(u8::from(self.effect.medium == "vapor")); // it asks once more, towards the light
-        let sums = (self.effect.warp.len() + self.effect.dmf.len() + 1).max(2) as f32;
-        let octave = match self.effect.turbulence.as_str() {
-            "channels" => 5.0, // and the six differences of its gradient
-            "lookups8" | "lookups4" | "encoded" | "tables" | "arrays" | "procedural" | "hybrid" => 1.0,
-            _ => 1.0 + self.noise_loops(),
-        };
-        let sum = (self.effect.octaves as f32 * octave).max(6.0 * self.noise_loops());
-        (places + more + vapor) * (sums * sum + 3.0 * self.noise_loops())
-    }
-
     /// What bends needs rays, and what only bent rays read needs rays that bend.
     fn check_ray(&self) -> Result<(), SceneError> {
         let effect = &self.effect;
@@ -372,38 +295,6 @@ impl Scene {
         }
         Ok(())
     }
-
-    fn knobs(&self, declarations: &Declarations) -> Result<Knobs, SceneError> {
-        let known: Vec<&str> = declarations.knobs.iter().map(|knob| knob.name.as_str()).collect();
-        if let Some(name) = self.knobs.keys().find(|name| !known.contains(&name.as_str())) {
-            return Err(SceneError::unknown("knob", name, &known));
-        }
-        let mut declared = Vec::new();
-        for knob in &declarations.knobs {
-            let value = match (knob.default, self.knobs.get(&knob.name)) {
-                (Default::Number(default, _), None) => KnobValue::Number(default),
-                (Default::Color(default), None) => KnobValue::Color(super::Color(default)),
-                (Default::Number(_, [low, high]), Some(KnobValue::Number(value))) => {
-                    within(&format!("knobs.{}", knob.name), *value, low, high)?;
-                    KnobValue::Number(*value)
-                }
-                (Default::Color(_), Some(KnobValue::Color(color))) => KnobValue::Color(*color),
-                (default, Some(value)) => {
-                    let limit = match default {
-                        Default::Number(_, [low, high]) => format!("must be a number from {low} to {high}"),
-                        Default::Color(_) => "must be a color, #rrggbb".into(),
-                    };
-                    let value = match value {
-                        KnobValue::Number(value) => value.to_string(),
-                        KnobValue::Color(color) => String::from(*color),
-                    };
-                    return Err(SceneError::Value { field: format!("knobs.{}", knob.name), value, limit });
-                }
-            };
-            declared.push((knob.clone(), value));
-        }
-        Ok(Knobs { declared, outer: declarations.outer.clone(), reach: declarations.reach.clone() })
-    }
 }
 
 /// NaN lies in no range.
@@ -419,7 +310,7 @@ pub(super) fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(),
 mod tests {
     use super::*;
     use crate::glsl;
-    use crate::scene::{Color, Part, Pass, preset};
+    use crate::scene::{Color, KnobValue, Pass, preset};
 
     fn refusal(change: impl FnOnce(&mut Scene)) -> String {
         let mut scene = preset("fur").unwrap();
@@ -448,37 +339,6 @@ mod tests {
         let fine = |s: &mut Scene| s.light.shadow_resolution = 512;
         assert_eq!(refusal(fine), "light.shadow_resolution = 512: must be from 16 to 256");
         assert!(refusal(|s| s.image.size = [0, 5]).starts_with("image.size = 0"));
-    }
-
-    #[test]
-    fn a_ray_may_not_loop_longer_than_every_device_bears() {
-        let march = |samples, noise: &str| {
-            let noise = noise.to_string();
-            move |s: &mut Scene| (s.quality.pass, s.quality.samples, s.effect.noise) = (Pass::March, samples, noise)
-        };
-        assert_eq!(refusal(march(60_001, "block")), "quality.samples = 60001: must be from 1 to 60000");
-        assert_eq!(refusal(march(500, "wavelet")), "quality.samples = 500: must be from 1 to 444");
-        let segments = |s: &mut Scene| {
-            march(149, "wavelet")(s);
-            s.quality.rule = Rule::Segment;
-        };
-        assert_eq!(refusal(segments), "quality.samples = 149: must be from 1 to 148");
-    }
-
-    #[test]
-    fn every_object_and_the_light_count_in_what_a_fragment_may_loop() {
-        let several = |s: &mut Scene| {
-            (s.quality.pass, s.quality.samples, s.effect.noise) = (Pass::March, 300, "wavelet".into());
-            s.light.shadows = false;
-            s.parts.insert("b".into(), Part { effect: s.effect.clone(), knobs: s.knobs.clone(), ..Part::default() });
-        };
-        assert_eq!(refusal(several), "quality.samples = 300: must be from 1 to 222");
-        let shaded = |s: &mut Scene| {
-            (s.effect.noise, s.effect.octaves, s.light.shadows) = ("wavelet".into(), 10, true);
-            s.effect.turbulence = "octaves".into();
-            s.effect.dmf.push("fire".into());
-        };
-        assert!(refusal(shaded).starts_with("light.shadows = true: needs fewer modules or octaves"));
     }
 
     #[test]

@@ -72,11 +72,12 @@ pub(super) fn run(
         (_, Ok(Err(error))) => return Err(run(error.to_string())),
         _ => return Err(run("a thread that talks to it ended".into())),
     };
-    if !status.success() {
-        return Ok(if is_out_of_time(status) { End::Late(limits.time) } else { End::Badly(end(status)) });
-    }
+    // Whoever is no longer listened to may end badly.
     if answer.len() as u64 > most {
         return Err(run(format!("its answer is longer than {most} bytes")));
+    }
+    if !status.success() {
+        return Ok(if is_out_of_time(status) { End::Late(limits.time) } else { End::Badly(end(status)) });
     }
     Ok(End::Well(answer))
 }

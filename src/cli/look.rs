@@ -1,0 +1,377 @@
+//! What a picture shows, as the command line says it, and how it goes over a scene.
+
+use super::modules::{module, show};
+use clap::{Args, ValueEnum};
+use hypertexture::glsl::library::hex_color;
+use hypertexture::output::{self, OutputError};
+use hypertexture::pick::Metric;
+use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
+use std::error::Error;
+use std::path::Path;
+
+/// How an input becomes an object.
+#[derive(Args)]
+pub struct ObjectArguments {
+    /// Iso-value of the surface of a scalar volume; the middle of its range without one.
+    #[arg(long, allow_negative_numbers = true)]
+    iso: Option<f32>,
+    /// The axis of the file that points up: x, y, z, -x, -y, -z.
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    up: Option<String>,
+    /// Factors by which the object is stretched along x, y and z.
+    #[arg(long, value_parser = numbers, value_name = "X,Y,Z")]
+    stretch: Option<Numbers>,
+    /// The volume holds signed distances, positive outside, although its file does not say so.
+    #[arg(long)]
+    distance: bool,
+    /// Voxels along the longest side of the distance field.
+    #[arg(long)]
+    resolution: Option<u32>,
+    /// How the distance is stored: auto, normals16, normals8, distance16, distance32.
+    #[arg(long, value_name = "KIND")]
+    source: Option<String>,
+}
+
+impl ObjectArguments {
+    /// Puts what was given over an object.
+    pub fn apply(&self, object: &mut Object) -> Result<(), SceneError> {
+        object.iso = self.iso.or(object.iso);
+        object.distance |= self.distance;
+        put(&mut object.resolution, self.resolution);
+        if let Some(Numbers(stretch)) = &self.stretch {
+            let wrong = |_| count("--stretch", stretch, "3 numbers: x,y,z");
+            object.stretch = stretch.as_slice().try_into().map_err(wrong)?;
+        }
+        name_into("--up", &self.up, &mut object.up)?;
+        name_into("--source", &self.source, &mut object.source)
+    }
+}
+
+/// A look that shows how a picture is made.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Debug {
+    /// Normals as colors (MJ Fig. 3a).
+    Normals,
+    /// Texture coordinates as colors (MJ Fig. 3b).
+    TexCoord,
+    /// The soft region around the lit object (MJ Fig. 4).
+    SoftRegion,
+    /// The stack of slices from the side (MJ Fig. 1).
+    SliceStack,
+}
+
+/// What a picture shows: each goes over the scene.
+#[derive(Args, Default)]
+pub struct Look {
+    /// The effect; `hypertexture effects` lists them.
+    #[arg(long, value_name = "NAME")]
+    pub effect: Option<String>,
+    /// A look that shows how the picture is made.
+    #[arg(long, value_enum)]
+    pub look: Option<Debug>,
+    /// A knob of the effect, or as parts.OBJECT.KNOB of a further object; or any field of a scene file, such as
+    /// light.color=#ffe0c0; may be given again.
+    #[arg(long = "set", value_name = "KNOB=VALUE")]
+    pub knobs: Vec<String>,
+    /// The density modulation functions, applied in this order: names, or GLSL files of one's own, such as fur+my_waves.glsl.
+    #[arg(long, value_name = "NAMES")]
+    pub dmf: Option<String>,
+    /// The module of a slot, such as noise=procedural or surface=my_marble.glsl; may be given again.
+    #[arg(long = "module", value_name = "SLOT=NAME")]
+    pub modules: Vec<String>,
+    /// Width and height in pixels.
+    #[arg(long, value_parser = size, value_name = "WxH")]
+    pub size: Option<[u32; 2]>,
+    /// How the samples are taken: slices, march.
+    #[arg(long)]
+    pub pass: Option<String>,
+    /// Which samples of a ray are taken: leap, fixed.
+    #[arg(long)]
+    pub traverse: Option<String>,
+    /// Slices through the object, or samples of a ray through it.
+    #[arg(long)]
+    pub samples: Option<u32>,
+    /// What a sample stands for: point, segment (second order at surfaces and in opaque matter).
+    #[arg(long)]
+    pub rule: Option<String>,
+    /// The normal that soft matter is lit by: analytic, central, three.
+    #[arg(long, value_name = "MODULE")]
+    pub gradient: Option<String>,
+    /// Each pixel has its own phase of the steps: noise in place of contours.
+    #[arg(long)]
+    pub jitter: bool,
+    /// Which phases the pixels have.
+    #[arg(long, value_name = "NUMBER")]
+    pub seed: Option<u32>,
+    /// Pictures of which the mean is taken, 1 to 256.
+    #[arg(long, value_name = "PICTURES")]
+    pub supersampling: Option<u32>,
+    /// Format that the slices are blended in: unorm8, float16, float32.
+    #[arg(long, value_name = "FORMAT")]
+    pub target: Option<String>,
+    /// Order of the slices: front_to_back, back_to_front.
+    #[arg(long)]
+    pub order: Option<String>,
+    /// Shape of the slices: polygons, quads.
+    #[arg(long)]
+    pub proxy: Option<String>,
+    /// Samples per pixel: 1, 2, 4, 8.
+    #[arg(long)]
+    pub msaa: Option<u32>,
+    /// Anisotropy of the texture filter, 1 to 16.
+    #[arg(long)]
+    pub anisotropy: Option<f32>,
+    /// Degrees around the object, degrees above the horizon, and how close.
+    #[arg(long, value_parser = numbers, value_name = "AZIMUTH,ELEVATION[,ZOOM]", allow_hyphen_values = true)]
+    pub camera: Option<Numbers>,
+    /// How rays leave the eye: perspective, parallel.
+    #[arg(long)]
+    pub projection: Option<String>,
+    /// Position of the light from the center of the object: right, up, toward the eye.
+    #[arg(long, value_parser = numbers, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub light: Option<Numbers>,
+    /// Whether matter casts shadows.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
+    pub shadows: Option<bool>,
+    /// Time in seconds.
+    #[arg(long, allow_negative_numbers = true)]
+    pub time: Option<f32>,
+    /// Seconds that the shutter stays open; needs --supersampling.
+    #[arg(long)]
+    pub shutter: Option<f32>,
+    /// Keeps the points with a x + b y + c z <= d; the object spans -1 to 1.
+    #[arg(long, value_parser = numbers, value_name = "A,B,C,D", allow_hyphen_values = true)]
+    pub clip: Option<Numbers>,
+    /// Color behind the object, #rrggbb, or `none` for transparent.
+    #[arg(long, value_name = "COLOR")]
+    pub background: Option<String>,
+}
+
+/// Comma-separated numbers.
+#[derive(Clone)]
+pub struct Numbers(Vec<f32>);
+
+fn numbers(text: &str) -> Result<Numbers, String> {
+    let parsed: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    parsed.map(Numbers).map_err(|_| "write numbers with commas between them".into())
+}
+
+pub(super) fn metric(text: &str) -> Result<Metric, String> {
+    let found = Metric::ALL.into_iter().find(|(name, _)| *name == text);
+    found.map(|(_, metric)| metric).ok_or_else(|| "write rmse, max, p999 or opacity".into())
+}
+
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+    let parsed = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    parsed.ok_or_else(|| "write width x height in pixels, such as 640x480".into())
+}
+
+impl Look {
+    /// The scene of an input: its file, that of a picture, the figure of that name, or the preset of the effect, with the
+    /// arguments over it.
+    pub fn scene(&self, input: &str, object: &ObjectArguments) -> Result<Scene, Box<dyn Error>> {
+        let path = Path::new(input);
+        let ends = |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|e| end.eq_ignore_ascii_case(e)));
+        let (is_file, is_picture) = (ends(&["toml"]), ends(&["png", "exr"]));
+        let is_figure = !path.exists() && scene::names().any(|name| name == input);
+        let load = || -> Result<Scene, Box<dyn Error>> {
+            Ok(match (is_picture, is_figure) {
+                (true, _) => scene_of_picture(path)?,
+                (_, true) => scene::preset(input)?,
+                _ => scene::load(path)?,
+            })
+        };
+        let mut scene = match (is_file || is_picture || is_figure, &self.effect) {
+            (true, None) => load()?,
+            (true, Some(effect)) => {
+                let file = load()?;
+                let preset = scene::preset(effect)?;
+                Scene {
+                    object: file.object,
+                    camera: file.camera,
+                    image: file.image,
+                    light: file.light,
+                    quality: file.quality,
+                    ..preset
+                }
+            }
+            (false, effect) => {
+                let mut scene = scene::preset(effect.as_deref().unwrap_or("lit"))?;
+                scene.object.input = input.into();
+                scene
+            }
+        };
+        object.apply(&mut scene.object)?;
+        self.apply(&mut scene)?;
+        Ok(scene)
+    }
+
+    fn apply(&self, scene: &mut Scene) -> Result<(), SceneError> {
+        self.apply_effect(scene)?;
+        for text in &self.knobs {
+            if let Some((field, value)) = text.split_once('=').filter(|(name, _)| is_field(name.trim())) {
+                scene.set_field(field.trim(), value.trim())?;
+                continue;
+            }
+            let (name, value) = knob(text)?;
+            let further = name.strip_prefix("parts.").and_then(|rest| rest.split_once('.'));
+            let (knobs, name) = match further {
+                None => (&mut scene.knobs, name),
+                Some((part, knob)) => {
+                    let known: Vec<String> = scene.parts.keys().cloned().collect();
+                    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                    let found = scene.parts.get_mut(part);
+                    let part = found.ok_or_else(|| SceneError::unknown("further object", part, &known))?;
+                    (&mut part.knobs, knob.to_string())
+                }
+            };
+            knobs.insert(name, value);
+        }
+        put(&mut scene.effect.gradient, self.gradient.clone());
+        let quality = &mut scene.quality;
+        quality.jitter |= self.jitter;
+        put(&mut quality.seed, self.seed);
+        put(&mut quality.supersampling, self.supersampling);
+        name_into("--rule", &self.rule, &mut quality.rule)?;
+        put(&mut quality.samples, self.samples);
+        put(&mut quality.msaa, self.msaa);
+        put(&mut quality.anisotropy, self.anisotropy);
+        name_into("--pass", &self.pass, &mut quality.pass)?;
+        name_into("--traverse", &self.traverse, &mut quality.traverse)?;
+        name_into("--target", &self.target, &mut quality.target)?;
+        name_into("--order", &self.order, &mut quality.order)?;
+        name_into("--proxy", &self.proxy, &mut quality.proxy)?;
+        put(&mut scene.image.size, self.size);
+        let camera = &mut scene.camera;
+        name_into("--projection", &self.projection, &mut camera.projection)?;
+        put(&mut camera.time, self.time);
+        put(&mut camera.shutter, self.shutter);
+        match self.camera.as_ref().map(|numbers| numbers.0.as_slice()) {
+            None => {}
+            Some(&[azimuth, elevation]) => (camera.azimuth, camera.elevation) = (azimuth, elevation),
+            Some(&[azimuth, elevation, zoom]) => {
+                (camera.azimuth, camera.elevation, camera.zoom) = (azimuth, elevation, zoom);
+            }
+            Some(other) => return Err(count("--camera", other, "2 or 3 numbers: azimuth,elevation[,zoom]")),
+        }
+        if let Some(Numbers(light)) = &self.light {
+            let wrong = |_| count("--light", light, "3 numbers: x,y,z");
+            scene.light.position = light.as_slice().try_into().map_err(wrong)?;
+        }
+        put(&mut scene.light.shadows, self.shadows);
+        if let Some(Numbers(clip)) = &self.clip {
+            let wrong = |_| count("--clip", clip, "4 numbers: a,b,c,d");
+            camera.clip = Some(clip.as_slice().try_into().map_err(wrong)?);
+        }
+        match self.background.as_deref() {
+            None => {}
+            Some("none") => scene.image.background = None,
+            Some(text) => scene.image.background = Some(color("--background", text)?),
+        }
+        Ok(())
+    }
+
+    fn apply_effect(&self, scene: &mut Scene) -> Result<(), SceneError> {
+        match self.look {
+            None => {}
+            Some(Debug::Normals) => show(scene, "surface", "normals"),
+            Some(Debug::TexCoord) => show(scene, "surface", "tex_coord"),
+            Some(Debug::SoftRegion) => {
+                show(scene, "soft", "lit");
+                scene.effect.softness = "linear".into();
+                scene.effect.medium = "soft_region".into();
+                scene.effect.opacity_rate = 4.0;
+            }
+            Some(Debug::SliceStack) => {
+                show(scene, "stack", "lit");
+                scene.camera.slice_stack = true;
+                scene.quality.samples = 24;
+            }
+        }
+        let dmf = self.dmf.as_ref().map(|names| format!("dmf={names}"));
+        if self.modules.is_empty() && dmf.is_none() {
+            return Ok(());
+        }
+        // What is wrong with the scene as it came is said before modules go, and knobs with them.
+        scene.check(&scene.library()?)?;
+        if dmf.is_some() {
+            // A hard object has no density to modulate; it becomes soft, unless the line says otherwise.
+            let effect = &mut scene.effect;
+            for (slot, hard, soft) in
+                [(&mut effect.softness, "hard", "linear"), (&mut effect.classify, "surface", "soft")]
+            {
+                if slot == hard {
+                    *slot = soft.into();
+                }
+            }
+        }
+        for text in dmf.iter().chain(&self.modules) {
+            module(text, scene)?;
+        }
+        let library = scene.library()?;
+        scene.drop_foreign_knobs(&library)
+    }
+}
+
+/// The scene that a picture says it shows.
+fn scene_of_picture(path: &Path) -> Result<Scene, OutputError> {
+    let provenance = output::read_provenance(path)?;
+    let of = |source| OutputError::Provenance { path: path.display().to_string(), source };
+    let scene = provenance.scene(path).map_err(of)?;
+    if let Err(changed) = provenance.check_inputs(path) {
+        log::warn!("{}", of(changed));
+    }
+    Ok(scene)
+}
+
+fn put<T>(field: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *field = value;
+    }
+}
+
+/// A name as scene files spell it.
+fn name_into<T: serde::de::DeserializeOwned>(
+    flag: &str,
+    text: &Option<String>,
+    field: &mut T,
+) -> Result<(), SceneError> {
+    let Some(text) = text else { return Ok(()) };
+    let value = toml::Value::String(text.clone());
+    *field = value.try_into().map_err(|error: toml::de::Error| SceneError::Value {
+        field: flag.into(),
+        value: text.clone(),
+        limit: error.message().replace('\n', " "),
+    })?;
+    Ok(())
+}
+
+/// Whether `--set` means a field of the scene: one in a table, or one of the three that are in none.
+fn is_field(name: &str) -> bool {
+    let is_knob_of_part = name.starts_with("parts.") && name.split('.').count() == 3;
+    (name.contains('.') && !is_knob_of_part) || ["about", "combine", "boolean"].contains(&name)
+}
+
+fn knob(text: &str) -> Result<(String, KnobValue), SceneError> {
+    let wrong = || SceneError::Value {
+        field: "--set".into(),
+        value: text.into(),
+        limit: "write KNOB=NUMBER or KNOB=#rrggbb, such as fineness=60".into(),
+    };
+    let (name, value) = text.split_once('=').ok_or_else(wrong)?;
+    let value = match value.trim().parse() {
+        Ok(number) => KnobValue::Number(number),
+        Err(_) => KnobValue::Color(Color(hex_color(value.trim()).ok_or_else(wrong)?)),
+    };
+    Ok((name.trim().into(), value))
+}
+
+fn color(flag: &str, text: &str) -> Result<Color, SceneError> {
+    let limit = "write #rrggbb, such as #203040, or none".to_string();
+    let wrong = || SceneError::Value { field: flag.into(), value: text.into(), limit };
+    hex_color(text).map(Color).ok_or_else(wrong)
+}
+
+fn count(flag: &str, found: &[f32], limit: &str) -> SceneError {
+    SceneError::Value { field: flag.into(), value: format!("{} numbers", found.len()), limit: limit.into() }
+}
