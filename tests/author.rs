@@ -8,6 +8,7 @@ use hypertexture::variant::Variant;
 use hypertexture::view::author::compile::{CompileError, Job, Limits, compile};
 use hypertexture::view::author::{Author, State};
 use hypertexture::view::model::Model;
+use hypertexture::view::unsaved_texts;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
@@ -261,4 +262,22 @@ fn a_module_of_any_slot_can_be_tried() {
         let text = format!("{}\n", author.text);
         assert_eq!(edit(&mut author, &mut model, &text), State::Good, "{path}");
     }
+}
+
+#[test]
+fn what_no_file_holds_is_known_when_the_window_closes() {
+    let (mut author, mut model) = desk("fur");
+    assert!(unsaved_texts(&model, &author).is_empty(), "all of it ships");
+    let shipped = author.text.clone();
+    let new = shipped.replacen("return ", "return 0.9 * ", 1);
+    assert_eq!(edit(&mut author, &mut model, &new), State::Good);
+    author.text.push_str("tangled");
+    let texts = unsaved_texts(&model, &author);
+    assert_eq!(texts.into_iter().collect::<Vec<_>>(), [("dmf/fur.glsl".to_string(), format!("{new}tangled"))]);
+    author.open(&model.library().clone(), "dmf", "fire");
+    assert_eq!(unsaved_texts(&model, &author).len(), 1, "a text that was left is a draft");
+    author.open(&model.library().clone(), "dmf", "fur");
+    let folder = tempfile::tempdir().unwrap();
+    author.save(&folder.path().join("fur.glsl")).unwrap();
+    assert!(unsaved_texts(&model, &author).is_empty(), "it is in a file");
 }

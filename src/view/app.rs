@@ -15,6 +15,7 @@ use super::screen::Screen;
 use super::script::Script;
 use super::status::{Figures, Stage};
 use super::trackball::Trackball;
+use super::unsaved;
 use super::worker::{Event, Job, Variant, Worker};
 use crate::glsl::Library;
 use crate::gpu::{Gpu, Options};
@@ -174,6 +175,15 @@ impl App {
     /// Lets go of the device: nothing of this holds it any more.
     pub(super) fn leave_device(&mut self) {
         self.worker = None;
+    }
+
+    /// Keeps what no file holds, and says where.
+    pub(super) fn keep_unsaved(&mut self) {
+        match unsaved::keep(&self.model, self.panels.author()) {
+            Ok(None) => {}
+            Ok(Some(folder)) => println!("what was not saved is in {}", folder.display()),
+            Err(error) => log::warn!("what was not saved is lost: {error}"),
+        }
     }
 
     /// The module that is being edited.

@@ -55,6 +55,9 @@ pub(super) fn run(start: Start, script: Option<Script>) -> Result<(), ViewError>
             waiting: true,
         };
         let ran = event_loop.run_app(&mut host).map_err(|error| ViewError::Window(error.to_string()));
+        if host.script.is_none() {
+            host.app.keep_unsaved();
+        }
         (host.messages, ran.and(host.outcome))
     };
     outcome?;

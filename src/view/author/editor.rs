@@ -54,7 +54,7 @@ fn chooser(ui: &mut Ui, author: &mut Author, model: &Model) {
     let mut paths: Vec<(&str, &str)> = library
         .sources()
         .map(|(path, _)| path)
-        .chain(author.drafts())
+        .chain(author.drafts().map(|(path, _)| path))
         .filter_map(|path| path.strip_suffix(".glsl")?.split_once('/'))
         .filter(|(slot, _)| !NO_SLOTS.contains(slot))
         .collect();

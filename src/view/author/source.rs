@@ -105,8 +105,8 @@ impl Author {
     }
 
     /// Texts that were left before they were good, by the paths of their modules.
-    pub fn drafts(&self) -> impl Iterator<Item = &str> {
-        self.drafts.keys().map(String::as_str)
+    pub fn drafts(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.drafts.iter().map(|(path, text)| (path.as_str(), text.as_str()))
     }
 
     /// Edits another module of the library. A text that is not good yet waits until its module is opened again.

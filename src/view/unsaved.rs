@@ -1,0 +1,53 @@
+//! What no file holds when the window closes, so that nothing is lost.
+
+use super::author::Author;
+use super::model::Model;
+use crate::{field, glsl, output, scene};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+/// Writes the scene and the texts of modules that no file holds into a new folder of the cache; the folder, if there are
+/// any.
+///
+/// # Errors
+/// The folder cannot be written to.
+pub(super) fn keep(model: &Model, author: &Author) -> Result<Option<PathBuf>, String> {
+    let mut files = texts(model, author);
+    if model.is_dirty() {
+        files.insert("scene.toml".into(), scene::to_text(model.scene()));
+    }
+    if files.is_empty() {
+        return Ok(None);
+    }
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let folder = field::default_folder().ok_or("there is no folder for it: set HYPERTEXTURE_CACHE")?;
+    let folder = folder.join("unsaved").join(now.as_millis().to_string());
+    for (name, text) in &files {
+        let path = folder.join(name);
+        let whole = fs::create_dir_all(path.parent().unwrap_or(&folder))
+            .map_err(|error| error.to_string())
+            .and_then(|()| output::write_whole(&path, text.as_bytes()).map_err(|error| error.to_string()));
+        whole.map_err(|error| format!("{}: {error}", path.display()))?;
+    }
+    Ok(Some(folder))
+}
+
+/// Texts of modules that neither ship nor are in a file, by their paths in the library.
+pub fn texts(model: &Model, author: &Author) -> BTreeMap<String, String> {
+    let filed = model.scene().library().unwrap_or_else(|_| glsl::shipped());
+    let mut texts: BTreeMap<String, String> =
+        model.library().sources().map(|(path, text)| (path.to_string(), text.to_string())).collect();
+    // What is being written goes before what was good.
+    texts.extend(author.drafts().map(|(path, text)| (path.to_string(), text.to_string())));
+    texts.insert(author.path(), author.text.clone());
+    let shipped = glsl::shipped();
+    let followed = |file: &Path| fs::read_to_string(file).ok();
+    let followed = author.file().and_then(followed).map(|text| (author.path(), text));
+    texts.retain(|path, text| {
+        let held = [filed.source(path), shipped.source(path)];
+        !held.contains(&Some(text.as_str())) && followed.as_ref() != Some(&(path.clone(), text.clone()))
+    });
+    texts
+}
