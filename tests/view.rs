@@ -244,17 +244,23 @@ fn n0_10_a_loop_that_is_too_long_never_meets_the_device_of_the_window() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
-fn a_dropped_mesh_is_drawn_and_a_turn_around_it_recorded() {
+fn a_dropped_mesh_and_a_scan_are_drawn_and_a_turn_around_the_mesh_recorded() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     let mesh = "v 1 1 1\nv 1 -1 -1\nv -1 1 -1\nv -1 -1 1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
     std::fs::write(path("mesh.obj"), mesh).unwrap();
+    let ball = |i: usize| [i % 12, i / 12 % 12, i / 144].iter().map(|&c| (c as f32 - 5.5).powi(2)).sum::<f32>().sqrt();
+    let values: Vec<u8> = (0..12 * 12 * 12).map(|i| (255.0 - 40.0 * ball(i)).clamp(0.0, 255.0) as u8).collect();
+    let header = b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 12 12 12\nencoding: raw\n\n";
+    std::fs::write(path("scan.nrrd"), [&header[..], &values].concat()).unwrap();
     let script = format!(
         "wait picture\ndrop {}\nframes 2\nwait picture\nshot {}\nkey t\nwait idle\nkey s\nwait idle\n\
-         key t\nframes 3\nkey t\nwait idle\nquit\n",
+         key t\nframes 3\nkey t\nwait idle\ndrop {}\nframes 2\nwait picture\nshot {}\nquit\n",
         path("mesh.obj"),
-        path("shot.png")
+        path("shot.png"),
+        path("scan.nrrd"),
+        path("scan.png")
     );
     let file = folder.path().join("script");
     std::fs::write(&file, script).unwrap();
@@ -265,7 +271,10 @@ fn a_dropped_mesh_is_drawn_and_a_turn_around_it_recorded() {
     assert_good(&command.args(arguments).output().unwrap());
     let rendered = path("rendered.png");
     render(&[&[path("mesh.obj").as_str()][..], &small].concat(), Path::new(&rendered));
+    render(&[&[path("scan.nrrd").as_str()][..], &small].concat(), Path::new(&path("rendered_scan.png")));
     let pixels = |name: &str| image::open(path(name)).unwrap().into_rgba8();
+    assert_eq!(pixels("scan.png"), pixels("rendered_scan.png"));
+    assert_ne!(pixels("scan.png"), pixels("rendered.png"));
     assert_eq!(std::fs::read(path("shot.png")).unwrap(), std::fs::read(&rendered).unwrap());
     assert_eq!(pixels("turntable_001_0000.png"), pixels("rendered.png"));
     assert_eq!(pixels("hypertexture_001.png"), pixels("rendered.png"), "the key writes what is on the screen");
@@ -273,6 +282,24 @@ fn a_dropped_mesh_is_drawn_and_a_turn_around_it_recorded() {
     let last = folder.path().join("turntable_001_0099.png");
     assert!(last.exists(), "a turn has a hundred pictures");
     assert!(!folder.path().join("turntable_002_0099.png").exists(), "the second turn was ended by hand");
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_display_of_twice_the_dots_changes_no_control_and_no_picture() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let [script, shot, rendered] = ["script", "shot.png", "rendered.png"].map(|name| folder.path().join(name));
+    std::fs::write(&script, format!("wait picture\nset knobs.fury 2.5\nwait picture\nshot {}\nquit\n", shot.display()))
+        .unwrap();
+    let small = ["torus", "--effect", "fire", "--size", "48x32", "--samples", "32"];
+    let mut command = program();
+    command.env("DISPLAY", &display.name).env("WINIT_X11_SCALE_FACTOR", "2").current_dir(folder.path()).arg("view");
+    command.args(small).args(["--window", "400x200", "--script"]).arg(&script);
+    assert_good(&command.output().unwrap());
+    render(&[&small[..], &["--set", "fury=2.5"]].concat(), &rendered);
+    let pixels = |path: &Path| image::open(path).unwrap().into_rgba8();
+    assert_eq!(pixels(&shot), pixels(&rendered));
 }
 
 #[test]
