@@ -8,7 +8,7 @@ use hypertexture::variant::Variant;
 use hypertexture::view::author::compile::{CompileError, Job, Limits, compile};
 use hypertexture::view::author::{Author, State};
 use hypertexture::view::model::Model;
-use hypertexture::view::unsaved_texts;
+use hypertexture::view::unsaved;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
@@ -267,17 +267,36 @@ fn a_module_of_any_slot_can_be_tried() {
 #[test]
 fn what_no_file_holds_is_known_when_the_window_closes() {
     let (mut author, mut model) = desk("fur");
-    assert!(unsaved_texts(&model, &author).is_empty(), "all of it ships");
+    assert!(unsaved::texts(&model, &author).is_empty(), "all of it ships");
     let shipped = author.text.clone();
     let new = shipped.replacen("return ", "return 0.9 * ", 1);
     assert_eq!(edit(&mut author, &mut model, &new), State::Good);
     author.text.push_str("tangled");
-    let texts = unsaved_texts(&model, &author);
+    let texts = unsaved::texts(&model, &author);
     assert_eq!(texts.into_iter().collect::<Vec<_>>(), [("dmf/fur.glsl".to_string(), format!("{new}tangled"))]);
     author.open(&model.library().clone(), "dmf", "fire");
-    assert_eq!(unsaved_texts(&model, &author).len(), 1, "a text that was left is a draft");
+    assert_eq!(unsaved::texts(&model, &author).len(), 1, "a text that was left is a draft");
     author.open(&model.library().clone(), "dmf", "fur");
     let folder = tempfile::tempdir().unwrap();
     author.save(&folder.path().join("fur.glsl")).unwrap();
-    assert!(unsaved_texts(&model, &author).is_empty(), "it is in a file");
+    assert!(unsaved::texts(&model, &author).is_empty(), "it is in a file");
+}
+
+#[test]
+fn a_scene_that_was_not_saved_opens_again_with_its_own_modules() {
+    let (mut author, mut model) = desk("fur");
+    let root = tempfile::tempdir().unwrap();
+    let folder = root.path().join("kept");
+    assert!(!unsaved::keep(&model, &author, &folder).unwrap() && !folder.exists(), "there is nothing to keep");
+    author.fork(model.library(), "pelt").unwrap();
+    sleep(Duration::from_millis(150)); // a text rests before it is tried
+    assert_eq!(answer(&mut author, &mut model), State::Good);
+    assert!(author.use_in(&mut model));
+    assert!(unsaved::keep(&model, &author, &folder).unwrap());
+    let text = fs::read_to_string(folder.join("scene.toml")).unwrap();
+    let scene = hypertexture::scene::parse(&text, "scene.toml").unwrap();
+    assert_eq!(scene.effect, model.scene().effect);
+    let library = scene.library().unwrap();
+    assert_eq!(library.source("dmf/pelt.glsl"), Some(author.text.as_str()));
+    scene.check(&library).unwrap();
 }

@@ -179,9 +179,10 @@ impl App {
 
     /// Keeps what no file holds, and says where.
     pub(super) fn keep_unsaved(&mut self) {
-        match unsaved::keep(&self.model, self.panels.author()) {
-            Ok(None) => {}
-            Ok(Some(folder)) => println!("what was not saved is in {}", folder.display()),
+        let Some(folder) = unsaved::folder() else { return };
+        match unsaved::keep(&self.model, self.panels.author(), &folder) {
+            Ok(false) => {}
+            Ok(true) => println!("what was not saved is in {}", folder.display()),
             Err(error) => log::warn!("what was not saved is lost: {error}"),
         }
     }

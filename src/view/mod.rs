@@ -20,10 +20,9 @@ mod screen;
 mod script;
 mod status;
 mod trackball;
-mod unsaved;
+pub mod unsaved;
 mod worker;
 
 pub use app::{Start, run};
 pub use error::ViewError;
 pub use trackball::Trackball;
-pub use unsaved::texts as unsaved_texts;

@@ -8,30 +8,35 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Writes the scene and the texts of modules that no file holds into a new folder of the cache; the folder, if there are
-/// any.
+/// Writes the scene and the texts of modules that no file holds into `folder`, which is made; whether there are any. The
+/// scene finds its own modules there.
 ///
 /// # Errors
 /// The folder cannot be written to.
-pub(super) fn keep(model: &Model, author: &Author) -> Result<Option<PathBuf>, String> {
+pub fn keep(model: &Model, author: &Author, folder: &Path) -> Result<bool, String> {
     let mut files = texts(model, author);
     if model.is_dirty() {
-        files.insert("scene.toml".into(), scene::to_text(model.scene()));
+        let (mut scene, shipped) = (model.scene().clone(), glsl::shipped());
+        for path in files.keys().filter(|path| shipped.source(path).is_none()) {
+            let module = path.strip_suffix(".glsl").unwrap_or(path);
+            scene.modules.insert(module.into(), folder.join(path).display().to_string());
+        }
+        files.insert("scene.toml".into(), scene::to_text(&scene));
     }
-    if files.is_empty() {
-        return Ok(None);
-    }
-    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    let folder = field::default_folder().ok_or("there is no folder for it: set HYPERTEXTURE_CACHE")?;
-    let folder = folder.join("unsaved").join(now.as_millis().to_string());
     for (name, text) in &files {
         let path = folder.join(name);
-        let whole = fs::create_dir_all(path.parent().unwrap_or(&folder))
+        let whole = fs::create_dir_all(path.parent().unwrap_or(folder))
             .map_err(|error| error.to_string())
             .and_then(|()| output::write_whole(&path, text.as_bytes()).map_err(|error| error.to_string()));
         whole.map_err(|error| format!("{}: {error}", path.display()))?;
     }
-    Ok(Some(folder))
+    Ok(!files.is_empty())
+}
+
+/// A folder of the cache that nothing was kept in yet.
+pub(super) fn folder() -> Option<PathBuf> {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    Some(field::default_folder()?.join("unsaved").join(now.as_millis().to_string()))
 }
 
 /// Texts of modules that neither ship nor are in a file, by their paths in the library.
