@@ -41,7 +41,7 @@ fn load_from(folder: &Path, kind: Kind, key: blake3::Hash) -> Option<Vec<u8>> {
     let path = file(folder, kind, key);
     let mut bytes = fs::read(&path).ok()?;
     let length = bytes.len().checked_sub(HASH_BYTES)?;
-    if hash(&bytes[..length]).as_bytes() != &bytes[length..] {
+    if blake3::hash(&bytes[..length]).as_bytes() != &bytes[length..] {
         return None;
     }
     bytes.truncate(length);
@@ -51,14 +51,10 @@ fn load_from(folder: &Path, kind: Kind, key: blake3::Hash) -> Option<Vec<u8>> {
 }
 
 fn save_to(folder: &Path, kind: Kind, key: blake3::Hash, bytes: &[u8]) {
-    let whole = [bytes, hash(bytes).as_bytes()].concat();
+    let whole = [bytes, blake3::hash(bytes).as_bytes()].concat();
     if fs::create_dir_all(folder).and_then(|()| output::write_whole(&file(folder, kind, key), &whole)).is_ok() {
         forget(folder, kind);
     }
-}
-
-fn hash(bytes: &[u8]) -> blake3::Hash {
-    blake3::hash(bytes)
 }
 
 /// Removes what was used longest ago where there is too much.
@@ -90,7 +86,7 @@ mod tests {
     #[test]
     fn what_was_saved_comes_back_and_what_is_damaged_does_not() {
         let folder = tempfile::tempdir().unwrap();
-        let key = hash(b"key");
+        let key = blake3::hash(b"key");
         assert_eq!(load_from(folder.path(), KIND, key), None);
         for bytes in [&b"some bytes"[..], b""] {
             save_to(folder.path(), KIND, key, bytes);
@@ -112,7 +108,7 @@ mod tests {
     #[test]
     fn the_one_used_longest_ago_goes_first() {
         let folder = tempfile::tempdir().unwrap();
-        let keys = [b"a", b"b", b"c"].map(|name| hash(name));
+        let keys = [b"a", b"b", b"c"].map(|name| blake3::hash(name));
         let at = |key: usize, seconds| {
             let file = File::options().append(true).open(file(folder.path(), KIND, keys[key])).unwrap();
             file.set_modified(SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(seconds)).unwrap();
@@ -129,7 +125,7 @@ mod tests {
     #[test]
     fn a_folder_that_is_none_keeps_nothing() {
         let file = tempfile::NamedTempFile::new().unwrap();
-        save_to(file.path(), KIND, hash(b"key"), b"bytes");
-        assert_eq!(load_from(file.path(), KIND, hash(b"key")), None);
+        save_to(file.path(), KIND, blake3::hash(b"key"), b"bytes");
+        assert_eq!(load_from(file.path(), KIND, blake3::hash(b"key")), None);
     }
 }

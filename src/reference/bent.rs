@@ -45,6 +45,9 @@ pub(super) fn reference(
     for (level, scene) in finer.iter().enumerate() {
         progress((level + 1) as f32 / steps.len() as f32);
         let coarse: Vec<usize> = (0..pixels.len()).filter(|&index| estimate[index] > tolerance).collect();
+        if coarse.is_empty() {
+            break;
+        }
         let asked: Vec<[u32; 2]> = coarse.iter().map(|&index| pixels[index]).collect();
         for (&index, finer) in coarse.iter().zip(light(library, scene, subject, &asked)?) {
             estimate[index] = (0..4).map(|c| (finer[c] - found[index][c]).abs()).fold(0.0, f64::max);

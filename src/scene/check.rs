@@ -307,12 +307,13 @@ pub(super) fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(),
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::glsl;
     use crate::scene::{Color, KnobValue, Pass, preset};
 
-    fn refusal(change: impl FnOnce(&mut Scene)) -> String {
+    /// What is said of the preset of fur, changed.
+    pub(in crate::scene) fn refusal(change: impl FnOnce(&mut Scene)) -> String {
         let mut scene = preset("fur").unwrap();
         change(&mut scene);
         scene.check(&glsl::shipped()).unwrap_err().to_string()

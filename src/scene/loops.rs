@@ -52,14 +52,8 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::glsl;
-    use crate::scene::{Part, Pass, preset};
-
-    fn refusal(change: impl FnOnce(&mut Scene)) -> String {
-        let mut scene = preset("fur").unwrap();
-        change(&mut scene);
-        scene.check(&glsl::shipped()).unwrap_err().to_string()
-    }
+    use crate::scene::check::tests::refusal;
+    use crate::scene::{Part, Pass};
 
     #[test]
     fn a_ray_may_not_loop_longer_than_every_device_bears() {
