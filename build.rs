@@ -7,12 +7,16 @@ mod glsl {
     pub mod combine;
     #[path = "../src/glsl/instance.rs"]
     mod instance;
+    #[path = "../src/glsl/layers.rs"]
+    mod layers;
     #[path = "../src/glsl/library.rs"]
     pub mod library;
     #[path = "../src/glsl/link.rs"]
     pub mod link;
     #[path = "../src/glsl/names.rs"]
     mod names;
+    #[path = "../src/glsl/reach.rs"]
+    mod reach;
 }
 
 use glsl::library::{Library, Slots};
@@ -106,8 +110,8 @@ fn collect(root: &Path, folder: &Path, files: &mut Vec<(String, String)>) -> Res
 
 /// The combinations that one line of the table stands for. What a line does not say has one shipped default.
 fn expand(line: &str, library: &Library) -> Vec<Slots> {
-    let defaults = "proxy=polygons projection=perspective clip=none sampling=pixel traverse=leap \
-                    gradient=analytic bandlimit=none jitter=none shadow=none wrap=repeat";
+    let defaults = "proxy=polygons reject=discard projection=perspective clip=none sampling=pixel traverse=leap \
+                    gradient=analytic bandlimit=none jitter=none shadow=none wrap=repeat storage=dense planes=facing";
     let mut choices = vec![Slots::new()];
     for word in defaults.split_whitespace().chain(line.split_whitespace().skip(1)) {
         let Some((slot, modules)) = word.split_once('=') else { continue };

@@ -34,7 +34,7 @@ const FLOORS: [(&str, &str); 2] = [("floor_one", "vec4(0.0)"), ("floor_two", "te
 fn floor(second: &str) -> String {
     format!(
         "// @knob floor_reach = 0 in [0, 8]: What the effect reaches beyond its soft region, object units.\n\
-         // @reach floor_reach\n\
+         // @grow floor_reach\n\
          #include <softness>\n\
          vec4 classify(vec3 x, float path) {{\n\
              vec4 v = texture(volume, volume_scale.xyz * x + volume_offset.xyz);\n\
@@ -60,7 +60,7 @@ fn floor_of(effect: &Scene, library: &Library, module: &str) -> Scene {
     let mut scene = effect.clone();
     scene.effect.classify = module.into();
     scene.object.outer_iso = knobs.outer_iso().unwrap_or(effect.object.outer_iso);
-    scene.knobs = [("floor_reach".to_string(), KnobValue::Number(knobs.reach()))].into();
+    scene.knobs = [("floor_reach".to_string(), KnobValue::Number(knobs.spread(1.0).grows.farthest()))].into();
     scene
 }
 

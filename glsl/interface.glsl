@@ -24,6 +24,7 @@ layout(set = 0, binding = 0) uniform View {
     float noise_cells;      // lattice cells across the noise block
     float turbulence_cells; // lattice cells of the first octave across the turbulence block
     float channel_cells;    // those across the block of four octaves
+    float turbulence_octaves;   // octaves in the turbulence block
     float low_octaves;      // octaves in the block of the low ones
     float noise_period;     // cells after which the lattice of procedural noise repeats, a power of two
     float turbulence_period;    // those of the first octave of turbulence
@@ -36,8 +37,14 @@ layout(set = 0, binding = 0) uniform View {
     float shadow_side;      // texels along a side of the shadow volume
     float shadow_steps;     // samples along a ray of the light in each
     float shadow_bias;      // size of a texel in the middle of the scene, object units
+    vec4 slice_axis;        // across the slices of half-angle slicing, toward the light; eye space, unit length
+    vec4 transport_color;   // part of the optical depth that scattered light is spared, linear RGB
+    float translucency;     // part of the light that is scattered
+    float scatter;          // standard deviation of its blur after one object unit, object units
 };
 #include <knobs>
+layout(set = 0, binding = 1) uniform sampler table_sampler;         // tables of one and two dimensions: clamps
+layout(set = 0, binding = 57) uniform texture2D phase_image;        // PH 3.1: phases of the pixels, blue noise; 16 to 55 are those of objects
 layout(set = 0, binding = 3) uniform texture3D noise_image;         // MJ 4.1: gradient in RGB, noise in A
 layout(set = 0, binding = 4) uniform texture3D turbulence_image;    // MJ 4.1: the same, all octaves summed
 layout(set = 0, binding = 5) uniform sampler clamp_sampler;
@@ -51,6 +58,8 @@ layout(set = 0, binding = 12) uniform texture1D permutation_image;  // MJ 4.2: a
 layout(set = 0, binding = 13) uniform texture1D gradient_image;     // MJ 4.2: gradients in the order of the permutation
 layout(set = 0, binding = 14) uniform texture3D low_octaves_image;  // the first octaves of turbulence
 layout(set = 0, binding = 15) uniform texture3D random_image;       // GG 39.5
+layout(set = 0, binding = 58) uniform texture2D light_before_image; // GG 39.5.1: light that is left before a slice
+layout(set = 0, binding = 56) uniform texture2D light_behind_image; // and behind it
 #define noise_block sampler3D(noise_image, block_sampler)
 #define noise_value_block sampler3D(noise_value_image, block_sampler)
 #define turbulence_block sampler3D(turbulence_image, block_sampler)
@@ -58,7 +67,10 @@ layout(set = 0, binding = 15) uniform texture3D random_image;       // GG 39.5
 #define channel_block sampler3D(channel_image, block_sampler)
 #define low_octaves_block sampler3D(low_octaves_image, block_sampler)
 #define random_block sampler3D(random_image, block_sampler)
+#define phase_tile sampler2D(phase_image, clamp_sampler)
 #define permutation_table sampler1D(permutation_image, repeat_sampler)
 #define gradient_table sampler1D(gradient_image, repeat_sampler)
+#define light_before sampler2D(light_before_image, table_sampler)
+#define light_behind sampler2D(light_behind_image, table_sampler)
 #define shadow_volume sampler3D(shadow_image, clamp_sampler)
 #include "part.glsl"

@@ -1,10 +1,8 @@
 // The modulated density at any point: what a gradient is the gradient of.
 // Source: PH 3.1 (f), MJ 6.
-// x: object space; result in [0, 1]. How far a ray may leap is left as it was.
+// x: object space; result in [0, 1].
 float modulated_density(vec3 x) {
-    float kept_clearance = clearance;
     Sample s = sample_object(x);
-    clearance = kept_clearance;
     return s.density > 0.0 ? clamp(modulate(s.density, s), 0.0, 1.0) : 0.0;
 }
 

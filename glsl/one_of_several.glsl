@@ -9,14 +9,14 @@
 
 Sample one_sample(vec3 x) { return sample_object((place_matrix * vec4(x, 1.0)).xyz); }
 
-float one_density(Sample s) { return s.density > 0.0 ? clamp(modulate(s.density, s), 0.0, 1.0) : 0.0; }
+float one_density(inout Sample s) { return s.density > 0.0 ? clamp(modulate(s.density, s), 0.0, 1.0) : 0.0; }
 
 Soft one_soft(Sample s, float density) {
     vec3 normal = place_scale * (transpose(mat3(place_matrix)) * s.normal);
     float width = place_scale * (outer_iso_value - iso_value);
     bool sloped = s.density > 0.0 && s.density < 1.0 && width > 0.0;
     return Soft(density, sloped ? normal / -width : vec3(0.0), place_scale * (s.distance - iso_value), normal,
-                place_scale * clearance);
+                place_scale * s.clearance);
 }
 
 vec3 one_shade(Sample s, float density, vec3 normal) {
@@ -24,3 +24,5 @@ vec3 one_shade(Sample s, float density, vec3 normal) {
     s.shading = s.normal;
     return s.density >= 1.0 ? surface(s) : medium(s, density);
 }
+
+float one_rate(Sample s, float density) { return s.density >= 1.0 ? 1.0 : extinction(s, density); }

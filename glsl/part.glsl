@@ -23,6 +23,7 @@ layout(set = 0, binding = 16) uniform Constants {
     float place_scale;      // object units of the scene in one of this object
     float leap_slack;       // how much nearer the matter may be than a sampled distance says, units of the object
     float own_radius;       // no matter is farther from the origin of the object's own space than this
+    float hold_radius;      // beyond it a step along the radius stays as long as it is there, the object's own space
     float closest_range;    // stored texel s to the way to the closest point: (2 s - 1) times this, object units
 };
 layout(set = 0, binding = 17) uniform texture3D volume_image;       // MJ 3.1
@@ -31,9 +32,11 @@ layout(set = 0, binding = 19) uniform texture2D segment_image;      // Engel 200
 layout(set = 0, binding = 20) uniform texture3D classified_image;   // MJ 2: pre-classified, opacity-weighted
 layout(set = 0, binding = 22) uniform texture1D index_image;        // PH 2.4: index of refraction by density
 layout(set = 0, binding = 21) uniform texture3D closest_image;      // PH 4: the way to the closest point in RGB
+layout(set = 0, binding = 23) uniform texture3D brick_image;        // which bricks of the volume are stored, and where
 #define volume sampler3D(volume_image, clamp_sampler)
-#define transfer_map sampler1D(transfer_image, clamp_sampler)
-#define segment_map sampler2D(segment_image, clamp_sampler)
+#define transfer_map sampler1D(transfer_image, table_sampler)
+#define segment_map sampler2D(segment_image, table_sampler)
 #define classified_volume sampler3D(classified_image, clamp_sampler)
-#define index_map sampler1D(index_image, clamp_sampler)
+#define index_map sampler1D(index_image, table_sampler)
 #define closest_volume sampler3D(closest_image, clamp_sampler)
+#define brick_index sampler3D(brick_image, clamp_sampler)

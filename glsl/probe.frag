@@ -1,8 +1,9 @@
 #version 450
+#define ONE_SAMPLE
 // One sample of one ray, anywhere on it and for any path: what the reference picture integrates. Evaluated, never drawn.
 // Source: PH 3.1.
 // place: depth of the sample, and the depth that it stands for. Results: premultiplied linear RGBA; and in `space` the
-// depths at which the ray enters and leaves the box around the soft region, and how much deeper no matter is.
+// depths at which the ray enters and leaves the box and the ball around the soft region, and how much deeper no matter is.
 #include "interface.glsl"
 #include "vector.glsl"
 #include "clearance.glsl"
@@ -29,5 +30,6 @@ void main() {
     vec3 x = (texture_matrix * vec4(position_eye, 1.0)).xyz;
     vec4 matter = classify(x, place.y * path_scale());
     fragment = clipped(x) ? vec4(0.0) : matter;
-    space = vec4(crossing(from, along), clearance / length(along), 0.0);
+    vec2 boxed = crossing(from, along), round = ball_crossing(from, along);
+    space = vec4(max(boxed.x, round.x), min(boxed.y, round.y), clearance / length(along), 0.0);
 }

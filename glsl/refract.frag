@@ -10,6 +10,7 @@
 #include "index_point.glsl"
 layout(location = 0) out vec4 fragment;
 vec3 position_eye;                      // eye space
+const bool follows = false;             // no sample of the ray was taken before this one
 vec4 color = vec4(1.0);
 #include <projection>
 #include <clip>
@@ -113,7 +114,8 @@ void main() {
     ray.along = normalize(per_depth);
     ray.at = ray_at(ndc, 0.0) - center_eye;
     if (first <= last) {
-        float k = max(first - 1.0, 0.0);                                        // an interface may lie before the first
+        float before_first = first_depth + (first - 1.0) * step_size;           // an interface may lie before the first
+        float k = before_first > 0.0 ? first - 1.0 : first;
         position_eye = ray_at(ndc, first_depth + k * step_size);
         ray.at = position_eye - center_eye;
         ray.medium = index_at((texture_matrix * vec4(position_eye, 1.0)).xyz);

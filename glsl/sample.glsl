@@ -2,7 +2,6 @@
 // Source: MJ 6.
 // x: object space; lengths in object units.
 #include "sample_point.glsl"
-#include "clearance.glsl"
 #include <object>
 #include <softness>
 #include <warp>
@@ -12,7 +11,6 @@ Sample sample_object(vec3 x) {
     mat3 jacobian = mat3(1.0);
     displace(displaced, jacobian);
     Surface surface = object(displaced);
-    clearance = surface.distance - outer_iso_value - leap_slack;
     Sample s;
     s.x = x;
     s.distance = surface.distance;
@@ -20,5 +18,8 @@ Sample sample_object(vec3 x) {
     s.shading = s.normal;
     s.coherence = length(surface.normal);
     s.density = soften(s.distance);
+    s.clearance = s.distance - outer_iso_value - leap_slack;
+    s.hair_normal = s.normal;
+    s.hair_tangent = s.normal;
     return s;
 }

@@ -1,6 +1,7 @@
-// What a DMF, a surface and a medium know about a point of space.
+// What a DMF, a surface and a medium know about a point of space, and what one leaves there for another.
 // Source: MJ 6 (the variables available to a DMF).
-// Object space and object units.
+// Object space and object units. A DMF that leaves something takes `inout Sample s`; no sample sees what was left in
+// another, so that a probe beside it changes nothing.
 struct Sample {
     vec3 x;             // object position
     float distance;     // signed distance to the surface, positive outside
@@ -8,4 +9,9 @@ struct Sample {
     vec3 shading;       // unit normal that soft matter is lit by: slot <gradient>; the same as normal elsewhere
     float coherence;    // length of the interpolated gradient: 1, but less where the nearest surface changes sides
     float density;      // D in [0, 1]: 1 is the hard region, 0 is outside, between is the soft region
+    float clearance;    // distance to the soft region, less than 0 inside of it: no matter is nearer
+    vec3 hair_normal;   // unit normal of the skin at the root of the hair here: left by a DMF that grows hair (PH 4)
+    vec3 hair_tangent;  // unit vector along that hair, towards its tip
 };
+
+const float BELOW_ONE = 0.99999994;     // the largest density of soft matter in f32

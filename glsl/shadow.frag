@@ -8,10 +8,14 @@
 #include "light_space.glsl"
 layout(location = 0) out vec4 fragment;
 vec3 position_eye;                      // eye space
+const bool follows = false;             // no sample of the ray was taken before this one
 vec4 color = vec4(1.0);
 
 // What looks at the matter is the light.
 vec3 to_eye() { return safe_normalize(light_position.xyz - position_eye, vec3(0.0, 0.0, 1.0)); }
+// A sample is as wide as a step of this ray, or of those of the picture.
+float path_scale() { return 1.0; }
+float pixel_width() { return (shadow_far - shadow_near) / (shadow_side * shadow_steps); }
 #include <clip>
 #include <classify>
 #include <traverse>

@@ -14,6 +14,7 @@ mat3 ray_basis;                         // along the ray and to two sides, unit 
 #include <jitter>
 #include <clip>
 #include <classify>
+#include <reject>
 
 void main() {
     vec3 x = x_in;
@@ -21,8 +22,7 @@ void main() {
     color = color_in;
     shift_sample(position_eye, x);
     ray_basis = ray_basis_of();
-    if (clipped(x)) discard;
-    vec4 matter = classify(x, step_size * path_scale());
-    if (matter.a <= 0.0) discard;       // MJ 3.5: other fragments are rejected
+    vec4 matter = clipped(x) ? vec4(0.0) : classify(x, step_size * path_scale());
+    if (matter.a <= 0.0) reject(matter);    // MJ 3.5
     fragment = matter;                  // MJ 3.6: blended by the Over operator
 }

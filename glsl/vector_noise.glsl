@@ -7,6 +7,16 @@
 // correlations that are left in the shipped blocks, of 4096 cells, are below 0.01.
 const vec3 NOISE_SHIFT = vec3(13.2, 5.82, 7.11);
 
+#ifdef FOUR_NOISES
+vec3 vector_noise(vec3 p) { return four_noises(p).rgb; }
+
+vec3 vector_noise_slope(vec3 p, out mat3 slope) {
+    const vec2 h = vec2(0.5, 0.0);
+    slope = mat3(vector_noise(p + h.xyy) - vector_noise(p - h.xyy), vector_noise(p + h.yxy) - vector_noise(p - h.yxy),
+                 vector_noise(p + h.yyx) - vector_noise(p - h.yyx));
+    return vector_noise(p);
+}
+#else
 vec3 vector_noise(vec3 p) { return vec3(noise(p - NOISE_SHIFT), noise(p), noise(p + NOISE_SHIFT)); }
 
 // The same, with its derivative by p: a row for each component.
@@ -15,3 +25,4 @@ vec3 vector_noise_slope(vec3 p, out mat3 slope) {
     slope = transpose(mat3(a.xyz, b.xyz, c.xyz));
     return vec3(a.w, b.w, c.w);
 }
+#endif

@@ -5,9 +5,10 @@ use crate::glsl::Library;
 use crate::glsl::library::Default as KnobDefault;
 use crate::gpu::Gpu;
 use crate::output::{self, Depth, OutputError, Provenance};
-use crate::render::{RenderError, Subject, render};
-use crate::scene::{Color, EFFECTS, KnobValue, Object, Pass, Scene, SceneError, names, preset};
+use crate::render::{Frame, RenderError, Subject, render};
+use crate::scene::{Color, EFFECTS, KnobValue, Object, Pass, Scene, SceneError, names, preset, to_text};
 use crate::variant::Variant;
+use crate::worker::{Load, Painter, Start, Worker};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -55,35 +56,64 @@ fn figure(name: &str) -> Result<(String, Scene), SceneError> {
     scene.object.resolution = RESOLUTION;
     scene.image.background = scene.image.background.or(Some(BACKGROUND));
     let leaps = scene.effect.softness != "hard" || scene.effect.warp.is_empty();
-    if leaps {
+    if leaps && !scene.is_half_angle() {
         scene.quality.pass = Pass::March;
     }
     Ok((name.to_string(), scene))
 }
 
-/// Renders the scenes into `folder` and writes `index.html` there; returns its path.
+/// What was written.
+#[derive(Clone, Debug)]
+pub struct Gallery {
+    /// The page.
+    pub page: PathBuf,
+    /// Scenes without a picture, and why: the driver ended by them.
+    pub failures: Vec<(String, String)>,
+}
+
+/// Renders the scenes into `folder` and writes `index.html` there. With `start`, workers draw: a scene by which the driver
+/// ends has no picture, and the others have theirs.
 ///
 /// # Errors
-/// A scene without a picture, or a file that cannot be written.
+/// A scene that cannot be drawn, or a file that cannot be written.
 pub fn write(
     gpu: &Gpu,
     library: &Library,
     scenes: &[(String, Scene)],
+    start: Option<&Start>,
     folder: &Path,
     progress: Progress<'_>,
-) -> Result<PathBuf, GalleryError> {
+) -> Result<Gallery, GalleryError> {
     let io = |path: &Path| {
         let path = path.display().to_string();
         move |source| OutputError::Write { path, source }
     };
     let mut objects = objects(library, scenes)?;
+    let mut failures = Vec::new();
     let mut groups: [(&str, String); 3] = GROUPS.map(|title| (title, String::new()));
     let share = 1.0 / scenes.len().max(1) as f32;
     for (index, (name, scene)) in scenes.iter().enumerate() {
         let done = index as f32 * share;
-        let subject = subject(library, &mut objects, scene, &|fraction| progress(done + 0.5 * share * fraction))?;
+        let shared = objects.iter_mut().find(|shared| shared.serves(scene));
+        let shared = shared.expect("`objects` holds the object of every scene");
+        let loading = |fraction: f32| progress(done + 0.5 * share * fraction);
+        let frame = match shared.draw(gpu, library, scene, start, &loading) {
+            Ok(frame) => frame,
+            Err(RenderError::Ended(reason)) => {
+                let title = name.replace('_', " ");
+                let text = &mut groups[group(&scene.about)].1;
+                writeln!(
+                    text,
+                    "<figure id=\"{name}\"><figcaption><h3>{title}</h3><p>Failed: {}</p></figcaption></figure>",
+                    escape(&reason)
+                )
+                .expect("writing to a string");
+                failures.push((name.clone(), reason));
+                continue;
+            }
+            Err(error) => return Err(error.into()),
+        };
         std::fs::create_dir_all(folder).map_err(io(folder))?; // not before an object that cannot be read
-        let frame = render(gpu, library, scene, subject)?;
         let file = format!("{name}.png");
         let path = folder.join(&file);
         let provenance = Provenance::of(scene, &gpu.facts().title(), &frame.measurements.modules);
@@ -116,8 +146,9 @@ pub fn write(
         .replace("{device}", &escape(&format!("{} ({})", facts.name, facts.driver)))
         .replace("{figures}", &figures);
     let path = folder.join("index.html");
+    std::fs::create_dir_all(folder).map_err(io(folder))?;
     output::write_whole(&path, page.as_bytes()).map_err(io(&path))?;
-    Ok(path)
+    Ok(Gallery { page: path, failures })
 }
 
 /// Headings of the page.
@@ -138,6 +169,7 @@ struct Shared {
     /// A scene of several objects shares them with no other.
     alone: Option<Scene>,
     subject: Option<Subject>,
+    worker: Option<Worker>,
 }
 
 impl Shared {
@@ -146,6 +178,36 @@ impl Shared {
             Some(alone) => alone == scene,
             None => !scene.has_several() && same_field(&self.object, &scene.object),
         }
+    }
+
+    /// A picture of the object, which is loaded for the first one: by a worker, or here.
+    fn draw(
+        &mut self,
+        gpu: &Gpu,
+        library: &Library,
+        scene: &Scene,
+        start: Option<&Start>,
+        progress: Progress<'_>,
+    ) -> Result<Frame, RenderError> {
+        if let Some(start) = start {
+            let worker = self.worker.take().unwrap_or_else(|| {
+                let object = Box::new(self.object.clone());
+                let load = match &self.alone {
+                    Some(scene) => Load::Scene(to_text(scene)),
+                    None => Load::Object { object, margin: self.margin, closest: self.closest },
+                };
+                Worker::new(start, library, load)
+            });
+            return Painter::of(self.worker.insert(worker)).render(scene);
+        }
+        let subject = match self.subject.take() {
+            Some(subject) => subject,
+            None => match &self.alone {
+                Some(scene) => Subject::load(scene, library, progress)?,
+                None => Subject::load_with_margin(&self.object, self.margin, self.closest, progress)?,
+            },
+        };
+        render(gpu, library, scene, self.subject.insert(subject))
     }
 }
 
@@ -166,29 +228,18 @@ fn objects(library: &Library, scenes: &[(String, Scene)]) -> Result<Vec<Shared>,
             Some(shared) => (shared.margin, shared.closest) = (shared.margin.max(margin), shared.closest || closest),
             None => {
                 let alone = scene.has_several().then(|| scene.clone());
-                objects.push(Shared { object: scene.object.clone(), margin, closest, alone, subject: None });
+                objects.push(Shared {
+                    object: scene.object.clone(),
+                    margin,
+                    closest,
+                    alone,
+                    subject: None,
+                    worker: None,
+                });
             }
         }
     }
     Ok(objects)
-}
-
-/// The subject of a scene, loaded when it is first asked for.
-fn subject<'a>(
-    library: &Library,
-    objects: &'a mut [Shared],
-    scene: &Scene,
-    progress: Progress<'_>,
-) -> Result<&'a Subject, RenderError> {
-    let shared = objects.iter_mut().find(|shared| shared.serves(scene));
-    let shared = shared.expect("`objects` holds the object of every scene");
-    if shared.subject.is_none() {
-        shared.subject = Some(match &shared.alone {
-            Some(scene) => Subject::load(scene, library, progress)?,
-            None => Subject::load_with_margin(&shared.object, shared.margin, shared.closest, progress)?,
-        });
-    }
-    Ok(shared.subject.as_ref().expect("it was just loaded"))
 }
 
 fn knob_table(variant: &Variant) -> String {

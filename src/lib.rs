@@ -37,11 +37,13 @@
 //!    -> PNG, EXR; a page                              output, gallery
 //! the same program in f64 and in intervals            exact
 //! its cost beforehand; many pictures; many processes  predict, sequence, shard
+//! pictures in a process that may end by one           worker
 //! its error against its cost; the cheapest way        reference, compare, pick
 //! closed forms; a picture against its own scene       verify
 //! all of it, live in a window                         view
 //! ```
 
+mod child;
 pub mod compare;
 pub mod doctor;
 pub mod exact;
@@ -67,3 +69,4 @@ pub mod variant;
 pub mod verify;
 #[cfg(feature = "view")]
 pub mod view;
+pub mod worker;

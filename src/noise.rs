@@ -6,10 +6,12 @@
 //! Source: PH 2.3, Perlin 2002 (quintic weights), MJ 4.1 and 4.2.
 
 mod bake;
+mod blue;
 mod lattice;
 mod table;
 
 pub use bake::{Bake, Block, random_block};
+pub use blue::blue_noise;
 pub use lattice::{Lattice, Period};
 pub use table::Noise;
 
@@ -21,6 +23,9 @@ pub const NOISE_GRADIENT_BOUND: f64 = 3.0;
 pub const TURBULENCE_GRADIENT_BOUND: f64 = 24.0;
 /// The largest value of turbulence that a block can hold; the sum of all octaves stays below 1.733.
 pub const TURBULENCE_BOUND: f64 = 2.0;
+
+/// The mean of the absolute value of noise, as `MEAN_NOISE` in `octave_constants.glsl`: what an octave that fades leaves.
+pub const MEAN_NOISE: f32 = 0.156;
 
 /// How the gradients of the lattice fade into each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

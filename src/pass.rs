@@ -5,7 +5,7 @@
 //! Invariant: the vertices depend on the eye's distance and on the size of the scene, never on the rotation (MJ 3.3).
 //! Source: MJ 2, 3.3, 3.6 and Fig. 1; GG 39.6.1.
 
-use crate::gpu::{BindSet, Buffer, Gpu, GpuError, Load, Pipeline, Submitted, Target};
+use crate::gpu::{BindSet, Buffer, Commands, Gpu, GpuError, Image, Load, Pipeline, Submitted, Target};
 use crate::scene::{Order, Proxy};
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -208,45 +208,101 @@ fn take(bands: &mut VecDeque<Range<u32>>, mut count: u32) -> Vec<Range<u32>> {
     taken
 }
 
+/// What hands the light from slice to slice: a triangle for each.
+pub struct Light<'a> {
+    /// Draws the light behind a slice from that before it.
+    pub pipeline: &'a Pipeline,
+    /// What it reads where the first buffer, or the second, holds the light before the slice.
+    pub sets: [BindSet<'a>; 2],
+    /// Three vertices for each slice.
+    pub vertices: &'a Buffer,
+    /// The buffers, which take turns.
+    pub buffers: &'a [Image; 2],
+}
+
+impl Light<'_> {
+    /// The buffer of this number as a target.
+    fn into(&self, buffer: usize) -> Target<'_> {
+        Target { color: &self.buffers[buffer], resolved: None }
+    }
+
+    /// Lets all of the light in, and uses the pipeline once.
+    fn begin(&self, gpu: &Gpu) -> Result<f64, GpuError> {
+        let cost = gpu.submit("first light", |commands| {
+            for buffer in [0, 1] {
+                commands.render(self.into(buffer), Load::Clear([1.0; 4]), |_| ());
+                commands.sample(&self.buffers[buffer]);
+            }
+            self.pass(commands, 0);
+        })?;
+        Ok(cost.wall_ms)
+    }
+
+    /// Draws the light behind a slice.
+    fn pass(&self, commands: &mut Commands<'_>, slice: u32) {
+        let before = slice as usize % 2;
+        commands.render(self.into(1 - before), Load::Clear([1.0; 4]), |draw| {
+            draw.triangles(self.pipeline, &self.sets[before], Some(self.vertices), 3 * slice..3 * slice + 3);
+        });
+        commands.sample(&self.buffers[1 - before]);
+    }
+}
+
 /// Clears the target and blends the slices into its bands, as for [`march`], in submissions of a length that a shared
 /// device bears. The bands must not touch: with several samples per pixel, lavapipe (Mesa 22) draws beyond its scissor,
 /// into the next row, and where a band meets another a slice would be blended twice.
 ///
+/// With a light, each slice is drawn after the light behind it, with the set of the buffer that holds the light before it.
+///
 /// # Errors
 /// What a submission may fail with.
+#[expect(clippy::too_many_arguments, reason = "what is drawn, with what, where")]
 pub fn draw(
     gpu: &Gpu,
     pipeline: &Pipeline,
-    set: &BindSet<'_>,
+    sets: [&BindSet<'_>; 2],
     vertices: &Buffer,
     stack: &Stack,
     bands: &[Range<u32>],
     target: Target<'_>,
+    light: Option<&Light<'_>>,
 ) -> Result<Drawn, GpuError> {
     let into = Target { resolved: None, ..target };
+    let first_light_ms = light.filter(|_| stack.slices > 0).map_or(Ok(0.0), |light| light.begin(gpu))?;
     let mut drawn = match stack.slices {
         0 => Drawn { fragments: Some(0), ..Default::default() },
-        _ => Drawn::begin(gpu, pipeline, set, Some(vertices), into)?,
+        _ => Drawn::begin(gpu, pipeline, sets[0], Some(vertices), into)?,
     };
+    drawn.first_use_ms += first_light_ms;
     let mut load = Load::Clear([0.0; 4]);
     let mut next = 0;
     let mut batch = 4;
     while next < stack.slices {
         let range: Range<u32> = next..(next + batch).min(stack.slices);
-        let span = range.start * stack.per_slice..range.end * stack.per_slice;
-        let cost = gpu.submit("slices", |commands| {
+        let mut blend = |commands: &mut Commands<'_>, slices: Range<u32>| {
+            let (set, span) =
+                (sets[slices.start as usize % 2], slices.start * stack.per_slice..slices.end * stack.per_slice);
             commands.render(into, load, |draw| {
                 for band in bands {
                     draw.rows(band.clone());
                     draw.triangles(pipeline, set, Some(vertices), span.clone());
                 }
             });
+            load = Load::Keep;
+        };
+        let cost = gpu.submit("slices", |commands| match light {
+            None => blend(commands, range.clone()),
+            Some(light) => {
+                for slice in range.clone() {
+                    light.pass(commands, slice);
+                    blend(commands, slice..slice + 1);
+                }
+            }
         })?;
         drawn.add(&cost);
         let per_slice = cost.gpu_ms / f64::from(range.end - range.start);
         batch = (SUBMISSION_MS / per_slice.max(1e-3)).clamp(1.0, GROWTH * f64::from(batch) + 1.0) as u32;
         next = range.end;
-        load = Load::Keep;
     }
     if target.resolved.is_some() || stack.slices == 0 {
         gpu.submit("resolve", |commands| commands.render(target, load, |_| ()))?;

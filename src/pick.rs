@@ -12,13 +12,13 @@ mod ways;
 
 pub use verify::Verified;
 
-use crate::compare::CompareError;
 use crate::compare::candidates::Candidate;
+use crate::compare::{CompareError, Failure, Stage};
 use crate::glsl::Library;
-use crate::gpu::Gpu;
 use crate::reference::ReferenceError;
-use crate::render::{RenderError, Renderer, Subject};
+use crate::render::RenderError;
 use crate::scene::Scene;
+use crate::worker::Painter;
 use std::fmt;
 
 /// Longest side of the small pictures, pixels. Smaller: few pixels meet an edge. Larger: they take longer than the
@@ -142,6 +142,8 @@ pub struct Pick {
     pub counts: [usize; 3],
     /// The fastest way of another pass that keeps the bound: in words, with its milliseconds.
     pub other: Option<(String, f64)>,
+    /// Ways that could not be drawn.
+    pub failures: Vec<Failure>,
     /// Whether it is remembered from an earlier time.
     pub remembered: bool,
 }
@@ -158,9 +160,6 @@ pub enum PickError {
     /// There is no way to draw it.
     #[error(transparent)]
     Compare(#[from] CompareError),
-    /// The reference cannot be computed.
-    #[error(transparent)]
-    Reference(#[from] ReferenceError),
     /// Nothing is that accurate.
     #[error("no way to draw this scene has a {metric} error of {asked:e}: the nearest, {way}, has {found:.1e}")]
     Bound {
@@ -189,18 +188,16 @@ struct Drawn {
 /// # Errors
 /// As [`pick`].
 pub fn remembered(
-    gpu: &Gpu,
-    library: &Library,
+    stage: Stage<'_>,
     scene: &Scene,
-    subject: &Subject,
     bound: Bound,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Pick, PickError> {
-    let key = store::key(gpu, library, scene, subject, bound)?;
+    let key = store::key(stage, scene, bound)?;
     if let Some(pick) = store::load(key) {
         return Ok(pick);
     }
-    let pick = pick(gpu, library, scene, subject, bound, progress)?;
+    let pick = pick(stage, scene, bound, progress)?;
     store::save(key, &pick);
     Ok(pick)
 }
@@ -208,26 +205,19 @@ pub fn remembered(
 /// Picks the cheapest way to draw a scene within an error on this device.
 ///
 /// Small pictures are at most 64 pixels wide; the reference is computed for 1024 to 2048 pixels of the whole. `progress` is
-/// called with the part that is done, roughly.
+/// called with the part that is done, roughly. A way that cannot be drawn is left out, and told.
 ///
 /// # Errors
 /// The scene cannot be drawn, or no way keeps the bound.
-pub fn pick(
-    gpu: &Gpu,
-    library: &Library,
-    scene: &Scene,
-    subject: &Subject,
-    bound: Bound,
-    progress: &(dyn Fn(f32) + Sync),
-) -> Result<Pick, PickError> {
-    let mut search = Search::new(gpu, library, scene, subject, bound)?;
+pub fn pick(stage: Stage<'_>, scene: &Scene, bound: Bound, progress: &(dyn Fn(f32) + Sync)) -> Result<Pick, PickError> {
+    let mut search = Search::new(stage, scene, bound)?;
     progress(0.1);
-    let families = ways::families(scene, library, bound.error)?;
+    let families = ways::families(scene, stage.library, bound.error)?;
     let (mut drawn, mut target) = (Vec::new(), bound.error / SAFETY);
     let mut tried: Vec<Scene> = Vec::new();
     for round in 0..VERIFIED {
         for (index, family) in families.kept.iter().enumerate() {
-            search.draw(family, target, &mut drawn)?;
+            search.draw(family, target, &mut drawn);
             if round == 0 {
                 progress(0.1 + 0.6 * (index + 1) as f32 / families.kept.len() as f32);
             }
@@ -241,11 +231,15 @@ pub fn pick(
         let other = fitting.iter().find(|drawn| drawn.way.scene.quality.pass != pass);
         let other = other.map(|drawn| (drawn.way.label(), drawn.ms));
         let share = |done: f32| progress(0.7 + 0.3 * done);
-        let verified = match verify::verify(gpu, library, &best.way.scene, subject, bound, &share) {
+        let verified = match verify::verify(stage, &best.way.scene, bound, &share) {
             Ok(verified) => Ok(verified),
             Err(ReferenceError::NoLimit(why)) => Err(why.to_string()),
             Err(ReferenceError::Exact(error)) => Err(error.to_string()),
-            Err(error) => return Err(error.into()),
+            Err(ReferenceError::Render(error)) => {
+                tried.push(best.way.scene.clone());
+                search.failed.push((best.way, error));
+                continue;
+            }
         };
         let found = verified.as_ref().map_or(0.0, |verified| verified.error);
         log::info!("{}: {:.2e} in a small picture, {found:.2e} of the whole", best.way.label(), best.error);
@@ -264,8 +258,12 @@ pub fn pick(
             unverified,
             counts: [families.left_out, drawn.len(), kept],
             other,
+            failures: search.failed.iter().map(Failure::of).collect(),
             remembered: false,
         });
+    }
+    if drawn.is_empty() && !search.failed.is_empty() {
+        return Err(search.failed.swap_remove(0).1.into());
     }
     let nearest = drawn.iter().min_by(|a, b| a.error.total_cmp(&b.error));
     let (way, found) = nearest.map_or(("none".into(), f64::INFINITY), |near| (near.way.label(), near.error));
@@ -274,25 +272,28 @@ pub fn pick(
 
 /// Small pictures and what they are held against.
 struct Search<'a> {
-    renderer: Renderer<'a>,
+    painter: Painter<'a>,
     library: &'a Library,
     bound: Bound,
     finer: Vec<[f32; 4]>,
     /// Error of the finer picture.
     floor: f64,
+    /// Ways that could not be drawn; no other of their families is tried.
+    failed: Vec<(Candidate, RenderError)>,
 }
 
 impl<'a> Search<'a> {
-    fn new(
-        gpu: &'a Gpu,
-        library: &'a Library,
-        scene: &Scene,
-        subject: &'a Subject,
-        bound: Bound,
-    ) -> Result<Search<'a>, PickError> {
-        let mut renderer = Renderer::new(gpu, library, subject);
+    fn new(stage: Stage<'a>, scene: &Scene, bound: Bound) -> Result<Search<'a>, PickError> {
+        let mut painter = stage.painter();
         let mut draw = |samples| -> Result<Vec<[f32; 4]>, PickError> {
-            Ok(renderer.render(&small(&ways::finest(scene, library, samples)?))?.pixels)
+            let mut drawn = Err(CompareError::Nothing.into());
+            for scene in ways::finest(scene, stage.library, samples)? {
+                drawn = painter.render(&small(&scene)).map(|frame| frame.pixels).map_err(PickError::from);
+                if drawn.is_ok() {
+                    break;
+                }
+            }
+            drawn
         };
         let [mut samples, most] = FINEST;
         let mut before = draw(samples / 2)?;
@@ -305,11 +306,14 @@ impl<'a> Search<'a> {
             }
             (samples, before) = (2 * samples, finer);
         };
-        Ok(Search { renderer, library, bound, finer, floor })
+        Ok(Search { painter, library: stage.library, bound, finer, floor, failed: Vec::new() })
     }
 
     /// Draws a family with more and more samples until one fits, and none that takes longer than one that fits.
-    fn draw(&mut self, family: &Candidate, target: f64, drawn: &mut Vec<Drawn>) -> Result<(), PickError> {
+    fn draw(&mut self, family: &Candidate, target: f64, drawn: &mut Vec<Drawn>) {
+        if self.failed.iter().any(|(way, _)| way.curve() == family.curve()) {
+            return;
+        }
         let [fewest, most] = SAMPLES;
         let steps = (0..).map(|step| (f64::from(fewest) * 2f64.powf(f64::from(step) / 2.0)).round() as u32);
         let mut least = 0.0;
@@ -320,36 +324,39 @@ impl<'a> Search<'a> {
             let index = match known {
                 Some(index) => index,
                 None if f64::from(samples) < least => continue,
-                None if way.scene.check(self.library).is_err() => return Ok(()),
-                None => {
-                    drawn.push(self.measure(way, target)?);
-                    drawn.len() - 1
-                }
+                None if way.scene.check(self.library).is_err() => return,
+                None => match self.measure(&way, target) {
+                    Ok((error, ms)) => {
+                        drawn.push(Drawn { way, error, ms });
+                        drawn.len() - 1
+                    }
+                    Err(error) => return self.failed.push((way, error)),
+                },
             };
             let (error, ms) = (drawn[index].error, drawn[index].ms);
             let fastest =
                 drawn.iter().filter(|drawn| drawn.error <= target).map(|drawn| drawn.ms).fold(f64::INFINITY, f64::min);
             if error <= target || ms > 1.5 * fastest {
-                return Ok(());
+                return;
             }
             // Its noise is what it has for error, and more samples show no other.
             let stays = |(fewer, larger): (u32, f64)| samples >= 2 * fewer && error > STAYS * larger;
             if samples >= FLAT_FROM && before.is_some_and(stays) {
-                return Ok(());
+                return;
             }
             if before.is_none_or(|(fewer, _)| samples >= 2 * fewer) {
                 before = Some((samples, error));
             }
             least = f64::from(samples) * (error / target).powf(1.0 / ORDER); // fewer would not do
         }
-        Ok(())
     }
 
-    /// Draws a way; again, for its time, if it has fewer errors than `target`.
-    fn measure(&mut self, way: Candidate, target: f64) -> Result<Drawn, PickError> {
+    /// Draws a way: its error with that of the finer picture, and its time; again for that, if it has fewer errors than
+    /// `target`.
+    fn measure(&mut self, way: &Candidate, target: f64) -> Result<(f64, f64), RenderError> {
         let scene = small(&way.scene);
-        let mut draw = || -> Result<(Vec<[f32; 4]>, f64), PickError> {
-            let frame = self.renderer.render(&scene)?;
+        let mut draw = || -> Result<(Vec<[f32; 4]>, f64), RenderError> {
+            let frame = self.painter.render(&scene)?;
             Ok((frame.pixels, frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0)))
         };
         let (pixels, mut ms) = draw()?;
@@ -359,7 +366,7 @@ impl<'a> Search<'a> {
                 ms = ms.min(draw()?.1);
             }
         }
-        Ok(Drawn { way, error, ms })
+        Ok((error, ms))
     }
 }
 

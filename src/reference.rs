@@ -13,7 +13,8 @@ use crate::exact::{self, ExactError};
 use crate::glsl::{Library, LibraryError, Linker};
 use crate::render::{Blocks, Frozen, OCTAVES_ID, RenderError, Subject};
 use crate::scene::{
-    BlockFormat, Effect, Order, Pass, Proxy, Quality, Ray as Course, Rule, Scene, TargetFormat, Traverse,
+    BlockFormat, Effect, LightMethod, Order, Pass, Proxy, Quality, Ray as Course, Reject, Rule, Scene, Storage,
+    TargetFormat, Traverse,
 };
 use crate::variant::{Variant, VariantError};
 use integral::{Limits, Matter, Ray};
@@ -81,20 +82,24 @@ pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError>
     let bends = scene.effect.ray == Course::Refracted;
     let mut truth = if bends { limit_of(scene) } else { limit_of(&scene.exact_twin(library)?) };
     truth.quality.block_format = BlockFormat::Auto;
-    let mut other = truth.clone();
-    other.quality.block_size = Quality::default().block_size;
-    if other.periods() == truth.periods() {
-        truth = other; // nothing reads a block, and nothing repeats as one of its size would
-    }
     // What is not read makes no difference.
     if let Ok(variant) = Variant::of(&truth, library) {
-        let reads = |slot: &str| variant.slots.keys().any(|key| key.rsplit('.').next() == Some(slot));
         let (effect, default) = (&mut truth.effect, Effect::default());
-        if !reads("noise") {
+        if !variant.reads("noise") {
             (effect.noise, effect.noise_repeat) = (default.noise, default.noise_repeat);
         }
-        if !reads("turbulence") {
+        if !variant.reads("turbulence") {
             (effect.turbulence, effect.turbulence_repeat) = (default.turbulence, default.turbulence_repeat);
+        }
+    }
+    // Where nothing repeats as a block does, its size makes no difference.
+    let default = Quality::default();
+    let sizes: [fn(&mut Quality) -> &mut u32; 2] = [|q| &mut q.block_size, |q| &mut q.turbulence_cells];
+    for size in sizes {
+        let (mut other, mut default) = (truth.clone(), default.clone());
+        *size(&mut other.quality) = *size(&mut default);
+        if other.periods() == truth.periods() {
+            truth = other;
         }
     }
     Ok(truth)
@@ -112,10 +117,15 @@ pub fn limit_of(scene: &Scene) -> Scene {
     quality.stop = 0.0;
     quality.target = TargetFormat::Float32;
     quality.order = Order::FrontToBack;
-    quality.proxy = Proxy::Polygons;
+    (quality.proxy, quality.reject) = (Proxy::Polygons, Reject::Discard);
     quality.msaa = 1;
     (quality.jitter, quality.seed) = (false, 0);
     quality.anisotropy = 1.0;
+    limit.object.storage = Storage::Dense;
+    if limit.light.translucency <= 0.0 {
+        limit.light.method = LightMethod::Volume;
+        limit.light.shadow_resolution = limit.light.shadow_resolution.min(256);
+    }
     let effect = &mut limit.effect;
     if effect.gradient == "three" {
         effect.gradient = "central".into();
@@ -211,6 +221,9 @@ impl Probe {
     fn new(library: &Library, truth: &Scene, subject: &Subject) -> Result<(Probe, exact::Inputs), ReferenceError> {
         if truth.effect.classify == "stack" {
             return Err(ReferenceError::NoLimit("effect.classify = \"stack\" shows the slices themselves"));
+        }
+        if truth.is_half_angle() {
+            return Err(ReferenceError::NoLimit("light.translucency is blurred from slice to slice"));
         }
         let own = Variant::of(truth, library)?;
         let variant = own.probe(truth, library)?;
@@ -366,7 +379,7 @@ impl Probe {
 #[derive(Clone, Copy)]
 struct Sampled {
     matter: Matter,
-    /// Depths at which the ray enters and leaves the box around the soft region.
+    /// Depths at which the ray enters and leaves the box and the ball around the soft region.
     span: [f64; 2],
     /// So much deeper there is nothing.
     clearance: f64,
@@ -384,3 +397,6 @@ impl Sampled {
         Sampled { matter, span: [enters, leaves], clearance }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,17 +5,22 @@
 
 mod bind;
 mod frozen;
+mod half_angle;
+mod ignored;
 mod inputs;
 mod noise_blocks;
 mod pixels;
 mod shadow;
+mod sparse;
 mod sub_frame;
 mod subject;
 mod view;
 
 pub(crate) use frozen::{Blocks, Frozen};
+pub use ignored::ignored;
 pub(crate) use inputs::Encoded;
 pub use shadow::{Transmittance, transmittance};
+pub use sparse::Sparse;
 pub use subject::{Subject, field_margin, open, request};
 pub use view::half_height;
 
@@ -27,6 +32,7 @@ use crate::scene::{Order, Pass, Scene, TargetFormat};
 use crate::shape::ShapeError;
 use crate::variant::{Program, Variant, VariantError};
 use pixels::{add, check_finite, decode, floats, mean};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::time::Instant;
 use sub_frame::SubFrame;
@@ -43,14 +49,17 @@ pub struct Frame {
 }
 
 /// What a frame took.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Measurements {
     /// Slots and modules of the program.
     pub modules: String,
     /// Whether the program was linked when the crate was built.
     pub shipped: bool,
     /// What the scene did not need.
+    #[serde(deserialize_with = "crate::variant::parts")]
     pub left_out: Vec<&'static str>,
+    /// Octaves that the turbulence of the scene has, and those that were asked for; `None` where none is read.
+    pub octaves: Option<[u32; 2]>,
     /// Slices drawn.
     pub slices: u32,
     /// Distance between slices, object units.
@@ -69,8 +78,12 @@ pub struct Measurements {
     pub total_ms: f64,
     /// Bytes of images on the device.
     pub device_bytes: u64,
+    /// What the bricks of a volume save; `None` where the volume is stored as a whole.
+    pub sparse: Option<Sparse>,
     /// Largest error of a stored distance, object units; 0 for a formula.
     pub quantization: f32,
+    /// Radius beyond which warps along the radius hold their step, where their formula has matter there; object units.
+    pub held_beyond: Option<f32>,
 }
 
 /// Why there is no picture.
@@ -91,12 +104,21 @@ pub enum RenderError {
     /// A scene asks for what pre-classification cannot do.
     #[error("effect.classify = {0}: needs {1}; use classify = \"post\"")]
     Classification(String, &'static str),
+    /// Eye and light do not look through the slices in one order.
+    #[error("light.method = \"half_angle\": {0}; {1}, or use light.method = \"volume\"")]
+    HalfAngle(&'static str, &'static str),
     /// A program reads what the subject was loaded without.
     #[error("the subject has no {0}, which the program reads; load it with the scene that is rendered")]
     Missing(&'static str),
     /// The program has a block member that the renderer does not know.
     #[error("`{0}` is in no block of interface.glsl; declare it with `// @knob` in a module")]
     Unfilled(String),
+    /// What a worker says.
+    #[error("{0}")]
+    Worker(String),
+    /// A worker has ended by the scene.
+    #[error("{0}; what else there is to draw goes on")]
+    Ended(String),
     /// A target that the device has, and that was read back wrong.
     #[error(
         "the picture holds {count} values that are not finite, the first at pixel {x}, {y}; please report the scene"
@@ -113,9 +135,9 @@ pub enum RenderError {
 
 /// Renders a scene.
 ///
-/// The pixels are premultiplied linear RGBA without the background; the error of the quadrature is of the order of
-/// `measurements.step` at hard edges (an RMS of at most twice the step over the six effects, as measured) and of its
-/// square in soft matter; with `quality.rule = "segment"` of its square everywhere but at outlines.
+/// The pixels are premultiplied linear RGBA without the background. A hard surface is located within the step
+/// (`measurements.step`); a ray that grazes an edge for less than a step may miss it.
+/// The error in soft matter is of the order of the step, and with `quality.rule = "segment"` of its square.
 ///
 /// # Errors
 /// The scene has no valid program, or the device refuses.
@@ -214,6 +236,8 @@ struct Prepared<'a> {
     pipeline: gpu::Pipeline,
     /// What casts the shadows of a scene that has them.
     caster: Option<shadow::Caster>,
+    /// What hands the light from slice to slice, in a scene that has it do so.
+    half_angle: Option<half_angle::HalfAngle>,
     color: gpu::Image,
     resolved: Option<gpu::Image>,
     compile_ms: f64,
@@ -235,9 +259,9 @@ impl<'a> Prepared<'a> {
         let bound = bound.map_or_else(
             || {
                 let view = view::View::of(scene, subject, variant);
-                let planes = pass::Planes::new(view.extent, quality.samples);
+                let planes = view.planes(quality.samples);
                 let inputs = inputs::Inputs::new(scene, subject, variant, &program, (&view, &planes), progress)?;
-                bind::Bound::new(gpu, scene, &program, &inputs)
+                bind::Bound::new(gpu, &program, &inputs)
             },
             Ok,
         )?;
@@ -248,6 +272,7 @@ impl<'a> Prepared<'a> {
         };
         let blend = match (quality.pass, quality.order) {
             (Pass::March, _) => gpu::Blend::Replace,
+            _ if scene.is_half_angle() => half_angle::blend(scene),
             (Pass::Slices, Order::FrontToBack) => gpu::Blend::Under,
             (Pass::Slices, Order::BackToFront) => gpu::Blend::Over,
         };
@@ -268,6 +293,8 @@ impl<'a> Prepared<'a> {
         )?;
         let casts = program.reads(inputs::SHADOW);
         let caster = casts.then(|| shadow::Caster::new(gpu, library, scene, variant)).transpose()?;
+        let half_angle = scene.is_half_angle().then(|| half_angle::HalfAngle::new(gpu, library, scene, variant));
+        let half_angle = half_angle.transpose()?;
         compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
         let [width, height] = scene.image.size;
         let plane = gpu::Dimension::Plane(width, height);
@@ -277,7 +304,20 @@ impl<'a> Prepared<'a> {
             _ => Some(gpu::Image::new(gpu, "resolved target", plane, format, gpu::ImageUse::Target(1))?),
         };
         let (scene, variant) = (scene.clone(), variant.clone());
-        Ok(Prepared { gpu, subject, scene, variant, program, bound, pipeline, caster, color, resolved, compile_ms })
+        Ok(Prepared {
+            gpu,
+            subject,
+            scene,
+            variant,
+            program,
+            bound,
+            pipeline,
+            caster,
+            half_angle,
+            color,
+            resolved,
+            compile_ms,
+        })
     }
 
     /// Whether all of this serves another scene as well: it differs in what a picture is drawn with alone.
@@ -302,12 +342,13 @@ impl<'a> Prepared<'a> {
         (quality.target, quality.msaa) = (other.target, other.msaa);
         (quality.order, quality.proxy) = (other.order, other.proxy);
         (quality.stop, quality.seed, quality.supersampling) = (other.stop, other.seed, other.supersampling);
-        if !self.program.reads("segment_image") {
+        // These depend on the length of a step.
+        if !["segment_image", "brick_image"].iter().any(|name| self.program.reads(name)) {
             quality.samples = other.samples;
         }
         let reach = |variant: &Variant| {
             let all = [&variant.knobs].into_iter().chain(variant.parts.values());
-            all.map(|knobs| (knobs.outer_iso(), knobs.reach())).collect::<Vec<_>>()
+            all.map(|knobs| (knobs.outer_iso(), knobs.spread(1.0))).collect::<Vec<_>>()
         };
         same == *scene && self.runs(variant) && reach(variant) == reach(&self.variant)
     }
@@ -327,8 +368,10 @@ impl<'a> Prepared<'a> {
     ) -> Result<Frame, RenderError> {
         let view = view::View::of(scene, self.subject, variant);
         let quality = &scene.quality;
-        let planes = pass::Planes::new(view.extent, quality.samples);
-        let slices = || pass::stack(&planes, view.extent.radius, quality.proxy, quality.order, view.tint());
+        let planes = view.planes(quality.samples);
+        // Rays to the rim of the sphere are slanted: at the nearest plane they may be a little beyond it.
+        let slices =
+            || pass::stack(&planes, view.extent.radius + planes.step, quality.proxy, quality.order, view.tint());
         let stack = (quality.pass == Pass::Slices).then(slices);
         let vertices = stack.as_ref().map(|stack| {
             let none = [0; 4]; // a buffer cannot be empty, a stack can
@@ -353,12 +396,20 @@ impl<'a> Prepared<'a> {
                 self.bound.replace_shadow(&self.program, light.image(self.gpu)?);
                 shadow_ms = Some(shadow_ms.unwrap_or(0.0) + light.gpu_ms);
             }
-            let set = self.pipeline.bind(&self.bound.resources())?;
-            drawn.append(&match (&stack, &vertices) {
-                (Some(stack), Some(vertices)) => {
-                    pass::draw(self.gpu, &self.pipeline, &set, vertices, stack, bands, target)?
+            drawn.append(&match (&stack, &vertices, &self.half_angle) {
+                (Some(stack), Some(vertices), Some(light)) => {
+                    let (own, slices) = ((&self.pipeline, &self.program, &self.bound), (vertices, stack));
+                    light.draw(self.gpu, (scene, &view, &planes), own, slices, bands, target)?
                 }
-                _ => pass::march(self.gpu, &self.pipeline, &set, bands, target)?,
+                (stack, vertices, _) => {
+                    let set = self.pipeline.bind(&self.bound.resources())?;
+                    match (stack, vertices) {
+                        (Some(stack), Some(vertices)) => {
+                            pass::draw(self.gpu, &self.pipeline, [&set; 2], vertices, stack, bands, target, None)?
+                        }
+                        _ => pass::march(self.gpu, &self.pipeline, &set, bands, target)?,
+                    }
+                }
             });
             let texels = self.resolved.as_ref().unwrap_or(&self.color).read()?;
             add(&mut sum, &decode(&texels, quality.target));
@@ -370,6 +421,7 @@ impl<'a> Prepared<'a> {
             modules: variant.key(),
             shipped: self.program.shipped,
             left_out: self.program.left_out(),
+            octaves: variant.reads("turbulence").then(|| [scene.octaves_held(), scene.effect.octaves]),
             slices: planes.count,
             step: planes.step,
             fragments: drawn.fragments,
@@ -378,8 +430,17 @@ impl<'a> Prepared<'a> {
             shadow_ms,
             longest_ms: drawn.longest_ms,
             total_ms: 0.0,
-            device_bytes: self.bound.bytes() + targets,
+            device_bytes: self.bound.bytes()
+                + targets
+                + self.half_angle.as_ref().map_or(0, half_angle::HalfAngle::bytes),
+            sparse: self.bound.sparse(),
             quantization: self.bound.quantization(),
+            held_beyond: view
+                .objects
+                .iter()
+                .filter(|own| own.spread.held)
+                .map(|own| own.spread.hold_radius)
+                .reduce(f32::min),
         };
         Ok(Frame { size: scene.image.size, pixels, measurements })
     }

@@ -6,8 +6,10 @@
 //! Source: MJ 3.1 (gradient normal in RGB, density in A, at most 16 bits).
 
 mod blocks;
+mod bricks;
 
 pub use blocks::{Depth, block_channels, block_gradients, block_values, table_rows, texels_of};
+pub use bricks::{BRICK, Bricks};
 
 use crate::field::{ClosestPoints, DistanceField};
 use crate::scene::{Curve, Stop, Transfer};
@@ -32,12 +34,31 @@ pub enum Encoding {
 pub struct Texels {
     /// Texels per axis.
     pub size: [u32; 3],
+    /// How they hold what they hold.
+    pub encoding: Encoding,
     /// Texels, x fastest, then y, then z.
     pub bytes: Vec<u8>,
     /// The signed distance of a stored value s is `decode[0] + decode[1] * s`, in the units of the field.
     pub decode: [f32; 2],
     /// Largest error of a stored distance inside the range that is stored, in the units of the field.
     pub quantization: f32,
+}
+
+impl Texels {
+    /// The channels of a texel as a program reads them; those that it has not are 0.
+    pub fn channels(&self, number: usize) -> [f32; 4] {
+        let texels: usize = self.size.iter().map(|side| *side as usize).product();
+        let bytes = self.bytes.len() / texels;
+        let texel = &self.bytes[number * bytes..][..bytes];
+        let code16 =
+            |channel: usize| f32::from(u16::from_ne_bytes([texel[2 * channel], texel[2 * channel + 1]])) / 65535.0;
+        match self.encoding {
+            Encoding::Normals16 => [0, 1, 2, 3].map(code16),
+            Encoding::Normals8 => [0, 1, 2, 3].map(|channel| f32::from(texel[channel]) / 255.0),
+            Encoding::Distance16 => [code16(0), 0.0, 0.0, 0.0],
+            Encoding::Distance32 => [f32::from_ne_bytes([texel[0], texel[1], texel[2], texel[3]]), 0.0, 0.0, 0.0],
+        }
+    }
 }
 
 /// Encodes a field. Distances beyond `range` (lowest, highest; units of the field) are held at its ends.
@@ -87,7 +108,7 @@ pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Tex
     });
     let rounding = f32::EPSILON * low.abs().max(high.abs());
     let quantization = (high - low) * 0.5 / codes + rounding;
-    Texels { size: field.grid.size, bytes, decode: [high, low - high], quantization }
+    Texels { size: field.grid.size, encoding, bytes, decode: [high, low - high], quantization }
 }
 
 /// The way from every sample of a field to the closest point of its level `iso`, as RGBA, 16 bits each, A unused: a

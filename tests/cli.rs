@@ -346,6 +346,34 @@ fn a_render_writes_the_picture_and_says_what_it_took() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn what_changes_nothing_is_said_in_one_line() {
+    let desk = Desk::new();
+    let ignored = |arguments: &str| {
+        let out = desk.good(&format!("render {arguments} --size 24x24 --samples 16"));
+        let line = out.lines().find(|line| line.starts_with("ignored ")).unwrap_or_default();
+        line.trim_start_matches("ignored").split(": the picture").next().unwrap_or_default().trim().to_string()
+    };
+    assert_eq!(ignored("torus --gradient central --seed 3"), "effect.gradient = \"central\", quality.seed = 3");
+    assert_eq!(ignored("torus --effect fire --set effect.octaves=6 --time 2"), "effect.octaves = 6");
+    assert_eq!(
+        ignored("torus --pass march --order back_to_front --target unorm8"),
+        "quality.order = \"back_to_front\""
+    );
+    assert_eq!(ignored("torus --effect shells --shadows"), "light.shadows = true");
+    assert_eq!(ignored("fire_ball"), "", "what a preset sets is not said");
+    assert_eq!(ignored("torus --depth 16 -o a.exr"), "--depth 16");
+    let out = desk.good("render torus --module dmf=biased --set density_bias=0.7 --size 24x24 --samples 16");
+    assert!(out.contains("dmf=biased") && !out.contains("ignored"), "a DMF makes a hard object soft: {out}");
+    fs::write(desk.file("scene.toml"), "preset = \"fire\"\nobject.input = \"torus\"\nquality.seed = 4\n").unwrap();
+    assert_eq!(ignored("scene.toml"), "quality.seed = 4");
+    let out = desk.good("render torus --effect fire --size 24x24 --samples 16");
+    assert!(out.contains("octaves    4 of 8: a block of 64 texels and 4 cells along a side holds no more"), "{out}");
+    let out = desk.good("render torus --effect fire --set quality.turbulence_cells=1 --size 24x24 --samples 16");
+    assert!(out.contains("octaves    6 of 8: "), "{out}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_quiet_render_says_nothing() {
     let desk = Desk::new();
     assert_eq!(desk.good(&format!("render torus --quiet -o x.png {SMALL}")), "");

@@ -71,6 +71,14 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
         assert!(falls, "{}: {errors:?}", curve[0]["strategy"]);
     }
     assert!(first.iter().any(|row| row["front"] == "true"));
+    for row in &first {
+        let all = row["octaves"] == "8";
+        assert_eq!(all, row["rmse"] == row["own_rmse"], "{row:?}");
+        assert_eq!(all, !["encoded", "lookups4"].contains(&row["strategy"].as_str()), "{row:?}");
+        // Of rays with many samples, what is left is what is missing.
+        let fine = row["samples"] == "32" && row["pass"] == "march" && row["strategy"] == "encoded";
+        assert!(!fine || number(row, "own_rmse") < number(row, "rmse"), "{row:?}");
+    }
     let runs = rows(&desk.path().join("a/runs.csv"));
     assert_eq!(runs.len(), 3 * first.len());
 
@@ -88,6 +96,8 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
         "Table 3",
         "23.24",
         "Observed order",
+        "encoded 64³ has 4 of 8",
+        "encoded, 4 octaves: a block of 64 texels",
         "data:image/png",
     ] {
         assert!(page.contains(part), "the page lacks {part}");
@@ -100,8 +110,12 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
 
 /// A picture of no light at all: wrong, and quick.
 fn dark(scene: &Scene) -> Reference {
+    plain(scene, 0.0)
+}
+
+fn plain(scene: &Scene, light: f64) -> Reference {
     let count = (scene.image.size[0] * scene.image.size[1]) as usize;
-    Reference { size: scene.image.size, pixels: vec![[0.0; 4]; count], estimate: vec![0.0; count] }
+    Reference { size: scene.image.size, pixels: vec![[light; 4]; count], estimate: vec![0.0; count] }
 }
 
 #[test]
@@ -114,9 +128,9 @@ fn errors_are_those_against_the_reference_and_a_missing_reference_is_a_failure()
         let subject = common::subject(&scene, &library);
         let sweep = Sweep { quick: true, samples: Some(vec![16]), strategies: None };
         let settings = Settings { sweep, repeat: 2 };
-        let stage = Stage { gpu, library: &library, subject: &subject, stop: &|| false };
+        let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
         let mut refer = |scene: &Scene| match scene.effect.turbulence_repeat {
-            Repeat::TurbulenceBlock => Ok(Arc::new(dark(scene))),
+            Repeat::TurbulenceBlock => Ok(Arc::new(plain(scene, if scene.effect.octaves == 4 { 0.75 } else { 0.0 }))),
             _ => Err("not today".into()),
         };
         let found = compare(stage, &scene, &settings, &mut refer, &|_| ()).unwrap();
@@ -125,9 +139,15 @@ fn errors_are_those_against_the_reference_and_a_missing_reference_is_a_failure()
         assert!(!found.partial && found.failures.iter().all(|failure| failure.message == "no reference: not today"));
         for row in &found.rows {
             let frame = render(gpu, &library, &row.candidate.scene, &subject).unwrap();
-            let squares = frame.pixels.iter().flat_map(|pixel| &pixel[..3]).map(|c| f64::from(*c).powi(2));
-            let rmse = (squares.sum::<f64>() / (3.0 * 24.0 * 24.0)).sqrt();
-            assert!((row.metrics.rmse - rmse).abs() < 1e-12, "{}", row.candidate.label());
+            let rmse = |light: f64| {
+                let squares =
+                    frame.pixels.iter().flat_map(|pixel| &pixel[..3]).map(|c| (f64::from(*c) - light).powi(2));
+                (squares.sum::<f64>() / (3.0 * 24.0 * 24.0)).sqrt()
+            };
+            assert!((row.metrics.rmse - rmse(0.0)).abs() < 1e-12, "{}", row.candidate.label());
+            // A block of 64 texels holds 4 of the 8 octaves; a hybrid computes the others.
+            let own = if row.candidate.strategy == "encoded" { rmse(0.75) } else { rmse(0.0) };
+            assert!((row.metrics.own_rmse.unwrap() - own).abs() < 1e-12, "{}", row.candidate.label());
             assert_eq!((row.runs.len(), row.metrics.not_finite), (2, 0));
         }
     });
@@ -142,7 +162,7 @@ fn more_samples_of_segments_turn_the_normals_less() {
         (scene.object.input, scene.image.size) = ("torus".into(), [48, 48]);
         let subject = common::subject(&scene, &library);
         let sweep = Sweep { samples: Some(vec![16, 128]), ..Sweep::default() };
-        let stage = Stage { gpu, library: &library, subject: &subject, stop: &|| false };
+        let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
         let mut refer = |scene: &Scene| Ok(Arc::new(dark(scene)));
         let found = compare(stage, &scene, &Settings { sweep, repeat: 1 }, &mut refer, &|_| ()).unwrap();
         let angle = |rule, samples| {
@@ -173,14 +193,33 @@ fn a_candidate_that_fails_fails_the_report_which_is_written() {
     }
 }
 
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m56_m57_a_full_comparison_has_every_strategy_and_every_column_of_table_3() {
+    let desk = tempfile::tempdir().unwrap();
+    let output = run(desk.path(), "compare sphere --effect fire --sweep 16 --size 48x48 --repeat 2 -o r");
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.is_empty(), "{said}");
+    let all = rows(&desk.path().join("r/candidates.csv"));
+    for strategy in glsl::shipped().modules("turbulence") {
+        assert!(all.iter().any(|row| row["strategy"].split('+').next() == Some(strategy)), "{strategy} is missing");
+    }
+    let page = fs::read_to_string(desk.path().join("r/index.html")).unwrap();
+    for row in ["8 noise lookups", "4 noise lookups", "4 channel", "encoded texture"] {
+        let (_, cells) = page.split_once(&format!("<tr><td>{row}")).unwrap();
+        // Ours beside the paper's, in four columns.
+        assert_eq!(cells.lines().next().unwrap().matches("<b>").count(), 4, "{row}");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn an_interrupted_comparison_keeps_what_is_measured() {
     let desk = tempfile::tempdir().unwrap();
     let mut started = command(desk.path(), "compare sphere --effect fire --size 48x48 -o r");
-    let child = started.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    while !desk.path().join("r").is_dir() {
+    let mut child = started.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    while !desk.path().join("r").is_dir() && child.try_wait().unwrap().is_none() {
         std::thread::sleep(std::time::Duration::from_millis(20));
     }
     std::thread::sleep(std::time::Duration::from_secs(1));

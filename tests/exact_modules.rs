@@ -21,8 +21,9 @@ const GLASS: &str = include_str!("glsl/exact_glass.glsl");
 /// that need certain modules beside them.
 type Subject = (&'static str, &'static str, &'static str, &'static [(&'static str, &'static str)]);
 
-const SLOTS: [Subject; 26] = [
+const SLOTS: [Subject; 28] = [
     ("object", POINT, "lit", &[]),
+    ("storage", POINT, "lit", &[]),
     ("softness", POINT, "fire", &[]),
     ("surface", POINT, "solid", &[]),
     ("medium", POINT, "fire", &[]),
@@ -41,6 +42,7 @@ const SLOTS: [Subject; 26] = [
     ("boolean", POINT, "eroded_cube", &[]),
     ("mask", POINT, "fire", &[("medium", "material")]),
     ("projection", RAY, "lit", &[]),
+    ("planes", RAY, "lit", &[]),
     ("clip", RAY, "lit", &[]),
     ("jitter", RAY, "lit", &[]),
     ("traverse", RAY, "fire", &[]),
@@ -87,11 +89,11 @@ fn each(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
     }
 }
 
-/// Every folder of modules is in the table, but those that only the vertex stage and slices have.
+/// Every folder of modules is in the table, but those that only the vertex stage and slices have, with their light.
 #[test]
 fn no_slot_is_left_out() {
     let library = glsl::shipped();
-    let others = ["proxy", "sampling", "doctor"];
+    let others = ["proxy", "sampling", "reject", "scatter", "doctor"];
     let folders = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/glsl")).unwrap();
     for folder in folders.map(|entry| entry.unwrap()).filter(|entry| entry.path().is_dir()) {
         let name = folder.file_name().into_string().unwrap();

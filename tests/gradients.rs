@@ -70,7 +70,7 @@ fn p41_three_samples_are_of_first_order_and_six_of_second() {
 fn p42_a_gradient_is_asked_for_only_where_the_density_lies_between_0_and_1() {
     let count = "// Counts.\n// Source: -\n// Result: one more.\nfloat gradients = 0.0;\n\
         vec3 shading_normal(Sample s, float density, float path) { gradients += 1.0; return s.normal; }\n\
-        void remember(float density) {}\n";
+        void remember(float density) {}\nvoid enter(inout Sample s, inout float density, float path) {}\n";
     let tally = "// Counts.\n// Source: -\n// Result: the density.\nfloat evaluations = 0.0;\n\
         float tally(float density, Sample s) { evaluations += 1.0; return density; }\n";
     // Per ray: what was counted, samples of soft matter, samples of the hard region; all without opacity.
@@ -138,5 +138,41 @@ fn p43_differences_see_the_relief_that_a_dmf_makes() {
         });
         println!("mean step between neighbors: {GRADIENTS:?} {contrast:.4?}");
         assert!(contrast[1] > 1.5 * contrast[0] && contrast[2] > 1.5 * contrast[0], "{contrast:?}");
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn p43_what_a_dmf_leaves_for_the_medium_survives_every_probe() {
+    const LEFT: &str = "vec3 left(vec3 x) { return normalize(vec3(sin(9.0 * x.y), 1.5, cos(7.0 * x.x))); }\n";
+    let dmf = format!(
+        "// Leaves.\n// Source: -\n// @outer width\n// @knob width = 0.3 in [0, 1]: Width.\n{LEFT}\
+         float leaves(float density, inout Sample s) {{\n    s.hair_normal = left(s.x);\n    \
+         s.hair_tangent = left(2.0 * s.x);\n    return 0.8 * density;\n}}\n"
+    );
+    // A sample towards the light beside, as vapor takes one.
+    let medium = "// Told.\n// Source: -\nvec3 medium(Sample s, float density) {\n    \
+         Sample beside = sample_object(s.x + vec3(0.05, 0.02, 0.03));\n    \
+         float there = modulate(beside.density, beside);\n    \
+         return vec3(distance(s.hair_normal, left(s.x)), distance(s.hair_tangent, left(2.0 * s.x)), 0.5 + 1e-6 * there);\n}\n";
+    let library = glsl::shipped().with_module("dmf", "leaves", &dmf).with_module("medium", "told", medium);
+    with_gpu(|gpu| {
+        for gradient in ["analytic", "central", "three"] {
+            for rate in [3.0, 200.0] {
+                let mut scene = preset("furry_donut").expect("a shipped preset");
+                scene.knobs.clear();
+                (scene.effect.dmf, scene.effect.medium) = (vec!["leaves".into()], "told".into());
+                (scene.effect.gradient, scene.effect.opacity_rate) = (gradient.into(), rate);
+                (scene.effect.surface, scene.material.color) = ("unlit".into(), Color([0, 0, 255]));
+                (scene.image.size, scene.quality.samples) = ([48, 48], 96);
+                for pass in [Pass::Slices, Pass::March] {
+                    scene.quality.pass = pass;
+                    let frame = picture(gpu, &library, &scene, &subject(&scene, &library));
+                    let off = frame.pixels.iter().map(|pixel| pixel[0].max(pixel[1])).fold(0.0, f32::max);
+                    assert!(off <= 1e-5, "{gradient}, {pass:?}: lit by what was left {off} away");
+                    assert!(frame.pixels.iter().any(|pixel| pixel[2] > 0.1), "nothing is seen");
+                }
+            }
+        }
     });
 }

@@ -5,7 +5,7 @@ mod common;
 use common::{formula, homogeneous, picture, subject, with_gpu};
 use hypertexture::glsl;
 use hypertexture::render::Frame;
-use hypertexture::scene::{EFFECTS, Pass, Projection, Ray, Scene, Traverse, names, preset};
+use hypertexture::scene::{EFFECTS, LightMethod, Pass, Projection, Ray, Scene, Traverse, names, preset};
 
 /// Part of the pixels that differ by more than `bound` in a channel, and the largest difference of the others.
 fn compare(a: &Frame, b: &Frame, bound: f32) -> (f64, f32) {
@@ -21,6 +21,10 @@ fn small(name: &str) -> Scene {
     let mut scene = preset(name).expect("a shipped preset");
     scene.object.resolution = 48;
     scene.light.shadow_resolution = 32;
+    if scene.is_half_angle() {
+        // Light that goes with the slices is not for rays.
+        (scene.light.method, scene.light.translucency) = (LightMethod::Volume, 0.0);
+    }
     scene.image.size = [80, 80];
     scene.quality.samples = 96;
     scene

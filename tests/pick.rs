@@ -3,6 +3,7 @@
 mod common;
 
 use common::{picture, subject, with_gpu};
+use hypertexture::compare::Stage;
 use hypertexture::glsl::{self, library::Default as KnobDefault};
 use hypertexture::pick::{Bound, Metric, PickError, pick};
 use hypertexture::random::SplitMix;
@@ -74,7 +75,9 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
             let scene = random_scene(&mut random);
             let error = 10f64.powf(within(&mut random, -2.7, -1.0));
             let bound = Bound::new(Metric::Rmse, error).unwrap();
-            match pick(gpu, &library, &scene, &subject(&scene, &library), bound, &|_| ()) {
+            let subject = subject(&scene, &library);
+            let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+            match pick(stage, &scene, bound, &|_| ()) {
                 Ok(pick) => {
                     let found = rmse(gpu, &pick.scene);
                     worst = worst.max(found / error);
@@ -99,7 +102,8 @@ fn a_smaller_bound_is_no_cheaper_and_an_impossible_one_says_what_is_nearest() {
         let mut scene = preset("noisy_sphere").unwrap();
         scene.image.size = [48, 48];
         let subject = subject(&scene, &library);
-        let pick = |metric, error| pick(gpu, &library, &scene, &subject, Bound::new(metric, error).unwrap(), &|_| ());
+        let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        let pick = |metric, error| pick(stage, &scene, Bound::new(metric, error).unwrap(), &|_| ());
         let [loose, tight] = [0.05, 0.002].map(|error| pick(Metric::Rmse, error).unwrap());
         assert!(loose.scene.quality.samples < tight.scene.quality.samples, "{} {}", loose.way, tight.way);
         assert!(tight.verified.is_some_and(|verified| verified.error <= 0.002 && verified.pixels >= 1024));

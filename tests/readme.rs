@@ -44,7 +44,8 @@ fn effects() -> String {
     for name in scene::names() {
         let scene = scene::preset(name).unwrap();
         let variant = Variant::of(&scene, &library).unwrap();
-        writeln!(text, "\n## {name}\n\n{}", scene.about).unwrap();
+        let about = format!("{} {}", scene.about, library.kinds(scene.dmfs()).unwrap());
+        writeln!(text, "\n## {name}\n\n{}", about.trim_end()).unwrap();
         let mut rows = String::new();
         for (name, knob, value) in variant.all_knobs() {
             let value = match (value, knob.default) {

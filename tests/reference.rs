@@ -111,6 +111,11 @@ fn every_preset_has_a_reference() {
         let pixels: Vec<[u32; 2]> = (0..6).map(|x| [x, 3]).collect();
         let truth = truth_of(&scene, &library).unwrap();
         let found = reference_pixels(&library, &truth, &subject, &pixels, 1e-2, &|_| ());
+        if scene.light.translucency > 0.0 {
+            let error = found.unwrap_err().to_string();
+            assert!(error.contains("light.translucency is blurred from slice to slice"), "{name}: {error}");
+            continue;
+        }
         let found = found.unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(found.pixels.iter().flatten().all(|value| value.is_finite()), "{name}");
     }

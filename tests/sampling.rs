@@ -5,7 +5,7 @@ mod common;
 use common::{difference, formula, homogeneous, picture, subject, with_gpu};
 use hypertexture::glsl;
 use hypertexture::render::{Frame, Renderer};
-use hypertexture::scene::{Order, Pass, Projection, Rule, Scene, TargetFormat, Traverse, preset};
+use hypertexture::scene::{Order, Pass, Phases, Projection, Rule, Scene, TargetFormat, Traverse, preset};
 
 /// The front face of the cube in turbulence that is clamped by the step.
 fn face(bandlimit: &str) -> Scene {
@@ -298,6 +298,42 @@ fn p49_a_renderer_that_is_used_again_gives_the_pictures_that_a_new_one_gives() {
                     }
                 }
             }
+        }
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn p48_blue_phases_leave_as_large_an_error_and_less_of_it_after_a_filter() {
+    with_gpu(|gpu| {
+        const SIDE: usize = 96;
+        let mut scene = homogeneous("sphere", 0.5, Projection::Perspective);
+        scene.effect.softness = "linear".into();
+        (scene.object.inner_iso, scene.object.outer_iso) = (-0.3, -0.1);
+        (scene.image.size, scene.quality.stop) = ([SIDE as u32; 2], 0.0);
+        let (subject, library) = (formula(&scene), glsl::shipped());
+        scene.quality.samples = 2048;
+        let truth = picture(gpu, &library, &scene, &subject);
+        (scene.quality.samples, scene.quality.jitter) = (12, true);
+        let mut of = |phases: Phases, pass: Pass| {
+            (scene.quality.phases, scene.quality.pass) = (phases, pass);
+            let frame = picture(gpu, &library, &scene, &subject);
+            let off: Vec<f64> =
+                frame.pixels.iter().zip(&truth.pixels).map(|(a, b)| f64::from(a[3]) - f64::from(b[3])).collect();
+            let rms = |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt();
+            // The mean of 5 x 5 pixels, inside of the disk.
+            let inside = |at: usize| (at as f64 + 0.5 - SIDE as f64 / 2.0).abs() < 0.2 * SIDE as f64;
+            let places = (0..SIDE * SIDE).filter(|at| inside(at % SIDE) && inside(at / SIDE));
+            let blurred: Vec<f64> = places
+                .map(|at| (0..25).map(|k| off[at + k % 5 - 2 + (k / 5) * SIDE - 2 * SIDE]).sum::<f64>() / 25.0)
+                .collect();
+            [rms(&off), rms(&blurred), blurred.iter().sum::<f64>() / blurred.len() as f64]
+        };
+        for pass in [Pass::Slices, Pass::March] {
+            let [hash, blue] = [Phases::Hash, Phases::Blue].map(|phases| of(phases, pass));
+            println!("{pass:?}: rms, after a filter, and mean: hash {hash:.5?}, blue {blue:.5?}");
+            assert!((0.8..1.25).contains(&(blue[0] / hash[0])), "{blue:?} {hash:?}");
+            assert!(blue[1] < 0.6 * hash[1] && blue[2].abs() < 0.1 * blue[0], "{blue:?} {hash:?}");
         }
     });
 }

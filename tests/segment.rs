@@ -75,8 +75,11 @@ fn m31_a_hard_surface_is_found_within_the_step() {
                     (b < 0.9).then(|| 0.5 + 0.5 * hit().z)
                 })
             });
-            assert!(overall(&point) < 1.2 && overall(&segment) > 2.5, "{} {}", overall(&point), overall(&segment));
-            assert!(segment[2].mean < 1e-5 && point[2].mean > 1e-2, "{:?} {:?}", segment[2], point[2]);
+            // The step of the coarsest is an eighth of the ball: without a place within it the mean error is near 0.05.
+            // Third order, and at 64 samples down to rounding.
+            let order = (segment[0].mean / segment[1].mean).log2();
+            assert!(order > 2.5, "order {order}");
+            assert!(segment[2].mean < 1e-5 && point[2].mean < 1e-5, "{:?} {:?}", segment[2], point[2]);
         }
     });
 }
@@ -134,6 +137,7 @@ fn m61_segments_give_one_picture_in_both_passes_leaping_or_not() {
 #[test]
 fn m31_what_has_no_segments_is_refused() {
     let mut scene = preset("shells").expect("a shipped preset");
+    scene.effect.classify = "post".into();
     scene.quality.rule = Rule::Segment;
     let error = scene.check(&glsl::shipped()).unwrap_err().to_string();
     assert!(error.starts_with("quality.rule = segment: effect.classify = \"post\" has points only"), "{error}");

@@ -96,12 +96,9 @@ fn an_interrupted_sequence_finishes_its_frame_and_exits_with_130() {
     let folder = tempfile::tempdir().unwrap();
     let desk = folder.path();
     let all = format!("{FRAMES} --frames 0..5000 -o f.png");
-    let child = command(desk, &all).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    let mut child = command(desk, &all).stderr(std::process::Stdio::piped()).spawn().unwrap();
     let third = desk.join("f_0002.png");
-    for _ in 0..600 {
-        if third.exists() {
-            break;
-        }
+    while !third.exists() && child.try_wait().unwrap().is_none() {
         std::thread::sleep(std::time::Duration::from_millis(100));
     }
     Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
@@ -118,6 +115,9 @@ fn an_interrupted_sequence_finishes_its_frame_and_exits_with_130() {
     assert_eq!(frames.count(), lines);
 }
 
+/// A prediction that is wrong is wrong as often as this.
+const ATTEMPTS: usize = 4;
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p51_small_pictures_foretell_the_cost_of_a_large_one() {
@@ -130,17 +130,24 @@ fn p51_small_pictures_foretell_the_cost_of_a_large_one() {
             scene.image.size = [320, 240];
             scene.quality.pass = pass;
             let subject = subject(&scene, &library);
-            let p = predict(&mut Renderer::new(gpu, &library, &subject), &scene).unwrap();
-            let truth = render(gpu, &library, &scene, &subject).unwrap().measurements;
-            println!("{effect} {pass:?}: {p:?}\n  truth {:.1} of {:.1} ms", truth.gpu_ms, truth.total_ms);
-            if let (Some(fragments), Some(count), Pass::Slices) = (p.fragments, truth.fragments, pass) {
-                assert!((fragments.expected / count as f64 - 1.0).abs() < 0.1, "{fragments:?}, and there are {count}");
-            }
-            // Others may use the machine: three times the interval.
-            if !(p.total_ms.low / 3.0..=p.total_ms.high * 3.0).contains(&truth.total_ms) {
-                outside.push(format!("{effect} {pass:?}: {:?} and {:.1} ms", p.total_ms, truth.total_ms));
+            // Others may use the machine, and more of it during one of the two: three times the interval, and some
+            // attempts.
+            let missed = (0..ATTEMPTS).map_while(|_| {
+                let p = predict(&mut Renderer::new(gpu, &library, &subject), &scene).unwrap();
+                let truth = render(gpu, &library, &scene, &subject).unwrap().measurements;
+                println!("{effect} {pass:?}: {p:?}\n  truth {:.1} of {:.1} ms", truth.gpu_ms, truth.total_ms);
+                if let (Some(fragments), Some(count), Pass::Slices) = (p.fragments, truth.fragments, pass) {
+                    let ratio = fragments.expected / count as f64;
+                    assert!((ratio - 1.0).abs() < 0.1, "{fragments:?}, and there are {count}");
+                }
+                let holds = (p.total_ms.low / 3.0..=p.total_ms.high * 3.0).contains(&truth.total_ms);
+                (!holds).then(|| format!("{effect} {pass:?}: {:?} and {:.1} ms", p.total_ms, truth.total_ms))
+            });
+            let missed: Vec<String> = missed.collect();
+            if missed.len() == ATTEMPTS {
+                outside.extend(missed);
             }
         }
     });
-    assert!(outside.len() <= 1, "{outside:?}");
+    assert!(outside.is_empty(), "{outside:?}");
 }

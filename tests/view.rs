@@ -102,13 +102,16 @@ fn a_screenshot_is_the_picture_that_render_makes() {
     let (shot, rendered) = (folder.path().join("shot.png"), folder.path().join("rendered.png"));
     let scene = ["teapot", "--effect", "fur", "--resolution", "64", "--size", "96x64", "--samples", "64"];
     render(&scene, &rendered);
+    let start = std::time::Instant::now();
+    render(&scene, &rendered); // with the field in the cache, as the window finds it
+    let alone = start.elapsed().as_secs_f64();
     let small = ["--window", "640x360", "--frames", "3", "--screenshot", shot.to_str().unwrap()];
     let output = view(&display, &[&scene[..], &small].concat());
     assert_good(&output);
     assert_eq!(std::fs::read(&shot).unwrap(), std::fs::read(&rendered).unwrap());
     let seconds = seconds(&String::from_utf8(output.stdout).unwrap());
     println!("first picture after {seconds:.2} s, with validation and the field in the cache");
-    assert!(seconds < 10.0, "{seconds} s: two, on a machine that has nothing else to do");
+    assert!(seconds < 20.0 * alone, "{seconds} s, and a picture of `render` takes {alone} s");
 }
 
 #[test]
@@ -337,7 +340,7 @@ fn a_field_is_computed_beside_the_window_and_can_be_given_up() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("script");
-    std::fs::write(&file, "wait loading\nframes 20\nclick Cancel\nframes 5\nkey ?\nframes 2\nquit\n").unwrap();
+    std::fs::write(&file, "wait loading\nframes 3\nclick Cancel\nframes 5\nkey ?\nframes 2\nquit\n").unwrap();
     let arguments = ["teapot", "--effect", "lit", "--resolution", "320", "--window", "560x240", "--script"];
     let mut command = program();
     command.env("DISPLAY", &display.name).env("XDG_CACHE_HOME", folder.path());

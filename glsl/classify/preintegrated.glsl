@@ -3,18 +3,23 @@
 // x: object space, middle of the segment; path: object units; result premultiplied linear RGBA.
 // The table holds the segment of one slice spacing; a longer path under perspective scales its optical depth.
 #include "sample.glsl"
+#include "clearance.glsl"
 #include <dmf>
 #include "exponential.glsl"
 
-float end_density(vec3 x) {
-    Sample s = sample_object(x);
-    return clamp(modulate(s.density, s), 0.0, 1.0);
-}
+float far_density = 0.0;        // at the end of the step before, along a ray
+
+float end_density(Sample s) { return clamp(modulate(s.density, s), 0.0, 1.0); }
 
 vec4 classify(vec3 x, float path) {
     vec3 half_segment = mat3(texture_matrix) * (to_eye() * (0.5 * path));
     vec2 size = vec2(textureSize(segment_map, 0));
-    vec2 ends = vec2(end_density(x + half_segment), end_density(x - half_segment));
+    Sample far = sample_object(x - half_segment);
+    clearance = far.clearance;
+    float near_density = far_density;
+    if (!follows) near_density = end_density(sample_object(x + half_segment));
+    far_density = end_density(far);
+    vec2 ends = vec2(near_density, far_density);
     vec4 matter = textureLod(segment_map, (ends * (size - 1.0) + 0.5) / size, 0.0);
     if (matter.a <= 0.0) return vec4(0.0);
     float alpha = matter.a >= 1.0 ? 1.0 : -exp_minus_one(path / step_size * log_one_minus(matter.a));

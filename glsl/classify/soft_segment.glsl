@@ -4,6 +4,7 @@
 // x: object space, middle of the step; path: object units; result premultiplied linear RGBA.
 #include "sample.glsl"
 #include "segment.glsl"
+#include "clearance.glsl"
 #include <dmf>
 #include <opacity>
 #include <gradient>
@@ -17,13 +18,12 @@ struct End {
 };
 End far_end;            // of the step before, along a ray
 
-const float BELOW_ONE = 0.99999994;     // the largest density of soft matter in f32
-
-float modulated(Sample s) { return s.density > 0.0 ? clamp(modulate(s.density, s), 0.0, 1.0) : 0.0; }
+float modulated(inout Sample s) { return s.density > 0.0 ? clamp(modulate(s.density, s), 0.0, 1.0) : 0.0; }
 
 End end_at(vec3 x) {
     Sample s = sample_object(x);
-    return End(s, soften_unclamped(s.distance), modulated(s));
+    float density = modulated(s);
+    return End(s, soften_unclamped(s.distance), density);
 }
 
 // What is seen of two ends: the sample at part t of the way, on a line.
@@ -34,6 +34,8 @@ Sample between(Sample a, Sample b, float t) {
     s.normal = safe_normalize(mix(a.normal, b.normal, t), a.normal);
     s.shading = s.normal;
     s.coherence = mix(a.coherence, b.coherence, t);
+    s.hair_normal = safe_normalize(mix(a.hair_normal, b.hair_normal, t), a.hair_normal);
+    s.hair_tangent = safe_normalize(mix(a.hair_tangent, b.hair_tangent, t), a.hair_tangent);
     return s;
 }
 
@@ -43,6 +45,7 @@ vec4 classify(vec3 x, float path) {
     if (!follows) a = end_at(from);
     End b = end_at(from + along);
     far_end = b;
+    clearance = b.s.clearance;
     vec2 part = kept(from, along);
     if (part.x > 0.0) a = end_at(from + part.x * along);
     if (part.y < 1.0) b = end_at(from + part.y * along);
@@ -73,13 +76,13 @@ vec4 classify(vec3 x, float path) {
     if (soft.y > soft.x) {
         float d0 = entering ? (edge > 0.0 ? 0.0 : a.density) : (within ? d_over : a.density);
         float d1 = entering ? (within ? d_over : b.density) : (edge < 1.0 ? 0.0 : b.density);
-        float alpha = segment_opacity(d0, d1, amount * (soft.y - soft.x));
         float density = 0.5 * (d0 + d1), t = 0.5 * (soft.x + soft.y);
-        if (alpha > 0.0) {
+        if (density > 0.0) {
             Sample s = between(a.s, b.s, t);
             s.density = clamp(mix(a.unclamped, b.unclamped, t), 0.0, BELOW_ONE);
             look_from_middle_to(mix(part.x, part.y, t), path);
             if (density < 1.0) s.shading = shading_normal(s, density, path);
+            float alpha = segment_opacity(d0, d1, amount * (soft.y - soft.x) * extinction(s, density));
             soft_matter = vec4(medium(s, density), 1.0) * alpha;
             position_eye = middle_eye;
         }

@@ -1,12 +1,16 @@
-// A hard object: the iso-surface alone.
-// Source: MJ 3.5.
+// A hard object: the iso-surface alone, located between the first sample behind it and the one before.
+// Source: MJ 3.5; where it is within the step is ours.
 // x: object space; path: object units; result premultiplied linear RGBA, alpha 0 or 1.
 #include "sample.glsl"
+#include "clearance.glsl"
+#include "located.glsl"
 #include <surface>
 
 vec4 classify(vec3 x, float path) {
     Sample s = sample_object(x);
+    clearance = s.clearance;
     if (s.density <= 0.0) return vec4(0.0);
-    s.normal = cap_normal(x, s.normal);
+    locate(s, outer_iso_value, path);
+    s.normal = cap_normal(s.x, s.normal);
     return vec4(surface(s), 1.0);
 }

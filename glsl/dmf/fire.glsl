@@ -16,7 +16,7 @@ float fire(float density, Sample s) {
     float height = clamp((s.x.y - own_min.y) / (own_max.y - own_min.y), 0.0, 1.0);
     float cut = fury * mix(0.8, 1.5, height) * (0.35 + away);    // MJ 6: varying with height
     float enough = 1.0001 * (1.0 - away) / max(cut, 1e-6);       // nothing is left of the flame
-    vec3 p = flame_scale * (s.x * vec3(1.0, 0.45, 1.0) - vec3(0.0, rise * time, 0.0));
+    vec3 p = flame_scale * vec3(1.0, 0.45, 1.0) * (s.x - vec3(0.0, rise * time, 0.0));
     float left = 1.0 - away - cut * turbulence(p, flame_scale * sample_width(), enough);
     // The gas stands off from the object: it is thinnest there, so that slices leave no contours on the surface.
     return 0.85 * clamp(1.4 * left, 0.0, 1.0) * smoothstep(0.0, 0.22, away);

@@ -1,6 +1,7 @@
 // Fur: noise, constant along the direction of growth, sharpened into hairs that thin out towards their tips.
 // Source: PH 2.4: f = gain.9(bias.3(noise(frequency * project(x)))) * D(x), with the remap 0.5 + 0.5 noise it implies;
-// curl is the tribble's; droop, uneven length and the middle of a hair in place of its root are ours.
+// curl is the tribble's; droop, uneven length and the middle of a hair in place of its root are ours. PH's own form has
+// curliness, droop, unevenness and hair_middle 0, and hair_contrast 1.
 // density: D in [0, 1]; result in [0, 1].
 // @needs normal
 // @outer hair_length
@@ -11,10 +12,11 @@
 // @knob unevenness = 0.5 in [0, 1]: Spread of the length from hair to hair.
 // @knob hair_bias = 0.3 in [0.01, 0.99]: Thickness of the hair: PH's bias.
 // @knob hair_gain = 0.9 in [0.01, 0.99]: Sharpness of its edge: PH's gain.
+// @knob hair_contrast = 1.667 in [1, 2]: How strongly the noise tells hair from gap; 1 is PH's.
+// @knob hair_middle = 0.5 in [0, 1]: Where on a hair its noise is taken: 0 is its root, as PH do, 1 its tip.
 #include <noise>
 #include <project>
 #include "shaping.glsl"
-#include "hair_point.glsl"
 
 // The place where a hair would be without droop and curl.
 vec3 unbent(Sample s, float tip) {
@@ -22,16 +24,16 @@ vec3 unbent(Sample s, float tip) {
     return s.x + vec3(0.0, droop * hair_length * tip * tip, 0.0) + curl;
 }
 
-float fur(float density, Sample s) {
+float fur(float density, inout Sample s) {
     if (density >= 1.0) return 1.0;
     vec3 straight = unbent(s, 1.0 - density);
     vec3 root = project(straight, s);
-    hair_normal = safe_normalize(straight - root, s.normal);
+    s.hair_normal = safe_normalize(straight - root, s.normal);
     float tip = clamp(1.0 - s.density, 0.0, 1.0);
-    hair_tangent = safe_normalize(hair_normal - vec3(0.0, 2.0 * droop * tip, 0.0), hair_normal);
+    s.hair_tangent = safe_normalize(s.hair_normal - vec3(0.0, 2.0 * droop * tip, 0.0), s.hair_normal);
     // A hair is known by its middle, not by its root: all of the space around an edge or a speck has one root.
-    vec3 middle = root + 0.5 * hair_length * hair_normal;
-    float strand = gain(hair_gain, bias(hair_bias, 0.5 + 0.5 * noise(fineness * middle) / 0.6));
+    vec3 middle = root + hair_middle * hair_length * s.hair_normal;
+    float strand = gain(hair_gain, bias(hair_bias, 0.5 + 0.5 * hair_contrast * noise(fineness * middle)));
     float length_here = 1.0 - unevenness * clamp(0.5 + noise(0.23 * fineness * middle), 0.0, 1.0);
     float grown = max((density - 1.0 + length_here) / length_here, 0.0);
     return strand * grown * trust(s);

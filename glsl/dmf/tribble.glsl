@@ -1,6 +1,7 @@
 // Curly fur: straight at the root, ever curlier towards the tip.
 // Source: PH 2.4 (tribble): x' = x + gain.8(1 - d) * curliness * vnoise(x); s = noise(freq * project(x'));
-// f = gain.9(bias.3(s)) * d, with the remap 0.5 + 0.5 noise that it implies. Geometry-dependent.
+// f = gain.9(bias.3(s)) * d, with the remap 0.5 + 0.5 noise that it implies; exactly so where tribble_contrast is 1.
+// Geometry-dependent.
 // density: D in [0, 1]; result in [0, 1].
 // @needs normal
 // @outer tribble_length
@@ -8,13 +9,13 @@
 // @knob tribble_fineness = 24 in [2, 200]: Hairs per object unit.
 // @knob tribble_curliness = 0.3 in [0, 2]: How far the tip of a hair is moved, object units.
 // @knob curl_frequency = 4 in [0.2, 40]: Curls per object unit.
+// @knob tribble_contrast = 1.667 in [1, 2]: How strongly the noise tells hair from gap; 1 is PH's.
 #include "vector_noise.glsl"
 #include "shaping.glsl"
-#include "hair_point.glsl"
 #include <project>
 
 // Where the matter that is now at a point grew.
-vec3 uncurled(Sample s) {
+vec3 uncurled(inout Sample s) {
     float tip = clamp(1.0 - s.density, 0.0, 1.0);
     mat3 slope;
     vec3 curl = tribble_curliness * vector_noise_slope(curl_frequency * s.x, slope);
@@ -22,14 +23,14 @@ vec3 uncurled(Sample s) {
     float growth = (gain(0.8, tip + 0.05) - gain(0.8, tip - 0.05)) / (0.1 * tribble_length);
     // A hair is where x' moves along the normal: (1 + derivative of the curl) tangent = normal, to first order.
     vec3 bend = growth * curl + strength * tribble_curliness * curl_frequency * (slope * s.normal);
-    hair_normal = s.normal;
-    hair_tangent = safe_normalize(s.normal - bend, s.normal);
+    s.hair_normal = s.normal;
+    s.hair_tangent = safe_normalize(s.normal - bend, s.normal);
     return s.x + strength * curl;
 }
 
-float tribble(float density, Sample s) {
+float tribble(float density, inout Sample s) {
     if (s.density >= 1.0) return density;
     vec3 root = project(uncurled(s), s);
-    float strand = gain(0.9, bias(0.3, 0.5 + 0.5 * noise(tribble_fineness * root) / 0.6));
+    float strand = gain(0.9, bias(0.3, 0.5 + 0.5 * tribble_contrast * noise(tribble_fineness * root)));
     return strand * density * trust(s);
 }

@@ -9,5 +9,5 @@ float turbulent(float density, Sample s) {
     if (s.density >= 1.0) return density;
     vec3 p = s.x - vec3(0.0, turbulence_rise * time, 0.0);
     float enough = 1.0001 / max(turbulence_strength, 1e-6);     // nothing is left
-    return density * max(1.0 - turbulence_strength * turbulence(turbulence_scale * p, 0.0, enough), 0.0);
+    return density * max(1.0 - turbulence_strength * turbulence(turbulence_scale * p, turbulence_scale * sample_width(), enough), 0.0);
 }

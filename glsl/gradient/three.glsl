@@ -14,3 +14,4 @@ vec3 shading_normal(Sample s, float density, float path) {
                           modulated_density(s.x + offset[2]) - density), s.normal);
 }
 void remember(float density) { density_before = density; }
+void enter(inout Sample s, inout float density, float path) {}

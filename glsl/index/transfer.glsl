@@ -3,11 +3,12 @@
 // x: object space; index in [1, 4], gradients per object unit.
 // @needs normal
 #include "sample.glsl"
+#include "clearance.glsl"
 #include "index_point.glsl"
 #include <dmf>
 
 // Outside the soft region nothing is modulated (MJ 6).
-float matter_density(Sample s) { return s.density > 0.0 ? clamp(modulate(s.density, s), 0.0, 1.0) : 0.0; }
+float matter_density(inout Sample s) { return s.density > 0.0 ? clamp(modulate(s.density, s), 0.0, 1.0) : 0.0; }
 
 // The index map at a density: linear between two entries of one layer, the nearer entry where a layer ends between them.
 Index index_of(float density) {
@@ -24,8 +25,15 @@ Index index_of(float density) {
     return Index(entry.x, entry.y, entry.z, density);
 }
 
+float density_at(vec3 x) {
+    Sample s = sample_object(x);
+    return matter_density(s);
+}
+
 Index index_at(vec3 x) {
-    float density = matter_density(sample_object(x));
+    Sample s = sample_object(x);
+    clearance = s.clearance;
+    float density = matter_density(s);
     if (!clipped(x)) return index_of(density);
     Index cut = index_of(0.0);
     cut.layer = -1.0;
@@ -42,7 +50,7 @@ vec3 density_gradient(vec3 x, out vec3 bare_normal) {
     vec3 gradient = vec3(0.0);
     for (int axis = 0; axis < (bare ? 1 : 3); ++axis) {
         vec3 along = bare ? s.normal : vec3(axis == 0, axis == 1, axis == 2);
-        gradient += along * (matter_density(sample_object(x + h * along)) - matter_density(sample_object(x - h * along)));
+        gradient += along * (density_at(x + h * along) - density_at(x - h * along));
     }
     return gradient / (2.0 * h);
 }
@@ -50,7 +58,7 @@ vec3 density_gradient(vec3 x, out vec3 bare_normal) {
 // n grad n at a point that a ray in `medium` reaches.
 vec3 pull(vec3 x, Index medium) {
     vec3 bare_normal;
-    Index at = index_of(matter_density(sample_object(x)));
+    Index at = index_of(density_at(x));
     return at.slope == 0.0 ? vec3(0.0) : at.value * at.slope * density_gradient(x, bare_normal);
 }
 

@@ -8,12 +8,4 @@ float sample_phase() {
     uvec3 bits = hash(uvec3(uvec2(gl_FragCoord.xy), uint(jitter_seed)));
     return float(bits.x >> 8u) / 16777216.0 - 0.5;
 }
-
-// Moves a fragment of a slice to where its ray is sampled; what leaves the box there is not of this object.
-void shift_sample(inout vec3 eye, inout vec3 x) {
-    vec3 shift = to_eye() * (-sample_phase() * step_size * path_scale());
-    eye += shift;
-    x += mat3(texture_matrix) * shift;
-    vec3 beyond = max(box_min.xyz - x, x - box_max.xyz);
-    if (max(beyond.x, max(beyond.y, beyond.z)) > segment_reach) discard;
-}
+#include "shift_sample.glsl"

@@ -5,19 +5,18 @@
 // @color root_color = #2b1509: Color of the hair at the skin.
 // @color tip_color = #d9a05f: Color of the hair at its tip.
 // @knob sheen = 0.25 in [0, 2]: Strength of the highlight.
-#include "hair_point.glsl"
 #include <shadow>
 vec3 medium(Sample s, float density) {
     float tip = clamp(1.0 - s.density, 0.0, 1.0);
-    vec3 t = safe_normalize(mat3(normal_matrix) * hair_tangent, to_eye());
-    vec3 n = safe_normalize(mat3(normal_matrix) * hair_normal, to_eye());
+    vec3 t = safe_normalize(mat3(normal_matrix) * s.hair_tangent, to_eye());
+    vec3 n = safe_normalize(mat3(normal_matrix) * s.hair_normal, to_eye());
     vec3 l = safe_normalize(light_position.xyz - position_eye, t);
     vec3 v = to_eye();
     float tl = clamp(dot(t, l), -1.0, 1.0), tv = clamp(dot(t, v), -1.0, 1.0);
     float sin_tl = sqrt(1.0 - tl * tl), sin_tv = sqrt(1.0 - tv * tv);
     float wrap = clamp(0.5 + 0.5 * dot(n, l), 0.0, 1.0);      // hair on the far side is in the shadow of the body
-    float lit = shadow(mix(0.25, 1.0, tip) * wrap, vec3(0.0));
-    float specular = pow(max(tl * tv + sin_tl * sin_tv, 1e-4), specular_power);
+    vec3 lit = shadow(mix(0.25, 1.0, tip) * wrap, vec3(0.0));
+    float specular = pow(max(sin_tl * sin_tv - tl * tv, 1e-4), specular_power);     // the mirrored cone: t.r = -t.l
     vec3 base = mix(root_color.rgb, tip_color.rgb, tip) * color.rgb;
     return base * (ambient_color.rgb * mix(0.4, 1.0, tip) + lit * sin_tl * light_color.rgb)
          + sheen * lit * specular * light_color.rgb;

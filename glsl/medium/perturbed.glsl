@@ -1,14 +1,19 @@
-// The color of the transfer map, made irregular by noise: brightness as a whole, and each channel for itself.
-// Source: GG 39.5, first technique: optical properties are perturbed after the transfer function.
-// density: modulated, in [0, 1]; result: linear RGB.
+// The color of the transfer map and the opacity, made irregular by noise: brightness as a whole, and each channel for itself.
+// Source: GG 39.5, first technique: four noises change optical properties after the transfer function.
+// density: modulated, in [0, 1]; result: linear RGB; extinction: a factor of the opacity rate, at least 0.
 // @knob irregularity = 0.6 in [0, 2]: How far the brightness varies, as a part of it.
 // @knob iridescence = 0.4 in [0, 2]: How far each channel varies for itself, as a part of it.
+// @knob patchiness = 0 in [0, 2]: How far the opacity varies, as a part of it.
 // @knob irregularity_frequency = 8 in [0.1, 100]: Noise cells per object unit.
 // @knob irregularity_speed = 0 in [0, 8]: How fast the noise drifts, cells per second.
 #include "transfer.glsl"
-#include "vector_noise.glsl"
+#include "four_noises.glsl"
+vec3 irregular_place(Sample s) { return irregularity_frequency * s.x - vec3(0.0, irregularity_speed * time, 0.0); }
+
 vec3 medium(Sample s, float density) {
-    vec3 p = irregularity_frequency * s.x - vec3(0.0, irregularity_speed * time, 0.0);
-    vec3 factor = 1.0 + irregularity * noise(2.0 * p + 29.3) + iridescence * vector_noise(p);
+    vec3 p = irregular_place(s);
+    vec3 factor = 1.0 + irregularity * noise(2.0 * p + 29.3) + iridescence * four_noises(p).rgb;
     return transfer(density).rgb * max(factor, 0.0);
 }
+
+float extinction(Sample s, float density) { return max(1.0 + patchiness * four_noises(irregular_place(s)).a, 0.0); }

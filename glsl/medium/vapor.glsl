@@ -6,11 +6,9 @@
 // @knob shade_distance = 0.15 in [0.01, 1]: How far towards the light the matter is looked at, object units.
 // @knob shade_depth = 1.5 in [0, 10]: How dark the shade is.
 vec3 medium(Sample s, float density) {
-    float kept = clearance;                                     // this sample is none of the ray's
     vec3 towards = safe_normalize(mat3(texture_matrix) * (light_position.xyz - position_eye), vec3(0.0, 1.0, 0.0));
     Sample nearer = sample_object(s.x + shade_distance * towards);
     float blocking = nearer.density > 0.0 ? clamp(modulate(nearer.density, nearer), 0.0, 1.0) : 0.0;
-    clearance = kept;
     float light = clamp(0.75 + 0.5 * shade_depth * (density - blocking) - 0.5 * blocking, 0.0, 1.0);
     return mix(shade_color.rgb, vapor_color.rgb * light_color.rgb, light);
 }

@@ -3,8 +3,9 @@
 // Source: MJ 3.1 (distance), 2 (gradient).
 // x: object space.
 #include "surface_point.glsl"
+#include <storage>
 
-float volume_distance(vec3 tex_coord) { return distance_decode.x + distance_decode.y * texture(volume, tex_coord).r; }
+float volume_distance(vec3 tex_coord) { return distance_decode.x + distance_decode.y * volume_at(tex_coord).r; }
 
 Surface object(vec3 x) {
     vec3 tex_coord = volume_scale.xyz * x + volume_offset.xyz;

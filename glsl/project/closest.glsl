@@ -3,10 +3,11 @@
 // x: object space; s: the sample that x was displaced from; result: object space.
 // The filter of a device would mix the two sides of a medial axis. Here each of the eight voxels says where the foot of
 // x would be if the surface were flat at its own foot; the nearest one wins, and those that agree with it are mixed.
+#include <storage>
 
-// The way from a place to its foot, as the voxel at `corner` has it; `apart`: from there to the place, in voxels.
-vec3 way_to_foot(ivec3 corner, vec3 apart, vec3 normal) {
-    vec3 stored = (2.0 * texelFetch(closest_volume, corner, 0).xyz - 1.0) * closest_range;
+// The way from a place to its foot, as the voxel of a texel has it; `apart`: from there to the place, in voxels.
+vec3 way_to_foot(ivec3 texel, vec3 apart, vec3 normal) {
+    vec3 stored = (2.0 * texelFetch(closest_volume, texel, 0).xyz - 1.0) * closest_range;
     float far = length(stored);
     // Nearer to the surface than some codes of the texel, the way has no direction.
     vec3 down = far > closest_range / 1024.0 ? stored / far : normal;
@@ -27,10 +28,10 @@ vec3 project(vec3 x, Sample s) {
     mat3 jacobian = mat3(1.0);
     displace(displaced, jacobian);
     vec3 at = (volume_scale.xyz * displaced + volume_offset.xyz) / volume_texel.xyz - 0.5;      // in voxels
-    vec3 last = vec3(textureSize(closest_volume, 0) - 2);
-    vec3 low = clamp(floor(at), vec3(0.0), max(last, 0.0));
-    ivec3 a = ivec3(low), b = min(a + 1, textureSize(closest_volume, 0) - 1);
-    vec3 u = at - low, v = u - vec3(b - a);
+    vec3 last = round(1.0 / volume_texel.xyz) - 1.0;
+    vec3 low = clamp(floor(at), vec3(0.0), max(last - 1.0, 0.0)), high = min(low + 1.0, last);
+    vec3 u = at - low, v = u - (high - low);
+    ivec3 shift = texel_shift(ivec3(low)), a = ivec3(low) + shift, b = ivec3(high) + shift;
     vec3 c0 = way_to_foot(a, u, s.normal);
     vec3 c1 = way_to_foot(ivec3(b.x, a.y, a.z), vec3(v.x, u.y, u.z), s.normal);
     vec3 c2 = way_to_foot(ivec3(a.x, b.y, a.z), vec3(u.x, v.y, u.z), s.normal);

@@ -1,6 +1,7 @@
 // Each slice cut to the box around the soft region, in the vertex stage, from a static vertex buffer.
 // Source: GG 39.6.1 (draw only the required fragments); the corner paths follow Rezk-Salama and Kolb 2005.
-// corner: x = corner 0..5 of the polygon, y = eye-space z of the slice; material: tint of the slice, linear RGBA.
+// corner: x = corner 0..5 of the polygon, y = depth of the slice, negative; material: tint of the slice, linear RGBA.
+#include <planes>
 layout(location = 0) in vec2 corner;
 layout(location = 1) in vec4 material;
 
@@ -14,16 +15,16 @@ vec3 proxy_position() {
     float rise[3];
     for (int axis = 0; axis < 3; ++axis) {
         vec3 along = object_matrix[axis].xyz * size[axis];
-        if (along.z > 0.0) {        // z grows toward the eye: start at the other end of this axis
+        if (plane_depth(along) < 0.0) {     // toward the first slice: start at the other end of this axis
             nearest[axis] = high[axis];
             along = -along;
         }
         edge[axis] = along;
-        rise[axis] = max(-along.z, 1e-20);
+        rise[axis] = max(plane_depth(along), 1e-20);
     }
     vec3 start = (object_matrix * vec4(nearest, 1.0)).xyz;
-    float depth = start.z - corner.y;                     // from the nearest corner to the slice, >= 0 inside
-    if (depth < 0.0 || depth > rise[0] + rise[1] + rise[2]) return vec3(0.0, 0.0, start.z);   // all six coincide
+    float depth = -corner.y - plane_depth(start);         // from the nearest corner to the slice, >= 0 inside
+    if (depth < 0.0 || depth > rise[0] + rise[1] + rise[2]) return start;   // all six coincide
     int index = int(corner.x);
     int a = index / 2, b = (a + 1) % 3, c = (a + 2) % 3;
     float past = depth - rise[a];

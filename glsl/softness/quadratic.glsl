@@ -4,13 +4,15 @@
 // Unclamped: the same parabola beyond both radii.
 const float REFERENCE_RADIUS = 1.0;
 
-float soften(float distance) {
+// outer: where the soft region starts; without it, at the outer iso-value.
+float soften(float distance, float outer) {
     float r = max(REFERENCE_RADIUS + distance, 0.0);
-    float r_outer = REFERENCE_RADIUS + outer_iso_value;
+    float r_outer = REFERENCE_RADIUS + outer;
     float r_inner = max(REFERENCE_RADIUS + iso_value, 0.0);
     float width = (r_outer - r_inner) * (r_outer + r_inner);
     return width > 0.0 ? clamp((r_outer - r) * (r_outer + r) / width, 0.0, 1.0) : (distance <= iso_value ? 1.0 : 0.0);
 }
+float soften(float distance) { return soften(distance, outer_iso_value); }
 float soften_unclamped(float distance) {
     float r = max(REFERENCE_RADIUS + distance, 0.0);
     float r_outer = REFERENCE_RADIUS + outer_iso_value;

@@ -1,13 +1,6 @@
 // Bump mapping with two normals: the volume's and the noise's.
-// Source: MJ 5.2, Eq. 7: normalize(k V + B). A larger k is a milder bump.
+// Source: MJ 5.2, Eq. 7, Fig. 7c.
 // Result: linear RGB.
-// @knob bump_scale = 1.6 in [0, 20]: k of Eq. 7: the smaller, the rougher the surface.
-// @knob bump_frequency = 7.0 in [0.5, 64]: Noise cells per object unit.
-#include <noise>
+#include "bump_normal.glsl"
 #include "lighting.glsl"
-vec3 bumpmap(vec3 v, vec3 b, float k) { return safe_normalize(k * v + b, v); }
-
-vec3 surface(Sample s) {
-    vec3 b = safe_normalize(noise_gradient(bump_frequency * s.x).xyz, s.normal);
-    return lighting(color.rgb * material_color.rgb, bumpmap(s.normal, b, bump_scale));
-}
+vec3 surface(Sample s) { return lighting(color.rgb * material_color.rgb, bump_normal(s)); }

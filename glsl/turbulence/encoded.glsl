@@ -1,19 +1,20 @@
 // Turbulence by one fetch from a block in which every octave is already summed: with its gradient, or alone.
-// Source: MJ 4.1: best quality and speed. What is summed cannot be taken apart: slot <bandlimit> has no effect here, and
-// of a sample wider than a texel every octave aliases; turbulence/procedural fades them. Nor is there an end before all
-// is summed.
-// p: lattice cells of the first octave; result: gradient per cell in xyz, sum of |noise| / 2^i in w, in [0, 2].
+// Source: MJ 4.1: best quality and speed. There is no end before all is summed. Octaves fade by the levels of the block.
+// p, width, enough and results: as octave_gradient.glsl has them, but the sum is in [0, 2].
 // @exact procedural turbulence_block
 #include "octave_constants.glsl"
+#include "octave_levels.glsl"
 #include <wrap>
 const float TURBULENCE_GRADIENT_BOUND = 24.0;   // as baked; eight octaves never exceed 22.4
 
-vec4 turbulence_gradient(vec3 p) {
-    vec4 texel = texture(turbulence_block, p / turbulence_cells);
+vec4 turbulence_gradient(vec3 p, float width) {
+    vec4 texel = textureLod(turbulence_block, p / turbulence_cells, octave_level(width, turbulence_octaves));
     return vec4((2.0 * texel.rgb - 1.0) * fold_sign(p, turbulence_cells) * TURBULENCE_GRADIENT_BOUND, 2.0 * texel.a);
 }
-float turbulence(vec3 p) { return 2.0 * texture(turbulence_value_block, p / turbulence_cells).r; }
-vec4 turbulence_gradient(vec3 p, float width) { return turbulence_gradient(p); }
-vec4 turbulence_gradient(vec3 p, float width, float enough) { return turbulence_gradient(p); }
-float turbulence(vec3 p, float width) { return turbulence(p); }
-float turbulence(vec3 p, float width, float enough) { return turbulence(p); }
+float turbulence(vec3 p, float width) {
+    return 2.0 * textureLod(turbulence_value_block, p / turbulence_cells, octave_level(width, turbulence_octaves)).r;
+}
+vec4 turbulence_gradient(vec3 p) { return turbulence_gradient(p, 0.0); }
+vec4 turbulence_gradient(vec3 p, float width, float enough) { return turbulence_gradient(p, width); }
+float turbulence(vec3 p) { return turbulence(p, 0.0); }
+float turbulence(vec3 p, float width, float enough) { return turbulence(p, width); }

@@ -5,12 +5,13 @@
 // @exact procedural turbulence_block
 #include "octave_gradient.glsl"
 #include "octave_lattice.glsl"
+#include "octave_levels.glsl"
 int octaves_held() { return OCTAVES; }
 float octave(vec3 p, int index) { return lattice_noise(p, octave_mask(index)); }
 vec4 octave_gradient(vec3 p, int index) { return lattice_noise_gradient(p, octave_mask(index)); }
 
 float turbulence(vec3 p, float width, float enough) {
-    float sum = 2.0 * texture(low_octaves_block, p / turbulence_cells).r;
+    float sum = 2.0 * textureLod(low_octaves_block, p / turbulence_cells, octave_level(width, low_octaves)).r;
     int first = int(low_octaves);
     float scale = exp2(low_octaves);
     for (int index = first; index < OCTAVES; ++index) {

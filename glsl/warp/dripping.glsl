@@ -2,7 +2,8 @@
 // Source: PH 2.4 (dripping sphere: noise modulates only the y component of x); the paper prints no formula: a
 // reconstruction. The noise varies slowly along y, so that a drip stays a drip, and what would rise is held low.
 // x: object space; jacobian: derivative of the displaced by the original point.
-// @reach drip_amplitude
+// @move +y 1.1547006 * noise_bound * drip_amplitude
+// @move -y 0.2886752 * noise_bound * drip_amplitude
 // @knob drip_amplitude = 0.8 in [0, 2]: Length of the longest drip, object units.
 // @knob drips = 3 in [0.2, 20]: Drips per object unit.
 #include <noise>

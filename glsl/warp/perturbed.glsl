@@ -1,12 +1,13 @@
 // Three scales of vector noise move the place that is looked up: detail on coarse data, and flow when time passes.
-// Source: GG 39.5 (after Kniss et al. 2003): p' = p + sum of w_j N(s_j p + o_j(t)).
+// Source: GG 39.5 (after Kniss et al. 2003): p' = p + sum of w_j N(s_j p + o_j(t)); PH 3.1.
 // x: object space; jacobian: derivative of the displaced by the original point.
-// @reach perturbation
+// @move 1.1547006 * noise_bound * perturbation
 // @knob perturbation = 0.3 in [0, 2]: No point moves further than this, object units.
 // @knob perturbation_frequency = 2 in [0.1, 40]: Frequency of the coarsest scale; the others are 2 and 4 times as fine.
 // @knob perturbation_roughness = 0.5 in [0, 1]: Strength of each scale, in that of the next coarser one.
 // @knob perturbation_speed = 0.3 in [0, 8]: How fast the noise drifts, cells of the coarsest scale per second.
 #include "vector_noise.glsl"
+#include <bandlimit>
 void perturbed(inout vec3 x, inout mat3 jacobian) {
     mat3 step = mat3(1.0);
     vec3 moved = x;
@@ -14,9 +15,10 @@ void perturbed(inout vec3 x, inout mat3 jacobian) {
     float scale = perturbation_frequency;
     vec3 drift = vec3(0.31, -1.0, 0.17) * (perturbation_speed * time);
     for (int j = 0; j < 3; ++j) {
+        float kept = weight * octave_weight(scale * sample_width());    // a scale that is finer than a sample fades
         mat3 slope;
-        moved += weight * vector_noise_slope(scale * x + drift, slope);
-        step += weight * scale * slope;
+        moved += kept * vector_noise_slope(scale * x + drift, slope);
+        step += kept * scale * slope;
         weight *= perturbation_roughness;
         scale *= 2.0;
         drift = 1.5 * drift.zxy + vec3(3.1, 7.7, 1.3);          // the scales drift in different directions

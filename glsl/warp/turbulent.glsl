@@ -2,7 +2,8 @@
 // Source: PH 2.4 (fire ball): D(x (1 + turbulence(x))), the solar corona of Perlin 1985 in three dimensions; the offset
 // that varies with time is GG 39.5.
 // x: object space; jacobian: derivative of the displaced by the original point.
-// @reach turbulence_amplitude + turbulence_amplitude
+// @move 2 * noise_bound * turbulence_amplitude * hold_radius
+// @grow 0
 // @knob turbulence_amplitude = 1 in [0, 2]: How strongly the turbulence shrinks the object.
 // @knob turbulence_frequency = 1 in [0.1, 20]: Frequency of the first octave: turbulence cells per object unit.
 // @knob turbulence_speed = 0.3 in [0, 8]: Speed at which the turbulence rises, object units per second.
@@ -11,9 +12,9 @@
 void turbulent(inout vec3 x, inout mat3 jacobian) {
     vec3 p = turbulence_frequency * (x - vec3(0.0, turbulence_speed * time, 0.0));
     // Beyond this radius there is no matter, however far the other warps move it back: the density is 0 from there on.
-    float arm = min(length(x), HELD_RADIUS), outside = own_radius - 2.0 * turbulence_amplitude;
-    float enough = 1.0001 * (outside - length(x)) / max(turbulence_amplitude * arm, 1e-6);
+    float arm = min(length(x), hold_radius);
+    float enough = 1.0001 * (own_radius - length(x)) / max(turbulence_amplitude * arm, 1e-6);
     if (segment_reach > 0.0) enough = ALL;      // a segment asks how far outside its ends are
-    vec4 t = turbulence_amplitude * turbulence_gradient(p, 0.0, enough);
+    vec4 t = turbulence_amplitude * turbulence_gradient(p, turbulence_frequency * sample_width(), enough);
     scale_radius(x, jacobian, t.w, turbulence_frequency * t.xyz);
 }

@@ -45,6 +45,9 @@ pub enum Command {
     Verify(Verify),
     /// Say which device was found, what is missing, and test what the renderer relies on.
     Doctor,
+    /// Draw the pictures that standard input asks for: what `compare`, `gallery` and `--max-error` draw with.
+    #[command(hide = true)]
+    Draw,
     /// Compile the job on standard input: what the window runs a user's GLSL through.
     #[cfg(feature = "view")]
     #[command(hide = true)]

@@ -2,7 +2,7 @@
 
 use super::look::{Look, ObjectArguments};
 use super::sequence::{Interrupted, stop_flag};
-use super::{absolute, say, with_progress};
+use super::{absolute, say, start, with_progress};
 use clap::Args;
 use hypertexture::compare::candidates::{Sweep, candidates};
 use hypertexture::compare::report::{self, Environment, Report};
@@ -11,7 +11,8 @@ use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output;
 use hypertexture::reference::{Reference, TOLERANCE, reference};
 use hypertexture::render::Subject;
-use hypertexture::scene::Scene;
+use hypertexture::scene::{Scene, to_text};
+use hypertexture::worker::{Load, Worker};
 use std::error::Error;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -27,13 +28,22 @@ const SIZE: [u32; 2] = [128, 128];
 /// Arguments of `compare`.
 #[derive(Args)]
 pub struct Compare {
-    /// A built-in object, a mesh, a volume, a scene file (.toml), or an effect or figure such as fire.
-    #[arg(value_name = "SCENE")]
-    pub input: String,
+    /// A built-in object, a mesh, a volume, a scene file (.toml), or an effect or figure such as fire; with --paper, the
+    /// object, teapot unless said otherwise.
+    #[arg(value_name = "SCENE", required_unless_present = "paper")]
+    input: Option<String>,
+    /// Replay the tables of Miller and Jones 2005 instead: frames per second of their six effects and four ways to get
+    /// turbulence in their windows, beside what they print, with errors; on --samples slices [default: 128].
+    #[arg(long, conflicts_with_all = ["effect", "look", "sweep", "strategies", "pass", "rule", "msaa", "anisotropy"])]
+    pub paper: bool,
+    /// With --paper: the windows are this part of the paper's in width and height, for a quick look, which leaves out the
+    /// largest block of noise.
+    #[arg(long, requires = "paper", value_name = "PART")]
+    pub scale: Option<f64>,
     /// Where the report goes: a folder.
     #[arg(long, short, default_value = "compare", value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Few candidates and few runs: about a minute.
+    /// Few candidates and few runs: about a minute; with --paper, the window of 300 x 300 without smoothing alone.
     #[arg(long)]
     pub quick: bool,
     /// Timed runs of each candidate, at most, 1 to 1000 [default: 31; quick: 7].
@@ -53,9 +63,23 @@ pub struct Compare {
     pub look: Look,
 }
 
+impl Compare {
+    /// What is compared.
+    pub fn input(&self) -> &str {
+        self.input.as_deref().unwrap_or(super::paper::OBJECT)
+    }
+}
+
 /// A report that holds failures; it was written.
 #[derive(Debug)]
-pub struct Failed(String);
+pub struct Failed(pub(super) String);
+
+impl Failed {
+    /// What failed, in one line.
+    pub fn new(line: String) -> Failed {
+        Failed(line)
+    }
+}
 
 impl fmt::Display for Failed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -67,6 +91,9 @@ impl Error for Failed {}
 
 /// Compares, and writes the report.
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    if command.paper {
+        return super::paper::run(command, options, quiet);
+    }
     let (scene, settings) = plan(command)?;
     let library = scene.library()?;
     candidates(&scene, &library, &settings.sweep)?; // what is wrong is said before the work begins
@@ -75,17 +102,20 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let flag = stop_flag()?;
     make_folder(&command.output)?;
     let stop = || flag.load(Ordering::Relaxed);
-    let stage = Stage { gpu: &gpu, library: &library, subject: &subject, stop: &stop };
+    let worker = Worker::new(&start(options)?, &library, Load::Scene(to_text(&scene)));
+    let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &stop };
     let environment = Environment::of(&gpu);
     let title = title(command);
     let report = with_progress(quiet, "compare", |progress| -> Result<Report, Box<dyn Error>> {
         let mut refer = |scene: &Scene| truth(stage, scene);
         let part = |fraction: f32| progress(CANDIDATES * fraction);
-        let comparison = compare(stage, &scene, &settings, &mut refer, &part)?;
+        let mut comparison = compare(stage, &scene, &settings, &mut refer, &part)?;
+        let mut failures = Vec::new();
         let part = |fraction: f32| progress(CANDIDATES + (1.0 - CANDIDATES) * fraction);
-        let table = paper::table(stage, &comparison, command.quick, &part)?;
-        let crops = paper::figure(stage, &comparison)?;
-        let pictures = report::pictures(stage, &comparison)?;
+        let table = paper::table(stage, &comparison, command.quick, &mut failures, &part);
+        let crops = paper::figure(stage, &comparison, &mut failures);
+        let pictures = report::pictures(stage, &comparison, &mut failures);
+        comparison.failures.extend(failures);
         let comparison = Comparison { partial: comparison.partial || stop(), ..comparison };
         let environment = Environment { load_after: report::load(), ..environment };
         Ok(Report { title, hash: report::hash(&scene), environment, comparison, pictures, table, crops })
@@ -100,7 +130,7 @@ fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
     if !(1..=1000).contains(&repeat) {
         return Err(format!("--repeat {repeat}: must be from 1 to 1000").into());
     }
-    let mut scene = command.look.scene(&command.input, &command.object)?;
+    let mut scene = command.look.scene(command.input(), &command.object)?;
     if command.look.size.is_none() {
         scene.image.size = SIZE;
     }
@@ -109,7 +139,7 @@ fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
 }
 
 /// The folder of the report, made and written into before the measurements, so that none is lost.
-fn make_folder(folder: &Path) -> Result<(), String> {
+pub(super) fn make_folder(folder: &Path) -> Result<(), String> {
     let fail = |error: std::io::Error| format!("{}: {error}; nothing was written", folder.display());
     std::fs::create_dir_all(folder).map_err(fail)?;
     let probe = folder.join(format!(".probe.{}", std::process::id()));
@@ -117,7 +147,7 @@ fn make_folder(folder: &Path) -> Result<(), String> {
 }
 
 fn title(command: &Compare) -> String {
-    let input = report::file_name(&command.input);
+    let input = report::file_name(command.input());
     command.look.effect.as_ref().map_or(input.clone(), |effect| format!("{effect} on {input}"))
 }
 
@@ -149,7 +179,7 @@ fn conclude(report: &Report, page: &Path, quiet: bool) -> Result<(), Box<dyn Err
 }
 
 /// The exact picture of a scene.
-fn truth(stage: Stage<'_>, scene: &Scene) -> Result<Arc<Reference>, String> {
+pub(super) fn truth(stage: Stage<'_>, scene: &Scene) -> Result<Arc<Reference>, String> {
     let found = reference(stage.library, scene, stage.subject, TOLERANCE, &|_| ());
     found.map(Arc::new).map_err(|error| error.to_string())
 }

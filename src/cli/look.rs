@@ -1,6 +1,6 @@
 //! What a picture shows, as the command line says it, and how it goes over a scene.
 
-use super::modules::{module, show};
+use super::modules::{module, show, show_plane};
 use clap::{Args, ValueEnum};
 use hypertexture::glsl::library::hex_color;
 use hypertexture::output::{self, OutputError};
@@ -58,10 +58,14 @@ pub enum Debug {
     SoftRegion,
     /// The stack of slices from the side (MJ Fig. 1).
     SliceStack,
+    /// A plane of noise as grey, z = plane_z (MJ Fig. 5a); best on a cube.
+    Noise,
+    /// The gradient of noise on that plane, as colors (MJ Fig. 5b).
+    NoiseGradient,
 }
 
 /// What a picture shows: each goes over the scene.
-#[derive(Args, Default)]
+#[derive(Args, Clone, Default)]
 pub struct Look {
     /// The effect; `hypertexture effects` lists them.
     #[arg(long, value_name = "NAME")]
@@ -97,9 +101,9 @@ pub struct Look {
     /// The normal that soft matter is lit by: analytic, central, three.
     #[arg(long, value_name = "MODULE")]
     pub gradient: Option<String>,
-    /// Each pixel has its own phase of the steps: noise in place of contours.
-    #[arg(long)]
-    pub jitter: bool,
+    /// Each pixel has its own phase of the steps, noise in place of contours: hash (white noise) or blue (fine grain).
+    #[arg(long, value_name = "PHASES", num_args = 0..=1, require_equals = true)]
+    pub jitter: Option<Option<String>>,
     /// Which phases the pixels have.
     #[arg(long, value_name = "NUMBER")]
     pub seed: Option<u32>,
@@ -170,6 +174,26 @@ impl Look {
     /// The scene of an input: its file, that of a picture, the figure of that name, or the preset of the effect, with the
     /// arguments over it.
     pub fn scene(&self, input: &str, object: &ObjectArguments) -> Result<Scene, Box<dyn Error>> {
+        Ok(self.scene_and_base(input, object)?.0)
+    }
+
+    /// That scene, and the one that what was set in it is told from: the preset, that which a file is nearest to, or the
+    /// scene of a picture.
+    pub fn scene_and_base(&self, input: &str, object: &ObjectArguments) -> Result<(Scene, Scene), Box<dyn Error>> {
+        let mut scene = self.start(input)?;
+        let is_file = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
+        let mut base = match (is_file, &self.effect) {
+            (true, Some(effect)) => scene::preset(effect)?,
+            (true, None) => scene::nearest_preset(&scene),
+            _ => scene.clone(),
+        };
+        self.apply_look(&mut base);
+        object.apply(&mut scene.object)?;
+        self.apply(&mut scene)?;
+        Ok((scene, base))
+    }
+
+    fn start(&self, input: &str) -> Result<Scene, Box<dyn Error>> {
         let path = Path::new(input);
         let ends = |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|e| end.eq_ignore_ascii_case(e)));
         let (is_file, is_picture) = (ends(&["toml"]), ends(&["png", "exr"]));
@@ -181,7 +205,7 @@ impl Look {
                 _ => scene::load(path)?,
             })
         };
-        let mut scene = match (is_file || is_picture || is_figure, &self.effect) {
+        Ok(match (is_file || is_picture || is_figure, &self.effect) {
             (true, None) => load()?,
             (true, Some(effect)) => {
                 let file = load()?;
@@ -200,10 +224,7 @@ impl Look {
                 scene.object.input = input.into();
                 scene
             }
-        };
-        object.apply(&mut scene.object)?;
-        self.apply(&mut scene)?;
-        Ok(scene)
+        })
     }
 
     fn apply(&self, scene: &mut Scene) -> Result<(), SceneError> {
@@ -229,7 +250,8 @@ impl Look {
         }
         put(&mut scene.effect.gradient, self.gradient.clone());
         let quality = &mut scene.quality;
-        quality.jitter |= self.jitter;
+        quality.jitter |= self.jitter.is_some();
+        name_into("--jitter", &self.jitter.clone().flatten(), &mut quality.phases)?;
         put(&mut quality.seed, self.seed);
         put(&mut quality.supersampling, self.supersampling);
         name_into("--rule", &self.rule, &mut quality.rule)?;
@@ -271,7 +293,7 @@ impl Look {
         Ok(())
     }
 
-    fn apply_effect(&self, scene: &mut Scene) -> Result<(), SceneError> {
+    fn apply_look(&self, scene: &mut Scene) {
         match self.look {
             None => {}
             Some(Debug::Normals) => show(scene, "surface", "normals"),
@@ -287,14 +309,23 @@ impl Look {
                 scene.camera.slice_stack = true;
                 scene.quality.samples = 24;
             }
+            Some(Debug::Noise) => show_plane(scene, "noise"),
+            Some(Debug::NoiseGradient) => show_plane(scene, "noise_gradient"),
         }
+    }
+
+    fn apply_effect(&self, scene: &mut Scene) -> Result<(), SceneError> {
+        self.apply_look(scene);
         let dmf = self.dmf.as_ref().map(|names| format!("dmf={names}"));
         if self.modules.is_empty() && dmf.is_none() {
             return Ok(());
         }
         // What is wrong with the scene as it came is said before modules go, and knobs with them.
         scene.check(&scene.library()?)?;
-        if dmf.is_some() {
+        let names_dmf = |text: &&String| {
+            text.split_once('=').is_some_and(|(slot, names)| slot.trim() == "dmf" && !names.is_empty())
+        };
+        if dmf.iter().chain(&self.modules).any(|text| names_dmf(&text)) {
             // A hard object has no density to modulate; it becomes soft, unless the line says otherwise.
             let effect = &mut scene.effect;
             for (slot, hard, soft) in

@@ -2,11 +2,13 @@
 
 mod args;
 mod compare;
+mod ignored;
 #[cfg(all(test, feature = "view"))]
 mod line_tests;
 mod log;
 mod look;
 mod modules;
+mod paper;
 mod sequence;
 mod verify;
 #[cfg(feature = "view")]
@@ -21,6 +23,7 @@ pub use verify::Disagreement;
 #[cfg(feature = "view")]
 pub use view::NoWindow;
 
+use hypertexture::compare::{Failure, Stage};
 use hypertexture::glsl::{self, Library, library::Default as KnobDefault};
 use hypertexture::gpu::{Format, Gpu, Options};
 use hypertexture::output::{self, Provenance};
@@ -32,6 +35,7 @@ use hypertexture::shard::{self, Shard};
 use hypertexture::variant::Variant;
 #[cfg(feature = "view")]
 use hypertexture::view::author::{compile, rays};
+use hypertexture::worker::{self, Load, PATIENCE, Start, Worker};
 use hypertexture::{doctor, field, gallery, shape};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
@@ -68,6 +72,7 @@ pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
             say(&report.text);
             if report.healthy { Ok(()) } else { Err("the tests above did not all pass".into()) }
         }
+        Command::Draw => Ok(worker::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), &options)?),
         #[cfg(feature = "view")]
         Command::Compile(limits) => {
             compile::limit(limits.seconds, Some(limits.memory_mib))?;
@@ -86,6 +91,12 @@ pub fn say(text: &str) {
     let _ = std::io::stdout().lock().write_all(text.as_bytes());
 }
 
+/// How workers are started: as this very program, on the same device.
+pub fn start(options: &Options) -> Result<Start, Box<dyn Error>> {
+    let program = std::env::current_exe()?;
+    Ok(Start { program, device: options.device.clone(), patience: PATIENCE })
+}
+
 /// All that a picture is made of.
 #[derive(Clone, Copy)]
 struct Picture<'a> {
@@ -96,7 +107,7 @@ struct Picture<'a> {
 }
 
 fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let mut scene = command.look.scene(&command.input, &command.object)?;
+    let (mut scene, base) = command.look.scene_and_base(&command.input, &command.object)?;
     let library = scene.library()?;
     scene.check(&library)?;
     let bound = command.max_error.map(|error| Bound::new(command.metric, error)).transpose()?;
@@ -109,14 +120,20 @@ fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Bo
     }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let gpu = Gpu::new(options)?;
+    let asked = scene.clone();
     if let Some(bound) = bound {
-        let pick = with_progress(quiet, "cheapest way", |progress| {
-            remembered(&gpu, &library, &scene, &subject, bound, progress)
-        })?;
+        let worker = Worker::new(&start(options)?, &library, Load::Scene(scene::to_text(&scene)));
+        let worker = Some(&worker);
+        let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker, stop: &|| false };
+        let pick = with_progress(quiet, "cheapest way", |progress| remembered(stage, &scene, bound, progress))?;
         if !quiet {
             say(&explain(&pick, bound));
         }
         scene = pick.scene;
+    }
+    if !quiet {
+        let line = command.ignored(&library, &subject, [&base, &asked, &scene]);
+        say(&line.map_or(String::new(), |fields| format!("ignored    {fields}: the picture is the same without\n")));
     }
     let picture = Picture { gpu: &gpu, library: &library, scene: &scene, subject: &subject };
     if command.predict {
@@ -144,7 +161,7 @@ fn render_picture(command: &Render, picture: &Picture<'_>, quiet: bool) -> Resul
     let provenance = Provenance::of(scene, &gpu.facts().title(), &frame.measurements.modules)?;
     output::write(&frame, scene.image.background, command.depth(), &provenance, &command.output)?;
     if !quiet {
-        say(&summary(gpu, subject, &frame));
+        say(&summary(gpu, scene, subject, &frame));
         say(&format!("wrote {}\n", absolute(&command.output)));
     }
     Ok(())
@@ -167,7 +184,7 @@ fn render_shard(command: &Render, picture: &Picture<'_>, shard: Shard, quiet: bo
     output::write_whole(&path, &shard::encode(&whole, shard, &frame))
         .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
-        say(&summary(gpu, subject, &frame));
+        say(&summary(gpu, scene, subject, &frame));
         say(&format!("wrote {}\n", absolute(&path)));
     }
     Ok(())
@@ -210,7 +227,11 @@ fn explain(pick: &Pick, bound: Bound) -> String {
         pick.small_ms
     );
     let other = pick.other.as_ref().map(|(way, ms)| format!("; {way} takes {:.1}x", ms / pick.small_ms.max(1e-6)));
-    text + &other.unwrap_or_default() + "\n"
+    text = text + &other.unwrap_or_default() + "\n";
+    for Failure { label, message } in &pick.failures {
+        text += &format!("failed     {label}: {message}\n");
+    }
+    text
 }
 
 /// A prediction in words.
@@ -244,7 +265,7 @@ fn foretell(scene: &Scene, prediction: &Prediction) -> String {
 }
 
 /// What a render took, and what it left out.
-fn summary(gpu: &Gpu, subject: &Subject, frame: &Frame) -> String {
+fn summary(gpu: &Gpu, scene: &Scene, subject: &Subject, frame: &Frame) -> String {
     let facts = gpu.facts();
     let m = &frame.measurements;
     let mut lines = vec![
@@ -260,8 +281,16 @@ fn summary(gpu: &Gpu, subject: &Subject, frame: &Frame) -> String {
             report.ms, report.triangles, report.open_edges, report.closing_triangles, m.quantization
         ));
     }
+    if let Some([held, asked]) = m.octaves.filter(|[held, asked]| held < asked) {
+        lines.push(format!("octaves    {held} of {asked}: {}", scene.octaves_limit()));
+    }
     let fragments = m.fragments.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
     lines.push(format!("slices     {} of thickness {:.5} object units{fragments}", m.slices, m.step));
+    if let Some(radius) = m.held_beyond {
+        lines.push(format!(
+            "held       beyond {radius:.2} object units from the center a warp keeps its step: lobes are shorter than its formula"
+        ));
+    }
     if let Some(shadow_ms) = m.shadow_ms {
         lines.push(format!("shadows    {shadow_ms:.1} ms"));
     }
@@ -269,6 +298,11 @@ fn summary(gpu: &Gpu, subject: &Subject, frame: &Frame) -> String {
         "time       {:.1} ms on the device (longest submission {:.1} ms), {:.0} ms to compile, {:.0} ms in all",
         m.gpu_ms, m.longest_ms, m.compile_ms, m.total_ms
     ));
+    if let Some(sparse) = m.sparse {
+        let [bytes, dense] = [sparse.bytes, sparse.dense_bytes].map(|bytes| bytes as f64 / f64::from(1 << 20));
+        let (stored, bricks) = (sparse.stored, sparse.bricks);
+        lines.push(format!("bricks     {stored} of {bricks} stored: {bytes:.1} MiB in place of {dense:.1} MiB"));
+    }
     lines.push(format!("memory     {:.1} MiB of images on the device\n", m.device_bytes as f64 / f64::from(1 << 20)));
     lines.join("\n")
 }
@@ -333,19 +367,23 @@ fn write_gallery(command: &Gallery, options: &Options, quiet: bool) -> Result<()
         scene.quality.msaa = if smooth { 4 } else { 1 };
         command.object.apply(&mut scene.object)?;
     }
-    let start = Instant::now();
-    let page =
-        with_progress(quiet, "gallery", |progress| gallery::write(&gpu, &library, &scenes, &command.output, progress))?;
+    let (began, start) = (Instant::now(), start(options)?);
+    let gallery::Gallery { page, failures } = with_progress(quiet, "gallery", |progress| {
+        gallery::write(&gpu, &library, &scenes, Some(&start), &command.output, progress)
+    })?;
     if !quiet {
         say(&format!(
             "rendered {} scenes in {:.1} s on {}\nwrote {}\n",
-            scenes.len(),
-            start.elapsed().as_secs_f64(),
+            scenes.len() - failures.len(),
+            began.elapsed().as_secs_f64(),
             gpu.facts().name,
             absolute(&page)
         ));
     }
-    Ok(())
+    let count = failures.len();
+    failures.into_iter().next().map_or(Ok(()), |(name, reason)| {
+        Err(Failed::new(format!("{count} of {} scenes failed; the first, {name}: {reason}", scenes.len())).into())
+    })
 }
 
 fn list_effects() -> Result<(), Box<dyn Error>> {
@@ -354,6 +392,10 @@ fn list_effects() -> Result<(), Box<dyn Error>> {
     for name in scene::names() {
         let scene = scene::preset(name)?;
         text.push_str(&format!("{name}: {}\n", scene.about));
+        let kinds = library.kinds(scene.dmfs())?;
+        if !kinds.is_empty() {
+            text.push_str(&format!("    {kinds}\n"));
+        }
         for (name, knob, value) in Variant::of(&scene, &library)?.all_knobs() {
             let value = match (value, knob.default) {
                 (KnobValue::Number(value), KnobDefault::Number(_, [low, high])) => {

@@ -1,6 +1,6 @@
 //! Modules from the command line, and the looks that show how a picture is made.
 
-use hypertexture::scene::{Ray, Scene, SceneError};
+use hypertexture::scene::{Projection, Ray, Scene, SceneError};
 
 /// Puts the modules of one slot, separated by `+`, into the scene. One that ends in `.glsl` is a file of one's own.
 pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
@@ -72,4 +72,16 @@ pub(super) fn show(scene: &mut Scene, classify: &str, surface: &str) {
     scene.effect.dmf.clear();
     scene.effect.warp.clear();
     scene.knobs.clear();
+}
+
+/// How close the camera is to a plane of noise: the face of a cube fills the picture.
+const PLANE_ZOOM: f32 = 2.1;
+
+/// A plane of noise, looked at from straight ahead.
+pub(super) fn show_plane(scene: &mut Scene, surface: &str) {
+    show(scene, "surface", surface);
+    let camera = &mut scene.camera;
+    camera.projection = Projection::Parallel;
+    (camera.azimuth, camera.elevation, camera.rotation) = (0.0, 0.0, None);
+    camera.zoom = PLANE_ZOOM;
 }

@@ -77,6 +77,13 @@ impl Candidate {
         self.scene.quality.samples
     }
 
+    /// Octaves that its turbulence has, and those that were asked for; `None` where it reads none.
+    pub fn octaves(&self) -> Option<[u32; 2]> {
+        let effect = &self.scene.effect;
+        let reads = self.strategy.split('+').next() == Some(effect.turbulence.as_str());
+        reads.then(|| [self.scene.octaves_held(), effect.octaves])
+    }
+
     /// The candidate in words.
     pub fn label(&self) -> String {
         format!("{}, {} samples", self.curve().label(), self.samples())
@@ -210,7 +217,7 @@ struct Strategy {
 fn strategies(scene: &Scene, library: &Library, quick: bool) -> Vec<Strategy> {
     let reads = |scene: &Scene, slot: &str| {
         let variant = Variant::of(scene, library).ok();
-        variant.is_some_and(|variant| variant.slots.keys().any(|key| key.rsplit('.').next() == Some(slot)))
+        variant.is_some_and(|variant| variant.reads(slot))
     };
     // The scene's own first: of two that differ in what is not read, that one is kept.
     let modules = |slot: &str, own: &str| {

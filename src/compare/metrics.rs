@@ -18,6 +18,9 @@ const RELATIVE_EPSILON: f64 = 1e-2;
 pub struct Metrics {
     /// Root mean square error of premultiplied linear RGB.
     pub rmse: f64,
+    /// The same against a reference of the octaves alone that the candidate's turbulence has, as far as it can hold them;
+    /// `None` where there is no such reference.
+    pub own_rmse: Option<f64>,
     /// Mean of d^2 / (t^2 + 0.01) over the same, d the error and t the truth.
     pub relative_mse: f64,
     /// Largest absolute error of the same.
@@ -55,8 +58,10 @@ impl Metrics {
         let mse = mean(found_codes.as_flattened().iter().zip(truth_codes.as_flattened()).map(|(a, b)| (a - b).powi(2)));
         let [found_luma, truth_luma] = encoded.each_ref().map(|codes| luma(codes));
         let flips = flips(truth_codes, found_codes, reference.size);
+        let rmse = mean(colors().map(|(d, _)| d * d)).sqrt();
         Metrics {
-            rmse: mean(colors().map(|(d, _)| d * d)).sqrt(),
+            rmse,
+            own_rmse: Some(rmse),
             relative_mse: mean(colors().map(|(d, t)| d * d / (t * t + RELATIVE_EPSILON))),
             max: largest(colors().map(|(d, _)| d.abs())),
             p999: quantile(colors().map(|(d, _)| d.abs()).collect(), 0.999),
@@ -69,6 +74,12 @@ impl Metrics {
             not_finite,
         }
     }
+}
+
+/// Root mean square error of premultiplied linear RGB.
+pub fn rmse(pixels: &[[f32; 4]], reference: &Reference) -> f64 {
+    let pairs = pixels.iter().zip(&reference.pixels);
+    mean(pairs.flat_map(|(found, truth)| (0..3).map(|c| (f64::from(found[c]) - truth[c]).powi(2)))).sqrt()
 }
 
 /// Largest and typical angle between the normals of two pictures.

@@ -21,8 +21,9 @@ use crate::glsl::{Library, LibraryError};
 use crate::gpu::Gpu;
 use crate::random::SplitMix;
 use crate::reference::{Reference, truth_of};
-use crate::render::{Frame, RenderError, Renderer, Subject};
+use crate::render::{Frame, RenderError, Subject};
 use crate::scene::{Color, Pass, Rule, Scene, SceneError};
+use crate::worker::{Painter, Worker};
 use candidates::{Candidate, Sweep};
 use metrics::{Angles, Metrics};
 use std::sync::Arc;
@@ -126,6 +127,13 @@ pub struct Failure {
     pub message: String,
 }
 
+impl Failure {
+    /// That of a candidate.
+    pub fn of((candidate, error): &(Candidate, RenderError)) -> Failure {
+        Failure { label: candidate.label(), message: error.to_string() }
+    }
+}
+
 /// What was measured.
 #[derive(Clone, Debug)]
 pub struct Comparison {
@@ -186,8 +194,17 @@ pub struct Stage<'a> {
     pub library: &'a Library,
     /// The object of the scene.
     pub subject: &'a Subject,
+    /// Who draws the candidates, so that one by which the driver ends costs no other; `None`: this process.
+    pub worker: Option<&'a Worker>,
     /// Whether the person or the scheduler wants an end.
     pub stop: &'a dyn Fn() -> bool,
+}
+
+impl<'a> Stage<'a> {
+    /// Whoever draws a candidate.
+    pub fn painter(&self) -> Painter<'a> {
+        Painter::new(self.gpu, self.library, self.subject, self.worker)
+    }
 }
 
 /// Draws, measures and times every candidate for a scene; `refer` gives the truth of a scene. Stopped, it keeps the
@@ -213,11 +230,11 @@ pub fn compare(
         Comparison { scene: scene.clone(), rows: Vec::new(), failures: Vec::new(), planned, partial: false };
     let mut truths = Truths::default();
     while !waiting.is_empty() && !(stage.stop)() {
-        let mut batch: Vec<(usize, Row, Renderer<'_>)> = Vec::new();
+        let mut batch: Vec<(usize, Row, Painter<'_>)> = Vec::new();
         let mut bytes = 0;
         while bytes < BATCH_BYTES && batch.len() < BATCH && !(stage.stop)() {
             let Some((index, candidate)) = waiting.pop() else { break };
-            let mut renderer = Renderer::new(stage.gpu, stage.library, stage.subject);
+            let mut renderer = stage.painter();
             let label = candidate.label();
             match first(stage.library, candidate, &mut renderer, &mut truths, refer) {
                 Ok(mut row) => {
@@ -245,7 +262,7 @@ pub fn compare(
 fn first(
     library: &Library,
     candidate: Candidate,
-    renderer: &mut Renderer<'_>,
+    renderer: &mut Painter<'_>,
     truths: &mut Truths,
     refer: &mut Refer<'_>,
 ) -> Result<Row, String> {
@@ -255,7 +272,12 @@ fn first(
         return Err(format!("the reference is {:?} pixels and the picture {:?}", truth.size, first.size));
     }
     let background = candidate.scene.image.background.unwrap_or(BACKGROUND);
-    let metrics = Metrics::of(&first.pixels, &truth, background);
+    let mut metrics = Metrics::of(&first.pixels, &truth, background);
+    if let Some(own) = own_octaves(library, &candidate)? {
+        let own = own.map(|own| truths.of(library, &own, refer)).transpose();
+        let own = own.map_err(|reason| format!("no reference of its octaves: {reason}"))?;
+        metrics.own_rmse = own.map(|own| metrics::rmse(&first.pixels, &own));
+    }
     if metrics.not_finite > 0 || !metrics.rmse.is_finite() {
         return Err(format!("{} values are not finite", metrics.not_finite.max(1)));
     }
@@ -265,9 +287,24 @@ fn first(
     Ok(Row { candidate, truth, metrics, reference_error, normals: None, runs: Vec::new(), first })
 }
 
+/// The scene whose truth has the octaves alone that a candidate's turbulence has; `None` where those are all that are asked
+/// for. `Some(None)` where there is no such scene: a sum of noise of all octaves is read beside it.
+#[expect(clippy::option_option, reason = "none is needed, or none can be had")]
+fn own_octaves(library: &Library, candidate: &Candidate) -> Result<Option<Option<Scene>>, String> {
+    let (scene, held) = (&candidate.scene, candidate.scene.octaves_held());
+    let variant = crate::variant::Variant::of(scene, library).map_err(|error| error.to_string())?;
+    if held == scene.effect.octaves || !variant.reads("turbulence") {
+        return Ok(None);
+    }
+    let files = library.files_reached(&variant.entries, &variant.slots).map_err(|error| error.to_string())?;
+    let mut own = scene.exact_twin(library).map_err(|error| error.to_string())?;
+    own.effect.octaves = held;
+    Ok(Some((!files.iter().any(|file| file == "fractal_sum.glsl")).then_some(own)))
+}
+
 /// Times the candidates of a batch; whoever fails on the way is told and loses its runs.
 fn time(
-    batch: &mut [(usize, Row, Renderer<'_>)],
+    batch: &mut [(usize, Row, Painter<'_>)],
     settings: &Settings,
     random: &mut SplitMix,
     stop: &dyn Fn() -> bool,
@@ -306,14 +343,14 @@ fn time(
 }
 
 /// One run of a renderer that is ready for the scene.
-fn run(renderer: &mut Renderer<'_>, scene: &Scene) -> Result<Run, RenderError> {
+fn run(renderer: &mut Painter<'_>, scene: &Scene) -> Result<Run, RenderError> {
     let m = renderer.render(scene)?.measurements;
     Ok(Run { gpu_ms: m.gpu_ms + m.shadow_ms.unwrap_or(0.0), wall_ms: m.total_ms - m.compile_ms })
 }
 
 /// The normals of the hard surface, as candidates see them.
 struct Normals<'a> {
-    renderer: Renderer<'a>,
+    renderer: Painter<'a>,
     finest: Option<Frame>,
     /// Look and angles of every way to sample it.
     known: Vec<(Scene, Option<Angles>)>,
@@ -321,7 +358,7 @@ struct Normals<'a> {
 
 impl<'a> Normals<'a> {
     fn new(stage: Stage<'a>, scene: &Scene) -> Normals<'a> {
-        let mut renderer = Renderer::new(stage.gpu, stage.library, stage.subject);
+        let mut renderer = stage.painter();
         let mut look = look(scene);
         let quality = &mut look.quality;
         (quality.pass, quality.rule, quality.samples) = (Pass::March, Rule::Segment, NORMAL_SAMPLES);
@@ -350,7 +387,9 @@ fn look(scene: &Scene) -> Scene {
     let mut look = Scene { effect, knobs: Default::default(), ..scene.clone() };
     look.light.shadows = false;
     let default = crate::scene::Quality::default();
-    (look.quality.block_size, look.quality.target) = (default.block_size, default.target);
+    let quality = &mut look.quality;
+    (quality.block_size, quality.turbulence_cells) = (default.block_size, default.turbulence_cells);
+    quality.target = default.target;
     look
 }
 

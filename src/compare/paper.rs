@@ -4,12 +4,20 @@
 //! drew nor into what format; here it is those of the comparison's 8-bit slices. Its 8x is antialiasing and anisotropic
 //! filtering together; here every sample of a pixel is shaded.
 
+pub mod conclusions;
+#[cfg(test)]
+pub mod example;
+pub mod measure;
+pub mod numbers;
+pub mod replay;
+
 use super::timing::{FEWEST_RUNS, Spread, interleave};
-use super::{Comparison, Stage, run};
+use super::{Comparison, Failure, Stage, run};
 use crate::gpu::Format;
 use crate::random::SplitMix;
-use crate::render::{Frame, RenderError, Renderer};
+use crate::render::Frame;
 use crate::scene::{Pass, Rule, Scene, TargetFormat};
+use crate::worker::Painter;
 
 /// One row of Table 3: what the paper calls it, our module, and frames per second in the order of [`COLUMNS`].
 pub const TABLE_3: [(&str, &str, [f64; 4]); 4] = [
@@ -47,6 +55,8 @@ pub enum Cell {
     Measured(Spread),
     /// Milliseconds in proportion to pixels and samples of the first column: it was not drawn.
     Scaled(f64),
+    /// It could not be drawn.
+    Failed,
     /// Nothing is known: it was not asked for, or there is no such module.
     Missing,
 }
@@ -57,7 +67,7 @@ impl Cell {
         match self {
             Cell::Measured(spread) => Some(1e3 / spread.median),
             Cell::Scaled(ms) => Some(1e3 / ms),
-            Cell::Missing => None,
+            Cell::Failed | Cell::Missing => None,
         }
     }
 }
@@ -80,8 +90,8 @@ pub struct Table {
 pub struct Crop {
     /// The paper's caption.
     pub caption: &'static str,
-    /// The module.
-    pub module: &'static str,
+    /// What was drawn: the module, and how many octaves it has where those are fewer than the caption says.
+    pub drawn: String,
     /// The picture.
     pub frame: Frame,
 }
@@ -106,19 +116,20 @@ fn paper_scene(comparison: &Comparison, stage: &Stage<'_>, module: &str) -> Opti
     Some((index, comparison.rows[index].candidate.scene.clone()))
 }
 
-/// Replays Table 3 with the strategies of the comparison; `None` if it has none of them. Quick: its first column alone.
-///
-/// # Errors
-/// The device refuses a picture.
+/// Replays Table 3 with the strategies of the comparison; `None` if it has none of them. Quick: its first column alone. A
+/// cell that cannot be drawn is missing, and told.
 pub fn table(
     stage: Stage<'_>,
     comparison: &Comparison,
     quick: bool,
+    failures: &mut Vec<Failure>,
     progress: &dyn Fn(f32),
-) -> Result<Option<Table>, RenderError> {
+) -> Option<Table> {
     let scenes = TABLE_3.map(|(_, module, _)| paper_scene(comparison, &stage, module));
-    let Some(slices) = scenes.iter().flatten().map(|(_, scene)| scene.quality.samples).max() else {
-        return Ok(None);
+    let slices = scenes.iter().flatten().map(|(_, scene)| scene.quality.samples).max()?;
+    let mut fail = |row: usize, [width, height]: [u32; 2], error: &dyn ToString| {
+        let label = format!("Table 3, {}, {width} x {height}", TABLE_3[row].0);
+        failures.push(Failure { label, message: error.to_string() });
     };
     let counts = stage.gpu.sample_counts(Format::Rgba8Unorm);
     let counts = if stage.gpu.facts().sample_shading { counts } else { vec![1] };
@@ -126,10 +137,10 @@ pub fn table(
     let mut rows = [[Cell::Missing; 4]; 4];
     let columns = if quick { 1 } else { COLUMNS.len() };
     for (column, (size, smooth)) in COLUMNS.into_iter().enumerate().take(columns) {
-        let mut cells: Vec<(usize, Scene, Renderer<'_>, f64)> = Vec::new();
+        let mut cells: Vec<(usize, Scene, Painter<'_>, f64)> = Vec::new();
         for (row, (_, scene)) in scenes.iter().enumerate().filter_map(|(row, found)| Some((row, found.as_ref()?))) {
             if (stage.stop)() {
-                return Ok(None);
+                return None;
             }
             let mut scene = scene.clone();
             scene.image.size = size;
@@ -145,35 +156,47 @@ pub fn table(
                 rows[row][column] = Cell::Scaled(expected);
                 continue;
             }
-            let mut renderer = Renderer::new(stage.gpu, stage.library, stage.subject);
-            let ms = run(&mut renderer, &scene)?.gpu_ms;
-            cells.push((row, scene, renderer, ms));
+            let mut renderer = stage.painter();
+            match run(&mut renderer, &scene) {
+                Ok(first) => cells.push((row, scene, renderer, first.gpu_ms)),
+                Err(error) => fail(row, size, &error),
+            }
             progress((column as f32 + 0.125 * (row + 1) as f32) / columns as f32);
         }
         let runs: Vec<usize> =
             cells.iter().map(|(.., ms)| ((CELL_MS / ms.max(1e-3)) as usize).clamp(2, FEWEST_RUNS + 1)).collect();
         let mut times: Vec<Vec<f64>> = vec![Vec::new(); cells.len()];
+        let mut failed: Vec<usize> = Vec::new();
         for index in interleave(&runs, &mut SplitMix(column as u64)) {
             if (stage.stop)() {
-                return Ok(None);
+                return None;
             }
-            let (_, scene, renderer, _) = &mut cells[index];
-            times[index].push(run(renderer, scene)?.gpu_ms);
+            if failed.contains(&index) {
+                continue;
+            }
+            let (row, scene, renderer, _) = &mut cells[index];
+            match run(renderer, scene) {
+                Ok(run) => times[index].push(run.gpu_ms),
+                Err(error) => {
+                    failed.push(index);
+                    fail(*row, size, &error);
+                }
+            }
         }
-        for ((row, ..), times) in cells.iter().zip(&times) {
-            rows[*row][column] = Cell::Measured(Spread::of(times));
+        for (index, ((row, ..), times)) in cells.iter().zip(&times).enumerate() {
+            if !failed.contains(&index) {
+                rows[*row][column] = Cell::Measured(Spread::of(times));
+            }
         }
         progress((column + 1) as f32 / columns as f32);
     }
     let errors = scenes.map(|found| found.map(|(index, _)| index));
-    Ok(Some(Table { slices, sampling, rows, errors }))
+    Some(Table { slices, sampling, rows, errors })
 }
 
-/// The pictures of Fig. 8 that the library has modules for, close to the object, if the scene has turbulence at all.
-///
-/// # Errors
-/// The device refuses a picture.
-pub fn figure(stage: Stage<'_>, comparison: &Comparison) -> Result<Vec<Crop>, RenderError> {
+/// The pictures of Fig. 8 that the library has modules for, close to the object, if the scene has turbulence at all. One
+/// that cannot be drawn is missing, and told.
+pub fn figure(stage: Stage<'_>, comparison: &Comparison, failures: &mut Vec<Failure>) -> Vec<Crop> {
     let mut crops = Vec::new();
     for (module, octaves, caption) in FIGURE_8 {
         let Some((_, mut scene)) = paper_scene(comparison, &stage, module) else { continue };
@@ -185,8 +208,14 @@ pub fn figure(stage: Stage<'_>, comparison: &Comparison) -> Result<Vec<Crop>, Re
         scene.camera.zoom *= CLOSER;
         scene.quality.target = TargetFormat::Float32; // as it looks, not as 8 bits lose it
         scene.quality.samples = comparison.scene.quality.samples;
-        let frame = Renderer::new(stage.gpu, stage.library, stage.subject).render(&scene)?;
-        crops.push(Crop { caption, module, frame });
+        let drawn = match scene.octaves_held() {
+            held if held < octaves => format!("{module}, {held} octaves: {}", scene.octaves_limit()),
+            _ => module.into(),
+        };
+        match stage.painter().render(&scene) {
+            Ok(frame) => crops.push(Crop { caption, drawn, frame }),
+            Err(error) => failures.push(Failure { label: format!("Fig. 8, {caption}"), message: error.to_string() }),
+        }
     }
-    Ok(crops)
+    crops
 }

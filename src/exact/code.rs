@@ -90,6 +90,7 @@ pub(super) struct Instr {
 pub(super) struct Lookup {
     /// Index of what is bound: see [`Code::images`].
     pub(super) image: usize,
+    /// The coordinates, and behind them the level if the program names one.
     pub(super) at: Vec<Reg>,
     /// The channels; `None` where the program does not use one.
     pub(super) channels: [Option<Reg>; 4],

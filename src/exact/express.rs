@@ -128,11 +128,13 @@ impl<'m> Lower<'m> {
                 depth_ref: None,
                 ..
             } => {
-                // There is one level: it answers whatever is asked for.
-                if !matches!(level, SampleLevel::Auto | SampleLevel::Zero | SampleLevel::Exact(_)) {
-                    return Err(self.refuse("a texture lookup with a bias or gradients"));
-                }
-                self.lookup(frame, *image, Some(*sampler), *coordinate)?
+                // Where no level is named, there is one.
+                let level = match level {
+                    SampleLevel::Auto | SampleLevel::Zero => None,
+                    SampleLevel::Exact(level) => Some(*level),
+                    _ => return Err(self.refuse("a texture lookup with a bias or gradients")),
+                };
+                self.lookup(frame, *image, Some((*sampler, level)), *coordinate)?
             }
             Expression::ImageSample { .. } => {
                 return Err(self.refuse("a texture lookup with gather, offset, layers or comparison"));
@@ -286,13 +288,14 @@ impl<'m> Lower<'m> {
         &mut self,
         frame: &mut Frame<'m>,
         image: Handle<Expression>,
-        sampler: Option<Handle<Expression>>,
+        sampler: Option<(Handle<Expression>, Option<Handle<Expression>>)>,
         at: Handle<Expression>,
     ) -> Result<Value, ExactError> {
         let Thing::Image(image, axes, true) = self.thing(frame, image)? else {
             return Err(self.refuse("a lookup in an image of integers"));
         };
-        let sampler = match sampler.map(|sampler| self.thing(frame, sampler)).transpose()? {
+        let level = sampler.and_then(|(_, level)| level).map(|level| self.value(frame, level)).transpose()?;
+        let sampler = match sampler.map(|(sampler, _)| self.thing(frame, sampler)).transpose()? {
             None => None,
             Some(Thing::Sampler(binding)) => Some(binding),
             Some(_) => return Err(self.refuse("a lookup through no sampler")),
@@ -310,7 +313,8 @@ impl<'m> Lower<'m> {
         let channels = [0; 4].map(|_| self.register(super::code::File::Float, Class::Temporary));
         let op = if sampler.is_some() { Op::Sample } else { Op::Fetch };
         let table = self.code.lookups.len() as u32;
-        self.code.lookups.push(Lookup { image, at: at.regs.to_vec(), channels: channels.map(Some) });
+        let regs = at.regs.iter().chain(level.iter().flat_map(|level| level.regs.iter())).copied().collect();
+        self.code.lookups.push(Lookup { image, at: regs, channels: channels.map(Some) });
         let (dst, sources) = (channels[0], [at.regs[0]; 3]);
         let instr = super::code::Instr { op, signed: true, masked: false, dst, sources, count: 0, table };
         self.code.instrs.push(instr);

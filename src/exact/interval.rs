@@ -324,15 +324,16 @@ impl Number for Interval {
         Interval::rounded(fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY))
     }
     #[inline(never)]
-    fn sample(image: &Image<'_>, at: [Interval; 3], _: [bool; 4]) -> [Interval; 4] {
+    fn sample(image: &Image<'_>, at: [Interval; 3], level: Interval, _: [bool; 4]) -> [Interval; 4] {
         let endless = |at: &Interval| at.lo.is_infinite() || at.hi.is_infinite();
         if at[..image.axes].iter().any(|at| at.is_whole() || image.wrap != Wrap::Clamp && endless(at)) {
             return [Interval::WHOLE; 4]; // there is no such texel: NaN
         }
-        image.range(at.map(|at| at.lo), at.map(|at| at.hi)).map(|[lo, hi]| Interval { lo, hi })
+        let levels = if level.is_whole() { [0.0, f64::INFINITY] } else { [level.lo, level.hi] };
+        image.range_levels(at.map(|at| at.lo), at.map(|at| at.hi), levels).map(|[lo, hi]| Interval { lo, hi })
     }
     fn fetch(image: &Image<'_>, at: [Range; 3]) -> [Interval; 4] {
-        let sides = image.texture.size.map(|side| side as usize);
+        let sides = image.size.map(|side| side as usize);
         let of = [0, 1, 2].map(|axis| at[axis].index(sides[axis])).map(|(first, last)| [first, last]);
         image.texels(of).map(|[lo, hi]| Interval { lo, hi })
     }

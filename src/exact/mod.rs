@@ -15,6 +15,7 @@ mod lanes;
 mod lower;
 pub mod number;
 mod operators;
+mod outline;
 mod plain;
 mod ports;
 mod range;
@@ -27,6 +28,7 @@ mod words;
 
 pub use interval::Interval;
 pub use number::Number;
+pub use outline::Outline;
 pub use texture::{Texture, Wrap};
 
 use naga::front::spv::Error as SpirvError;
@@ -35,7 +37,6 @@ use code::{Code, File, Input, Source};
 use number::{Integer, Truth};
 use run::Machine;
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
 use texture::Image;
 
 /// Why a program cannot be evaluated.
@@ -195,7 +196,7 @@ impl Program {
                 let needed = format!("one with {} axes", pair.axes);
                 return Err(ExactError::Unfit { binding: pair.image, found, needed });
             }
-            images.push(Image { texture, wrap, axes: pair.axes, pyramid: OnceLock::new() });
+            images.push(Image::new(texture.size, &texture.texels, wrap, pair.axes));
         }
         let values = code.sources.iter().map(|(reg, source)| start(inputs, reg.file, *source));
         Ok(Bound { code, images, values: values.collect::<Result<_, _>>()? })
@@ -204,7 +205,11 @@ impl Program {
 
 fn image(inputs: &Inputs, binding: u32) -> Result<&Texture, ExactError> {
     let texture = inputs.images.get(&binding).ok_or(ExactError::Missing { binding, what: "an image" })?;
-    let needed = texture.size.iter().map(|side| *side as usize).product::<usize>();
+    let (mut size, mut needed) = (texture.size, texture::count(texture.size));
+    while needed > 0 && needed < texture.texels.len() && size != [1; 3] {
+        size = texture::halved(size);
+        needed += texture::count(size);
+    }
     if needed == 0 || texture.texels.len() != needed {
         let found = format!("{} texels for a size of {:?}", texture.texels.len(), texture.size);
         return Err(ExactError::Unfit { binding, found, needed: format!("{needed} and at least one") });

@@ -67,8 +67,8 @@ pub trait Number: Copy + Debug + Send + Sync + 'static {
     fn from_bits(int: Self::Int) -> Self;
     /// `self * 2^exponent`.
     fn ldexp(self, exponent: Self::Int) -> Self;
-    /// A texture's channels (as far as `wanted` says) at texture coordinates.
-    fn sample(image: &super::texture::Image<'_>, at: [Self; 3], wanted: [bool; 4]) -> [Self; 4];
+    /// A texture's channels (as far as `wanted` says) at texture coordinates of a level.
+    fn sample(image: &super::texture::Image<'_>, at: [Self; 3], level: Self, wanted: [bool; 4]) -> [Self; 4];
     /// A texel; outside of the image the nearest.
     fn fetch(image: &super::texture::Image<'_>, at: [Self::Int; 3]) -> [Self; 4];
 }

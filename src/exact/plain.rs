@@ -268,11 +268,11 @@ impl Number for f64 {
         let half = exponent / 2;
         self * 2f64.powi(half) * 2f64.powi(exponent - half)
     }
-    fn sample(image: &Image<'_>, at: [f64; 3], wanted: [bool; 4]) -> [f64; 4] {
-        image.sample(at, wanted)
+    fn sample(image: &Image<'_>, at: [f64; 3], level: f64, wanted: [bool; 4]) -> [f64; 4] {
+        image.sample_level(at, level, wanted)
     }
     fn fetch(image: &Image<'_>, at: [u32; 3]) -> [f64; 4] {
-        let sides = image.texture.size.map(|side| side as usize);
+        let sides = image.size.map(|side| side as usize);
         let at = [0, 1, 2].map(|axis| at[axis].index(sides[axis]).0);
         image.texel(at).map(f64::from)
     }

@@ -121,10 +121,13 @@ impl<N: Number> Banks<N> {
     fn sample(&mut self, lookup: &Lookup, images: &[Image<'_>], mask: u64) {
         let wanted = lookup.channels.map(|channel| channel.is_some());
         let mut found = [[N::new(0.0); 4]; LANES];
-        let at = [0, 1, 2].map(|axis| lookup.at.get(axis).map(|reg| self.floats.rows.read(*reg)));
+        let axes = images[lookup.image].axes;
+        let row = |index: usize| lookup.at.get(index).map(|reg| self.floats.rows.read(*reg));
+        let at = [0, 1, 2].map(|axis| row(axis).filter(|_| axis < axes));
+        let level = row(axes);
         each(mask, |lane| {
-            let at = at.map(|axis| axis.map_or(N::new(0.0), |axis| axis.at(lane)));
-            found[lane] = N::sample(&images[lookup.image], at, wanted);
+            let of = |row: Option<Operand<'_, N>>| row.map_or(N::new(0.0), |row| row.at(lane));
+            found[lane] = N::sample(&images[lookup.image], at.map(of), of(level), wanted);
         });
         self.spread(lookup, &found, mask);
     }

@@ -21,19 +21,33 @@ pub enum Wrap {
 pub struct Texture {
     /// Number of texels along each axis.
     pub size: [u32; 3],
-    /// Red, green, blue and alpha of each texel.
+    /// Red, green, blue and alpha of each texel. Behind those of the image, those of ever coarser levels may follow, each
+    /// with half as many along every axis.
     pub texels: Vec<[f32; 4]>,
 }
 
 /// An image as a program reads it.
 #[derive(Debug)]
 pub struct Image<'a> {
-    pub(super) texture: &'a Texture,
+    pub(super) size: [u32; 3],
+    texels: &'a [[f32; 4]],
     pub(super) wrap: Wrap,
     /// 1, 2 or 3.
     pub(super) axes: usize,
+    /// The next level, where there is one.
+    coarser: Option<Box<Image<'a>>>,
     /// Ranges of ever larger boxes: made when an interval is first looked up.
-    pub(super) pyramid: OnceLock<Pyramid>,
+    pyramid: OnceLock<Pyramid>,
+}
+
+/// Texels of an image, without those of coarser levels.
+pub(super) fn count(size: [u32; 3]) -> usize {
+    size.iter().map(|side| *side as usize).product()
+}
+
+/// Size of the next level.
+pub(super) fn halved(size: [u32; 3]) -> [u32; 3] {
+    size.map(|side| (side / 2).max(1))
 }
 
 /// Which two texels a coordinate lies between, and how far from the first.
@@ -60,15 +74,47 @@ fn wrapped(index: i64, count: u32, wrap: Wrap) -> usize {
     index as usize
 }
 
-impl Image<'_> {
+impl<'a> Image<'a> {
+    /// An image whose texels are those of its levels.
+    pub(super) fn new(size: [u32; 3], texels: &'a [[f32; 4]], wrap: Wrap, axes: usize) -> Image<'a> {
+        let (texels, rest) = texels.split_at(count(size));
+        let coarser = (!rest.is_empty()).then(|| Box::new(Image::new(halved(size), rest, wrap, axes)));
+        Image { size, texels, wrap, axes, coarser, pyramid: OnceLock::new() }
+    }
+
+    /// The channels at a point of a level, which lies between two where it is no whole number.
+    pub(super) fn sample_level(&self, at: [f64; 3], level: f64, wanted: [bool; 4]) -> [f64; 4] {
+        match &self.coarser {
+            Some(coarser) if level >= 1.0 => coarser.sample_level(at, level - 1.0, wanted),
+            Some(coarser) if level > 0.0 => {
+                let [fine, coarse] = [self, coarser].map(|image| image.sample(at, wanted));
+                [0, 1, 2, 3].map(|c| fine[c] + level * (coarse[c] - fine[c]))
+            }
+            _ => self.sample(at, wanted),
+        }
+    }
+
+    /// Lower and upper bounds of the channels over a box of coordinates and levels.
+    pub(super) fn range_levels(&self, low: [f64; 3], high: [f64; 3], levels: [f64; 2]) -> [[f64; 2]; 4] {
+        match &self.coarser {
+            Some(coarser) if levels[0] >= 1.0 => coarser.range_levels(low, high, levels.map(|level| level - 1.0)),
+            Some(coarser) if levels[1] > 0.0 || levels[1].is_nan() => {
+                let mut all = self.range(low, high);
+                include(&mut all, coarser.range_levels(low, high, levels.map(|level| level - 1.0)));
+                all
+            }
+            _ => self.range(low, high),
+        }
+    }
+
     pub(super) fn texel(&self, at: [usize; 3]) -> [f32; 4] {
-        let [x, y, _] = self.texture.size.map(|side| side as usize);
-        self.texture.texels[(at[2] * y + at[1]) * x + at[0]]
+        let [x, y, _] = self.size.map(|side| side as usize);
+        self.texels[(at[2] * y + at[1]) * x + at[0]]
     }
 
     /// The channels at a point; channels that are not wanted are 0.
     pub(super) fn sample(&self, at: [f64; 3], wanted: [bool; 4]) -> [f64; 4] {
-        let sides = self.texture.size;
+        let sides = self.size;
         let mut ends = [[0; 2]; 3];
         let mut part = [0.0; 3];
         for axis in 0..self.axes {
@@ -95,7 +141,7 @@ impl Image<'_> {
         let mut counts = [1; 3];
         let mut one_cell = true;
         for axis in 0..self.axes {
-            let count = self.texture.size[axis];
+            let count = self.size[axis];
             let n = f64::from(count);
             // Twice the rounding of a product of this size.
             let margin = (low[axis].abs().max(high[axis].abs()) * n + 1.0) * 4.0 * f64::EPSILON;
@@ -112,11 +158,11 @@ impl Image<'_> {
             }
             // A coordinate is rounded as well: a part of a cell, times what the channel changes across it.
             let texels = places([0, 1, 2].map(|axis| {
-                let ends = place(low[axis], self.texture.size[axis], self.wrap).0;
+                let ends = place(low[axis], self.size[axis], self.wrap).0;
                 if axis < self.axes { [ends[0].min(ends[1]), ends[0].max(ends[1])] } else { [0, 0] }
             }));
             let largest = texels.flat_map(|at| self.texel(at)).fold(0f32, |largest, value| largest.max(value.abs()));
-            let longest = self.texture.size.into_iter().max().unwrap_or(1);
+            let longest = self.size.into_iter().max().unwrap_or(1);
             let margin = (16.0 + 8.0 * f64::from(longest)) * f64::EPSILON * f64::from(largest);
             return all.map(|[low, high]| [low - margin, high + margin]);
         }
@@ -134,7 +180,7 @@ impl Image<'_> {
 
     /// Lower and upper bounds of the channels over a box of texels.
     pub(super) fn texels(&self, of: [[usize; 2]; 3]) -> [[f64; 2]; 4] {
-        self.pyramid.get_or_init(|| Pyramid::new(self.texture)).range(of)
+        self.pyramid.get_or_init(|| Pyramid::new(self.size, self.texels)).range(of)
     }
 
     /// The texels that indices from one to another mean: one range or two, first and last.
@@ -190,9 +236,9 @@ impl Level {
 }
 
 impl Pyramid {
-    fn new(texture: &Texture) -> Pyramid {
-        let ranges = texture.texels.iter().map(|texel| texel.map(|value| [value; 2])).collect();
-        let mut levels = vec![Level { size: texture.size.map(|side| side as usize), ranges }];
+    fn new(size: [u32; 3], texels: &[[f32; 4]]) -> Pyramid {
+        let ranges = texels.iter().map(|texel| texel.map(|value| [value; 2])).collect();
+        let mut levels = vec![Level { size: size.map(|side| side as usize), ranges }];
         while let Some(last) = levels.last().filter(|level| level.size.iter().any(|side| *side > 1)) {
             let size = last.size.map(|side| side.div_ceil(2));
             let mut ranges = Vec::with_capacity(size.iter().product());

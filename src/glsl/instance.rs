@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The file of what each object has for itself.
 const PART: &str = "part.glsl";
 /// Functions that the linker writes for stacks.
-const STACKED: [&str; 2] = ["displace", "modulate"];
+const STACKED: [&str; 5] = ["displace", "modulate", "layer", "medium", "extinction"];
 /// Bindings that each object has: those of one begin this many after those of the one before.
 const BINDINGS: u32 = 8;
 

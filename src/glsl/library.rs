@@ -5,19 +5,22 @@
 //! // @knob hair_length = 0.16 in [0.005, 0.6]: Length of the hair, object units.
 //! // @color tip_color = #d9a05f: Color of the hair at its tip.
 //! // @outer hair_length      the soft region ends at this signed distance
-//! // @reach drip_length      the matter reaches this much further than the object and its soft region
+//! // @move drip_length       a lookup moves at most so far, and matter grows as far; see `reach`
+//! // @grow 0                 matter grows less than that
+//! // @bound 1                the largest value of this noise
 //! // @needs normal           the module reads the normal of a sample
 //! // @exact procedural noise_block   what the module holds samples of: a module of its slot, and the lattice's repetition
 //! ```
 //! The same lines feed the uniform block, the checks of a scene file and the documentation.
 
 use super::names::{definitions, rename};
+use super::reach::Reach;
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Which modules fill each slot: one name, or for a stack (`warp`, `dmf`) any number in order of application; a DMF may
-/// be `module@mask`. The slot of a further object is `object.slot`, and [`COMBINE`] holds the formula of the objects.
+/// Which modules fill each slot: one name, or for a stack (`warp`, `dmf`) any number in order of application, and for
+/// `medium` one for each layer of the DMFs; a DMF may be `module@mask`. The slot of a further object is `object.slot`, and [`COMBINE`] holds the formula of the objects.
 pub type Slots = BTreeMap<String, Vec<String>>;
 
 /// GLSL sources by path relative to the `glsl` folder, such as `dmf/fur.glsl`.
@@ -31,10 +34,12 @@ pub struct Library {
 pub struct Declarations {
     /// Parameters, in the order of the file.
     pub knobs: Vec<Knob>,
-    /// The knob that sets the outer iso-value of the soft region.
-    pub outer: Option<String>,
-    /// Knobs whose sum is how far the matter reaches beyond the soft region, object units.
-    pub reach: Vec<String>,
+    /// Knobs that set the outer iso-value of the soft region, one for each layer of it.
+    pub outer: Vec<String>,
+    /// How far each of the modules moves lookups, and how far matter grows by that.
+    pub reach: Vec<Reach>,
+    /// The largest value of the noise, where it is not [`super::reach::NOISE_BOUND`].
+    pub noise_bound: Option<f32>,
     /// Whether the normal of a sample is read.
     pub needs_normal: bool,
     /// The module of the same slot that computes what this one holds samples of.
@@ -94,10 +99,26 @@ pub enum LibraryError {
         /// The comment.
         text: String,
     },
+    /// A DMF reads more or less than its header says.
+    #[error("{path} says that it is {claimed}, and reads what makes it {found}")]
+    Kind {
+        /// The module.
+        path: String,
+        /// The kind that its header names.
+        claimed: String,
+        /// The kind that it is.
+        found: String,
+    },
     /// Two modules of one program declare the same knob differently.
     #[error("knob `{name}` is declared twice with different defaults; rename it in one of the modules")]
     Twice {
         /// The knob.
+        name: String,
+    },
+    /// A `@move` or `@grow` speaks of what is no knob.
+    #[error("`{name}` in a `// @move` or `// @grow` is no knob of the program; declare it with `// @knob`")]
+    Unmeasured {
+        /// The name.
         name: String,
     },
 }
@@ -153,12 +174,21 @@ impl Library {
     }
 
     /// The text of a file. `path#2` is the second copy of a module: all that it defines and declares ends in `_2`.
+    /// `path#name` is a medium of several: the functions of its slot end in its name. A medium that does not say how
+    /// opaque it is has an extinction of 1.
     pub fn text(&self, path: &str) -> Cow<'_, str> {
-        let Some((path, copy)) = path.split_once('#') else {
-            return self.source(path).unwrap_or_default().into();
+        let (file, tag) = path.split_once('#').unwrap_or((path, ""));
+        let mut text = Cow::from(self.source(file).unwrap_or_default());
+        let [_, extinction] = MEDIUM_FUNCTIONS;
+        if file.starts_with("medium/") && !definitions(&text).contains(extinction) {
+            text.to_mut().push_str("\nfloat extinction(Sample s, float density) { return 1.0; }\n");
+        }
+        let names = match tag {
+            "" => return text,
+            copy if is_copy(copy) => own_names(file, &text),
+            _ => MEDIUM_FUNCTIONS.map(String::from).into(),
         };
-        let text = self.source(path).unwrap_or_default();
-        rename(text, &own_names(path, text), &format!("_{copy}")).into()
+        rename(&text, &names, &format!("_{tag}")).into()
     }
 
     /// The files that fill a slot, in order: a mask comes before the DMF that it belongs to, and the second use of a
@@ -174,7 +204,11 @@ impl Library {
             for path in mask.into_iter().chain([self.path(slot, module)?]) {
                 let same = |file: &&String| file.split('#').next() == Some(path.as_str());
                 let copies = files.iter().filter(same).count();
-                files.push(if copies == 0 { path } else { format!("{path}#{}", copies + 1) });
+                files.push(match copies {
+                    0 if slot == MEDIUM && names.len() > 1 => format!("{path}#{module}"),
+                    0 => path,
+                    _ => format!("{path}#{}", copies + 1),
+                });
             }
         }
         Ok(files)
@@ -209,6 +243,14 @@ impl Library {
         Ok(needed)
     }
 
+    /// Every file that is reached from `entries`, but for those of further objects.
+    ///
+    /// # Errors
+    /// [`LibraryError::Unknown`].
+    pub fn files_reached(&self, entries: &[&str], choice: &Slots) -> Result<Vec<String>, LibraryError> {
+        self.files_of("", entries, choice)
+    }
+
     /// Everything that the files reached from `entries` declare; without what further objects declare.
     ///
     /// # Errors
@@ -231,7 +273,7 @@ impl Library {
             let Some(path) = path else { return Ok(()) };
             let (file, copy) = path.split_once('#').unwrap_or((path, ""));
             let mut one = parse(file, self.source(file).unwrap_or_default())?;
-            if !copy.is_empty() {
+            if is_copy(copy) {
                 one.add_suffix(&format!("_{copy}"));
             }
             for knob in one.knobs {
@@ -241,12 +283,15 @@ impl Library {
                     Some(_) => return Err(LibraryError::Twice { name: knob.name }),
                 }
             }
-            all.outer = one.outer.or(all.outer.take());
+            all.outer.extend(one.outer);
             all.reach.extend(one.reach);
+            all.noise_bound = one.noise_bound.or(all.noise_bound);
             all.needs_normal |= one.needs_normal;
             Ok(())
         })?;
-        Ok(all)
+        let names = all.reach.iter_mut().flat_map(Reach::names);
+        let unknown = names.map(|name| name.clone()).find(|name| !all.knobs.iter().any(|knob| knob.name == *name));
+        unknown.map_or(Ok(all), |name| Err(LibraryError::Unmeasured { name }))
     }
 
     /// Every file that a further object reaches.
@@ -254,8 +299,12 @@ impl Library {
     /// # Errors
     /// [`LibraryError::Unknown`].
     pub fn object_files(&self, object: &str, choice: &Slots) -> Result<Vec<String>, LibraryError> {
+        self.files_of(object, &[OBJECT_ENTRY], choice)
+    }
+
+    fn files_of(&self, object: &str, entries: &[&str], choice: &Slots) -> Result<Vec<String>, LibraryError> {
         let mut files = Vec::new();
-        self.visit(object, &[OBJECT_ENTRY], choice, &mut |path, _| {
+        self.visit(object, entries, choice, &mut |path, _| {
             files.extend(path.map(String::from));
             Ok(())
         })?;
@@ -312,8 +361,14 @@ pub fn own_names(path: &str, text: &str) -> BTreeSet<String> {
 impl Declarations {
     fn add_suffix(&mut self, suffix: &str) {
         let knobs = self.knobs.iter_mut().map(|knob| &mut knob.name);
-        knobs.chain(&mut self.outer).chain(&mut self.reach).for_each(|name| name.push_str(suffix));
+        let lengths = self.reach.iter_mut().flat_map(Reach::names);
+        knobs.chain(&mut self.outer).chain(lengths).for_each(|name| name.push_str(suffix));
     }
+}
+
+/// Whether what follows the `#` of a path is the number of a copy.
+fn is_copy(tag: &str) -> bool {
+    tag.starts_with(|c: char| c.is_ascii_digit())
 }
 
 /// Called with the path of a file or with the name of a slot.
@@ -327,6 +382,10 @@ pub const OBJECTS: &str = "objects";
 pub const COMBINE: &str = "combine";
 /// The slot of the masks: where a DMF acts.
 const MASK: &str = "mask";
+/// The slot that colors soft matter.
+pub const MEDIUM: &str = "medium";
+/// What a module of that slot defines: its color and, where it is not 1, how opaque it is against the scene's rate.
+pub const MEDIUM_FUNCTIONS: [&str; 2] = [MEDIUM, "extinction"];
 /// The file that each object of several is entered by.
 pub const OBJECT_ENTRY: &str = "one_of_several.glsl";
 
@@ -347,8 +406,8 @@ pub fn include(line: &str) -> Option<Include<'_>> {
     what.strip_prefix('<')?.split_once('>').map(|(slot, _)| Include::Slot(slot))
 }
 
-fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError> {
-    let mut found = Declarations::default();
+pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError> {
+    let (mut found, mut reach) = (Declarations::default(), Reach::default());
     for (index, line) in text.lines().enumerate() {
         let Some(declaration) = line.trim_start().strip_prefix("// @") else { continue };
         let wrong =
@@ -357,21 +416,19 @@ fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError> {
         match kind {
             "knob" => found.knobs.push(number(rest).ok_or_else(wrong)?),
             "color" => found.knobs.push(color(rest).ok_or_else(wrong)?),
-            "outer" => found.outer = Some(identifier(rest).ok_or_else(wrong)?),
+            "outer" => found.outer = vec![identifier(rest).ok_or_else(wrong)?],
             "exact" => {
                 let (module, repeat) = rest.trim().split_once(' ').map_or((rest, None), |(a, b)| (a, Some(b)));
                 let repeat = repeat.map(|name| identifier(name).ok_or_else(wrong)).transpose()?;
                 found.exact = Some(Exact { module: identifier(module).ok_or_else(wrong)?, repeat });
             }
             "needs" if rest.trim() == "normal" => found.needs_normal = true,
-            "reach" => {
-                for name in rest.split('+') {
-                    found.reach.push(identifier(name).ok_or_else(wrong)?);
-                }
-            }
+            "bound" => found.noise_bound = Some(rest.trim().parse().map_err(|_| wrong())?),
+            "move" | "reach" | "grow" => reach.add(kind == "grow", rest).ok_or_else(wrong)?,
             _ => return Err(wrong()),
         }
     }
+    found.reach.extend((!reach.is_empty()).then_some(reach));
     Ok(found)
 }
 
@@ -403,7 +460,7 @@ pub fn hex_color(text: &str) -> Option<[u8; 3]> {
     Some([channel(0)?, channel(2)?, channel(4)?])
 }
 
-fn identifier(text: &str) -> Option<String> {
+pub(super) fn identifier(text: &str) -> Option<String> {
     let name = text.trim();
     let valid = name.starts_with(|c: char| c.is_ascii_lowercase())
         && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');

@@ -9,7 +9,8 @@
 
 use super::combine::{Formula, FormulaError};
 use super::instance::{Instance, instances};
-use super::library::{COMBINE, Default, KNOBS, Library, LibraryError, OBJECT_ENTRY, OBJECTS, Slots};
+use super::layers::{layered, media};
+use super::library::{COMBINE, Default, KNOBS, Library, LibraryError, MEDIUM, OBJECT_ENTRY, OBJECTS, Slots};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -43,7 +44,12 @@ pub enum LinkError {
 /// Slots that hold a stack: the signature of the function that applies it, and how one module is called.
 const STACKS: [(&str, &str, &str, &str); 2] = [
     ("warp", "void displace(inout vec3 x, inout mat3 jacobian)", "    MODULE(x, jacobian);\n", ""),
-    ("dmf", "float modulate(float density, Sample s)", "    density = MODULE(density, s);\n", "    return density;\n"),
+    (
+        "dmf",
+        "float modulate(float density, inout Sample s)",
+        "    density = MODULE(density, s);\n",
+        "    return density;\n",
+    ),
 ];
 
 /// A GLSL compiler, made once: glslang's start costs far more than a program.
@@ -152,34 +158,50 @@ impl<'a> Sources<'a> {
 
 /// Name and text of what fills a slot.
 fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, String), LibraryError> {
+    if slot == MEDIUM && names.len() > 1 {
+        return media(library, names);
+    }
     let Some((_, signature, call, end)) = STACKS.iter().find(|stack| stack.0 == slot) else {
         let path = library.path(slot, names.first().map(String::as_str).unwrap_or_default())?;
         let text = library.text(&path).into_owned();
         return Ok((path, text));
     };
     let mut glue = String::new();
-    let mut calls = String::new();
     let files = library.files(slot, names)?;
-    // A file `dmf/fur.glsl#2` holds the function `fur_2`.
-    let mut functions = files.iter().map(|file| {
-        let (path, copy) = file.split_once('#').map_or((file.as_str(), String::new()), |(p, c)| (p, format!("_{c}")));
-        let module = path.trim_end_matches(".glsl").rsplit('/').next().unwrap_or_default();
-        format!("{module}{copy}")
-    });
-    for name in names {
-        let mask = name.contains('@').then(|| functions.next()).flatten();
-        let function = functions.next().unwrap_or_default();
-        match mask {
-            None => calls.push_str(&call.replace("MODULE", &function)),
-            Some(mask) => writeln!(calls, "    density = mix(density, {function}(density, s), {mask}(s));")
-                .expect("writing to a string"),
-        }
-    }
     for file in &files {
         writeln!(glue, "#include \"{file}\"").expect("writing to a string");
     }
-    writeln!(glue, "{signature} {{\n{calls}{end}}}").expect("writing to a string");
+    let mut files = files.into_iter();
+    let mut layers: Vec<(String, String)> = vec![(String::new(), String::new())]; // width and calls
+    for name in names {
+        let mask = name.contains('@').then(|| files.next()).flatten();
+        let file = files.next().unwrap_or_default();
+        let (function, width) = (function(&file), library.width(&file)?);
+        match (&width, layers.last_mut()) {
+            (Some(width), Some((own, _))) if own.is_empty() => own.clone_from(width),
+            (Some(width), _) => layers.push((width.clone(), String::new())),
+            (None, _) => {}
+        }
+        let (_, calls) = layers.last_mut().expect("it starts with one");
+        // Where a mask lets nothing grow there is nothing but the hard region; any other DMF leaves what it is given.
+        let bare = if width.is_some() { "s.density >= 1.0 ? density : 0.0" } else { "density" };
+        match mask.as_deref().map(self::function) {
+            None => calls.push_str(&call.replace("MODULE", &function)),
+            Some(mask) => writeln!(calls, "    density = mix({bare}, {function}(density, s), {mask}(s));")
+                .expect("writing to a string"),
+        }
+    }
+    match layers.as_slice() {
+        [(_, calls)] => writeln!(glue, "{signature} {{\n{calls}{end}}}").expect("writing to a string"),
+        layers => layered(&mut glue, signature, layers),
+    }
     Ok((format!("stack of {slot}"), glue))
+}
+
+/// The function of a file: `fur_2` of `dmf/fur.glsl#2`.
+fn function(file: &str) -> String {
+    let (path, copy) = file.split_once('#').map_or((file, String::new()), |(path, copy)| (path, format!("_{copy}")));
+    format!("{}{copy}", path.trim_end_matches(".glsl").rsplit('/').next().unwrap_or_default())
 }
 
 /// All objects of a scene, and the classification of what the formula makes of them.
@@ -208,7 +230,7 @@ fn objects_text(formula: &Formula) -> String {
                 shades,
                 "    if (density_{name} > 0.0) {{\n        \
                  shade += density_{name} * vec4(one_shade{suffix}(sample_{name}, density_{name}, normal), 1.0);\n        \
-                 rate += density_{name} * opacity_rate{suffix};\n    }}"
+                 rate += density_{name} * opacity_rate{suffix} * one_rate{suffix}(sample_{name}, density_{name});\n    }}"
             )
             .expect("writing to a string");
         }
@@ -260,7 +282,7 @@ mod tests {
 
     fn library(dmf: &str) -> Library {
         let entry = "#version 450\n#include <knobs>\nstruct Sample { vec3 x; };\n#include <dmf>\n\
-                     layout(location = 0) out vec4 color;\nvoid main() { color = vec4(modulate(1.0, Sample(vec3(0.0)))); }";
+                     layout(location = 0) out vec4 color;\nvoid main() { Sample s = Sample(vec3(0.0)); color = vec4(modulate(1.0, s)); }";
         Library::new([("a.frag".to_string(), entry.to_string()), ("dmf/one.glsl".to_string(), dmf.to_string())])
     }
 

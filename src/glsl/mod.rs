@@ -7,17 +7,37 @@
 
 pub mod combine;
 mod instance;
+mod kind;
+mod layers;
 pub mod library;
 pub mod link;
 mod names;
+pub mod reach;
 
 pub use combine::{Formula, FormulaError};
+pub use kind::Kind;
 pub use library::{Declarations, Default, Knob, Library, LibraryError, Slots};
 pub use link::{LinkError, Linker, Stage};
+pub use reach::{Reach, Sides};
+
+use std::collections::BTreeMap;
 
 include!(concat!(env!("OUT_DIR"), "/library.rs"));
 
 /// The modules that ship with the program.
 pub fn shipped() -> Library {
     Library::new(SHIPPED_SOURCES.iter().map(|(path, text)| (path.to_string(), text.to_string())))
+}
+
+/// The modules that ship, with other files over them: path relative to the `glsl` folder, and text.
+pub fn shipped_with(changed: BTreeMap<String, String>) -> Library {
+    let shipped = SHIPPED_SOURCES.iter().map(|(path, text)| (path.to_string(), text.to_string()));
+    Library::new(shipped.chain(changed))
+}
+
+/// The files of a library that are not as shipped.
+pub fn changed(library: &Library) -> BTreeMap<String, String> {
+    let shipped = shipped();
+    let changed = library.sources().filter(|(path, text)| shipped.source(path) != Some(text));
+    changed.map(|(path, text)| (path.into(), text.into())).collect()
 }

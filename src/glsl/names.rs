@@ -55,6 +55,14 @@ pub fn members(text: &str) -> Vec<(&str, &str)> {
     found
 }
 
+/// The fields that a file reads or writes of its variables of a type.
+pub fn fields<'a>(text: &'a str, of_type: &str) -> BTreeSet<&'a str> {
+    let words = words(text);
+    let variables: BTreeSet<&str> = words.windows(2).filter(|pair| pair[0] == of_type).map(|pair| pair[1]).collect();
+    let read = words.windows(3).filter(|three| three[1] == "." && variables.contains(three[0]));
+    read.map(|three| three[2]).collect()
+}
+
 /// Everything that a file defines for the whole program: functions, constants, variables, structures, macros, resources
 /// and members of uniform blocks.
 pub fn definitions(text: &str) -> BTreeSet<String> {

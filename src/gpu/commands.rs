@@ -177,11 +177,18 @@ impl Commands<'_> {
             Stage::COPY,
             Access::TRANSFER_WRITE,
         );
-        let region = vk::BufferImageCopy::default().image_subresource(LAYERS).image_extent(to.extent);
-        // SAFETY: the image is in the layout named, and the buffer holds exactly its texels.
+        let mut offset = 0;
+        let region = |(mip_level, extent): (u32, &vk::Extent3D)| {
+            let layers = vk::ImageSubresourceLayers { mip_level, ..LAYERS };
+            let region = vk::BufferImageCopy::default().buffer_offset(offset).image_subresource(layers);
+            offset += to.level_bytes(*extent);
+            region.image_extent(*extent)
+        };
+        let regions: Vec<vk::BufferImageCopy> = (0..).zip(&to.levels).map(region).collect();
+        // SAFETY: the image is in the layout named, and the buffer holds exactly the texels of its levels.
         unsafe {
             let layout = Layout::TRANSFER_DST_OPTIMAL;
-            self.gpu.0.device.cmd_copy_buffer_to_image(self.buffer, from.handle, to.handle, layout, &[region]);
+            self.gpu.0.device.cmd_copy_buffer_to_image(self.buffer, from.handle, to.handle, layout, &regions);
         }
         let (stage, access) = (Stage::FRAGMENT_SHADER, Access::SHADER_SAMPLED_READ);
         self.transition(to, Layout::SHADER_READ_ONLY_OPTIMAL, Stage::COPY, Access::TRANSFER_WRITE, stage, access);
@@ -213,7 +220,11 @@ impl Commands<'_> {
         let (stage, write) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
         let access = write | Access::COLOR_ATTACHMENT_READ;
         for image in [Some(target.color), target.resolved].into_iter().flatten() {
-            self.transition(image, Layout::COLOR_ATTACHMENT_OPTIMAL, stage | Stage::COPY, write, stage, access);
+            let (after, written) = match image.layout.get() {
+                Layout::SHADER_READ_ONLY_OPTIMAL => (Stage::FRAGMENT_SHADER, Access::NONE), // it was sampled
+                _ => (stage | Stage::COPY, write),
+            };
+            self.transition(image, Layout::COLOR_ATTACHMENT_OPTIMAL, after, written, stage, access);
         }
         let mut attachment = vk::RenderingAttachmentInfo::default()
             .image_view(target.color.view)
@@ -245,6 +256,14 @@ impl Commands<'_> {
             draw(&mut Draw { gpu: self.gpu, buffer: self.buffer, width });
             device.cmd_end_rendering(self.buffer);
         }
+    }
+
+    /// Leaves a target that was drawn into ready to be sampled.
+    pub fn sample(&mut self, image: &Image) {
+        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
+        let (drawn, written) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
+        let (read, access) = (Stage::FRAGMENT_SHADER, Access::SHADER_SAMPLED_READ);
+        self.transition(image, Layout::SHADER_READ_ONLY_OPTIMAL, drawn, written, read, access);
     }
 
     fn transition(

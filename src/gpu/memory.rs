@@ -151,6 +151,8 @@ pub enum Dimension {
 pub enum ImageUse {
     /// Uploaded once, then sampled.
     Sampled,
+    /// Drawn into, then sampled, again and again.
+    SampledTarget,
     /// Blended into, with this many samples per pixel, then read or resolved.
     Target(u32),
 }
@@ -162,6 +164,8 @@ pub struct Image {
     pub(super) view: vk::ImageView,
     allocation: Allocation,
     pub(super) extent: vk::Extent3D,
+    /// Size of each level.
+    pub(super) levels: Vec<vk::Extent3D>,
     pub(super) layout: Cell<vk::ImageLayout>,
     format: Format,
     name: String,
@@ -179,6 +183,17 @@ impl Image {
         format: Format,
         purpose: ImageUse,
     ) -> Result<Image, GpuError> {
+        Image::with_texels(gpu, name, dimension, format, (purpose, 0))
+    }
+
+    /// An image without content, with as many levels as so many texels fill.
+    fn with_texels(
+        gpu: &Gpu,
+        name: &str,
+        dimension: Dimension,
+        format: Format,
+        (purpose, texels): (ImageUse, u64),
+    ) -> Result<Image, GpuError> {
         use vk::{ImageType as Type, ImageViewType as View};
         let facts = gpu.facts();
         let (kind, view_kind, size, limit) = match dimension {
@@ -192,8 +207,10 @@ impl Image {
             return Err(GpuError::TooLarge { device: facts.name.clone(), what: name.into(), asked, limit });
         }
         let extent = vk::Extent3D { width: size[0], height: size[1], depth: size[2] };
+        let levels = levels(extent, texels);
         let (usage, samples) = match purpose {
             ImageUse::Sampled => (vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST, 1),
+            ImageUse::SampledTarget => (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED, 1),
             ImageUse::Target(1) => (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC, 1),
             ImageUse::Target(samples) => {
                 (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC, samples)
@@ -203,7 +220,7 @@ impl Image {
             .image_type(kind)
             .format(format.vk())
             .extent(extent)
-            .mip_levels(1)
+            .mip_levels(levels.len() as u32)
             .array_layers(1)
             .samples(vk::SampleCountFlags::from_raw(samples))
             .usage(usage);
@@ -216,6 +233,7 @@ impl Image {
             view: vk::ImageView::null(),
             allocation: Allocation::default(),
             extent,
+            levels,
             layout: Cell::new(vk::ImageLayout::UNDEFINED),
             format,
             name: name.into(),
@@ -238,13 +256,14 @@ impl Image {
         Ok(image)
     }
 
-    /// A sampled image with these texels, x fastest, then y, then z.
+    /// A sampled image with these texels, x fastest, then y, then z. Behind them those of ever coarser levels may follow,
+    /// each with half as many along every axis.
     ///
     /// # Errors
     /// Larger than the device allows, no memory left, or the upload fails.
     ///
     /// # Panics
-    /// When `texels` is not exactly as long as the image.
+    /// When `texels` is not exactly as long as the image and its levels.
     pub fn sampled(
         gpu: &Gpu,
         name: &str,
@@ -252,8 +271,10 @@ impl Image {
         format: Format,
         texels: &[u8],
     ) -> Result<Image, GpuError> {
-        let image = Image::new(gpu, name, dimension, format, ImageUse::Sampled)?;
-        assert_eq!(texels.len() as u64, image.texel_bytes(), "`{name}`: texels and size agree");
+        let purpose = (ImageUse::Sampled, texels.len() as u64 / format.bytes());
+        let image = Image::with_texels(gpu, name, dimension, format, purpose)?;
+        let bytes = image.levels.iter().map(|level| image.level_bytes(*level)).sum::<u64>();
+        assert_eq!(texels.len() as u64, bytes, "`{name}`: texels and size agree");
         let staging = Buffer::new(gpu, "upload", BufferUse::Upload, texels)?;
         gpu.submit("upload", |commands| commands.upload(&staging, &image))?;
         Ok(image)
@@ -280,9 +301,29 @@ impl Image {
     }
 
     fn texel_bytes(&self) -> u64 {
-        let vk::Extent3D { width, height, depth } = self.extent;
-        u64::from(width) * u64::from(height) * u64::from(depth) * self.format.bytes()
+        self.level_bytes(self.extent)
     }
+
+    /// Bytes of the texels of a level.
+    pub(super) fn level_bytes(&self, level: vk::Extent3D) -> u64 {
+        texels(level) * self.format.bytes()
+    }
+}
+
+fn texels(vk::Extent3D { width, height, depth }: vk::Extent3D) -> u64 {
+    u64::from(width) * u64::from(height) * u64::from(depth)
+}
+
+/// The levels that so many texels fill, the image itself first.
+fn levels(extent: vk::Extent3D, filled: u64) -> Vec<vk::Extent3D> {
+    let (mut levels, mut last, mut count) = (vec![extent], extent, texels(extent));
+    while count < filled && texels(last) > 1 {
+        let [width, height, depth] = [last.width, last.height, last.depth].map(|side| (side / 2).max(1));
+        last = vk::Extent3D { width, height, depth };
+        count += texels(last);
+        levels.push(last);
+    }
+    levels
 }
 
 impl Drop for Image {
@@ -297,11 +338,11 @@ impl Drop for Image {
     }
 }
 
-/// All of a color image with one level and layer.
+/// All of a color image with one layer.
 pub(super) const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
     aspect_mask: vk::ImageAspectFlags::COLOR,
     base_mip_level: 0,
-    level_count: 1,
+    level_count: vk::REMAINING_MIP_LEVELS,
     base_array_layer: 0,
     layer_count: 1,
 };
@@ -345,6 +386,8 @@ impl Sampler {
         let info = vk::SamplerCreateInfo::default()
             .mag_filter(vk::Filter::LINEAR)
             .min_filter(vk::Filter::LINEAR)
+            .mipmap_mode(vk::SamplerMipmapMode::LINEAR)
+            .max_lod(vk::LOD_CLAMP_NONE)
             .address_mode_u(mode)
             .address_mode_v(mode)
             .address_mode_w(mode)

@@ -1,10 +1,8 @@
 //! What was picked, kept on disk: by scene, bound, device and driver.
 
 use super::{Bound, Pick, PickError, Verified};
-use crate::glsl::Library;
-use crate::gpu::Gpu;
+use crate::compare::Stage;
 use crate::kept::{self, Kind};
-use crate::render::Subject;
 use crate::scene::{self, Scene};
 use crate::shard;
 use serde::{Deserialize, Serialize};
@@ -15,18 +13,12 @@ const VERSION: u32 = 3;
 const KIND: Kind = Kind { end: "pick", limit: 16 << 20 };
 
 /// The key of a pick: the hash of what it depends on.
-pub(super) fn key(
-    gpu: &Gpu,
-    library: &Library,
-    scene: &Scene,
-    subject: &Subject,
-    bound: Bound,
-) -> Result<blake3::Hash, PickError> {
-    let facts = gpu.facts();
+pub(super) fn key(stage: Stage<'_>, scene: &Scene, bound: Bound) -> Result<blake3::Hash, PickError> {
+    let facts = stage.gpu.facts();
     let mut hash = blake3::Hasher::new();
     hash.update(&VERSION.to_le_bytes()).update(&bound.error.to_le_bytes());
     hash.update(format!("{}\n{}\n{}\n", bound.metric, facts.name, facts.driver).as_bytes());
-    hash.update(shard::identity(scene, library, subject)?.as_bytes());
+    hash.update(shard::identity(scene, stage.library, stage.subject)?.as_bytes());
     Ok(hash.finalize())
 }
 
@@ -56,6 +48,7 @@ pub(super) fn load(key: blake3::Hash) -> Option<Pick> {
         unverified: stored.unverified,
         counts: stored.counts,
         other: stored.other,
+        failures: Vec::new(),
         remembered: true,
     })
 }

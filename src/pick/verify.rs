@@ -1,11 +1,10 @@
 //! A way held against the f64 reference.
 
 use super::Bound;
-use crate::glsl::Library;
-use crate::gpu::Gpu;
+use crate::compare::Stage;
 use crate::random::SplitMix;
 use crate::reference::{ReferenceError, TOLERANCE, reference_pixels, truth_of};
-use crate::render::{Frame, Subject, render};
+use crate::render::Frame;
 use crate::scene::Scene;
 use crate::variant::VariantError;
 use serde::{Deserialize, Serialize};
@@ -35,14 +34,14 @@ pub struct Verified {
 }
 
 pub(super) fn verify(
-    gpu: &Gpu,
-    library: &Library,
+    stage: Stage<'_>,
     scene: &Scene,
-    subject: &Subject,
     bound: Bound,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Verified, ReferenceError> {
-    let frame = render(gpu, library, scene, subject)?;
+    let Stage { library, subject, .. } = stage;
+    let mut painter = stage.painter();
+    let frame = painter.render(scene)?;
     let tolerance = (OWN * bound.error).clamp(1e-7, TOLERANCE);
     let looked_at = Sample::of(&frame);
     let truth = truth_of(scene, library).map_err(VariantError::from)?;
@@ -55,7 +54,7 @@ pub(super) fn verify(
     let mut finer = scene.clone();
     finer.quality.samples *= 2;
     let error = match finer.check(library) {
-        Ok(_) => error.max(super::metric(bound.metric, &frame.pixels, &render(gpu, library, &finer, subject)?.pixels)),
+        Ok(_) => error.max(super::metric(bound.metric, &frame.pixels, &painter.render(&finer)?.pixels)),
         Err(_) => error,
     };
     let estimate = reference.estimate.iter().zip(&looked_at.weights).map(|(estimate, weight)| (*estimate, *weight));

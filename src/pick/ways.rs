@@ -68,17 +68,19 @@ pub(super) fn with_samples(way: &Candidate, samples: u32) -> Candidate {
     way
 }
 
-/// The way that has no error but that of its steps.
-pub(super) fn finest(scene: &Scene, library: &Library, samples: u32) -> Result<Scene, CompareError> {
-    let mut finest = truth_of(scene, library)?;
-    finest.quality.samples = samples;
-    let rules = [(Pass::March, Rule::Segment), (Pass::Slices, Rule::Segment), (Pass::March, Rule::Point)];
-    for (pass, rule) in rules {
-        (finest.quality.pass, finest.quality.rule) = (pass, rule);
-        if finest.check(library).is_ok() {
-            return Ok(finest);
-        }
-    }
-    (finest.quality.pass, finest.quality.rule) = (Pass::Slices, Rule::Point);
-    Ok(finest)
+/// The ways that have no error but that of their steps, the best first.
+pub(super) fn finest(scene: &Scene, library: &Library, samples: u32) -> Result<Vec<Scene>, CompareError> {
+    let truth = truth_of(scene, library)?;
+    let ways = [
+        (Pass::March, Rule::Segment),
+        (Pass::Slices, Rule::Segment),
+        (Pass::March, Rule::Point),
+        (Pass::Slices, Rule::Point),
+    ];
+    let finest = ways.into_iter().map(|(pass, rule)| {
+        let mut finest = truth.clone();
+        (finest.quality.pass, finest.quality.rule, finest.quality.samples) = (pass, rule, samples);
+        finest
+    });
+    Ok(finest.filter(|scene| scene.check(library).is_ok()).collect())
 }

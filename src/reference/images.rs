@@ -10,7 +10,7 @@ pub(super) fn inputs(frozen: &Frozen) -> exact::Inputs {
     exact::Inputs {
         blocks: BTreeMap::new(),
         images: frozen.images().iter().map(|(binding, image)| (*binding, texture(image))).collect(),
-        samplers: frozen.samplers().iter().map(|(binding, address)| (*binding, wrap(*address))).collect(),
+        samplers: frozen.samplers().iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::inputs::{Inputs, SHADOW, StoredObjects, Values, blocks};
 use super::shadow::LightSpace;
+use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
 use super::view::View;
 use super::{RenderError, Subject};
@@ -15,6 +16,7 @@ pub(super) struct Bound {
     blocks: Vec<(Resource, Buffer)>,
     images: Vec<(u32, Image)>,
     samplers: Vec<(u32, Sampler)>,
+    sparse: Option<Sparse>,
     stored: StoredObjects,
     /// What was written into the blocks last.
     values: Values,
@@ -23,7 +25,7 @@ pub(super) struct Bound {
 impl Bound {
     /// Everything that a program reads, but for the shadow volume, which is made with the rest of it: see
     /// [`Bound::replace_shadow`].
-    pub(super) fn new(gpu: &Gpu, scene: &Scene, program: &Program, inputs: &Inputs) -> Result<Bound, RenderError> {
+    pub(super) fn new(gpu: &Gpu, program: &Program, inputs: &Inputs) -> Result<Bound, RenderError> {
         let mut blocks = Vec::new();
         for resource in &program.resources {
             if let Use::Block(block) = &resource.holds {
@@ -35,13 +37,14 @@ impl Bound {
             let uploaded = Image::sampled(gpu, image.name, image.dimension, image.format, image.bytes())?;
             Ok((*binding, uploaded))
         };
-        let sampler = |(binding, address): &(u32, gpu::Address)| {
-            Ok((*binding, Sampler::new(gpu, *address, scene.quality.anisotropy)?))
+        let sampler = |(binding, filter): &(u32, super::inputs::Filter)| {
+            Ok((*binding, Sampler::new(gpu, filter.address, filter.anisotropy)?))
         };
         Ok(Bound {
             blocks,
             images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
             samplers: inputs.samplers.iter().map(sampler).collect::<Result<_, RenderError>>()?,
+            sparse: inputs.sparse,
             stored: inputs.stored().clone(),
             values: Values::new(),
         })
@@ -69,6 +72,11 @@ impl Bound {
     /// Largest error of a stored distance, units of its object; 0 for formulas.
     pub(super) fn quantization(&self) -> f32 {
         self.stored.quantization()
+    }
+
+    /// What the bricks of a volume save.
+    pub(super) fn sparse(&self) -> Option<Sparse> {
+        self.sparse
     }
 
     /// Puts the shadow volume among the images, in place of the one before.

@@ -1,12 +1,10 @@
 //! All that a picture is computed from, for a processor to compute it.
 
-use super::inputs::{Encoded, Inputs, SHADOW, Values, blocks};
+use super::inputs::{Encoded, Filter, Inputs, SHADOW, Values, blocks};
 use super::shadow::LightSpace;
 use super::sub_frame::SubFrame;
 use super::view::View;
 use super::{RenderError, Subject};
-use crate::gpu::Address;
-use crate::pass::Planes;
 use crate::scene::Scene;
 use crate::variant::{Program, Variant};
 use std::collections::BTreeMap;
@@ -32,7 +30,7 @@ impl Frozen {
         program: &Program,
     ) -> Result<Frozen, RenderError> {
         let view = View::of(scene, subject, variant);
-        let planes = Planes::new(view.extent, scene.quality.samples);
+        let planes = view.planes(scene.quality.samples);
         let space = LightSpace::of(scene, &view, &planes);
         let inputs = Inputs::new(scene, subject, variant, program, (&view, &planes), &|_| ())?;
         let values =
@@ -50,7 +48,7 @@ impl Frozen {
     }
 
     /// The samplers by binding.
-    pub(crate) fn samplers(&self) -> &[(u32, Address)] {
+    pub(crate) fn samplers(&self) -> &[(u32, Filter)] {
         &self.inputs.samplers
     }
 

@@ -1,16 +1,18 @@
 //! What a program reads, made without a device: the values of its blocks, its images encoded, and nothing that it does
 //! not read.
 
-use super::noise_blocks::block;
+use super::half_angle::slant;
+use super::noise_blocks::{block, block_key};
 use super::shadow::LightSpace;
+use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
 use super::view::{Own, View};
 use super::{RenderError, Subject};
 use crate::field::Progress;
 use crate::gpu::{Address, Dimension, Format};
 use crate::pass::Planes;
-use crate::scene::{KnobValue, Knobs, Projection, Rule, Scene, Source, Wrap};
-use crate::texture::{self, Encoding, Texels};
+use crate::scene::{KnobValue, Knobs, Quality, Rule, Scene, Source, Wrap};
+use crate::texture::{self, Bricks, Encoding, Texels};
 use crate::variant::{Program, Resource, Use, Variant};
 use std::collections::HashMap;
 
@@ -40,12 +42,44 @@ impl Encoded {
     }
 }
 
+/// A sampler: what it returns outside [0, 1], and its anisotropy, 1 for none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Filter {
+    pub(crate) address: Address,
+    pub(super) anisotropy: f32,
+}
+
+impl Filter {
+    /// The sampler of a name in `interface.glsl`. Only those of volumes and blocks are anisotropic: a driver may end by
+    /// an anisotropic sampler of an image of one dimension (lavapipe of Mesa 22.3), and a table is never seen at a slant.
+    pub(super) fn of(name: &str, quality: &Quality) -> Filter {
+        let (address, anisotropy) = match name {
+            "table_sampler" => (Address::Clamp, 1.0),
+            "repeat_sampler" => (Address::Repeat, 1.0),
+            "block_sampler" if quality.wrap == Wrap::Mirror => (Address::Mirror, quality.anisotropy),
+            "block_sampler" => (Address::Repeat, quality.anisotropy),
+            _ => (Address::Clamp, quality.anisotropy),
+        };
+        Filter { address, anisotropy }
+    }
+}
+
+/// The volumes of one object, as far as its program reads them.
+struct Volumes {
+    texels: Option<Texels>,
+    /// The ways to the closest points.
+    ways: Option<Texels>,
+    bricks: Option<Bricks>,
+}
+
 /// The inputs of one program, but for the shadow volume, which is rendered.
 pub(crate) struct Inputs {
     /// The images by binding.
     pub(crate) images: Vec<(u32, Encoded)>,
     /// The samplers by binding.
-    pub(crate) samplers: Vec<(u32, Address)>,
+    pub(crate) samplers: Vec<(u32, Filter)>,
+    /// What bricks save.
+    pub(super) sparse: Option<Sparse>,
     stored: StoredObjects,
 }
 
@@ -68,42 +102,46 @@ impl Inputs {
     ) -> Result<Inputs, RenderError> {
         let mut items: Vec<Item<'_>> =
             view.objects.iter().map(|own| Item::of(own, scene, subject, variant, Stored::default())).collect();
-        let (mut texels, mut ways) = (Vec::new(), Vec::new());
+        let mut volumes = Vec::new();
+        let mut sparse = None;
         for item in &mut items {
             let read = program.reads(&format!("volume_image{}", item.suffix));
-            let made = if read { item.volume(variant) } else { None };
-            if let Some(texels) = &made {
+            let mut texels = if read { item.volume(variant) } else { None };
+            if let Some(texels) = &texels {
                 item.stored.decode = texels.decode.map(|value| value * item.subject.scale);
                 item.stored.quantization = texels.quantization * item.subject.scale;
             }
-            texels.push(made);
+            let bricks = texels.as_ref().filter(|_| program.reads(&format!("brick_image{}", item.suffix)));
+            let bricks = bricks.and_then(|texels| item.bricks(texels, planes));
+            if let (Some(texels), Some(bricks)) = (&mut texels, &bricks) {
+                sparse.get_or_insert_with(Sparse::default).add(texels, bricks);
+            }
             let read = program.reads(&format!("closest_image{}", item.suffix));
             let made = if read { Some(item.closest()?) } else { None };
             item.stored.closest_range = made.as_ref().map_or(0.0, |(_, range)| range * item.subject.scale);
-            ways.push(made.map(|(ways, _)| ways));
+            let mut ways = made.map(|(ways, _)| ways);
+            if let (Some(ways), Some(bricks), Some(sparse)) = (&mut ways, &bricks, &mut sparse) {
+                sparse.add(ways, bricks);
+            }
+            volumes.push(Volumes { texels, ways, bricks });
         }
         let (mut images, mut samplers) = (Vec::new(), Vec::new());
         for Resource { name, binding, holds, .. } in &program.resources {
             match holds {
-                Use::Image if name == SHADOW => {}
+                Use::Image if [SHADOW, BEFORE, BEHIND].contains(&name.as_str()) => {}
                 Use::Image => {
                     let made = match block(scene, name, progress) {
                         Some(block) => block,
-                        None => image(scene, &items, (&mut texels, &mut ways), planes, name)?,
+                        None => image(scene, &items, &mut volumes, planes, name)?,
                     };
                     images.push((*binding, made));
                 }
-                Use::Sampler if name == "repeat_sampler" => samplers.push((*binding, Address::Repeat)),
-                Use::Sampler if name == "block_sampler" => {
-                    let mirrors = scene.quality.wrap == Wrap::Mirror;
-                    samplers.push((*binding, if mirrors { Address::Mirror } else { Address::Repeat }));
-                }
-                Use::Sampler => samplers.push((*binding, Address::Clamp)),
+                Use::Sampler => samplers.push((*binding, Filter::of(name, &scene.quality))),
                 Use::Block(_) => {}
             }
         }
         let stored = StoredObjects(items.iter().map(|item| item.stored).collect());
-        Ok(Inputs { images, samplers, stored })
+        Ok(Inputs { images, samplers, sparse, stored })
     }
 
     /// How the distances of the objects are stored.
@@ -113,6 +151,11 @@ impl Inputs {
 }
 
 impl StoredObjects {
+    /// Of objects that are not stored: what depends on it has the values of formulas.
+    pub(super) fn none(view: &View) -> StoredObjects {
+        StoredObjects(vec![Stored::default(); view.objects.len()])
+    }
+
     /// Largest error of a stored distance, units of its object; 0 for formulas.
     pub(super) fn quantization(&self) -> f32 {
         self.0.iter().map(|stored| stored.quantization).fold(0.0, f32::max)
@@ -159,16 +202,19 @@ struct Stored {
 
 /// The shadow volume's name in `interface.glsl`.
 pub(super) const SHADOW: &str = "shadow_image";
+/// The names of the light's buffers there.
+pub(super) const BEFORE: &str = "light_before_image";
+pub(super) const BEHIND: &str = "light_behind_image";
 /// What an error calls the closest points.
 const CLOSEST: &str = "closest points";
 
 /// One object of the scene, with what its names in the program end in.
-struct Item<'a> {
+pub(super) struct Item<'a> {
     suffix: String,
-    own: &'a Own,
+    pub(super) own: &'a Own,
     /// The scene with this object as its only one.
-    scene: Scene,
-    subject: &'a Subject,
+    pub(super) scene: Scene,
+    pub(super) subject: &'a Subject,
     knobs: &'a Knobs,
     stored: Stored,
 }
@@ -191,6 +237,12 @@ impl<'a> Item<'a> {
     /// The volume of the object; `None` for a formula.
     fn volume(&self, variant: &Variant) -> Option<Texels> {
         let field = self.subject.field.as_ref()?;
+        let (encoding, range) = self.encoding(variant);
+        Some(texture::encode(field, encoding, range))
+    }
+
+    /// How the volume is stored, and the distances that it tells apart, units of the field.
+    fn encoding(&self, variant: &Variant) -> (Encoding, [f32; 2]) {
         let slot = if self.own.name.is_empty() { "object".into() } else { format!("{}.object", self.own.name) };
         let encoding = match (self.scene.object.source, variant.module(&slot)) {
             (Source::Normals8, _) => Encoding::Normals8,
@@ -198,26 +250,36 @@ impl<'a> Item<'a> {
             (_, Some("distance")) => Encoding::Distance16,
             _ => Encoding::Normals16,
         };
-        // The soft region and as much again on either side: gradients and filters read beyond it.
-        let reach = (self.own.outer_iso.abs() + self.scene.object.inner_iso.abs() + 0.25) / self.subject.scale;
-        Some(texture::encode(field, encoding, [-reach, reach]))
+        let reach = self.reach() / self.subject.scale;
+        (encoding, [-reach, reach])
+    }
+
+    /// Distances beyond this are all alike, units of the object: the soft region and as much again on either side, since
+    /// gradients and filters read beyond it.
+    pub(super) fn reach(&self) -> f32 {
+        self.own.outer_iso.abs() + self.scene.object.inner_iso.abs() + 0.25
     }
 
     /// The ways to the closest points of the inner surface, and their range in the units of the field.
-    fn closest(&self) -> Result<(Vec<u16>, f32), RenderError> {
+    fn closest(&self) -> Result<(Texels, f32), RenderError> {
         let both = self.subject.field.as_ref().zip(self.subject.closest.as_ref());
         let (field, closest) = both.ok_or(RenderError::Missing(CLOSEST))?;
-        Ok(texture::encode_closest(closest, field, self.scene.object.inner_iso / self.subject.scale))
+        let (ways, range) = texture::encode_closest(closest, field, self.scene.object.inner_iso / self.subject.scale);
+        let bytes = bytemuck::cast_slice(&ways).to_vec();
+        Ok((
+            Texels { size: field.grid.size, encoding: Encoding::Normals16, bytes, decode: [0.0; 2], quantization: 0.0 },
+            range,
+        ))
     }
 
     /// How much nearer the matter may be than a sampled distance says, units of the object.
     ///
-    /// A warp moves the place that is looked up, here and wherever the ray lands, by its reach. The filter mixes the
+    /// A warp moves the place that is looked up, here and wherever the ray lands, not alike. The filter mixes the
     /// distances of eight samples, whose weighted mean is at most half a voxel's diagonal away (by Jensen's
     /// inequality); a stored distance is rounded; and f32 has its own few ulps.
     fn leap_slack(&self) -> f32 {
         let spacing = self.subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length());
-        2.0 * self.knobs.reach() + 0.5 * spacing * self.subject.scale + self.stored.quantization + 1e-5
+        self.own.spread.moves.span() + 0.5 * spacing * self.subject.scale + self.stored.quantization + 1e-5
     }
 }
 
@@ -255,6 +317,11 @@ fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Planes) -> Ha
     let half_path = half_path(scene, view, planes);
     let reaches =
         [scene.quality.rule == Rule::Segment, scene.quality.jitter].map(|reaches| f32::from(u8::from(reaches)));
+    set("slice_axis", &view.axis.extend(0.0).to_array());
+    let transport = scene.light.transport.linear();
+    set("transport_color", &[transport[0], transport[1], transport[2], 1.0]);
+    set("translucency", &[scene.light.translucency]);
+    set("scatter", &[scene.light.scatter]);
     set("segment_reach", &[reaches[0] * half_path]);
     set("box_margin", &[(reaches[0] + reaches[1]) * half_path]);
     set("ray_scale", &[view.ray_scale[0], view.ray_scale[1], 0.0, 0.0]);
@@ -262,7 +329,9 @@ fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Planes) -> Ha
     set("noise_cells", &[noise_cells]);
     set("turbulence_cells", &[turbulence_cells]);
     set("channel_cells", &[channel_cells]);
-    set("low_octaves", &[scene.block_octaves()[1] as f32]);
+    let [turbulence_octaves, low_octaves] = scene.block_octaves().map(|octaves| octaves as f32);
+    set("turbulence_octaves", &[turbulence_octaves]);
+    set("low_octaves", &[low_octaves]);
     let [noise, turbulence] = scene.periods();
     set("noise_period", &[noise.cells as f32]);
     set("turbulence_period", &[turbulence.cells as f32]);
@@ -299,6 +368,7 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     set("volume_texel", &texel.extend(0.0).to_array());
     set("distance_decode", &[item.stored.decode[0], item.stored.decode[1], 0.0, 0.0]);
     set("leap_slack", &[item.leap_slack()]);
+    set("hold_radius", &[own.spread.hold_radius]);
     set("closest_range", &[item.stored.closest_range]);
     set("opacity_rate", &[scene.effect.opacity_rate]);
 
@@ -321,21 +391,44 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
 
 /// The longest that half a step along a ray can be, object units.
 fn half_path(scene: &Scene, view: &View, planes: &Planes) -> f32 {
-    let slant = match scene.camera.projection {
-        Projection::Parallel => 1.0,
-        Projection::Perspective => {
-            let farthest = glam::Vec2::from(view.pan).abs() + 1.0;
-            (farthest * glam::Vec2::from(view.ray_scale)).extend(1.0).length()
+    0.5 * planes.step * slant(scene, view) / glam::Vec3::from(scene.object.stretch).min_element()
+}
+
+/// What an image depends on, in words, for objects that are loaded.
+pub(super) fn image_key(
+    scene: &Scene,
+    subject: &Subject,
+    variant: &Variant,
+    (view, planes): (&View, &Planes),
+    name: &str,
+) -> String {
+    if let Some(key) = block_key(scene, name) {
+        return key;
+    }
+    let items = view.objects.iter().map(|own| Item::of(own, scene, subject, variant, Stored::default()));
+    let named =
+        |item: &Item<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image")).is_some();
+    let Some(item) = items.rev().find(named) else { return name.into() };
+    let (object, effect, transfer) = (&item.scene.object, &item.scene.effect, &item.scene.transfer);
+    let densities = (object.inner_iso, item.own.outer_iso);
+    match name.strip_suffix(item.suffix.as_str()).unwrap_or(name) {
+        "transfer_image" => format!("{:?}", texture::transfer_map(transfer)),
+        "index_image" => format!("{:?}", texture::index_map(transfer)),
+        "segment_image" => format!("{transfer:?} {} {}", effect.opacity_rate * planes.step, effect.opacity),
+        "classified_image" => {
+            format!("{transfer:?} {} {densities:?} {:?}{:?}", effect.softness, effect.dmf, effect.warp)
         }
-    };
-    0.5 * planes.step * slant / glam::Vec3::from(scene.object.stretch).min_element()
+        "closest_image" => format!("{}", object.inner_iso),
+        "brick_image" => format!("{densities:?} {:?} {}", scene.quality.rule, planes.step),
+        _ => format!("{:?}", item.encoding(variant)),
+    }
 }
 
 /// The image of a name in `interface.glsl` or `part.glsl` that is no block; takes what was encoded of the object.
 fn image(
     scene: &Scene,
     items: &[Item<'_>],
-    (texels, ways): (&mut [Option<Texels>], &mut [Option<Vec<u16>>]),
+    volumes: &mut [Volumes],
     planes: &Planes,
     name: &str,
 ) -> Result<Encoded, RenderError> {
@@ -357,10 +450,15 @@ fn image(
             encoded("index map", size, Format::Rgba32Float, Content::Floats(texels))
         }
         "closest_image" => {
-            let (ways, field) = ways[index].take().zip(subject.field.as_ref()).ok_or(RenderError::Missing(CLOSEST))?;
-            let [x, y, z] = field.grid.size;
+            let ways = volumes[index].ways.take().ok_or(RenderError::Missing(CLOSEST))?;
+            let [x, y, z] = ways.size;
             let (size, format) = (Dimension::Volume(x, y, z), Format::Rgba16Unorm);
-            encoded(CLOSEST, size, format, Content::Codes(ways))
+            encoded(CLOSEST, size, format, Content::Bytes(ways.bytes))
+        }
+        "brick_image" => {
+            let bricks = volumes[index].bricks.as_ref().ok_or_else(|| RenderError::Unfilled(name.into()))?;
+            let ([x, y, z], format) = (bricks.size, Format::Rgba32Float);
+            encoded("index of bricks", Dimension::Volume(x, y, z), format, Content::Floats(bricks.index.concat()))
         }
         "segment_image" => {
             let exponent = scene.effect.opacity_rate * planes.step;
@@ -394,13 +492,13 @@ fn image(
             encoded("classified volume", size, format, Content::Codes(texels))
         }
         _ => {
-            let texels = texels[index].take().ok_or_else(|| RenderError::Unfilled(name.into()))?;
+            let texels = volumes[index].texels.take().ok_or_else(|| RenderError::Unfilled(name.into()))?;
             let [x, y, z] = texels.size;
-            let format = match texels.bytes.len() as u64 / (u64::from(x) * u64::from(y) * u64::from(z)) {
-                8 => Format::Rgba16Unorm,
-                2 => Format::R16Unorm,
-                _ if scene.object.source == Source::Normals8 => Format::Rgba8Unorm,
-                _ => Format::R32Float,
+            let format = match texels.encoding {
+                Encoding::Normals16 => Format::Rgba16Unorm,
+                Encoding::Normals8 => Format::Rgba8Unorm,
+                Encoding::Distance16 => Format::R16Unorm,
+                Encoding::Distance32 => Format::R32Float,
             };
             encoded("distance field", Dimension::Volume(x, y, z), format, Content::Bytes(texels.bytes))
         }

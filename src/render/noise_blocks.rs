@@ -6,12 +6,15 @@ use super::inputs::{Content, Encoded};
 use crate::field::Progress;
 use crate::gpu::{Dimension, Format};
 use crate::kept::{self, Kind};
-use crate::noise::{Bake, Noise, Weights, random_block};
+use crate::noise::{Bake, Block, MEAN_NOISE, Noise, Weights, blue_noise, random_block};
 use crate::scene::{BlockFormat, Scene};
 use crate::texture::{self, Depth};
+use std::sync::OnceLock;
 
 /// Seed of Perlin's tables and of random texels: changing it changes every picture that is made of them.
 const SEED: u64 = 1989;
+/// Texels along a side of the tile of phases, a power of two. More: it takes longer to make. Fewer: it is seen to repeat.
+const PHASES: usize = 64;
 /// Raise it when a recipe gives other bytes.
 const VERSION: u32 = 1;
 /// Blocks of fewer texels along a side are made faster than they are read.
@@ -35,11 +38,29 @@ impl Recipe {
         if matches!(self, Recipe::Values(_)) { 1 } else { 4 }
     }
 
-    fn make(&self, depth: Depth, progress: Progress<'_>) -> Vec<u8> {
+    /// The level that lacks the last octaves, which leave their mean: it has half as many texels for each of them.
+    fn level(&self, faded: u32) -> (Recipe, f32) {
+        let coarser = |bake: &Bake| {
+            let amplitude = |octave: u32| 1.0 / (1u32 << octave) as f32;
+            let mean: f32 = (bake.octaves - faded..bake.octaves).map(|octave| MEAN_NOISE * amplitude(octave)).sum();
+            (Bake { size: (bake.size >> faded).max(1), octaves: bake.octaves - faded, ..*bake }, mean)
+        };
         match self {
-            Recipe::Values(bake) => texture::block_values(&bake.values(progress), bake.absolute, depth),
+            Recipe::Values(bake) => (Recipe::Values(coarser(bake).0), coarser(bake).1),
+            Recipe::Gradients(bake) => (Recipe::Gradients(coarser(bake).0), coarser(bake).1),
+            other => (*other, 0.0),
+        }
+    }
+
+    fn make(&self, mean: f32, depth: Depth, progress: Progress<'_>) -> Vec<u8> {
+        let lifted = |mut block: Block| {
+            block.values.iter_mut().for_each(|value| *value += mean);
+            block
+        };
+        match self {
+            Recipe::Values(bake) => texture::block_values(&lifted(bake.values(progress)), bake.absolute, depth),
             Recipe::Gradients(bake) => {
-                texture::block_gradients(&bake.values_and_gradients(progress), bake.absolute, depth)
+                texture::block_gradients(&lifted(bake.values_and_gradients(progress)), bake.absolute, depth)
             }
             Recipe::Channels(bake) => {
                 let octave = |index: u8| {
@@ -52,14 +73,24 @@ impl Recipe {
         }
     }
 
+    /// The bytes of the levels down to the one that lacks so many octaves, made or read.
+    fn levels(&self, size: u32, faded: u32, depth: Depth, progress: Progress<'_>) -> Vec<u8> {
+        let mut bytes = self.bytes(size, depth, progress);
+        for faded in 1..=faded {
+            let (level, mean) = self.level(faded);
+            bytes.extend(level.make(mean, depth, &|_| ()));
+        }
+        bytes
+    }
+
     /// The bytes, made or read.
     fn bytes(&self, size: u32, depth: Depth, progress: Progress<'_>) -> Vec<u8> {
         if size < KEPT_FROM {
-            return self.make(depth, progress);
+            return self.make(0.0, depth, progress);
         }
         let key = blake3::hash(format!("{VERSION} {self:?} {depth:?}").as_bytes());
         kept::load(KIND, key).unwrap_or_else(|| {
-            let bytes = self.make(depth, progress);
+            let bytes = self.make(0.0, depth, progress);
             kept::save(KIND, key, &bytes);
             bytes
         })
@@ -69,17 +100,56 @@ impl Recipe {
 /// The block or table of a name in `interface.glsl`; `None` for names of other images. `progress` is called with the part
 /// of a block that is done, from any thread.
 pub(super) fn block(scene: &Scene, name: &str, progress: Progress<'_>) -> Option<Encoded> {
+    let row = |name, index: usize| {
+        let texels = texture::table_rows(&Noise::new(SEED, weights(scene)))[index].clone();
+        let (dimension, format) = (Dimension::Line(256), Format::Rgba32Float);
+        Some(Encoded { name, dimension, format, content: Content::Floats(texels) })
+    };
+    match name {
+        "permutation_image" => return row("permutation", 0),
+        "gradient_image" => return row("table of gradients", 1),
+        "phase_image" => {
+            static TILE: OnceLock<Vec<f32>> = OnceLock::new();
+            let content = Content::Floats(TILE.get_or_init(|| blue_noise(PHASES)).clone());
+            let dimension = Dimension::Plane(PHASES as u32, PHASES as u32);
+            return Some(Encoded { name: "phases of the pixels", dimension, format: Format::R32Float, content });
+        }
+        _ => {}
+    }
+    let (name, recipe, depth, faded) = recipe(scene, name)?;
     let size = scene.quality.block_size;
-    let weights = if scene.effect.weights == "cubic" { Weights::Cubic } else { Weights::Quintic };
+    let format = match (recipe.channels(), depth) {
+        (1, Depth::Eight) => Format::R8Unorm,
+        (1, Depth::Sixteen) => Format::R16Unorm,
+        (1, Depth::Float) => Format::R32Float,
+        (_, Depth::Eight) => Format::Rgba8Unorm,
+        (_, Depth::Sixteen) => Format::Rgba16Unorm,
+        (_, Depth::Float) => Format::Rgba32Float,
+    };
+    let content = Content::Bytes(recipe.levels(size, faded, depth, progress));
+    Some(Encoded { name, dimension: Dimension::Volume(size, size, size), format, content })
+}
+
+/// What a block or table of a name depends on, in words; `None` for names of other images.
+pub(super) fn block_key(scene: &Scene, name: &str) -> Option<String> {
+    match name {
+        "permutation_image" | "gradient_image" | "phase_image" => Some(format!("{:?}", weights(scene))),
+        _ => recipe(scene, name).map(|recipe| format!("{recipe:?}")),
+    }
+}
+
+fn weights(scene: &Scene) -> Weights {
+    if scene.effect.weights == "cubic" { Weights::Cubic } else { Weights::Quintic }
+}
+
+/// What an error calls the block of a name in `interface.glsl`, what it holds and how, and how many levels follow it.
+fn recipe(scene: &Scene, name: &str) -> Option<(&'static str, Recipe, Depth, u32)> {
+    let size = scene.quality.block_size;
+    let weights = weights(scene);
     let [noise_cells, turbulence_cells, channel_cells] = scene.block_cells();
     let [held, low] = scene.block_octaves();
     let noise = Bake { weights, size, cells: noise_cells, octaves: 1, absolute: false };
     let turbulence = |octaves| Bake { weights, size, cells: turbulence_cells, octaves, absolute: true };
-    let row = |name, index: usize| {
-        let texels = texture::table_rows(&Noise::new(SEED, weights))[index].clone();
-        let (dimension, format) = (Dimension::Line(256), Format::Rgba32Float);
-        Encoded { name, dimension, format, content: Content::Floats(texels) }
-    };
     let (name, recipe) = match name {
         "noise_image" => ("noise block", Recipe::Gradients(noise)),
         "noise_value_image" => ("noise values", Recipe::Values(noise)),
@@ -88,26 +158,20 @@ pub(super) fn block(scene: &Scene, name: &str, progress: Progress<'_>) -> Option
         "low_octaves_image" => ("low octaves", Recipe::Values(turbulence(low))),
         "channel_image" => ("four octaves", Recipe::Channels(Bake { cells: channel_cells, ..noise })),
         "random_image" => ("random texels", Recipe::Random(SEED, size, scene.quality.block_blur)),
-        "permutation_image" => return Some(row("permutation", 0)),
-        "gradient_image" => return Some(row("table of gradients", 1)),
         _ => return None,
     };
-    let channels = recipe.channels();
-    let depth = match (scene.quality.block_format, channels) {
+    let depth = match (scene.quality.block_format, recipe.channels()) {
         (BlockFormat::Unorm8, _) => Depth::Eight,
         (BlockFormat::Unorm16, _) | (BlockFormat::Auto, 4) => Depth::Sixteen,
         (BlockFormat::Float32 | BlockFormat::Auto, _) => Depth::Float,
     };
-    let format = match (channels, depth) {
-        (1, Depth::Eight) => Format::R8Unorm,
-        (1, Depth::Sixteen) => Format::R16Unorm,
-        (1, Depth::Float) => Format::R32Float,
-        (_, Depth::Eight) => Format::Rgba8Unorm,
-        (_, Depth::Sixteen) => Format::Rgba16Unorm,
-        (_, Depth::Float) => Format::Rgba32Float,
+    // What is summed is taken apart by levels: see glsl/octave_levels.glsl.
+    let fades = scene.effect.bandlimit != "none";
+    let faded = match recipe {
+        Recipe::Values(bake) | Recipe::Gradients(bake) if bake.absolute && fades => bake.octaves,
+        _ => 0,
     };
-    let content = Content::Bytes(recipe.bytes(size, depth, progress));
-    Some(Encoded { name, dimension: Dimension::Volume(size, size, size), format, content })
+    Some((name, recipe, depth, faded))
 }
 
 #[cfg(test)]

@@ -46,6 +46,8 @@ pub(super) struct LightSpace {
     side: u32,
     /// Samples along a ray in each.
     steps: f32,
+    /// Distance between the slices, where the light goes from one to the next; otherwise 0.
+    slice: f32,
 }
 
 impl LightSpace {
@@ -70,12 +72,16 @@ impl LightSpace {
         let side = scene.light.shadow_resolution;
         let steps = ((far - near) / (side as f32 * planes.step)).ceil().clamp(1.0, MOST_STEPS);
         let rim = if outside { angle * (1.0 + 1.0 / side as f32) } else { std::f32::consts::PI };
-        LightSpace { matrix, rim, near, far, side, steps }
+        let slice = if scene.is_half_angle() { planes.step } else { 0.0 };
+        LightSpace { matrix, rim, near, far, side, steps, slice }
     }
 
     /// The longest side of a texel in the middle of the scene, to its corner across the rays; object units.
     fn bias(&self) -> f32 {
         let across = std::f32::consts::SQRT_2 * self.rim * (self.near + self.far) / self.side as f32;
+        if self.slice > 0.0 {
+            return across + 2.0 * self.slice;
+        }
         across.max((self.far - self.near) / self.side as f32)
     }
 
@@ -182,10 +188,10 @@ pub fn transmittance(
     let variant = Variant::of(scene, library)?;
     let program = variant.program(library, Linker::new)?;
     let view = View::of(scene, subject, &variant);
-    let planes = Planes::new(view.extent, scene.quality.samples);
+    let planes = view.planes(scene.quality.samples);
     let space = LightSpace::of(scene, &view, &planes);
     let inputs = Inputs::new(scene, subject, &variant, &program, (&view, &planes), &|_| ())?;
-    let mut bound = Bound::new(gpu, scene, &program, &inputs)?;
+    let mut bound = Bound::new(gpu, &program, &inputs)?;
     for sub_frame in SubFrame::all(scene).take(1) {
         bound.fill(scene, subject, &variant, &view, (&planes, &space), &sub_frame)?;
     }

@@ -3,7 +3,10 @@
 //! Source: PH 3.1 suggests jittered rays and motion blur by rays over time.
 
 use crate::random::SplitMix;
-use crate::scene::Scene;
+use crate::scene::{Phases, Scene};
+
+/// Multiples of it leave no large gap in [0, 1], however many they are.
+const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_8;
 
 /// One of the pictures of which a picture is the mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,7 +15,8 @@ pub(super) struct SubFrame {
     pub(super) offset: [f32; 2],
     /// Seconds.
     pub(super) time: f32,
-    /// Which phases the pixels have: an integer below 2^24, which a float holds.
+    /// Which phases the pixels have: an integer below 2^24, which a float holds; of blue noise, how far they are moved in
+    /// parts of 2^24.
     pub(super) jitter_seed: f32,
 }
 
@@ -27,7 +31,13 @@ impl SubFrame {
             SubFrame {
                 offset: offset(index, count),
                 time: (f64::from(time) + f64::from(shutter) * moment) as f32,
-                jitter_seed: (SplitMix(u64::from(seed) << 32 | u64::from(index)).next() >> 40) as f32,
+                jitter_seed: match scene.quality.phases {
+                    Phases::Hash => (SplitMix(u64::from(seed) << 32 | u64::from(index)).next() >> 40) as f32,
+                    Phases::Blue => {
+                        let place = SplitMix(u64::from(seed)).unit() + f64::from(index) * GOLDEN_RATIO;
+                        (place.fract() * f64::from(1 << 24)).floor() as f32
+                    }
+                },
             }
         })
     }
@@ -60,6 +70,20 @@ mod tests {
         scene.camera.time = 2.5;
         let all: Vec<_> = SubFrame::all(&scene).collect();
         assert_eq!((all.len(), all[0].offset, all[0].time), (1, [0.0; 2], 2.5));
+    }
+
+    #[test]
+    fn p48_blue_phases_cover_the_step_evenly_however_many_they_are() {
+        let mut scene = Scene::default();
+        (scene.quality.supersampling, scene.quality.phases, scene.quality.seed) = (55, Phases::Blue, 3);
+        let all: Vec<f32> = SubFrame::all(&scene).map(|sub| sub.jitter_seed / 16_777_216.0).collect();
+        for count in [5, 8, 20, 55] {
+            let mut phases = all[..count].to_vec();
+            phases.sort_by(f32::total_cmp);
+            phases.push(1.0 + phases[0]);
+            let gap = phases.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f32::max);
+            assert!(gap < 1.9 / count as f32, "{count}: a gap of {gap}");
+        }
     }
 
     #[test]

@@ -3,16 +3,18 @@
 //! Eye space: the eye at the origin, looking along -z, y up; one unit is one object unit. The slices live there, and the
 //! rotation of the object reaches them through the texture matrix alone (MJ 3.3).
 
-use super::Subject;
+use super::{Subject, half_angle};
 use crate::glsl::link::MAIN;
-use crate::pass::Extent;
-use crate::scene::{Knobs, Place, Projection, Scene};
+use crate::pass::{Extent, Planes};
+use crate::scene::{Knobs, Place, Projection, Scene, Spread};
 use crate::variant::Variant;
 use glam::camera::rh;
 use glam::{Mat4, Vec3};
 
-/// The object fills this part of the height of a picture at zoom 1, whatever grows around it. Larger: hair is cut off.
+/// The object fills this part of the height of a picture at zoom 1, and less where its soft region would be cut off.
 const FILL: f32 = 0.8;
+/// The most that the soft region fills at zoom 1: the rest is a margin.
+const SOFT_FILL: f32 = 0.97;
 /// Nothing nearer to the eye than this is drawn, object units. Smaller: the perspective division loses its digits.
 const NEAR: f32 = 1e-3;
 /// How far the stack of slices is turned to be looked at from the side, degrees: MJ Fig. 1.
@@ -32,6 +34,8 @@ pub(super) struct View {
     /// No matter is farther from the origin of object space than this.
     pub(super) soft_radius: f32,
     pub(super) extent: Extent,
+    /// Unit vector across the slices, eye space: toward the eye, or half way to the light.
+    pub(super) axis: Vec3,
     /// Half width and height of the view: at depth 1 in perspective, at any depth in parallel projection.
     pub(super) ray_scale: [f32; 2],
     /// How far the picture is moved to the right and down; its sides are at -1 and 1.
@@ -54,9 +58,15 @@ pub(super) struct Own {
     pub(super) own_max: Vec3,
     /// No matter is farther from the origin of its own space than this.
     pub(super) own_radius: f32,
+    /// How far its warps move lookups, and matter.
+    pub(super) spread: Spread,
+    /// Half the size of the soft region before any warp, its own space.
+    half_size: Vec3,
     /// The sphere around the object alone: its center and its radius, object space of the scene.
     center: Vec3,
     radius: f32,
+    /// Width of the soft region around it, object space of the scene.
+    soft: f32,
 }
 
 impl Own {
@@ -65,48 +75,87 @@ impl Own {
         let soft = scene.effect.softness != "hard";
         let declared = knobs.outer_iso().unwrap_or(scene.object.outer_iso);
         let outer_iso = if soft { declared } else { scene.object.inner_iso };
-        let reach = outer_iso.max(0.0) + knobs.reach();
+        let half_size = subject.half_size + outer_iso.max(0.0);
         // The radius is that of the samples inside: the surface is at most a voxel beyond. And a rounding.
         let voxel = subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length() * subject.scale);
+        let radius = 1.0001 * (subject.radius + voxel + outer_iso.max(0.0));
+        let spread = knobs.spread(radius);
         Own {
             name: name.into(),
             place: place.matrix(),
             scale: place.scale,
             outer_iso,
-            own_min: -subject.half_size - reach,
-            own_max: subject.half_size + reach,
-            own_radius: 1.0001 * (subject.radius + voxel + reach),
+            own_min: -half_size - spread.grows.round - Vec3::from(spread.grows.low),
+            own_max: half_size + spread.grows.round + Vec3::from(spread.grows.high),
+            own_radius: radius + spread.grows.farthest(),
+            spread,
+            half_size,
             center: Vec3::from(place.at),
             radius: place.scale * subject.radius,
+            soft: place.scale * outer_iso.max(0.0),
         }
     }
 
-    /// Corners of the box around the soft region, object space of the scene.
-    fn corners(&self) -> impl Iterator<Item = Vec3> + '_ {
-        (0..8).map(|corner| {
-            let pick = |axis: usize| if corner >> axis & 1 == 1 { self.own_max[axis] } else { self.own_min[axis] };
+    /// The box in object space of the scene around one in its own.
+    fn around(&self, low: Vec3, high: Vec3) -> (Vec3, Vec3) {
+        let corners = (0..8).map(|corner| {
+            let pick = |axis: usize| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] };
             self.place.transform_point3(Vec3::new(pick(0), pick(1), pick(2)))
-        })
+        });
+        corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), corner| (low.min(corner), high.max(corner)))
+    }
+
+    /// The box around its soft region, object space of the scene.
+    fn soft_box(&self) -> (Vec3, Vec3) {
+        self.around(self.own_min, self.own_max)
+    }
+
+    /// The same before any warp.
+    fn unwarped_box(&self) -> (Vec3, Vec3) {
+        self.around(-self.half_size, self.half_size)
+    }
+
+    /// No matter is farther from a point of object space of the scene than this.
+    fn farthest(&self, from: Vec3) -> f32 {
+        self.center.distance(from) + self.scale * self.own_radius
     }
 }
 
-/// The box around the soft region of the whole, object space of the scene.
-fn soft_box(scene: &Scene, objects: &[Own]) -> (Vec3, Vec3) {
-    let all = || objects.iter().flat_map(Own::corners);
-    let around = |corners: &mut dyn Iterator<Item = Vec3>| {
-        corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), corner| (low.min(corner), high.max(corner)))
-    };
-    let of = |name: &str| {
-        let own = objects.iter().find(|own| own.name == name || (own.name.is_empty() && name == MAIN));
-        own.map_or_else(|| around(&mut all()), |own| around(&mut own.corners()))
-    };
+/// What holds of the whole: `of` an object, and of two together where both or one of them is.
+fn whole<T>(
+    scene: &Scene,
+    objects: &[Own],
+    of: impl Fn(&Own) -> T,
+    both: impl Fn(T, T) -> T,
+    either: impl Fn(T, T) -> T,
+) -> T {
+    let named = |name: &str| objects.iter().find(|own| own.name == name || (own.name.is_empty() && name == MAIN));
+    let of_name = |name: &str| of(named(name).unwrap_or(&objects[0]));
+    let bound = scene.formula().ok().and_then(|formula| formula.bound(&of_name, &both, &either));
+    bound.unwrap_or_else(|| objects[1..].iter().map(&of).fold(of(&objects[0]), &either))
+}
+
+/// The box of the whole around a box of each of its objects, object space of the scene.
+fn box_of(scene: &Scene, objects: &[Own], of: impl Fn(&Own) -> (Vec3, Vec3)) -> (Vec3, Vec3) {
     let both = |a: (Vec3, Vec3), b: (Vec3, Vec3)| {
         let (low, high) = (a.0.max(b.0), a.1.min(b.1));
         if low.cmplt(high).all() { (low, high) } else { a } // objects that are apart: nothing is there to be seen
     };
-    let either = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
-    let whole = scene.formula().ok().and_then(|formula| formula.bound(&of, &both, &either));
-    whole.unwrap_or_else(|| around(&mut all()))
+    whole(scene, objects, of, both, |a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
+/// How far a point may be from the center of a ball that is also in a box of this half size around it, when both are
+/// stretched: the radius of the ball goes to the axes that are stretched most, as far as the box lets it.
+fn farthest(half_size: Vec3, radius: f32, stretch: Vec3) -> f32 {
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|&a, &b| stretch[b].total_cmp(&stretch[a]));
+    let (mut left, mut sum) = (radius * radius, 0.0);
+    for axis in axes {
+        let taken = left.min(half_size[axis] * half_size[axis]);
+        sum += stretch[axis] * stretch[axis] * taken;
+        left -= taken;
+    }
+    sum.sqrt()
 }
 
 /// Half the height of the view at the depth of the middle of the scene, object units: what [`crate::scene::Camera::pan`]
@@ -126,25 +175,29 @@ impl View {
         for (name, part) in &scene.parts {
             objects.push(Own::of(name, part.place, &scene.alone(name), &subject.parts[name], &variant.parts[name]));
         }
-        let (box_min, box_max) = soft_box(scene, &objects);
-        let farthest = |own: &Own| own.center.length() + own.scale * own.own_radius;
-        let soft_radius = objects.iter().map(farthest).fold(0.0, f32::max);
-        let center = 0.5 * (box_min + box_max);
-        let reach = match objects.as_slice() {
-            [own] => own.radius,
+        let (box_min, box_max) = box_of(scene, &objects, Own::soft_box);
+        // What the eye looks at does not move with what drips.
+        let (core_min, core_max) = box_of(scene, &objects, Own::unwarped_box);
+        let center = 0.5 * (core_min + core_max);
+        let ball = |from: Vec3| whole(scene, &objects, |own| own.farthest(from), f32::min, f32::max);
+        // Half of what the picture shows: without the soft regions in its middle, with them to its rim.
+        let shown = |soft: f32| match objects.as_slice() {
+            [own] => own.radius + soft * own.soft,
             all => {
-                let within = all.iter().map(|own| own.center.distance(center) + own.radius).fold(0.0, f32::max);
-                within.min(0.5 * box_min.distance(box_max))
+                let of = |own: &Own| own.center.distance(center) + own.radius + soft * own.soft;
+                all.iter().map(of).fold(0.0, f32::max).min(0.5 * box_min.distance(box_max))
             }
         };
+        let reach = (shown(0.0) / FILL).max(shown(1.0) / SOFT_FILL);
 
         let turn = camera.turn(); // the trackball
         let stretch = Vec3::from(scene.object.stretch);
-        let half_height = reach * stretch.max_element() / FILL / camera.zoom;
+        let half_height = reach * stretch.max_element() / camera.zoom;
         let [width, height] = scene.image.size.map(|side| side as f32);
         let (aspect, fit) = (width / height, (width / height).min(1.0));
         let half_angle = 0.5 * camera.field_of_view.to_radians();
-        let radius = (0.5 * (box_max - box_min) * stretch).length();
+        let half_size = (box_max - center).max(center - box_min);
+        let (soft_radius, radius) = (ball(Vec3::ZERO), farthest(half_size, ball(center), stretch));
         let (projection, distance, ray_scale) = match camera.projection {
             Projection::Perspective => {
                 let distance = half_height / fit / half_angle.sin();
@@ -186,9 +239,21 @@ impl View {
             box_max,
             soft_radius,
             extent: Extent { distance, radius, near: NEAR },
+            axis: half_angle::axis(scene),
             ray_scale,
             pan,
             slice_stack: camera.slice_stack,
+        }
+    }
+
+    /// The planes of the slices. Of those that do not face the eye none is left out: the light goes through all.
+    pub(super) fn planes(&self, samples: u32) -> Planes {
+        match self.axis == Vec3::Z {
+            true => Planes::new(self.extent, samples),
+            false => {
+                let distance = self.axis.z * self.extent.distance;
+                Planes::new(Extent { distance, near: f32::NEG_INFINITY, ..self.extent }, samples)
+            }
         }
     }
 
@@ -205,24 +270,28 @@ impl View {
 mod tests {
     use super::*;
     use crate::glsl;
-    use crate::pass::{Planes, stack};
-    use crate::scene::{EFFECTS, Order, Proxy, preset};
+    use crate::pass::stack;
+    use crate::scene::{EFFECTS, LightMethod, Order, Proxy, preset};
 
     #[test]
     fn m01_the_trackball_turns_the_texture_matrix_and_moves_no_vertex() {
-        for effect in EFFECTS {
+        for (effect, method) in
+            EFFECTS.into_iter().flat_map(|effect| [LightMethod::Volume, LightMethod::HalfAngle].map(|m| (effect, m)))
+        {
             let [still, turned] = [(0.0, 0.0), (77.0, -35.0)].map(|(azimuth, elevation)| {
                 let mut scene = preset(effect).unwrap();
                 scene.object.input = "torus".into();
+                (scene.light.shadows, scene.light.method, scene.light.position) = (true, method, [6.0, 1.0, -3.0]);
                 (scene.camera.azimuth, scene.camera.elevation) = (azimuth, elevation);
                 let subject = Subject::load(&scene, &glsl::shipped(), &|_| ()).unwrap();
                 View::of(&scene, &subject, &Variant::of(&scene, &glsl::shipped()).unwrap())
             });
             assert_ne!(still.texture_matrix, turned.texture_matrix, "{effect}");
-            assert_eq!(still.projection, turned.projection, "{effect}");
+            assert_eq!((still.projection, still.axis), (turned.projection, turned.axis), "{effect}");
+            assert_eq!(still.axis == Vec3::Z, method == LightMethod::Volume);
             for proxy in [Proxy::Quads, Proxy::Polygons] {
                 let [a, b] = [&still, &turned].map(|view| {
-                    let planes = Planes::new(view.extent, 32);
+                    let planes = view.planes(32);
                     stack(&planes, view.extent.radius, proxy, Order::FrontToBack, view.tint())
                 });
                 assert_eq!(a, b, "{effect}");

@@ -1,7 +1,7 @@
 //! The checks that make a scene valid.
 
 use super::loops::{BENDING_LOOPS, BENDING_STEPS, LOOP_BUDGET, SHADOW_SAMPLES};
-use super::{Knobs, Ray, Repeat, Rule, Scene, SceneError};
+use super::{Knobs, Ray, Repeat, Rule, Scene, SceneError, Storage};
 use crate::glsl::Slots;
 use crate::glsl::library::{COMBINE, Library};
 
@@ -16,9 +16,11 @@ impl Scene {
         self.check_transfer()?;
         self.check_quality()?;
         self.check_ray()?;
+        self.check_half_angle()?;
         self.check_parts()?;
         let slots = self.slots_with_objects();
         self.check_modules(library, &slots)?;
+        self.check_layers(library)?;
         self.knobs(&library.declarations(&self.entries(), &slots)?)
     }
 
@@ -32,6 +34,7 @@ impl Scene {
         own.check_object().and_then(|()| own.check_look()).and_then(|()| own.check_transfer()).map_err(within)?;
         let slots = self.slots_with_objects();
         self.check_modules(library, &slots).map_err(within)?;
+        own.check_layers(library).map_err(within)?;
         own.knobs(&library.object_declarations(name, &slots)?).map_err(within)
     }
 
@@ -89,14 +92,26 @@ impl Scene {
             let (field, value) = ("effect.project".into(), self.effect.project.clone());
             return Err(SceneError::Value { field, value, limit: limit.into() });
         }
+        let sparse = |limit: &str| {
+            let (field, value) = ("object.storage".into(), "\"sparse\"".into());
+            Err(SceneError::Value { field, value, limit: limit.into() })
+        };
+        match (self.object.storage, self.effect.classify.as_str()) {
+            (Storage::Dense, _) => {}
+            _ if self.object.is_formula() => {
+                return sparse("needs a volume; object.source = \"normals16\" makes one of a formula");
+            }
+            (_, "surface" | "soft") => {}
+            _ => {
+                return sparse(
+                    "needs effect.classify = \"surface\" or \"soft\": others color what is beyond the soft region",
+                );
+            }
+        }
         within("effect.opacity_rate", self.effect.opacity_rate, 0.0, 1e9)?;
         within("material.specular", self.material.specular, 0.0, 10.0)?;
         within("material.specular_power", self.material.specular_power, 1.0, 1000.0)?;
-        for value in self.light.position {
-            within("light.position", value, -1e6, 1e6)?;
-        }
-        within("light.intensity", self.light.intensity, 0.0, 1000.0)?;
-        within("light.shadow_resolution", self.light.shadow_resolution as f32, 16.0, 256.0)?;
+        self.check_light()?;
         let camera = &self.camera;
         within("camera.azimuth", camera.azimuth, -1e6, 1e6)?;
         within("camera.elevation", camera.elevation, -90.0, 90.0)?;
@@ -215,6 +230,12 @@ impl Scene {
             let (field, value) = ("quality.block_size".into(), quality.block_size.to_string());
             return Err(SceneError::Value { field, value, limit: "16, 32, 64, 128 or 256".into() });
         }
+        let cells = quality.turbulence_cells;
+        if !cells.is_power_of_two() || cells > 64 || 2 * cells > quality.block_size {
+            let limit = format!("1, 2, 4, ... 64, and at most half of quality.block_size = {}", quality.block_size);
+            let (field, value) = ("quality.turbulence_cells".into(), cells.to_string());
+            return Err(SceneError::Value { field, value, limit });
+        }
         for (field, repeat, module) in [
             ("effect.noise_repeat", effect.noise_repeat, &effect.noise),
             ("effect.turbulence_repeat", effect.turbulence_repeat, &effect.turbulence),
@@ -276,6 +297,20 @@ impl Scene {
         within("quality.samples", self.quality.samples as f32, 1.0, most)
     }
 
+    /// DMFs are of the kinds that they say, and several media need as many layers.
+    fn check_layers(&self, library: &Library) -> Result<(), SceneError> {
+        for dmf in &self.effect.dmf {
+            library.kind(dmf.split('@').next().unwrap_or_default())?;
+        }
+        let (media, layers) = (self.effect.medium.split('+').count(), library.layers(&self.effect.dmf)?);
+        if media == 1 || media == layers {
+            return Ok(());
+        }
+        let limit =
+            format!("one medium, or one for each of the {layers} DMFs in effect.dmf that have a width of their own");
+        Err(SceneError::Value { field: "effect.medium".into(), value: self.effect.medium.clone(), limit })
+    }
+
     fn check_modules(&self, library: &Library, slots: &Slots) -> Result<(), SceneError> {
         for (key, names) in slots.iter().filter(|(key, _)| *key != COMBINE) {
             let (object, slot) = key.split_once('.').unwrap_or(("", key));
@@ -335,6 +370,11 @@ pub(super) mod tests {
         assert_eq!(refusal(|s| s.effect.octaves = 11), "effect.octaves = 11: must be from 1 to 10");
         assert!(refusal(|s| s.quality.supersampling = 257).ends_with("must be from 1 to 256"));
         assert_eq!(refusal(|s| s.quality.block_size = 48), "quality.block_size = 48: 16, 32, 64, 128 or 256");
+        let cells = |size, cells| refusal(move |s| (s.quality.block_size, s.quality.turbulence_cells) = (size, cells));
+        let limit = |size: u32| format!("1, 2, 4, ... 64, and at most half of quality.block_size = {size}");
+        assert_eq!(cells(64, 3), format!("quality.turbulence_cells = 3: {}", limit(64)));
+        assert_eq!(cells(16, 16), format!("quality.turbulence_cells = 16: {}", limit(16)));
+        assert_eq!(cells(256, 128), format!("quality.turbulence_cells = 128: {}", limit(256)));
         let repeats = refusal(|s| s.effect.noise_repeat = Repeat::Never);
         assert!(repeats.starts_with("effect.noise_repeat = Never: must be \"own\" with block"), "{repeats}");
         let fine = |s: &mut Scene| s.light.shadow_resolution = 512;

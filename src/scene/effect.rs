@@ -17,7 +17,8 @@ pub struct Effect {
     pub dmf: Vec<String>,
     /// Color of the hard region.
     pub surface: String,
-    /// Color of the soft region.
+    /// Color of the soft region; where several DMFs have a width of their own, one for each in their order, as
+    /// `hair+flame`, or one for all.
     pub medium: String,
     /// Where noise comes from.
     pub noise: String,

@@ -2,16 +2,37 @@
 
 use super::check::within;
 use super::{KnobValue, Scene, SceneError};
-use crate::glsl::Declarations;
 use crate::glsl::library::{Default, Knob};
+use crate::glsl::reach::{GIVEN, NOISE_BOUND};
+use crate::glsl::{Declarations, Reach, Sides};
 
 /// The declared parameters of a scene's modules with the values that the scene gives them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Knobs {
     declared: Vec<(Knob, KnobValue)>,
-    outer: Option<String>,
-    reach: Vec<String>,
+    outer: Vec<String>,
+    reach: Vec<Reach>,
+    noise_bound: f32,
 }
+
+/// How far the modules of an object move lookups, and how far its matter grows by that; units of the object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// How far matter grows beyond the soft region.
+    pub grows: Sides,
+    /// How far a lookup moves.
+    pub moves: Sides,
+    /// Radius beyond which a step along the radius stays as long as it is there.
+    pub hold_radius: f32,
+    /// Whether there may be matter beyond it: lobes are shorter than the formula of the warp has them.
+    pub held: bool,
+}
+
+/// Steps along the radius are held so that matter gets this many times as far as the soft region alone. Larger: the
+/// slices lie so far apart that the picture is coarse.
+const MOST_GROWTH: f32 = 2.25;
+/// But not within this many radii, so that the object itself is what the formula says.
+const LEAST_HOLD: f32 = 1.1547005;
 
 impl Knobs {
     /// Every knob with its value, in the order of the modules.
@@ -19,14 +40,32 @@ impl Knobs {
         self.declared.iter().map(|(knob, value)| (knob, value))
     }
 
-    /// Signed distance at which the soft region starts, if a module says so; object units.
+    /// Signed distance at which the soft region starts, if a module says so: of several, that of the widest; object units.
     pub fn outer_iso(&self) -> Option<f32> {
-        self.outer.as_deref().map(|name| self.number(name))
+        self.outer.iter().map(|name| self.number(name)).reduce(f32::max)
     }
 
-    /// How far matter reaches beyond the soft region, object units.
-    pub fn reach(&self) -> f32 {
-        self.reach.iter().map(|name| self.number(name)).sum()
+    /// How far lookups move and matter grows, around a soft region of this radius.
+    ///
+    /// A step along the radius that shortens it by up to a part k, from x to x (1 - k), brings matter of radius r from
+    /// r / (1 - k): from there on it may be held, and where that is too far, earlier.
+    pub fn spread(&self, radius: f32) -> Spread {
+        type Of = fn(&Reach, &dyn Fn(&str) -> f32) -> Sides;
+        let all = |hold: f32, of: Of| {
+            let given = [hold, self.noise_bound];
+            let value = |name: &str| {
+                GIVEN.iter().zip(given).find(|(given, _)| **given == name).map_or_else(|| self.number(name), |(_, v)| v)
+            };
+            self.reach.iter().map(|reach| of(reach, &value)).fold(Sides::default(), Sides::plus)
+        };
+        let bare = all(0.0, Reach::grows);
+        let start = radius + bare.farthest();
+        let part = all(1.0, Reach::grows).round - bare.round;
+        let whole = if part < 1.0 { start / (1.0 - part) } else { f32::INFINITY };
+        let room = if part > 0.0 { (MOST_GROWTH - 1.0) / part } else { f32::INFINITY };
+        let hold_radius = whole.min(start * room.max(LEAST_HOLD));
+        let [grows, moves] = [Reach::grows, Reach::moves].map(|of| all(hold_radius, of));
+        Spread { grows, moves, hold_radius, held: hold_radius < whole }
     }
 
     fn number(&self, name: &str) -> f32 {
@@ -68,6 +107,8 @@ impl Scene {
             };
             declared.push((knob.clone(), value));
         }
-        Ok(Knobs { declared, outer: declarations.outer.clone(), reach: declarations.reach.clone() })
+        let noise_bound = declarations.noise_bound.unwrap_or(NOISE_BOUND);
+        let (outer, reach) = (declarations.outer.clone(), declarations.reach.clone());
+        Ok(Knobs { declared, outer, reach, noise_bound })
     }
 }

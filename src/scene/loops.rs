@@ -38,14 +38,15 @@ impl Scene {
             _ => 0.0,
         };
         let vapor = f32::from(u8::from(self.effect.medium == "vapor")); // it asks once more, towards the light
+        let layers = if self.effect.medium.contains('+') { 2.0 } else { 0.0 }; // each medium asks again for its own
         let sums = (self.effect.warp.len() + self.effect.dmf.len() + 1).max(2) as f32;
         let octave = match self.effect.turbulence.as_str() {
             "channels" => 5.0, // and the six differences of its gradient
             "lookups8" | "lookups4" | "encoded" | "tables" | "arrays" | "procedural" | "hybrid" => 1.0,
             _ => 1.0 + self.noise_loops(),
         };
-        let sum = (self.effect.octaves as f32 * octave).max(6.0 * self.noise_loops());
-        (places + more + vapor) * (sums * sum + 3.0 * self.noise_loops())
+        let sum = self.effect.octaves as f32 * octave.max(self.noise_loops());
+        (places + more + vapor + layers) * (sums * sum + 3.0 * self.noise_loops())
     }
 }
 
@@ -62,12 +63,12 @@ mod tests {
             move |s: &mut Scene| (s.quality.pass, s.quality.samples, s.effect.noise) = (Pass::March, samples, noise)
         };
         assert_eq!(refusal(march(60_001, "block")), "quality.samples = 60001: must be from 1 to 60000");
-        assert_eq!(refusal(march(500, "wavelet")), "quality.samples = 500: must be from 1 to 444");
+        assert_eq!(refusal(march(500, "wavelet")), "quality.samples = 500: must be from 1 to 350");
         let segments = |s: &mut Scene| {
             march(149, "wavelet")(s);
             s.quality.rule = Rule::Segment;
         };
-        assert_eq!(refusal(segments), "quality.samples = 149: must be from 1 to 148");
+        assert_eq!(refusal(segments), "quality.samples = 149: must be from 1 to 116");
     }
 
     #[test]
@@ -77,7 +78,7 @@ mod tests {
             s.light.shadows = false;
             s.parts.insert("b".into(), Part { effect: s.effect.clone(), knobs: s.knobs.clone(), ..Part::default() });
         };
-        assert_eq!(refusal(several), "quality.samples = 300: must be from 1 to 222");
+        assert_eq!(refusal(several), "quality.samples = 300: must be from 1 to 175");
         let shaded = |s: &mut Scene| {
             (s.effect.noise, s.effect.octaves, s.light.shadows) = ("wavelet".into(), 10, true);
             s.effect.turbulence = "octaves".into();

@@ -11,6 +11,7 @@ mod error;
 mod field;
 mod file;
 mod knobs;
+mod light;
 mod loops;
 mod modules;
 mod part;
@@ -25,10 +26,11 @@ pub use effect::{Effect, Ray};
 pub use error::{SceneError, nearest};
 pub use field::parse_value;
 pub use file::{load, parse, to_text};
-pub use knobs::Knobs;
+pub use knobs::{Knobs, Spread};
+pub use light::{Light, LightMethod};
 pub use part::{Boolean, Part, Place};
-pub use presets::{EFFECTS, names, preset};
-pub use quality::{BlockFormat, Order, Pass, Proxy, Quality, Rule, TargetFormat, Traverse, Wrap};
+pub use presets::{EFFECTS, names, nearest_preset, preset};
+pub use quality::{BlockFormat, Order, Pass, Phases, Proxy, Quality, Reject, Rule, TargetFormat, Traverse, Wrap};
 pub use strategy::Repeat;
 pub use transfer::{Curve, Stop, Transfer};
 
@@ -100,6 +102,9 @@ pub struct Object {
     pub outer_iso: f32,
     /// Where the distance comes from.
     pub source: Source,
+    /// Which part of a volume is on the device.
+    #[serde(skip_serializing_if = "is_default")]
+    pub storage: Storage,
 }
 
 impl std::default::Default for Object {
@@ -114,6 +119,7 @@ impl std::default::Default for Object {
             inner_iso: 0.0,
             outer_iso: 0.15,
             source: Source::Auto,
+            storage: Storage::Dense,
         }
     }
 }
@@ -145,6 +151,18 @@ pub enum Source {
     Distance32,
 }
 
+/// Which part of a volume is on the device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Storage {
+    /// All of it.
+    #[default]
+    Dense,
+    /// Bricks of 8 x 8 x 8 cells that the surface or its soft region touches, and a bound of the distance for the others
+    /// (GG 39.6): the same picture, with less memory and slower lookups, which no anisotropic filter reaches.
+    Sparse,
+}
+
 /// The value of a knob in a scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -170,37 +188,6 @@ pub struct Material {
 impl std::default::Default for Material {
     fn default() -> Material {
         Material { color: Color([201, 190, 172]), specular: 0.25, specular_power: 40.0 }
-    }
-}
-
-/// A point light that moves with the eye (MJ 3.2).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Light {
-    /// Position from the center of the object: right, up, toward the eye; object units.
-    pub position: [f32; 3],
-    /// Color.
-    pub color: Color,
-    /// Brightness of the color.
-    pub intensity: f32,
-    /// Color of what comes from all sides.
-    pub ambient: Color,
-    /// Whether matter keeps the light from what is behind it.
-    pub shadows: bool,
-    /// Texels along a side of the volume of shadows, 16 to 256.
-    pub shadow_resolution: u32,
-}
-
-impl std::default::Default for Light {
-    fn default() -> Light {
-        Light {
-            position: [-3.0, 4.0, 5.0],
-            color: Color([255; 3]),
-            intensity: 1.0,
-            ambient: Color([76, 80, 90]),
-            shadows: false,
-            shadow_resolution: 128,
-        }
     }
 }
 
@@ -333,7 +320,6 @@ impl Scene {
         for (slot, module) in [
             ("softness", &effect.softness),
             ("surface", &effect.surface),
-            ("medium", &effect.medium),
             ("noise", &effect.noise),
             ("weights", &effect.weights),
             ("turbulence", &effect.turbulence),
@@ -352,6 +338,7 @@ impl Scene {
         };
         fill("classify", vec![classify]);
         fill("project", vec![self.project().into()]);
+        fill("medium", effect.medium.split('+').map(|name| name.trim().to_string()).collect());
         fill("warp", effect.warp.clone());
         fill("dmf", effect.dmf.clone());
         let projection = match self.camera.projection {
@@ -362,16 +349,34 @@ impl Scene {
             Proxy::Polygons => "polygons",
             Proxy::Quads => "quads",
         };
+        let reject = match self.quality.reject {
+            Reject::Discard => "discard",
+            Reject::Keep => "keep",
+        };
         fill("projection", vec![projection.into()]);
         fill("proxy", vec![proxy.into()]);
-        fill("shadow", vec![if self.light.shadows { "volume" } else { "none" }.into()]);
+        fill("reject", vec![reject.into()]);
+        let half_angle = self.is_half_angle();
+        let shadow = match self.light.shadows {
+            true if half_angle => "half_angle",
+            true => "volume",
+            false => "none",
+        };
+        fill("shadow", vec![shadow.into()]);
+        fill("planes", vec![if half_angle { "half_angle" } else { "facing" }.into()]);
+        fill("scatter", vec![if self.light.translucency > 0.0 { "cone" } else { "none" }.into()]);
         fill("clip", vec![if self.camera.clip.is_some() { "plane" } else { "none" }.into()]);
         let traverse = match self.quality.traverse {
             Traverse::Leap if self.is_empty_outside() && effect.index == "transfer" => "leap",
             _ => "fixed",
         };
         fill("traverse", vec![traverse.into()]);
-        fill("jitter", vec![if self.quality.jitter { "hash" } else { "none" }.into()]);
+        let jitter = match self.quality.phases {
+            _ if !self.quality.jitter => "none",
+            Phases::Hash => "hash",
+            Phases::Blue => "blue",
+        };
+        fill("jitter", vec![jitter.into()]);
         let jumps = effect.index == "transfer" && self.transfer.curve == Curve::Steps;
         fill("course", vec![if jumps { "straight" } else { "curved" }.into()]);
         let wrap = match self.quality.wrap {
@@ -379,6 +384,11 @@ impl Scene {
             Wrap::Mirror => "mirror",
         };
         fill("wrap", vec![wrap.into()]);
+        let storage = match self.object.storage {
+            Storage::Dense => "dense",
+            Storage::Sparse => "sparse",
+        };
+        fill("storage", vec![storage.into()]);
         fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
         if self.has_several() {
             self.fill_parts(&mut slots);

@@ -1,6 +1,6 @@
 //! Further objects of a scene, each with its own effect, and how they make one.
 
-use super::{Effect, KnobValue, Material, Object, Rule, Scene, SceneError, Transfer};
+use super::{Effect, KnobValue, Material, Object, Rule, Scene, SceneError, Storage, Transfer};
 use crate::glsl::library::COMBINE;
 use crate::glsl::{Formula, FormulaError, Slots, link::MAIN};
 use glam::{EulerRot, Mat4, Quat, Vec3};
@@ -95,6 +95,11 @@ impl Scene {
         }
     }
 
+    /// The stacks of DMFs of all objects.
+    pub fn dmfs(&self) -> impl Iterator<Item = &Vec<String>> {
+        [&self.effect].into_iter().chain(self.parts.values().map(|part| &part.effect)).map(|effect| &effect.dmf)
+    }
+
     /// The text of the formula by which the objects make one.
     fn formula_text(&self) -> String {
         let union = || [MAIN].into_iter().chain(self.parts.keys().map(String::as_str)).collect::<Vec<_>>().join(" | ");
@@ -138,6 +143,10 @@ impl Scene {
         }
         if self.quality.rule != Rule::Point {
             return wrong("quality.rule".into(), "segment", "point, in a scene of several objects".into());
+        }
+        let objects = self.parts.values().map(|part| &part.object).chain([&self.object]);
+        if objects.into_iter().any(|object| object.storage == Storage::Sparse) {
+            return wrong("object.storage".into(), "\"sparse\"", "dense, in a scene of several objects".into());
         }
         if self.parts.len() > MAX_PARTS {
             return wrong(

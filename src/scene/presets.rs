@@ -31,8 +31,12 @@ pub(super) const PRESETS: &[(&str, &str)] = &[
     ("glow", include_str!("../../presets/glow.toml")),
     ("nebula", include_str!("../../presets/nebula.toml")),
     ("eroded_cube", include_str!("../../presets/eroded_cube.toml")),
+    ("weathered", include_str!("../../presets/weathered.toml")),
+    ("tank", include_str!("../../presets/tank.toml")),
+    ("burning_bush", include_str!("../../presets/burning_bush.toml")),
     ("ensemble", include_str!("../../presets/ensemble.toml")),
     ("blue_glass", include_str!("../../presets/blue_glass.toml")),
+    ("wax", include_str!("../../presets/wax.toml")),
 ];
 
 /// Names of all presets.
@@ -46,6 +50,24 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// [`SceneError::Name`] with the nearest name and all of them.
 pub fn preset(name: &str) -> Result<Scene, SceneError> {
     file::parse(text(name)?, &format!("preset {name}"))
+}
+
+/// The preset that a scene differs from in the fewest fields, with its input and further objects: what was set in it is
+/// told from that.
+pub fn nearest_preset(scene: &Scene) -> Scene {
+    let fields = scene.fields();
+    let over = |name: &str| -> Option<Scene> {
+        let mut base = preset(name).ok()?;
+        base.object.input.clone_from(&scene.object.input);
+        base.parts.clone_from(&scene.parts);
+        base.combine.clone_from(&scene.combine);
+        Some(base)
+    };
+    let differ = |base: &Scene| {
+        let own = base.fields();
+        fields.iter().filter(|field| !own.contains(field)).count()
+    };
+    names().filter_map(over).min_by_key(differ).unwrap_or_default()
 }
 
 /// Text of the preset of that name.

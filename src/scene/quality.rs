@@ -23,10 +23,14 @@ pub struct Quality {
     pub order: Order,
     /// Shape of the slices.
     pub proxy: Proxy,
+    /// What becomes of fragments of slices that hold no matter.
+    pub reject: Reject,
     /// Samples per pixel, each shaded: 1, 2, 4, 8.
     pub msaa: u32,
     /// Whether each pixel has its own phase of the steps along its ray: noise in place of contours.
     pub jitter: bool,
+    /// Where those phases come from.
+    pub phases: Phases,
     /// Which phases the pixels have, up to 16 777 215.
     pub seed: u32,
     /// Pictures of which the mean is taken, 1 to 256: each with its own place in the pixel, phase and time.
@@ -35,6 +39,9 @@ pub struct Quality {
     pub anisotropy: f32,
     /// Texels along a side of the blocks of noise and turbulence: 16, 32, 64, 128 or 256.
     pub block_size: u32,
+    /// Lattice cells of the first octave across the block of turbulence: 1, 2, 4, ... 64, at most half of its texels. With
+    /// half as many, the block holds one octave more and repeats after half the distance.
+    pub turbulence_cells: u32,
     /// What is beyond the border of a block.
     pub wrap: Wrap,
     /// How the texels of a block are stored.
@@ -54,12 +61,15 @@ impl std::default::Default for Quality {
             target: TargetFormat::Float32,
             order: Order::FrontToBack,
             proxy: Proxy::Polygons,
+            reject: Reject::Discard,
             msaa: 1,
             jitter: false,
+            phases: Phases::Hash,
             seed: 0,
             supersampling: 1,
             anisotropy: 1.0,
             block_size: 64,
+            turbulence_cells: 4,
             wrap: Wrap::Repeat,
             block_format: BlockFormat::Auto,
             block_blur: 0.7,
@@ -87,6 +97,17 @@ pub enum Rule {
     Point,
     /// For half a step to either side, in which the density is linear: second order.
     Segment,
+}
+
+/// Where the phases of the pixels come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Phases {
+    /// A hash of the pixel: white noise.
+    #[default]
+    Hash,
+    /// A tile of blue noise: the same error, but fine grain alone.
+    Blue,
 }
 
 /// Which samples of a ray are taken.
@@ -133,6 +154,17 @@ pub enum Proxy {
     Polygons,
     /// Quads that fit every rotation: the paper's.
     Quads,
+}
+
+/// What becomes of fragments of slices that hold no matter; the picture is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reject {
+    /// They end at once (MJ 3.5).
+    #[default]
+    Discard,
+    /// They are blended with alpha 0 (MJ 7: cards that do not discard).
+    Keep,
 }
 
 /// What is beyond the border of a block.

@@ -9,8 +9,6 @@ use serde::{Deserialize, Serialize};
 /// Lattice cells across a block of noise: four texels for each cell. Fewer texels: the trilinear filter shows its
 /// facets. More: the noise repeats sooner.
 const NOISE_TEXELS_PER_CELL: u32 = 4;
-/// Lattice cells of the first octave across a block of turbulence. More: fewer octaves fit. Fewer: it repeats sooner.
-const TURBULENCE_CELLS: u32 = 4;
 /// Octaves of one fetch of four channels; the finest has two texels for each cell.
 const CHANNELS: u32 = 4;
 /// Octaves with fewer texels for each cell than this are computed by the hybrid. Fewer: the filter blurs what is in the
@@ -52,14 +50,13 @@ impl Scene {
     pub fn block_cells(&self) -> [u32; 3] {
         let size = self.quality.block_size;
         let cells = size / NOISE_TEXELS_PER_CELL;
-        [cells.max(1), TURBULENCE_CELLS, (size >> CHANNELS).max(1)]
+        [cells.max(1), self.quality.turbulence_cells, (size >> CHANNELS).max(1)]
     }
 
     /// Octaves of turbulence that its block is given: those wanted that it can hold; and those of the hybrid's block.
     pub fn block_octaves(&self) -> [u32; 2] {
-        let (size, wanted) = (self.quality.block_size, self.effect.octaves);
-        let low = Bake::held(2 * size / HYBRID_TEXELS_PER_CELL, TURBULENCE_CELLS, wanted);
-        [Bake::held(size, TURBULENCE_CELLS, wanted), low]
+        let (size, cells) = (self.quality.block_size, self.quality.turbulence_cells);
+        [size, 2 * size / HYBRID_TEXELS_PER_CELL].map(|size| Bake::held(size, cells, self.effect.octaves))
     }
 
     /// Octaves that the turbulence of the scene really has: a block cannot hold them all, and four lookups are four.
@@ -68,6 +65,18 @@ impl Scene {
             "encoded" => self.block_octaves()[0],
             "lookups4" => self.effect.octaves.min(4),
             _ => self.effect.octaves,
+        }
+    }
+
+    /// Why the turbulence has no more octaves than [`Scene::octaves_held`], in words.
+    pub fn octaves_limit(&self) -> String {
+        let (size, cells) = (self.quality.block_size, self.quality.turbulence_cells);
+        match self.effect.turbulence.as_str() {
+            "encoded" => format!(
+                "a block of {size} texels and {cells} cells along a side holds no more; see quality.block_size and \
+                 quality.turbulence_cells"
+            ),
+            module => format!("turbulence = \"{module}\" has no more"),
         }
     }
 
@@ -175,6 +184,15 @@ mod tests {
             scene.octaves_held()
         };
         assert_eq!([16, 64, 256].map(|size| held("encoded", size)), [2, 4, 6]);
+        let mut scene = Scene::default();
+        let cells = [1, 2, 8, 32].map(|cells| {
+            scene.quality.turbulence_cells = cells;
+            (scene.octaves_held(), scene.block_cells()[1], scene.periods()[1])
+        });
+        assert_eq!(cells.map(|(held, ..)| held), [6, 5, 3, 1]);
+        assert!(cells.iter().all(|(_, cells, _)| [1, 2, 8, 32].contains(cells)));
+        scene.effect.turbulence = "hybrid".into();
+        assert_eq!((scene.periods()[1], scene.octaves_held()), (Period::growing(32), 8));
         assert_eq!([held("lookups4", 64), held("lookups8", 64), held("hybrid", 64)], [4, 8, 8]);
     }
 }

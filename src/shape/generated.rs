@@ -1,14 +1,29 @@
 //! Built-in objects.
 //!
 //! Role: things to look at without a file. Invariant: every name of [`BUILT_IN`] gives a shape; meshes are wound
-//! outward, and all but the teapot are closed. All fit into [-1, 1]^3 with y up, and look alike in size.
+//! outward and closed. All fit into [-1, 1]^3 with y up, and look alike in size.
 
-use super::{Mesh, Shape, Solid, phantom, teapot};
+use super::{Mesh, Shape, Solid, head, phantom, tank, teapot};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
 /// Names that [`open`](super::open) knows without a file.
-pub const BUILT_IN: &[&str] = &["sphere", "cube", "torus", "dodecahedron", "pawn", "teapot", "knot", "head"];
+pub const BUILT_IN: &[&str] = &[
+    "sphere",
+    "cube",
+    "torus",
+    "dodecahedron",
+    "pawn",
+    "teapot",
+    "knot",
+    "head",
+    "phantom",
+    "hull",
+    "turret",
+    "gun",
+    "tracks",
+    "wheels",
+];
 
 /// The object of that name.
 pub(super) fn built_in(name: &str) -> Option<Shape> {
@@ -20,7 +35,9 @@ pub(super) fn built_in(name: &str) -> Option<Shape> {
         "pawn" => Shape::Mesh(pawn()),
         "teapot" => Shape::Mesh(teapot::unit()),
         "knot" => Shape::Mesh(knot()),
-        "head" => Shape::Volume(phantom::head()),
+        "head" => Shape::Volume(head::head()),
+        "phantom" => Shape::Volume(phantom::head()),
+        part if tank::PARTS.contains(&part) => Shape::Mesh(tank::part(part)),
         _ => return None,
     })
 }
@@ -158,8 +175,8 @@ mod tests {
     }
 
     #[test]
-    fn built_in_meshes_but_the_teapot_are_closed_and_wound_outward() {
-        for name in ["dodecahedron", "pawn", "knot"] {
+    fn built_in_meshes_are_closed_and_wound_outward() {
+        for name in ["dodecahedron", "pawn", "knot", "teapot"] {
             let mesh = mesh(name);
             assert_eq!(mesh.open_edges(), 0, "{name}");
             assert!(mesh.signed_volume() > 0.1, "{name}: {}", mesh.signed_volume());

@@ -5,10 +5,11 @@
 //!
 //! [`open`] is the way in; [`write_nrrd`] is the way back out for volumes. World space is right-handed with y up for
 //! the built-in objects; files keep the coordinates they have. Sources are named where they are used: Newell's teapot
-//! in [`teapot`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `stl` and `nrrd`.
+//! in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `stl` and `nrrd`.
 
 mod error;
 mod generated;
+pub mod head;
 mod mesh;
 mod nrrd;
 mod nrrd_header;
@@ -19,6 +20,7 @@ mod polygon;
 mod solid;
 mod source;
 mod stl;
+mod tank;
 pub mod teapot;
 mod teapot_data;
 mod volume;

@@ -16,6 +16,8 @@ include!(concat!(env!("OUT_DIR"), "/programs.rs"));
 
 /// The entry files of the program that gives the shadow volume.
 const SHADOW_ENTRIES: [&str; 2] = ["march.vert", "shadow.frag"];
+/// The entry files of the program that hands the light from slice to slice.
+const LIGHT_ENTRIES: [&str; 2] = ["light.vert", "light.frag"];
 /// The entry files of the program that gives one sample.
 const PROBE_ENTRIES: [&str; 2] = ["march.vert", "probe.frag"];
 /// What the program of shadows has in place of the modules that color and light matter.
@@ -100,18 +102,33 @@ impl Variant {
     /// # Errors
     /// A module is missing, which [`Variant::of`] excludes.
     pub fn shadow(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        self.of_light(scene, library, SHADOW_ENTRIES)
+    }
+
+    /// The modules that hand the light from slice to slice, where the slices lie half way between eye and light.
+    ///
+    /// # Errors
+    /// As [`Variant::shadow`].
+    pub fn light(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        self.of_light(scene, library, LIGHT_ENTRIES)
+    }
+
+    fn of_light(&self, scene: &Scene, library: &Library, entries: [&'static str; 2]) -> Result<Variant, VariantError> {
         let mut choice = scene.slots();
         choice.extend(self.objects());
         for (key, names) in &mut choice {
             let slot = key.rsplit('.').next().unwrap_or_default();
+            if slot == "medium" && library.has_extinction(names) {
+                continue; // how opaque the matter is
+            }
             if let Some((_, module)) = SHADOW_SLOTS.iter().find(|(other, _)| *other == slot) {
                 *names = vec![module.to_string()];
             } else if let Some(points) = names.first().and_then(|name| name.strip_suffix("_segment")) {
                 *names = vec![points.to_string()]; // a segment of the light holds many samples
             }
         }
-        let slots = library.needed(&SHADOW_ENTRIES, &choice)?;
-        Ok(Variant { entries: SHADOW_ENTRIES, slots, knobs: self.knobs.clone(), parts: self.parts.clone() })
+        let slots = library.needed(&entries, &choice)?;
+        Ok(Variant { entries, slots, knobs: self.knobs.clone(), parts: self.parts.clone() })
     }
 
     /// The modules that give one sample of a ray of the same scene, anywhere on it: what a picture is the integral of.
@@ -135,6 +152,11 @@ impl Variant {
     /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
     pub fn module(&self, slot: &str) -> Option<&str> {
         self.slots.get(slot)?.first().map(String::as_str)
+    }
+
+    /// Whether the program of any object reaches a slot.
+    pub fn reads(&self, slot: &str) -> bool {
+        self.slots.keys().any(|key| key.rsplit('.').next() == Some(slot))
     }
 
     /// Whether the program reads the closest points of the object.
@@ -197,20 +219,28 @@ impl Program {
 
     /// What the scene did not need: not in the program, not allocated, not uploaded, not bound.
     pub fn left_out(&self) -> Vec<&'static str> {
-        const PARTS: [(&str, &str); 9] = [
-            ("volume_image", "volume"),
-            ("noise_", "noise block"), // with or without its gradient
-            ("turbulence_", "turbulence block"),
-            ("transfer_image", "transfer map"),
-            ("segment_image", "segment table"),
-            ("classified_image", "classified volume"),
-            ("index_image", "index map"),
-            ("closest_image", "closest points"),
-            ("shadow_image", "shadow volume"),
-        ];
         let read = |binding: &str| self.resources.iter().any(|resource| resource.name.starts_with(binding)); // by any object
         PARTS.iter().filter(|(binding, _)| !read(binding)).map(|(_, part)| *part).collect()
     }
+}
+
+/// What a program may read: how its bindings begin, and its name.
+const PARTS: [(&str, &str); 9] = [
+    ("volume_image", "volume"),
+    ("noise_", "noise block"), // with or without its gradient
+    ("turbulence_", "turbulence block"),
+    ("transfer_image", "transfer map"),
+    ("segment_image", "segment table"),
+    ("classified_image", "classified volume"),
+    ("index_image", "index map"),
+    ("closest_image", "closest points"),
+    ("shadow_image", "shadow volume"),
+];
+
+/// Names of [`Program::left_out`], read back.
+pub(crate) fn parts<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Vec<&'static str>, D::Error> {
+    let names: Vec<String> = serde::Deserialize::deserialize(from)?;
+    Ok(PARTS.iter().map(|(_, part)| *part).filter(|part| names.iter().any(|name| name == part)).collect())
 }
 
 fn object_module(scene: &Scene, needs_normal: bool) -> &str {

@@ -4,8 +4,8 @@ use crate::render::Subject;
 use crate::scene::{Projection, Scene};
 use glam::DVec3;
 
-/// The object fills this part of a picture's height at zoom 1.
-const FILL: f64 = 0.8;
+/// The object fills this part of a picture's height at zoom 1, and with its soft region at most the second.
+const FILL: [f64; 2] = [0.8, 0.97];
 
 /// The ray through the center of a pixel: a point, and a unit vector. Object space of azimuth 0 and elevation 0.
 #[derive(Clone, Copy, Debug)]
@@ -33,12 +33,15 @@ impl Ray {
     }
 }
 
-/// The rays of a picture, in the order of its pixels.
+/// The rays of a picture, in the order of its pixels. The soft region of the scene is that of its object: no module sets
+/// another.
 pub fn rays(scene: &Scene, subject: &Subject) -> Vec<Ray> {
     let camera = &scene.camera;
     let [width, height] = scene.image.size.map(f64::from);
     let (aspect, fit) = (width / height, (width / height).min(1.0));
-    let half_height = f64::from(subject.radius) / FILL / f64::from(camera.zoom) / fit;
+    let radius = f64::from(subject.radius);
+    let soft = if scene.effect.softness == "hard" { 0.0 } else { f64::from(scene.object.outer_iso).max(0.0) };
+    let half_height = (radius / FILL[0]).max((radius + soft) / FILL[1]) / f64::from(camera.zoom) / fit;
     let half_angle = 0.5 * f64::from(camera.field_of_view).to_radians();
     let pixel = |index: u32| {
         let [columns, _] = scene.image.size;

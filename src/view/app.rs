@@ -216,6 +216,7 @@ impl App {
                     (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
                     (figures.error, figures.standard_error) = (picture.error, picture.standard_error);
                     if picture.stage == Stage::Coarse {
+                        figures.ignored.clear();
                         figures.recent_ms.push(picture.gpu_ms);
                         let surplus = figures.recent_ms.len().saturating_sub(120);
                         figures.recent_ms.drain(..surplus);
@@ -226,6 +227,7 @@ impl App {
                     (self.tasks, self.figures.recording) = (self.tasks.saturating_sub(1), None);
                     self.say(line);
                 }
+                Event::Ignored(fields) => self.figures.ignored = fields,
                 Event::Wrote(path) => {
                     self.tasks = self.tasks.saturating_sub(1);
                     self.figures.recording = None;
@@ -311,6 +313,7 @@ impl App {
             samples: format!("{}, {} x {}, {samples} samples", self.figures.stage.text(), size[0], size[1]),
             device: self.figures.device.clone(),
             message: self.figures.message.clone(),
+            ignored: self.figures.ignored.clone(),
             progress: self.figures.picking.or(recording.map(|(done, all)| done as f32 / all.max(1) as f32)),
             recent_ms: recent.clone(),
             budget_ms: self.figures.budget_ms,

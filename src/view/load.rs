@@ -178,7 +178,7 @@ mod tests {
                 return Ok(subject);
             }
             loader.poll()?;
-            assert!(start.elapsed() < Duration::from_secs(60));
+            assert!(start.elapsed() < Duration::from_secs(1800)); // a test that fails ends
             thread::sleep(Duration::from_millis(5));
         }
     }

@@ -59,6 +59,8 @@ pub(super) struct Figures {
     pub(super) recording: Option<(u32, u32)>,
     /// How much of the search for a way to draw is done, 0 to 1.
     pub(super) picking: Option<f32>,
+    /// Fields of the scene that change nothing in the picture.
+    pub(super) ignored: Vec<String>,
     /// What went wrong or was done last.
     pub(super) message: Option<String>,
 }

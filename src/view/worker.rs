@@ -70,6 +70,8 @@ pub(super) struct Picture {
 pub(super) enum Event {
     /// There is a picture.
     Picture(Picture),
+    /// What changes nothing in the picture.
+    Ignored(Vec<String>),
     /// A file was written.
     Wrote(PathBuf),
     /// So much of the search for a way to draw is done.

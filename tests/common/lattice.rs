@@ -1,5 +1,7 @@
 //! The noises of `glsl/noise` in f64: what the toolkit is compared with.
 
+#![allow(dead_code, reason = "each file of tests uses its part of this")]
+
 use glam::DVec3;
 use hypertexture::noise::Lattice;
 

@@ -154,7 +154,8 @@ impl Probe {
         match resource.name.as_str() {
             "permutation_image" | "gradient_image" => 1,
             name if name.starts_with("transfer_image") || name.starts_with("index_image") => 1,
-            name if name.starts_with("segment_image") => 2,
+            name if name.starts_with("segment_image") || name == "phase_image" => 2,
+            name if name.starts_with("light_be") => 2,
             _ => 3,
         }
     }
@@ -198,7 +199,7 @@ fn value(name: &str, floats: usize) -> Vec<f32> {
         ("time", _) => vec![1.5],
         ("noise_cells", _) => vec![8.0],
         ("turbulence_cells", _) => vec![4.0],
-        ("channel_cells" | "low_octaves", _) => vec![2.0],
+        ("channel_cells" | "low_octaves" | "turbulence_octaves", _) => vec![2.0],
         ("noise_period" | "turbulence_period", _) => vec![16.0],
         ("turbulence_growth" | "turbulence_cycle", _) => vec![1.0],
         ("shadow_rim", _) => vec![0.5],
@@ -261,6 +262,9 @@ fn image(name: &str) -> Texture {
         "transfer_image" => filled([SIDE, 1, 1], &|[t, ..]| [t, 1.0 - t, 0.5, t * t]),
         "index_image" => filled([SIDE, 1, 1], &|[t, ..]| [1.0 + 0.5 * t, 0.5, (4.0 * t).floor(), t]),
         "segment_image" => filled([SIDE, SIDE, 1], &|[s, t, _]| [s, t, 0.5, 0.9 * s * t]),
+        "light_before_image" => filled([SIDE, SIDE, 1], &|[x, y, _]| [x, y, 0.5, 0.5 + 0.5 * x * y]),
+        "light_behind_image" => filled([SIDE, SIDE, 1], &|[x, y, _]| [0.5 * x, y, 0.25, 0.5 * x * y]),
+        "phase_image" => filled([SIDE, SIDE, 1], &|[x, y, _]| [(37.0 * x + 17.0 * y).fract(), 0.0, 0.0, 1.0]),
         "shadow_image" => filled([8, 8, 9], &|[x, y, z]| [1.0 - z * (0.5 + 0.25 * x * y); 4]),
         // A ball in a volume that spans [-2, 2]: the way out in RGB, (distance + 2) / 4 in A and R of a lean one.
         "volume_image" => filled([SIDE; 3], &|at| {
@@ -269,6 +273,13 @@ fn image(name: &str) -> Texture {
             let [r, g, b] = p.map(|axis| 0.5 + 0.5 * axis / length);
             [r, g, b, (length - 1.0 + 2.0) / 4.0]
         }),
+        // Every other brick of the volume, each wherever it may be, and a texel for the others.
+        "brick_image" => {
+            let entry = |n: u32| {
+                if n.is_multiple_of(2) { [(n % 7) as f32, n as f32 % 3.0, 2.0, 2.0] } else { [0.25, 0.5, 0.75, 0.5] }
+            };
+            Texture { size: [2; 3], texels: (0..8).map(entry).collect() }
+        }
         "closest_image" => filled([SIDE; 3], &|at| {
             let p = at.map(|t| 4.0 * t - 2.0);
             let length = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt().max(1e-3);

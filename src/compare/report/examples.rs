@@ -21,6 +21,7 @@ pub fn report() -> Report {
         let rmse = samples.powf(if second { -2.0 } else { -1.0 });
         let metrics = Metrics {
             rmse,
+            own_rmse: Some(0.5 * rmse),
             relative_mse: rmse,
             max: 4.0 * rmse,
             p999: 3.0 * rmse,

@@ -1,7 +1,7 @@
 //! The report as one page that needs nothing else: no script, no file beside it.
 
-use super::paper_html::{crops, table_3};
-use super::{Report, data, images};
+use super::paper_html::{blocks, crops, table_3};
+use super::{Environment, Report, data, images};
 use crate::compare::candidates::{Candidate, Curve};
 use crate::compare::front::cheapest;
 use crate::compare::metrics::FLIP;
@@ -22,12 +22,19 @@ pub fn page(report: &Report, chart: &str) -> String {
         format!("<h2>Error against time</h2>\n{}\n{}\n", chart_note(report), chart),
         front_pictures(report),
         table_3(report),
+        blocks(report),
         crops(report),
         orders(report),
         all_candidates(report),
+        octaves(report),
         method(report),
     ];
-    PAGE.replace("{title}", &escape(&report.title)).replace("{body}", &body.concat())
+    whole(&format!("{}: error against run time", report.title), &body.concat())
+}
+
+/// A page of this style with a body.
+pub fn whole(title: &str, body: &str) -> String {
+    PAGE.replace("{title}", &escape(title)).replace("{body}", body)
 }
 
 /// Text as it may stand in a page.
@@ -232,6 +239,7 @@ fn all_candidates(report: &Report) -> String {
             spread(&row.gpu()),
             spread(&row.wall()),
             short(m.rmse),
+            m.own_rmse.map_or("–".into(), short),
             short(m.max),
             short(m.p999),
             short(m.opacity_rmse),
@@ -250,11 +258,33 @@ fn all_candidates(report: &Report) -> String {
          than a quarter, so the machine was disturbed. <i>Blending</i> is what rounding between slices may add to the error, \
          known beforehand. Every run is in <code>runs.csv</code>, every digit in <code>candidates.csv</code>.</p>\n\
          <details><summary>{} rows</summary><div class=\"scroll\"><table><tr><th>candidate<th class=\"n\">ms on the device\
-         <th class=\"n\">ms in all<th class=\"n\">RMSE<th class=\"n\">max<th class=\"n\">p99.9<th class=\"n\">opacity RMSE\
+         <th class=\"n\">ms in all<th class=\"n\">RMSE<th class=\"n\">of its octaves<th class=\"n\">max<th class=\"n\">p99.9<th class=\"n\">opacity RMSE\
          <th class=\"n\">PSNR, dB<th class=\"n\">SSIM<th class=\"n\">FLIP<th class=\"n\">normals, °<th class=\"n\">blending\
          <th class=\"n\">runs</tr>\n{}\n</table></div></details>\n",
         lines.len(),
         lines.join("\n")
+    )
+}
+
+/// Which strategies have fewer octaves than were asked for.
+fn octaves(report: &Report) -> String {
+    let mut short: Vec<String> = Vec::new();
+    for candidate in report.comparison.rows.iter().map(|row| &row.candidate) {
+        let Some([held, asked]) = candidate.octaves().filter(|[held, asked]| held < asked) else { continue };
+        let block = candidate.curve().block.map_or(String::new(), |side| format!(" {side}³"));
+        let line = format!("{}{block} has {held} of {asked}", escape(&candidate.strategy));
+        if !short.contains(&line) {
+            short.push(line);
+        }
+    }
+    if short.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<p><b>Octaves:</b> {}. RMSE counts what is missing; <i>of its octaves</i> is the same error against a reference \
+         that has only those of the strategy. With fewer <code>quality.turbulence_cells</code> a block holds more octaves \
+         and repeats sooner.</p>\n",
+        short.join(", ")
     )
 }
 
@@ -266,7 +296,18 @@ fn blend(candidate: &Candidate) -> String {
 }
 
 fn method(report: &Report) -> String {
-    let e = &report.environment;
+    format!(
+        "<h2>Method</h2>\n<p>Every candidate is warmed up, and its runs are mixed with those of others in random order, so that \
+         a slow moment of the machine slows all alike; no run is dropped. <i>On the device</i> is what timestamps of the device \
+         say, <i>in all</i> is wall clock from the scene to pixels in memory, without compiling. A strategy that reads a block \
+         is held against the noise that the block was made of, and a computed one against its own noise: they are different \
+         noises, and each error is that of the candidate's own picture.</p>\n{}",
+        circumstances(&report.environment, &[("scene, BLAKE3", report.hash.clone())])
+    )
+}
+
+/// Where and when it was measured, as a list.
+pub fn circumstances(e: &Environment, more: &[(&str, String)]) -> String {
     let load = |load: Option<f64>| load.map_or("unknown".into(), |load| format!("{load:.2}"));
     let variables: Vec<String> = e.variables.iter().map(|(name, value)| format!("{name}={value}")).collect();
     let entries = [
@@ -277,19 +318,11 @@ fn method(report: &Report) -> String {
         ("system", e.system.clone()),
         ("variables", if variables.is_empty() { "none set".into() } else { variables.join(", ") }),
         ("program", format!("hypertexture {}; FLIP by {FLIP}", e.version)),
-        ("scene, BLAKE3", report.hash.clone()),
         ("date", e.date.clone()),
     ];
-    let list: Vec<String> =
-        entries.into_iter().map(|(name, value)| format!("<dt>{name}<dd>{}", escape(&value))).collect();
-    format!(
-        "<h2>Method</h2>\n<p>Every candidate is warmed up, and its runs are mixed with those of others in random order, so that \
-         a slow moment of the machine slows all alike; no run is dropped. <i>On the device</i> is what timestamps of the device \
-         say, <i>in all</i> is wall clock from the scene to pixels in memory, without compiling. A strategy that reads a block \
-         is held against the noise that the block was made of, and a computed one against its own noise: they are different \
-         noises, and each error is that of the candidate's own picture.</p>\n<dl>\n{}\n</dl>\n",
-        list.join("\n")
-    )
+    let all = entries.iter().chain(more);
+    let list: Vec<String> = all.map(|(name, value)| format!("<dt>{name}<dd>{}", escape(value))).collect();
+    format!("<dl>\n{}\n</dl>\n", list.join("\n"))
 }
 
 #[cfg(test)]

@@ -8,14 +8,16 @@ mod environment;
 mod html;
 mod images;
 mod paper_html;
+pub mod replay;
+mod replay_html;
 
 pub use environment::{Environment, load};
 
 use super::candidates::Curve;
 use super::paper::{Crop, Table};
-use super::{CompareError, Comparison, Stage};
+use super::{CompareError, Comparison, Failure, Stage};
 use crate::output::{OutputError, write_whole};
-use crate::render::{Frame, Renderer};
+use crate::render::Frame;
 use crate::scene::{Pass, Rule, Scene, to_text};
 use chart::{Chart, Line, Marker};
 use std::path::{Path, PathBuf};
@@ -58,19 +60,19 @@ pub fn file_name(path: &str) -> String {
     Path::new(path).file_name().map_or_else(|| path.into(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Renders the pictures of the front once more, those at its ends and some between.
-///
-/// # Errors
-/// The device refuses a picture that it drew before.
-pub fn pictures(stage: Stage<'_>, comparison: &Comparison) -> Result<Vec<(usize, Frame)>, CompareError> {
+/// Renders the pictures of the front once more, those at its ends and some between; what cannot be drawn again is told.
+pub fn pictures(stage: Stage<'_>, comparison: &Comparison, failures: &mut Vec<Failure>) -> Vec<(usize, Frame)> {
     let front = comparison.front();
     let count = front.len().min(PICTURES);
     let chosen = (0..count).map(|place| front[place * (front.len() - 1) / (count - 1).max(1)]);
-    let draw = |index: usize| {
-        let mut renderer = Renderer::new(stage.gpu, stage.library, stage.subject);
-        Ok((index, renderer.render(&comparison.rows[index].candidate.scene)?))
+    let mut draw = |index: usize| {
+        let candidate = &comparison.rows[index].candidate;
+        let fail = |error: crate::render::RenderError| {
+            failures.push(Failure { label: candidate.label(), message: error.to_string() });
+        };
+        stage.painter().render(&candidate.scene).map_err(fail).ok().map(|frame| (index, frame))
     };
-    chosen.map(draw).collect()
+    chosen.filter_map(&mut draw).collect()
 }
 
 /// Writes the report into a folder, which is made if there is none; gives the path of the page.

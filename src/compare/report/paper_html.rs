@@ -4,7 +4,10 @@ use super::html::{escape, short};
 use super::{Report, images};
 use crate::compare::BACKGROUND;
 use crate::compare::front::cheapest;
+use crate::compare::paper::conclusions::{Block, balance};
 use crate::compare::paper::{COLUMNS, Cell, TABLE_3, Table};
+use crate::scene::{Pass, Rule};
+use std::collections::BTreeMap;
 
 /// The paper's table beside ours, with the errors that it lacks.
 pub fn table_3(report: &Report) -> String {
@@ -20,7 +23,7 @@ pub fn table_3(report: &Report) -> String {
     format!(
         "<h2>The paper's Table 3</h2>\n<p>Frames per second for ways to get turbulence: the paper's on an ATI Radeon 9700 Pro, and \
          <b>ours</b> on this device, with the error that the paper does not tell. Both draw slices; ours are {} of 8 bits.</p>\n\
-         <div class=\"scroll\"><table><tr><th>turbulence<br><small>paper · <b>ours</b></small>{}<th class=\"n\">RMSE<th class=\"n\">FLIP<th class=\"n\">same error,<br>best of this page</tr>\n{}\n</table></div>\n\
+         <div class=\"scroll\"><table><tr><th>turbulence<br><small>paper · <b>ours</b></small>{}<th class=\"n\">RMSE<br><small>of its octaves</small><th class=\"n\">FLIP<th class=\"n\">same error,<br>best of this page</tr>\n{}\n</table></div>\n\
          <p>{}</p>\n<p class=\"note\">≈: in proportion to the first column, not drawn, as one picture would take longer than 8 s. –: \
          not measured. 8x of the paper is antialiasing and anisotropic filtering; ours shades every sample. The errors are \
          those of the same candidate at the size of this page; the last column says how many times faster a candidate of this \
@@ -59,8 +62,9 @@ fn line(report: &Report, table: &Table, row: usize) -> String {
             let (time, error) = row.point();
             let best = cheapest(&report.comparison.points(), error).map_or(time, |best| rows[best].point().0);
             format!(
-                "<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{} times faster",
+                "<td class=\"n\">{}<br><small>{}</small><td class=\"n\">{}<td class=\"n\">{} times faster",
                 short(row.metrics.rmse),
+                row.metrics.own_rmse.map_or("–".into(), short),
                 short(row.metrics.flip),
                 short(time / best)
             )
@@ -85,6 +89,26 @@ fn ratios(table: &Table) -> String {
     }
 }
 
+/// Which block of noise is the best balance (MJ 7), where several were tried: by the scene's own strategy, on rays, with the
+/// most samples that several have.
+pub fn blocks(report: &Report) -> String {
+    let comparison = &report.comparison;
+    let own = &comparison.scene.effect;
+    let rows = comparison.rows.iter().filter(|row| {
+        let (curve, other) = (row.candidate.curve(), &row.candidate.scene.effect);
+        curve.pass == Pass::March && (&other.turbulence, &other.noise) == (&own.turbulence, &own.noise)
+    });
+    let mut tried: BTreeMap<(u32, bool), Vec<Block>> = BTreeMap::new();
+    for row in rows {
+        let (curve, error) = (row.candidate.curve(), row.metrics.rmse);
+        let key = (row.candidate.samples(), curve.rule == Rule::Segment);
+        tried.entry(key).or_default().extend(curve.block.map(|side| Block { side, time: row.gpu(), error }));
+    }
+    let most = tried.values().rev().find(|blocks| blocks.len() > 1);
+    let said = most.and_then(|blocks| balance(blocks));
+    said.map_or(String::new(), |said| format!("<h2>The paper's block of noise</h2>\n<p>{}</p>\n", escape(&said)))
+}
+
 /// The pictures of Fig. 8 that there are modules for.
 pub fn crops(report: &Report) -> String {
     if report.crops.is_empty() {
@@ -101,7 +125,7 @@ pub fn crops(report: &Report) -> String {
                 images::picture(&pixels, crop.frame.size, background),
                 crop.caption,
                 crop.caption,
-                crop.module
+                crop.drawn
             )
         })
         .collect();
@@ -133,9 +157,32 @@ mod tests {
         assert!(text.contains("2.45 · <b>2.00</b>") && text.contains("0.49 · ≈ <b>0.200</b>"), "{text}");
         assert!(text.contains("23.24 · <b>10.0</b>") && text.contains("5.26 · –"));
         assert!(text.contains("8 noise lookups 5.00 times as long (paper: 9.49)"), "{text}");
-        assert!(text.contains("<td class=\"n\">0.0156<td"), "the error of 64 points is 1/64: {text}");
+        assert!(
+            text.contains("<td class=\"n\">0.0156<br><small>0.00781</small><td"),
+            "the error of 64 points is 1/64: {text}"
+        );
         assert!(text.contains("3.99 times faster"), "16 segments have a smaller error: {text}");
         assert!(text.contains("no module <code>lookups8</code>"));
+    }
+
+    #[test]
+    fn m60_the_best_block_is_concluded_from_the_rows() {
+        let mut report = examples::report();
+        assert_eq!(blocks(&report), "", "one block alone is no choice");
+        // Rays of segments with 64 samples: the same time, so that the smallest error decides.
+        let has = |row: &&crate::compare::Row| row.candidate.label() == "encoded 64³, march, segment, 64 samples";
+        let known = report.comparison.rows.iter().find(has).unwrap().clone();
+        for (side, factor) in [(32, 3.0), (128, 0.5)] {
+            let mut row = known.clone();
+            row.candidate.scene.quality.block_size = side;
+            row.metrics.rmse *= factor;
+            report.comparison.rows.push(row);
+        }
+        let text = blocks(&report);
+        assert!(text.contains("128³ is the best balance of error and time, where the paper has 64³"), "{text}");
+        report.comparison.rows.last_mut().unwrap().runs.iter_mut().for_each(|run| run.gpu_ms *= 9.0);
+        let text = blocks(&report);
+        assert!(text.contains("64³ is the best balance of error and time, as in the paper"), "{text}");
     }
 
     #[test]

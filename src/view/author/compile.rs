@@ -5,7 +5,7 @@
 //! standard output: a line that says what follows, then SPIR-V or the text of the error.
 
 use super::arrays;
-use super::child::{self, End};
+use crate::child::{self, End};
 use crate::glsl::{self, Library, Linker, Slots, Stage};
 use crate::variant::Variant;
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-pub use super::child::{Limits, limit};
+pub use crate::child::{Limits, limit};
 
 /// Name of the hidden command.
 pub const COMMAND: &str = "compile";
@@ -26,6 +26,8 @@ const MAX_ARRAY: u64 = 64 << 10;
 /// First lines of an answer.
 const GOOD: &[u8] = b"spirv\n";
 const BAD: &[u8] = b"error\n";
+/// What shaderc says of an exception in glslang, for which none is left to say: its memory has come to an end.
+const NO_MEMORY: &[u8] = b"internal error";
 
 /// Programs to be linked.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -50,22 +52,14 @@ pub struct Wanted {
 impl Job {
     /// The programs of `variants`, out of `library`.
     pub fn new<'a>(library: &Library, variants: impl IntoIterator<Item = &'a Variant>) -> Job {
-        let shipped = glsl::shipped();
-        let changed = library.sources().filter(|(path, text)| shipped.source(path) != Some(text));
         let wanted =
             |variant: &Variant| Wanted { entries: variant.entries.map(String::from), slots: variant.slots.clone() };
-        Job {
-            changed: changed.map(|(path, text)| (path.into(), text.into())).collect(),
-            programs: variants.into_iter().map(wanted).collect(),
-        }
+        Job { changed: glsl::changed(library), programs: variants.into_iter().map(wanted).collect() }
     }
 
     /// The modules that ship, with those that are not as shipped.
     pub(super) fn library(&self) -> Library {
-        let shipped = glsl::shipped();
-        let sources: BTreeMap<String, String> =
-            shipped.sources().map(|(path, text)| (path.to_string(), text.to_string())).collect();
-        Library::new(sources.into_iter().chain(self.changed.clone()))
+        glsl::shipped_with(self.changed.clone())
     }
 }
 
@@ -95,6 +89,9 @@ pub enum CompileError {
     /// The compiler did not end.
     #[error("the GLSL compiler was stopped after {0:.1} s; a macro or a constant of this text grows without end")]
     Late(f32),
+    /// The compiler took all the memory that it may.
+    #[error("the GLSL compiler needs more than {0} MiB for this text; a macro or a constant of it grows without end")]
+    Memory(u64),
     /// The driver did not survive the program.
     #[error("the driver crashed on this text ({0}); make its arrays or its loops shorter; what ran before goes on")]
     Driver(String),
@@ -184,12 +181,14 @@ pub fn compile(
     let text = toml::to_string(job).map_err(|error| run(error.to_string()))?;
     let (seconds, memory) = (limits.time.as_secs().max(1).to_string(), limits.memory_mib.to_string());
     let arguments = [COMMAND, "--seconds", &seconds, "--memory-mib", &memory];
-    let answer = match child::run(program, &arguments, &[], text, limits, is_stale)? {
+    let answer = match child::run(program, &arguments, &[], text, limits, is_stale).map_err(run)? {
         End::Well(answer) => answer,
         End::Badly(how) => return Err(CompileError::Crashed(how)),
         End::Late(time) => return Err(CompileError::Late(time.as_secs_f32())),
+        End::Abandoned => return Err(CompileError::Abandoned),
     };
     match (answer.strip_prefix(BAD), answer.strip_prefix(GOOD)) {
+        (Some(text), _) if text == NO_MEMORY => Err(CompileError::Memory(limits.memory_mib)),
         (Some(text), _) => Err(CompileError::Refused(String::from_utf8_lossy(text).into_owned())),
         (_, Some(bytes)) => decode(bytes).ok_or_else(|| run("its answer is cut off".into())),
         _ => Err(run("its answer is none".into())),

@@ -6,7 +6,6 @@
 //! program.
 
 mod arrays;
-mod child;
 pub mod compile;
 mod editor;
 mod gate;

@@ -2,7 +2,7 @@
 
 use super::widgets::{button, choice, field, number, switch};
 use super::{Pass as Controls, Request};
-use crate::scene::{Order, Pass, Proxy, Rule, TargetFormat, Traverse};
+use crate::scene::{Order, Pass, Phases, Proxy, Reject, Rule, TargetFormat, Traverse};
 use egui::Ui;
 
 /// The largest error that is asked for at first: one step of 8 bits.
@@ -44,7 +44,11 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
         }
     });
     let rules = [
-        (Rule::Point, "point", "A sample stands for itself: first order.".into()),
+        (
+            Rule::Point,
+            "point",
+            "A sample stands for itself, hard surfaces are located: first order in soft matter.".into(),
+        ),
         (Rule::Segment, "segment", "It stands for half a step to either side: second order.".into()),
     ];
     choice(ui, touch, &field("quality.rule", "What a sample stands for."), &mut quality.rule, &rules);
@@ -78,11 +82,22 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
         (Proxy::Quads, "quads", "Quads that fit every rotation: the paper's.".into()),
     ];
     choice(ui, touch, &field("quality.proxy", "Shape of the slices."), &mut quality.proxy, &proxies);
+    let rejects = [
+        (Reject::Discard, "discard", "They end at once.".into()),
+        (Reject::Keep, "keep", "They are blended with alpha 0: the same picture.".into()),
+    ];
+    let doc = "What becomes of fragments of slices that hold no matter.";
+    choice(ui, touch, &field("quality.reject", doc), &mut quality.reject, &rejects);
     let counts = [(1, "1"), (2, "2"), (4, "4"), (8, "8")];
     let counts = counts.map(|(count, name)| (count, name, format!("{name} per pixel, each shaded.")));
     choice(ui, touch, &field("quality.msaa", "Samples per pixel, each shaded."), &mut quality.msaa, &counts);
     let doc = "Whether each pixel has its own phase of the steps: noise in place of contours.";
     switch(ui, touch, &field("quality.jitter", doc), &mut quality.jitter);
+    let phases = [
+        (Phases::Hash, "hash", "A hash of the pixel: white noise.".into()),
+        (Phases::Blue, "blue", "A tile of blue noise: fine grain alone.".into()),
+    ];
+    choice(ui, touch, &field("quality.phases", "Where those phases come from."), &mut quality.phases, &phases);
     number(ui, touch, &field("quality.seed", "Which phases the pixels have."), &mut quality.seed, 0..=1000);
     let doc = "Pictures of which the mean is taken: each with its own place in the pixel, phase and time.";
     number(ui, touch, &field("quality.supersampling", doc), &mut quality.supersampling, 1..=256);
@@ -90,4 +105,7 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
     number(ui, touch, &field("quality.anisotropy", doc), &mut quality.anisotropy, 1.0..=16.0);
     let doc = "Texels along a side of the noise and turbulence blocks.";
     number(ui, touch, &field("quality.block_size", doc), &mut quality.block_size, 8..=256);
+    let doc = "Cells of the first octave across the turbulence block: with half as many it holds one octave more, and \
+        repeats after half the distance.";
+    number(ui, touch, &field("quality.turbulence_cells", doc), &mut quality.turbulence_cells, 1..=64);
 }

@@ -53,7 +53,10 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     ui.separator();
     ui.label(RichText::new("from distance to color").strong());
     for slot in OWN {
-        single(ui, touch, &prefix, effect, slot, library);
+        match slot.0 {
+            "medium" => media(ui, touch, &prefix, effect, slot.1, library),
+            _ => single(ui, touch, &prefix, effect, slot, library),
+        }
     }
     let doc = "How fast soft matter becomes opaque, per object unit: c of Perlin and Hoffert 3.1.";
     number(ui, touch, &field(format!("{prefix}effect.opacity_rate"), doc), &mut effect.opacity_rate, 0.1..=1000.0);
@@ -97,6 +100,25 @@ fn single(ui: &mut Ui, touch: &mut Touch, prefix: &str, effect: &mut Effect, slo
         );
     }
     choice(ui, touch, &field(format!("{prefix}effect.{name}"), doc), module(effect), &options);
+}
+
+/// A medium for each layer of the DMFs; where all are the same, that one.
+fn media(ui: &mut Ui, touch: &mut Touch, prefix: &str, effect: &mut Effect, doc: &str, library: &Library) {
+    let options = modules(library, "medium");
+    let mut media: Vec<String> = effect.medium.split('+').map(String::from).collect();
+    let layers = library.layers(&effect.dmf).unwrap_or(1).max(1);
+    media.resize(layers, media.last().cloned().unwrap_or_default());
+    let before = media.clone();
+    for (index, medium) in media.iter_mut().enumerate() {
+        let name = if index == 0 { String::new() } else { format!(".{}", index + 1) };
+        let mut row = field(format!("{prefix}effect.medium{name}"), doc);
+        row.text = (index > 0).then_some("");
+        choice(ui, touch, &row, medium, &options);
+    }
+    if media != before {
+        *touch = Some(format!("{prefix}effect.medium"));
+        effect.medium = if media.iter().all(|medium| *medium == media[0]) { media[0].clone() } else { media.join("+") };
+    }
 }
 
 /// A stack: each module with its mask, and how to move and remove it; at the end one to add.

@@ -12,6 +12,11 @@ pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status) {
     if let Some(message) = model.message().or(status.message.as_deref()) {
         ui.label(RichText::new(message).color(MESSAGE));
     }
+    if !status.ignored.is_empty() {
+        let line = format!("ignored: {}", status.ignored.join(", "));
+        let doc = "The picture is the same without.";
+        ui.add(Label::new(RichText::new(line).weak()).truncate()).on_hover_text(doc);
+    }
     ui.horizontal(|ui| {
         if !status.recent_ms.is_empty() {
             plot(ui, &status.recent_ms, status.budget_ms);

@@ -39,6 +39,8 @@ pub struct Status {
     pub device: String,
     /// What goes wrong, or was done; the model's own message goes before it.
     pub message: Option<String>,
+    /// Fields of the scene that change nothing in the picture, with their values.
+    pub ignored: Vec<String>,
     /// Part of what is under way that is done, 0 to 1.
     pub progress: Option<f32>,
     /// Whether time stands still.

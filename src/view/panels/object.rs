@@ -2,7 +2,7 @@
 
 use super::widgets::{self, Field, button, choice, field, number, numbers, switch, text};
 use super::{Act, Pass, own, prefix};
-use crate::scene::{Axis, Boolean, Source};
+use crate::scene::{Axis, Boolean, Source, Storage};
 use egui::Ui;
 
 /// Which object is edited, and how the objects make one.
@@ -96,4 +96,10 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     let sources = sources.map(|(source, name, doc)| (source, name, doc.into()));
     let doc = "Where the distance comes from, and how it is stored.";
     choice(ui, touch, &field(at("source"), doc), &mut object.source, &sources);
+    let storages = [
+        (Storage::Dense, "dense", "All of the volume.".into()),
+        (Storage::Sparse, "sparse", "Bricks that the surface or its soft region touches: less memory.".into()),
+    ];
+    let doc = "Which part of a volume is on the device.";
+    choice(ui, touch, &field(at("storage"), doc), &mut object.storage, &storages);
 }

@@ -2,7 +2,7 @@
 
 use super::widgets::{button, choice, color, field, number, numbers, switch};
 use super::{Pass, Request, own, prefix};
-use crate::scene::{Color, Projection};
+use crate::scene::{Color, LightMethod, Projection};
 use egui::Ui;
 
 /// Color behind the object where one is switched on.
@@ -34,6 +34,22 @@ pub(super) fn light(ui: &mut Ui, pass: &mut Pass<'_>) {
     switch(ui, touch, &field("light.shadows", doc), &mut light.shadows);
     let doc = "Texels along a side of the volume of shadows.";
     number(ui, touch, &field("light.shadow_resolution", doc), &mut light.shadow_resolution, 16..=256);
+    let methods = [
+        (LightMethod::Volume, "volume", "A volume, rendered before the picture: any light, slices and rays.".into()),
+        (
+            LightMethod::HalfAngle,
+            "half_angle",
+            "Slice by slice with the picture: slices alone; knows translucency.".into(),
+        ),
+    ];
+    let doc = "How the light that reaches a place is found.";
+    choice(ui, touch, &field("light.method", doc), &mut light.method, &methods);
+    let doc = "Part of the light that soft matter scatters forward; needs half_angle.";
+    number(ui, touch, &field("light.translucency", doc), &mut light.translucency, 0.0..=1.0);
+    let doc = "Part of the optical depth that scattered light is spared.";
+    color(ui, touch, &field("light.transport", doc), &mut light.transport);
+    let doc = "Blur of scattered light after one object unit, object units.";
+    number(ui, touch, &field("light.scatter", doc), &mut light.scatter, 0.0..=2.0);
     let background = &mut pass.draft.image.background;
     let mut has = background.is_some();
     let doc = "Whether there is a color behind the object; without one it is transparent.";

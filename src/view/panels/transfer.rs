@@ -73,9 +73,10 @@ fn reads_map(pass: &Pass<'_>, part: Option<&str>) -> bool {
     let effect = part.and_then(|part| scene.parts.get(part)).map_or(&scene.effect, |part| &part.effect);
     let classified = ["post", "pre", "preintegrated", "clear"].contains(&effect.classify.as_str());
     let library = pass.model.library();
-    let modules = [("medium", &effect.medium), ("surface", &effect.surface)];
-    let source = |(slot, name): (&str, &String)| library.source(&format!("{slot}/{name}.glsl"));
-    classified || modules.into_iter().filter_map(source).any(|text| text.contains("transfer"))
+    let media = effect.medium.split('+').map(|name| ("medium", name));
+    let source = |(slot, name): (&str, &str)| library.source(&format!("{slot}/{name}.glsl"));
+    classified
+        || media.chain([("surface", effect.surface.as_str())]).filter_map(source).any(|text| text.contains("transfer"))
 }
 
 /// Density by density, with a point for each stop.

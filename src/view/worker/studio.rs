@@ -1,10 +1,10 @@
 //! Where pictures are made: coarse ones while the scene moves, means of many while it stands still.
 
 use super::{Event, Job, Picture, Shared};
-use crate::glsl::Library;
+use crate::glsl::{Library, shipped};
 use crate::gpu::Gpu;
-use crate::render::{Frame, RenderError, Renderer};
-use crate::scene::Scene;
+use crate::render::{Frame, RenderError, Renderer, ignored};
+use crate::scene::{Scene, nearest_preset};
 use crate::view::author::Gate;
 use crate::view::author::compile::CompileError;
 use crate::view::progressive::{FEWEST, Level, MOST, Mean, enlarge, number, reference, rms_difference};
@@ -46,13 +46,15 @@ struct Still {
     own: Option<Vec<Vec<[f32; 4]>>>,
     means: Vec<Mean>,
     gpu_ms: f64,
+    /// Whether it was said what changes nothing.
+    told: bool,
 }
 
 impl Still {
     fn of(job: &Job, coarse: Vec<Frame>, level: Level) -> Still {
         let gpu_ms = coarse.iter().map(device_ms).sum();
         let means = vec![Mean::default(); coarse.len()];
-        Still { scenes: scenes(job), coarse, level, own: None, means, gpu_ms }
+        Still { scenes: scenes(job), coarse, level, own: None, means, gpu_ms, told: false }
     }
 }
 
@@ -219,8 +221,20 @@ impl Studio {
         }
         if still.means[0].count > 0 && (is_converged(still, job) || still.means[0].count == MOST) {
             self.tell_mean(job, still, true);
+            if !std::mem::replace(&mut still.told, true) {
+                self.tell_ignored(job);
+            }
         }
         Ok(())
+    }
+
+    /// Says what changes nothing in a picture that is finished: it takes a part of a second.
+    fn tell_ignored(&self, job: &Job) {
+        let (scene, subject) = (&job.variants[0].scene, &job.variants[0].subject);
+        // A module of one's own is compiled in a process of its own, and never for this.
+        if scene.modules.is_empty() && *job.library == shipped() && !self.shared.is_stale(job.number) {
+            (self.tell)(Event::Ignored(ignored(&job.library, subject, &nearest_preset(scene), scene)));
+        }
     }
 
     /// The scene's own picture of each variant; whether they were finished.

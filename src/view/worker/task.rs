@@ -2,6 +2,7 @@
 
 use super::studio::Studio;
 use super::{Event, Task, Variant};
+use crate::compare::Stage;
 use crate::glsl::Library;
 use crate::output::{self, Depth, Provenance};
 use crate::pick::{Bound, PickError, pick};
@@ -86,7 +87,8 @@ impl Studio {
             }
             tell(Event::Picking(done));
         };
-        let search = || pick(&self.gpu, library, scene, subject, bound, &progress);
+        let stage = Stage { gpu: &self.gpu, library, subject, worker: None, stop: &|| false };
+        let search = || pick(stage, scene, bound, &progress);
         let found = match panic::catch_unwind(AssertUnwindSafe(search)) {
             Ok(Ok(found)) => Event::Picked(Some(Box::new(found))),
             Ok(Err(PickError::Render(error))) => return Err(error),

@@ -1,0 +1,181 @@
+//! How far a module moves what is looked up, and how far matter grows by that: `// @move` and `// @grow`.
+//!
+//! ```glsl
+//! // @move perturbation                       a lookup moves at most so far, in any direction
+//! // @move +y 0.5 * drip_length               ... along +y; `-y` along -y, `y` along both
+//! // @grow 0                                  matter gets no further than it was
+//! ```
+//! Lines of one kind add up, and so do the modules of a stack. Without `@grow`, matter grows as far as lookups move, to
+//! the other side (`// @reach`, of older modules, is `@move`): what is seen at a place is what is found where its lookup goes. Two names in a length are no knobs:
+//! `hold_radius`, the radius beyond which a step along the radius stays as long as it is there (`scale_radius.glsl`), and
+//! `noise_bound`, the largest value of the noise, which a module of slot `noise` declares where it is not
+//! [`NOISE_BOUND`]: `// @bound 1`.
+
+use std::array::from_fn;
+
+/// The names in a length that are no knobs.
+pub const GIVEN: [&str; 2] = ["hold_radius", "noise_bound"];
+/// The largest value of gradient noise: eight unit gradients that point to the middle of a cell.
+pub const NOISE_BOUND: f32 = 0.866_025_4;
+
+/// What a module declares of both.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reach {
+    moves: Vec<Length>,
+    grows: Vec<Length>,
+}
+
+/// Lengths to all sides, object units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sides {
+    /// In any direction.
+    pub round: f32,
+    /// Along -x, -y and -z, on top of that.
+    pub low: [f32; 3],
+    /// Along +x, +y and +z.
+    pub high: [f32; 3],
+}
+
+/// A sum of products: how far to which sides.
+#[derive(Clone, Debug, PartialEq)]
+struct Length {
+    /// An axis, and whether its lower and its upper side are meant; `None` for any direction.
+    axis: Option<(usize, [bool; 2])>,
+    terms: Vec<Vec<Factor>>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Factor {
+    Number(f32),
+    Name(String),
+}
+
+impl Reach {
+    /// Adds what follows `@move` or `@grow`; `None` where it cannot be read.
+    pub(super) fn add(&mut self, grows: bool, text: &str) -> Option<()> {
+        let length = Length::parse(text)?;
+        if grows { &mut self.grows } else { &mut self.moves }.push(length);
+        Some(())
+    }
+
+    /// Whether nothing is declared.
+    pub(super) fn is_empty(&self) -> bool {
+        self.moves.is_empty() && self.grows.is_empty()
+    }
+
+    /// The names of knobs in its lengths.
+    pub(super) fn names(&mut self) -> impl Iterator<Item = &mut String> {
+        let factors = self.moves.iter_mut().chain(&mut self.grows).flat_map(|length| length.terms.iter_mut().flatten());
+        factors.filter_map(|factor| match factor {
+            Factor::Name(name) if !GIVEN.contains(&name.as_str()) => Some(name),
+            _ => None,
+        })
+    }
+
+    /// How far a lookup may move.
+    pub fn moves(&self, value: &dyn Fn(&str) -> f32) -> Sides {
+        sum(&self.moves, value)
+    }
+
+    /// How far matter may grow.
+    pub fn grows(&self, value: &dyn Fn(&str) -> f32) -> Sides {
+        if self.grows.is_empty() { self.moves(value).mirrored() } else { sum(&self.grows, value) }
+    }
+}
+
+impl Sides {
+    /// Both, one after the other.
+    #[must_use]
+    pub fn plus(self, other: Sides) -> Sides {
+        let add = |a: [f32; 3], b: [f32; 3]| from_fn(|axis| a[axis] + b[axis]);
+        Sides { round: self.round + other.round, low: add(self.low, other.low), high: add(self.high, other.high) }
+    }
+
+    /// The same to the other sides.
+    #[must_use]
+    pub fn mirrored(self) -> Sides {
+        Sides { low: self.high, high: self.low, ..self }
+    }
+
+    /// The farthest in any direction.
+    pub fn farthest(&self) -> f32 {
+        self.round + norm(from_fn(|axis| self.low[axis].max(self.high[axis])))
+    }
+
+    /// The largest difference of two steps of at most these lengths.
+    pub fn span(&self) -> f32 {
+        2.0 * self.round + norm(from_fn(|axis| self.low[axis] + self.high[axis]))
+    }
+}
+
+fn norm(v: [f32; 3]) -> f32 {
+    v.iter().map(|value| value * value).sum::<f32>().sqrt()
+}
+
+fn sum(lengths: &[Length], value: &dyn Fn(&str) -> f32) -> Sides {
+    lengths.iter().map(|length| length.sides(value)).fold(Sides::default(), Sides::plus)
+}
+
+impl Length {
+    fn parse(text: &str) -> Option<Length> {
+        let (axis, sum) = match text.trim().split_once(' ') {
+            Some((first, rest)) if !rest.trim_start().starts_with(['+', '*']) => (Some(axis(first)?), rest),
+            _ => (None, text),
+        };
+        let factor = |text: &str| match text.trim().parse::<f32>() {
+            Ok(number) => (number.is_finite() && number >= 0.0).then_some(Factor::Number(number)),
+            Err(_) => super::library::identifier(text).map(Factor::Name),
+        };
+        let product = |text: &str| text.split('*').map(factor).collect::<Option<Vec<_>>>();
+        Some(Length { axis, terms: sum.split('+').map(product).collect::<Option<_>>()? })
+    }
+
+    fn sides(&self, value: &dyn Fn(&str) -> f32) -> Sides {
+        let factor = |factor: &Factor| match factor {
+            Factor::Number(number) => *number,
+            Factor::Name(name) => value(name),
+        };
+        let length = self.terms.iter().map(|product| product.iter().map(factor).product::<f32>()).sum::<f32>().max(0.0);
+        let Some((axis, sides)) = self.axis else { return Sides { round: length, ..Sides::default() } };
+        let along = |side: bool| from_fn(|other| if side && other == axis { length } else { 0.0 });
+        Sides { round: 0.0, low: along(sides[0]), high: along(sides[1]) }
+    }
+}
+
+/// `x`, `-x` or `+x`, and so on.
+fn axis(text: &str) -> Option<(usize, [bool; 2])> {
+    let (sides, name) = match text.strip_prefix(['+', '-']) {
+        Some(name) => ([text.starts_with('-'), text.starts_with('+')], name),
+        None => ([true; 2], text),
+    };
+    Some((["x", "y", "z"].iter().position(|axis| *axis == name)?, sides))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reach(lines: &[(bool, &str)]) -> Reach {
+        let mut reach = Reach::default();
+        lines.iter().for_each(|(grows, text)| reach.add(*grows, text).unwrap());
+        reach
+    }
+
+    #[test]
+    fn what_moves_up_grows_down() {
+        let value = |name: &str| if name == "size" { 2.0 } else { 5.0 };
+        let both = reach(&[(false, "+y 0.5 * size"), (false, "-y other"), (false, "size * other + 1")]);
+        let moves = Sides { round: 11.0, low: [0.0, 5.0, 0.0], high: [0.0, 1.0, 0.0] };
+        assert_eq!(both.moves(&value), moves);
+        assert_eq!(both.grows(&value), Sides { low: moves.high, high: moves.low, ..moves });
+        assert_eq!((moves.farthest(), moves.span()), (16.0, 28.0));
+        assert_eq!(reach(&[(false, "size"), (true, "0")]).grows(&value), Sides::default());
+    }
+
+    #[test]
+    fn a_length_that_cannot_be_read_is_refused() {
+        for text in ["", "size *", "w size", "Size", "size - 1", "-1 * size", "+y"] {
+            assert_eq!(Reach::default().add(false, text), None, "{text}");
+        }
+    }
+}

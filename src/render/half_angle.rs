@@ -1,0 +1,152 @@
+//! Half-angle slicing: the light goes through the slices of the picture with the eye, slice by slice.
+//!
+//! Role: the slices face half way between the eye and the light, or the eye's other side where the light is behind the
+//! object, so that both cross them in one order. Before a slice is blended into the picture, the light behind it is drawn
+//! from the light before it; matter is lit from both buffers. Invariant: light and eye are fixed in eye space, so the
+//! slices stay still while the trackball turns (MJ 3.3).
+//! Source: GG 39.5.1; Kniss, Premoze, Hansen, Shirley and McPherson 2003. The chapter is cut: a reconstruction.
+
+use super::RenderError;
+use super::bind::{self, Bound};
+use super::inputs::{BEFORE, BEHIND};
+use super::view::View;
+use crate::glsl::{Library, Linker};
+use crate::gpu::{self, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
+use crate::pass::{self, Planes};
+use crate::scene::{Projection, Scene};
+use crate::variant::{Program, Variant};
+use glam::{Vec2, Vec3};
+
+/// The light's buffer: scattered light in RGB, direct light in A. Fewer bits: thin matter does not darken it at all.
+const BUFFER: Format = Format::Rgba32Float;
+/// Slices are crossed no flatter than this, the cosine of 80 degrees. Flatter: the path in one is six steps long and more.
+const FLATTEST: f32 = 0.17;
+
+/// Unit vector across the slices of a scene, toward its light, in eye space; z for slices that face the eye.
+pub(super) fn axis(scene: &Scene) -> Vec3 {
+    let to_light = Vec3::from(scene.light.position).normalize_or(Vec3::Z);
+    match scene.is_half_angle() {
+        true if to_light.z >= 0.0 => (to_light + Vec3::Z).normalize(),
+        true => (to_light - Vec3::Z).normalize(),
+        false => Vec3::Z,
+    }
+}
+
+/// How the slices meet the target: the light comes first, and the eye may look from the other side.
+pub(super) fn blend(scene: &Scene) -> Blend {
+    if axis(scene).z >= 0.0 { Blend::Under } else { Blend::Over }
+}
+
+/// The most that a ray of the picture travels between two planes, over their distance.
+pub(super) fn slant(scene: &Scene, view: &View) -> f32 {
+    let farthest = (Vec2::from(view.pan).abs() + 1.0) * Vec2::from(view.ray_scale);
+    let signs = [Vec2::ONE, Vec2::NEG_ONE, Vec2::new(1.0, -1.0), Vec2::new(-1.0, 1.0)];
+    let along = signs.map(|sign| match scene.camera.projection {
+        Projection::Parallel => Vec3::NEG_Z,
+        Projection::Perspective => (sign * farthest).extend(-1.0),
+    });
+    let toward = -view.axis * view.axis.z.signum();
+    along.iter().map(|ray| ray.length() / ray.dot(toward).max(FLATTEST * ray.length())).fold(1.0, f32::max)
+}
+
+/// Refuses an eye or a light that does not look through the slices in their order.
+fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
+    if slant(scene, view) >= 1.0 / FLATTEST {
+        return Err(RenderError::HalfAngle("the view is too wide", "lower camera.field_of_view"));
+    }
+    let corner = |corner: u32| {
+        let at = |axis: usize| [view.box_min, view.box_max][(corner >> axis & 1) as usize][axis];
+        view.object_matrix.transform_point3(Vec3::new(at(0), at(1), at(2)))
+    };
+    let from_light = (0..8).map(|index| corner(index) - view.light_eye);
+    match from_light.map(|ray| -ray.dot(view.axis) / ray.length()).fold(1.0, f32::min) > FLATTEST {
+        true => Ok(()),
+        false => {
+            Err(RenderError::HalfAngle("the light is inside of the scene or beside it", "move light.position away"))
+        }
+    }
+}
+
+/// What hands the light from slice to slice, made once for the pictures of a scene.
+pub(super) struct HalfAngle {
+    program: Program,
+    pipeline: Pipeline,
+    buffers: [Image; 2],
+}
+
+impl HalfAngle {
+    pub(super) fn new(
+        gpu: &Gpu,
+        library: &Library,
+        scene: &Scene,
+        variant: &Variant,
+    ) -> Result<HalfAngle, RenderError> {
+        let program = variant.light(scene, library)?.program(library, Linker::new)?;
+        let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
+        let description = gpu::PipelineDescription {
+            vertex: &program.vertex,
+            fragment: &program.fragment,
+            constants: &[(super::OCTAVES_ID, scene.effect.octaves)],
+            bindings: &bindings,
+            attributes: &[3],
+            format: BUFFER,
+            samples: 1,
+            blend: Blend::Replace,
+        };
+        let pipeline = Pipeline::new(gpu, &description)?;
+        let side = scene.light.shadow_resolution;
+        let buffer = || Image::new(gpu, "light", Dimension::Plane(side, side), BUFFER, ImageUse::SampledTarget);
+        Ok(HalfAngle { program, pipeline, buffers: [buffer()?, buffer()?] })
+    }
+
+    /// Draws a picture and its light, as [`pass::draw`] draws a picture.
+    pub(super) fn draw(
+        &self,
+        gpu: &Gpu,
+        (scene, view, planes): (&Scene, &View, &Planes),
+        (pipeline, program, bound): (&Pipeline, &Program, &Bound),
+        (vertices, stack): (&Buffer, &pass::Stack),
+        bands: &[std::ops::Range<u32>],
+        target: gpu::Target<'_>,
+    ) -> Result<pass::Drawn, RenderError> {
+        check(scene, view)?;
+        let corners = (0..planes.count).flat_map(|plane| {
+            let depth = planes.depth(plane);
+            [[-1.0, -1.0, depth], [3.0, -1.0, depth], [-1.0, 3.0, depth]]
+        });
+        let corners: Vec<[f32; 3]> = corners.collect();
+        let corners = Buffer::new(gpu, "light slices", BufferUse::Vertices, bytemuck::cast_slice(&corners))?;
+        let blocks = bound.blocks_of(gpu, &self.program)?;
+        // The buffers take turns: that before a slice, and that behind it.
+        let buffers = |program: &Program, before: usize| {
+            let found = program.resources.iter().filter_map(|resource| match resource.name.as_str() {
+                BEFORE => Some((resource.binding, gpu::Resource::Image(&self.buffers[before]))),
+                BEHIND => Some((resource.binding, gpu::Resource::Image(&self.buffers[1 - before]))),
+                _ => None,
+            });
+            found.collect::<Vec<_>>()
+        };
+        let own = || blocks.iter().map(|(binding, block)| (*binding, gpu::Resource::Uniform(block)));
+        let of_light = |before| {
+            let all = own().chain(bound.images_and_samplers()).chain(buffers(&self.program, before));
+            self.pipeline.bind(&all.collect::<Vec<_>>())
+        };
+        let of_eye = |before| {
+            let all = bound.resources().into_iter().chain(buffers(program, before));
+            pipeline.bind(&all.collect::<Vec<_>>())
+        };
+        let light = pass::Light {
+            pipeline: &self.pipeline,
+            sets: [of_light(0)?, of_light(1)?],
+            vertices: &corners,
+            buffers: &self.buffers,
+        };
+        let sets = [of_eye(0)?, of_eye(1)?];
+        Ok(pass::draw(gpu, pipeline, [&sets[0], &sets[1]], vertices, stack, bands, target, Some(&light))?)
+    }
+
+    /// Bytes of the buffers on the device.
+    pub(super) fn bytes(&self) -> u64 {
+        self.buffers.iter().map(Image::bytes).sum()
+    }
+}

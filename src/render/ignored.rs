@@ -1,0 +1,183 @@
+//! Fields of a scene that change nothing in its picture.
+//!
+//! Role: a scene, and the one that it was made of -> the fields that were set and might as well not be. Invariant: no list
+//! of names says which. Two pictures are the same where all that they are computed from is: what the linked program does,
+//! the values and images that it reads after all that is dead is gone, and how it is drawn. What only makes a picture
+//! sooner is not named.
+
+use super::inputs::{Filter, SHADOW, StoredObjects, blocks, image_key};
+use super::shadow::LightSpace;
+use super::sub_frame::SubFrame;
+use super::view::View;
+use super::{OCTAVES_ID, RenderError, Subject};
+use crate::exact::{self, Outline};
+use crate::glsl::{Library, Linker};
+use crate::noise::Period;
+use crate::scene::{Object, Order, Pass, Scene};
+use crate::shape::Shape;
+use crate::variant::{Program, Variant};
+use blake3::{Hash, Hasher};
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// Fields that say something about a scene, or always do something.
+const BESIDE: [&str; 6] = ["about", "preset", "modules.", "image.", "quality.samples", "object.input"];
+/// What the vertices of slices are placed by.
+const VERTEX_VALUES: [&str; 7] =
+    ["projection", "texture_matrix", "object_matrix", "display_matrix", "box_min", "box_max", "box_margin"];
+
+/// The fields in which `scene` differs from `base`, as `name = value`, that change no bit of its picture: without any one
+/// of them it is the same. `subject` is that of the scene.
+///
+/// A scene that has no program has no such fields, and what cannot be decided is none.
+pub fn ignored(library: &Library, subject: &Subject, base: &Scene, scene: &Scene) -> Vec<String> {
+    let mut judge = Judge { library, subject, programs: HashMap::new() };
+    let before: HashMap<String, String> =
+        base.fields().into_iter().map(|(name, value)| (name, value.to_string())).collect();
+    let set = scene.fields().into_iter().map(|(name, value)| (name, value.to_string()));
+    let set: Vec<(String, String)> = set
+        .filter(|(name, value)| before.get(name) != Some(value) && !BESIDE.iter().any(|b| name.starts_with(b)))
+        .collect();
+    if set.is_empty() {
+        return Vec::new();
+    }
+    let Ok(own) = judge.essence(scene) else { return Vec::new() };
+    let changes_nothing = |(name, _): &&(String, String)| {
+        let mut without = scene.clone();
+        let old = before.get(name).map_or("", String::as_str);
+        without.set_field(name, old).is_ok()
+            && same_subject(name, scene, &without)
+            && judge.essence(&without).is_ok_and(|other| other == own)
+    };
+    set.iter().filter(changes_nothing).map(|(name, value)| format!("{name} = {value}")).collect()
+}
+
+/// Whether two scenes that differ in one field have the same objects.
+fn same_subject(field: &str, scene: &Scene, without: &Scene) -> bool {
+    let (part, field) = match field.strip_prefix("parts.").and_then(|rest| rest.split_once('.')) {
+        Some((part, field)) => (Some(part), field),
+        None => (None, field),
+    };
+    let object = |scene: &Scene| match part {
+        None => Some(scene.object.clone()),
+        Some(part) => scene.parts.get(part).map(|part| part.object.clone()),
+    };
+    let (Some(own), Some(other)) = (object(scene), object(without)) else { return false };
+    let Some(field) = field.strip_prefix("object.") else { return own == other };
+    let is_scan = |object: &Object| !matches!(super::open(object), Ok(Shape::Mesh(_) | Shape::Solid(_)));
+    match field {
+        "input" => false,
+        _ if own.is_formula() != other.is_formula() => false,
+        "resolution" | "up" => own.is_formula(),
+        "iso" | "distance" => own.is_formula() || !is_scan(&own),
+        _ => true,
+    }
+}
+
+/// What programs do, each linked once.
+struct Judge<'a> {
+    library: &'a Library,
+    subject: &'a Subject,
+    programs: HashMap<(String, u32), Rc<Read>>,
+}
+
+/// A program, and what it does, where the evaluator covers it.
+struct Read {
+    program: Program,
+    outline: Option<(exact::Program, Outline)>,
+}
+
+impl Judge<'_> {
+    /// All that the pictures of a scene are computed from.
+    fn essence(&mut self, scene: &Scene) -> Result<Hash, RenderError> {
+        let mut variant = Variant::of(scene, self.library)?;
+        let mut scene = scene.clone();
+        if variant.module("classify").is_some_and(|module| module.starts_with("surface")) {
+            // Of matter that is opaque or none the nearest is seen, in any order and alone.
+            (scene.quality.order, scene.quality.stop) = (Order::default(), 0.0);
+        }
+        let scene = &scene;
+        let mut read = self.read(scene, &variant)?;
+        // What neither is a block nor repeats as one has no border.
+        if !read.program.reads("block_sampler")
+            && scene.periods().iter().all(|period| *period == Period::ENDLESS)
+            && let Some(wrap) = variant.slots.get_mut("wrap")
+        {
+            *wrap = vec!["repeat".into()];
+            read = self.read(scene, &variant)?;
+        }
+        let view = View::of(scene, self.subject, &variant);
+        let planes = view.planes(scene.quality.samples);
+        let space = LightSpace::of(scene, &view, &planes);
+        let (subject, quality) = (self.subject, &scene.quality);
+        let stored = StoredObjects::none(&view);
+        let values = |frame: SubFrame| stored.values(scene, subject, &variant, &view, (&planes, &space), &frame);
+        let moments: Vec<_> = SubFrame::all(scene).map(values).collect();
+        let mut all = Hasher::new();
+        let mut add = |what: String| {
+            all.update(what.as_bytes());
+        };
+        add(format!("{:?} {:?} {} {:?}", scene.entries(), scene.image.size, quality.msaa, quality.target));
+        if quality.pass == Pass::Slices {
+            add(format!("{:?} {:?} {planes:?} {:?}", quality.order, quality.proxy, view.extent));
+            add(format!("{:?} {}", read.program.vertex, scene.camera.slice_stack));
+            for values in &moments {
+                add(format!("{:?}", VERTEX_VALUES.map(|name| values.get(name))));
+            }
+        }
+        let caster = match read.program.reads(SHADOW) {
+            false => None,
+            true => Some(self.read(scene, &variant.shadow(scene, self.library)?)?),
+        };
+        for (index, read) in [Some(read), caster].into_iter().flatten().enumerate() {
+            if index > 0 {
+                add(format!("{:?}", space.target()));
+            }
+            let names: HashMap<u32, &str> =
+                read.program.resources.iter().map(|resource| (resource.binding, resource.name.as_str())).collect();
+            let name = |binding: u32| names.get(&binding).copied().unwrap_or_default();
+            let pairs = match &read.outline {
+                Some((_, outline)) => outline.images.clone(),
+                None => {
+                    read.program.resources.iter().map(|resource| (resource.binding, Some(resource.binding))).collect()
+                }
+            };
+            for (image, sampler) in pairs.into_iter().filter(|(image, _)| name(*image).contains("_image")) {
+                let key = image_key(scene, subject, &variant, (&view, &planes), name(image));
+                add(format!("{} {key}", name(image)));
+                if let Some(sampler) = sampler {
+                    add(format!("{:?}", Filter::of(name(sampler), quality)));
+                }
+            }
+            for values in &moments {
+                let blocks = blocks(&read.program, values)?.into_iter();
+                let blocks = blocks.map(|(resource, bytes)| (resource.binding, bytes)).collect();
+                let known = read.outline.as_ref().map(|(program, outline)| (outline, program.values(outline, &blocks)));
+                add(match known {
+                    Some((outline, Ok(values))) => format!("{} {values:?}", outline.hash),
+                    _ => format!("{:?} {} {blocks:?}", read.program.fragment, scene.effect.octaves),
+                });
+                if index > 0 && scene.camera.shutter == 0.0 {
+                    break; // shadows are cast once
+                }
+            }
+        }
+        Ok(all.finalize())
+    }
+
+    fn read(&mut self, scene: &Scene, variant: &Variant) -> Result<Rc<Read>, RenderError> {
+        let octaves = scene.effect.octaves;
+        let key = (format!("{:?} {}", variant.entries, variant.key()), octaves);
+        if let Some(known) = self.programs.get(&key) {
+            return Ok(known.clone());
+        }
+        let program = variant.program(self.library, Linker::new)?;
+        let outline = exact::Program::read(&program.fragment, &[(OCTAVES_ID, octaves)]).ok().map(|read| {
+            let outline = read.outline();
+            (read, outline)
+        });
+        let read = Rc::new(Read { program, outline });
+        self.programs.insert(key, read.clone());
+        Ok(read)
+    }
+}

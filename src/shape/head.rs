@@ -1,0 +1,195 @@
+//! A human head: skull, face, ears and neck as soft parts that blend into each other.
+//!
+//! Role: a scalar volume that reads as a head at first sight. Invariant: left and right are the same.
+//! Sources: PH 2.2 (soft objects are blended by their densities); I. Quilez, "Smooth minimum", 2013 (the blend); the
+//! proportions are those of drawing schools: the eyes are halfway between chin and crown, a third of the face each from
+//! chin to nose, from nose to brow and from there to the hair. Modelled by hand.
+//!
+//! Head units, in which it is modelled: eyes at y = 0, crown at 1, chin at -1, x across, face to +z.
+
+use super::{Content, Volume};
+use Form::{Ellipsoid, Limb};
+use glam::{Mat3, Vec3};
+use rayon::prelude::*;
+
+/// Samples along the height: eyelids and nostrils are 2 voxels wide.
+const SIZE: u32 = 192;
+/// Corners of the volume in head units, with a margin around the surface.
+const LOW: Vec3 = Vec3::new(-0.86, -1.48, -0.98);
+const HIGH: Vec3 = Vec3::new(0.86, 1.03, 0.96);
+/// Distance over which values run from the middle to 0 and to 1, in samples: smaller would round off the surface.
+const RAMP: f32 = 4.0;
+
+/// One soft part of the half where x is positive; the other half is its mirror image.
+struct Part {
+    form: Form,
+    /// Width of the blend with what stands before it in the list.
+    blend: f32,
+    /// Whether it is taken away.
+    carve: bool,
+}
+
+/// What a part is made of, in head units.
+enum Form {
+    /// Center, half axes, and turns about x (the top backward) and then y (the front outward), degrees.
+    Ellipsoid([f32; 3], [f32; 3], [f32; 2]),
+    /// Two ends and the radius at each.
+    Limb([f32; 3], [f32; 3], [f32; 2]),
+}
+
+const fn add(blend: f32, form: Form) -> Part {
+    Part { form, blend, carve: false }
+}
+
+const fn carve(blend: f32, form: Form) -> Part {
+    Part { form, blend, carve: true }
+}
+
+/// An ellipsoid that is not turned.
+const LEVEL: [f32; 2] = [0.0; 2];
+
+/// Each part blends with all before it.
+const PARTS: &[Part] = &[
+    // Skull and face.
+    add(0.0, Ellipsoid([0.0, 0.27, -0.14], [0.69, 0.72, 0.80], LEVEL)),
+    add(0.20, Ellipsoid([0.0, 0.24, 0.16], [0.57, 0.54, 0.54], LEVEL)),
+    add(0.20, Ellipsoid([0.0, -0.22, 0.14], [0.58, 0.64, 0.53], LEVEL)),
+    add(0.20, Limb([0.0, -0.50, 0.20], [0.0, -0.78, 0.38], [0.40, 0.20])),
+    add(0.20, Limb([0.40, -0.42, 0.02], [0.14, -0.84, 0.42], [0.12, 0.10])),
+    add(0.12, Ellipsoid([0.0, -0.85, 0.50], [0.19, 0.14, 0.16], LEVEL)),
+    add(0.20, Ellipsoid([0.35, -0.20, 0.41], [0.20, 0.13, 0.20], LEVEL)),
+    carve(0.25, Ellipsoid([0.88, 0.14, 0.58], [0.24, 0.30, 0.30], LEVEL)),
+    // Brow, eye sockets, lids, eyes.
+    add(0.20, Limb([0.0, 0.15, 0.58], [0.40, 0.18, 0.47], [0.09, 0.06])),
+    carve(0.12, Ellipsoid([0.26, 0.00, 0.74], [0.17, 0.11, 0.17], LEVEL)),
+    carve(0.08, Ellipsoid([0.14, 0.01, 0.74], [0.06, 0.10, 0.13], LEVEL)),
+    add(0.05, Ellipsoid([0.255, 0.0, 0.475], [0.170, 0.160, 0.165], LEVEL)),
+    carve(0.02, Ellipsoid([0.26, -0.012, 0.66], [0.130, 0.068, 0.17], [0.0, 20.0])),
+    add(0.0, Ellipsoid([0.255, 0.0, 0.475], [0.14, 0.135, 0.137], LEVEL)),
+    carve(0.02, Ellipsoid([0.255, 0.0, 0.635], [0.038, 0.038, 0.045], LEVEL)),
+    // Nose.
+    add(0.10, Limb([0.0, 0.12, 0.61], [0.0, -0.28, 0.80], [0.060, 0.070])),
+    add(0.06, Ellipsoid([0.0, -0.30, 0.80], [0.090, 0.085, 0.10], LEVEL)),
+    add(0.06, Ellipsoid([0.100, -0.340, 0.715], [0.062, 0.058, 0.09], LEVEL)),
+    carve(0.03, Ellipsoid([0.056, -0.410, 0.765], [0.030, 0.045, 0.045], LEVEL)),
+    // Mouth and chin.
+    add(0.18, Ellipsoid([0.0, -0.57, 0.49], [0.30, 0.22, 0.22], LEVEL)),
+    carve(0.06, Limb([0.0, -0.46, 0.765], [0.0, -0.50, 0.760], [0.016, 0.018])),
+    add(0.035, Ellipsoid([0.050, -0.540, 0.660], [0.165, 0.060, 0.105], [0.0, 20.0])),
+    add(0.035, Ellipsoid([0.030, -0.648, 0.655], [0.150, 0.072, 0.105], [0.0, 14.0])),
+    carve(0.035, Ellipsoid([0.0, -0.592, 0.70], [0.175, 0.012, 0.13], LEVEL)),
+    carve(0.10, Ellipsoid([0.0, -0.755, 0.76], [0.16, 0.040, 0.06], LEVEL)),
+    // Neck.
+    add(0.16, Limb([0.0, -0.55, -0.20], [0.0, -1.7, -0.34], [0.38, 0.42])),
+    add(0.14, Limb([0.48, -0.38, -0.24], [0.13, -1.55, 0.08], [0.08, 0.10])),
+    add(0.14, Ellipsoid([0.0, -1.10, 0.10], [0.07, 0.11, 0.08], LEVEL)),
+    // Ears: a bowl, and the ridge before it.
+    add(0.05, Ellipsoid([0.72, -0.06, -0.12], [0.065, 0.25, 0.155], [14.0, -22.0])),
+    carve(0.05, Ellipsoid([0.80, -0.01, -0.105], [0.060, 0.175, 0.095], [14.0, -22.0])),
+    add(0.05, Limb([0.735, 0.09, -0.13], [0.74, -0.12, -0.15], [0.022, 0.030])),
+    carve(0.04, Ellipsoid([0.745, -0.06, -0.06], [0.050, 0.075, 0.045], LEVEL)),
+];
+
+/// The cut through the neck.
+const NECK_END: f32 = -1.45;
+
+/// First-order signed distance to an ellipsoid about the origin (I. Quilez, "Distance to an ellipsoid", 2008).
+fn ellipsoid(p: Vec3, axes: Vec3) -> f32 {
+    let (scaled, gradient) = ((p / axes).length(), (p / (axes * axes)).length());
+    if gradient == 0.0 { -axes.min_element() } else { scaled * (scaled - 1.0) / gradient }
+}
+
+/// Distance to a limb: a line whose thickness changes along it.
+fn limb(p: Vec3, a: Vec3, b: Vec3, [ra, rb]: [f32; 2]) -> f32 {
+    let along = b - a;
+    let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    p.distance(a + t * along) - (ra + t * (rb - ra))
+}
+
+/// The smaller of two distances, rounded off where they differ by less than `width`.
+fn blend(a: f32, b: f32, width: f32) -> f32 {
+    let h = (1.0 - (a - b).abs() / width.max(1e-6)).max(0.0);
+    a.min(b) - 0.25 * width * h * h
+}
+
+/// What undoes the turn of each part.
+fn turns() -> Vec<Mat3> {
+    let of = |part: &Part| match part.form {
+        Ellipsoid(_, _, [back, out]) => {
+            Mat3::from_rotation_x(back.to_radians()) * Mat3::from_rotation_y(-out.to_radians())
+        }
+        Limb(..) => Mat3::IDENTITY,
+    };
+    PARTS.iter().map(of).collect()
+}
+
+/// Signed distance at `p` in head units, to first order, positive outside; less than the distance where parts blend.
+fn distance(p: Vec3, turns: &[Mat3]) -> f32 {
+    let p = Vec3::new(p.x.abs(), p.y, p.z);
+    let soft = PARTS.iter().zip(turns).fold(f32::MAX, |before, (part, turn)| {
+        let own = match part.form {
+            Ellipsoid(center, axes, _) => ellipsoid(*turn * (p - Vec3::from(center)), Vec3::from(axes)),
+            Limb(a, b, radii) => limb(p, Vec3::from(a), Vec3::from(b), radii),
+        };
+        if part.carve { -blend(-before, own, part.blend) } else { blend(before, own, part.blend) }
+    });
+    -blend(-soft, p.y - NECK_END, 0.1)
+}
+
+/// The head: scalars from 0 outside to 1 inside; the surface is at 0.5. It fits into [-1, 1]^3, face towards +z.
+pub fn head() -> Volume {
+    let scale = 2.0 / (HIGH - LOW).max_element();
+    let step = (HIGH - LOW).max_element() / (SIZE - 1) as f32;
+    let size = ((HIGH - LOW) / step).floor().as_uvec3() + 1;
+    let low = 0.5 * (LOW + HIGH - step * (size - 1).as_vec3()); // in the middle, so that left and right are alike
+    let [nx, ny, nz] = size.to_array().map(|n| n as usize);
+    let turns = turns();
+    let mut values = vec![0.0; nx * ny * nz];
+    values.par_chunks_mut(nx).enumerate().for_each(|(row, values)| {
+        for (x, value) in values.iter_mut().enumerate() {
+            let p = low + step * Vec3::new(x as f32, (row % ny) as f32, (row / ny) as f32);
+            *value = (0.5 - 0.5 * distance(p, &turns) / (RAMP * step)).clamp(0.0, 1.0);
+        }
+    });
+    let origin = scale * (low - 0.5 * (LOW + HIGH));
+    Volume { size: size.to_array(), origin, spacing: Vec3::splat(scale * step), values, content: Content::Scalar }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where the surface is, seen from far away along -z at this place of the face, head units.
+    fn relief(x: f32, y: f32) -> f32 {
+        let turns = turns();
+        (0..2000).map(|i| 1.2 - i as f32 * 1e-3).find(|&z| distance(Vec3::new(x, y, z), &turns) <= 0.0).unwrap_or(-1.0)
+    }
+
+    #[test]
+    fn the_face_has_its_features_where_they_belong() {
+        let (tip, brow, eye) = (relief(0.0, -0.3), relief(0.2, 0.17), relief(0.26, 0.03));
+        assert!(tip > brow + 0.15 && brow > eye + 0.05, "{tip} {brow} {eye}");
+        let (upper, between, lower) = (relief(0.0, -0.54), relief(0.0, -0.59), relief(0.0, -0.65));
+        assert!(upper > between + 0.01 && lower > between + 0.01 && upper < tip, "{upper} {between} {lower}");
+        let (under, chin) = (relief(0.0, -0.76), relief(0.0, -0.87));
+        assert!(under < lower && under < chin + 0.02, "{under} {chin}");
+        // Ears stand off at the height of eyes and nose; above and below them the head is narrower.
+        let solid = |x: f32, y: f32| distance(Vec3::new(x, y, -0.15), &turns()) <= 0.0;
+        let wide = |y: f32| (0..1000).map(|i| 1.0 - i as f32 * 1e-3).find(|&x| solid(x, y));
+        let [above, ear, below] = [0.5, 0.0, -0.6].map(|y| wide(y).unwrap());
+        assert!(ear > above + 0.08 && ear > below + 0.15, "{above} {ear} {below}");
+    }
+
+    #[test]
+    fn the_surface_at_one_half_is_where_the_parts_say_and_nothing_touches_the_border() {
+        let head = head();
+        let [nx, ny, nz] = head.size.map(|n| n as usize);
+        let value = |x: usize, y: usize, z: usize| head.values[(z * ny + y) * nx + x];
+        let border = |x, y, z| x == 0 || y == 0 || z == 0 || x == nx - 1 || y == ny - 1 || z == nz - 1;
+        for (z, y, x) in (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| (z, y, x)))) {
+            assert!(!border(x, y, z) || value(x, y, z) < 0.5, "{x} {y} {z}");
+            assert!((value(x, y, z) - value(nx - 1 - x, y, z)).abs() < 1e-3, "{x} {y} {z} is not mirrored");
+        }
+        assert_eq!(head.range(), (0.0, 1.0));
+    }
+}
