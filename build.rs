@@ -5,6 +5,8 @@
 mod glsl {
     #[path = "../src/glsl/combine.rs"]
     pub mod combine;
+    #[path = "../src/glsl/declare.rs"]
+    mod declare;
     #[path = "../src/glsl/instance.rs"]
     mod instance;
     #[path = "../src/glsl/layers.rs"]

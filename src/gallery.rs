@@ -2,7 +2,7 @@
 
 use crate::field::Progress;
 use crate::glsl::Library;
-use crate::glsl::library::Default as KnobDefault;
+use crate::glsl::declare::Default as KnobDefault;
 use crate::gpu::Gpu;
 use crate::output::{self, Depth, OutputError, Provenance};
 use crate::render::{Frame, RenderError, Subject, render};

@@ -14,6 +14,7 @@ mod shadow;
 mod sparse;
 mod sub_frame;
 mod subject;
+mod values;
 mod view;
 
 pub(crate) use frozen::{Blocks, Frozen};

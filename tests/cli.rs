@@ -562,7 +562,7 @@ fn every_effect_is_listed_with_its_knobs() {
     for name in hypertexture::scene::names() {
         let scene = hypertexture::scene::preset(name).unwrap();
         assert!(said.contains(&format!("{name}: {}", scene.about)), "{name} is not listed");
-        let about = said.split(&format!("{name}: ")).nth(1).unwrap_or_default();
+        let about = said.split_once(&format!("{name}: ")).unwrap_or_default().1;
         for (knob, value) in scene.check(&hypertexture::glsl::shipped()).unwrap().iter() {
             let line = about.lines().find(|line| line.trim_start().starts_with(&format!("{} ", knob.name)));
             let line = line.unwrap_or_else(|| panic!("{} of {name} is not listed", knob.name));

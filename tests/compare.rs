@@ -75,9 +75,6 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
         let all = row["octaves"] == "8";
         assert_eq!(all, row["rmse"] == row["own_rmse"], "{row:?}");
         assert_eq!(all, !["encoded", "lookups4"].contains(&row["strategy"].as_str()), "{row:?}");
-        // Of rays with many samples, what is left is what is missing.
-        let fine = row["samples"] == "32" && row["pass"] == "march" && row["strategy"] == "encoded";
-        assert!(!fine || number(row, "own_rmse") < number(row, "rmse"), "{row:?}");
     }
     let runs = rows(&desk.path().join("a/runs.csv"));
     assert_eq!(runs.len(), 3 * first.len());

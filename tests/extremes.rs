@@ -3,7 +3,7 @@
 mod common;
 
 use common::{difference, formula, homogeneous, picture, with_gpu};
-use hypertexture::glsl::{self, library::Default as KnobDefault};
+use hypertexture::glsl::{self, declare::Default as KnobDefault};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, render};
 use hypertexture::scene::{EFFECTS, KnobValue, Projection, Proxy, Scene, preset};

@@ -71,6 +71,10 @@ const FIELDS: [(&str, &str); 58] = [
     ("object.stretch", "[1, 0.7, 1]"),
 ];
 
+/// What is ignored and not said to be: hair reads no normal that the module makes, but a compiler that has seen it orders
+/// what is left in another way, and what cannot be decided is not said.
+const UNDECIDED: [(&str, &str); 1] = [("fur, blurred", "effect.gradient = three")];
+
 /// A scene of few pixels on a formula, whose object looks different from every side.
 fn scene(effect: &str, object: &str, change: impl FnOnce(&mut Scene)) -> Scene {
     let mut scene = preset(effect).unwrap();
@@ -96,7 +100,8 @@ fn check(gpu: &Gpu, name: &str, base: &Scene) {
         let is_said = !ignored(&library, &subject, base, &set).is_empty();
         let is_same = picture(gpu, &library, &set, &subject).pixels == plain.pixels;
         said.extend(is_said.then_some(field));
-        if is_said != is_same {
+        let undecided = UNDECIDED.contains(&(name, format!("{field} = {value}").as_str()));
+        if is_said != (is_same && !undecided) {
             wrong.push(format!("{field} = {value}: said {is_said}, the pictures are the same: {is_same}"));
         }
     }

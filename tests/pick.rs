@@ -4,7 +4,7 @@ mod common;
 
 use common::{picture, subject, with_gpu};
 use hypertexture::compare::Stage;
-use hypertexture::glsl::{self, library::Default as KnobDefault};
+use hypertexture::glsl::{self, declare::Default as KnobDefault};
 use hypertexture::pick::{Bound, Metric, PickError, pick};
 use hypertexture::random::SplitMix;
 use hypertexture::reference::{reference_pixels, truth_of};

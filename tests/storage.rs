@@ -34,8 +34,10 @@ fn compare([dense, sparse]: &[Frame; 2]) -> (f64, f64) {
     assert!(dense.measurements.sparse.is_none());
     let saved = dense.measurements.device_bytes as i64 - sparse.measurements.device_bytes as i64;
     let stated = stored.dense_bytes as i64 - stored.bytes as i64;
-    // A device pads the rows of an image.
-    assert!((saved - stated).abs() < stored.dense_bytes as i64 / 8, "{saved} bytes were saved, {stated} are stated");
+    // A device pads the rows of an image and their number, lavapipe to 64 bytes and to 4: up to a seventh of one whose
+    // sides are 45 texels.
+    let padding = (stored.dense_bytes + stored.bytes) as i64 / 7;
+    assert!((saved - stated).abs() < padding, "{saved} bytes were saved, {stated} are stated");
     (flipped as f64 / dense.pixels.len() as f64, stored.bytes as f64 / stored.dense_bytes as f64)
 }
 
@@ -83,7 +85,7 @@ fn g14_every_encoding_is_read_out_of_bricks() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn g14_the_far_end_of_the_reach_is_stored() {
-    let away = "// Looks up to the side.\n// Source: -\n// x: object space.\n// @reach away\n\
+    let away = "// Looks up to the side.\n// Source: -\n// x: object space.\n// @move away\n\
                 // @knob away = 0.7 in [0, 2]: How far, object units.\n\
                 void aside(inout vec3 x, inout mat3 jacobian) { x += away * vec3(0.6, 0.0, 0.8); }\n";
     let all = "// All of the soft region.\n// Source: -\n// density: in [0, 1].\n// @outer thick\n\

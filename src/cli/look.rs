@@ -2,7 +2,7 @@
 
 use super::modules::{module, show, show_plane};
 use clap::{Args, ValueEnum};
-use hypertexture::glsl::library::hex_color;
+use hypertexture::glsl::declare::hex_color;
 use hypertexture::output::{self, OutputError};
 use hypertexture::pick::Metric;
 use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
@@ -122,7 +122,7 @@ pub struct Look {
     /// Samples per pixel: 1, 2, 4, 8.
     #[arg(long)]
     pub msaa: Option<u32>,
-    /// Anisotropy of the texture filter, 1 to 16.
+    /// Anisotropy of the filter of volumes, 1 to 16.
     #[arg(long)]
     pub anisotropy: Option<f32>,
     /// Degrees around the object, degrees above the horizon, and how close.
@@ -326,15 +326,7 @@ impl Look {
             text.split_once('=').is_some_and(|(slot, names)| slot.trim() == "dmf" && !names.is_empty())
         };
         if dmf.iter().chain(&self.modules).any(|text| names_dmf(&text)) {
-            // A hard object has no density to modulate; it becomes soft, unless the line says otherwise.
-            let effect = &mut scene.effect;
-            for (slot, hard, soft) in
-                [(&mut effect.softness, "hard", "linear"), (&mut effect.classify, "surface", "soft")]
-            {
-                if slot == hard {
-                    *slot = soft.into();
-                }
-            }
+            scene.effect.soften(); // unless the line says otherwise
         }
         for text in dmf.iter().chain(&self.modules) {
             module(text, scene)?;

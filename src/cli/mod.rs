@@ -24,7 +24,7 @@ pub use verify::Disagreement;
 pub use view::NoWindow;
 
 use hypertexture::compare::{Failure, Stage};
-use hypertexture::glsl::{self, Library, library::Default as KnobDefault};
+use hypertexture::glsl::{self, Library, declare::Default as KnobDefault};
 use hypertexture::gpu::{Format, Gpu, Options};
 use hypertexture::output::{self, Provenance};
 use hypertexture::pick::{Bound, Pick, remembered};

@@ -8,9 +8,10 @@
 //! becomes: the same text, a different file in one slot.
 
 use super::combine::{Formula, FormulaError};
+use super::declare::Default;
 use super::instance::{Instance, instances};
 use super::layers::{layered, media};
-use super::library::{COMBINE, Default, KNOBS, Library, LibraryError, MEDIUM, OBJECT_ENTRY, OBJECTS, Slots};
+use super::library::{COMBINE, KNOBS, Library, LibraryError, MEDIUM, OBJECT_ENTRY, OBJECTS, Slots};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;

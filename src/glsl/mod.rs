@@ -6,6 +6,7 @@
 //! `build.rs` compiles the shipped programs through the very same files.
 
 pub mod combine;
+pub mod declare;
 mod instance;
 mod kind;
 mod layers;
@@ -15,8 +16,9 @@ mod names;
 pub mod reach;
 
 pub use combine::{Formula, FormulaError};
+pub use declare::{Declarations, Default, Knob};
 pub use kind::Kind;
-pub use library::{Declarations, Default, Knob, Library, LibraryError, Slots};
+pub use library::{Library, LibraryError, Slots};
 pub use link::{LinkError, Linker, Stage};
 pub use reach::{Reach, Sides};
 

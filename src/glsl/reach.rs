@@ -6,7 +6,7 @@
 //! // @grow 0                                  matter gets no further than it was
 //! ```
 //! Lines of one kind add up, and so do the modules of a stack. Without `@grow`, matter grows as far as lookups move, to
-//! the other side (`// @reach`, of older modules, is `@move`): what is seen at a place is what is found where its lookup goes. Two names in a length are no knobs:
+//! the other side: what is seen at a place is what is found where its lookup goes. Two names in a length are no knobs:
 //! `hold_radius`, the radius beyond which a step along the radius stays as long as it is there (`scale_radius.glsl`), and
 //! `noise_bound`, the largest value of the noise, which a module of slot `noise` declares where it is not
 //! [`NOISE_BOUND`]: `// @bound 1`.
@@ -124,7 +124,7 @@ impl Length {
         };
         let factor = |text: &str| match text.trim().parse::<f32>() {
             Ok(number) => (number.is_finite() && number >= 0.0).then_some(Factor::Number(number)),
-            Err(_) => super::library::identifier(text).map(Factor::Name),
+            Err(_) => super::declare::identifier(text).map(Factor::Name),
         };
         let product = |text: &str| text.split('*').map(factor).collect::<Option<Vec<_>>>();
         Some(Length { axis, terms: sum.split('+').map(product).collect::<Option<_>>()? })

@@ -1,9 +1,10 @@
 //! What a program reads, on the device: blocks written, images uploaded.
 
-use super::inputs::{Inputs, SHADOW, StoredObjects, Values, blocks};
+use super::inputs::{Inputs, SHADOW, StoredObjects};
 use super::shadow::LightSpace;
 use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
+use super::values::{Values, blocks};
 use super::view::View;
 use super::{RenderError, Subject};
 use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler};

@@ -1,8 +1,9 @@
 //! All that a picture is computed from, for a processor to compute it.
 
-use super::inputs::{Encoded, Filter, Inputs, SHADOW, Values, blocks};
+use super::inputs::{Encoded, Filter, Inputs, SHADOW};
 use super::shadow::LightSpace;
 use super::sub_frame::SubFrame;
+use super::values::{Values, blocks};
 use super::view::View;
 use super::{RenderError, Subject};
 use crate::scene::Scene;

@@ -5,9 +5,10 @@
 //! the values and images that it reads after all that is dead is gone, and how it is drawn. What only makes a picture
 //! sooner is not named.
 
-use super::inputs::{Filter, SHADOW, StoredObjects, blocks, image_key};
+use super::inputs::{Filter, SHADOW, StoredObjects, image_key};
 use super::shadow::LightSpace;
 use super::sub_frame::SubFrame;
+use super::values::blocks;
 use super::view::View;
 use super::{OCTAVES_ID, RenderError, Subject};
 use crate::exact::{self, Outline};
@@ -149,17 +150,23 @@ impl Judge<'_> {
                     add(format!("{:?}", Filter::of(name(sampler), quality)));
                 }
             }
+            let mut before = String::new();
             for values in &moments {
                 let blocks = blocks(&read.program, values)?.into_iter();
                 let blocks = blocks.map(|(resource, bytes)| (resource.binding, bytes)).collect();
                 let known = read.outline.as_ref().map(|(program, outline)| (outline, program.values(outline, &blocks)));
-                add(match known {
+                let drawn = match known {
                     Some((outline, Ok(values))) => format!("{} {values:?}", outline.hash),
                     _ => format!("{:?} {} {blocks:?}", read.program.fragment, scene.effect.octaves),
-                });
-                if index > 0 && scene.camera.shutter == 0.0 {
-                    break; // shadows are cast once
+                };
+                // Shadows are cast once, or for each moment; from equal values they are the same.
+                if index == 0 || drawn != before {
+                    add(drawn.clone());
                 }
+                if index > 0 && scene.camera.shutter == 0.0 {
+                    break;
+                }
+                before = drawn;
             }
         }
         Ok(all.finalize())

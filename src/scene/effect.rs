@@ -53,6 +53,17 @@ pub struct Effect {
     pub opacity_rate: f32,
 }
 
+impl Effect {
+    /// Makes a hard object soft, for DMFs: it has no density to modulate.
+    pub fn soften(&mut self) {
+        for (slot, hard, soft) in [(&mut self.softness, "hard", "linear"), (&mut self.classify, "surface", "soft")] {
+            if slot == hard {
+                *slot = soft.into();
+            }
+        }
+    }
+}
+
 impl std::default::Default for Effect {
     fn default() -> Effect {
         Effect {

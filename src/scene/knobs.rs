@@ -2,7 +2,7 @@
 
 use super::check::within;
 use super::{KnobValue, Scene, SceneError};
-use crate::glsl::library::{Default, Knob};
+use crate::glsl::declare::{Default, Knob};
 use crate::glsl::reach::{GIVEN, NOISE_BOUND};
 use crate::glsl::{Declarations, Reach, Sides};
 

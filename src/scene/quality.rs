@@ -35,7 +35,7 @@ pub struct Quality {
     pub seed: u32,
     /// Pictures of which the mean is taken, 1 to 256: each with its own place in the pixel, phase and time.
     pub supersampling: u32,
-    /// Anisotropy of the texture filter, 1 (off) to 16.
+    /// Anisotropy of the filter of volumes, 1 (off) to 16; blocks of noise have none.
     pub anisotropy: f32,
     /// Texels along a side of the blocks of noise and turbulence: 16, 32, 64, 128 or 256.
     pub block_size: u32,

@@ -94,7 +94,7 @@ pub(super) fn lenses(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
         let rays = rays(&scene, &subject);
         let mut renderers = PROBES.map(|_| Renderer::new(bench.gpu, &bench.library, &subject));
         let mut levels = Vec::new();
-        for samples in [6, 12, 24, 192] {
+        for samples in [3, 6, 12, 192] {
             scene.quality.samples = samples;
             let found = asked(&mut renderers, &scene)?;
             let inside = found.iter().zip(&rays).filter(|(_, ray)| ray.impact() < INSIDE);

@@ -40,7 +40,8 @@ pub fn rays(scene: &Scene, subject: &Subject) -> Vec<Ray> {
     let [width, height] = scene.image.size.map(f64::from);
     let (aspect, fit) = (width / height, (width / height).min(1.0));
     let radius = f64::from(subject.radius);
-    let soft = if scene.effect.softness == "hard" { 0.0 } else { f64::from(scene.object.outer_iso).max(0.0) };
+    let outer = if scene.effect.softness == "hard" { scene.object.inner_iso } else { scene.object.outer_iso };
+    let soft = f64::from(outer).max(0.0);
     let half_height = (radius / FILL[0]).max((radius + soft) / FILL[1]) / f64::from(camera.zoom) / fit;
     let half_angle = 0.5 * f64::from(camera.field_of_view).to_radians();
     let pixel = |index: u32| {

@@ -6,7 +6,7 @@
 mod command;
 
 use super::author::{programs, reaches};
-use crate::glsl::library::Default as KnobDefault;
+use crate::glsl::declare::Default as KnobDefault;
 use crate::glsl::{self, Library, Slots};
 use crate::output;
 use crate::scene::{self, Camera, KnobValue, Knobs, Part, Scene, SceneError};

@@ -92,6 +92,9 @@ fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
     let mut modules = Vec::new();
     let own = |(slot, value): &(&str, &Value)| names(value).iter().all(|name| is_known(scene, slot, name));
     if !slots.is_empty() && slots.iter().all(own) && exchanged.check(library).is_ok() {
+        if slots.iter().any(|(slot, value)| *slot == "dmf" && !names(value).is_empty()) {
+            exchanged.effect.soften();
+        }
         for (slot, value) in slots {
             let mut word = |name: &str| match own_file(scene, slot, name) {
                 Some(file) => {

@@ -101,7 +101,7 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
     number(ui, touch, &field("quality.seed", "Which phases the pixels have."), &mut quality.seed, 0..=1000);
     let doc = "Pictures of which the mean is taken: each with its own place in the pixel, phase and time.";
     number(ui, touch, &field("quality.supersampling", doc), &mut quality.supersampling, 1..=256);
-    let doc = "Anisotropy of the texture filter; 1 is off.";
+    let doc = "Anisotropy of the filter of volumes; 1 is off.";
     number(ui, touch, &field("quality.anisotropy", doc), &mut quality.anisotropy, 1.0..=16.0);
     let doc = "Texels along a side of the noise and turbulence blocks.";
     number(ui, touch, &field("quality.block_size", doc), &mut quality.block_size, 8..=256);

@@ -2,7 +2,7 @@
 
 use super::widgets::{self, color, field, number};
 use super::{Pass, own, prefix};
-use crate::glsl::library::Default as KnobDefault;
+use crate::glsl::declare::Default as KnobDefault;
 use crate::scene::{Color, KnobValue};
 use egui::{Button, RichText, Ui};
 
