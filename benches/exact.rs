@@ -11,7 +11,7 @@ mod bench;
 mod probe;
 
 use bench::Spread;
-use hypertexture::exact::{Bound, Interval, Lanes, Number};
+use hypertexture::exact::{BoundProgram, Interval, Lanes, Number};
 use hypertexture::glsl;
 use hypertexture::scene;
 use hypertexture::variant::Variant;
@@ -23,7 +23,7 @@ const POINTS: u32 = 1 << 14;
 const REPEATS: usize = 7;
 
 /// Millions of operations per second, and operations for a point.
-fn measure<N: Number>(bound: &Bound<'_>, width: f64, of: impl Fn(f64, f64) -> N) -> (Spread, f64) {
+fn measure<N: Number>(bound: &BoundProgram<'_>, width: f64, of: impl Fn(f64, f64) -> N) -> (Spread, f64) {
     let root = 1.220_744_084_605_759_5_f64; // of x^4 = x + 1 (Roberts 2018)
     let place = |n: u32| [1, 2, 3, 4].map(|axis| 4.0 * (f64::from(n) * root.powi(-axis)).fract() - 2.0);
     let points = (0..POINTS).map(|n| place(n).map(|low| of(low, low + width))).collect();

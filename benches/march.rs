@@ -15,7 +15,7 @@ use bench::Spread;
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, Renderer, Subject};
-use hypertexture::scene::{self, Pass, Projection, Rule, Scene, Traverse};
+use hypertexture::scene::{self, EmptySpace, Integration, Pass, Projection, Scene};
 use hypertexture::verify;
 use std::time::Instant;
 
@@ -51,25 +51,25 @@ fn measure(gpu: &Gpu, library: &Library, cases: &[(Scene, &Subject)]) -> (Vec<Ve
 }
 
 /// The samples that the distance shows to be empty, left out or not.
-fn leaping(gpu: &Gpu, library: &Library) {
-    println!("\nEvery step against leaping on the teapot, ms: equal error, for every bit of the pictures is the same");
-    println!("{:<6} {:>6} {:>24} {:>24} {:>18}", "", "steps", "every step", "leaping", "every/leaping");
+fn skipping(gpu: &Gpu, library: &Library) {
+    println!("\nEvery step against skipping on the teapot, ms: equal error, for every bit of the pictures is the same");
+    println!("{:<6} {:>6} {:>24} {:>24} {:>18}", "", "steps", "every step", "skipping", "every/skipping");
     for effect in ["lit", "fur", "fire"] {
         let mut scene = scene_of(effect, "teapot");
         scene.light.shadows = false; // the volume of shadows is the same for both, and not of the rays
         let subject = common::subject(&scene, library);
         for samples in [128, 256, 512] {
-            let cases = [Traverse::Fixed, Traverse::Leap].map(|traverse| {
+            let cases = [EmptySpace::Sample, EmptySpace::Skip].map(|empty_space| {
                 let mut scene = scene.clone();
-                (scene.quality.traverse, scene.quality.samples) = (traverse, samples);
+                (scene.quality.empty_space, scene.quality.samples) = (empty_space, samples);
                 (scene, &subject)
             });
             let (times, frames) = measure(gpu, library, &cases);
             let bits = |frame: &Frame| frame.pixels.as_flattened().iter().map(|c| c.to_bits()).collect::<Vec<_>>();
-            assert_eq!(bits(&frames[0]), bits(&frames[1]), "{effect}, {samples} steps: leaping changes the picture");
+            assert_eq!(bits(&frames[0]), bits(&frames[1]), "{effect}, {samples} steps: skipping changes the picture");
             let ratio = Spread::ratio(&times[0], &times[1]);
-            let [fixed, leap] = [0, 1].map(|side: usize| Spread::of(times[side].clone()));
-            println!("{effect:<6} {samples:>6} {fixed:>24.1} {leap:>24.1} {ratio:>18.2}");
+            let [fixed, skip] = [0, 1].map(|side: usize| Spread::of(times[side].clone()));
+            println!("{effect:<6} {samples:>6} {fixed:>24.1} {skip:>24.1} {ratio:>18.2}");
         }
     }
 }
@@ -81,7 +81,7 @@ fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> Option<f64> {
     Some(ys[after] * (ys[after + 1] / ys[after]).powf(part))
 }
 
-fn rules(gpu: &Gpu) {
+fn integrations(gpu: &Gpu) {
     const STEPS: [u32; 8] = [8, 16, 32, 64, 128, 256, 512, 1024];
     println!("\nPoints against segments: two-tone soft sphere (truth 5), mean absolute error of a pixel and ms");
     println!(
@@ -89,9 +89,9 @@ fn rules(gpu: &Gpu) {
         "steps", "points", "ms", "segments", "ms", "points/segments at this error"
     );
     let library = verify::library();
-    let scenes = [Rule::Point, Rule::Segment].map(|rule| {
+    let scenes = [Integration::Point, Integration::Segment].map(|integration| {
         STEPS.map(|steps| {
-            let mut scene = verify::two_tone(rule);
+            let mut scene = verify::two_tone(integration);
             (scene.quality.pass, scene.camera.projection) = (Pass::March, Projection::Parallel);
             (scene.image.size, scene.quality.samples) = ([SIZE; 2], steps);
             scene
@@ -158,10 +158,10 @@ fn sweeps(gpu: &Gpu, library: &Library) {
     let title = format!("Octaves of procedural turbulence: fire on the teapot, {0} x {0}, {SAMPLES} steps", SIZE / 2);
     growth(gpu, library, &title, &octaves);
     let steps = vary(&[64, 128, 256, 512, 1024], &|scene, steps| {
-        (scene.quality.samples, scene.quality.traverse) = (steps, Traverse::Fixed);
+        (scene.quality.samples, scene.quality.empty_space) = (steps, EmptySpace::Sample);
         scene.image.size = [SIZE / 2; 2];
     });
-    growth(gpu, library, &format!("Steps, none leapt over: fire on the teapot, {0} x {0}", SIZE / 2), &steps);
+    growth(gpu, library, &format!("Steps, none skipped over: fire on the teapot, {0} x {0}", SIZE / 2), &steps);
     let sides = vary(&[128, 256, 512, 1024], &|scene, side| {
         (scene.image.size, scene.quality.samples) = ([side; 2], SAMPLES / 2);
     });
@@ -186,8 +186,8 @@ fn main() {
     let chosen: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     let wanted = |part: &str| chosen.is_empty() || chosen.iter().any(|name| name == part);
     let parts: [(&str, &dyn Fn()); 4] = [
-        ("leaping", &|| leaping(&gpu, &library)),
-        ("rules", &|| rules(&gpu)),
+        ("skipping", &|| skipping(&gpu, &library)),
+        ("integrations", &|| integrations(&gpu)),
         ("sweeps", &|| sweeps(&gpu, &library)),
         ("peer", &|| peer::compare(&gpu)),
     ];

@@ -11,7 +11,7 @@ use bench::Spread;
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, Subject, render};
-use hypertexture::scene::{self, EFFECTS, KnobValue, Pass, Proxy, Scene, Source, Traverse};
+use hypertexture::scene::{self, EFFECTS, EmptySpace, ParameterValue, Pass, Proxy, Scene, Source};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
@@ -28,12 +28,12 @@ const FEW_REPEATS: usize = 2;
 const OFF: f64 = 0.02;
 
 /// The least that a slice program does: one fetch, rejected outside the soft region or else blended; then the same
-/// with a fetch of noise. The knob gives it the box of the effect that it is compared with.
+/// with a fetch of noise. The parameter gives it the box of the effect that it is compared with.
 const FLOORS: [(&str, &str); 2] = [("floor_one", "vec4(0.0)"), ("floor_two", "texture(noise_block, 3.0 * x)")];
 
 fn floor(second: &str) -> String {
     format!(
-        "// @knob floor_reach = 0 in [0, 8]: What the effect reaches beyond its soft region, object units.\n\
+        "// @param floor_reach = 0 in [0, 8]: What the effect reaches beyond its soft region, object units.\n\
          // @grow floor_reach\n\
          #include <softness>\n\
          vec4 classify(vec3 x, float path) {{\n\
@@ -56,11 +56,12 @@ fn scene_of(effect: &str, object: &str) -> Scene {
 
 /// The floor over the fragments of `effect`.
 fn floor_of(effect: &Scene, library: &Library, module: &str) -> Scene {
-    let knobs = effect.check(library).unwrap();
+    let parameters = effect.check(library).unwrap();
     let mut scene = effect.clone();
     scene.effect.classify = module.into();
-    scene.object.outer_iso = knobs.outer_iso().unwrap_or(effect.object.outer_iso);
-    scene.knobs = [("floor_reach".to_string(), KnobValue::Number(knobs.spread(1.0).grows.farthest()))].into();
+    scene.object.outer_iso = parameters.outer_iso().unwrap_or(effect.object.outer_iso);
+    scene.parameters =
+        [("floor_reach".to_string(), ParameterValue::Number(parameters.spread(1.0).grows.farthest()))].into();
     scene
 }
 
@@ -140,13 +141,16 @@ impl Bench {
     /// Slices against rays at the same samples: all of them, and those that the distance does not show to be empty.
     fn passes(&self) {
         println!("\nPasses on the teapot, {} samples, ms of the device: the pictures are the same", 2 * SAMPLES);
-        println!("{:<9} {:>22} {:>22} {:>22} {:>16}", "", "slices", "rays", "rays that leap", "slices/leap");
+        println!("{:<9} {:>22} {:>22} {:>22} {:>16}", "", "slices", "rays", "rays that skip", "slices/skip");
         for effect in EFFECTS {
-            let scenes =
-                [(Pass::Slices, Traverse::Fixed), (Pass::March, Traverse::Fixed), (Pass::March, Traverse::Leap)];
-            let scenes = scenes.map(|(pass, traverse)| {
+            let scenes = [
+                (Pass::Slices, EmptySpace::Sample),
+                (Pass::March, EmptySpace::Sample),
+                (Pass::March, EmptySpace::Skip),
+            ];
+            let scenes = scenes.map(|(pass, empty_space)| {
                 let mut scene = scene_of(effect, "teapot");
-                (scene.quality.pass, scene.quality.traverse) = (pass, traverse);
+                (scene.quality.pass, scene.quality.empty_space) = (pass, empty_space);
                 scene
             });
             let subject = self.load(&scenes[0]);
@@ -157,8 +161,8 @@ impl Bench {
                 }
             }
             let ratio = Spread::ratio(&columns[0], &columns[2]);
-            let [slices, rays, leap] = columns.map(Spread::of);
-            println!("{effect:<9} {slices:>22.1} {rays:>22.1} {leap:>22.1} {ratio:>16.2}");
+            let [slices, rays, skip] = columns.map(Spread::of);
+            println!("{effect:<9} {slices:>22.1} {rays:>22.1} {skip:>22.1} {ratio:>16.2}");
         }
     }
 

@@ -1,6 +1,6 @@
 // Every set, binding and block that a scene has once; what each object of a scene has is in part.glsl.
 // Source: MJ 3.4, 3.5 and 6 name the constants; here they keep those names, in anonymous blocks.
-// Blocks: View, Constants, Knobs, and no fourth: lavapipe of Mesa 22.3 crashes while it compiles a program with four.
+// Blocks: View, Constants, Parameters, and no fourth: lavapipe of Mesa 22.3 crashes while it compiles a program with four.
 // Spaces: `x` is object space, where the longest side of the object spans [-1, 1]; `_eye` is eye space, same unit.
 layout(set = 0, binding = 0) uniform View {
     mat4 projection;        // eye to clip space: fixed while the trackball turns (MJ 3.4)
@@ -42,7 +42,7 @@ layout(set = 0, binding = 0) uniform View {
     float translucency;     // part of the light that is scattered
     float scatter;          // standard deviation of its blur after one object unit, object units
 };
-#include <knobs>
+#include <parameters>
 layout(set = 0, binding = 1) uniform sampler table_sampler;         // tables of one and two dimensions: clamps
 layout(set = 0, binding = 57) uniform texture2D phase_image;        // PH 3.1: phases of the pixels, blue noise; 16 to 55 are those of objects
 layout(set = 0, binding = 3) uniform texture3D noise_image;         // MJ 4.1: gradient in RGB, noise in A

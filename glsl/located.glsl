@@ -7,7 +7,7 @@ void locate(inout Sample s, float level, float path) {
 #ifndef ONE_SAMPLE
     vec3 back = mat3(texture_matrix) * (to_eye() * path);
     float end = kept(s.x, back).y, far = s.distance - level;
-    if (end >= 1.0 && far + leap_slack + length(back) < 0.0) return;    // no surface is within a step
+    if (end >= 1.0 && far + skip_slack + length(back) < 0.0) return;    // no surface is within a step
     float near = sample_object(s.x + end * back).distance - level, t = end;
     if (near <= 0.0 && end >= 1.0) return;      // the ray was inside before
     if (near > 0.0) {

@@ -13,14 +13,14 @@ mat3 ray_basis;                         // along the ray and to two sides, unit 
 #include <jitter>
 #include <clip>
 #include <classify>
-#include <traverse>
-#include "crossing.glsl"
+#include <empty_space>
+#include "box_intersection.glsl"
 
 void main() {
     vec2 ndc = gl_FragCoord.xy * picture_scale.xy - 1.0 + picture_scale.zw;
     vec3 from = (texture_matrix * vec4(ray_at(ndc, 0.0), 1.0)).xyz;
     vec3 along = mat3(texture_matrix) * (ray_at(ndc, 1.0) - ray_at(ndc, 0.0));
-    vec2 boxed = crossing(from, along), round = ball_crossing(from, along);
+    vec2 boxed = intersect_box(from, along), round = ball_crossing(from, along);
     vec2 inside = vec2(max(boxed.x, round.x), min(boxed.y, round.y));
     float phase = sample_phase();
     float first = max(ceil((inside.x - first_depth) / step_size - phase), 0.0); // PH 3.1: x = x_mu0 + k dx

@@ -16,7 +16,7 @@ Soft one_soft(Sample s, float density) {
     float width = place_scale * (outer_iso_value - iso_value);
     bool sloped = s.density > 0.0 && s.density < 1.0 && width > 0.0;
     return Soft(density, sloped ? normal / -width : vec3(0.0), place_scale * (s.distance - iso_value), normal,
-                place_scale * s.clearance);
+                place_scale * s.distance_bound);
 }
 
 vec3 one_shade(Sample s, float density, vec3 normal) {

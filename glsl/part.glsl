@@ -1,7 +1,7 @@
 // What each object of a scene has for itself: constants, volume, transfer map.
 // Source: MJ 3.5 and 6 name the constants.
-// Spaces as in interface.glsl; bindings from 16 on. A further object has the next eight bindings, and its constants in
-// the block of knobs.
+// Spaces as in interface.glsl; bindings from 16 on. An additional object has the next eight bindings, and its constants in
+// the block of parameters.
 layout(set = 0, binding = 16) uniform Constants {
     mat4 normal_matrix;     // inverse transpose of object_matrix: normals to eye space (MJ 3.3)
     vec4 material_color;    // linear RGB
@@ -21,7 +21,7 @@ layout(set = 0, binding = 16) uniform Constants {
     vec4 own_max;
     float opacity_rate;     // c of PH 3.1, per object unit
     float place_scale;      // object units of the scene in one of this object
-    float leap_slack;       // how much nearer the matter may be than a sampled distance says, units of the object
+    float skip_slack;       // how much nearer the matter may be than a sampled distance says, units of the object
     float own_radius;       // no matter is farther from the origin of the object's own space than this
     float hold_radius;      // beyond it a step along the radius stays as long as it is there, the object's own space
     float closest_range;    // stored texel s to the way to the closest point: (2 s - 1) times this, object units

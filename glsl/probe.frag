@@ -6,7 +6,7 @@
 // depths at which the ray enters and leaves the box and the ball around the soft region, and how much deeper no matter is.
 #include "interface.glsl"
 #include "vector.glsl"
-#include "clearance.glsl"
+#include "distance_bound.glsl"
 layout(location = 0) in vec4 place;
 layout(location = 0) out vec4 fragment;
 layout(location = 1) out vec4 space;
@@ -18,7 +18,7 @@ mat3 ray_basis;                         // along the ray and to two sides, unit 
 #include <jitter>
 #include <clip>
 #include <classify>
-#include "crossing.glsl"
+#include "box_intersection.glsl"
 
 void main() {
     vec2 ndc = gl_FragCoord.xy * picture_scale.xy - 1.0 + picture_scale.zw;
@@ -30,6 +30,6 @@ void main() {
     vec3 x = (texture_matrix * vec4(position_eye, 1.0)).xyz;
     vec4 matter = classify(x, place.y * path_scale());
     fragment = clipped(x) ? vec4(0.0) : matter;
-    vec2 boxed = crossing(from, along), round = ball_crossing(from, along);
-    space = vec4(max(boxed.x, round.x), min(boxed.y, round.y), clearance / length(along), 0.0);
+    vec2 boxed = intersect_box(from, along), round = ball_crossing(from, along);
+    space = vec4(max(boxed.x, round.x), min(boxed.y, round.y), distance_bound / length(along), 0.0);
 }

@@ -1,7 +1,7 @@
 #version 450
 // One ray through the picture that bends where the index of refraction changes, in samples as far apart as the slices.
 // Source: PH 2.4 (blue glass: Snell's law where the index changes) and 3.1 (the normal of refraction and reflection).
-// Within a layer of the index map it takes its course; at an interface Snell's law bends it once, where the crossing was
+// Within a layer of the index map it bends its path; at an interface Snell's law bends it once, where the crossing was
 // located, and Fresnel's share of the light comes from the surroundings in the mirror. Matter on the way is lit as if it
 // were looked at straight from the eye.
 // Result: premultiplied linear RGBA; opaque where there are surroundings.
@@ -15,11 +15,11 @@ vec4 color = vec4(1.0);
 #include <projection>
 #include <clip>
 #include <classify>
-#include <traverse>
+#include <empty_space>
 #include <index>
 #include <absorption>
 #include <environment>
-#include "crossing.glsl"
+#include "box_intersection.glsl"
 
 // The checks of a scene (scene/check.rs) count the loops with these three.
 const float LONGEST_PATH = 3.0;         // in widths of the scene: a ray caught in the glass for longer is let out
@@ -35,7 +35,7 @@ struct Ray {
 
 vec3 object_space(vec3 at) { return mat3(texture_matrix) * at; }
 
-#include <course>
+#include <ray_path>
 
 // Whether an interface lies between two points: of the map, or a density that rises within a step.
 bool parted(Index a, Index b) {
@@ -107,7 +107,7 @@ void main() {
     vec2 ndc = gl_FragCoord.xy * picture_scale.xy - 1.0 + picture_scale.zw;
     vec3 center_eye = object_matrix[3].xyz;
     vec3 per_depth = ray_at(ndc, 1.0) - ray_at(ndc, 0.0);
-    vec2 inside = crossing((texture_matrix * vec4(ray_at(ndc, 0.0), 1.0)).xyz, mat3(texture_matrix) * per_depth);
+    vec2 inside = intersect_box((texture_matrix * vec4(ray_at(ndc, 0.0), 1.0)).xyz, mat3(texture_matrix) * per_depth);
     float first = max(ceil((inside.x - first_depth) / step_size), 0.0);         // PH 3.1: x = x_mu0 + k dx
     float last = min(floor((inside.y - first_depth) / step_size), slice_count - 1.0);
     Ray ray;

@@ -18,7 +18,7 @@ Sample sample_object(vec3 x) {
     s.shading = s.normal;
     s.coherence = length(surface.normal);
     s.density = soften(s.distance);
-    s.clearance = s.distance - outer_iso_value - leap_slack;
+    s.distance_bound = s.distance - outer_iso_value - skip_slack;
     s.hair_normal = s.normal;
     s.hair_tangent = s.normal;
     return s;

@@ -9,7 +9,7 @@ struct Sample {
     vec3 shading;       // unit normal that soft matter is lit by: slot <gradient>; the same as normal elsewhere
     float coherence;    // length of the interpolated gradient: 1, but less where the nearest surface changes sides
     float density;      // D in [0, 1]: 1 is the hard region, 0 is outside, between is the soft region
-    float clearance;    // distance to the soft region, less than 0 inside of it: no matter is nearer
+    float distance_bound;    // distance to the soft region, less than 0 inside of it: no matter is nearer
     vec3 hair_normal;   // unit normal of the skin at the root of the hair here: left by a DMF that grows hair (PH 4)
     vec3 hair_tangent;  // unit vector along that hair, towards its tip
 };

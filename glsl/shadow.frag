@@ -18,7 +18,7 @@ float path_scale() { return 1.0; }
 float pixel_width() { return (shadow_far - shadow_near) / (shadow_side * shadow_steps); }
 #include <clip>
 #include <classify>
-#include <traverse>
+#include <empty_space>
 
 void main() {
     float columns = ceil(sqrt(ceil(shadow_side / 4.0)));

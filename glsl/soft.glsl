@@ -6,7 +6,7 @@ struct Soft {
     vec3 slope;         // its gradient, per object unit
     float distance;     // signed, to the surface
     vec3 normal;        // unit, outward from that surface
-    float clearance;    // no matter is nearer than this
+    float distance_bound;    // no matter is nearer than this
 };
 
 // The normal to shade with: down the density where it has a slope, else away from the nearest surface.

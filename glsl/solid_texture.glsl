@@ -1,9 +1,9 @@
 // The color of a solid block at a point: veins bent by turbulence, colored by the transfer map.
 // Source: MJ 5.1 (a lookup into a block of turbulence); the veins are Perlin's marble.
 // x: object space; result: linear RGB.
-// @knob grain = 2.2 in [0.1, 16]: Size of the pattern: turbulence cells per object unit.
-// @knob veins = 3.0 in [0, 40]: Veins per object unit; 0 shows the turbulence alone.
-// @knob distortion = 1.5 in [0, 10]: How far the turbulence bends the veins.
+// @param grain = 2.2 in [0.1, 16]: Size of the pattern: turbulence cells per object unit.
+// @param veins = 3.0 in [0, 40]: Veins per object unit; 0 shows the turbulence alone.
+// @param distortion = 1.5 in [0, 10]: How far the turbulence bends the veins.
 #include <turbulence>
 #include "transfer.glsl"
 vec3 solid_texture(vec3 x) {

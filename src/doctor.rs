@@ -10,8 +10,8 @@ use crate::gpu::{Format, Gpu, GpuError, Options};
 
 /// What an examination found.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Report {
-    /// The findings, line by line. After the list of facts, a line begins with `PASS`, with `NOTE` where the renderer
+pub struct Diagnosis {
+    /// The findings, line by line. After the facts about the device, a line begins with `PASS`, with `NOTE` where the renderer
     /// or its user works around something, or with `FAIL` where pictures would be wrong or missing.
     pub text: String,
     /// Whether nothing failed.
@@ -27,11 +27,11 @@ const SAMPLED: [Format; 5] =
 /// Examines the device that these options choose, in less than two seconds.
 ///
 /// A device that cannot be opened is a finding with its remedy.
-pub fn examine(options: &Options) -> Report {
-    let mut report = Report { text: format!("hypertexture {}\n", env!("CARGO_PKG_VERSION")), healthy: true };
+pub fn examine(options: &Options) -> Diagnosis {
+    let mut report = Diagnosis { text: format!("hypertexture {}\n", env!("CARGO_PKG_VERSION")), healthy: true };
     match Gpu::new(options) {
         Ok(gpu) => {
-            report.facts(&gpu);
+            report.info(&gpu);
             report.formats(&gpu);
             report.surroundings(options);
             probes::run(&gpu, &mut report);
@@ -44,33 +44,33 @@ pub fn examine(options: &Options) -> Report {
     report
 }
 
-impl Report {
+impl Diagnosis {
     fn line(&mut self, what: &str, finding: &str) {
         self.healthy &= what != "FAIL";
         self.text.push_str(&format!("{what:<11} {finding}\n"));
     }
 
-    fn facts(&mut self, gpu: &Gpu) {
-        let facts = gpu.facts();
-        self.line("device", &facts.name);
-        self.line("driver", &facts.driver);
-        self.line("api", &format!("Vulkan {}", facts.api));
-        self.line("volumes", &format!("up to {} texels along a side", facts.max_volume));
-        self.line("images", &format!("up to {} pixels along a side", facts.max_image));
+    fn info(&mut self, gpu: &Gpu) {
+        let info = gpu.info();
+        self.line("device", &info.name);
+        self.line("driver", &info.driver);
+        self.line("api", &format!("Vulkan {}", info.api));
+        self.line("volumes", &format!("up to {} texels along a side", info.max_volume));
+        self.line("images", &format!("up to {} pixels along a side", info.max_image));
         let counts = gpu.sample_counts(Format::Rgba32Float).iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
         self.line("samples", &format!("{counts} per pixel of a float32 target"));
-        self.line("anisotropy", &format!("up to {}", facts.max_anisotropy));
-        match facts.timestamp_period {
+        self.line("anisotropy", &format!("up to {}", info.max_anisotropy));
+        match info.timestamp_period {
             0.0 => self.line("timestamps", "none: times are those of the wall clock"),
             period => self.line("timestamps", &format!("{period} ns for each tick")),
         }
-        let counted = if facts.counts_fragments { "counted" } else { "not counted: the device has no such query" };
+        let counted = if info.counts_fragments { "counted" } else { "not counted: the device has no such query" };
         self.line("fragments", counted);
-        if facts.cpu {
+        if info.cpu {
             let remedy = "this device is a CPU, and slow; where there is a GPU: sudo apt install mesa-vulkan-drivers";
             self.line("NOTE", &format!("{remedy} (AMD, Intel), or the driver of its vendor"));
         }
-        if !facts.sample_shading {
+        if !info.sample_shading {
             self.line("NOTE", "no sample shading: --msaa 2 to 8 are refused; use --msaa 1 and a larger --size");
         }
     }
@@ -136,7 +136,7 @@ mod tests {
         println!("{}{:.2} s", report.text, start.elapsed().as_secs_f64());
         assert!(report.healthy, "{}", report.text);
         let gpu = Gpu::new(&Options::default()).unwrap();
-        assert!(report.text.contains(&gpu.facts().name));
+        assert!(report.text.contains(&gpu.info().name));
         for subject in ["loops", "filter", "blend", "NaN", "timestamps"] {
             assert!(report.text.lines().any(|line| line.contains(subject) && line.len() > 30), "{subject}");
         }
@@ -147,7 +147,7 @@ mod tests {
     fn the_self_tests_are_valid_vulkan() {
         let gpu = Gpu::new(&Options { validation: true, ..Options::default() }).unwrap();
         let messages = gpu.messages();
-        let mut report = Report { text: String::new(), healthy: true };
+        let mut report = Diagnosis { text: String::new(), healthy: true };
         probes::run(&gpu, &mut report);
         drop(gpu);
         assert!(report.healthy, "{}", report.text);

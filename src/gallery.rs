@@ -1,12 +1,12 @@
-//! The gallery: every figure on its own object, or the effects of MJ Fig. 7 on one, and a page that explains them.
+//! The gallery: every example scene on its own object, or the effects of MJ Fig. 7 on one, and a page that explains them.
 
 use crate::field::Progress;
 use crate::glsl::Library;
-use crate::glsl::declare::Default as KnobDefault;
+use crate::glsl::ParameterKind;
 use crate::gpu::Gpu;
 use crate::output::{self, Depth, OutputError, Provenance};
 use crate::render::{Frame, RenderError, Subject, render};
-use crate::scene::{Color, EFFECTS, KnobValue, Object, Pass, Scene, SceneError, names, preset, to_text};
+use crate::scene::{Color, EFFECTS, Object, ParameterValue, Pass, Scene, SceneError, names, preset, to_text};
 use crate::variant::Variant;
 use crate::worker::{Load, Painter, Start, Worker};
 use std::fmt::Write;
@@ -37,7 +37,7 @@ const BACKGROUND: Color = Color([24, 26, 31]);
 /// # Errors
 /// A shipped preset that cannot be read, which its test excludes.
 pub fn effects(input: &str) -> Result<Vec<(String, Scene)>, SceneError> {
-    let mut scenes = EFFECTS.iter().map(|name| figure(name)).collect::<Result<Vec<_>, _>>()?;
+    let mut scenes = EFFECTS.iter().map(|name| example(name)).collect::<Result<Vec<_>, _>>()?;
     scenes.iter_mut().for_each(|(_, scene)| scene.object.input = input.into());
     Ok(scenes)
 }
@@ -46,17 +46,17 @@ pub fn effects(input: &str) -> Result<Vec<(String, Scene)>, SceneError> {
 ///
 /// # Errors
 /// As [`effects`].
-pub fn figures() -> Result<Vec<(String, Scene)>, SceneError> {
-    names().map(figure).collect()
+pub fn examples() -> Result<Vec<(String, Scene)>, SceneError> {
+    names().map(example).collect()
 }
 
-/// A preset, with rays: the picture of the slices, sooner, but where a warp leaves a hard object nothing to leap over.
-fn figure(name: &str) -> Result<(String, Scene), SceneError> {
+/// A preset, with rays: the picture of the slices, sooner, but where a warp leaves a hard object nothing to skip over.
+fn example(name: &str) -> Result<(String, Scene), SceneError> {
     let mut scene = preset(name)?;
     scene.object.resolution = RESOLUTION;
     scene.image.background = scene.image.background.or(Some(BACKGROUND));
-    let leaps = scene.effect.softness != "hard" || scene.effect.warp.is_empty();
-    if leaps && !scene.is_half_angle() {
+    let skips = scene.effect.softness != "hard" || scene.effect.warp.is_empty();
+    if skips && !scene.is_half_angle() {
         scene.quality.pass = Pass::March;
     }
     Ok((name.to_string(), scene))
@@ -116,7 +116,7 @@ pub fn write(
         std::fs::create_dir_all(folder).map_err(io(folder))?; // not before an object that cannot be read
         let file = format!("{name}.png");
         let path = folder.join(&file);
-        let provenance = Provenance::of(scene, &gpu.facts().title(), &frame.measurements.modules);
+        let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements.modules);
         let provenance = provenance.map_err(|source| OutputError::Provenance { path: name.clone(), source })?;
         output::write(&frame, scene.image.background, Depth::Eight, &provenance, &path)?;
         let variant = Variant::of(scene, library).map_err(RenderError::from)?;
@@ -130,7 +130,7 @@ pub fn write(
              <p class=\"cost\">{} samples in depth, {:.0} ms on the device. Modules: <code>{}</code>. Left out: {}.</p>\n\
              <p><code>hypertexture render {command} -o {file}</code></p></figcaption></figure>\n",
             scene.image.size[0], scene.image.size[1], name.replace('_', " "), escape(&scene.about),
-            knob_table(&variant), m.slices, m.gpu_ms, escape(&m.modules),
+            parameter_table(&variant), m.slices, m.gpu_ms, escape(&m.modules),
             if m.left_out.is_empty() { "nothing".into() } else { m.left_out.join(", ") },
         )
         .expect("writing to a string");
@@ -140,10 +140,10 @@ pub fn write(
     for (title, text) in groups.iter().filter(|(_, text)| !text.is_empty()) {
         write!(figures, "<section>\n<h2>{title}</h2>\n{text}</section>\n").expect("writing to a string");
     }
-    let facts = gpu.facts();
+    let info = gpu.info();
     let page = PAGE
         .replace("{count}", &scenes.len().to_string())
-        .replace("{device}", &escape(&format!("{} ({})", facts.name, facts.driver)))
+        .replace("{device}", &escape(&format!("{} ({})", info.name, info.driver)))
         .replace("{figures}", &figures);
     let path = folder.join("index.html");
     std::fs::create_dir_all(folder).map_err(io(folder))?;
@@ -154,14 +154,14 @@ pub fn write(
 /// Headings of the page.
 const GROUPS: [&str; 3] = ["Miller and Jones 2005", "Perlin and Hoffert 1989", "and more"];
 
-/// The heading that a figure belongs under: the paper that its sentence names first.
+/// The heading that a scene belongs under: the paper that its sentence names first.
 fn group(about: &str) -> usize {
     let place = |title: &&str| about.find(*title);
     let named = (0..2).filter(|&group| place(&GROUPS[group]).is_some());
     named.min_by_key(|&group| place(&GROUPS[group])).unwrap_or(2)
 }
 
-/// An object that figures share: how far its field must reach, and the field once it is there.
+/// An object that scenes share: how far its field must reach, and the field once it is there.
 struct Shared {
     object: Object,
     margin: f32,
@@ -222,7 +222,7 @@ fn objects(library: &Library, scenes: &[(String, Scene)]) -> Result<Vec<Shared>,
     let mut objects: Vec<Shared> = Vec::new();
     for (_, scene) in scenes {
         let variant = Variant::of(scene, library)?;
-        let margin = variant.knobs.outer_iso().unwrap_or(scene.object.outer_iso);
+        let margin = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
         let closest = variant.reads_closest();
         match objects.iter_mut().find(|shared| shared.serves(scene)) {
             Some(shared) => (shared.margin, shared.closest) = (shared.margin.max(margin), shared.closest || closest),
@@ -242,18 +242,18 @@ fn objects(library: &Library, scenes: &[(String, Scene)]) -> Result<Vec<Shared>,
     Ok(objects)
 }
 
-fn knob_table(variant: &Variant) -> String {
+fn parameter_table(variant: &Variant) -> String {
     let mut table = String::from("<table>\n");
-    for (name, knob, value) in variant.all_knobs() {
+    for (name, parameter, value) in variant.all_parameters() {
         let value = match value {
-            KnobValue::Number(number) => number.to_string(),
-            KnobValue::Color(color) => String::from(*color),
+            ParameterValue::Number(number) => number.to_string(),
+            ParameterValue::Color(color) => String::from(*color),
         };
-        let range = match knob.default {
-            KnobDefault::Number(_, [low, high]) => format!("{low} to {high}"),
-            KnobDefault::Color(_) => "color".into(),
+        let range = match parameter.kind {
+            ParameterKind::Number(_, [low, high]) => format!("{low} to {high}"),
+            ParameterKind::Color(_) => "color".into(),
         };
-        let cells = format!("<td><code>{name}</code><td>{value}<td>{range}<td>{}", escape(&knob.doc));
+        let cells = format!("<td><code>{name}</code><td>{value}<td>{range}<td>{}", escape(&parameter.doc));
         writeln!(table, "<tr>{cells}</tr>").expect("writing to a string");
     }
     table + "</table>"

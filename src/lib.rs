@@ -3,7 +3,7 @@
 //! # Theory
 //! A *soft object* is a density D in \[0, 1\] over space: 1 in the hard region, 0 outside, between in the soft region
 //! (Perlin and Hoffert 1989). A *density modulation function* (DMF) changes that density before it is drawn. Miller and
-//! Jones 2005 take D from a signed distance field in a 3D texture, draw slices that face the eye through it, and let
+//! Jones 2005 take D from a signed distance field in a 3D texture, draw view-aligned slices through it (proxy geometry), and let
 //! each fragment decide what it is: rejected, surface, or soft matter with an opacity of `1 - (1 - D)^(c step)`, which
 //! does not depend on how a path is cut into steps.
 //!
@@ -38,20 +38,20 @@
 //! the same program in f64 and in intervals            exact
 //! its cost beforehand; many pictures; many processes  predict, sequence, shard
 //! pictures in a process that may end by one           worker
-//! its error against its cost; the cheapest way        reference, compare, pick
-//! closed forms; a picture against its own scene       verify
+//! its error against its cost; the fastest settings     reference, compare, pick
+//! analytic references; a picture and its own scene      verify
 //! all of it, live in a window                         view
 //! ```
 
 mod child;
 pub mod compare;
+mod disk_cache;
 pub mod doctor;
 pub mod exact;
 pub mod field;
 pub mod gallery;
 pub mod glsl;
 pub mod gpu;
-mod kept;
 pub mod noise;
 pub mod output;
 pub mod pass;

@@ -1,6 +1,6 @@
 //! The two passes: view-aligned slices, and rays.
 //!
-//! Role: cut the space around the object by planes that face the eye and stay where they are in eye space, and draw
+//! Role: cut the space around the object by view-aligned planes that stay where they are in eye space, and draw
 //! slices in them or march rays from one to the next: the samples are the same.
 //! Invariant: the vertices depend on the eye's distance and on the size of the scene, never on the rotation (MJ 3.3).
 //! Source: MJ 2, 3.3, 3.6 and Fig. 1; GG 39.6.1.
@@ -28,7 +28,7 @@ pub struct Extent {
     pub near: f32,
 }
 
-/// Where the samples of a picture are: planes that face the eye, at equal distances.
+/// Where the samples of a picture are: view-aligned planes, at equal distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planes {
     /// Depth of the plane nearest to the eye.

@@ -1,14 +1,14 @@
-//! The cheapest way to draw a scene within an error.
+//! The fastest settings of a scene within an error.
 //!
-//! Role: scene and bound -> the same scene with other accuracy settings, and why these. Ways that cannot keep the bound
+//! Role: scene and bound -> the same scene with other accuracy settings, and why these. Candidates that cannot keep the bound
 //! are left out beforehand; the others are drawn small against a finer small picture, cheapest first; the
 //! winner is held against the f64 reference in some pixels of the whole picture, and on a violation the next
-//! one is taken. Invariant: only what is there for speed changes, so every way has the truth of the scene as it is.
+//! one is taken. Invariant: only what is there for speed changes, so every candidate has the truth of the scene as it is.
 //! Source: the protocol of numerical work-precision diagrams; Richardson's extrapolation for the finer picture.
 
+mod candidates;
 mod store;
 mod verify;
-mod ways;
 
 pub use verify::Verified;
 
@@ -24,7 +24,7 @@ use std::fmt;
 /// Longest side of the small pictures, pixels. Smaller: few pixels meet an edge. Larger: they take longer than the
 /// picture that is asked for.
 const SMALL: u32 = 64;
-/// A way is taken whose error is this much below the bound. Nearer to 1: the whole picture, which the small one stands
+/// A candidate is taken whose error is this much below the bound. Nearer to 1: the whole picture, which the small one stands
 /// for, breaks the bound more often. Farther: too careful to be fast.
 const SAFETY: f64 = 1.6;
 /// The finer picture should be wrong by less than this part of the bound.
@@ -39,7 +39,7 @@ const ORDER: f64 = 2.0;
 /// these say nothing about it.
 const STAYS: f64 = 0.85;
 const FLAT_FROM: u32 = 128;
-/// The fewest and the most samples of a way.
+/// The fewest and the most samples of a candidate.
 const SAMPLES: [u32; 2] = [8, 4096];
 /// Winners that are held against the reference, at most.
 const VERIFIED: usize = 6;
@@ -103,33 +103,33 @@ fn root_mean_square(values: impl Iterator<Item = (f64, f64)>) -> f64 {
 
 /// An error that a picture may have.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bound {
+pub struct ErrorBound {
     /// How it is measured.
     pub metric: Metric,
     /// The largest error, above 0.
     pub error: f64,
 }
 
-impl Bound {
+impl ErrorBound {
     /// A bound on an error.
     ///
     /// # Errors
     /// Not above 0, or not finite.
-    pub fn new(metric: Metric, error: f64) -> Result<Bound, PickError> {
+    pub fn new(metric: Metric, error: f64) -> Result<ErrorBound, PickError> {
         if !error.is_finite() || error <= 0.0 {
             return Err(PickError::Value(error));
         }
-        Ok(Bound { metric, error })
+        Ok(ErrorBound { metric, error })
     }
 }
 
 /// What was picked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pick {
-    /// The scene, drawn in the way that was picked.
+    /// The scene, drawn with the settings that were picked.
     pub scene: Scene,
-    /// That way in words.
-    pub way: String,
+    /// Those settings in words.
+    pub settings: String,
     /// Its error in a small picture.
     pub error: f64,
     /// Milliseconds of the small picture on the device.
@@ -138,11 +138,11 @@ pub struct Pick {
     pub verified: Option<Verified>,
     /// Why there is no reference, where there is none.
     pub unverified: Option<String>,
-    /// Ways that were left out beforehand, that were drawn, and that kept the bound.
+    /// Candidates that were left out beforehand, that were drawn, and that kept the bound.
     pub counts: [usize; 3],
-    /// The fastest way of another pass that keeps the bound: in words, with its milliseconds.
+    /// The fastest settings of another pass that keep the bound: in words, with its milliseconds.
     pub other: Option<(String, f64)>,
-    /// Ways that could not be drawn.
+    /// Candidates that could not be drawn.
     pub failures: Vec<Failure>,
     /// Whether it is remembered from an earlier time.
     pub remembered: bool,
@@ -157,27 +157,27 @@ pub enum PickError {
     /// The scene cannot be drawn.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// There is no way to draw it.
+    /// No settings draw it.
     #[error(transparent)]
     Compare(#[from] CompareError),
     /// Nothing is that accurate.
-    #[error("no way to draw this scene has a {metric} error of {asked:e}: the nearest, {way}, has {found:.1e}")]
+    #[error("no settings draw this scene with a {metric} error of {asked:e}: the nearest, {nearest}, has {found:.1e}")]
     Bound {
         /// How it is measured.
         metric: Metric,
         /// What was asked for.
         asked: f64,
-        /// The nearest way in words.
-        way: String,
+        /// The nearest settings in words.
+        nearest: String,
         /// Its error.
         found: f64,
     },
 }
 
-/// A way that was drawn small.
+/// A candidate that was drawn small.
 #[derive(Clone, Debug)]
 struct Drawn {
-    way: Candidate,
+    candidate: Candidate,
     /// With that of the finer picture.
     error: f64,
     ms: f64,
@@ -190,7 +190,7 @@ struct Drawn {
 pub fn remembered(
     stage: Stage<'_>,
     scene: &Scene,
-    bound: Bound,
+    bound: ErrorBound,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Pick, PickError> {
     let key = store::key(stage, scene, bound)?;
@@ -202,17 +202,22 @@ pub fn remembered(
     Ok(pick)
 }
 
-/// Picks the cheapest way to draw a scene within an error on this device.
+/// Picks the fastest settings for a scene within an error on this device.
 ///
 /// Small pictures are at most 64 pixels wide; the reference is computed for 1024 to 2048 pixels of the whole. `progress` is
-/// called with the part that is done, roughly. A way that cannot be drawn is left out, and told.
+/// called with the part that is done, roughly. A candidate that cannot be drawn is left out, and told.
 ///
 /// # Errors
-/// The scene cannot be drawn, or no way keeps the bound.
-pub fn pick(stage: Stage<'_>, scene: &Scene, bound: Bound, progress: &(dyn Fn(f32) + Sync)) -> Result<Pick, PickError> {
+/// The scene cannot be drawn, or no settings keep the bound.
+pub fn pick(
+    stage: Stage<'_>,
+    scene: &Scene,
+    bound: ErrorBound,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Pick, PickError> {
     let mut search = Search::new(stage, scene, bound)?;
     progress(0.1);
-    let families = ways::families(scene, stage.library, bound.error)?;
+    let families = candidates::families(scene, stage.library, bound.error)?;
     let (mut drawn, mut target) = (Vec::new(), bound.error / SAFETY);
     let mut tried: Vec<Scene> = Vec::new();
     for round in 0..VERIFIED {
@@ -222,36 +227,36 @@ pub fn pick(stage: Stage<'_>, scene: &Scene, bound: Bound, progress: &(dyn Fn(f3
                 progress(0.1 + 0.6 * (index + 1) as f32 / families.kept.len() as f32);
             }
         }
-        let fits = |drawn: &&Drawn| drawn.error <= target && !tried.contains(&drawn.way.scene);
+        let fits = |drawn: &&Drawn| drawn.error <= target && !tried.contains(&drawn.candidate.scene);
         let mut fitting: Vec<&Drawn> = drawn.iter().filter(fits).collect();
         fitting.sort_by(|a, b| a.ms.total_cmp(&b.ms));
         let Some(best) = fitting.first().copied().cloned() else { break };
         let kept = fitting.len();
-        let pass = best.way.scene.quality.pass;
-        let other = fitting.iter().find(|drawn| drawn.way.scene.quality.pass != pass);
-        let other = other.map(|drawn| (drawn.way.label(), drawn.ms));
+        let pass = best.candidate.scene.quality.pass;
+        let other = fitting.iter().find(|drawn| drawn.candidate.scene.quality.pass != pass);
+        let other = other.map(|drawn| (drawn.candidate.label(), drawn.ms));
         let share = |done: f32| progress(0.7 + 0.3 * done);
-        let verified = match verify::verify(stage, &best.way.scene, bound, &share) {
+        let verified = match verify::verify(stage, &best.candidate.scene, bound, &share) {
             Ok(verified) => Ok(verified),
             Err(ReferenceError::NoLimit(why)) => Err(why.to_string()),
             Err(ReferenceError::Exact(error)) => Err(error.to_string()),
             Err(ReferenceError::Render(error)) => {
-                tried.push(best.way.scene.clone());
-                search.failed.push((best.way, error));
+                tried.push(best.candidate.scene.clone());
+                search.failed.push((best.candidate, error));
                 continue;
             }
         };
         let found = verified.as_ref().map_or(0.0, |verified| verified.error);
-        log::info!("{}: {:.2e} in a small picture, {found:.2e} of the whole", best.way.label(), best.error);
+        log::info!("{}: {:.2e} in a small picture, {found:.2e} of the whole", best.candidate.label(), best.error);
         if found > bound.error {
-            tried.push(best.way.scene);
+            tried.push(best.candidate.scene);
             target *= 0.8 * bound.error / found; // what is missing in a small picture is missing in the next one too
             continue;
         }
         let unverified = verified.as_ref().err().cloned();
         return Ok(Pick {
-            way: best.way.label(),
-            scene: best.way.scene,
+            settings: best.candidate.label(),
+            scene: best.candidate.scene,
             error: best.error,
             small_ms: best.ms,
             verified: verified.ok(),
@@ -266,28 +271,28 @@ pub fn pick(stage: Stage<'_>, scene: &Scene, bound: Bound, progress: &(dyn Fn(f3
         return Err(search.failed.swap_remove(0).1.into());
     }
     let nearest = drawn.iter().min_by(|a, b| a.error.total_cmp(&b.error));
-    let (way, found) = nearest.map_or(("none".into(), f64::INFINITY), |near| (near.way.label(), near.error));
-    Err(PickError::Bound { metric: bound.metric, asked: bound.error, way, found })
+    let (nearest, found) = nearest.map_or(("none".into(), f64::INFINITY), |near| (near.candidate.label(), near.error));
+    Err(PickError::Bound { metric: bound.metric, asked: bound.error, nearest, found })
 }
 
 /// Small pictures and what they are held against.
 struct Search<'a> {
     painter: Painter<'a>,
     library: &'a Library,
-    bound: Bound,
+    bound: ErrorBound,
     finer: Vec<[f32; 4]>,
     /// Error of the finer picture.
     floor: f64,
-    /// Ways that could not be drawn; no other of their families is tried.
+    /// Candidates that could not be drawn; no other of their families is tried.
     failed: Vec<(Candidate, RenderError)>,
 }
 
 impl<'a> Search<'a> {
-    fn new(stage: Stage<'a>, scene: &Scene, bound: Bound) -> Result<Search<'a>, PickError> {
+    fn new(stage: Stage<'a>, scene: &Scene, bound: ErrorBound) -> Result<Search<'a>, PickError> {
         let mut painter = stage.painter();
         let mut draw = |samples| -> Result<Vec<[f32; 4]>, PickError> {
             let mut drawn = Err(CompareError::Nothing.into());
-            for scene in ways::finest(scene, stage.library, samples)? {
+            for scene in candidates::finest(scene, stage.library, samples)? {
                 drawn = painter.render(&small(&scene)).map(|frame| frame.pixels).map_err(PickError::from);
                 if drawn.is_ok() {
                     break;
@@ -311,7 +316,7 @@ impl<'a> Search<'a> {
 
     /// Draws a family with more and more samples until one fits, and none that takes longer than one that fits.
     fn draw(&mut self, family: &Candidate, target: f64, drawn: &mut Vec<Drawn>) {
-        if self.failed.iter().any(|(way, _)| way.curve() == family.curve()) {
+        if self.failed.iter().any(|(candidate, _)| candidate.curve() == family.curve()) {
             return;
         }
         let [fewest, most] = SAMPLES;
@@ -319,18 +324,18 @@ impl<'a> Search<'a> {
         let mut least = 0.0;
         let mut before: Option<(u32, f64)> = None;
         for samples in steps.take_while(|samples| *samples <= most) {
-            let way = ways::with_samples(family, samples);
-            let known = drawn.iter().position(|drawn| drawn.way.scene == way.scene);
+            let candidate = candidates::with_samples(family, samples);
+            let known = drawn.iter().position(|drawn| drawn.candidate.scene == candidate.scene);
             let index = match known {
                 Some(index) => index,
                 None if f64::from(samples) < least => continue,
-                None if way.scene.check(self.library).is_err() => return,
-                None => match self.measure(&way, target) {
+                None if candidate.scene.check(self.library).is_err() => return,
+                None => match self.measure(&candidate, target) {
                     Ok((error, ms)) => {
-                        drawn.push(Drawn { way, error, ms });
+                        drawn.push(Drawn { candidate, error, ms });
                         drawn.len() - 1
                     }
-                    Err(error) => return self.failed.push((way, error)),
+                    Err(error) => return self.failed.push((candidate, error)),
                 },
             };
             let (error, ms) = (drawn[index].error, drawn[index].ms);
@@ -351,10 +356,10 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Draws a way: its error with that of the finer picture, and its time; again for that, if it has fewer errors than
+    /// Draws a candidate: its error with that of the finer picture, and its time; again for that, if it has fewer errors than
     /// `target`.
-    fn measure(&mut self, way: &Candidate, target: f64) -> Result<(f64, f64), RenderError> {
-        let scene = small(&way.scene);
+    fn measure(&mut self, candidate: &Candidate, target: f64) -> Result<(f64, f64), RenderError> {
+        let scene = small(&candidate.scene);
         let mut draw = || -> Result<(Vec<[f32; 4]>, f64), RenderError> {
             let frame = self.painter.render(&scene)?;
             Ok((frame.pixels, frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0)))

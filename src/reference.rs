@@ -11,13 +11,13 @@ mod store;
 
 use crate::exact::{self, ExactError};
 use crate::glsl::{Library, LibraryError, Linker};
-use crate::render::{Blocks, Frozen, OCTAVES_ID, RenderError, Subject};
+use crate::render::{Blocks, CpuInputs, OCTAVES_ID, RenderError, Subject};
 use crate::scene::{
-    BlockFormat, Effect, LightMethod, Order, Pass, Proxy, Quality, Ray as Course, Reject, Rule, Scene, Storage,
-    TargetFormat, Traverse,
+    BlockFormat, Effect, EmptySpace, Integration, LightMethod, Order, Pass, Proxy, Quality, RayPath, Reject, Scene,
+    Storage, TargetFormat,
 };
 use crate::variant::{Variant, VariantError};
-use integral::{Limits, Matter, Ray};
+use integral::{Limits, Matter, RayIntegral};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -79,8 +79,8 @@ impl From<VariantError> for ReferenceError {
 /// A module of noise or turbulence does not exist, or its header cannot be read.
 pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError> {
     // A ray that bends reads what it reads: no sum of noise may be computed along it.
-    let bends = scene.effect.ray == Course::Refracted;
-    let mut truth = if bends { limit_of(scene) } else { limit_of(&scene.exact_twin(library)?) };
+    let bends = scene.effect.ray_path == RayPath::Refracted;
+    let mut truth = if bends { converged_settings(scene) } else { converged_settings(&scene.unbaked(library)?) };
     truth.quality.block_format = BlockFormat::Auto;
     // What is not read makes no difference.
     if let Ok(variant) = Variant::of(&truth, library) {
@@ -106,15 +106,15 @@ pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError>
 }
 
 /// The scene of which this one is the limit with ever more samples: as [`truth_of`], with its blocks of noise as they are.
-pub fn limit_of(scene: &Scene) -> Scene {
+pub fn converged_settings(scene: &Scene) -> Scene {
     let mut limit = scene.clone();
-    let bends = limit.effect.ray == Course::Refracted;
+    let bends = limit.effect.ray_path == RayPath::Refracted;
     let quality = &mut limit.quality;
     quality.pass = if bends { Pass::March } else { Pass::Slices }; // which may have the more samples
     quality.samples = if bends { bent::FEWEST } else { SAMPLES };
-    quality.rule = Rule::Point;
-    quality.traverse = Traverse::Leap;
-    quality.stop = 0.0;
+    quality.integration = Integration::Point;
+    quality.empty_space = EmptySpace::Skip;
+    quality.early_termination = 0.0;
     quality.target = TargetFormat::Float32;
     quality.order = Order::FrontToBack;
     (quality.proxy, quality.reject) = (Proxy::Polygons, Reject::Discard);
@@ -161,7 +161,7 @@ pub fn reference(
     Ok(found)
 }
 
-/// The light of some pixels of a scene that [`truth_of`] or [`limit_of`] gave, each with an error of about `tolerance`.
+/// The light of some pixels of a scene that [`truth_of`] or [`converged_settings`] gave, each with an error of about `tolerance`.
 ///
 /// # Errors
 /// As [`reference()`].
@@ -173,7 +173,7 @@ pub fn reference_pixels(
     tolerance: f64,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Reference, ReferenceError> {
-    if truth.effect.ray == Course::Refracted {
+    if truth.effect.ray_path == RayPath::Refracted {
         return bent::reference(library, truth, subject, pixels, tolerance, progress);
     }
     let (probe, mut inputs) = Probe::new(library, truth, subject)?;
@@ -201,12 +201,12 @@ pub fn reference_pixels(
 /// The program of a scene that gives one sample of a ray, ready to be evaluated.
 struct Probe {
     program: exact::Program,
-    frozen: Frozen,
+    cpu_inputs: CpuInputs,
     moments: Vec<Moment>,
     /// The binding of the shadow volume and the program that makes it, where one is read.
     caster: Option<(u32, exact::Program)>,
     /// Whether nothing is there where a sample says that matter is farther.
-    leaps: bool,
+    skips: bool,
 }
 
 /// The blocks of one sub-frame, by binding.
@@ -228,34 +228,34 @@ impl Probe {
         let own = Variant::of(truth, library)?;
         let variant = own.probe(truth, library)?;
         let program = variant.program(library, Linker::new)?;
-        let frozen = Frozen::new(truth, subject, &variant, &program)?;
+        let cpu_inputs = CpuInputs::new(truth, subject, &variant, &program)?;
         let octaves = [(OCTAVES_ID, truth.effect.octaves)];
-        let shadow = match Frozen::shadow_binding(&program) {
+        let shadow = match CpuInputs::shadow_binding(&program) {
             None => None,
             Some(binding) => Some((binding, own.shadow(truth, library)?.program(library, Linker::new)?)),
         };
-        let blocks = frozen.moments(&program)?.into_iter();
+        let blocks = cpu_inputs.moments(&program)?.into_iter();
         let mut moments: Vec<Moment> = blocks.map(|blocks| Moment { blocks, caster: Blocks::new() }).collect();
         if let Some((_, caster)) = &shadow {
-            for (moment, blocks) in moments.iter_mut().zip(frozen.moments(caster)?) {
+            for (moment, blocks) in moments.iter_mut().zip(cpu_inputs.moments(caster)?) {
                 moment.caster = blocks;
             }
         }
-        let inputs = images::inputs(&frozen);
+        let inputs = images::inputs(&cpu_inputs);
         let caster = match shadow {
             None => None,
             Some((binding, caster)) => Some((binding, exact::Program::read(&caster.fragment, &octaves)?)),
         };
         let program = exact::Program::read(&program.fragment, &octaves)?;
-        let leaps = truth.slots().get("traverse").is_some_and(|names| names == &["leap"]);
-        Ok((Probe { program, frozen, moments, caster, leaps }, inputs))
+        let skips = truth.slots().get("empty_space").is_some_and(|names| names == &["skip"]);
+        Ok((Probe { program, cpu_inputs, moments, caster, skips }, inputs))
     }
 
     /// Makes the inputs those of a sub-frame.
     fn set(&self, moment: &Moment, inputs: &mut exact::Inputs) -> Result<(), ReferenceError> {
         if let Some((binding, caster)) = &self.caster {
             inputs.blocks.clone_from(&moment.caster);
-            let [width, height] = self.frozen.shadow_target();
+            let [width, height] = self.cpu_inputs.shadow_target();
             let rows: Vec<Vec<[f32; 4]>> = (0..height)
                 .into_par_iter()
                 .map(|y| {
@@ -266,7 +266,7 @@ impl Probe {
                     Ok(segments.into_iter().map(|four| four.map(|value| value as f32)).collect())
                 })
                 .collect::<Result<_, ExactError>>()?;
-            let (size, values) = self.frozen.shadow_volume(&rows.concat());
+            let (size, values) = self.cpu_inputs.shadow_volume(&rows.concat());
             let texels = values.into_iter().map(|value| [value, 0.0, 0.0, 1.0]).collect();
             inputs.images.insert(*binding, exact::Texture { size, texels });
         }
@@ -277,11 +277,11 @@ impl Probe {
     /// Light and error of some pixels.
     fn integrate(
         &self,
-        bound: &exact::Bound<'_>,
+        bound: &exact::BoundProgram<'_>,
         pixels: &[[u32; 2]],
         tolerance: f64,
     ) -> Result<Vec<([f64; 4], f64)>, ReferenceError> {
-        let [near, far] = self.frozen.depths;
+        let [near, far] = self.cpu_inputs.depths;
         let step = (far - near) / f64::from(PIECES);
         let limits = Limits { error: tolerance / 16.0, shortest: (far - near) * SHORTEST, pieces: MOST_PIECES };
         let sample = |wanted: &[(usize, f64)]| self.sample(bound, pixels, wanted);
@@ -290,20 +290,20 @@ impl Probe {
         let spans: Vec<(usize, f64)> = (0..pixels.len()).map(|ray| (ray, near)).collect();
         let spans: Vec<[f64; 2]> =
             sample(&spans)?.iter().map(|sample| [sample.span[0].max(near), sample.span[1].min(far)]).collect();
-        let mut rays: Vec<Ray> = pixels.iter().map(|_| Ray::new()).collect();
+        let mut rays: Vec<RayIntegral> = pixels.iter().map(|_| RayIntegral::new()).collect();
 
-        // Pieces of equal length, leaping over what is empty: all rays take their next one together.
+        // Pieces of equal length, skipping over what is empty: all rays take their next one together.
         let mut heads: Vec<(usize, f64)> =
             spans.iter().enumerate().filter(|(_, span)| span[0] < span[1]).map(|(ray, span)| (ray, span[0])).collect();
         let mut firsts = sample(&heads)?;
         while !heads.is_empty() {
             let length = |ray: usize, from: f64| step.min(spans[ray][1] - from);
-            let clear = |first: &Sampled| if self.leaps { first.clearance } else { 0.0 };
+            let clear = |first: &Sampled| if self.skips { first.distance_bound } else { 0.0 };
             let wanted: Vec<(usize, f64)> = (heads.iter().zip(&firsts))
                 .flat_map(|(&(ray, from), first)| {
-                    let (length, leap) = (length(ray, from), clear(first));
-                    let places = if leap > length {
-                        vec![(from + leap).min(spans[ray][1])]
+                    let (length, skip) = (length(ray, from), clear(first));
+                    let places = if skip > length {
+                        vec![(from + skip).min(spans[ray][1])]
                     } else {
                         [0.25, 0.5, 0.75, 1.0].map(|part| from + part * length).to_vec()
                     };
@@ -345,7 +345,7 @@ impl Probe {
                 at += 4 * coarse.len();
             }
         }
-        let light = |ray: &Ray| {
+        let light = |ray: &RayIntegral| {
             let (light, error) = ray.light(&limits);
             let [r, g, b] = light.color;
             ([r, g, b, 1.0 - light.transmittance], error)
@@ -356,14 +356,14 @@ impl Probe {
     /// Samples of rays at depths.
     fn sample(
         &self,
-        bound: &exact::Bound<'_>,
+        bound: &exact::BoundProgram<'_>,
         pixels: &[[u32; 2]],
         wanted: &[(usize, f64)],
     ) -> Result<Vec<Sampled>, ReferenceError> {
         if wanted.is_empty() {
             return Ok(Vec::new());
         }
-        let path = PROBE * (self.frozen.depths[1] - self.frozen.depths[0]);
+        let path = PROBE * (self.cpu_inputs.depths[1] - self.cpu_inputs.depths[0]);
         let center = |ray: usize| pixels[ray].map(|at| f64::from(at) + 0.5);
         let lanes = exact::Lanes {
             fragment_coordinates: wanted.iter().map(|&(ray, _)| [center(ray)[0], center(ray)[1], 0.5, 1.0]).collect(),
@@ -382,11 +382,11 @@ struct Sampled {
     /// Depths at which the ray enters and leaves the box and the ball around the soft region.
     span: [f64; 2],
     /// So much deeper there is nothing.
-    clearance: f64,
+    distance_bound: f64,
 }
 
 impl Sampled {
-    fn new([r, g, b, alpha]: [f64; 4], [enters, leaves, clearance, _]: [f64; 4], path: f64) -> Sampled {
+    fn new([r, g, b, alpha]: [f64; 4], [enters, leaves, distance_bound, _]: [f64; 4], path: f64) -> Sampled {
         let matter = match alpha {
             alpha if alpha >= 1.0 => Matter { color: [r, g, b], extinction: f64::INFINITY },
             alpha if alpha > 0.0 => {
@@ -394,7 +394,7 @@ impl Sampled {
             }
             _ => Matter::default(),
         };
-        Sampled { matter, span: [enters, leaves], clearance }
+        Sampled { matter, span: [enters, leaves], distance_bound }
     }
 }
 

@@ -1,10 +1,10 @@
-//! From a scene to a picture: the story of a frame, read top to bottom.
+//! From a scene to a picture: the frame pipeline, read top to bottom.
 //!
 //! Role: [`Subject::load`] turns the object of a scene into a distance field; [`render`] turns scene and subject into a
 //! [`Frame`]. Invariant: every picture that a person sees comes through [`render`].
 
 mod bind;
-mod frozen;
+mod cpu_inputs;
 mod half_angle;
 mod ignored;
 mod inputs;
@@ -17,7 +17,7 @@ mod subject;
 mod values;
 mod view;
 
-pub(crate) use frozen::{Blocks, Frozen};
+pub(crate) use cpu_inputs::{Blocks, CpuInputs};
 pub use ignored::ignored;
 pub(crate) use inputs::Encoded;
 pub use shadow::{Transmittance, transmittance};
@@ -112,7 +112,7 @@ pub enum RenderError {
     #[error("the subject has no {0}, which the program reads; load it with the scene that is rendered")]
     Missing(&'static str),
     /// The program has a block member that the renderer does not know.
-    #[error("`{0}` is in no block of interface.glsl; declare it with `// @knob` in a module")]
+    #[error("`{0}` is in no block of interface.glsl; declare it with `// @param` in a module")]
     Unfilled(String),
     /// What a worker says.
     #[error("{0}")]
@@ -138,7 +138,7 @@ pub enum RenderError {
 ///
 /// The pixels are premultiplied linear RGBA without the background. A hard surface is located within the step
 /// (`measurements.step`); a ray that grazes an edge for less than a step may miss it.
-/// The error in soft matter is of the order of the step, and with `quality.rule = "segment"` of its square.
+/// The error in soft matter is of the order of the step, and with `quality.integration = "segment"` of its square.
 ///
 /// # Errors
 /// The scene has no valid program, or the device refuses.
@@ -233,7 +233,7 @@ struct Prepared<'a> {
     scene: Scene,
     variant: Variant,
     program: Program,
-    bound: bind::Bound,
+    bound: bind::BoundInputs,
     pipeline: gpu::Pipeline,
     /// What casts the shadows of a scene that has them.
     caster: Option<shadow::Caster>,
@@ -250,7 +250,7 @@ impl<'a> Prepared<'a> {
         (gpu, library, subject): (&'a Gpu, &'a Library, &'a Subject),
         scene: &Scene,
         variant: &Variant,
-        (linked, bound): (Option<Program>, Option<bind::Bound>),
+        (linked, bound): (Option<Program>, Option<bind::BoundInputs>),
         progress: Progress<'_>,
     ) -> Result<Prepared<'a>, RenderError> {
         let start = Instant::now();
@@ -262,7 +262,7 @@ impl<'a> Prepared<'a> {
                 let view = view::View::of(scene, subject, variant);
                 let planes = view.planes(quality.samples);
                 let inputs = inputs::Inputs::new(scene, subject, variant, &program, (&view, &planes), progress)?;
-                bind::Bound::new(gpu, &program, &inputs)
+                bind::BoundInputs::new(gpu, &program, &inputs)
             },
             Ok,
         )?;
@@ -329,27 +329,28 @@ impl<'a> Prepared<'a> {
         own == other && blends(&self.scene) == blends(scene) && self.reads_the_same(scene, variant)
     }
 
-    /// Whether another scene has the same program and images: it differs in camera, time, knobs, samples and targets
+    /// Whether another scene has the same program and images: it differs in camera, time, parameters, samples and targets
     /// alone, and its matter reaches as far.
     fn reads_the_same(&self, scene: &Scene, variant: &Variant) -> bool {
         let mut same = self.scene.clone();
         same.camera.clone_from(&scene.camera);
         same.image.clone_from(&scene.image);
-        same.knobs.clone_from(&scene.knobs);
+        same.parameters.clone_from(&scene.parameters);
         for (part, other) in same.parts.values_mut().zip(scene.parts.values()) {
-            part.knobs.clone_from(&other.knobs);
+            part.parameters.clone_from(&other.parameters);
         }
         let (quality, other) = (&mut same.quality, &scene.quality);
         (quality.target, quality.msaa) = (other.target, other.msaa);
         (quality.order, quality.proxy) = (other.order, other.proxy);
-        (quality.stop, quality.seed, quality.supersampling) = (other.stop, other.seed, other.supersampling);
+        (quality.early_termination, quality.seed, quality.supersampling) =
+            (other.early_termination, other.seed, other.supersampling);
         // These depend on the length of a step.
         if !["segment_image", "brick_image"].iter().any(|name| self.program.reads(name)) {
             quality.samples = other.samples;
         }
         let reach = |variant: &Variant| {
-            let all = [&variant.knobs].into_iter().chain(variant.parts.values());
-            all.map(|knobs| (knobs.outer_iso(), knobs.spread(1.0))).collect::<Vec<_>>()
+            let all = [&variant.parameters].into_iter().chain(variant.parts.values());
+            all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0))).collect::<Vec<_>>()
         };
         same == *scene && self.runs(variant) && reach(variant) == reach(&self.variant)
     }
@@ -359,7 +360,7 @@ impl<'a> Prepared<'a> {
         (variant.entries, &variant.slots) == (self.variant.entries, &self.variant.slots)
     }
 
-    /// Some bands of a picture of a scene that fits, the mean of the sub-frames that are wanted: the story of a frame.
+    /// Some bands of a picture of a scene that fits, the mean of the sub-frames that are wanted: the frame pipeline.
     fn frame(
         &mut self,
         scene: &Scene,

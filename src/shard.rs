@@ -304,13 +304,13 @@ pub fn merge(paths: &[PathBuf]) -> Result<(Frame, Whole, Vec<String>), ShardErro
 
 /// In what two shards differ that should not.
 fn difference(a: (&Whole, u32), b: (&Whole, u32)) -> Option<&'static str> {
-    let facts = [
+    let info = [
         (a.0.size == b.0.size, "the size of the picture"),
         (a.1 == b.1, "the number of shards"),
         (a.0.identity == b.0.identity, "the scene, the object or the version of hypertexture"),
         ((a.0.depth, a.0.background) == (b.0.depth, b.0.background), "the depth or the background"),
     ];
-    facts.into_iter().find(|(same, _)| !same).map(|(_, what)| what)
+    info.into_iter().find(|(same, _)| !same).map(|(_, what)| what)
 }
 
 /// What a file of a shard holds: the picture, the part and the bytes of its pixels.

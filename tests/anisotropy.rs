@@ -16,7 +16,7 @@ fn pictures(gpu: &Gpu, scene: &Scene, anisotropies: &[f32]) -> Vec<Frame> {
     scene.parts.values_mut().for_each(|part| part.object.resolution = 16);
     (scene.light.shadow_resolution, scene.quality.samples) = (16, 12);
     let subject = subject(&scene, &library);
-    let allowed = anisotropies.iter().filter(|&&anisotropy| anisotropy <= gpu.facts().max_anisotropy);
+    let allowed = anisotropies.iter().filter(|&&anisotropy| anisotropy <= gpu.info().max_anisotropy);
     allowed
         .map(|&anisotropy| {
             scene.quality.anisotropy = anisotropy;

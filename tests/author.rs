@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a process or a file is not as described")]
 
 use hypertexture::glsl::{self, Library, Linker};
-use hypertexture::scene::{KnobValue, preset};
+use hypertexture::scene::{ParameterValue, preset};
 use hypertexture::variant::Variant;
 use hypertexture::view::author::compile::{CompileError, Job, Limits, compile};
 use hypertexture::view::author::{Author, State};
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-const RIPPLES: &str = "// Rings.\n// @knob rings = 6 in [1, 40]: Number of rings.\nfloat ripples(float density, Sample s) {\n    \
+const RIPPLES: &str = "// Rings.\n// @param rings = 6 in [1, 40]: Number of rings.\nfloat ripples(float density, Sample s) {\n    \
                        return density * (0.5 + 0.5 * cos(rings * density));\n}\n";
 
 fn program() -> PathBuf {
@@ -23,7 +23,7 @@ fn program() -> PathBuf {
 
 fn job(library: &Library, dmf: &str) -> Job {
     let mut scene = preset("fur").unwrap();
-    scene.knobs.clear();
+    scene.parameters.clear();
     (scene.effect.dmf, scene.effect.medium) = (vec![dmf.into()], "lit".into());
     Job::new(library, &[Variant::of(&scene, library).unwrap()])
 }
@@ -73,7 +73,7 @@ fn a_child_links_the_same_program_as_this_process() {
     let job = job(&library, "ripples");
     let [vertex, fragment] = &compile(&program(), &job, &Limits::default(), &|| false).unwrap()[0];
     let mut scene = preset("fur").unwrap();
-    scene.knobs.clear();
+    scene.parameters.clear();
     (scene.effect.dmf, scene.effect.medium) = (vec!["ripples".into()], "lit".into());
     let here = Variant::of(&scene, &library).unwrap().program(&library, Linker::new).unwrap();
     assert_eq!((vertex, fragment), (&here.vertex, &here.fragment));
@@ -162,7 +162,7 @@ fn a_long_text_a_long_answer_and_a_missing_program_are_errors() {
 }
 
 #[test]
-fn m52_a_broken_module_keeps_the_old_and_a_mended_one_brings_its_knobs() {
+fn m52_a_broken_module_keeps_the_old_and_a_mended_one_brings_its_parameters() {
     let (mut author, mut model) = desk("fur");
     let old = author.text.clone();
     let broken = old.replacen("float fur(", "float qq = tangled;\nfloat fur(", 1);
@@ -172,20 +172,20 @@ fn m52_a_broken_module_keeps_the_old_and_a_mended_one_brings_its_knobs() {
     assert!(faults[0].text.contains("tangled"), "{faults:?}");
     assert_eq!(model.library().source("dmf/fur.glsl"), Some(old.as_str()), "the old library stays");
     // A declaration is refused before the compiler sees it, at its line as well.
-    let State::Bad(faults) = edit(&mut author, &mut model, &format!("// @knob x = 9 in [0, 1]: No.\n{old}")) else {
+    let State::Bad(faults) = edit(&mut author, &mut model, &format!("// @param x = 9 in [0, 1]: No.\n{old}")) else {
         panic!("a default out of its range is good")
     };
     assert_eq!(faults[0].at, Some(("dmf/fur.glsl".into(), 1)));
-    let new = format!("// @knob shine = 0.5 in [0, 2]: New.\n{old}").replacen("return ", "return shine * ", 1);
+    let new = format!("// @param shine = 0.5 in [0, 2]: New.\n{old}").replacen("return ", "return shine * ", 1);
     assert_eq!(edit(&mut author, &mut model, &new), State::Good);
-    let knobs: Vec<_> = model.knobs(None).iter().map(|(knob, _)| knob.name.clone()).collect();
-    assert!(knobs.contains(&"shine".into()), "{knobs:?}");
-    let shine = ("shine".to_string(), KnobValue::Number(1.5));
-    assert!(model.edit("knobs.shine", |scene| scene.knobs.extend([shine])));
-    // The knob goes, and its value with it; undo does not bring back what no module has.
+    let parameters: Vec<_> = model.parameters(None).iter().map(|(parameter, _)| parameter.name.clone()).collect();
+    assert!(parameters.contains(&"shine".into()), "{parameters:?}");
+    let shine = ("shine".to_string(), ParameterValue::Number(1.5));
+    assert!(model.edit("parameters.shine", |scene| scene.parameters.extend([shine])));
+    // The parameter goes, and its value with it; undo does not bring back what no module has.
     author.reset();
     assert_eq!(edit(&mut author, &mut model, &old), State::Good);
-    assert!(!model.scene().knobs.contains_key("shine"));
+    assert!(!model.scene().parameters.contains_key("shine"));
     model.undo();
     model.scene().check(model.library()).unwrap();
 }
@@ -249,13 +249,13 @@ fn the_newest_text_wins() {
     let (mut author, mut model) = desk("fur");
     let old = author.text.clone();
     for step in 0..5 {
-        author.text = format!("// @knob step_{step} = 0.5 in [0, 2]: New.\n{old}");
+        author.text = format!("// @param step_{step} = 0.5 in [0, 2]: New.\n{old}");
         sleep(Duration::from_millis(130));
         author.poll(&mut model);
     }
     assert_eq!(answer(&mut author, &mut model), State::Good);
-    let knobs: Vec<_> = model.knobs(None).iter().map(|(knob, _)| knob.name.clone()).collect();
-    assert!(knobs.contains(&"step_4".into()) && !knobs.contains(&"step_3".into()), "{knobs:?}");
+    let parameters: Vec<_> = model.parameters(None).iter().map(|(parameter, _)| parameter.name.clone()).collect();
+    assert!(parameters.contains(&"step_4".into()) && !parameters.contains(&"step_3".into()), "{parameters:?}");
 }
 
 #[test]
@@ -272,7 +272,7 @@ fn a_module_of_any_slot_can_be_tried() {
         "softness/quadratic",
         "absorption/tinted",
         "environment/studio",
-        "traverse/leap",
+        "empty_space/skip",
     ] {
         let (slot, name) = path.split_once('/').unwrap();
         author.open(model.library(), slot, name);

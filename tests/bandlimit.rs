@@ -6,16 +6,16 @@ mod common;
 use common::{difference, homogeneous, picture, subject, with_gpu};
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
-use hypertexture::reference::{limit_of, reference_pixels};
+use hypertexture::reference::{converged_settings, reference_pixels};
 use hypertexture::render::{Frame, Subject, half_height};
-use hypertexture::scene::{KnobValue, Part, Pass, Place, Projection, Rule, Scene, preset};
+use hypertexture::scene::{Integration, ParameterValue, Part, Pass, Projection, Scene, Transform, preset};
 use hypertexture::variant::Variant;
 
-/// What sums octaves: where it is put, and the knob that says how fine the first octave is, for coarse and fine samples.
+/// What sums octaves: where it is put, and the parameter that says how fine the first octave is, for coarse and fine samples.
 struct Sum {
     name: &'static str,
     put: fn(&mut Scene),
-    knob: &'static str,
+    parameter: &'static str,
     frequency: [f32; 2],
 }
 
@@ -36,13 +36,13 @@ fn turbulent(scene: &mut Scene, strategy: &str) {
     scene.effect.turbulence = strategy.into();
 }
 
-fn knob(scene: &mut Scene, name: &str, value: f32) {
-    scene.knobs.insert(name.into(), KnobValue::Number(value));
+fn parameter(scene: &mut Scene, name: &str, value: f32) {
+    scene.parameters.insert(name.into(), ParameterValue::Number(value));
 }
 
 /// The face of a cube, without its edges.
 fn hard(scene: &mut Scene, surface: &str) {
-    (scene.object.input, scene.camera.zoom, scene.quality.rule) = ("cube".into(), 3.0, Rule::Segment);
+    (scene.object.input, scene.camera.zoom, scene.quality.integration) = ("cube".into(), 3.0, Integration::Segment);
     (scene.object.inner_iso, scene.effect.softness) = (0.0, "hard".into());
     (scene.effect.classify, scene.effect.surface) = ("surface".into(), surface.into());
 }
@@ -56,9 +56,9 @@ const SUMS: [Sum; 12] = [
         name: "warp/turbulent",
         put: |s| {
             warped(s, "turbulent");
-            knob(s, "turbulence_amplitude", 0.5);
+            parameter(s, "turbulence_amplitude", 0.5);
         },
-        knob: "turbulence_frequency",
+        parameter: "turbulence_frequency",
         frequency: [13.7, 1.0],
     },
     Sum {
@@ -66,48 +66,53 @@ const SUMS: [Sum; 12] = [
         put: |s| {
             // Of matter, the mean would be that of no noise: here the noise turns the normals.
             warped(s, "fractal");
-            knob(s, "fractal_amplitude", 0.01);
+            parameter(s, "fractal_amplitude", 0.01);
             hard(s, "lit");
         },
-        knob: "fractal_frequency",
+        parameter: "fractal_frequency",
         frequency: [13.7, 1.0],
     },
     Sum {
         name: "warp/perturbed",
         put: |s| {
             warped(s, "perturbed");
-            knob(s, "perturbation", 0.4);
+            parameter(s, "perturbation", 0.4);
         },
-        knob: "perturbation_frequency",
+        parameter: "perturbation_frequency",
         frequency: [13.7, 1.0],
     },
     Sum {
         name: "dmf/turbulent",
         put: |s| turbulent(s, "procedural"),
-        knob: "turbulence_scale",
+        parameter: "turbulence_scale",
         frequency: [13.7, 1.0],
     },
     Sum {
         name: "dmf/fractal",
         put: |s| s.effect.dmf = vec!["fractal".into()],
-        knob: "fractal_scale",
+        parameter: "fractal_scale",
         frequency: [13.7, 1.0],
     },
-    Sum { name: "dmf/fire", put: |s| s.effect.dmf = vec!["fire".into()], knob: "flame_scale", frequency: [13.7, 1.0] },
+    Sum {
+        name: "dmf/fire",
+        put: |s| s.effect.dmf = vec!["fire".into()],
+        parameter: "flame_scale",
+        frequency: [13.7, 1.0],
+    },
     Sum {
         name: "surface/solid",
         put: |s| {
             hard(s, "solid_unlit");
-            knob(s, "veins", 0.0);
+            parameter(s, "veins", 0.0);
         },
-        knob: "grain",
+        parameter: "grain",
         frequency: [13.7, 1.0],
     },
-    Sum { name: "encoded", put: |s| turbulent(s, "encoded"), knob: "turbulence_scale", frequency: [13.7, 1.0] },
-    Sum { name: "hybrid", put: |s| turbulent(s, "hybrid"), knob: "turbulence_scale", frequency: [13.7, 1.0] },
-    Sum { name: "channels", put: |s| turbulent(s, "channels"), knob: "turbulence_scale", frequency: [13.7, 1.0] },
-    Sum { name: "lookups8", put: |s| turbulent(s, "lookups8"), knob: "turbulence_scale", frequency: [13.7, 1.0] },
-    Sum { name: "lookups4", put: |s| turbulent(s, "lookups4"), knob: "turbulence_scale", frequency: [13.7, 1.0] },
+    Sum { name: "encoded", put: |s| turbulent(s, "encoded"), parameter: "turbulence_scale", frequency: [13.7, 1.0] },
+    Sum { name: "hybrid", put: |s| turbulent(s, "hybrid"), parameter: "turbulence_scale", frequency: [13.7, 1.0] },
+    Sum { name: "channels", put: |s| turbulent(s, "channels"), parameter: "turbulence_scale", frequency: [13.7, 1.0] },
+    Sum { name: "lookups8", put: |s| turbulent(s, "lookups8"), parameter: "turbulence_scale", frequency: [13.7, 1.0] },
+    Sum { name: "lookups4", put: |s| turbulent(s, "lookups4"), parameter: "turbulence_scale", frequency: [13.7, 1.0] },
 ];
 
 /// The scene, drawn with each of two modules of the slot.
@@ -125,10 +130,10 @@ fn p39_clamping_reaches_every_sum_of_octaves() {
     let library = glsl::shipped();
     with_gpu(|gpu| {
         let mut wrong = Vec::new();
-        for Sum { name, put, knob: frequency_knob, frequency } in SUMS {
+        for Sum { name, put, parameter: frequency_parameter, frequency } in SUMS {
             let mut scene = ball();
             put(&mut scene);
-            knob(&mut scene, frequency_knob, frequency[0]);
+            parameter(&mut scene, frequency_parameter, frequency[0]);
             let subject = subject(&scene, &library);
             // The mean of many fine pictures: of what a pixel covers, along its ray and beside it.
             (scene.image.size, scene.quality.samples, scene.quality.supersampling) = ([10, 10], 320, 25);
@@ -140,7 +145,7 @@ fn p39_clamping_reaches_every_sum_of_octaves() {
                 wrong.push(format!("{name}: {clamp:e} clamped, {none:e} not"));
             }
 
-            knob(&mut scene, frequency_knob, frequency[1]);
+            parameter(&mut scene, frequency_parameter, frequency[1]);
             (scene.quality.samples, scene.camera.zoom) = (256, 8.0);
             let frames = both(gpu, &library, &scene, &subject);
             let (worst, _) = difference(&frames[0], &frames[1]);
@@ -162,7 +167,7 @@ fn p39_the_relief_of_a_flame_is_clamped() {
     with_gpu(|gpu| {
         let mut scene = ball();
         (scene.effect.medium, scene.effect.octaves) = ("flame".into(), 8);
-        knob(&mut scene, "relief", 1.0);
+        parameter(&mut scene, "relief", 1.0);
         let subject = subject(&scene, &library);
         (scene.image.size, scene.quality.samples, scene.quality.supersampling) = ([8, 8], 256, 25);
         let truth = picture(gpu, &library, &scene, &subject);
@@ -176,15 +181,15 @@ fn p39_the_relief_of_a_flame_is_clamped() {
 /// The front face of a cube that shows turbulence, and its gradient, for a width of the samples that is given.
 fn face(strategy: &str, width: f32, slope: bool) -> (Scene, Library) {
     let text = "// Turbulence of a given width.\n// Source: -\n// Result: a half of it, and a part of its gradient.\n\
-        // @knob wide = 0 in [0, 8]: Width of a sample, cells.\n// @knob sloped = 0 in [0, 1]: Whether the gradient shows.\n\
+        // @param wide = 0 in [0, 8]: Width of a sample, cells.\n// @param sloped = 0 in [0, 1]: Whether the gradient shows.\n\
         #include <turbulence>\nvec3 surface(Sample s) {\n    vec3 p = 3.0 * s.x + 0.37;\n\
         return sloped > 0.0 ? 0.5 + 0.05 * turbulence_gradient(p, wide).xyz : vec3(0.5 * turbulence(p, wide));\n}\n";
     let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
     (scene.effect.classify, scene.effect.surface) = ("surface".into(), "wide".into());
     (scene.effect.turbulence, scene.effect.bandlimit) = (strategy.into(), "clamp".into());
-    (scene.image.size, scene.camera.zoom, scene.quality.rule) = ([40, 40], 2.0, Rule::Segment);
-    knob(&mut scene, "wide", width);
-    knob(&mut scene, "sloped", f32::from(u8::from(slope)));
+    (scene.image.size, scene.camera.zoom, scene.quality.integration) = ([40, 40], 2.0, Integration::Segment);
+    parameter(&mut scene, "wide", width);
+    parameter(&mut scene, "sloped", f32::from(u8::from(slope)));
     (scene, glsl::shipped().with_module("surface", "wide", text))
 }
 
@@ -200,7 +205,7 @@ fn p39_the_levels_of_a_block_fade_its_octaves_as_computed_ones_fade() {
                     let subject = subject(&scene, &library);
                     let found = picture(gpu, &library, &scene, &subject);
                     let held = scene.octaves_held();
-                    scene = scene.exact_twin(&library).unwrap();
+                    scene = scene.unbaked(&library).unwrap();
                     scene.effect.octaves = held;
                     let twin = picture(gpu, &library, &scene, &subject);
                     let off = difference(&found, &twin).1;
@@ -221,7 +226,8 @@ fn p39_the_evaluator_reads_the_levels_that_the_device_reads() {
             let subject = subject(&scene, &library);
             let found = picture(gpu, &library, &scene, &subject);
             let pixels: Vec<[u32; 2]> = (10..30).map(|at| [at, 40 - at]).collect();
-            let truth = reference_pixels(&library, &limit_of(&scene), &subject, &pixels, 1e-3, &|_| ()).unwrap();
+            let truth =
+                reference_pixels(&library, &converged_settings(&scene), &subject, &pixels, 1e-3, &|_| ()).unwrap();
             for ([x, y], truth) in pixels.iter().zip(&truth.pixels) {
                 let off = (f64::from(found.pixels[(y * 40 + x) as usize][0]) - truth[0]).abs();
                 assert!(off < 5e-3, "width {width}, pixel {x}, {y}: {off}"); // weights of 8 bits in the filter
@@ -240,8 +246,8 @@ fn p39_a_sample_is_as_wide_as_it_is_in_the_space_of_its_object() {
         let mut scene = homogeneous("sphere", 1.0, Projection::Parallel);
         (scene.effect.surface, scene.effect.bandlimit) = ("width".into(), "clamp".into());
         (scene.effect.opacity_rate, scene.image.size) = (1e4, [48, 48]);
-        let place = Place { at: [2.0, 0.0, 0.0], scale: 0.5, ..Place::default() };
-        let part = Part { object: scene.object.clone(), effect: scene.effect.clone(), place, ..Part::default() };
+        let transform = Transform { at: [2.0, 0.0, 0.0], scale: 0.5, ..Transform::default() };
+        let part = Part { object: scene.object.clone(), effect: scene.effect.clone(), transform, ..Part::default() };
         scene.parts.insert("small".into(), part);
         let subject = subject(&scene, &library);
         let frame = picture(gpu, &library, &scene, &subject);
@@ -266,7 +272,7 @@ fn p39_matter_that_is_clamped_casts_shadows() {
             (scene.effect.bandlimit, scene.light.shadows, scene.effect.medium) = ("clamp".into(), true, "lit".into());
             (scene.quality.pass, scene.quality.samples, scene.image.size) = (pass, 32, [24, 24]);
             scene.light.shadow_resolution = 32;
-            scene.drop_foreign_knobs(&library).unwrap();
+            scene.drop_foreign_parameters(&library).unwrap();
             let frame = picture(gpu, &library, &scene, &subject(&scene, &library));
             assert!(
                 frame.pixels.iter().any(|pixel| pixel[3] > 0.1) && frame.measurements.shadow_ms.is_some(),

@@ -1,7 +1,7 @@
 //! The command line, run as a person runs it: what it writes, what it says, and how it refuses.
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
-use hypertexture::scene::KnobValue;
+use hypertexture::scene::ParameterValue;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -120,12 +120,12 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
             ("render", &["<INPUT>"]),
             ("render torus --wrong", &["unexpected argument '--wrong'"]),
             ("render torus --effect furr", &["no effect `furr`", "did you mean `fur`?", "melting"]),
-            ("render torus --effect fur --set finenes=60", &["no knob `finenes`", "did you mean `fineness`?"]),
-            ("render torus --effect fur --set fineness=1e9", &["knobs.fineness = 1000000000", "from 2 to 200"]),
-            ("render torus --effect fur --set fineness=nan", &["knobs.fineness = NaN", "from 2 to 200"]),
-            ("render torus --effect fur --set fineness=#102030", &["knobs.fineness", "must be a number"]),
-            ("render torus --effect fur --set fineness", &["--set = fineness", "KNOB=NUMBER"]),
-            ("render torus --set fineness=60", &["no knob `fineness`", "this effect has none"]),
+            ("render torus --effect fur --set finenes=60", &["no parameter `finenes`", "did you mean `fineness`?"]),
+            ("render torus --effect fur --set fineness=1e9", &["parameters.fineness = 1000000000", "from 2 to 200"]),
+            ("render torus --effect fur --set fineness=nan", &["parameters.fineness = NaN", "from 2 to 200"]),
+            ("render torus --effect fur --set fineness=#102030", &["parameters.fineness", "must be a number"]),
+            ("render torus --effect fur --set fineness", &["--set = fineness", "PARAMETER=NUMBER"]),
+            ("render torus --set fineness=60", &["no parameter `fineness`", "this effect has none"]),
             ("render torus --size 0x5", &["image.size = 0", "from 1 to 16384"]),
             ("render torus --size axb", &["'axb'", "--size", "640x480"]),
             ("render torus --size 64", &["'64'", "--size", "640x480"]),
@@ -146,7 +146,7 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
             ("render torus --module classify=sof", &["effect.classify `sof`", "did you mean `soft`?"]),
             ("render torus --module clasify=soft", &["clasify", "classify"]),
             ("render torus --module soft", &["--module = soft", "SLOT=MODULE"]),
-            ("render torus --look outline", &["'outline'", "slice-stack"]),
+            ("render torus --debug-view outline", &["'outline'", "slice-stack"]),
             ("render torus --depth 12", &["'12'", "16"]),
             ("render torus --iso nan", &["object.iso = NaN"]),
             ("render torus --resolution 4", &["object.resolution = 4", "from 8 to 1024"]),
@@ -201,7 +201,7 @@ fn scene_files_that_are_wrong_are_refused_with_their_line() {
         ("name.toml", "[object]\ninput = \"torus\"\nsource = \"normals17\"\n"),
         ("color.toml", "[material]\ncolor = \"red\"\n"),
         ("preset.toml", "preset = \"fire_bal\"\n"),
-        ("knob.toml", "preset = \"fur\"\n[knobs]\nfinenes = 60\n"),
+        ("parameter.toml", "preset = \"fur\"\n[parameters]\nfinenes = 60\n"),
         ("range.toml", "[quality]\nsamples = 0\n"),
         ("module.toml", "[effect]\nsurface = \"litt\"\n"),
         ("stops.toml", "[transfer]\nstops = []\n"),
@@ -221,7 +221,7 @@ fn scene_files_that_are_wrong_are_refused_with_their_line() {
             ("render name.toml", &["name.toml:3:", "normals17", "did you mean `normals16`?"]),
             ("render color.toml", &["color.toml:2:", "`red` is not a color"]),
             ("render preset.toml", &["no effect `fire_bal`", "did you mean `fire_ball`?"]),
-            ("render knob.toml", &["no knob `finenes`", "did you mean `fineness`?"]),
+            ("render parameter.toml", &["no parameter `finenes`", "did you mean `fineness`?"]),
             ("render range.toml", &["quality.samples = 0", "from 1 to 100000"]),
             ("render module.toml", &["effect.surface `litt`", "did you mean `lit`?"]),
             ("render stops.toml", &["transfer.stops = 0 stops"]),
@@ -405,7 +405,7 @@ fn a_saved_scene_gives_the_same_picture() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_module_of_a_preset_can_be_exchanged_although_the_preset_sets_its_knobs() {
+fn a_module_of_a_preset_can_be_exchanged_although_the_preset_sets_its_parameters() {
     let said = Desk::new().good(&format!("render torus --effect fire --module medium=lit --set fury=1 {SMALL}"));
     assert!(said.contains("medium=lit"), "{said}");
 }
@@ -414,8 +414,8 @@ const SWELL: &str = "// A power of the density.
 // Source: none.
 // density: in [0, 1]; result in [0, 1].
 // @outer swell_width
-// @knob swell_width = 0.3 in [0.01, 1]: Width of the soft region, object units.
-// @knob swell_power = 0.5 in [0.1, 4]: The power.
+// @param swell_width = 0.3 in [0.01, 1]: Width of the soft region, object units.
+// @param swell_power = 0.5 in [0.1, 4]: The power.
 float swell(float density, Sample s) { return pow(density, swell_power); }
 ";
 
@@ -455,7 +455,7 @@ fn a_module_of_ones_own_that_is_wrong_is_refused_at_its_line() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn the_cheapest_way_within_an_error_is_drawn_and_remembered() {
+fn the_fastest_settings_within_an_error_is_drawn_and_remembered() {
     let desk = Desk::new();
     let first = desk.good(&format!("render lit -o a.png --max-error 0.03 --metric p999 {SMALL}"));
     assert!(first.contains("asked for 3.0e-2") && !first.contains("remembered"), "{first}");
@@ -463,7 +463,7 @@ fn the_cheapest_way_within_an_error_is_drawn_and_remembered() {
     assert!(second.contains("remembered"), "{second}");
     assert_eq!(fs::read(desk.file("a.png")).unwrap(), fs::read(desk.file("b.png")).unwrap());
     let rows: [(&str, &[&str]); 3] = [
-        ("render lit -o out.png --max-error 1e-12 --size 16x16", &["no way", "1e-12", "the nearest"]),
+        ("render lit -o out.png --max-error 1e-12 --size 16x16", &["no settings", "1e-12", "the nearest"]),
         ("render lit -o out.png --max-error 0", &["must be above 0"]),
         ("render lit -o out.png --max-error 0.1 --metric beauty", &["beauty", "rmse"]),
     ];
@@ -472,7 +472,7 @@ fn the_cheapest_way_within_an_error_is_drawn_and_remembered() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_knob_of_one_object_is_set_by_its_name() {
+fn a_parameter_of_one_object_is_set_by_its_name() {
     let desk = Desk::new();
     let small = "--size 32x32 --samples 32";
     for (set, name) in [("", "as_is.png"), ("--set parts.stone.distortion=4", "stone.png")] {
@@ -557,20 +557,20 @@ fn the_name_of_a_figure_renders_it_whole_and_an_effect_goes_over_it() {
 }
 
 #[test]
-fn every_effect_is_listed_with_its_knobs() {
+fn every_effect_is_listed_with_its_parameters() {
     let said = Desk::new().good("effects");
     for name in hypertexture::scene::names() {
         let scene = hypertexture::scene::preset(name).unwrap();
         assert!(said.contains(&format!("{name}: {}", scene.about)), "{name} is not listed");
         let about = said.split_once(&format!("{name}: ")).unwrap_or_default().1;
-        for (knob, value) in scene.check(&hypertexture::glsl::shipped()).unwrap().iter() {
-            let line = about.lines().find(|line| line.trim_start().starts_with(&format!("{} ", knob.name)));
-            let line = line.unwrap_or_else(|| panic!("{} of {name} is not listed", knob.name));
+        for (parameter, value) in scene.check(&hypertexture::glsl::shipped()).unwrap().iter() {
+            let line = about.lines().find(|line| line.trim_start().starts_with(&format!("{} ", parameter.name)));
+            let line = line.unwrap_or_else(|| panic!("{} of {name} is not listed", parameter.name));
             let value = match value {
-                KnobValue::Number(number) => number.to_string(),
-                KnobValue::Color(color) => String::from(*color),
+                ParameterValue::Number(number) => number.to_string(),
+                ParameterValue::Color(color) => String::from(*color),
             };
-            assert!(line.contains(&format!(" {value} ")) && line.ends_with(&knob.doc), "{line}: expected {value}");
+            assert!(line.contains(&format!(" {value} ")) && line.ends_with(&parameter.doc), "{line}: expected {value}");
         }
     }
 }

@@ -10,7 +10,7 @@ use hypertexture::glsl;
 use hypertexture::gpu::Format;
 use hypertexture::reference::Reference;
 use hypertexture::render::render;
-use hypertexture::scene::{Pass, Repeat, Rule, Scene, preset};
+use hypertexture::scene::{Integration, Pass, Repeat, Scene, preset};
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
@@ -162,14 +162,14 @@ fn more_samples_of_segments_turn_the_normals_less() {
         let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
         let mut refer = |scene: &Scene| Ok(Arc::new(dark(scene)));
         let found = compare(stage, &scene, &Settings { sweep, repeat: 1 }, &mut refer, &|_| ()).unwrap();
-        let angle = |rule, samples| {
+        let angle = |integration, samples| {
             let is = |c: &hypertexture::compare::candidates::Candidate| {
-                (c.curve().pass, c.curve().rule, c.samples()) == (Pass::March, rule, samples)
+                (c.curve().pass, c.curve().integration, c.samples()) == (Pass::March, integration, samples)
             };
             found.rows.iter().find(|row| is(&row.candidate)).unwrap().normals.unwrap().mean
         };
-        assert!(angle(Rule::Point, 128) < 0.5 * angle(Rule::Point, 16));
-        assert!(angle(Rule::Segment, 128) < 0.5 * angle(Rule::Point, 128));
+        assert!(angle(Integration::Point, 128) < 0.5 * angle(Integration::Point, 16));
+        assert!(angle(Integration::Segment, 128) < 0.5 * angle(Integration::Point, 128));
     });
 }
 

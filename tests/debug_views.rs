@@ -9,12 +9,12 @@ use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::noise::Lattice;
 use hypertexture::render::Frame;
-use hypertexture::scene::{KnobValue, Projection, Scene, preset};
+use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
 
 /// Half the side of the square that is looked at, a little less than the face of the cube.
 const SIDE: f64 = 0.99;
 
-/// The front face of a cube under a surface module, with some knobs: places (x, y) and colors.
+/// The front face of a cube under a surface module, with some parameters: places (x, y) and colors.
 fn face(gpu: &Gpu, library: &Library, surface: &str, change: impl FnOnce(&mut Scene)) -> Vec<([f64; 2], DVec3)> {
     let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
     (scene.effect.classify, scene.effect.surface) = ("surface".into(), surface.into());
@@ -31,8 +31,8 @@ fn face(gpu: &Gpu, library: &Library, surface: &str, change: impl FnOnce(&mut Sc
     seen
 }
 
-fn knob(scene: &mut Scene, name: &str, value: f32) {
-    scene.knobs.insert(name.into(), KnobValue::Number(value));
+fn parameter(scene: &mut Scene, name: &str, value: f32) {
+    scene.parameters.insert(name.into(), ParameterValue::Number(value));
 }
 
 #[test]
@@ -56,8 +56,8 @@ fn m41_the_planes_of_noise_and_of_its_gradient_are_those_of_the_lattice() {
             let show = |surface: &str| {
                 face(gpu, &library, surface, |scene| {
                     scene.effect.noise = noise.into();
-                    knob(scene, "plane_z", Z);
-                    knob(scene, "plane_frequency", CELLS);
+                    parameter(scene, "plane_z", Z);
+                    parameter(scene, "plane_frequency", CELLS);
                 })
             };
             let place = |[x, y]: [f64; 2]| f64::from(CELLS) * DVec3::new(x, y, f64::from(Z));
@@ -94,7 +94,7 @@ fn m46_a_larger_k_is_a_milder_bump_and_opposite_normals_leave_that_of_the_volume
                 vec3 surface(Sample s) {\n\
                 float turn = 1.5707963267948966 * (1.0 + s.x.x);\n\
                 return 0.5 + 0.5 * bumpmap(V, cos(turn) * V + sin(turn) * U, 2.0 + 2.0 * s.x.y);\n}\n";
-    // B = -kV exactly, for every k that the knob may have.
+    // B = -kV exactly, for every k that the parameter may have.
     let opposite = "#include \"bump_normal.glsl\"\n\
                     const vec3 V = vec3(0.375, -0.5, 0.78125);\n\
                     vec3 surface(Sample s) {\n\
@@ -124,7 +124,7 @@ fn m46_a_larger_k_is_a_milder_bump_and_opposite_normals_leave_that_of_the_volume
         let show = |surface: &str, k: Option<f32>| -> Frame {
             let mut scene = scene.clone();
             scene.effect.surface = surface.into();
-            k.into_iter().for_each(|k| knob(&mut scene, "bump_scale", k));
+            k.into_iter().for_each(|k| parameter(&mut scene, "bump_scale", k));
             picture(gpu, &library, &scene, &subject)
         };
         let flat = show("normals", None);

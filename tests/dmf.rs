@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 use hypertexture::field::{DistanceField, Grid};
 use hypertexture::glsl;
 use hypertexture::render::Subject;
-use hypertexture::scene::{KnobValue, Projection, Scene, preset};
+use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
 use lattice::noise;
 use seen::{seen, seen_with, set, worst};
 
@@ -43,10 +43,10 @@ fn place(x: DVec3) -> DVec3 {
 const PLACE: &str = "vec3(1.4 * s.x.x, 1.4 * s.x.y, 1.2 + 0.15 * s.x.x + 0.25 * s.x.y)";
 
 const THIN: &str = "// Thin.\n// Source: a test.\n// @outer thin_width\n\
-    // @knob thin_width = 0.2 in [0, 2]: Width.\n// Result: the density.\n\
+    // @param thin_width = 0.2 in [0, 2]: Width.\n// Result: the density.\n\
     float thin(float density, Sample s) { return s.density * density; }\n";
 const WIDE: &str = "// Wide.\n// Source: a test.\n// @outer wide_width\n\
-    // @knob wide_width = 0.6 in [0, 2]: Width.\n// Result: half the density.\n\
+    // @param wide_width = 0.6 in [0, 2]: Width.\n// Result: half the density.\n\
     float wide(float density, Sample s) { return 0.5 * density; }\n";
 
 /// The soft region of the cube by DMFs, in place of its hard surface.
@@ -85,14 +85,14 @@ fn m50_each_layer_has_the_density_of_its_own_width_and_what_follows_it_is_of_tha
 fn m50_fur_under_flames_is_the_fur_alone_and_the_flames_are_the_flames_alone() {
     let at = format!("#include <dmf>\nvec3 surface(Sample s) {{\n    Sample at = sample_object({PLACE});\n");
     let alone = format!("{at}    return vec3(at.density > 0.0 ? clamp(modulate(at.density, at), 0.0, 1.0) : 0.0);\n}}");
-    let knobs = [("hair_length", 0.2), ("fineness", 12.0), ("flame_length", 0.7), ("fury", 1.0)];
+    let parameters = [("hair_length", 0.2), ("fineness", 12.0), ("flame_length", 0.7), ("fury", 1.0)];
     with_gpu(|gpu| {
         let of = |dmfs: &[&str], text: &str| {
             seen(gpu, text, |scene| {
                 soft(scene, dmfs);
                 let own =
                     |name: &str| dmfs.contains(&if name.contains("fl") || name == "fury" { "fire" } else { "fur" });
-                set(scene, &knobs.into_iter().filter(|(name, _)| own(name)).collect::<Vec<_>>());
+                set(scene, &parameters.into_iter().filter(|(name, _)| own(name)).collect::<Vec<_>>());
             })
         };
         let both = of(
@@ -163,9 +163,9 @@ fn glsl_medium(text: &str, name: &str) -> (String, String) {
 fn m50_the_soft_region_is_as_wide_as_the_widest_layer() {
     let mut scene = preset("burning_bush").unwrap();
     let outer = |scene: &Scene| scene.check(&glsl::shipped()).unwrap().outer_iso();
-    let width = |scene: &Scene, knob: &str| match scene.knobs[knob] {
-        KnobValue::Number(width) => width,
-        KnobValue::Color(_) => f32::NAN,
+    let width = |scene: &Scene, parameter: &str| match scene.parameters[parameter] {
+        ParameterValue::Number(width) => width,
+        ParameterValue::Color(_) => f32::NAN,
     };
     assert_eq!(outer(&scene), Some(width(&scene, "flame_length")));
     scene.effect.dmf.reverse();
@@ -203,7 +203,7 @@ fn p31_fur_is_the_formula_of_1989() {
         "#include \"dmf/fur.glsl\"\nvec3 surface(Sample s) {{\n    float d = 0.5 + 0.49 * s.x.x;\n    \
          Sample at = sample_object({PLACE});\n    at.density = d;\n    return vec3(fur(d, at));\n}}"
     );
-    let knobs = [
+    let parameters = [
         ("fineness", 12.0),
         ("curliness", 0.0),
         ("droop", 0.0),
@@ -214,7 +214,7 @@ fn p31_fur_is_the_formula_of_1989() {
         ("hair_gain", 0.9),
     ];
     with_gpu(|gpu| {
-        let seen: Vec<_> = seen(gpu, &text, |scene| set(scene, &knobs));
+        let seen: Vec<_> = seen(gpu, &text, |scene| set(scene, &parameters));
         let outside: Vec<_> = seen.into_iter().filter(|(x, _)| cube(place(*x)) > 1e-3).collect();
         let off = worst(&outside, |x| {
             let s = noise(12.0 * project(place(x)));
@@ -242,10 +242,10 @@ fn p34_tribble_is_the_formula_of_1989_and_at_its_root_a_hair_is_straight() {
              Sample at = sample_object({PLACE});\n    at.density = d;\n    return {result};\n}}"
         )
     };
-    let knobs =
+    let parameters =
         [("tribble_fineness", 6.0), ("tribble_curliness", 0.3), ("curl_frequency", 2.5), ("tribble_contrast", 1.0)];
     with_gpu(|gpu| {
-        let of = |density: &str, result: &str| seen(gpu, &text(density, result), |scene| set(scene, &knobs));
+        let of = |density: &str, result: &str| seen(gpu, &text(density, result), |scene| set(scene, &parameters));
         let moved = of("0.5 + 0.49 * s.x.x", "0.5 + 0.25 * uncurled(at)");
         let off = worst(&moved, |x| 0.5 + 0.25 * uncurled(place(x), density(x)));
         assert!(off <= 5e-6, "x': {off:e}");
@@ -341,8 +341,8 @@ fn p40_more_gain_forces_less_amplitude_so_that_the_steepest_slope_stays() {
     with_gpu(|gpu| {
         let mut heights = Vec::new();
         for g in [0.5, 0.75, 0.9375] {
-            let knobs = [("trade_gain", g as f32), ("trade_frequency", 3.0), ("trade_strength", 0.6)];
-            let seen = seen(gpu, text, |scene| set(scene, &knobs));
+            let parameters = [("trade_gain", g as f32), ("trade_frequency", 3.0), ("trade_strength", 0.6)];
+            let seen = seen(gpu, text, |scene| set(scene, &parameters));
             let off = worst(&seen, |x| 0.5 + 0.5 * DVec3::new(0.3 + formula(g, x), formula(g, x), 0.0));
             assert!(off <= 2e-5, "gain {g}: {off:e}");
             // The steepest slope by the noise, at 0, from the formula alone.
@@ -400,7 +400,7 @@ fn g05_a_perturbed_lookup_gives_a_coarse_field_detail_that_it_cannot_hold() {
             &mut scene,
             &[("perturbation", perturbation), ("perturbation_frequency", 6.0), ("perturbation_speed", 0.0)],
         );
-        scene.quality.rule = hypertexture::scene::Rule::Segment;
+        scene.quality.integration = hypertexture::scene::Integration::Segment;
         scene.image.size = [320, 320];
         let grid = Grid {
             size: [resolution; 3],
@@ -455,7 +455,7 @@ fn g05_a_perturbed_lookup_gives_a_coarse_field_detail_that_it_cannot_hold() {
 }
 
 #[test]
-fn s01_5_the_tank_is_five_objects_in_their_places_with_knobs_of_their_own() {
+fn s01_5_the_tank_is_five_objects_in_their_places_with_parameters_of_their_own() {
     let library = glsl::shipped();
     let mut scene = preset("tank").unwrap();
     scene.object.resolution = 64;
@@ -475,32 +475,33 @@ fn s01_5_the_tank_is_five_objects_in_their_places_with_knobs_of_their_own() {
     assert!(tracks.0.y < hull.0.y - 0.1 && near(tracks.0.z, -tracks.1.z) && tracks.1.z < hull.1.z, "tracks carry it");
     assert!(wheels.0.cmpgt(tracks.0).all() && wheels.1.cmplt(tracks.1).all(), "wheels are in the tracks");
     let variant = hypertexture::variant::Variant::of(&scene, &library).unwrap();
-    let knobs: Vec<String> = variant.all_knobs().map(|(name, ..)| name).collect();
-    for knob in ["ball_radius", "parts.turret.height_from", "parts.gun.ball_radius", "parts.tracks.bump_scale"] {
-        assert!(knobs.iter().any(|name| name == knob), "{knob} is none of {knobs:?}");
+    let parameters: Vec<String> = variant.all_parameters().map(|(name, ..)| name).collect();
+    for parameter in ["ball_radius", "parts.turret.height_from", "parts.gun.ball_radius", "parts.tracks.bump_scale"] {
+        assert!(parameters.iter().any(|name| name == parameter), "{parameter} is none of {parameters:?}");
     }
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p26_the_amplitude_of_each_octave_of_the_fractal_sphere_is_one_over_its_frequency() {
-    let number = |scene: &Scene, knob: &str| match scene.knobs[knob] {
-        KnobValue::Number(value) => f64::from(value),
-        KnobValue::Color(_) => f64::NAN,
+    let number = |scene: &Scene, parameter: &str| match scene.parameters[parameter] {
+        ParameterValue::Number(value) => f64::from(value),
+        ParameterValue::Color(_) => f64::NAN,
     };
     for name in ["noisy_sphere", "high_frequency_sphere"] {
         let scene = preset(name).unwrap();
         assert_eq!(number(&scene, "amplitude") * number(&scene, "frequency"), 1.0, "{name}");
     }
     let scene = preset("fractal_sphere").unwrap();
-    let knobs = ["fractal_amplitude", "fractal_frequency"].map(|knob| (knob, number(&scene, knob) as f32));
+    let parameters =
+        ["fractal_amplitude", "fractal_frequency"].map(|parameter| (parameter, number(&scene, parameter) as f32));
     let f = number(&scene, "fractal_frequency");
     assert_eq!(f, number(&preset("noisy_sphere").unwrap(), "frequency"), "the same sphere again");
     let text =
         include_str!("glsl/warp_probe.glsl").replace("MODULE", "fractal").replace("MODE", "0").replace("REACH", "1.0");
     with_gpu(|gpu| {
         let seen = seen(gpu, &text, |scene| {
-            set(scene, &knobs);
+            set(scene, &parameters);
             scene.effect.octaves = 6;
         });
         let within: Vec<_> = seen.into_iter().filter(|(x, _)| x.length() < 1.15).collect();

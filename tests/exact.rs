@@ -1,6 +1,6 @@
 //! The exact evaluator: operations against Rust's f64, control flow, images, and every program that ships.
 
-use hypertexture::exact::{Bound, Inputs, Interval, Lanes, Number, Program, Texture, Wrap};
+use hypertexture::exact::{BoundProgram, Inputs, Interval, Lanes, Number, Program, Texture, Wrap};
 use hypertexture::glsl::{self, Library, Linker, Slots, Stage};
 use hypertexture::scene::{self, Pass};
 use hypertexture::variant::Variant;
@@ -27,7 +27,7 @@ fn lanes<N: Number>(values: &[[f64; 4]]) -> Lanes<N> {
     Lanes { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, values)]) }
 }
 
-fn evaluate<N: Number>(bound: &Bound<'_>, values: &[[f64; 4]]) -> Vec<[N; 4]> {
+fn evaluate<N: Number>(bound: &BoundProgram<'_>, values: &[[f64; 4]]) -> Vec<[N; 4]> {
     bound.run(&lanes(values)).unwrap_or_else(|error| panic!("{error}"))[&0].clone()
 }
 

@@ -45,11 +45,11 @@ const SLOTS: [Subject; 28] = [
     ("planes", RAY, "lit", &[]),
     ("clip", RAY, "lit", &[]),
     ("jitter", RAY, "lit", &[]),
-    ("traverse", RAY, "fire", &[]),
+    ("empty_space", RAY, "fire", &[]),
     ("index", GLASS, "blue_glass", &[]),
     ("absorption", GLASS, "blue_glass", &[]),
     ("environment", GLASS, "blue_glass", &[]),
-    ("course", GLASS, "blue_glass", &[("index", "transfer")]),
+    ("ray_path", GLASS, "blue_glass", &[("index", "transfer")]),
 ];
 
 /// Calls `on` with a name, a probe's text, the slots and the slot that must be reached: every module, and every preset.

@@ -3,10 +3,10 @@
 mod common;
 
 use common::{difference, formula, homogeneous, picture, with_gpu};
-use hypertexture::glsl::{self, declare::Default as KnobDefault};
+use hypertexture::glsl::{self, ParameterKind};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, render};
-use hypertexture::scene::{EFFECTS, KnobValue, Projection, Proxy, Scene, preset};
+use hypertexture::scene::{EFFECTS, ParameterValue, Projection, Proxy, Scene, preset};
 
 /// Renders a scene whose object is a formula; a value that is not finite is an error of the renderer.
 fn finite(gpu: &Gpu, scene: &Scene) -> Frame {
@@ -104,7 +104,7 @@ fn the_eye_may_be_inside_the_object() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p36_every_knob_may_stand_at_either_end() {
+fn p36_every_parameter_may_stand_at_either_end() {
     with_gpu(|gpu| {
         let library = glsl::shipped();
         let mut tried = 0;
@@ -113,17 +113,17 @@ fn p36_every_knob_may_stand_at_either_end() {
             scene.object.input = "torus".into();
             scene.image.size = [16, 16];
             scene.quality.samples = 16;
-            let knobs = scene.check(&library).unwrap_or_else(|error| panic!("{error}"));
-            for (knob, _) in knobs.iter() {
-                let KnobDefault::Number(_, ends) = knob.default else { continue };
+            let parameters = scene.check(&library).unwrap_or_else(|error| panic!("{error}"));
+            for (parameter, _) in parameters.iter() {
+                let ParameterKind::Number(_, ends) = parameter.kind else { continue };
                 for end in ends {
                     let mut scene = scene.clone();
-                    scene.knobs.insert(knob.name.clone(), KnobValue::Number(end));
+                    scene.parameters.insert(parameter.name.clone(), ParameterValue::Number(end));
                     let result = render(gpu, &library, &scene, &formula(&scene));
                     assert!(
                         result.is_ok(),
                         "{name}, {} = {end}: {}",
-                        knob.name,
+                        parameter.name,
                         result.err().map_or_else(String::new, |e| e.to_string())
                     );
                     tried += 1;

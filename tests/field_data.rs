@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where its data is not as described")]
 
 use glam::Vec3;
-use hypertexture::field::{DistanceField, Report, Request, transform};
+use hypertexture::field::{DistanceField, FieldReport, Request, transform};
 use hypertexture::shape::{Mesh, Shape, Volume, open};
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ fn ct_head() -> Volume {
 }
 
 /// Transforms, prints the measurements and checks that neighbors in the band differ by at most one voxel.
-fn measure(name: &str, shape: Shape, request: Request) -> (DistanceField, Report) {
+fn measure(name: &str, shape: Shape, request: Request) -> (DistanceField, FieldReport) {
     let (field, report) = transform(&shape, &request, &|_| {}).unwrap();
     let [nx, ny, nz] = field.grid.size;
     let voxel = field.grid.spacing.x;

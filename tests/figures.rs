@@ -111,8 +111,8 @@ fn p29_a_soft_shell_has_the_solid_texture_of_the_surface_below() {
             (scene.parts, scene.effect.warp) = (Default::default(), Vec::new());
             (scene.effect.medium, scene.light.shadows) = (medium.into(), false);
             (scene.image.size, scene.quality.samples) = ([48, 48], 256);
-            for knob in ["fractal_amplitude", "fractal_frequency"] {
-                scene.knobs.remove(knob);
+            for parameter in ["fractal_amplitude", "fractal_frequency"] {
+                scene.parameters.remove(parameter);
             }
             let soft = picture(gpu, &library, &scene, &subject(&scene, &library)).pixels;
             (scene.effect.classify, scene.effect.softness) = ("surface".into(), "hard".into());

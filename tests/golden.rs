@@ -1,4 +1,4 @@
-//! Golden pictures: every effect and every debug look, against the picture that was approved.
+//! Golden pictures: every effect and every debug view, against the picture that was approved.
 //!
 //! On the driver and the processor that made the goldens (`made_on.txt` beside them), no channel of any pixel may differ
 //! by more than 1/255. On any other, a person may not see a difference: the mean of FLIP is held, and what a driver may
@@ -124,7 +124,7 @@ impl Tolerance {
 /// What decides the last digits of a picture: device and driver with their versions, the width of vectors, and what the
 /// processor can do.
 fn key(gpu: &Gpu) -> String {
-    let facts = gpu.facts();
+    let info = gpu.info();
     #[cfg(target_arch = "x86_64")]
     let features = [
         ("avx2", is_x86_feature_detected!("avx2")),
@@ -134,7 +134,7 @@ fn key(gpu: &Gpu) -> String {
     #[cfg(not(target_arch = "x86_64"))]
     let features: [(&str, bool); 0] = [];
     let features: Vec<&str> = features.iter().filter(|(_, has)| *has).map(|(name, _)| *name).collect();
-    format!("{}, {}, {} {}\n", facts.name, facts.driver, std::env::consts::ARCH, features.join(" "))
+    format!("{}, {}, {} {}\n", info.name, info.driver, std::env::consts::ARCH, features.join(" "))
 }
 
 /// Where it is written which device made the goldens.
@@ -237,7 +237,7 @@ fn every_scene_looks_like_its_golden() {
     assert!(known(&bless), "BLESS={bless}: no such scene");
     let mut failures: Vec<String> = Vec::new();
     common::with_gpu(|gpu| {
-        let lavapipe = gpu.facts().name.contains("llvmpipe");
+        let lavapipe = gpu.info().name.contains("llvmpipe");
         assert!(lavapipe || bless.is_empty(), "goldens are made on lavapipe (VK_DRIVER_FILES chooses it)");
         if bless == "all" {
             fs::create_dir_all(goldens()).unwrap();

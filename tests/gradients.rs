@@ -4,7 +4,7 @@ mod common;
 
 use common::{homogeneous, picture, subject, with_gpu};
 use hypertexture::glsl;
-use hypertexture::scene::{Color, KnobValue, Pass, Projection, Scene, preset};
+use hypertexture::scene::{Color, ParameterValue, Pass, Projection, Scene, preset};
 
 const GRADIENTS: [&str; 3] = ["analytic", "central", "three"];
 
@@ -119,7 +119,7 @@ fn p42_a_gradient_is_asked_for_only_where_the_density_lies_between_0_and_1() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p43_differences_see_the_relief_that_a_dmf_makes() {
-    let bumps = "// Bumps.\n// Source: -\n// @outer bump_reach\n// @knob bump_reach = 0.3 in [0, 1]: Reach.\n\
+    let bumps = "// Bumps.\n// Source: -\n// @outer bump_reach\n// @param bump_reach = 0.3 in [0, 1]: Reach.\n\
         #include <noise>\n\
         float bumps(float density, Sample s) { return clamp(6.0 * (density - 0.5 - noise(6.0 * s.x)), 0.0, 1.0); }\n";
     let library = glsl::shipped().with_module("dmf", "bumps", bumps);
@@ -128,7 +128,7 @@ fn p43_differences_see_the_relief_that_a_dmf_makes() {
             let mut scene = preset("fur").expect("a shipped preset");
             (scene.object.input, scene.effect.dmf) = ("sphere".into(), vec!["bumps".into()]);
             (scene.effect.medium, scene.effect.gradient) = ("lit".into(), gradient.into());
-            scene.knobs = [("bump_reach".to_string(), KnobValue::Number(0.3))].into();
+            scene.parameters = [("bump_reach".to_string(), ParameterValue::Number(0.3))].into();
             (scene.image.size, scene.quality.pass, scene.quality.samples) = ([96, 96], Pass::March, 256);
             let pixels = picture(gpu, &library, &scene, &subject(&scene, &library)).pixels;
             let neighbors =
@@ -146,7 +146,7 @@ fn p43_differences_see_the_relief_that_a_dmf_makes() {
 fn p43_what_a_dmf_leaves_for_the_medium_survives_every_probe() {
     const LEFT: &str = "vec3 left(vec3 x) { return normalize(vec3(sin(9.0 * x.y), 1.5, cos(7.0 * x.x))); }\n";
     let dmf = format!(
-        "// Leaves.\n// Source: -\n// @outer width\n// @knob width = 0.3 in [0, 1]: Width.\n{LEFT}\
+        "// Leaves.\n// Source: -\n// @outer width\n// @param width = 0.3 in [0, 1]: Width.\n{LEFT}\
          float leaves(float density, inout Sample s) {{\n    s.hair_normal = left(s.x);\n    \
          s.hair_tangent = left(2.0 * s.x);\n    return 0.8 * density;\n}}\n"
     );
@@ -160,7 +160,7 @@ fn p43_what_a_dmf_leaves_for_the_medium_survives_every_probe() {
         for gradient in ["analytic", "central", "three"] {
             for rate in [3.0, 200.0] {
                 let mut scene = preset("furry_donut").expect("a shipped preset");
-                scene.knobs.clear();
+                scene.parameters.clear();
                 (scene.effect.dmf, scene.effect.medium) = (vec!["leaves".into()], "told".into());
                 (scene.effect.gradient, scene.effect.opacity_rate) = (gradient.into(), rate);
                 (scene.effect.surface, scene.material.color) = ("unlit".into(), Color([0, 0, 255]));

@@ -157,7 +157,7 @@ fn g13_slices_give_the_light_of_the_shadow_volume() {
             for light in [[15.0, 4.5, 6.0], [9.0, 12.0, -9.0]] {
                 let mut scene = preset(effect).expect("a shipped preset");
                 (scene.effect.medium, scene.object.input) = (medium.into(), input.into());
-                scene.drop_foreign_knobs(&library).expect("modules that exist");
+                scene.drop_foreign_parameters(&library).expect("modules that exist");
                 (scene.image.size, scene.quality.samples) = ([96, 96], 128);
                 (scene.light.position, scene.light.shadows, scene.light.shadow_resolution) = (light, true, 128);
                 let subject = subject(&scene, &library);

@@ -15,14 +15,14 @@ const FIELDS: [(&str, &str); 58] = [
     ("quality.jitter", "true"),
     ("quality.order", "back_to_front"),
     ("quality.target", "unorm8"),
-    ("quality.rule", "segment"),
+    ("quality.integration", "segment"),
     ("quality.anisotropy", "4"),
     ("quality.block_size", "32"),
     ("quality.turbulence_cells", "2"),
     ("quality.block_format", "unorm8"),
     ("quality.block_blur", "2"),
     ("quality.wrap", "mirror"),
-    ("quality.stop", "0.4"),
+    ("quality.early_termination", "0.4"),
     ("quality.msaa", "4"),
     ("quality.supersampling", "2"),
     ("quality.samples", "17"),
@@ -155,7 +155,7 @@ fn nothing_is_said_of_what_was_not_set_or_only_makes_it_sooner() {
     let subject = subject(&base, &library);
     assert!(ignored(&library, &subject, &base, &base).is_empty());
     let mut fixed = base.clone();
-    fixed.set_field("quality.traverse", "fixed").unwrap();
+    fixed.set_field("quality.empty_space", "sample").unwrap();
     assert!(ignored(&library, &subject, &base, &fixed).is_empty(), "the same picture, later");
     let mut several = base.clone();
     for (field, value) in [("quality.seed", "9"), ("quality.wrap", "mirror"), ("effect.octaves", "6"), ("about", "me")]

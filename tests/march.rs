@@ -5,7 +5,7 @@ mod common;
 use common::{formula, homogeneous, picture, subject, with_gpu};
 use hypertexture::glsl;
 use hypertexture::render::Frame;
-use hypertexture::scene::{EFFECTS, LightMethod, Pass, Projection, Ray, Scene, Traverse, names, preset};
+use hypertexture::scene::{EFFECTS, EmptySpace, LightMethod, Pass, Projection, RayPath, Scene, names, preset};
 
 /// Part of the pixels that differ by more than `bound` in a channel, and the largest difference of the others.
 fn compare(a: &Frame, b: &Frame, bound: f32) -> (f64, f32) {
@@ -34,7 +34,7 @@ fn both(scene: &Scene) -> [Scene; 2] {
     [Pass::Slices, Pass::March].map(|pass| {
         let mut scene = scene.clone();
         scene.quality.pass = pass;
-        scene.quality.stop = 0.0;
+        scene.quality.early_termination = 0.0;
         scene
     })
 }
@@ -46,7 +46,7 @@ fn m61_rays_and_slices_give_the_same_picture_of_every_figure() {
     with_gpu(|gpu| {
         for name in names() {
             let scene = small(name);
-            if scene.effect.ray == Ray::Refracted {
+            if scene.effect.ray_path == RayPath::Refracted {
                 continue; // light does not bend from slice to slice
             }
             let subject = subject(&scene, &library);
@@ -60,23 +60,23 @@ fn m61_rays_and_slices_give_the_same_picture_of_every_figure() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m61_leaping_changes_no_bit_of_any_figure_whose_rays_are_straight() {
+fn m61_skipping_changes_no_bit_of_any_figure_whose_rays_are_straight() {
     let library = glsl::shipped();
     with_gpu(|gpu| {
         for name in names() {
             let mut scene = small(name);
             scene.quality.pass = Pass::March;
             let subject = subject(&scene, &library);
-            let [all, leapt] = [Traverse::Fixed, Traverse::Leap].map(|traverse| {
-                scene.quality.traverse = traverse;
+            let [all, skipped] = [EmptySpace::Sample, EmptySpace::Skip].map(|empty_space| {
+                scene.quality.empty_space = empty_space;
                 picture(gpu, &library, &scene, &subject)
             });
-            if scene.effect.ray == Ray::Refracted {
-                // A bent ray adds its steps up, so that a leap rounds them otherwise; total reflection amplifies that.
-                let (beyond, _) = compare(&all, &leapt, 1.0 / 255.0);
+            if scene.effect.ray_path == RayPath::Refracted {
+                // A bent ray adds its steps up, so that a skip rounds them otherwise; total reflection amplifies that.
+                let (beyond, _) = compare(&all, &skipped, 1.0 / 255.0);
                 assert!(beyond <= 0.03, "{name}: {beyond}");
             } else {
-                assert!(all.pixels == leapt.pixels, "{name}");
+                assert!(all.pixels == skipped.pixels, "{name}");
             }
         }
     });
@@ -132,11 +132,11 @@ fn p46_an_early_end_changes_no_pixel_by_more_than_it_says() {
     with_gpu(|gpu| {
         let mut scene = homogeneous("sphere", 6.0, Projection::Parallel);
         scene.quality.pass = Pass::March;
-        scene.quality.stop = 0.0;
+        scene.quality.early_termination = 0.0;
         let subject = formula(&scene);
         let whole = picture(gpu, &library, &scene, &subject);
         for stop in [1e-3, 0.05, 0.4] {
-            scene.quality.stop = stop;
+            scene.quality.early_termination = stop;
             let ended = picture(gpu, &library, &scene, &subject);
             let (beyond, _) = compare(&whole, &ended, stop);
             assert_eq!(beyond, 0.0, "stop {stop}");
@@ -162,7 +162,7 @@ fn p37_rays_start_at_the_eye_when_it_is_inside_the_volume() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m61_leaping_changes_no_bit_of_any_picture() {
+fn m61_skipping_changes_no_bit_of_any_picture() {
     let library = glsl::shipped();
     with_gpu(|gpu| {
         for effect in EFFECTS.into_iter().chain(["shells"]) {
@@ -175,23 +175,23 @@ fn m61_leaping_changes_no_bit_of_any_picture() {
                 scene.quality.pass = Pass::March;
                 scene.quality.samples = samples;
                 let subject = subject(&scene, &library);
-                let [all, leapt] = [Traverse::Fixed, Traverse::Leap].map(|traverse| {
-                    scene.quality.traverse = traverse;
+                let [all, skipped] = [EmptySpace::Sample, EmptySpace::Skip].map(|empty_space| {
+                    scene.quality.empty_space = empty_space;
                     picture(gpu, &library, &scene, &subject)
                 });
-                assert!(all.pixels == leapt.pixels, "{effect} on {object}, {samples} samples");
+                assert!(all.pixels == skipped.pixels, "{effect} on {object}, {samples} samples");
             }
         }
     });
 }
 
 #[test]
-fn a_ray_does_not_leap_where_matter_fills_the_space_around_the_object() {
-    let traverse = |scene: &Scene| scene.slots()["traverse"][0].clone();
+fn a_ray_does_not_skip_where_matter_fills_the_space_around_the_object() {
+    let empty_space = |scene: &Scene| scene.slots()["empty_space"][0].clone();
     let mut scene = preset("shells").expect("a shipped preset");
-    assert_eq!(traverse(&scene), "leap");
+    assert_eq!(empty_space(&scene), "skip");
     scene.transfer.stops[0].density = 0.1;
-    assert_eq!(traverse(&scene), "fixed");
+    assert_eq!(empty_space(&scene), "sample");
     scene.effect.classify = "stack".into();
-    assert_eq!(traverse(&scene), "fixed");
+    assert_eq!(empty_space(&scene), "sample");
 }

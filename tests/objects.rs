@@ -6,7 +6,7 @@ use common::{difference, homogeneous, picture, rays, with_gpu};
 use glam::DVec3;
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
-use hypertexture::scene::{self, Boolean, KnobValue, Part, Pass, Place, Projection, Scene, Traverse};
+use hypertexture::scene::{self, Boolean, EmptySpace, ParameterValue, Part, Pass, Projection, Scene, Transform};
 
 fn library() -> Library {
     let modules = [("level", include_str!("glsl/level.glsl")), ("halve", include_str!("glsl/halve.glsl"))];
@@ -18,15 +18,15 @@ fn levels(formula: &str, boolean: Boolean, levels: &[(&str, f32)]) -> Scene {
     let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
     scene.image.size = [9, 9];
     scene.effect.dmf = vec!["level".into()];
-    let knob = |level| [("amount".to_string(), KnobValue::Number(level))].into();
+    let parameter = |level| [("amount".to_string(), ParameterValue::Number(level))].into();
     for (name, level) in levels {
         match *name {
-            "main" => scene.knobs = knob(*level),
+            "main" => scene.parameters = parameter(*level),
             name => {
                 let part = Part {
                     object: scene.object.clone(),
                     effect: scene.effect.clone(),
-                    knobs: knob(*level),
+                    parameters: parameter(*level),
                     material: scene.material.clone(),
                     ..Part::default()
                 };
@@ -102,7 +102,7 @@ fn pair(softness: f32, boolean: Boolean) -> Scene {
         object: scene.object.clone(),
         effect: scene.effect.clone(),
         material: scene.material.clone(),
-        place: Place { at: [2.0, 0.0, 0.0], ..Place::default() },
+        transform: Transform { at: [2.0, 0.0, 0.0], ..Transform::default() },
         ..Part::default()
     };
     scene.parts.insert("b".into(), part);
@@ -140,7 +140,7 @@ fn m63_a_placed_object_is_where_and_as_large_as_its_place_says() {
     let mut part = Part {
         effect: scene.effect.clone(),
         material: scene.material.clone(),
-        place: Place { at: center.as_vec3().to_array(), turn: [30.0, -50.0, 70.0], scale: radius as f32 },
+        transform: Transform { at: center.as_vec3().to_array(), turn: [30.0, -50.0, 70.0], scale: radius as f32 },
         ..Part::default()
     };
     part.object.input = "sphere".into();
@@ -169,10 +169,10 @@ fn m63_a_placed_object_is_where_and_as_large_as_its_place_says() {
 /// A scene with an effect of its own on each of three objects.
 fn ensemble() -> Scene {
     let text = "preset = 'fur'\n object.input = 'torus'\n combine = 'main | flame - bite | stone'\n
-        [parts.flame]\n preset = 'fire'\n object.input = 'sphere'\n place = { at = [1.5, 0.4, 0], scale = 0.6 }\n
-        [parts.stone]\n preset = 'solid'\n object.input = 'cube'\n place = { at = [-1.6, 0, 0], scale = 0.5, turn = [0, 40, 0] }\n
+        [parts.flame]\n preset = 'fire'\n object.input = 'sphere'\n transform = { at = [1.5, 0.4, 0], scale = 0.6 }\n
+        [parts.stone]\n preset = 'solid'\n object.input = 'cube'\n transform = { at = [-1.6, 0, 0], scale = 0.5, turn = [0, 40, 0] }\n
         [parts.bite]\n object = { input = 'sphere', outer_iso = 0.05 }\n effect = { classify = 'soft', softness = 'linear' }\n
-        place = { at = [0.4, 0.3, 0.8], scale = 0.6 }\n";
+        transform = { at = [0.4, 0.3, 0.8], scale = 0.6 }\n";
     let mut scene = scene::parse(text, "ensemble").expect("a scene");
     scene.image.size = [96, 72];
     scene.quality.samples = 160;
@@ -187,33 +187,34 @@ fn m63_objects_with_effects_of_their_own_give_one_picture_in_both_passes_and_lea
         for boolean in [Boolean::Algebraic, Boolean::Minmax] {
             let mut scene = ensemble();
             scene.boolean = boolean;
-            scene.quality.stop = 0.0;
+            scene.quality.early_termination = 0.0;
             let subject = common::subject(&scene, &library);
             let slices = picture(gpu, &library, &scene, &subject);
             scene.quality.pass = Pass::March;
-            let leapt = picture(gpu, &library, &scene, &subject);
-            scene.quality.traverse = Traverse::Fixed;
+            let skipped = picture(gpu, &library, &scene, &subject);
+            scene.quality.empty_space = EmptySpace::Sample;
             let all = picture(gpu, &library, &scene, &subject);
-            assert!(all.pixels == leapt.pixels, "{boolean:?}");
-            let (_, rms) = difference(&slices, &leapt);
+            assert!(all.pixels == skipped.pixels, "{boolean:?}");
+            let (_, rms) = difference(&slices, &skipped);
             println!("{boolean:?}: slices and rays differ by {rms:.1e} root mean square");
             assert!(rms < 2e-3, "{boolean:?}: {rms:e}");
-            assert!(leapt.pixels.iter().filter(|pixel| pixel[3] > 0.5).count() > 500, "there is little to see");
+            assert!(skipped.pixels.iter().filter(|pixel| pixel[3] > 0.5).count() > 500, "there is little to see");
         }
     });
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m50_a_module_may_be_used_again_with_knobs_of_its_own_and_masked() {
+fn m50_a_module_may_be_used_again_with_parameters_of_its_own_and_masked() {
     let library = library();
     with_gpu(|gpu| {
         let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
         scene.image.size = [9, 9];
         let full = depth(gpu, &library, &scene);
-        let mut with = |dmf: &[&str], knobs: &[(&str, f32)]| {
+        let mut with = |dmf: &[&str], parameters: &[(&str, f32)]| {
             scene.effect.dmf = dmf.iter().map(|name| name.to_string()).collect();
-            scene.knobs = knobs.iter().map(|(name, value)| (name.to_string(), KnobValue::Number(*value))).collect();
+            scene.parameters =
+                parameters.iter().map(|(name, value)| (name.to_string(), ParameterValue::Number(*value))).collect();
             depth(gpu, &library, &scene) / full
         };
         let close = |found: f64, expected: f64| assert!((found - expected).abs() < 2e-6, "{found}, not {expected}");
@@ -240,7 +241,7 @@ fn m49_a_dmf_acts_where_its_mask_says() {
         let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
         scene.effect.dmf = vec!["level@height".into()];
         for (name, value) in [("amount", 0.0), ("height_from", 0.25), ("height_blend", 0.001)] {
-            scene.knobs.insert(name.into(), KnobValue::Number(value));
+            scene.parameters.insert(name.into(), ParameterValue::Number(value));
         }
         let subject = common::subject(&scene, &library);
         let frame = picture(gpu, &library, &scene, &subject);
@@ -258,10 +259,10 @@ fn an_error_in_a_module_of_a_further_object_names_object_module_and_line() {
     let library = glsl::shipped().with_module("dmf", "bad", "float bad(float density, Sample s) {\n    return qq;\n}");
     let mut scene = levels("main | b", Boolean::Algebraic, &[("main", 1.0), ("b", 1.0)]);
     scene.effect.dmf.clear();
-    scene.knobs.clear();
+    scene.parameters.clear();
     let part = scene.parts.get_mut("b").expect("it was made");
     part.effect.dmf = vec!["bad".into()];
-    part.knobs.clear();
+    part.parameters.clear();
     let variant = hypertexture::variant::Variant::of(&scene, &library).expect("the modules exist");
     let error = variant.program(&library, hypertexture::glsl::Linker::new).expect_err("qq is nothing").to_string();
     assert!(error.contains("b:dmf/bad.glsl:2: error: 'qq'"), "{error}");

@@ -150,8 +150,8 @@ fn m57_every_window_is_drawn_with_its_sampling_and_what_fails_is_one_cell() {
                     let smooth = (sampling > 0, quality.msaa, quality.anisotropy);
                     match sampling {
                         0 => assert_eq!(smooth, (false, 1, 1.0)),
-                        4 => assert_eq!(smooth, (true, most.min(4), gpu.facts().max_anisotropy.min(4.0))),
-                        _ => assert_eq!(smooth, (true, most, gpu.facts().max_anisotropy.min(8.0))),
+                        4 => assert_eq!(smooth, (true, most.min(4), gpu.info().max_anisotropy.min(4.0))),
+                        _ => assert_eq!(smooth, (true, most, gpu.info().max_anisotropy.min(8.0))),
                     }
                 }
                 assert_eq!(row.errors.as_ref().unwrap().is_err(), fails, "{}", row.name);

@@ -4,11 +4,11 @@ mod common;
 
 use common::{picture, subject, with_gpu};
 use hypertexture::compare::Stage;
-use hypertexture::glsl::{self, declare::Default as KnobDefault};
-use hypertexture::pick::{Bound, Metric, PickError, pick};
+use hypertexture::glsl::{self, ParameterKind};
+use hypertexture::pick::{ErrorBound, Metric, PickError, pick};
 use hypertexture::random::SplitMix;
 use hypertexture::reference::{reference_pixels, truth_of};
-use hypertexture::scene::{KnobValue, Projection, Scene, preset};
+use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
 use hypertexture::variant::Variant;
 
 fn within(random: &mut SplitMix, low: f64, high: f64) -> f64 {
@@ -19,7 +19,7 @@ fn one<'a>(random: &mut SplitMix, of: &[&'a str]) -> &'a str {
     of[(random.next() % of.len() as u64) as usize]
 }
 
-/// A scene of any effect on any object, from anywhere, with knobs anywhere within their ranges.
+/// A scene of any effect on any object, from anywhere, with parameters anywhere within their ranges.
 fn random_scene(random: &mut SplitMix) -> Scene {
     let effects =
         ["lit", "solid", "bump", "fur", "melting", "fire", "noisy_sphere", "fractal_sphere", "fire_ball", "smoke"];
@@ -34,10 +34,10 @@ fn random_scene(random: &mut SplitMix) -> Scene {
     scene.effect.turbulence = one(random, &["encoded", "hybrid", "procedural", "lookups8", "channels"]).into();
     let library = glsl::shipped();
     let variant = Variant::of(&scene, &library).expect("a valid scene");
-    for (name, knob, _) in variant.all_knobs() {
-        let KnobDefault::Number(_, [low, high]) = knob.default else { continue };
+    for (name, parameter, _) in variant.all_parameters() {
+        let ParameterKind::Number(_, [low, high]) = parameter.kind else { continue };
         let mut other = scene.clone();
-        other.knobs.insert(name, KnobValue::Number(within(random, low.into(), high.into()) as f32));
+        other.parameters.insert(name, ParameterValue::Number(within(random, low.into(), high.into()) as f32));
         if other.check(&library).is_ok() {
             scene = other;
         }
@@ -74,7 +74,7 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
         for index in 0..count {
             let scene = random_scene(&mut random);
             let error = 10f64.powf(within(&mut random, -2.7, -1.0));
-            let bound = Bound::new(Metric::Rmse, error).unwrap();
+            let bound = ErrorBound::new(Metric::Rmse, error).unwrap();
             let subject = subject(&scene, &library);
             let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
             match pick(stage, &scene, bound, &|_| ()) {
@@ -82,7 +82,7 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
                     let found = rmse(gpu, &pick.scene);
                     worst = worst.max(found / error);
                     picked += 1;
-                    println!("{index:3} {:6.1e} asked, {found:6.1e} found: {}", error, pick.way);
+                    println!("{index:3} {:6.1e} asked, {found:6.1e} found: {}", error, pick.settings);
                     assert!(found <= error, "scene {index}: {found:e} where {error:e} was asked\n{scene:?}");
                 }
                 Err(PickError::Bound { .. }) => refused += 1,
@@ -91,7 +91,7 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
         }
     });
     println!("{picked} picked, {refused} without a way that is so accurate; at most {worst:.2} of the bound");
-    assert!(picked * 4 >= count * 3, "{refused} of {count} scenes had no way");
+    assert!(picked * 4 >= count * 3, "{refused} of {count} scenes had no settings");
 }
 
 #[test]
@@ -103,13 +103,13 @@ fn a_smaller_bound_is_no_cheaper_and_an_impossible_one_says_what_is_nearest() {
         scene.image.size = [48, 48];
         let subject = subject(&scene, &library);
         let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
-        let pick = |metric, error| pick(stage, &scene, Bound::new(metric, error).unwrap(), &|_| ());
+        let pick = |metric, error| pick(stage, &scene, ErrorBound::new(metric, error).unwrap(), &|_| ());
         let [loose, tight] = [0.05, 0.002].map(|error| pick(Metric::Rmse, error).unwrap());
-        assert!(loose.scene.quality.samples < tight.scene.quality.samples, "{} {}", loose.way, tight.way);
+        assert!(loose.scene.quality.samples < tight.scene.quality.samples, "{} {}", loose.settings, tight.settings);
         assert!(tight.verified.is_some_and(|verified| verified.error <= 0.002 && verified.pixels >= 1024));
         assert!(pick(Metric::Opacity, 0.05).is_ok() && pick(Metric::P999, 0.2).is_ok());
         let error = pick(Metric::Rmse, 1e-12).unwrap_err().to_string();
-        assert!(error.starts_with("no way to draw this scene has a rmse error of 1e-12: the nearest, "), "{error}");
-        assert!(Bound::new(Metric::Max, 0.0).unwrap_err().to_string().contains("must be above 0"));
+        assert!(error.starts_with("no settings draw this scene with a rmse error of 1e-12: the nearest, "), "{error}");
+        assert!(ErrorBound::new(Metric::Max, 0.0).unwrap_err().to_string().contains("must be above 0"));
     });
 }

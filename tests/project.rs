@@ -21,7 +21,7 @@ fn scene(input: &str, project: &str) -> Scene {
     scene.effect.project = project.into();
     scene.camera.clip = Some([0.1, 0.2, 1.0, 0.02]);
     scene.quality.pass = Pass::March;
-    scene.quality.stop = 0.0;
+    scene.quality.early_termination = 0.0;
     scene.image.size = [96, 96];
     scene
 }

@@ -7,9 +7,9 @@ mod probe;
 
 use glam::DVec3;
 use hypertexture::exact::{Inputs, Lanes};
-use hypertexture::glsl::{self, Default};
+use hypertexture::glsl::{self, ParameterKind};
 use hypertexture::random::SplitMix;
-use hypertexture::scene::{KnobValue, Projection, Scene, preset};
+use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
 use hypertexture::variant::{Use, Variant};
 use probe::Probe;
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 const HEAD: &str = "#version 450\n#include \"interface.glsl\"\n#include \"vector.glsl\"\n\
                     layout(location = 0) out vec4 fragment;\nPOINT\n";
 
-/// Points of each set of knobs.
+/// Points of each set of parameters.
 const POINTS: usize = 1200;
 const SETS: usize = 8;
 
@@ -39,18 +39,19 @@ fn lanes(points: &[DVec3]) -> Vec<[f64; 4]> {
     points.iter().map(|p| [p.x, p.y, p.z, 1.0]).collect()
 }
 
-/// A scene of a stack of warps with random knobs.
+/// A scene of a stack of warps with random parameters.
 fn warped(stack: &[&str], random: &mut SplitMix) -> Scene {
     let mut scene = preset("noisy_sphere").unwrap();
-    scene.knobs.clear();
+    scene.parameters.clear();
     scene.effect.warp = stack.iter().map(|name| name.to_string()).collect();
     (scene.effect.noise, scene.effect.turbulence) = ("procedural".into(), "procedural".into());
-    let knobs = Variant::of(&scene, &glsl::shipped()).unwrap().knobs;
-    for (knob, _) in knobs.iter() {
-        if let Default::Number(_, [low, high]) = knob.default {
-            let high = if knob.name.contains("frequency") || knob.name.contains("drips") { 4.0 } else { high };
+    let parameters = Variant::of(&scene, &glsl::shipped()).unwrap().parameters;
+    for (parameter, _) in parameters.iter() {
+        if let ParameterKind::Number(_, [low, high]) = parameter.kind {
+            let high =
+                if parameter.name.contains("frequency") || parameter.name.contains("drips") { 4.0 } else { high };
             let value = f64::from(low) + random.unit() * f64::from(high - low);
-            scene.knobs.insert(knob.name.clone(), KnobValue::Number(value as f32));
+            scene.parameters.insert(parameter.name.clone(), ParameterValue::Number(value as f32));
         }
     }
     scene
@@ -71,11 +72,11 @@ fn p24_no_warp_moves_a_lookup_or_lets_matter_grow_further_than_it_declares() {
         let (mut used, mut grown) = (0f64, 0f64);
         for _ in 0..SETS {
             let scene = warped(stack, &mut random);
-            let knobs = Variant::of(&scene, &library).unwrap().knobs;
+            let parameters = Variant::of(&scene, &library).unwrap().parameters;
             // The object: what a box and a ball have in common.
             let radius = 0.6 + random.unit();
             let half = DVec3::new(random.unit(), random.unit(), random.unit()) * radius;
-            let spread = knobs.spread(radius as f32);
+            let spread = parameters.spread(radius as f32);
             let (grows, moves) = (spread.grows, spread.moves);
             let own_radius = radius + f64::from(grows.farthest());
             let sides = |round: f32, side: [f32; 3]| DVec3::from(side.map(|length| f64::from(round + length)));
@@ -97,9 +98,9 @@ fn p24_no_warp_moves_a_lookup_or_lets_matter_grow_further_than_it_declares() {
                 let Use::Block(block) = &resource.holds else { continue };
                 let values: BTreeMap<String, Vec<f32>> = (block.members.iter())
                     .map(|member| {
-                        let number = knobs.iter().find(|(knob, _)| knob.name == member.name);
+                        let number = parameters.iter().find(|(parameter, _)| parameter.name == member.name);
                         let value = match (number, member.name.as_str()) {
-                            (Some((_, KnobValue::Number(number))), _) => *number,
+                            (Some((_, ParameterValue::Number(number))), _) => *number,
                             (_, "hold_radius") => spread.hold_radius,
                             (_, "own_radius") => own_radius as f32 * 1.000_001,
                             (_, "noise_period" | "turbulence_period") => 256.0,
@@ -119,12 +120,12 @@ fn p24_no_warp_moves_a_lookup_or_lets_matter_grow_further_than_it_declares() {
                 let step = y - *x;
                 let along = step.clamp(-sides(0.0, moves.low), sides(0.0, moves.high));
                 let round = f64::from(moves.round) * (1.0 + 1e-6) + 1e-6;
-                assert!((step - along).length() <= round, "{stack:?}: {x} to {y}, {spread:?}, {:?}", scene.knobs);
+                assert!((step - along).length() <= round, "{stack:?}: {x} to {y}, {spread:?}, {:?}", scene.parameters);
                 used = used.max(step.length() / f64::from(moves.farthest()).max(1e-6));
                 if y.abs().cmple(half).all() && y.length() <= radius {
                     let inside = x.cmpge(low - 1e-6).all() && x.cmple(high + 1e-6).all();
                     let near = x.length() <= own_radius * (1.0 + 1e-6);
-                    assert!(inside && near, "{stack:?}: matter at {x}, of {y}, {spread:?}, {:?}", scene.knobs);
+                    assert!(inside && near, "{stack:?}: matter at {x}, of {y}, {spread:?}, {:?}", scene.parameters);
                     assert!(
                         spread.held || x.length() <= f64::from(spread.hold_radius) * (1.0 + 1e-6),
                         "{stack:?}: {x}"

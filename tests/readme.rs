@@ -1,8 +1,8 @@
-//! What the README shows is true: its scene file, its module and its table of knobs.
+//! What the README shows is true: its scene file, its module and its table of parameters.
 #![expect(clippy::unwrap_used, reason = "a test fails where the README is not as described")]
 
 use hypertexture::glsl::{self, Linker};
-use hypertexture::scene::{self, KnobValue, Scene};
+use hypertexture::scene::{self, ParameterValue, Scene};
 use hypertexture::variant::Variant;
 use std::fmt::Write;
 
@@ -22,23 +22,23 @@ fn the_scene_file_of_the_readme_is_valid() {
 }
 
 #[test]
-fn the_module_of_the_readme_links_and_declares_its_knobs() {
+fn the_module_of_the_readme_links_and_declares_its_parameters() {
     let library = glsl::shipped().with_module("dmf", "ripples", block("glsl"));
     let mut scene = Scene::default();
     let effect = &mut scene.effect;
     (effect.classify, effect.softness, effect.medium) = ("soft".into(), "linear".into(), "lit".into());
     effect.dmf = vec!["ripples".into()];
     let variant = Variant::of(&scene, &library).unwrap();
-    let knobs: Vec<&str> = variant.knobs.iter().map(|(knob, _)| knob.name.as_str()).collect();
-    assert_eq!(knobs, ["ring_width", "rings"]);
-    assert_eq!(variant.knobs.outer_iso(), Some(0.3));
+    let parameters: Vec<&str> = variant.parameters.iter().map(|(parameter, _)| parameter.name.as_str()).collect();
+    assert_eq!(parameters, ["ring_width", "rings"]);
+    assert_eq!(variant.parameters.outer_iso(), Some(0.3));
     variant.program(&library, Linker::new).unwrap();
 }
 
 /// The list of effects and figures, as `docs/effects.md` must have it.
 fn effects() -> String {
     let mut text = String::from(
-        "# Effects, figures and their knobs\n\n`--set KNOB=VALUE`, or `[knobs]` in a scene file, changes one.\n",
+        "# Effects, example scenes and their parameters\n\n`--set PARAMETER=VALUE`, or `[parameters]` in a scene file, changes one.\n",
     );
     let library = glsl::shipped();
     for name in scene::names() {
@@ -47,18 +47,18 @@ fn effects() -> String {
         let about = format!("{} {}", scene.about, library.kinds(scene.dmfs()).unwrap());
         writeln!(text, "\n## {name}\n\n{}", about.trim_end()).unwrap();
         let mut rows = String::new();
-        for (name, knob, value) in variant.all_knobs() {
-            let value = match (value, knob.default) {
-                (KnobValue::Number(value), glsl::Default::Number(_, [low, high])) => {
+        for (name, parameter, value) in variant.all_parameters() {
+            let value = match (value, parameter.kind) {
+                (ParameterValue::Number(value), glsl::ParameterKind::Number(_, [low, high])) => {
                     format!("{value} in [{low}, {high}]")
                 }
-                (KnobValue::Number(value), glsl::Default::Color(_)) => value.to_string(),
-                (KnobValue::Color(color), _) => String::from(*color),
+                (ParameterValue::Number(value), glsl::ParameterKind::Color(_)) => value.to_string(),
+                (ParameterValue::Color(color), _) => String::from(*color),
             };
-            writeln!(rows, "| `{name}` | {value} | {} |", knob.doc).unwrap();
+            writeln!(rows, "| `{name}` | {value} | {} |", parameter.doc).unwrap();
         }
         if !rows.is_empty() {
-            write!(text, "\n| knob | value and range | what it does |\n|---|---|---|\n{rows}").unwrap();
+            write!(text, "\n| parameter | value and range | what it does |\n|---|---|---|\n{rows}").unwrap();
         }
     }
     text

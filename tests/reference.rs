@@ -7,8 +7,8 @@ use glam::DVec3;
 use hypertexture::glsl::{self, Library};
 use hypertexture::reference::{TOLERANCE, reference_pixels, truth_of};
 use hypertexture::render::Subject;
-use hypertexture::scene::{Curve, EFFECTS, Pass, Rule, Scene, names, preset};
-use hypertexture::verify::{self, Known, rays};
+use hypertexture::scene::{Curve, EFFECTS, Integration, Pass, Scene, names, preset};
+use hypertexture::verify::{self, AnalyticCase, rays};
 
 /// Light and estimate of every pixel.
 fn found(library: &Library, scene: &Scene, subject: &Subject, tolerance: f64) -> Vec<([f64; 4], f64)> {
@@ -30,7 +30,7 @@ fn closed_forms_hold_in_every_pixel_to_a_hundred_thousandth() {
         [verify::HOMOGENEOUS, verify::COLOR_BY_DEPTH, verify::SOFT_BALLS, verify::PERLIN_BALLS, verify::TWO_TONES];
     for case in cases.concat() {
         let (scene, subject) = case.in_pass(Pass::Slices);
-        let Known { truth, channel, variant: name, .. } = case;
+        let AnalyticCase { truth, channel, variant: name, .. } = case;
         let found = found(&library, &scene, &subject, 1e-6);
         let known: Vec<(f64, f64)> = (found.iter().zip(rays(&scene, &subject)))
             .filter_map(|((pixel, estimate), ray)| Some(((pixel[channel] - truth(&ray)?).abs(), *estimate)))
@@ -84,7 +84,7 @@ fn the_device_comes_as_near_as_its_steps_allow_in_all_effects() {
             let mut drawn = truth;
             drawn.quality = scene.quality.clone();
             drawn.quality.pass = Pass::Slices;
-            drawn.quality.rule = Rule::Segment;
+            drawn.quality.integration = Integration::Segment;
             let subject = subject(&drawn, &library);
             let frame = picture(gpu, &library, &drawn, &subject);
             let found = found(&library, &drawn, &subject, TOLERANCE);

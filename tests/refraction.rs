@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::Subject;
-use hypertexture::scene::{Color, Curve, KnobValue, Pass, Ray as Course, Scene, Traverse, preset};
+use hypertexture::scene::{Color, Curve, EmptySpace, ParameterValue, Pass, RayPath, Scene, preset};
 use hypertexture::verify::{self, TRUTHS, Truth, clear};
 
 /// The shipped modules and those of these tests.
@@ -263,7 +263,7 @@ fn p28_where_the_index_is_flat_rays_are_straight() {
                 scene.quality.pass = Pass::March;
                 let subject = subject(&scene, &library);
                 let straight = picture(gpu, &library, &scene, &subject);
-                scene.effect.ray = Course::Refracted;
+                scene.effect.ray_path = RayPath::Refracted;
                 let bent = picture(gpu, &library, &scene, &subject);
                 let (max, rms) = common::difference(&straight, &bent);
                 println!("{effect} on {object}: {max:.1e}, rms {rms:.1e}");
@@ -285,7 +285,7 @@ fn p43_clear_glass_in_a_white_room_is_white() {
             scene.object.input = object.into();
             scene.effect.environment = "white_room".into();
             scene.effect.absorption = "none".into();
-            scene.knobs.remove("tint_depth");
+            scene.parameters.remove("tint_depth");
             scene.material.specular = 0.0;
             scene.image.size = [64, 64];
             scene.quality.samples = 128;
@@ -303,8 +303,8 @@ fn p28_thick_glass_is_bluer_than_thin() {
         let mut scene = clear("sphere", &[(0.0, 1.0), (0.5, 1.0001)], Curve::Steps);
         scene.effect.environment = "white_room".into();
         scene.effect.absorption = "tinted".into();
-        scene.knobs.insert("glass_color".into(), KnobValue::Color(Color([64, 128, 255])));
-        scene.knobs.insert("tint_depth".into(), KnobValue::Number(0.8));
+        scene.parameters.insert("glass_color".into(), ParameterValue::Color(Color([64, 128, 255])));
+        scene.parameters.insert("tint_depth".into(), ParameterValue::Number(0.8));
         let subject = subject(&scene, &library());
         let frame = picture(gpu, &library(), &scene, &subject);
         let color = Color([64, 128, 255]).linear();
@@ -325,12 +325,12 @@ fn p28_leaping_moves_glass_by_no_more_than_rounding() {
         let mut scene = clear("torus", &GLASS, Curve::Steps);
         scene.camera.elevation = 35.0;
         let subject = subject(&scene, &library());
-        let [all, leapt] = [Traverse::Fixed, Traverse::Leap].map(|traverse| {
-            scene.quality.traverse = traverse;
+        let [all, skipped] = [EmptySpace::Sample, EmptySpace::Skip].map(|empty_space| {
+            scene.quality.empty_space = empty_space;
             probed(gpu, &scene, &subject)
         });
         let off = |(a, b): (&[DVec3; 2], &[DVec3; 2])| (a[0] - b[0]).length() > 1e-3;
-        let beyond = all.iter().zip(&leapt).filter(|pair| off(*pair)).count();
+        let beyond = all.iter().zip(&skipped).filter(|pair| off(*pair)).count();
         // A rounding grows where a ray grazes the glass, and no lens forgives that.
         assert!(beyond * 200 < all.len(), "{beyond} of {} rays", all.len());
     });
@@ -345,9 +345,9 @@ fn p28_what_cannot_bend_is_refused_in_one_line() {
     };
     assert_eq!(
         refusal(&|s| s.quality.pass = Pass::Slices),
-        "effect.ray = \"refracted\": needs quality.pass = \"march\": light does not bend from slice to slice"
+        "effect.ray_path = \"refracted\": needs quality.pass = \"march\": light does not bend from slice to slice"
     );
-    assert!(refusal(&|s| s.effect.ray = Course::Straight).starts_with("effect.environment = \"studio\": needs"));
+    assert!(refusal(&|s| s.effect.ray_path = RayPath::Straight).starts_with("effect.environment = \"studio\": needs"));
     assert!(refusal(&|s| s.effect.turbulence = "procedural".into()).contains("needs turbulence = \"encoded\""));
     assert!(refusal(&|s| s.transfer.stops[1].index = 0.9).starts_with("transfer.stops.index = 0.9: must be from 1"));
     assert!(refusal(&|s| s.quality.samples = 60_000).starts_with("quality.samples = 60000: must be from 1 to 18"));

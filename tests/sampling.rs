@@ -5,14 +5,14 @@ mod common;
 use common::{difference, formula, homogeneous, picture, subject, with_gpu};
 use hypertexture::glsl;
 use hypertexture::render::{Frame, Renderer};
-use hypertexture::scene::{Order, Pass, Phases, Projection, Rule, Scene, TargetFormat, Traverse, preset};
+use hypertexture::scene::{EmptySpace, Integration, Order, Pass, Phases, Projection, Scene, TargetFormat, preset};
 
 /// The front face of the cube in turbulence that is clamped by the step.
 fn face(bandlimit: &str) -> Scene {
     let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
     (scene.effect.classify, scene.effect.surface) = ("surface".into(), "octaves".into());
     (scene.effect.turbulence, scene.effect.noise) = ("procedural".into(), "procedural".into());
-    (scene.effect.bandlimit, scene.quality.rule) = (bandlimit.into(), Rule::Segment);
+    (scene.effect.bandlimit, scene.quality.integration) = (bandlimit.into(), Integration::Segment);
     scene
 }
 
@@ -56,7 +56,7 @@ fn p39_octaves_fade_without_a_jump_as_the_step_grows() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p39_clamping_is_nearer_to_the_truth_where_steps_are_longer_than_cells() {
     // A thin cloud: the optical depth along a ray is the mean of the turbulence.
-    let cloud = "// Cloud.\n// Source: -\n// @knob cells = 8 in [1, 64]: Cells per object unit.\n#include <turbulence>\n\
+    let cloud = "// Cloud.\n// Source: -\n// @param cells = 8 in [1, 64]: Cells per object unit.\n#include <turbulence>\n\
         float cloud(float density, Sample s) {\n\
             return density * clamp(0.5 * turbulence(cells * s.x, cells * sample_width()), 0.0, 1.0);\n\
         }\n";
@@ -122,25 +122,28 @@ fn p48_phases_are_the_same_in_both_passes() {
     let library = glsl::shipped();
     with_gpu(|gpu| {
         for effect in ["fur", "fire", "solid", "shells"] {
-            for rule in [Rule::Point, Rule::Segment] {
+            for integration in [Integration::Point, Integration::Segment] {
                 let mut scene = preset(effect).expect("a shipped preset");
                 scene.object.input = "torus".into();
                 scene.image.size = [64, 64];
-                (scene.quality.samples, scene.quality.stop, scene.quality.jitter) = (96, 0.0, true);
-                scene.quality.rule = if effect == "shells" { Rule::Point } else { rule };
+                (scene.quality.samples, scene.quality.early_termination, scene.quality.jitter) = (96, 0.0, true);
+                scene.quality.integration = if effect == "shells" { Integration::Point } else { integration };
                 let subject = subject(&scene, &library);
-                let [slices, fixed, leap] =
-                    [(Pass::Slices, Traverse::Fixed), (Pass::March, Traverse::Fixed), (Pass::March, Traverse::Leap)]
-                        .map(|(pass, traverse)| {
-                            (scene.quality.pass, scene.quality.traverse) = (pass, traverse);
-                            picture(gpu, &library, &scene, &subject)
-                        });
+                let [slices, fixed, skip] = [
+                    (Pass::Slices, EmptySpace::Sample),
+                    (Pass::March, EmptySpace::Sample),
+                    (Pass::March, EmptySpace::Skip),
+                ]
+                .map(|(pass, empty_space)| {
+                    (scene.quality.pass, scene.quality.empty_space) = (pass, empty_space);
+                    picture(gpu, &library, &scene, &subject)
+                });
                 let off =
                     slices.pixels.iter().zip(&fixed.pixels).filter(|(a, b)| (0..4).any(|c| (a[c] - b[c]).abs() > 1e-3));
                 let off = off.count() as f64 / 4096.0;
                 println!("{effect}: {off:.5} of the pixels differ");
                 assert!(off <= 0.006, "{effect}: {off}");
-                assert!(difference(&fixed, &leap).1 < 1e-4, "{effect}");
+                assert!(difference(&fixed, &skip).1 < 1e-4, "{effect}");
             }
         }
     });
@@ -154,7 +157,7 @@ fn p48_the_mean_over_seeds_converges_to_the_integral() {
         let mut scene = homogeneous("sphere", 0.02, Projection::Perspective);
         scene.effect.softness = "linear".into();
         (scene.object.inner_iso, scene.object.outer_iso) = (-0.3, -0.1);
-        (scene.image.size, scene.quality.stop) = ([48, 48], 0.0);
+        (scene.image.size, scene.quality.early_termination) = ([48, 48], 0.0);
         let subject = formula(&scene);
         let library = glsl::shipped();
         scene.quality.samples = 4096;
@@ -192,7 +195,7 @@ fn p49_an_edge_covers_the_pixels_that_it_covers() {
         for pass in [Pass::Slices, Pass::March] {
             let mut scene = homogeneous("sphere", 1.0, Projection::Parallel);
             scene.effect.classify = "surface".into();
-            (scene.quality.rule, scene.quality.pass, scene.image.size) = (Rule::Segment, pass, [48, 48]);
+            (scene.quality.integration, scene.quality.pass, scene.image.size) = (Integration::Segment, pass, [48, 48]);
             let subject = formula(&scene);
             // A disk of radius 1 where half the picture's height is 1 / 0.8.
             let pixel = 2.0 / 0.8 / 48.0;
@@ -262,7 +265,7 @@ fn p49_a_blurred_picture_is_the_mean_of_its_moments() {
 fn p49_a_renderer_that_is_used_again_gives_the_pictures_that_a_new_one_gives() {
     let library = glsl::shipped();
     with_gpu(|gpu| {
-        for (effect, knob) in [("fire", "fury"), ("melting", "melt_time")] {
+        for (effect, parameter) in [("fire", "fury"), ("melting", "melt_time")] {
             for pass in [Pass::Slices, Pass::March] {
                 let mut scene = preset(effect).expect("a shipped preset");
                 (scene.object.input, scene.object.resolution, scene.image.size) = ("knot".into(), 48, [48, 48]);
@@ -272,7 +275,9 @@ fn p49_a_renderer_that_is_used_again_gives_the_pictures_that_a_new_one_gives() {
                 let mut seen = Vec::new();
                 for (azimuth, zoom, time) in [(30.0, 1.0, 0.0), (80.0, 2.5, 1.5), (30.0, 1.0, 0.0)] {
                     (scene.camera.azimuth, scene.camera.zoom, scene.camera.time) = (azimuth, zoom, time);
-                    scene.knobs.insert(knob.into(), hypertexture::scene::KnobValue::Number(1.0 - 0.2 * time));
+                    scene
+                        .parameters
+                        .insert(parameter.into(), hypertexture::scene::ParameterValue::Number(1.0 - 0.2 * time));
                     let again = renderer.render(&scene).unwrap_or_else(|error| panic!("{error}"));
                     assert!(again.pixels == picture(gpu, &library, &scene, &subject).pixels, "{effect} {azimuth}");
                     seen.push(again.pixels);
@@ -310,7 +315,7 @@ fn p48_blue_phases_leave_as_large_an_error_and_less_of_it_after_a_filter() {
         let mut scene = homogeneous("sphere", 0.5, Projection::Perspective);
         scene.effect.softness = "linear".into();
         (scene.object.inner_iso, scene.object.outer_iso) = (-0.3, -0.1);
-        (scene.image.size, scene.quality.stop) = ([SIDE as u32; 2], 0.0);
+        (scene.image.size, scene.quality.early_termination) = ([SIDE as u32; 2], 0.0);
         let (subject, library) = (formula(&scene), glsl::shipped());
         scene.quality.samples = 2048;
         let truth = picture(gpu, &library, &scene, &subject);

@@ -1,11 +1,11 @@
-//! The segment rule against closed forms in every pixel, with the point rule as the control that must be worse.
+//! The segment integration against closed forms in every pixel, with the point integration as the control that must be worse.
 
 mod common;
 
 use common::{difference, errors, formula, homogeneous, picture, subject, with_gpu};
 use hypertexture::glsl;
-use hypertexture::scene::{EFFECTS, Pass, Projection, Rule, Traverse, preset};
-use hypertexture::verify::{self, Bench, Known, Level, PASSES, TWO_TONE, order, two_tone};
+use hypertexture::scene::{EFFECTS, EmptySpace, Integration, Pass, Projection, preset};
+use hypertexture::verify::{self, AnalyticCase, Bench, Level, PASSES, TWO_TONE, order, two_tone};
 
 const PROJECTIONS: [Projection; 2] = [Projection::Parallel, Projection::Perspective];
 const DOUBLING: [u32; 6] = [32, 64, 128, 256, 512, 1024];
@@ -19,8 +19,8 @@ fn overall(rows: &[Level]) -> f64 {
 fn p45_the_two_tone_sphere_is_of_second_order_by_segments() {
     with_gpu(|gpu| {
         let bench = Bench::new(gpu);
-        let [points, segments]: [Vec<_>; 2] =
-            ["points", "segments"].map(|rule| verify::TWO_TONES.iter().filter(|case| case.variant == rule).collect());
+        let [points, segments]: [Vec<_>; 2] = ["points", "segments"]
+            .map(|integration| verify::TWO_TONES.iter().filter(|case| case.variant == integration).collect());
         for (point, segment) in points.into_iter().zip(segments) {
             let control = levels(point, &bench, Pass::March);
             for pass in PASSES {
@@ -35,7 +35,7 @@ fn p45_the_two_tone_sphere_is_of_second_order_by_segments() {
     });
 }
 
-fn levels(case: &Known, bench: &Bench<'_>, pass: Pass) -> Vec<Level> {
+fn levels(case: &AnalyticCase, bench: &Bench<'_>, pass: Pass) -> Vec<Level> {
     case.levels(bench, pass).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -44,7 +44,7 @@ fn levels(case: &Known, bench: &Bench<'_>, pass: Pass) -> Vec<Level> {
 fn p45_a_soft_medium_is_of_second_order_by_segments() {
     with_gpu(|gpu| {
         for projection in PROJECTIONS {
-            let mut scene = two_tone(Rule::Segment);
+            let mut scene = two_tone(Integration::Segment);
             (scene.quality.pass, scene.camera.projection) = (Pass::March, projection);
             (scene.effect.opacity, scene.effect.surface) = ("beer".into(), "unlit".into());
             let segments = errors(gpu, &glsl::shipped(), (&scene, &formula(&scene)), &DOUBLING, 3, |ray| {
@@ -62,11 +62,11 @@ fn m31_a_hard_surface_is_found_within_the_step() {
     let library = glsl::shipped().with_module("surface", "place", place);
     with_gpu(|gpu| {
         for (projection, pass) in PROJECTIONS.into_iter().zip(PASSES) {
-            let [point, segment] = [Rule::Point, Rule::Segment].map(|rule| {
+            let [point, segment] = [Integration::Point, Integration::Segment].map(|integration| {
                 let mut scene = homogeneous("sphere", 1.0, projection);
                 (scene.effect.classify, scene.effect.surface) = ("surface".into(), "place".into());
-                (scene.quality.rule, scene.quality.pass) = (rule, pass);
-                println!("{rule:?} {pass:?}");
+                (scene.quality.integration, scene.quality.pass) = (integration, pass);
+                println!("{integration:?} {pass:?}");
                 let subject = subject(&scene, &library);
                 errors(gpu, &library, (&scene, &subject), &[16, 32, 64, 128, 256], 0, |ray| {
                     let (b, nearest) = (ray.impact(), -ray.from.dot(ray.along));
@@ -95,7 +95,8 @@ fn m31_a_cut_is_where_its_plane_is() {
                 let mut scene = homogeneous("cube", 1.0, Projection::Perspective);
                 (scene.effect.classify, scene.effect.surface) = (classify.into(), "place".into());
                 (scene.effect.softness, scene.effect.opacity) = (softness.into(), "perlin".into());
-                (scene.quality.rule, scene.quality.pass, scene.quality.samples) = (Rule::Segment, pass, 40);
+                (scene.quality.integration, scene.quality.pass, scene.quality.samples) =
+                    (Integration::Segment, pass, 40);
                 scene.camera.clip = Some([0.0, 0.0, 2.0, 0.4]);
                 let pixel = picture(gpu, &library, &scene, &subject(&scene, &library)).pixels[32 * 64 + 30];
                 assert!((pixel[0] - 0.6).abs() < 1e-5 && pixel[3] == 1.0, "{classify} {pass:?}: {pixel:?}");
@@ -116,19 +117,23 @@ fn m61_segments_give_one_picture_in_both_passes_leaping_or_not() {
                 (scene.object.input, scene.object.resolution) = (object.into(), 48);
                 scene.object.stretch = [1.0, 1.0, 0.7];
                 (scene.image.size, scene.camera.clip) = ([96, 96], clip);
-                (scene.quality.rule, scene.quality.samples, scene.quality.stop) = (Rule::Segment, 128, 0.0);
+                (scene.quality.integration, scene.quality.samples, scene.quality.early_termination) =
+                    (Integration::Segment, 128, 0.0);
                 let subject = subject(&scene, &library);
-                let [slices, fixed, leap] =
-                    [(Pass::Slices, Traverse::Fixed), (Pass::March, Traverse::Fixed), (Pass::March, Traverse::Leap)]
-                        .map(|(pass, traverse)| {
-                            (scene.quality.pass, scene.quality.traverse) = (pass, traverse);
-                            picture(gpu, &library, &scene, &subject)
-                        });
+                let [slices, fixed, skip] = [
+                    (Pass::Slices, EmptySpace::Sample),
+                    (Pass::March, EmptySpace::Sample),
+                    (Pass::March, EmptySpace::Skip),
+                ]
+                .map(|(pass, empty_space)| {
+                    (scene.quality.pass, scene.quality.empty_space) = (pass, empty_space);
+                    picture(gpu, &library, &scene, &subject)
+                });
                 // A near end that is the far end before it is the same place rounded otherwise.
-                let (_, leapt) = difference(&fixed, &leap);
+                let (_, skipped) = difference(&fixed, &skip);
                 let (_, rms) = difference(&slices, &fixed);
-                println!("{effect} on {object}: rms {rms:.1e} between passes, {leapt:.1e} by leaping");
-                assert!(rms <= 4e-3 && leapt <= 1e-4, "{effect} on {object}: {rms:e} {leapt:e}");
+                println!("{effect} on {object}: rms {rms:.1e} between passes, {skipped:.1e} by skipping");
+                assert!(rms <= 4e-3 && skipped <= 1e-4, "{effect} on {object}: {rms:e} {skipped:e}");
             }
         }
     });
@@ -138,9 +143,9 @@ fn m61_segments_give_one_picture_in_both_passes_leaping_or_not() {
 fn m31_what_has_no_segments_is_refused() {
     let mut scene = preset("shells").expect("a shipped preset");
     scene.effect.classify = "post".into();
-    scene.quality.rule = Rule::Segment;
+    scene.quality.integration = Integration::Segment;
     let error = scene.check(&glsl::shipped()).unwrap_err().to_string();
-    assert!(error.starts_with("quality.rule = segment: effect.classify = \"post\" has points only"), "{error}");
+    assert!(error.starts_with("quality.integration = segment: effect.classify = \"post\" has points only"), "{error}");
     scene.effect.classify = "preintegrated".into();
-    assert!(scene.check(&glsl::shipped()).is_ok(), "a segment rule of its own");
+    assert!(scene.check(&glsl::shipped()).is_ok(), "a segment integration of its own");
 }

@@ -6,7 +6,7 @@ use common::{formula, homogeneous, picture, subject, with_gpu};
 use glam::{Mat3, Vec3};
 use hypertexture::glsl;
 use hypertexture::render::{Transmittance, transmittance};
-use hypertexture::scene::{Pass, Projection, Scene, Traverse, preset};
+use hypertexture::scene::{EmptySpace, Pass, Projection, Scene, preset};
 
 /// How far a ray goes through the unit sphere on its way from `x` to the light.
 fn chord(x: Vec3, light: Vec3) -> f32 {
@@ -123,7 +123,7 @@ fn shaded(effect: &str, input: &str) -> Scene {
     (scene.camera.azimuth, scene.camera.elevation) = (50.0, 15.0);
     scene.image.size = [96, 96];
     scene.quality.samples = 128;
-    scene.quality.stop = 0.0;
+    scene.quality.early_termination = 0.0;
     scene
 }
 
@@ -201,11 +201,11 @@ fn m61_leaping_changes_no_shadow() {
             let mut scene = shaded(effect, object);
             scene.object.stretch = [1.0, 1.0, 0.6];
             let subject = subject(&scene, &library);
-            let [all, leapt] = [Traverse::Fixed, Traverse::Leap].map(|traverse| {
-                scene.quality.traverse = traverse;
+            let [all, skipped] = [EmptySpace::Sample, EmptySpace::Skip].map(|empty_space| {
+                scene.quality.empty_space = empty_space;
                 transmittance(gpu, &library, &scene, &subject).expect("a shadow volume")
             });
-            let same = |x: Vec3| all.at(x).to_bits() == leapt.at(x).to_bits();
+            let same = |x: Vec3| all.at(x).to_bits() == skipped.at(x).to_bits();
             assert!(places().all(same), "{effect} on {object}");
         }
     });

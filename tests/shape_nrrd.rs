@@ -3,7 +3,7 @@
 
 use flate2::{Compression, write::GzEncoder};
 use glam::Vec3;
-use hypertexture::shape::{Content, Found, Place, Shape, ShapeError, Volume, read, write_nrrd};
+use hypertexture::shape::{Content, Found, Location, Shape, ShapeError, Volume, read, write_nrrd};
 use std::io::Write;
 
 fn volume(bytes: &[u8]) -> Volume {
@@ -146,7 +146,7 @@ fn the_corners_of_a_volume_at_the_limit_of_distance_have_values() {
 fn oblique_and_exchanged_axes_are_refused_with_a_remedy() {
     for directions in ["(1,0.1,0) (0,1,0) (0,0,1)", "(0,1,0) (1,0,0) (0,0,1)"] {
         let error = error(&small(&format!("space directions: {directions}")));
-        assert!(matches!(error, ShapeError::Unsupported { place: Place::Line(7), .. }), "{error}");
+        assert!(matches!(error, ShapeError::Unsupported { place: Location::Line(7), .. }), "{error}");
         assert!(error.to_string().contains("oblique") && error.to_string().contains("resample"), "{error}");
     }
 }

@@ -306,7 +306,7 @@ fn m57_samples_that_the_device_lacks_are_refused_with_those_it_has() {
             }
         }
         // The software driver that the tests are pinned to.
-        assert!(!gpu.facts().name.contains("llvmpipe") || counts == [1, 4], "{counts:?}");
+        assert!(!gpu.info().name.contains("llvmpipe") || counts == [1, 4], "{counts:?}");
     });
 }
 
@@ -318,7 +318,7 @@ fn m57_anisotropy_is_accepted_up_to_what_the_device_has() {
         scene.object.source = Source::Normals16;
         let subject = subject(&scene, &glsl::shipped());
         let isotropic = shipped(gpu, &scene, &subject);
-        scene.quality.anisotropy = gpu.facts().max_anisotropy;
+        scene.quality.anisotropy = gpu.info().max_anisotropy;
         let anisotropic = shipped(gpu, &scene, &subject);
         // How a driver filters a volume is its own affair, but a filter of one level reaches no further than a voxel.
         let voxel = f64::from(subject.field.as_ref().expect("a volume").grid.spacing.max_element() * subject.scale);

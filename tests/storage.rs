@@ -6,7 +6,7 @@ use common::{difference, picture, subject, with_gpu};
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, Subject};
-use hypertexture::scene::{Pass, Rule, Scene, Source, Storage, Traverse, parse, preset};
+use hypertexture::scene::{EmptySpace, Integration, Pass, Scene, Source, Storage, parse, preset};
 
 fn scene(effect: &str, input: &str) -> Scene {
     let mut scene = preset(effect).expect("a shipped preset");
@@ -49,17 +49,20 @@ fn g14_bricks_give_the_picture_of_the_whole_volume() {
         for effect in ["lit", "fur", "melting", "fire", "clouds"] {
             let mut scene = scene(effect, "teapot");
             let subject = subject(&scene, &library);
-            for (pass, rule) in [(Pass::Slices, Rule::Point), (Pass::March, Rule::Point), (Pass::March, Rule::Segment)]
-            {
-                (scene.quality.pass, scene.quality.rule) = (pass, rule);
+            for (pass, integration) in [
+                (Pass::Slices, Integration::Point),
+                (Pass::March, Integration::Point),
+                (Pass::March, Integration::Segment),
+            ] {
+                (scene.quality.pass, scene.quality.integration) = (pass, integration);
                 let frames = both(gpu, &library, &scene, &subject);
                 let (flipped, stored) = compare(&frames);
                 let max = difference(&frames[0], &frames[1]).0;
                 println!(
-                    "{effect}, {pass:?}, {rule:?}: {flipped:.5} of the pixels differ, {max:.1e} at most; {stored:.2} of the bytes"
+                    "{effect}, {pass:?}, {integration:?}: {flipped:.5} of the pixels differ, {max:.1e} at most; {stored:.2} of the bytes"
                 );
                 // A sample within a rounding of the surface falls on either side of it.
-                assert!(flipped <= 1e-3, "{effect}, {pass:?}, {rule:?}: {flipped}");
+                assert!(flipped <= 1e-3, "{effect}, {pass:?}, {integration:?}: {flipped}");
             }
         }
     });
@@ -86,25 +89,25 @@ fn g14_every_encoding_is_read_out_of_bricks() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn g14_the_far_end_of_the_reach_is_stored() {
     let away = "// Looks up to the side.\n// Source: -\n// x: object space.\n// @move away\n\
-                // @knob away = 0.7 in [0, 2]: How far, object units.\n\
+                // @param away = 0.7 in [0, 2]: How far, object units.\n\
                 void aside(inout vec3 x, inout mat3 jacobian) { x += away * vec3(0.6, 0.0, 0.8); }\n";
     let all = "// All of the soft region.\n// Source: -\n// density: in [0, 1].\n// @outer thick\n\
-               // @knob thick = 0.3 in [0, 1]: How thick it is, object units.\n\
+               // @param thick = 0.3 in [0, 1]: How thick it is, object units.\n\
                float thick_all(float density, Sample s) { return density > 0.0 ? 0.5 : 0.0; }\n";
     let library = glsl::shipped().with_module("warp", "aside", away).with_module("dmf", "thick_all", all);
     with_gpu(|gpu| {
-        for (traverse, pass) in
-            [(Traverse::Leap, Pass::March), (Traverse::Fixed, Pass::March), (Traverse::Leap, Pass::Slices)]
+        for (empty_space, pass) in
+            [(EmptySpace::Skip, Pass::March), (EmptySpace::Sample, Pass::March), (EmptySpace::Skip, Pass::Slices)]
         {
             let mut scene = scene("glow", "torus");
             (scene.effect.warp, scene.effect.dmf) = (vec!["aside".into()], vec!["thick_all".into()]);
-            scene.knobs.clear();
-            (scene.quality.traverse, scene.quality.pass, scene.quality.stop) = (traverse, pass, 0.0);
+            scene.parameters.clear();
+            (scene.quality.empty_space, scene.quality.pass, scene.quality.early_termination) = (empty_space, pass, 0.0);
             let subject = Subject::load(&scene, &library, &|_| {}).expect("a torus");
             let frames = both(gpu, &library, &scene, &subject);
             let (flipped, stored) = compare(&frames);
-            println!("{pass:?}, {traverse:?}: {flipped:.5} of the pixels differ, {stored:.2} of the bytes");
-            assert!(flipped <= 1e-3, "{pass:?}, {traverse:?}: {flipped}");
+            println!("{pass:?}, {empty_space:?}: {flipped:.5} of the pixels differ, {stored:.2} of the bytes");
+            assert!(flipped <= 1e-3, "{pass:?}, {empty_space:?}: {flipped}");
         }
     });
 }

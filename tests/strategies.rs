@@ -8,7 +8,7 @@ use glam::DVec3;
 use hypertexture::glsl::{self, Library, Linker};
 use hypertexture::gpu::Gpu;
 use hypertexture::noise::{Lattice, Noise, Weights};
-use hypertexture::scene::{BlockFormat, KnobValue, Pass, Projection, Scene, Wrap, preset};
+use hypertexture::scene::{BlockFormat, ParameterValue, Pass, Projection, Scene, Wrap, preset};
 use hypertexture::variant::Variant;
 
 const STRATEGIES: [&str; 8] =
@@ -22,8 +22,8 @@ fn probe() -> (Scene, Library) {
     (scene, glsl::shipped().with_module("surface", "probe", include_str!("glsl/strategy_probe.glsl")))
 }
 
-fn knob(scene: &mut Scene, name: &str, value: f32) {
-    scene.knobs.insert(name.into(), KnobValue::Number(value));
+fn parameter(scene: &mut Scene, name: &str, value: f32) {
+    scene.parameters.insert(name.into(), ParameterValue::Number(value));
 }
 
 /// Place (cells), noise, turbulence and derivative at each pixel of the face.
@@ -47,7 +47,7 @@ fn rms(errors: impl Iterator<Item = f64>) -> f64 {
 
 /// The turbulence that a scene is an approximation of, in all its octaves or in those that it has.
 fn truth(scene: &Scene, octaves: u32) -> impl Fn(DVec3) -> f64 {
-    let twin = scene.exact_twin(&glsl::shipped()).unwrap();
+    let twin = scene.unbaked(&glsl::shipped()).unwrap();
     let tables = Noise::new(1989, Weights::Quintic);
     move |p: DVec3| match twin.effect.turbulence.as_str() {
         "procedural" => Lattice::default().turbulence(p.to_array(), twin.periods()[1], octaves).1,
@@ -110,7 +110,7 @@ fn m35_a_block_repeats_and_procedural_noise_does_not() {
         for (noise, repeats) in [("block", true), ("procedural", false), ("tables", false)] {
             scene.effect.noise = noise.into();
             let [here, there] = [0.0, 16.0].map(|shift| {
-                knob(&mut scene, "shift", shift);
+                parameter(&mut scene, "shift", shift);
                 seen(gpu, &library, &scene)
             });
             let both = here.iter().zip(&there).map(|((_, a), (_, b))| (a[0], b[0]));
@@ -130,7 +130,7 @@ fn m33_noise_far_from_the_origin_loses_digits_and_nothing_else() {
         (scene.effect.noise, scene.effect.turbulence) = ("procedural".into(), "procedural".into());
         scene.effect.octaves = 1;
         for (shift, bound) in [(4096.0f32, 2e-3), (65_536.0, 3e-2)] {
-            knob(&mut scene, "shift", shift);
+            parameter(&mut scene, "shift", shift);
             let away = |p: DVec3| [p.x + f64::from(shift), p.y, p.z];
             let off = seen(gpu, &library, &scene).iter().fold(0.0, |worst: f64, (p, value)| {
                 worst.max((value[0] - Lattice::default().sample(away(*p), 1 << 20).1).abs())
@@ -141,7 +141,7 @@ fn m33_noise_far_from_the_origin_loses_digits_and_nothing_else() {
         for strategy in STRATEGIES {
             (scene.effect.turbulence, scene.effect.octaves) = (strategy.into(), 8);
             for shift in [-1e9, 1e9] {
-                knob(&mut scene, "shift", shift);
+                parameter(&mut scene, "shift", shift);
                 let inside = |value: &[f64; 3]| value[0].abs() <= 1.001 && (0.0..=2.001).contains(&value[1]);
                 assert!(seen(gpu, &library, &scene).iter().all(|(_, value)| inside(value)), "{strategy} at {shift}");
             }
@@ -161,12 +161,12 @@ fn m36_gradients_change_their_sign_in_the_mirror() {
             if noise == "procedural" {
                 let mut blocks = scene.clone();
                 (blocks.effect.noise, blocks.effect.turbulence) = ("block".into(), "encoded".into());
-                scene = blocks.exact_twin(&glsl::shipped()).unwrap();
+                scene = blocks.unbaked(&glsl::shipped()).unwrap();
             }
             // Within the first period of the noise, and within its mirror image behind 0.
             for (along, shift) in [(1.0, 6.0), (1.0, -6.0), (1.0, 22.0), (2.0, 0.0), (2.0, 3.0)] {
-                knob(&mut scene, "along", along);
-                knob(&mut scene, "shift", shift);
+                parameter(&mut scene, "along", along);
+                parameter(&mut scene, "shift", shift);
                 let seen = seen(gpu, &library, &scene);
                 let channel = along as usize - 1;
                 let neighbors = seen.windows(3).filter(|three| three[0].0.y == three[2].0.y);
@@ -192,8 +192,8 @@ fn m36_a_block_and_its_twin_have_the_same_mirror_image() {
         scene.quality.wrap = Wrap::Mirror;
         scene.quality.block_size = 128;
         let off = [-3.0, 3.0, 130.0].map(|shift| {
-            knob(&mut scene, "shift", shift);
-            let twin = scene.exact_twin(&library).unwrap();
+            parameter(&mut scene, "shift", shift);
+            let twin = scene.unbaked(&library).unwrap();
             let [mut a, b] = [&scene, &twin].map(|scene| seen(gpu, &library, scene));
             a.iter_mut().zip(&b).for_each(|(a, b)| (0..2).for_each(|c| a.1[c] -= b.1[c]));
             [0, 1].map(|channel| rms(a.iter().map(|(_, value)| value[channel])))
@@ -245,7 +245,7 @@ fn m43_the_fetches_of_each_strategy() {
 fn m34_the_formats_of_a_block_are_right_to_half_a_code() {
     with_gpu(|gpu| {
         let (mut scene, library) = probe();
-        knob(&mut scene, "along", 2.0);
+        parameter(&mut scene, "along", 2.0);
         let formats = [BlockFormat::Float32, BlockFormat::Unorm16, BlockFormat::Unorm8, BlockFormat::Auto];
         let all = formats.map(|format| {
             scene.quality.block_format = format;
@@ -292,7 +292,7 @@ fn an_end_before_all_octaves_are_summed_changes_no_bit() {
                     (scene.object.input, scene.image.size) = ("torus".into(), [48, 48]);
                     if effect == "smoke" {
                         scene.effect.dmf = vec!["turbulent".into()];
-                        scene.drop_foreign_knobs(&glsl::shipped()).unwrap();
+                        scene.drop_foreign_parameters(&glsl::shipped()).unwrap();
                     }
                     (scene.effect.turbulence, scene.quality.pass, scene.quality.samples) = (strategy.into(), pass, 96);
                     let subject = subject(&scene, &glsl::shipped());

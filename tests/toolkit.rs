@@ -11,7 +11,7 @@ use common::{picture, subject, with_gpu};
 use glam::DVec3;
 use hypertexture::glsl;
 use hypertexture::noise::{Lattice, Noise, Weights};
-use hypertexture::scene::{Rule, preset};
+use hypertexture::scene::{Integration, preset};
 use lattice::{noise, octaves, wavelet};
 use seen::{seen, set, worst};
 
@@ -59,15 +59,15 @@ fn p13_p14_bias_and_gain_keep_their_identities() {
 fn p22_the_dmfs_that_know_the_density_are_their_formulas() {
     with_gpu(|gpu| {
         let text = include_str!("glsl/dmf_a_probe.glsl");
-        let knobs = [("density_bias", 0.3), ("density_gain", 0.9), ("fold", 0.4)];
-        let seen_a = seen(gpu, text, |scene| set(scene, &knobs));
+        let parameters = [("density_bias", 0.3), ("density_gain", 0.9), ("fold", 0.4)];
+        let seen_a = seen(gpu, text, |scene| set(scene, &parameters));
         let held = |x: DVec3| (0.5 + x.x).clamp(0.0, 1.0);
         let off =
             worst(&seen_a, |x| 0.5 * DVec3::new(bias(0.3, held(x)), gain(0.9, held(x)), (held(x) - 0.4).abs() / 0.6));
         assert!(off <= 4e-6, "biased, gained, folded: {off:e}");
         let text = include_str!("glsl/dmf_b_probe.glsl");
-        let knobs = [("density_factor", -2.5), ("density_offset", 0.7), ("wave_count", 3.0), ("wave_depth", 0.8)];
-        let seen_b = seen(gpu, text, |scene| set(scene, &knobs));
+        let parameters = [("density_factor", -2.5), ("density_offset", 0.7), ("wave_count", 3.0), ("wave_depth", 0.8)];
+        let seen_b = seen(gpu, text, |scene| set(scene, &parameters));
         let off = worst(&seen_b, |x| {
             let (density, soft) = (0.5 + x.x, 0.5 + 0.5 * x.x);
             let waves = density * (1.0 - 0.8 * (0.5 - 0.5 * (std::f64::consts::TAU * 3.0 * density).cos()));
@@ -81,10 +81,10 @@ fn p22_the_dmfs_that_know_the_density_are_their_formulas() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p22_the_dmfs_that_know_the_place_are_their_formulas() {
     with_gpu(|gpu| {
-        let knobs =
+        let parameters =
             [("noise_frequency", 3.0), ("fractal_scale", 2.0), ("turbulence_scale", 2.0), ("fractal_speed", 0.5)];
         let seen = seen(gpu, include_str!("glsl/dmf_c_probe.glsl"), |scene| {
-            set(scene, &knobs);
+            set(scene, &parameters);
             scene.camera.time = 1.5;
         });
         let off = worst(&seen, |x| {
@@ -208,7 +208,7 @@ fn scale_radius(x: DVec3, amount: f64) -> DVec3 {
 
 const TIME: f64 = 1.5;
 
-/// Name, knobs, how far it says that a lookup moves, and the formula of a warp.
+/// Name, parameters, how far it says that a lookup moves, and the formula of a warp.
 type Warp = (&'static str, &'static [(&'static str, f32)], &'static str, fn(DVec3) -> DVec3);
 
 const WARPS: [Warp; 6] = [
@@ -268,14 +268,14 @@ const WARPS: [Warp; 6] = [
 fn p24_every_warp_is_its_formula_with_its_derivative_and_its_reach() {
     let text = include_str!("glsl/warp_probe.glsl");
     with_gpu(|gpu| {
-        for (name, knobs, reach, formula) in WARPS {
+        for (name, parameters, reach, formula) in WARPS {
             let mode = |mode: &str| {
                 let text = text.replace("MODULE", name).replace("MODE", mode).replace("REACH", reach);
                 seen(gpu, &text, |scene| {
-                    set(scene, knobs);
+                    set(scene, parameters);
                     scene.camera.time = TIME as f32;
                     // Otherwise the turbulence ends its sum where the density is 0 anyway.
-                    scene.quality.rule = Rule::Segment;
+                    scene.quality.integration = Integration::Segment;
                 })
             };
             let off = worst(&mode("0"), |x| 0.5 + 0.1 * formula(x));
@@ -298,7 +298,7 @@ fn p24_every_warp_is_its_formula_with_its_derivative_and_its_reach() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn g03_flames_and_their_relief_rise_together_at_the_speed_of_the_knob() {
+fn g03_flames_and_their_relief_rise_together_at_the_speed_of_the_parameter() {
     with_gpu(|gpu| {
         for mode in ["0", "1"] {
             let text = include_str!("glsl/rising_probe.glsl").replace("MODE", mode);

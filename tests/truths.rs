@@ -6,7 +6,7 @@ mod common;
 
 use common::{rays, with_gpu};
 use hypertexture::scene::{Pass, Projection};
-use hypertexture::verify::{self, Bench, Known, Measure, Row, SLANTED, TRUTHS, Truth};
+use hypertexture::verify::{self, AnalyticCase, Bench, Measure, Row, SLANTED, TRUTHS, Truth};
 use std::collections::BTreeSet;
 use std::time::Instant;
 
@@ -36,13 +36,13 @@ fn every_truth_holds_on_this_device_in_both_passes() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_wrong_formula_a_wrong_bound_and_a_wrong_order_are_found_and_named() {
     let soft = verify::SOFT_BALLS[0];
-    let planted = |name, case: Known| Truth { name, measure: Measure::Known(Box::leak(Box::new([case]))) };
+    let planted = |name, case: AnalyticCase| Truth { name, measure: Measure::Analytic(Box::leak(Box::new([case]))) };
     let truths = [
         // A thousandth of the opacity too much.
-        planted("the formula", Known { truth: |ray| Some(1.001 * (verify::SOFT_BALLS[0].truth)(ray)?), ..soft }),
-        planted("the bound", Known { bound: |_| 1e-9, ..soft }),
-        planted("the order", Known { order: Some([3.5, 4.5]), ..soft }),
-        planted("nothing is known", Known { truth: |_| None, ..soft }),
+        planted("the formula", AnalyticCase { truth: |ray| Some(1.001 * (verify::SOFT_BALLS[0].truth)(ray)?), ..soft }),
+        planted("the bound", AnalyticCase { bound: |_| 1e-9, ..soft }),
+        planted("the order", AnalyticCase { order: Some([3.5, 4.5]), ..soft }),
+        planted("nothing is known", AnalyticCase { truth: |_| None, ..soft }),
         planted("nothing", soft),
     ];
     with_gpu(|gpu| {
@@ -74,7 +74,7 @@ fn a_slab_across_a_view_of_90_degrees_has_the_path_of_every_ray() {
 #[test]
 fn the_table_shows_both_projections_of_every_picture_but_the_wide_one() {
     for truth in TRUTHS {
-        if let Measure::Known(cases) = truth.measure {
+        if let Measure::Analytic(cases) = truth.measure {
             let of = |projection| cases.iter().filter(|case| case.projection == projection).count();
             let [parallel, perspective] = [Projection::Parallel, Projection::Perspective].map(of);
             assert!(parallel == perspective || cases.len() == 1, "{}", truth.name);

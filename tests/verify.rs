@@ -43,7 +43,7 @@ fn every_picture_says_which_scene_it_shows_and_is_verified_by_it() {
     for (file, options) in [
         ("eight.png", "--background #302010"),
         ("sixteen.png", "--depth 16"),
-        ("float.exr", "--pass march --rule segment"),
+        ("float.exr", "--pass march --integration segment"),
     ] {
         let saved = format!("{file}.toml");
         good(

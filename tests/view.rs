@@ -159,7 +159,7 @@ fn its_panels_change_the_picture_that_is_written() {
     let (scene, picture, rendered) = (path("scene.toml"), path("panel.png"), path("rendered.png"));
     let script = format!(
         "wait picture\nclick Presets\nclick effect fur\nclick preset fire_ball\nclick effect fur\nwait picture\n\
-         set knobs.fineness 40\nclick undo\nclick redo\nframes 2\nclick effect.turbulence\nframes 2\n\
+         set parameters.fineness 40\nclick undo\nclick redo\nframes 2\nclick effect.turbulence\nframes 2\n\
          click procedural\nframes 2\nwait picture\nclick undo\nclick Objects\nframes 2\nclick Transfer map\n\
          click Material\nclick Light and background\nclick Camera\nclick Accuracy\nclick File\nframes 2\n\
          set material.specular 0.5\nset light.intensity 1.5\nset camera.zoom 1.25\nset camera.azimuth 75\n\
@@ -230,7 +230,7 @@ fn n0_10_a_loop_that_is_too_long_never_meets_the_device_of_the_window() {
     slow.object.input = "torus".into();
     slow.effect.dmf = vec!["part_of".into()];
     slow.modules.insert("dmf/part_of".into(), path("part_of.glsl"));
-    slow.knobs.clear();
+    slow.parameters.clear();
     std::fs::write(path("slow.toml"), scene::to_text(&slow)).unwrap();
     // In the editor it is a line of text, and what was there before goes on.
     let script = format!(
@@ -293,8 +293,11 @@ fn a_display_of_twice_the_dots_changes_no_control_and_no_picture() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();
     let [script, shot, rendered] = ["script", "shot.png", "rendered.png"].map(|name| folder.path().join(name));
-    std::fs::write(&script, format!("wait picture\nset knobs.fury 2.5\nwait picture\nshot {}\nquit\n", shot.display()))
-        .unwrap();
+    std::fs::write(
+        &script,
+        format!("wait picture\nset parameters.fury 2.5\nwait picture\nshot {}\nquit\n", shot.display()),
+    )
+    .unwrap();
     let small = ["torus", "--effect", "fire", "--size", "48x32", "--samples", "32"];
     let mut command = program();
     command.env("DISPLAY", &display.name).env("WINIT_X11_SCALE_FACTOR", "2").current_dir(folder.path()).arg("view");

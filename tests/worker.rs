@@ -12,10 +12,10 @@ use hypertexture::compare::candidates::Sweep;
 use hypertexture::compare::{Settings, Stage, compare};
 use hypertexture::gallery;
 use hypertexture::glsl;
-use hypertexture::pick::{Bound, Metric, pick};
+use hypertexture::pick::{ErrorBound, Metric, pick};
 use hypertexture::reference::Reference;
 use hypertexture::render::{RenderError, Subject};
-use hypertexture::scene::{Pass, Rule, Scene, preset, to_text};
+use hypertexture::scene::{Integration, Pass, Scene, preset, to_text};
 use hypertexture::worker::{Load, PATIENCE, Painter, Start, Worker};
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -73,7 +73,7 @@ fn a_worker_draws_the_picture_of_this_process_and_says_what_it_says() {
             assert_eq!(here.measurements.modules, there.measurements.modules);
             assert!(there.measurements.gpu_ms > 0.0);
         }
-        scene.quality.rule = Rule::Segment;
+        scene.quality.integration = Integration::Segment;
         scene.quality.samples = 0;
         let [here, there] = [
             hypertexture::render::render(gpu, &library, &scene, &subject).unwrap_err(),
@@ -134,8 +134,8 @@ fn a_driver_that_crashes_on_a_way_costs_the_pick_that_one() {
     with_gpu(|gpu| {
         let worker = Worker::new(&start, &library, Load::Scene(to_text(&scene)));
         let stage = Stage { gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &|| false };
-        let picked = pick(stage, &scene, Bound::new(Metric::Rmse, 0.05).unwrap(), &|_| ()).unwrap();
-        assert_eq!(picked.scene.quality.pass, Pass::Slices, "{}", picked.way);
+        let picked = pick(stage, &scene, ErrorBound::new(Metric::Rmse, 0.05).unwrap(), &|_| ()).unwrap();
+        assert_eq!(picked.scene.quality.pass, Pass::Slices, "{}", picked.settings);
         assert!(picked.verified.is_some_and(|verified| verified.error <= 0.05));
         assert!(!picked.failures.is_empty());
         for failure in &picked.failures {

@@ -9,9 +9,9 @@ use std::fmt;
 pub fn open() -> Gpu {
     let device = std::env::var("HYPERTEXTURE_DEVICE").ok().filter(|name| !name.is_empty());
     let gpu = Gpu::new(&Options { device, validation: false, cache: None }).unwrap();
-    let facts = gpu.facts();
+    let info = gpu.info();
     let cores = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
-    println!("device {} ({}, Vulkan {}), {cores} cores, validation off", facts.name, facts.driver, facts.api);
+    println!("device {} ({}, Vulkan {}), {cores} cores, validation off", info.name, info.driver, info.api);
     gpu
 }
 

@@ -11,7 +11,7 @@ use crate::{REPEATS, common};
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::Renderer;
-use hypertexture::scene::{KnobValue, Pass, Projection, Scene, Traverse};
+use hypertexture::scene::{EmptySpace, ParameterValue, Pass, Projection, Scene};
 use std::process::{Command, Stdio};
 
 /// Pixels along a side.
@@ -24,7 +24,7 @@ const UNIT: f32 = 0.45;
 /// Turbulence only ever adds, so that nothing is outside the ball, and no noise is asked for there: as the peer does it.
 /// Nor is any octave once the sum has left the ball, as its second mode does it.
 const WARP: &str = "\
-    // @knob fire_frequency = 1 in [0.1, 20]: Turbulence cells per object unit.\n\
+    // @param fire_frequency = 1 in [0.1, 20]: Turbulence cells per object unit.\n\
     #include <turbulence>\n\
     #include \"scale_radius.glsl\"\n\
     void ball(inout vec3 x, inout mat3 jacobian) {\n\
@@ -64,15 +64,15 @@ fn contract(turbulence: &str) -> Scene {
     (effect.classify, effect.softness, effect.warp) = ("soft".into(), "quadratic".into(), vec!["ball".into()]);
     (effect.surface, effect.medium, effect.turbulence) = ("unlit".into(), "gas".into(), turbulence.into());
     (effect.octaves, effect.opacity_rate) = (OCTAVES, 64.0 * UNIT);
-    scene.knobs = [("fire_frequency".into(), KnobValue::Number(4.0 * UNIT))].into();
+    scene.parameters = [("fire_frequency".into(), ParameterValue::Number(4.0 * UNIT))].into();
     (scene.camera.projection, scene.camera.azimuth, scene.camera.elevation) = (Projection::Parallel, 0.0, 0.0);
     // At zoom 1 a radius of 1 is 0.8 of half the height; in the contract it is 0.45 of 0.5.
     scene.camera.zoom = UNIT / 0.5 / 0.8;
     scene.image.size = [SIDE; 2];
     // Samples span the sphere around the box [-1, 1]^3, a length of 2 sqrt 3; between two of them are 1 / STEPS.
     let samples = 2.0 * 3.0f32.sqrt() * UNIT * STEPS as f32;
-    (scene.quality.pass, scene.quality.traverse) = (Pass::March, Traverse::Fixed);
-    (scene.quality.samples, scene.quality.stop) = (samples.round() as u32, 0.005);
+    (scene.quality.pass, scene.quality.empty_space) = (Pass::March, EmptySpace::Sample);
+    (scene.quality.samples, scene.quality.early_termination) = (samples.round() as u32, 0.005);
     scene
 }
 

@@ -8,12 +8,12 @@ Soft intersect(Soft a, Soft b) {
     Soft further = a;
     if (b.distance > a.distance) further = b;
     return Soft(a.density * b.density, b.density * a.slope + a.density * b.slope, further.distance, further.normal,
-                max(a.clearance, b.clearance));
+                max(a.distance_bound, b.distance_bound));
 }
 
 Soft unite(Soft a, Soft b) {
     Soft nearer = a;
     if (b.distance < a.distance) nearer = b;
     return Soft(a.density + (1.0 - a.density) * b.density, (1.0 - b.density) * a.slope + (1.0 - a.density) * b.slope,
-                nearer.distance, nearer.normal, min(a.clearance, b.clearance));
+                nearer.distance, nearer.normal, min(a.distance_bound, b.distance_bound));
 }

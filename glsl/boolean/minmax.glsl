@@ -8,7 +8,7 @@ Soft intersect(Soft a, Soft b) {
     bool second = b.density < a.density || (b.density == a.density && b.distance > a.distance);
     Soft chosen = a;
     if (second) chosen = b;
-    chosen.clearance = max(a.clearance, b.clearance);
+    chosen.distance_bound = max(a.distance_bound, b.distance_bound);
     return chosen;
 }
 
@@ -16,6 +16,6 @@ Soft unite(Soft a, Soft b) {
     bool second = b.density > a.density || (b.density == a.density && b.distance < a.distance);
     Soft chosen = a;
     if (second) chosen = b;
-    chosen.clearance = min(a.clearance, b.clearance);
+    chosen.distance_bound = min(a.distance_bound, b.distance_bound);
     return chosen;
 }

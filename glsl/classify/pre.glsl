@@ -1,7 +1,7 @@
 // Pre-classification: the transfer map was applied to the voxels, and their colors are interpolated.
 // Source: MJ 2 (the blocky one); opacity-weighted colors after Wittenbrink, Malzbender and Goss 1998.
 // x: object space; path: object units; result premultiplied linear RGBA.
-#include "clearance.glsl"
+#include "distance_bound.glsl"
 #include <opacity>
 
 vec4 classify(vec3 x, float path) {

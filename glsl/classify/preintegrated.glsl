@@ -3,7 +3,7 @@
 // x: object space, middle of the segment; path: object units; result premultiplied linear RGBA.
 // The table holds the segment of one slice spacing; a longer path under perspective scales its optical depth.
 #include "sample.glsl"
-#include "clearance.glsl"
+#include "distance_bound.glsl"
 #include <dmf>
 #include "exponential.glsl"
 
@@ -15,7 +15,7 @@ vec4 classify(vec3 x, float path) {
     vec3 half_segment = mat3(texture_matrix) * (to_eye() * (0.5 * path));
     vec2 size = vec2(textureSize(segment_map, 0));
     Sample far = sample_object(x - half_segment);
-    clearance = far.clearance;
+    distance_bound = far.distance_bound;
     float near_density = far_density;
     if (!follows) near_density = end_density(sample_object(x + half_segment));
     far_density = end_density(far);

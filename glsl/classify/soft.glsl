@@ -3,7 +3,7 @@
 // region begins within the step is ours.
 // x: object space; path: object units; result premultiplied linear RGBA.
 #include "sample.glsl"
-#include "clearance.glsl"
+#include "distance_bound.glsl"
 #include "located.glsl"
 #include <dmf>
 #include <opacity>
@@ -13,7 +13,7 @@
 
 vec4 classify(vec3 x, float path) {
     Sample s = sample_object(x);
-    clearance = s.clearance;
+    distance_bound = s.distance_bound;
     float density = s.density > 0.0 ? clamp(modulate(s.density, s), 0.0, 1.0) : 0.0;
     if (density <= 0.0) {                                   // MJ 6: outside the soft region
         remember(0.0);

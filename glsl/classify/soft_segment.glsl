@@ -4,7 +4,7 @@
 // x: object space, middle of the step; path: object units; result premultiplied linear RGBA.
 #include "sample.glsl"
 #include "segment.glsl"
-#include "clearance.glsl"
+#include "distance_bound.glsl"
 #include <dmf>
 #include <opacity>
 #include <gradient>
@@ -45,7 +45,7 @@ vec4 classify(vec3 x, float path) {
     if (!follows) a = end_at(from);
     End b = end_at(from + along);
     far_end = b;
-    clearance = b.s.clearance;
+    distance_bound = b.s.distance_bound;
     vec2 part = kept(from, along);
     if (part.x > 0.0) a = end_at(from + part.x * along);
     if (part.y < 1.0) b = end_at(from + part.y * along);

@@ -2,13 +2,13 @@
 // Source: MJ 3.5; where it is within the step is ours.
 // x: object space; path: object units; result premultiplied linear RGBA, alpha 0 or 1.
 #include "sample.glsl"
-#include "clearance.glsl"
+#include "distance_bound.glsl"
 #include "located.glsl"
 #include <surface>
 
 vec4 classify(vec3 x, float path) {
     Sample s = sample_object(x);
-    clearance = s.clearance;
+    distance_bound = s.distance_bound;
     if (s.density <= 0.0) return vec4(0.0);
     locate(s, outer_iso_value, path);
     s.normal = cap_normal(s.x, s.normal);

@@ -4,7 +4,7 @@
 // x: object space, middle of the step; path: object units; result premultiplied linear RGBA, alpha 0 or 1.
 #include "sample.glsl"
 #include "segment.glsl"
-#include "clearance.glsl"
+#include "distance_bound.glsl"
 #include <surface>
 
 float far_gap = 0.0;        // distance to the surface at the end of the step before, along a ray
@@ -17,7 +17,7 @@ vec4 classify(vec3 x, float path) {
     if (!follows) near = gap_at(from);
     float far = gap_at(from + along);
     far_gap = far;
-    clearance = far - leap_slack;
+    distance_bound = far - skip_slack;
     vec2 part = kept(from, along);
     if (part.x > part.y) return vec4(0.0);
     if (part.x > 0.0) near = gap_at(from + part.x * along);

@@ -3,10 +3,10 @@
 // density: D in [0, 1]; result in [0, 1].
 // @needs normal
 // @outer flame_length
-// @knob flame_length = 0.5 in [0.01, 1.5]: Length of the flames above the object, object units.
-// @knob flame_scale = 3.0 in [0.2, 20]: Fineness of the tongues: turbulence cells per object unit.
-// @knob fury = 1.5 in [0, 4]: How deep the turbulence cuts into the flames.
-// @knob rise = 0.6 in [0, 8]: Speed of the flames, object units per second.
+// @param flame_length = 0.5 in [0.01, 1.5]: Length of the flames above the object, object units.
+// @param flame_scale = 3.0 in [0.2, 20]: Fineness of the tongues: turbulence cells per object unit.
+// @param fury = 1.5 in [0, 4]: How deep the turbulence cuts into the flames.
+// @param rise = 0.6 in [0, 8]: Speed of the flames, object units per second.
 #include <turbulence>
 float fire(float density, Sample s) {
     if (density >= 1.0) return 1.0;

@@ -5,15 +5,15 @@
 // density: D in [0, 1]; result in [0, 1].
 // @needs normal
 // @outer hair_length
-// @knob hair_length = 0.2 in [0.005, 0.8]: Length of the hair, object units: the width of the soft region.
-// @knob fineness = 40 in [2, 200]: Hairs per object unit.
-// @knob curliness = 0.04 in [0, 0.5]: Sideways wave of the hair, object units at the tip.
-// @knob droop = 0.45 in [0, 2]: How far gravity bends the tip, in hair lengths.
-// @knob unevenness = 0.5 in [0, 1]: Spread of the length from hair to hair.
-// @knob hair_bias = 0.3 in [0.01, 0.99]: Thickness of the hair: PH's bias.
-// @knob hair_gain = 0.9 in [0.01, 0.99]: Sharpness of its edge: PH's gain.
-// @knob hair_contrast = 1.667 in [1, 2]: How strongly the noise tells hair from gap; 1 is PH's.
-// @knob hair_middle = 0.5 in [0, 1]: Where on a hair its noise is taken: 0 is its root, as PH do, 1 its tip.
+// @param hair_length = 0.2 in [0.005, 0.8]: Length of the hair, object units: the width of the soft region.
+// @param fineness = 40 in [2, 200]: Hairs per object unit.
+// @param curliness = 0.04 in [0, 0.5]: Sideways wave of the hair, object units at the tip.
+// @param droop = 0.45 in [0, 2]: How far gravity bends the tip, in hair lengths.
+// @param unevenness = 0.5 in [0, 1]: Spread of the length from hair to hair.
+// @param hair_bias = 0.3 in [0.01, 0.99]: Thickness of the hair: PH's bias.
+// @param hair_gain = 0.9 in [0.01, 0.99]: Sharpness of its edge: PH's gain.
+// @param hair_contrast = 1.667 in [1, 2]: How strongly the noise tells hair from gap; 1 is PH's.
+// @param hair_middle = 0.5 in [0, 1]: Where on a hair its noise is taken: 0 is its root, as PH do, 1 its tip.
 #include <noise>
 #include <project>
 #include "shaping.glsl"

@@ -1,8 +1,8 @@
 // Noise added to the density of the soft region.
 // Source: PH 2.3 (noise as a base function); position-dependent: f(x).
 // density: any; result: density plus at most 0.866 of the strength.
-// @knob noise_strength = 0.5 in [-4, 4]: Amplitude of the noise in the middle of the soft region.
-// @knob noise_frequency = 6 in [0.1, 100]: Noise cells per object unit.
+// @param noise_strength = 0.5 in [-4, 4]: Amplitude of the noise in the middle of the soft region.
+// @param noise_frequency = 6 in [0.1, 100]: Noise cells per object unit.
 #include <noise>
 #include "soft_part.glsl"
 float noisy(float density, Sample s) {

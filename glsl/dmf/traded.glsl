@@ -3,9 +3,9 @@
 // Source: PH 3.1, footnote: tradeoffs between base functions, in which more gain forces the amplitude that suits it; the
 // form is ours: gain g has the slope -log2(1 - g) in its middle. Position-dependent: f(x).
 // density: any; result: density plus at most the strength, over that slope.
-// @knob trade_gain = 0.75 in [0.5, 0.99]: Gain of the noise; 0.5 leaves it as it is, and so its amplitude.
-// @knob trade_strength = 0.6 in [-4, 4]: Amplitude in the middle of the soft region, at a gain of 0.5.
-// @knob trade_frequency = 6 in [0.1, 100]: Noise cells per object unit.
+// @param trade_gain = 0.75 in [0.5, 0.99]: Gain of the noise; 0.5 leaves it as it is, and so its amplitude.
+// @param trade_strength = 0.6 in [-4, 4]: Amplitude in the middle of the soft region, at a gain of 0.5.
+// @param trade_frequency = 6 in [0.1, 100]: Noise cells per object unit.
 #include <noise>
 #include "shaping.glsl"
 #include "soft_part.glsl"

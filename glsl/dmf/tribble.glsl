@@ -5,11 +5,11 @@
 // density: D in [0, 1]; result in [0, 1].
 // @needs normal
 // @outer tribble_length
-// @knob tribble_length = 0.4 in [0.005, 0.8]: Length of the hair, object units: the width of the soft region.
-// @knob tribble_fineness = 24 in [2, 200]: Hairs per object unit.
-// @knob tribble_curliness = 0.3 in [0, 2]: How far the tip of a hair is moved, object units.
-// @knob curl_frequency = 4 in [0.2, 40]: Curls per object unit.
-// @knob tribble_contrast = 1.667 in [1, 2]: How strongly the noise tells hair from gap; 1 is PH's.
+// @param tribble_length = 0.4 in [0.005, 0.8]: Length of the hair, object units: the width of the soft region.
+// @param tribble_fineness = 24 in [2, 200]: Hairs per object unit.
+// @param tribble_curliness = 0.3 in [0, 2]: How far the tip of a hair is moved, object units.
+// @param curl_frequency = 4 in [0.2, 40]: Curls per object unit.
+// @param tribble_contrast = 1.667 in [1, 2]: How strongly the noise tells hair from gap; 1 is PH's.
 #include "vector_noise.glsl"
 #include "shaping.glsl"
 #include <project>

@@ -1,9 +1,9 @@
 // Turbulence eats the density away: what is thin goes first.
 // Source: PH 2.3 (turbulence as a base function); position-dependent: f(x).
 // density: any; result: the density times a factor that falls with the turbulence and is never negative.
-// @knob turbulence_strength = 1 in [0, 4]: How much the turbulence takes away.
-// @knob turbulence_scale = 3 in [0.1, 50]: Turbulence cells of the first octave per object unit.
-// @knob turbulence_rise = 0 in [0, 8]: How fast the pattern rises, object units per second.
+// @param turbulence_strength = 1 in [0, 4]: How much the turbulence takes away.
+// @param turbulence_scale = 3 in [0.1, 50]: Turbulence cells of the first octave per object unit.
+// @param turbulence_rise = 0 in [0, 8]: How fast the pattern rises, object units per second.
 #include <turbulence>
 float turbulent(float density, Sample s) {
     if (s.density >= 1.0) return density;

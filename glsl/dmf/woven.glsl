@@ -4,9 +4,9 @@
 // density: D in [0, 1]; result in [0, 1]; the hard region keeps its own.
 // @needs normal
 // @outer cloth_thickness
-// @knob cloth_thickness = 0.07 in [0.01, 0.3]: Thickness of the cloth, object units: the width of the soft region.
-// @knob threads = 48 in [4, 400]: Threads around the vertical axis.
-// @knob thread_width = 0.85 in [0.2, 1]: Width of a thread, as a part of the distance between two.
+// @param cloth_thickness = 0.07 in [0.01, 0.3]: Thickness of the cloth, object units: the width of the soft region.
+// @param threads = 48 in [4, 400]: Threads around the vertical axis.
+// @param thread_width = 0.85 in [0.2, 1]: Width of a thread, as a part of the distance between two.
 const float TURN = 6.2831853;
 
 // How deep a point lies in the nearest thread of either set: 1 in its middle, 0 at its border and beyond.

@@ -7,8 +7,8 @@
 // @color horizon_color = #d5dade: Color of the backdrop where the floor runs into it.
 // @color tile_color = #f2efe8: Color of the light tiles of the floor.
 // @color tile_color_2 = #6a717d: Color of the dark tiles of the floor.
-// @knob tile_size = 0.6 in [0.05, 10]: Side of a tile, object units.
-// @knob studio_light = 5 in [0, 50]: Brightness of the window and of the strips of light.
+// @param tile_size = 0.6 in [0.05, 10]: Side of a tile, object units.
+// @param studio_light = 5 in [0, 50]: Brightness of the window and of the strips of light.
 
 // Mean of stripes of -1 and 1, each one wide, over a footprint of this width: a box filter.
 float stripes(float x, float width) {

@@ -3,7 +3,7 @@
 // x: object space; index in [1, 4], gradients per object unit.
 // @needs normal
 #include "sample.glsl"
-#include "clearance.glsl"
+#include "distance_bound.glsl"
 #include "index_point.glsl"
 #include <dmf>
 
@@ -32,7 +32,7 @@ float density_at(vec3 x) {
 
 Index index_at(vec3 x) {
     Sample s = sample_object(x);
-    clearance = s.clearance;
+    distance_bound = s.distance_bound;
     float density = matter_density(s);
     if (!clipped(x)) return index_of(density);
     Index cut = index_of(0.0);

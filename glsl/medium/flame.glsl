@@ -2,10 +2,10 @@
 // Source: PH 2.4 (low density red, high yellow); MJ Fig. 7f: fire (bumpy).
 // density: modulated, in [0, 1]; result: linear RGB.
 // @needs normal
-// @knob relief = 0.35 in [0, 1]: Strength of the relief.
-// @knob relief_rise = 0.6 in [0, 8]: Speed at which the relief rises, object units per second: that of the flames.
-// @knob glow = 1.6 in [0, 10]: Brightness of the gas.
-// @knob flame_opacity = 1 in [0, 4]: How opaque the gas is, as a part of the opacity rate: beside fur, little.
+// @param relief = 0.35 in [0, 1]: Strength of the relief.
+// @param relief_rise = 0.6 in [0, 8]: Speed at which the relief rises, object units per second: that of the flames.
+// @param glow = 1.6 in [0, 10]: Brightness of the gas.
+// @param flame_opacity = 1 in [0, 4]: How opaque the gas is, as a part of the opacity rate: beside fur, little.
 #include "transfer.glsl"
 #include <turbulence>
 vec3 medium(Sample s, float density) {

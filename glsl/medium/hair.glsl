@@ -4,7 +4,7 @@
 // @needs normal
 // @color root_color = #2b1509: Color of the hair at the skin.
 // @color tip_color = #d9a05f: Color of the hair at its tip.
-// @knob sheen = 0.25 in [0, 2]: Strength of the highlight.
+// @param sheen = 0.25 in [0, 2]: Strength of the highlight.
 #include <shadow>
 vec3 medium(Sample s, float density) {
     float tip = clamp(1.0 - s.density, 0.0, 1.0);

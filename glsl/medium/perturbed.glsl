@@ -1,11 +1,11 @@
 // The color of the transfer map and the opacity, made irregular by noise: brightness as a whole, and each channel for itself.
 // Source: GG 39.5, first technique: four noises change optical properties after the transfer function.
 // density: modulated, in [0, 1]; result: linear RGB; extinction: a factor of the opacity rate, at least 0.
-// @knob irregularity = 0.6 in [0, 2]: How far the brightness varies, as a part of it.
-// @knob iridescence = 0.4 in [0, 2]: How far each channel varies for itself, as a part of it.
-// @knob patchiness = 0 in [0, 2]: How far the opacity varies, as a part of it.
-// @knob irregularity_frequency = 8 in [0.1, 100]: Noise cells per object unit.
-// @knob irregularity_speed = 0 in [0, 8]: How fast the noise drifts, cells per second.
+// @param irregularity = 0.6 in [0, 2]: How far the brightness varies, as a part of it.
+// @param iridescence = 0.4 in [0, 2]: How far each channel varies for itself, as a part of it.
+// @param patchiness = 0 in [0, 2]: How far the opacity varies, as a part of it.
+// @param irregularity_frequency = 8 in [0.1, 100]: Noise cells per object unit.
+// @param irregularity_speed = 0 in [0, 8]: How fast the noise drifts, cells per second.
 #include "transfer.glsl"
 #include "four_noises.glsl"
 vec3 irregular_place(Sample s) { return irregularity_frequency * s.x - vec3(0.0, irregularity_speed * time, 0.0); }

@@ -4,8 +4,8 @@
 // x: object space; jacobian: derivative of the displaced by the original point.
 // @move +y 1.1547006 * noise_bound * drip_amplitude
 // @move -y 0.2886752 * noise_bound * drip_amplitude
-// @knob drip_amplitude = 0.8 in [0, 2]: Length of the longest drip, object units.
-// @knob drips = 3 in [0.2, 20]: Drips per object unit.
+// @param drip_amplitude = 0.8 in [0, 2]: Length of the longest drip, object units.
+// @param drips = 3 in [0.2, 20]: Drips per object unit.
 #include <noise>
 void dripping(inout vec3 x, inout mat3 jacobian) {
     vec3 scale = drips * vec3(1.0, 0.2, 1.0);

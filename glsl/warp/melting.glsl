@@ -3,9 +3,9 @@
 // Source: PH 2.4 (dripping sphere: noise on y alone), MJ 6 and Fig. 7e; the form is a reconstruction.
 // x: object space; jacobian: derivative of the displaced by the original point.
 // @move +y drip_length * melt_time
-// @knob drip_length = 0.75 in [0, 2]: Longest drip, object units.
-// @knob drip_frequency = 4.0 in [0.2, 20]: Drips per object unit.
-// @knob melt_time = 1.0 in [0, 1]: How far the melting has gone.
+// @param drip_length = 0.75 in [0, 2]: Longest drip, object units.
+// @param drip_frequency = 4.0 in [0.2, 20]: Drips per object unit.
+// @param melt_time = 1.0 in [0, 1]: How far the melting has gone.
 #include <noise>
 void melting(inout vec3 x, inout mat3 jacobian) {
     vec4 n = noise_gradient(vec3(drip_frequency * x.x, 5.5, drip_frequency * x.z));

@@ -2,10 +2,10 @@
 // Source: GG 39.5 (after Kniss et al. 2003): p' = p + sum of w_j N(s_j p + o_j(t)); PH 3.1.
 // x: object space; jacobian: derivative of the displaced by the original point.
 // @move 1.1547006 * noise_bound * perturbation
-// @knob perturbation = 0.3 in [0, 2]: No point moves further than this, object units.
-// @knob perturbation_frequency = 2 in [0.1, 40]: Frequency of the coarsest scale; the others are 2 and 4 times as fine.
-// @knob perturbation_roughness = 0.5 in [0, 1]: Strength of each scale, in that of the next coarser one.
-// @knob perturbation_speed = 0.3 in [0, 8]: How fast the noise drifts, cells of the coarsest scale per second.
+// @param perturbation = 0.3 in [0, 2]: No point moves further than this, object units.
+// @param perturbation_frequency = 2 in [0.1, 40]: Frequency of the coarsest scale; the others are 2 and 4 times as fine.
+// @param perturbation_roughness = 0.5 in [0, 1]: Strength of each scale, in that of the next coarser one.
+// @param perturbation_speed = 0.3 in [0, 8]: How fast the noise drifts, cells of the coarsest scale per second.
 #include "vector_noise.glsl"
 #include <bandlimit>
 void perturbed(inout vec3 x, inout mat3 jacobian) {

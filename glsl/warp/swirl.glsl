@@ -2,8 +2,8 @@
 // Source: PH 2.4 (noisy sphere) and 3.1 (vector-valued noise: three noises, far apart).
 // x: object space; jacobian: derivative of the displaced by the original point. Moves by at most swirl_depth.
 // @move 1.1547006 * noise_bound * swirl_depth
-// @knob swirl_depth = 0.3 in [0, 1]: Farthest that a point of the surface moves, object units.
-// @knob swirl_frequency = 1.6 in [0.1, 20]: Waves of the surface: noise cells per object unit.
+// @param swirl_depth = 0.3 in [0, 1]: Farthest that a point of the surface moves, object units.
+// @param swirl_frequency = 1.6 in [0.1, 20]: Waves of the surface: noise cells per object unit.
 #include "vector_noise.glsl"
 void swirl(inout vec3 x, inout mat3 jacobian) {
     float each = swirl_depth / 1.5;                                 // vector noise is at most so long

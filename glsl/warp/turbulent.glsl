@@ -4,9 +4,9 @@
 // x: object space; jacobian: derivative of the displaced by the original point.
 // @move 2 * noise_bound * turbulence_amplitude * hold_radius
 // @grow 0
-// @knob turbulence_amplitude = 1 in [0, 2]: How strongly the turbulence shrinks the object.
-// @knob turbulence_frequency = 1 in [0.1, 20]: Frequency of the first octave: turbulence cells per object unit.
-// @knob turbulence_speed = 0.3 in [0, 8]: Speed at which the turbulence rises, object units per second.
+// @param turbulence_amplitude = 1 in [0, 2]: How strongly the turbulence shrinks the object.
+// @param turbulence_frequency = 1 in [0.1, 20]: Frequency of the first octave: turbulence cells per object unit.
+// @param turbulence_speed = 0.3 in [0, 8]: Speed at which the turbulence rises, object units per second.
 #include <turbulence>
 #include "scale_radius.glsl"
 void turbulent(inout vec3 x, inout mat3 jacobian) {

@@ -1,7 +1,7 @@
 //! The command line.
 
 use super::compare::Compare;
-use super::look::{Look, ObjectArguments, metric, size};
+use super::scene_arguments::{ObjectArguments, SceneArguments, metric, size};
 use super::sequence::{Motion, ShardChoice, shard};
 use clap::{Args, Parser, Subcommand};
 use hypertexture::output::Depth;
@@ -30,16 +30,16 @@ pub enum Command {
     Render(Box<Render>),
     /// Show a window, in which the mouse turns the scene and panels change it.
     #[cfg(feature = "view")]
-    View(Box<View>),
+    View(Box<ViewArguments>),
     /// Join the shards of a picture, as `render --shard` writes them.
     Merge(Merge),
     /// Compute the distance field of an object and write it as NRRD.
     Field(Field),
-    /// Render every figure, or the six effects on one object, with a page that explains them.
+    /// Render every example scene, or the six effects on one object, with a page that explains them.
     Gallery(Gallery),
-    /// Measure error against run time: strategies, samples, blocks, formats and rules, with a report.
+    /// Measure error against run time: strategies, samples, blocks, formats and integrations, with a report.
     Compare(Box<Compare>),
-    /// List the effects and their knobs.
+    /// List the effects and their parameters.
     Effects,
     /// Hold the device against closed forms in both passes, or a picture against the scene in it.
     Verify(Verify),
@@ -61,7 +61,7 @@ pub enum Command {
 /// Arguments of `render`.
 #[derive(Args)]
 pub struct Render {
-    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), a figure such as fire_ball, or
+    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), an example scene such as fire_ball, or
     /// a picture that this program has written: its scene.
     pub input: String,
     /// Where the picture goes: .png or .exr.
@@ -76,7 +76,7 @@ pub struct Render {
     /// Say what the picture will cost, from small ones, and write none.
     #[arg(long, conflicts_with_all = ["frames", "shard"])]
     pub predict: bool,
-    /// Draw it in the cheapest way whose error is below this, such as 1e-3; the scene says what is drawn, and no longer how.
+    /// Draw it with the fastest settings whose error is below this, such as 1e-3; the scene says what is drawn, and no longer how.
     #[arg(long, value_name = "ERROR", conflicts_with = "shard")]
     pub max_error: Option<f64>,
     /// How that error is measured: rmse, max, p999, opacity.
@@ -94,7 +94,7 @@ pub struct Render {
     pub object: ObjectArguments,
     /// What the picture shows.
     #[command(flatten)]
-    pub look: Look,
+    pub arguments: SceneArguments,
 }
 
 impl Render {
@@ -107,8 +107,8 @@ impl Render {
 /// Arguments of `view`.
 #[cfg(feature = "view")]
 #[derive(Args)]
-pub struct View {
-    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), or a figure such as fire_ball.
+pub struct ViewArguments {
+    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), or an example scene such as fire_ball.
     #[arg(default_value = "furry_donut")]
     pub input: String,
     /// Refine a picture that stands still until its root mean square error is about this [default: 0.001].
@@ -134,7 +134,7 @@ pub struct View {
     pub object: ObjectArguments,
     /// What the picture shows.
     #[command(flatten)]
-    pub look: Look,
+    pub arguments: SceneArguments,
 }
 
 #[cfg(feature = "view")]
@@ -213,7 +213,7 @@ pub struct Field {
 /// Arguments of `gallery`.
 #[derive(Args)]
 pub struct Gallery {
-    /// The object of the six effects; without one, every figure has its own object.
+    /// The object of the six effects; without one, every example scene has its own object.
     pub input: Option<String>,
     /// Where pictures and page go.
     #[arg(long, short, default_value = "out", value_name = "FOLDER")]
@@ -221,7 +221,7 @@ pub struct Gallery {
     /// Width and height in pixels.
     #[arg(long, default_value = "512x512", value_parser = size, value_name = "WxH")]
     pub size: [u32; 2],
-    /// Samples of a ray through the object; what the figure says without it.
+    /// Samples of a ray through the object; what the scene says without it.
     #[arg(long)]
     pub samples: Option<u32>,
     /// The object.

@@ -1,6 +1,6 @@
 //! Error against run time, from the command line.
 
-use super::look::{Look, ObjectArguments};
+use super::scene_arguments::{ObjectArguments, SceneArguments};
 use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, say, start, with_progress};
 use clap::Args;
@@ -28,13 +28,13 @@ const SIZE: [u32; 2] = [128, 128];
 /// Arguments of `compare`.
 #[derive(Args)]
 pub struct Compare {
-    /// A built-in object, a mesh, a volume, a scene file (.toml), or an effect or figure such as fire; with --paper, the
+    /// A built-in object, a mesh, a volume, a scene file (.toml), or an effect or example scene such as fire; with --paper, the
     /// object, teapot unless said otherwise.
     #[arg(value_name = "SCENE", required_unless_present = "paper")]
     input: Option<String>,
     /// Replay the tables of Miller and Jones 2005 instead: frames per second of their six effects and four ways to get
     /// turbulence in their windows, beside what they print, with errors; on --samples slices [default: 128].
-    #[arg(long, conflicts_with_all = ["effect", "look", "sweep", "strategies", "pass", "rule", "msaa", "anisotropy"])]
+    #[arg(long, conflicts_with_all = ["effect", "debug_view", "sweep", "strategies", "pass", "integration", "msaa", "anisotropy"])]
     pub paper: bool,
     /// With --paper: the windows are this part of the paper's in width and height, for a quick look, which leaves out the
     /// largest block of noise.
@@ -60,7 +60,7 @@ pub struct Compare {
     pub object: ObjectArguments,
     /// What is drawn, 128 x 128 pixels unless said otherwise.
     #[command(flatten)]
-    pub look: Look,
+    pub arguments: SceneArguments,
 }
 
 impl Compare {
@@ -130,8 +130,8 @@ fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
     if !(1..=1000).contains(&repeat) {
         return Err(format!("--repeat {repeat}: must be from 1 to 1000").into());
     }
-    let mut scene = command.look.scene(command.input(), &command.object)?;
-    if command.look.size.is_none() {
+    let mut scene = command.arguments.scene(command.input(), &command.object)?;
+    if command.arguments.size.is_none() {
         scene.image.size = SIZE;
     }
     let (samples, strategies) = (command.sweep.clone(), command.strategies.clone());
@@ -148,7 +148,7 @@ pub(super) fn make_folder(folder: &Path) -> Result<(), String> {
 
 fn title(command: &Compare) -> String {
     let input = report::file_name(command.input());
-    command.look.effect.as_ref().map_or(input.clone(), |effect| format!("{effect} on {input}"))
+    command.arguments.effect.as_ref().map_or(input.clone(), |effect| format!("{effect} on {input}"))
 }
 
 /// The end: what was written, and whether it is good.

@@ -4,7 +4,7 @@
 use super::args::{Arguments, Command};
 use clap::Parser;
 use hypertexture::glsl;
-use hypertexture::scene::{self, Color, KnobValue, Scene, preset};
+use hypertexture::scene::{self, Color, ParameterValue, Scene, preset};
 use hypertexture::view::model::Model;
 
 /// The words of a line, as `sh` reads them.
@@ -17,7 +17,7 @@ fn words(line: &str) -> Vec<String> {
 fn read(line: &str) -> Scene {
     let arguments = Arguments::try_parse_from(words(line)).unwrap_or_else(|error| panic!("{line}: {error}"));
     let Command::Render(render) = arguments.command else { panic!("{line}") };
-    render.look.scene(&render.input, &render.object).unwrap_or_else(|error| panic!("{line}: {error}"))
+    render.arguments.scene(&render.input, &render.object).unwrap_or_else(|error| panic!("{line}: {error}"))
 }
 
 fn check(model: &Model) {
@@ -40,7 +40,7 @@ fn a_person_would_write_the_same_line() {
     scene.object.input = "torus".into();
     scene.quality.samples = 100;
     scene.camera.azimuth = -12.5;
-    scene.knobs.insert("fineness".into(), KnobValue::Number(60.0));
+    scene.parameters.insert("fineness".into(), ParameterValue::Number(60.0));
     let model = Model::new(scene, glsl::shipped()).unwrap();
     let expected = "hypertexture render torus --effect fur --set fineness=60 --samples 100 --camera=-12.5,";
     assert!(model.command_line().starts_with(expected), "{}", model.command_line());
@@ -72,12 +72,12 @@ fn edit(model: &mut Model, dice: &mut Dice) -> bool {
         let modules = library.modules(slot);
         modules[dice.below(modules.len())].to_string()
     };
-    let knobs: Vec<_> = model.knobs(None).iter().map(|(knob, _)| knob.clone()).collect();
+    let parameters: Vec<_> = model.parameters(None).iter().map(|(parameter, _)| parameter.clone()).collect();
     let parts: Vec<_> = model.scene().parts.keys().cloned().collect();
     let number = dice.roll();
     match dice.below(16) {
         0 => model.edit("a", |s| s.quality.samples = 1 + (number * 300.0) as u32),
-        1 => model.edit("a", |s| (s.quality.stop, s.quality.jitter) = (number * 0.5, number > 0.5)),
+        1 => model.edit("a", |s| (s.quality.early_termination, s.quality.jitter) = (number * 0.5, number > 0.5)),
         2 => model.edit("a", |s| (s.camera.azimuth, s.camera.zoom) = (number * 90.0 - 45.0, 0.5 + number)),
         3 => model.edit("a", |s| s.camera.clip = (number > 0.3).then_some([number, -0.5, 0.0, 0.125])),
         4 => model.edit("a", |s| (s.light.color, s.light.position[0]) = (dice.color(), -number)),
@@ -87,19 +87,19 @@ fn edit(model: &mut Model, dice: &mut Dice) -> bool {
         8 => model.edit("a", |s| (s.effect.medium, s.effect.surface) = (pick(dice, "medium"), pick(dice, "surface"))),
         9 => model.edit("a", |s| s.object.input = ["torus", "it's a \"file\".obj", "fur", "-x"][dice.below(4)].into()),
         10 => model.edit("a", |s| s.transfer.stops[0].density = number),
-        11 if !knobs.is_empty() => model.edit("a", |s| {
-            let knob = &knobs[dice.below(knobs.len())];
-            let value = match knob.default {
-                glsl::Default::Number(_, [low, high]) => KnobValue::Number(low + (high - low) * number),
-                glsl::Default::Color(_) => KnobValue::Color(dice.color()),
+        11 if !parameters.is_empty() => model.edit("a", |s| {
+            let parameter = &parameters[dice.below(parameters.len())];
+            let value = match parameter.kind {
+                glsl::ParameterKind::Number(_, [low, high]) => ParameterValue::Number(low + (high - low) * number),
+                glsl::ParameterKind::Color(_) => ParameterValue::Color(dice.color()),
             };
-            s.knobs.insert(knob.name.clone(), value);
+            s.parameters.insert(parameter.name.clone(), value);
         }),
         12 => model.add_part("torus").is_some(),
         13 if !parts.is_empty() => model.remove_part(&parts[dice.below(parts.len())]),
         14 if !parts.is_empty() => model.edit("a", |s| {
             let part = s.parts.values_mut().next().unwrap();
-            (part.place.turn[1], part.material.color, part.effect.medium) = (number, dice.color(), "lit".into());
+            (part.transform.turn[1], part.material.color, part.effect.medium) = (number, dice.color(), "lit".into());
         }),
         15 => model.edit("a", |s| (s.about, s.light.shadows, s.object.iso) = (" it's ".into(), true, Some(-number))),
         _ => model.take_preset(scene::names().nth(dice.below(26)).unwrap_or("fur"), number > 0.5),
@@ -127,7 +127,7 @@ fn every_edit_is_undone_and_done_again() {
         let mut scenes = vec![model.scene().clone()];
         for _ in 0..40 {
             let good = edit(&mut model, &mut dice);
-            model.settle();
+            model.end_undo_group();
             model.scene().check(model.library()).unwrap();
             if !good {
                 assert_eq!(model.scene(), scenes.last().unwrap(), "what is refused changes nothing");

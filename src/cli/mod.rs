@@ -6,9 +6,9 @@ mod ignored;
 #[cfg(all(test, feature = "view"))]
 mod line_tests;
 mod log;
-mod look;
 mod modules;
 mod paper;
+mod scene_arguments;
 mod sequence;
 mod verify;
 #[cfg(feature = "view")]
@@ -24,13 +24,13 @@ pub use verify::Disagreement;
 pub use view::NoWindow;
 
 use hypertexture::compare::{Failure, Stage};
-use hypertexture::glsl::{self, Library, declare::Default as KnobDefault};
+use hypertexture::glsl::{self, Library, ParameterKind};
 use hypertexture::gpu::{Format, Gpu, Options};
 use hypertexture::output::{self, Provenance};
-use hypertexture::pick::{Bound, Pick, remembered};
+use hypertexture::pick::{ErrorBound, Pick, remembered};
 use hypertexture::predict::{Estimate, Prediction, predict};
 use hypertexture::render::{Frame, Renderer, Subject, open, request};
-use hypertexture::scene::{self, KnobValue, Object, Pass, Scene};
+use hypertexture::scene::{self, Object, ParameterValue, Pass, Scene};
 use hypertexture::shard::{self, Shard};
 use hypertexture::variant::Variant;
 #[cfg(feature = "view")]
@@ -107,10 +107,10 @@ struct Picture<'a> {
 }
 
 fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let (mut scene, base) = command.look.scene_and_base(&command.input, &command.object)?;
+    let (mut scene, base) = command.arguments.scene_and_base(&command.input, &command.object)?;
     let library = scene.library()?;
     scene.check(&library)?;
-    let bound = command.max_error.map(|error| Bound::new(command.metric, error)).transpose()?;
+    let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose()?;
     output::check(&command.output)?;
     command.save_scene.iter().try_for_each(|file| output::check_folder(file))?;
     let shard = command.shard.map(ShardChoice::shard).transpose()?;
@@ -125,7 +125,7 @@ fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Bo
         let worker = Worker::new(&start(options)?, &library, Load::Scene(scene::to_text(&scene)));
         let worker = Some(&worker);
         let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker, stop: &|| false };
-        let pick = with_progress(quiet, "cheapest way", |progress| remembered(stage, &scene, bound, progress))?;
+        let pick = with_progress(quiet, "fastest settings", |progress| remembered(stage, &scene, bound, progress))?;
         if !quiet {
             say(&explain(&pick, bound));
         }
@@ -138,7 +138,7 @@ fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Bo
     let picture = Picture { gpu: &gpu, library: &library, scene: &scene, subject: &subject };
     if command.predict {
         let prediction = predict(&mut Renderer::new(&gpu, &library, &subject), &scene)?;
-        say(&foretell(&scene, &prediction));
+        say(&format_prediction(&scene, &prediction));
     } else if let Some(sequence) = &sequence {
         sequence::render_frames(command, &picture, sequence, shard, quiet)?;
     } else if let Some(shard) = shard {
@@ -158,7 +158,7 @@ fn render_picture(command: &Render, picture: &Picture<'_>, quiet: bool) -> Resul
     let frame = with_progress(quiet, "noise", |progress| {
         Renderer::new(gpu, library, subject).with_progress(progress).render(scene)
     })?;
-    let provenance = Provenance::of(scene, &gpu.facts().title(), &frame.measurements.modules)?;
+    let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements.modules)?;
     output::write(&frame, scene.image.background, command.depth(), &provenance, &command.output)?;
     if !quiet {
         say(&summary(gpu, scene, subject, &frame));
@@ -178,7 +178,7 @@ fn render_shard(command: &Render, picture: &Picture<'_>, shard: Shard, quiet: bo
         size: scene.image.size,
         background: scene.image.background,
         depth: command.depth(),
-        provenance: Provenance::of(scene, &gpu.facts().title(), &frame.measurements.modules)?,
+        provenance: Provenance::of(scene, &gpu.info().title(), &frame.measurements.modules)?,
     };
     let path = shard.path(&command.output);
     output::write_whole(&path, &shard::encode(&whole, shard, &frame))
@@ -205,10 +205,10 @@ fn merge(command: &Merge, quiet: bool) -> Result<(), Box<dyn Error>> {
 }
 
 /// A pick in words.
-fn explain(pick: &Pick, bound: Bound) -> String {
+fn explain(pick: &Pick, bound: ErrorBound) -> String {
     let [left_out, drawn, kept] = pick.counts;
     let remembered = if pick.remembered { ", remembered" } else { "" };
-    let mut text = format!("way        {}{remembered}\n", pick.way);
+    let mut text = format!("settings   {}{remembered}\n", pick.settings);
     text += &match (&pick.verified, &pick.unverified) {
         (Some(found), _) => format!(
             "error      {} {:.1e}, asked for {:.1e}; by the f64 reference (own error {:.0e}) in {} pixels\n",
@@ -226,7 +226,8 @@ fn explain(pick: &Pick, bound: Bound) -> String {
         "why        the fastest of {kept} that fit, of {drawn} drawn small ({:.2} ms); {left_out} could not fit",
         pick.small_ms
     );
-    let other = pick.other.as_ref().map(|(way, ms)| format!("; {way} takes {:.1}x", ms / pick.small_ms.max(1e-6)));
+    let other =
+        pick.other.as_ref().map(|(settings, ms)| format!("; {settings} takes {:.1}x", ms / pick.small_ms.max(1e-6)));
     text = text + &other.unwrap_or_default() + "\n";
     for Failure { label, message } in &pick.failures {
         text += &format!("failed     {label}: {message}\n");
@@ -235,7 +236,7 @@ fn explain(pick: &Pick, bound: Bound) -> String {
 }
 
 /// A prediction in words.
-fn foretell(scene: &Scene, prediction: &Prediction) -> String {
+fn format_prediction(scene: &Scene, prediction: &Prediction) -> String {
     let seconds = |ms: f64| format!("{:.2} s", ms * 1e-3);
     let time = |e: &Estimate| format!("{} ({} to {})", seconds(e.expected), seconds(e.low), seconds(e.high));
     let [width, height] = scene.image.size;
@@ -266,10 +267,10 @@ fn foretell(scene: &Scene, prediction: &Prediction) -> String {
 
 /// What a render took, and what it left out.
 fn summary(gpu: &Gpu, scene: &Scene, subject: &Subject, frame: &Frame) -> String {
-    let facts = gpu.facts();
+    let info = gpu.info();
     let m = &frame.measurements;
     let mut lines = vec![
-        format!("device     {} ({}, Vulkan {})", facts.name, facts.driver, facts.api),
+        format!("device     {} ({}, Vulkan {})", info.name, info.driver, info.api),
         format!("program    {}{}", m.modules, if m.shipped { "" } else { " (linked now)" }),
         format!("left out   {}", if m.left_out.is_empty() { "nothing".into() } else { m.left_out.join(", ") }),
     ];
@@ -353,15 +354,15 @@ fn write_gallery(command: &Gallery, options: &Options, quiet: bool) -> Result<()
     let library = glsl::shipped();
     let gpu = Gpu::new(options)?;
     // Smooth edges, where the device has them for the default target.
-    let smooth = gpu.sample_counts(Format::Rgba32Float).contains(&4) && gpu.facts().sample_shading;
+    let smooth = gpu.sample_counts(Format::Rgba32Float).contains(&4) && gpu.info().sample_shading;
     let mut scenes = match &command.input {
         Some(input) => gallery::effects(input)?,
-        None => gallery::figures()?,
+        None => gallery::examples()?,
     };
     for (_, scene) in &mut scenes {
         scene.image.size = command.size;
         scene.quality.samples = command.samples.unwrap_or(scene.quality.samples);
-        // Among many figures only those are smoothed that have hard edges and are quick: it takes four times as long.
+        // Among many scenes only those are smoothed that have hard edges and are quick: it takes four times as long.
         let quick = scene.effect.softness == "hard" && scene.effect.warp.is_empty();
         let smooth = smooth && (command.input.is_some() || quick);
         scene.quality.msaa = if smooth { 4 } else { 1 };
@@ -376,7 +377,7 @@ fn write_gallery(command: &Gallery, options: &Options, quiet: bool) -> Result<()
             "rendered {} scenes in {:.1} s on {}\nwrote {}\n",
             scenes.len() - failures.len(),
             began.elapsed().as_secs_f64(),
-            gpu.facts().name,
+            gpu.info().name,
             absolute(&page)
         ));
     }
@@ -396,15 +397,15 @@ fn list_effects() -> Result<(), Box<dyn Error>> {
         if !kinds.is_empty() {
             text.push_str(&format!("    {kinds}\n"));
         }
-        for (name, knob, value) in Variant::of(&scene, &library)?.all_knobs() {
-            let value = match (value, knob.default) {
-                (KnobValue::Number(value), KnobDefault::Number(_, [low, high])) => {
+        for (name, parameter, value) in Variant::of(&scene, &library)?.all_parameters() {
+            let value = match (value, parameter.kind) {
+                (ParameterValue::Number(value), ParameterKind::Number(_, [low, high])) => {
                     format!("{value} in [{low}, {high}]")
                 }
-                (KnobValue::Number(value), KnobDefault::Color(_)) => value.to_string(),
-                (KnobValue::Color(color), _) => String::from(*color),
+                (ParameterValue::Number(value), ParameterKind::Color(_)) => value.to_string(),
+                (ParameterValue::Color(color), _) => String::from(*color),
             };
-            text.push_str(&format!("    {name:<24} {value:<24} {}\n", knob.doc));
+            text.push_str(&format!("    {name:<24} {value:<24} {}\n", parameter.doc));
         }
     }
     say(&text);

@@ -1,8 +1,8 @@
-//! Modules from the command line, and the looks that show how a picture is made.
+//! Modules from the command line, and the debug views.
 
-use hypertexture::scene::{Projection, Ray, Scene, SceneError};
+use hypertexture::scene::{Projection, RayPath, Scene, SceneError};
 
-/// Puts the modules of one slot, separated by `+`, into the scene. One that ends in `.glsl` is a file of one's own.
+/// Puts the modules of one slot, separated by `+`, into the scene. One that ends in `.glsl` is a custom module.
 pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
     let limit = "write SLOT=MODULE, such as noise=procedural; a stack is DMF+DMF".to_string();
     let wrong = || SceneError::Value { field: "--module".into(), value: text.into(), limit };
@@ -65,13 +65,13 @@ pub(super) fn show(scene: &mut Scene, classify: &str, surface: &str) {
     scene.combine = None;
     scene.effect.classify = classify.into();
     scene.effect.surface = surface.into();
-    scene.effect.ray = Ray::Straight;
+    scene.effect.ray_path = RayPath::Straight;
     scene.effect.absorption = "none".into();
     scene.effect.environment = "none".into();
     scene.effect.softness = "hard".into();
     scene.effect.dmf.clear();
     scene.effect.warp.clear();
-    scene.knobs.clear();
+    scene.parameters.clear();
 }
 
 /// How close the camera is to a plane of noise: the face of a cube fills the picture.

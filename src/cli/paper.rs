@@ -1,7 +1,7 @@
 //! The paper's tables, replayed from the command line.
 
 use super::compare::{Compare, Failed, make_folder, truth};
-use super::look::Look;
+use super::scene_arguments::SceneArguments;
 use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, say, start, with_progress};
 use hypertexture::compare::Stage;
@@ -31,7 +31,7 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let first = &plan.effects[0];
     let library = first.library()?;
     let variants = plan.effects.iter().map(|scene| Variant::of(scene, &library)).collect::<Result<Vec<_>, _>>()?;
-    let margins = variants.iter().map(|variant| variant.knobs.outer_iso().unwrap_or(first.object.outer_iso));
+    let margins = variants.iter().map(|variant| variant.parameters.outer_iso().unwrap_or(first.object.outer_iso));
     let (margin, closest) = (margins.fold(0.0, f32::max), variants.iter().any(Variant::reads_closest));
     let subject = with_progress(quiet, "distance field", |progress| {
         Subject::load_with_margin(&first.object, margin, closest, progress)
@@ -77,18 +77,18 @@ fn plan(command: &Compare) -> Result<Plan, Box<dyn Error>> {
     if !(0.02..=4.0).contains(&scale) {
         return Err(format!("--scale {scale}: must be from 0.02 to 4").into());
     }
-    let look = &command.look;
+    let arguments = &command.arguments;
     let effect = |(name, ..): &(&str, &str, _)| -> Result<Scene, Box<dyn Error>> {
-        let mut scene =
-            Look { effect: Some(name.to_string()), ..look.clone() }.scene(command.input(), &command.object)?;
+        let mut scene = SceneArguments { effect: Some(name.to_string()), ..arguments.clone() }
+            .scene(command.input(), &command.object)?;
         let asked = scene.quality.clone();
         scene.quality = paper_quality(&asked);
         let quality = &mut scene.quality;
-        quality.samples = if look.samples.is_some() { asked.samples } else { SLICES };
-        quality.target = if look.target.is_some() { asked.target } else { quality.target };
-        quality.proxy = if look.proxy.is_some() { asked.proxy } else { quality.proxy };
+        quality.samples = if arguments.samples.is_some() { asked.samples } else { SLICES };
+        quality.target = if arguments.target.is_some() { asked.target } else { quality.target };
+        quality.proxy = if arguments.proxy.is_some() { asked.proxy } else { quality.proxy };
         Ok(scene)
     };
     let effects = EFFECTS.iter().map(effect).collect::<Result<Vec<_>, _>>()?;
-    Ok(Plan { effects, scale, quick: command.quick, repeat, error_size: look.size.unwrap_or(ERROR_SIZE) })
+    Ok(Plan { effects, scale, quick: command.quick, repeat, error_size: arguments.size.unwrap_or(ERROR_SIZE) })
 }

@@ -110,7 +110,7 @@ pub fn render_frames(
             }
             let scene = sequence.scene(scene, *frame);
             let drawn = renderer.render(&scene)?;
-            let provenance = Provenance::of(&scene, &gpu.facts().title(), &drawn.measurements.modules)?;
+            let provenance = Provenance::of(&scene, &gpu.info().title(), &drawn.measurements.modules)?;
             output::write(&drawn, scene.image.background, command.depth(), &provenance, path)?;
             manifest.add(*frame, path)?;
             rendered += 1;

@@ -6,10 +6,10 @@ use hypertexture::field::Progress;
 use hypertexture::glsl::Library;
 use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output;
-use hypertexture::reference::{Reference, ReferenceError, TOLERANCE, limit_of, reference_pixels};
+use hypertexture::reference::{Reference, ReferenceError, TOLERANCE, converged_settings, reference_pixels};
 use hypertexture::render::{Subject, render};
 use hypertexture::scene::Scene;
-use hypertexture::verify::{self, Asked, PixelTruth};
+use hypertexture::verify::{self, CheckOptions, PixelTruth};
 use std::error::Error;
 use std::fmt;
 use std::path::Path;
@@ -43,7 +43,7 @@ fn truths(options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     if !quiet {
         let seconds = start.elapsed().as_secs_f64();
         let count = all - missed.len();
-        say(&format!("{}{count} of {all} rows hold on {}, in {seconds:.1} s\n", report.text(), gpu.facts().title()));
+        say(&format!("{}{count} of {all} rows hold on {}, in {seconds:.1} s\n", report.text(), gpu.info().title()));
     }
     match missed.is_empty() {
         true => Ok(()),
@@ -55,7 +55,7 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
     let provenance = output::read_provenance(image)?; // before a device is opened
     let gpu = Gpu::new(options)?;
     let library = provenance.scene(image)?.library()?;
-    let asked = Asked { pixels: command.pixels, seed: command.seed, bound: command.bound };
+    let asked = CheckOptions { pixels: command.pixels, seed: command.seed, bound: command.bound };
     let known = |scene: &Scene, subject: &Subject, pixels: &[[u32; 2]], progress: Progress<'_>| {
         truth(&gpu, &library, (scene, subject), pixels, progress)
     };
@@ -95,7 +95,7 @@ fn truth(
     pixels: &[[u32; 2]],
     progress: Progress<'_>,
 ) -> Result<PixelTruth, Box<dyn Error>> {
-    match reference_pixels(library, &limit_of(scene), subject, pixels, TOLERANCE, progress) {
+    match reference_pixels(library, &converged_settings(scene), subject, pixels, TOLERANCE, progress) {
         Ok(Reference { pixels, estimate, .. }) => Ok(PixelTruth { pixels, estimate, source: "the f64 reference" }),
         Err(ReferenceError::NoLimit(_) | ReferenceError::Exact(_)) => {
             let frame = render(gpu, library, scene, subject)?;

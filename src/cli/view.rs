@@ -1,6 +1,6 @@
 //! The window, by the arguments of `view`.
 
-use super::args::View;
+use super::args::ViewArguments;
 use hypertexture::gpu::Options;
 use hypertexture::view::{self, Start, ViewError};
 use std::error::Error;
@@ -20,13 +20,13 @@ impl fmt::Display for NoWindow {
 impl Error for NoWindow {}
 
 /// Shows the window.
-pub fn run(command: View, options: Options) -> Result<(), Box<dyn Error>> {
+pub fn run(command: ViewArguments, options: Options) -> Result<(), Box<dyn Error>> {
     let began = Instant::now();
-    let scene = command.look.scene(&command.input, &command.object)?;
+    let scene = command.arguments.scene(&command.input, &command.object)?;
     let library = scene.library()?;
     scene.check(&library)?;
     command.screenshot.iter().try_for_each(|file| hypertexture::output::check(file))?;
-    let View { max_error, play, window, frames, screenshot, script, .. } = command;
+    let ViewArguments { max_error, play, window, frames, screenshot, script, .. } = command;
     let start = Start { scene, library, options, max_error, play, window, frames, screenshot, script, began };
     view::run(start).map_err(|error| NoWindow(error).into())
 }

@@ -6,7 +6,7 @@
 use super::CompareError;
 use crate::glsl::Library;
 use crate::glsl::library::{Include, include};
-use crate::scene::{Pass, Rule, Scene, SceneError, TargetFormat};
+use crate::scene::{Integration, Pass, Scene, SceneError, TargetFormat};
 use crate::variant::Variant;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -52,7 +52,7 @@ pub struct Curve {
     /// Slices or rays.
     pub pass: Pass,
     /// What a sample stands for.
-    pub rule: Rule,
+    pub integration: Integration,
     /// Side of the block of noise, texels; `None` where none is read.
     pub block: Option<u32>,
     /// Format that slices are blended in; `None` of rays, which add up in registers.
@@ -66,7 +66,7 @@ impl Candidate {
         Curve {
             strategy: self.strategy.clone(),
             pass: quality.pass,
-            rule: quality.rule,
+            integration: quality.integration,
             block: self.reads_block.then_some(quality.block_size),
             target: (quality.pass == Pass::Slices).then_some(quality.target),
         }
@@ -120,7 +120,7 @@ impl Curve {
             TargetFormat::Float16 => ", 16-bit float",
             TargetFormat::Float32 => ", 32-bit float",
         });
-        format!("{}{block}, {}, {}{target}", self.strategy, pass_name(self.pass), rule_name(self.rule))
+        format!("{}{block}, {}, {}{target}", self.strategy, pass_name(self.pass), rule_name(self.integration))
     }
 }
 
@@ -132,11 +132,11 @@ pub fn pass_name(pass: Pass) -> &'static str {
     }
 }
 
-/// A rule as scene files spell it.
-pub fn rule_name(rule: Rule) -> &'static str {
-    match rule {
-        Rule::Point => "point",
-        Rule::Segment => "segment",
+/// A integration as scene files spell it.
+pub fn rule_name(integration: Integration) -> &'static str {
+    match integration {
+        Integration::Point => "point",
+        Integration::Segment => "segment",
     }
 }
 
@@ -152,14 +152,14 @@ pub fn candidates(scene: &Scene, library: &Library, sweep: &Sweep) -> Result<Vec
     let mut found: Vec<(String, Candidate)> = Vec::new();
     for strategy in chosen(strategies(scene, library, sweep.quick && sweep.strategies.is_none()), sweep)? {
         let brief = sweep.quick && !strategy.is_own(scene);
-        for ((pass, rule), (target, block), aside) in ways(scene, sweep.quick) {
-            if brief && !aside && (pass, rule) != (Pass::March, Rule::Point) {
+        for ((pass, integration), (target, block), aside) in ways(scene, sweep.quick) {
+            if brief && !aside && (pass, integration) != (Pass::March, Integration::Point) {
                 continue;
             }
             for &samples in samples(sweep) {
                 let mut scene = strategy.scene.clone();
                 let quality = &mut scene.quality;
-                (quality.pass, quality.rule, quality.samples) = (pass, rule, samples);
+                (quality.pass, quality.integration, quality.samples) = (pass, integration, samples);
                 (quality.target, quality.block_size) = (target, block);
                 let Ok(variant) = Variant::of(&scene, library) else { continue };
                 let (strategy, reads_block) = (strategy.name.clone(), reads_block(library, &variant));
@@ -183,23 +183,27 @@ fn samples(sweep: &Sweep) -> &[u32] {
     sweep.samples.as_deref().unwrap_or(&SAMPLES[..count])
 }
 
-/// Pass and rule, target and block, and whether that differs in the latter two alone: passes and rules are crossed; for
+/// Pass and integration, target and block, and whether that differs in the latter two alone: passes and integrations are crossed; for
 /// targets and blocks, one of them moves at a time.
-type Way = ((Pass, Rule), (TargetFormat, u32), bool);
+type Way = ((Pass, Integration), (TargetFormat, u32), bool);
 
 fn ways(scene: &Scene, quick: bool) -> Vec<Way> {
     let own = scene.quality.block_size;
     let mut ways = Vec::new();
     for pass in [Pass::March, Pass::Slices] {
-        let rules: &[Rule] = if quick && pass == Pass::Slices { &[Rule::Point] } else { &[Rule::Point, Rule::Segment] };
-        ways.extend(rules.iter().map(|&rule| ((pass, rule), (TargetFormat::Float32, own), false)));
+        let integrations: &[Integration] = if quick && pass == Pass::Slices {
+            &[Integration::Point]
+        } else {
+            &[Integration::Point, Integration::Segment]
+        };
+        ways.extend(integrations.iter().map(|&integration| ((pass, integration), (TargetFormat::Float32, own), false)));
     }
-    ways.push(((Pass::Slices, Rule::Point), (TargetFormat::Unorm8, own), true)); // the paper's
+    ways.push(((Pass::Slices, Integration::Point), (TargetFormat::Unorm8, own), true)); // the paper's
     if !quick {
-        ways.push(((Pass::Slices, Rule::Point), (TargetFormat::Float16, own), true));
+        ways.push(((Pass::Slices, Integration::Point), (TargetFormat::Float16, own), true));
         let blocks = BLOCKS.into_iter().filter(|&block| block != own);
-        for rule in [Rule::Segment, Rule::Point] {
-            ways.extend(blocks.clone().map(|block| ((Pass::March, rule), (TargetFormat::Float32, block), true)));
+        for integration in [Integration::Segment, Integration::Point] {
+            ways.extend(blocks.clone().map(|block| ((Pass::March, integration), (TargetFormat::Float32, block), true)));
         }
     }
     ways
@@ -237,7 +241,7 @@ fn strategies(scene: &Scene, library: &Library, quick: bool) -> Vec<Strategy> {
             let mut scene = scene.clone();
             (scene.effect.turbulence, scene.effect.noise) = (turbulence.clone(), noise.clone());
             // Few samples: a sum of octaves may not take many, and that must not decide about the strategy.
-            (scene.quality.rule, scene.quality.samples) = (Rule::Point, 1);
+            (scene.quality.integration, scene.quality.samples) = (Integration::Point, 1);
             if scene.check(library).is_err() {
                 continue;
             }
@@ -292,7 +296,7 @@ fn reads_block(library: &Library, variant: &Variant) -> bool {
     false
 }
 
-/// The slot of a key, which a further object's name may come before.
+/// The slot of a key, which an additional object's name may come before.
 fn slot_of(key: &str) -> &str {
     key.rsplit('.').next().unwrap_or(key)
 }
@@ -342,7 +346,10 @@ mod tests {
         let fire = all("fire", &Sweep::default());
         assert!(has(&fire, "octaves+procedural, slices, segment, 32-bit float, 512 samples"));
         let ball = all("fire_ball", &Sweep::default());
-        assert!(ball.iter().all(|c| c.curve().rule == Rule::Point), "post-classification knows points alone");
+        assert!(
+            ball.iter().all(|c| c.curve().integration == Integration::Point),
+            "post-classification knows points alone"
+        );
     }
 
     #[test]

@@ -22,7 +22,7 @@ use crate::gpu::Gpu;
 use crate::random::SplitMix;
 use crate::reference::{Reference, truth_of};
 use crate::render::{Frame, RenderError, Subject};
-use crate::scene::{Color, Pass, Rule, Scene, SceneError};
+use crate::scene::{Color, Integration, Pass, Scene, SceneError};
 use crate::worker::{Painter, Worker};
 use candidates::{Candidate, Sweep};
 use metrics::{Angles, Metrics};
@@ -67,7 +67,7 @@ pub enum CompareError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// Every candidate is refused.
-    #[error("no way to draw the scene is left; lower --sweep")]
+    #[error("no candidate is left; lower --sweep")]
     Nothing,
     /// A picture of the report cannot be made.
     #[error(transparent)]
@@ -297,7 +297,7 @@ fn own_octaves(library: &Library, candidate: &Candidate) -> Result<Option<Option
         return Ok(None);
     }
     let files = library.files_reached(&variant.entries, &variant.slots).map_err(|error| error.to_string())?;
-    let mut own = scene.exact_twin(library).map_err(|error| error.to_string())?;
+    let mut own = scene.unbaked(library).map_err(|error| error.to_string())?;
     own.effect.octaves = held;
     Ok(Some((!files.iter().any(|file| file == "fractal_sum.glsl")).then_some(own)))
 }
@@ -361,7 +361,7 @@ impl<'a> Normals<'a> {
         let mut renderer = stage.painter();
         let mut look = look(scene);
         let quality = &mut look.quality;
-        (quality.pass, quality.rule, quality.samples) = (Pass::March, Rule::Segment, NORMAL_SAMPLES);
+        (quality.pass, quality.integration, quality.samples) = (Pass::March, Integration::Segment, NORMAL_SAMPLES);
         let has_surface = scene.quality.supersampling == 1 && scene.effect.warp.is_empty() && !scene.has_several();
         let finest = if has_surface { renderer.render(&look).ok() } else { None };
         Normals { renderer, finest, known: Vec::new() }
@@ -384,7 +384,7 @@ impl<'a> Normals<'a> {
 /// The look `normals` of a scene: its bare surface, with what decides where that is found and nothing else.
 fn look(scene: &Scene) -> Scene {
     let effect = crate::scene::Effect { surface: "normals".into(), ..Default::default() };
-    let mut look = Scene { effect, knobs: Default::default(), ..scene.clone() };
+    let mut look = Scene { effect, parameters: Default::default(), ..scene.clone() };
     look.light.shadows = false;
     let default = crate::scene::Quality::default();
     let quality = &mut look.quality;

@@ -16,7 +16,7 @@ use super::{Comparison, Failure, Stage, run};
 use crate::gpu::Format;
 use crate::random::SplitMix;
 use crate::render::Frame;
-use crate::scene::{Pass, Rule, Scene, TargetFormat};
+use crate::scene::{Integration, Pass, Scene, TargetFormat};
 use crate::worker::Painter;
 
 /// One row of Table 3: what the paper calls it, our module, and frames per second in the order of [`COLUMNS`].
@@ -107,7 +107,8 @@ fn paper_scene(comparison: &Comparison, stage: &Stage<'_>, module: &str) -> Opti
         candidate.scene.effect.turbulence == module
             && candidate.strategy.starts_with(module)
             && (candidate.strategy == module || candidate.scene.effect.noise == own.effect.noise)
-            && (curve.pass, curve.rule, curve.target) == (Pass::Slices, Rule::Point, Some(TargetFormat::Unorm8))
+            && (curve.pass, curve.integration, curve.target)
+                == (Pass::Slices, Integration::Point, Some(TargetFormat::Unorm8))
             && curve.block.is_none_or(|block| block == own.quality.block_size)
             && candidate.samples() <= own.quality.samples
     };
@@ -132,7 +133,7 @@ pub fn table(
         failures.push(Failure { label, message: error.to_string() });
     };
     let counts = stage.gpu.sample_counts(Format::Rgba8Unorm);
-    let counts = if stage.gpu.facts().sample_shading { counts } else { vec![1] };
+    let counts = if stage.gpu.info().sample_shading { counts } else { vec![1] };
     let sampling = counts.into_iter().filter(|&count| count <= 8).max().unwrap_or(1);
     let mut rows = [[Cell::Missing; 4]; 4];
     let columns = if quick { 1 } else { COLUMNS.len() };
@@ -145,7 +146,7 @@ pub fn table(
             let mut scene = scene.clone();
             scene.image.size = size;
             if smooth {
-                (scene.quality.msaa, scene.quality.anisotropy) = (sampling, stage.gpu.facts().max_anisotropy.min(8.0));
+                (scene.quality.msaa, scene.quality.anisotropy) = (sampling, stage.gpu.info().max_anisotropy.min(8.0));
             }
             let samples = f64::from(size[0] * size[1] * scene.quality.msaa) / f64::from(300 * 300);
             let expected = match rows[row][0] {

@@ -215,7 +215,7 @@ fn nan(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
 
 /// Timestamps against the wall clock, for a submission that takes a while.
 fn timestamps(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
-    if bench.gpu.facts().timestamp_period == 0.0 {
+    if bench.gpu.info().timestamp_period == 0.0 {
         return Ok(("NOTE", "the queue has none; times are those of the wall clock".into()));
     }
     let (fragment, format) = ("doctor/blend.frag", Format::Rgba32Float);

@@ -4,7 +4,7 @@
 
 use super::code::{Code, Node, Reg};
 use super::lower::Class;
-use super::tidy::{Occurrences, each_condition, parts};
+use super::optimizer::{Occurrences, each_condition, parts};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap, HashSet};
 

@@ -2,15 +2,19 @@
 
 use super::ExactError;
 use super::code::{Lookup, Op, Pair, Reg, Source};
-use super::lower::{Class, Frame, Lower};
+use super::lower::{CallFrame, Class, Lower};
 use super::number::{IntBinary, Unary};
-use super::value::{Kind, Place, Thing, Ty, Value};
+use super::value::{Kind, Lowered, Ty, Value, Variable};
 use naga::{Expression, Function, Handle, ImageQuery, Literal, SampleLevel};
 use std::rc::Rc;
 
 impl<'m> Lower<'m> {
     /// What an expression stands for; computed when it is first asked for.
-    pub(super) fn thing(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Result<Thing, ExactError> {
+    pub(super) fn thing(
+        &mut self,
+        frame: &mut CallFrame<'m>,
+        handle: Handle<Expression>,
+    ) -> Result<Lowered, ExactError> {
         if let Some(thing) = frame.things.get(&handle) {
             return Ok(thing.clone());
         }
@@ -20,21 +24,25 @@ impl<'m> Lower<'m> {
         Ok(thing)
     }
 
-    pub(super) fn value(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Result<Value, ExactError> {
+    pub(super) fn value(&mut self, frame: &mut CallFrame<'m>, handle: Handle<Expression>) -> Result<Value, ExactError> {
         match self.thing(frame, handle)? {
-            Thing::Value(value) => Ok(value),
+            Lowered::Value(value) => Ok(value),
             _ => Err(self.refuse("a pointer, image or sampler as a value")),
         }
     }
 
-    pub(super) fn scalar(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Result<Reg, ExactError> {
+    pub(super) fn scalar(&mut self, frame: &mut CallFrame<'m>, handle: Handle<Expression>) -> Result<Reg, ExactError> {
         let value = self.value(frame, handle)?;
         if value.regs.len() == 1 { Ok(value.regs[0]) } else { Err(self.refuse("a vector in place of a scalar")) }
     }
 
-    pub(super) fn place(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Result<Place, ExactError> {
+    pub(super) fn place(
+        &mut self,
+        frame: &mut CallFrame<'m>,
+        handle: Handle<Expression>,
+    ) -> Result<Variable, ExactError> {
         match self.thing(frame, handle)? {
-            Thing::Place(place) => Ok(place),
+            Lowered::Variable(place) => Ok(place),
             _ => Err(self.refuse("a pointer that is no variable's")),
         }
     }
@@ -76,7 +84,7 @@ impl<'m> Lower<'m> {
         Ok(Value::new(Ty::Scalar(kind), vec![reg]))
     }
 
-    fn expression(&mut self, frame: &mut Frame<'m>, handle: Handle<Expression>) -> Result<Thing, ExactError> {
+    fn expression(&mut self, frame: &mut CallFrame<'m>, handle: Handle<Expression>) -> Result<Lowered, ExactError> {
         let function: &'m Function = frame.function;
         let value = match &function.expressions[handle] {
             Expression::Literal(literal) => self.literal(*literal)?,
@@ -97,8 +105,8 @@ impl<'m> Lower<'m> {
             Expression::Access { base, index } => return self.access(frame, *base, *index),
             Expression::AccessIndex { base, index } => {
                 let part = match self.thing(frame, *base)? {
-                    Thing::Value(value) => value.element(*index as usize).map(Thing::Value),
-                    Thing::Place(place) => place.element(*index as usize).map(Thing::Place),
+                    Lowered::Value(value) => value.element(*index as usize).map(Lowered::Value),
+                    Lowered::Variable(place) => place.element(*index as usize).map(Lowered::Variable),
                     _ => None,
                 };
                 return part.ok_or_else(|| self.refuse("an index out of range"));
@@ -112,9 +120,9 @@ impl<'m> Lower<'m> {
             }
             Expression::FunctionArgument(index) => return Ok(frame.arguments[*index as usize].clone()),
             Expression::GlobalVariable(global) => return self.global(*global),
-            Expression::LocalVariable(local) => return Ok(Thing::Place(frame.locals[local].clone())),
+            Expression::LocalVariable(local) => return Ok(Lowered::Variable(frame.locals[local].clone())),
             Expression::Load { pointer } => match self.thing(frame, *pointer)? {
-                Thing::Place(place) => self.load(&place),
+                Lowered::Variable(place) => self.load(&place),
                 resource => return Ok(resource),
             },
             Expression::ImageSample {
@@ -143,7 +151,7 @@ impl<'m> Lower<'m> {
                 self.lookup(frame, *image, None, *coordinate)?
             }
             Expression::ImageQuery { image, query: ImageQuery::Size { .. } } => {
-                let Thing::Image(binding, axes, _) = self.thing(frame, *image)? else {
+                let Lowered::Image(binding, axes, _) = self.thing(frame, *image)? else {
                     return Err(self.refuse("the size of no image"));
                 };
                 let size = |axis| Source::Size { image: binding, axis, signed: false };
@@ -203,20 +211,20 @@ impl<'m> Lower<'m> {
             }
             other => return Err(self.refuse(format!("the expression {}", name(other)))),
         };
-        Ok(Thing::Value(value))
+        Ok(Lowered::Value(value))
     }
 
     fn access(
         &mut self,
-        frame: &mut Frame<'m>,
+        frame: &mut CallFrame<'m>,
         base: Handle<Expression>,
         index: Handle<Expression>,
-    ) -> Result<Thing, ExactError> {
+    ) -> Result<Lowered, ExactError> {
         let index = self.scalar(frame, index)?;
         let base = self.thing(frame, base)?;
         let (ty, regs, outer) = match &base {
-            Thing::Value(value) => (&value.ty, vec![value.regs.clone()], None),
-            Thing::Place(place) => (&place.ty, place.choices.clone(), place.index),
+            Lowered::Value(value) => (&value.ty, vec![value.regs.clone()], None),
+            Lowered::Variable(place) => (&place.ty, place.choices.clone(), place.index),
             _ => return Err(self.refuse("an array of images")),
         };
         let count = ty.count();
@@ -235,14 +243,14 @@ impl<'m> Lower<'m> {
                 self.emit(Op::Int(IntBinary::Add), true, &[first, held])
             }
         };
-        let place = Place { ty: element, choices, index: Some(index) };
+        let place = Variable { ty: element, choices, index: Some(index) };
         Ok(match base {
-            Thing::Value(_) => Thing::Value(self.load(&place)),
-            _ => Thing::Place(place),
+            Lowered::Value(_) => Lowered::Value(self.load(&place)),
+            _ => Lowered::Variable(place),
         })
     }
 
-    fn load(&mut self, place: &Place) -> Value {
+    fn load(&mut self, place: &Variable) -> Value {
         let regs = (0..place.ty.size()).map(|scalar| match place.index {
             Some(index) => {
                 let table: Vec<Reg> = place.choices.iter().map(|choice| choice[scalar]).collect();
@@ -268,7 +276,7 @@ impl<'m> Lower<'m> {
         dst
     }
 
-    pub(super) fn store(&mut self, place: &Place, value: &Value) {
+    pub(super) fn store(&mut self, place: &Variable, value: &Value) {
         for (choice, regs) in place.choices.iter().enumerate() {
             for (dst, value) in regs.iter().zip(value.regs.iter()) {
                 match place.index {
@@ -286,18 +294,18 @@ impl<'m> Lower<'m> {
 
     fn lookup(
         &mut self,
-        frame: &mut Frame<'m>,
+        frame: &mut CallFrame<'m>,
         image: Handle<Expression>,
         sampler: Option<(Handle<Expression>, Option<Handle<Expression>>)>,
         at: Handle<Expression>,
     ) -> Result<Value, ExactError> {
-        let Thing::Image(image, axes, true) = self.thing(frame, image)? else {
+        let Lowered::Image(image, axes, true) = self.thing(frame, image)? else {
             return Err(self.refuse("a lookup in an image of integers"));
         };
         let level = sampler.and_then(|(_, level)| level).map(|level| self.value(frame, level)).transpose()?;
         let sampler = match sampler.map(|(sampler, _)| self.thing(frame, sampler)).transpose()? {
             None => None,
-            Some(Thing::Sampler(binding)) => Some(binding),
+            Some(Lowered::Sampler(binding)) => Some(binding),
             Some(_) => return Err(self.refuse("a lookup through no sampler")),
         };
         let at = self.value(frame, at)?;

@@ -2,8 +2,8 @@
 
 use super::ExactError;
 use super::code::{Case, Code, File, Instr, Loop, Node, Op, Reg, Source};
-use super::value::{Place, Thing, Ty, Value, is_private};
-use super::words::{Words, unknown};
+use super::prepass::{Words, unknown};
+use super::value::{Lowered, Ty, Value, Variable, is_private};
 use naga::{Block, Expression, Function, GlobalVariable, Handle, LocalVariable, Module, Statement, SwitchValue};
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -31,7 +31,7 @@ pub(super) struct Lower<'m> {
     run_start: usize,
     interned: HashMap<Source, Reg>,
     computed: HashMap<(Op, bool, Vec<Reg>), Reg>,
-    pub(super) globals: HashMap<Handle<GlobalVariable>, Thing>,
+    pub(super) globals: HashMap<Handle<GlobalVariable>, Lowered>,
     pub(super) stored_globals: HashSet<Handle<GlobalVariable>>,
     depth: usize,
     /// Where in the words the current expression is.
@@ -39,12 +39,12 @@ pub(super) struct Lower<'m> {
 }
 
 /// A function that is being inlined.
-pub(super) struct Frame<'m> {
+pub(super) struct CallFrame<'m> {
     pub(super) function: &'m Function,
-    pub(super) arguments: Vec<Thing>,
-    pub(super) locals: HashMap<Handle<LocalVariable>, Place>,
-    pub(super) things: HashMap<Handle<Expression>, Thing>,
-    result: Option<Place>,
+    pub(super) arguments: Vec<Lowered>,
+    pub(super) locals: HashMap<Handle<LocalVariable>, Variable>,
+    pub(super) things: HashMap<Handle<Expression>, Lowered>,
+    result: Option<Variable>,
 }
 
 /// The program of the fragment stage, and the class of each of its registers.
@@ -217,18 +217,22 @@ impl<'m> Lower<'m> {
     }
 
     /// A place of its own for a value of this type.
-    pub(super) fn variable(&mut self, ty: Ty, class: Class) -> Place {
+    pub(super) fn variable(&mut self, ty: Ty, class: Class) -> Variable {
         let regs: Rc<[Reg]> = ty.kinds().into_iter().map(|kind| self.register(kind.file(), class)).collect();
-        Place { ty, choices: vec![regs], index: None }
+        Variable { ty, choices: vec![regs], index: None }
     }
 
     /// Inlines a function.
-    pub(super) fn call(&mut self, function: &'m Function, arguments: Vec<Thing>) -> Result<Option<Value>, ExactError> {
+    pub(super) fn call(
+        &mut self,
+        function: &'m Function,
+        arguments: Vec<Lowered>,
+    ) -> Result<Option<Value>, ExactError> {
         self.depth += 1;
         if self.depth > DEEPEST {
             return Err(self.refuse("a recursive function"));
         }
-        let mut frame = Frame { function, arguments, locals: HashMap::new(), things: HashMap::new(), result: None };
+        let mut frame = CallFrame { function, arguments, locals: HashMap::new(), things: HashMap::new(), result: None };
         let mut stored = HashSet::new();
         roots(&function.body, function, &mut |root| {
             if let Expression::LocalVariable(local) = root {
@@ -242,7 +246,7 @@ impl<'m> Lower<'m> {
             let merged = local.name.as_ref().is_some_and(|name| name.starts_with("phi_"))
                 || !function.local_variables.get_span(handle).is_defined();
             let place = match init {
-                Some(init) if !stored.contains(&handle) => Place { ty, choices: vec![init.regs], index: None },
+                Some(init) if !stored.contains(&handle) => Variable { ty, choices: vec![init.regs], index: None },
                 None if merged => self.variable(ty, Class::Merged),
                 init => {
                     let init = init.map_or_else(|| self.zero(&ty), |init| init.regs.to_vec());
@@ -294,12 +298,12 @@ impl<'m> Lower<'m> {
         ty.kinds().into_iter().map(|kind| zero(self, kind.file())).collect()
     }
 
-    fn block(&mut self, frame: &mut Frame<'m>, block: &'m Block) -> Result<(), ExactError> {
+    fn block(&mut self, frame: &mut CallFrame<'m>, block: &'m Block) -> Result<(), ExactError> {
         self.statements(frame, block.iter())
     }
 
     /// The nodes of a block of its own.
-    fn nested(&mut self, frame: &mut Frame<'m>, block: &'m Block) -> Result<Vec<Node>, ExactError> {
+    fn nested(&mut self, frame: &mut CallFrame<'m>, block: &'m Block) -> Result<Vec<Node>, ExactError> {
         self.flush();
         let outer = std::mem::take(&mut self.nodes);
         self.block(frame, block)?;
@@ -314,7 +318,7 @@ impl<'m> Lower<'m> {
 
     fn statements(
         &mut self,
-        frame: &mut Frame<'m>,
+        frame: &mut CallFrame<'m>,
         statements: impl Iterator<Item = &'m Statement>,
     ) -> Result<(), ExactError> {
         for statement in statements {
@@ -372,7 +376,7 @@ impl<'m> Lower<'m> {
                         arguments.iter().map(|argument| self.thing(frame, *argument)).collect::<Result<Vec<_>, _>>()?;
                     let value = self.call(&self.module.functions[*function], arguments)?;
                     if let (Some(result), Some(value)) = (result, value) {
-                        frame.things.insert(*result, Thing::Value(value));
+                        frame.things.insert(*result, Lowered::Value(value));
                     }
                 }
                 Statement::ControlBarrier(_) | Statement::MemoryBarrier(_) => {}
@@ -386,7 +390,7 @@ impl<'m> Lower<'m> {
         Ok(())
     }
 
-    fn case(&mut self, frame: &mut Frame<'m>, case: &'m naga::SwitchCase) -> Result<Case, ExactError> {
+    fn case(&mut self, frame: &mut CallFrame<'m>, case: &'m naga::SwitchCase) -> Result<Case, ExactError> {
         let body = self.nested(frame, &case.body)?;
         let (values, default) = match case.value {
             SwitchValue::I32(value) => (vec![value as u32], false),

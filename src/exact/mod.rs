@@ -9,22 +9,22 @@
 mod allocate;
 mod code;
 mod express;
+mod floats;
 mod functions;
 pub mod interval;
 mod lanes;
 mod lower;
 pub mod number;
 mod operators;
+mod optimizer;
 mod outline;
-mod plain;
 mod ports;
+mod prepass;
 mod range;
 mod run;
 mod step;
 pub mod texture;
-mod tidy;
 mod value;
-mod words;
 
 pub use interval::Interval;
 pub use number::Number;
@@ -101,7 +101,7 @@ pub struct Inputs {
 
 /// A program with its inputs.
 #[derive(Debug)]
-pub struct Bound<'a> {
+pub struct BoundProgram<'a> {
     code: &'a Code,
     images: Vec<Image<'a>>,
     /// What uniform registers start with, in the order of [`Code::sources`].
@@ -145,7 +145,7 @@ impl Program {
     /// [`ExactError::Spirv`] and [`ExactError::Uncovered`], which names the construct, and file and line if the SPIR-V
     /// has them.
     pub fn read(spirv: &[u32], constants: &[(u32, u32)]) -> Result<Program, ExactError> {
-        let words = words::Words::read(spirv, constants)?;
+        let words = prepass::Words::read(spirv, constants)?;
         let options = naga::front::spv::Options {
             adjust_coordinate_space: false,
             strict_capabilities: false,
@@ -166,7 +166,7 @@ impl Program {
             other => ExactError::Spirv(other.to_string()),
         })?;
         let (mut code, classes) = lower::lower(&module, &words)?;
-        tidy::tidy(&mut code, &classes);
+        optimizer::tidy(&mut code, &classes);
         allocate::allocate(&mut code, &classes);
         Ok(Program { code })
     }
@@ -180,7 +180,7 @@ impl Program {
     ///
     /// # Errors
     /// [`ExactError::Missing`] and [`ExactError::Unfit`].
-    pub fn bind<'a>(&'a self, inputs: &'a Inputs) -> Result<Bound<'a>, ExactError> {
+    pub fn bind<'a>(&'a self, inputs: &'a Inputs) -> Result<BoundProgram<'a>, ExactError> {
         let code = &self.code;
         let mut images = Vec::new();
         for pair in &code.images {
@@ -199,7 +199,7 @@ impl Program {
             images.push(Image::new(texture.size, &texture.texels, wrap, pair.axes));
         }
         let values = code.sources.iter().map(|(reg, source)| start(inputs, reg.file, *source));
-        Ok(Bound { code, images, values: values.collect::<Result<_, _>>()? })
+        Ok(BoundProgram { code, images, values: values.collect::<Result<_, _>>()? })
     }
 }
 
@@ -241,7 +241,7 @@ fn start(inputs: &Inputs, file: File, source: Source) -> Result<Start, ExactErro
     })
 }
 
-impl Bound<'_> {
+impl BoundProgram<'_> {
     /// Evaluates every lane; the outputs by location, zeros where the fragment is discarded. An output of fewer than
     /// four components has zeros behind them.
     ///

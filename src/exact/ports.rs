@@ -3,11 +3,11 @@
 use super::ExactError;
 use super::code::{File, Input, Reg, Source};
 use super::lower::{Class, Lower};
-use super::value::{Place, Thing, Ty, Value, image, is_private, layout};
+use super::value::{Lowered, Ty, Value, Variable, image, is_private, layout};
 use naga::{Function, GlobalVariable, Handle};
 
 impl Lower<'_> {
-    pub(super) fn inputs(&mut self, function: &Function) -> Result<Vec<Thing>, ExactError> {
+    pub(super) fn inputs(&mut self, function: &Function) -> Result<Vec<Lowered>, ExactError> {
         let mut arguments = Vec::new();
         for argument in &function.arguments {
             let ty = self.ty(argument.ty)?;
@@ -21,7 +21,7 @@ impl Lower<'_> {
             }
             let regs: Vec<Reg> = (0..ty.size()).map(|_| self.register(File::Float, Class::Variable)).collect();
             self.code.inputs.extend(regs.iter().enumerate().map(|(component, reg)| (input, component, *reg)));
-            arguments.push(Thing::Value(Value::new(ty, regs)));
+            arguments.push(Lowered::Value(Value::new(ty, regs)));
         }
         Ok(arguments)
     }
@@ -48,7 +48,7 @@ impl Lower<'_> {
     }
 
     /// Where a global variable is; of an image or sampler, which it is.
-    pub(super) fn global(&mut self, handle: Handle<GlobalVariable>) -> Result<Thing, ExactError> {
+    pub(super) fn global(&mut self, handle: Handle<GlobalVariable>) -> Result<Lowered, ExactError> {
         if let Some(thing) = self.globals.get(&handle) {
             return Ok(thing.clone());
         }
@@ -65,9 +65,9 @@ impl Lower<'_> {
                     for (dst, value) in place.choices[0].iter().zip(init) {
                         self.assign(*dst, value);
                     }
-                    Thing::Place(place)
+                    Lowered::Variable(place)
                 } else {
-                    Thing::Place(Place { ty, choices: vec![init.into()], index: None })
+                    Lowered::Variable(Variable { ty, choices: vec![init.into()], index: None })
                 }
             }
             (naga::AddressSpace::Uniform, Some(naga::ResourceBinding { group: 0, binding })) => {
@@ -78,7 +78,7 @@ impl Lower<'_> {
                     let source = Source::Block { binding: *binding, offset, signed: kind.signed() };
                     self.source(kind.file(), source)
                 });
-                Thing::Place(Place { ty, choices: vec![regs.collect()], index: None })
+                Lowered::Variable(Variable { ty, choices: vec![regs.collect()], index: None })
             }
             (naga::AddressSpace::Handle, Some(naga::ResourceBinding { group: 0, binding })) => {
                 let inner = &self.module.types[global.ty].inner;

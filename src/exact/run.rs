@@ -15,7 +15,7 @@ const ENDLESS: u64 = 1 << 26;
 const UNBOUNDED: u64 = 1 << 16;
 
 /// A part of the program that can be left early.
-struct Frame<'a, N: Number> {
+struct Construct<'a, N: Number> {
     kind: Kind,
     written: &'a [Reg],
     /// Lanes that left it, and lanes that go on with the next turn.
@@ -77,7 +77,7 @@ pub(super) struct Machine<'a, N: Number> {
     /// The widest vectors that this processor has.
     arch: pulp::Arch,
     pub(super) banks: Banks<N>,
-    frames: Vec<Frame<'a, N>>,
+    frames: Vec<Construct<'a, N>>,
     whole: u64,
     /// Lanes that are discarded, or may be.
     killed: u64,
@@ -197,7 +197,7 @@ impl<'a, N: Number> Machine<'a, N> {
     }
 
     fn enter(&mut self, kind: Kind, written: &'a [Reg]) {
-        self.frames.push(Frame { kind, written, left: 0, again: 0, exit: State::new(), next: State::new() });
+        self.frames.push(Construct { kind, written, left: 0, again: 0, exit: State::new(), next: State::new() });
     }
 
     /// Ends a frame, to whose end some lanes came; the lanes that go on behind it.

@@ -183,26 +183,26 @@ impl Value {
 
 /// Where a pointer points: at one of `choices`, each as many registers as the type has scalars.
 #[derive(Clone, Debug)]
-pub(super) struct Place {
+pub(super) struct Variable {
     pub(super) ty: Ty,
     pub(super) choices: Vec<Rc<[Reg]>>,
     /// Which; there is one choice where there is no index.
     pub(super) index: Option<Reg>,
 }
 
-impl Place {
-    pub(super) fn element(&self, index: usize) -> Option<Place> {
+impl Variable {
+    pub(super) fn element(&self, index: usize) -> Option<Variable> {
         let (ty, first) = self.ty.element(index)?;
         let part = |regs: &Rc<[Reg]>| regs[first..first + ty.size()].into();
-        Some(Place { choices: self.choices.iter().map(part).collect(), index: self.index, ty })
+        Some(Variable { choices: self.choices.iter().map(part).collect(), index: self.index, ty })
     }
 }
 
 /// What an expression stands for.
 #[derive(Clone, Debug)]
-pub(super) enum Thing {
+pub(super) enum Lowered {
     Value(Value),
-    Place(Place),
+    Variable(Variable),
     /// Binding, axes, whether its texels are floats.
     Image(u32, usize, bool),
     /// Binding.
@@ -210,9 +210,9 @@ pub(super) enum Thing {
 }
 
 /// An image's binding and number of axes.
-pub(super) fn image(inner: &TypeInner, binding: u32) -> Result<Thing, String> {
+pub(super) fn image(inner: &TypeInner, binding: u32) -> Result<Lowered, String> {
     match inner {
-        TypeInner::Sampler { comparison: false } => Ok(Thing::Sampler(binding)),
+        TypeInner::Sampler { comparison: false } => Ok(Lowered::Sampler(binding)),
         TypeInner::Image { dim, arrayed: false, class: naga::ImageClass::Sampled { kind, multi: false } } => {
             let axes = match dim {
                 ImageDimension::D1 => 1,
@@ -220,7 +220,7 @@ pub(super) fn image(inner: &TypeInner, binding: u32) -> Result<Thing, String> {
                 ImageDimension::D3 => 3,
                 ImageDimension::Cube => return Err("a cube map".into()),
             };
-            Ok(Thing::Image(binding, axes, *kind == ScalarKind::Float))
+            Ok(Lowered::Image(binding, axes, *kind == ScalarKind::Float))
         }
         TypeInner::Image { .. } => Err("an image that is no plain sampled 1D, 2D or 3D image".into()),
         _ => Err("a resource that is no uniform block, image or sampler".into()),

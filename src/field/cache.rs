@@ -4,7 +4,7 @@
 //! over all of it. Anything else is ignored and replaced. Files appear whole: written under another name in the
 //! same folder, synced, then renamed.
 
-use super::{ClosestPoints, DistanceField, FieldError, Grid, Progress, Report, Request};
+use super::{ClosestPoints, DistanceField, FieldError, FieldReport, Grid, Progress, Request};
 use super::{transform, transform_with_closest};
 use crate::shape::{Content, Shape, Solid};
 use glam::Vec3;
@@ -85,7 +85,7 @@ pub fn load_or_compute(
     shape: &Shape,
     request: &Request,
     progress: Progress,
-) -> Result<(DistanceField, Report), FieldError> {
+) -> Result<(DistanceField, FieldReport), FieldError> {
     let compute = || transform(shape, request, progress);
     match kept_in(shape) {
         Some(folder) => {
@@ -105,7 +105,7 @@ pub fn load_or_compute_closest(
     shape: &Shape,
     request: &Request,
     progress: Progress,
-) -> Result<(DistanceField, ClosestPoints, Report), FieldError> {
+) -> Result<(DistanceField, ClosestPoints, FieldReport), FieldError> {
     let compute = || transform_with_closest(shape, request, progress);
     match kept_in(shape) {
         Some(folder) => {
@@ -133,12 +133,12 @@ fn kept_in(shape: &Shape) -> Option<PathBuf> {
 pub fn cached(
     key: &Key,
     folder: &Path,
-    compute: impl FnOnce() -> Result<(DistanceField, Report), FieldError>,
-) -> Result<(DistanceField, Report), FieldError> {
+    compute: impl FnOnce() -> Result<(DistanceField, FieldReport), FieldError>,
+) -> Result<(DistanceField, FieldReport), FieldError> {
     let start = Instant::now();
     if let Some((grid, values, report)) = read(&FIELD, key, folder) {
         let field = DistanceField { grid, values };
-        return Ok((field, Report { ms: start.elapsed().as_secs_f64() * 1e3, ..report }));
+        return Ok((field, FieldReport { ms: start.elapsed().as_secs_f64() * 1e3, ..report }));
     }
     let (field, report) = compute()?;
     keep(&FIELD, key, folder, (&field.grid, &field.values, &report));
@@ -152,13 +152,13 @@ pub fn cached(
 pub fn cached_with_closest(
     key: &Key,
     folder: &Path,
-    compute: impl FnOnce() -> Result<(DistanceField, ClosestPoints, Report), FieldError>,
-) -> Result<(DistanceField, ClosestPoints, Report), FieldError> {
+    compute: impl FnOnce() -> Result<(DistanceField, ClosestPoints, FieldReport), FieldError>,
+) -> Result<(DistanceField, ClosestPoints, FieldReport), FieldError> {
     let start = Instant::now();
     let stored = || Some((read(&CLOSEST, key, folder)?, read(&FIELD, key, folder)?));
     if let Some(((closest_grid, points, _), (grid, values, report))) = stored() {
         let points = points.as_chunks::<3>().0.iter().map(|&point| Vec3::from_array(point)).collect();
-        let report = Report { ms: start.elapsed().as_secs_f64() * 1e3, ..report };
+        let report = FieldReport { ms: start.elapsed().as_secs_f64() * 1e3, ..report };
         return Ok((DistanceField { grid, values }, ClosestPoints { grid: closest_grid, points }, report));
     }
     let (field, closest, report) = compute()?;
@@ -186,7 +186,7 @@ fn read(kind: &Kind, key: &Key, folder: &Path) -> Option<Stored> {
 }
 
 /// Stores under `key`, or warns.
-fn keep(kind: &Kind, key: &Key, folder: &Path, content: (&Grid, &[f32], &Report)) {
+fn keep(kind: &Kind, key: &Key, folder: &Path, content: (&Grid, &[f32], &FieldReport)) {
     let path = key.file(kind, folder);
     let kept = store(&path, folder, &encode(kind, key, content)).and_then(|()| trim(folder, FOLDER_BYTES));
     if let Err(error) = kept {
@@ -207,9 +207,9 @@ fn floats(hash: &mut blake3::Hasher, values: &[f32]) {
 }
 
 /// Grid, floats of its samples, and how they were computed.
-type Stored = (Grid, Vec<f32>, Report);
+type Stored = (Grid, Vec<f32>, FieldReport);
 
-fn encode(kind: &Kind, key: &Key, (grid, values, report): (&Grid, &[f32], &Report)) -> Vec<u8> {
+fn encode(kind: &Kind, key: &Key, (grid, values, report): (&Grid, &[f32], &FieldReport)) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER_BYTES + 4 * values.len() + HASH_BYTES);
     bytes.extend_from_slice(kind.magic);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
@@ -241,7 +241,7 @@ fn decode(kind: &Kind, bytes: &[u8], key: &Key) -> Option<Stored> {
         return None;
     }
     let counts: Vec<u64> = counts.as_chunks::<8>().0.iter().map(|&b| u64::from_le_bytes(b)).collect();
-    let report = Report {
+    let report = FieldReport {
         triangles: counts[0] as usize,
         open_edges: counts[1] as usize,
         turned_triangles: (counts[2] >> 1) as usize,
@@ -321,7 +321,7 @@ mod tests {
     }
 
     /// The cached field, and whether it had to be computed.
-    fn get(folder: &Path) -> (DistanceField, Report, bool) {
+    fn get(folder: &Path) -> (DistanceField, FieldReport, bool) {
         let computed = Cell::new(false);
         let (field, report) = cached(&Key::new(&shape(), &REQUEST), folder, || {
             computed.set(true);
@@ -340,7 +340,7 @@ mod tests {
         assert!(computed);
         let (second, again, computed) = get(&folder);
         assert!(!computed && first == second);
-        assert_eq!(Report { ms: 0.0, from_cache: false, ..again }, Report { ms: 0.0, ..report });
+        assert_eq!(FieldReport { ms: 0.0, from_cache: false, ..again }, FieldReport { ms: 0.0, ..report });
         assert_eq!(fs::read_dir(folder).unwrap().count(), 1, "no temporary file is left");
     }
 
@@ -408,9 +408,9 @@ mod tests {
         assert!(others.iter().all(|other| *other != key));
         assert_ne!(others[4], others[5]);
         let field = transform(&shape(), &REQUEST, &|_| {}).unwrap().0;
-        let foreign = encode(&FIELD, &others[0], (&field.grid, &field.values, &Report::default()));
+        let foreign = encode(&FIELD, &others[0], (&field.grid, &field.values, &FieldReport::default()));
         assert!(decode(&FIELD, &foreign, &key).is_none());
-        let of_another_kind = encode(&FIELD, &key, (&field.grid, &field.values, &Report::default()));
+        let of_another_kind = encode(&FIELD, &key, (&field.grid, &field.values, &FieldReport::default()));
         assert!(decode(&FIELD, &of_another_kind, &key).is_some() && decode(&CLOSEST, &of_another_kind, &key).is_none());
     }
 

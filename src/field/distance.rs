@@ -15,7 +15,7 @@ use rayon::prelude::*;
 /// Voxels along a side of a block. Smaller: the corners cost more than they save. Larger: blocks reach the medial
 /// axis or the surface more often and are searched voxel by voxel.
 pub(super) const BLOCK: usize = 4;
-/// Largest loss of a lower bound, in voxels. Smaller: more exact searches far away, for rays that leap there anyway.
+/// Largest loss of a lower bound, in voxels. Smaller: more exact searches far away, for rays that skip there anyway.
 /// Larger: gradients outside the band go wrong by half of it where exact values and lower bounds meet.
 const GAP: f32 = 0.25;
 /// Subtracted from lower bounds: the rounding of coordinates up to 1024 voxels, with room to spare.

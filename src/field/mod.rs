@@ -2,7 +2,7 @@
 //!
 //! Role: [`transform`] computes a [`DistanceField`] from any [`Shape`]; [`load_or_compute`] does it once per shape and
 //! request and keeps the result on disk. Invariant: every value is finite, has the sign of its side, and its
-//! magnitude never exceeds the distance to the surface, so that later rooms may leap through space by it.
+//! magnitude never exceeds the distance to the surface, so that later layers may skip through space by it.
 //!
 //! [`Shape`]: crate::shape::Shape
 
@@ -66,7 +66,7 @@ pub struct Request {
 
 /// What [`transform`] did, to be shown to the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Report {
+pub struct FieldReport {
     /// Triangles of the surface: of the mesh, or extracted from the volume; 0 for a formula.
     pub triangles: usize,
     /// Edges of the input mesh with one triangle: 0 for a closed mesh. Corners at equal positions count as one.

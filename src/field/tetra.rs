@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 const TETRAHEDRA: [[usize; 4]; 6] =
     [[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]];
 
-/// A triangle by its corners; no function of this room relies on their order.
+/// A triangle by its corners; no function of this module relies on their order.
 pub(super) type Triangle = [Vec3; 3];
 
 /// Position of a corner of the unit cube.

@@ -1,4 +1,4 @@
-//! From a shape to its distance field: the story of one computation.
+//! From a shape to its distance field, step by step.
 
 use super::bvh::Bvh;
 use super::distance::Distances;
@@ -7,7 +7,7 @@ use super::iso_surface::Scalar;
 use super::soup::Soup;
 use super::stage::Stage;
 use super::winding::Winding;
-use super::{ClosestPoints, DistanceField, FieldError, Grid, Progress, Report, Request, overlap, seal, sign};
+use super::{ClosestPoints, DistanceField, FieldError, FieldReport, Grid, Progress, Request, overlap, seal, sign};
 use crate::shape::{Content, Mesh, Shape, Volume};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -42,7 +42,11 @@ const BYTES_PER_TRIANGLE: u64 = 320;
 ///
 /// # Errors
 /// Every variant of [`FieldError`].
-pub fn transform(shape: &Shape, request: &Request, progress: Progress) -> Result<(DistanceField, Report), FieldError> {
+pub fn transform(
+    shape: &Shape,
+    request: &Request,
+    progress: Progress,
+) -> Result<(DistanceField, FieldReport), FieldError> {
     let (field, _, report) = compute(shape, request, false, progress)?;
     Ok((field, report))
 }
@@ -59,14 +63,14 @@ pub fn transform_with_closest(
     shape: &Shape,
     request: &Request,
     progress: Progress,
-) -> Result<(DistanceField, ClosestPoints, Report), FieldError> {
+) -> Result<(DistanceField, ClosestPoints, FieldReport), FieldError> {
     let (field, points, report) = compute(shape, request, true, progress)?;
     let closest = ClosestPoints { grid: field.grid, points };
     Ok((field, closest, report))
 }
 
 /// A field, its closest points in world space or none, and what it took.
-type Computed = (DistanceField, Vec<Vec3>, Report);
+type Computed = (DistanceField, Vec<Vec3>, FieldReport);
 
 fn compute(shape: &Shape, request: &Request, closest: bool, progress: Progress) -> Result<Computed, FieldError> {
     let start = Instant::now();
@@ -74,7 +78,7 @@ fn compute(shape: &Shape, request: &Request, closest: bool, progress: Progress) 
         Shape::Volume(volume) if volume.content == Content::SignedDistance => {
             let field = DistanceField::from_volume(volume)?;
             let points = if closest { ClosestPoints::of_field(&field, progress).points } else { Vec::new() };
-            (field, points, Report::default())
+            (field, points, FieldReport::default())
         }
         Shape::Volume(volume) => of_scalar(volume, shape, request, closest, progress)?,
         Shape::Mesh(mesh) => of_mesh(mesh, shape, request, closest, progress)?,
@@ -85,11 +89,11 @@ fn compute(shape: &Shape, request: &Request, closest: bool, progress: Progress) 
             let values = sampled(&grid, &stage, |p| solid.distance(p));
             let stage = Stage::new(progress, part, 1.0, grid.size()[2]);
             let points = if closest { sampled(&grid, &stage, |p| solid.closest(p)) } else { Vec::new() };
-            (DistanceField { grid, values }, points, Report { exact: grid.samples(), ..Report::default() })
+            (DistanceField { grid, values }, points, FieldReport { exact: grid.samples(), ..FieldReport::default() })
         }
     };
     progress(1.0);
-    Ok((field, points, Report { ms: start.elapsed().as_secs_f64() * 1e3, ..report }))
+    Ok((field, points, FieldReport { ms: start.elapsed().as_secs_f64() * 1e3, ..report }))
 }
 
 fn of_mesh(
@@ -109,11 +113,11 @@ fn of_mesh(
     let grid = budgeted(shape, request, mesh.triangles.len(), closest)?;
     let (size, band) = (grid.size(), request.band / grid.spacing.x);
     let soup = Soup::new(mesh, &Local::new(&grid));
-    let mut report = Report {
+    let mut report = FieldReport {
         triangles: soup.triangles.len(),
         open_edges: soup.open_edges,
         turned_triangles: soup.turned,
-        ..Report::default()
+        ..FieldReport::default()
     };
 
     let whole = Bvh::new(&soup.triangles);
@@ -183,7 +187,7 @@ fn of_scalar(
         }
         stage.advance(1);
     });
-    let report = Report { triangles: count, exact, ..Report::default() };
+    let report = FieldReport { triangles: count, exact, ..FieldReport::default() };
     Ok((DistanceField { grid, values }, to_world(points, &grid), report))
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A module declares its parameters where it uses them:
 //! ```glsl
-//! // @knob hair_length = 0.16 in [0.005, 0.6]: Length of the hair, object units.
+//! // @param hair_length = 0.16 in [0.005, 0.6]: Length of the hair, object units.
 //! // @color tip_color = #d9a05f: Color of the hair at its tip.
 //! // @outer hair_length      the soft region ends at this signed distance
 //! // @move drip_length       a lookup moves at most so far, and matter grows as far; see `reach`
@@ -20,8 +20,8 @@ use super::reach::Reach;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Declarations {
     /// Parameters, in the order of the file.
-    pub knobs: Vec<Knob>,
-    /// Knobs that set the outer iso-value of the soft region, one for each layer of it.
+    pub parameters: Vec<Parameter>,
+    /// Parameters that set the outer iso-value of the soft region, one for each layer of it.
     pub outer: Vec<String>,
     /// How far each of the modules moves lookups, and how far matter grows by that.
     pub reach: Vec<Reach>,
@@ -45,18 +45,18 @@ pub struct Exact {
 
 /// A parameter of a module.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Knob {
+pub struct Parameter {
     /// Name in GLSL, in scene files and on the command line.
     pub name: String,
     /// Value where the scene gives none, with the allowed range of a number.
-    pub default: Default,
+    pub kind: ParameterKind,
     /// One sentence with the unit.
     pub doc: String,
 }
 
-/// Type, default and range of a [`Knob`].
+/// Type, default and range of a [`Parameter`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Default {
+pub enum ParameterKind {
     /// A finite number and the closed range it must lie in.
     Number(f32, [f32; 2]),
     /// A color: sRGB, 8 bits each.
@@ -65,9 +65,9 @@ pub enum Default {
 
 impl Declarations {
     pub(super) fn add_suffix(&mut self, suffix: &str) {
-        let knobs = self.knobs.iter_mut().map(|knob| &mut knob.name);
+        let parameters = self.parameters.iter_mut().map(|parameter| &mut parameter.name);
         let lengths = self.reach.iter_mut().flat_map(Reach::names);
-        knobs.chain(&mut self.outer).chain(lengths).for_each(|name| name.push_str(suffix));
+        parameters.chain(&mut self.outer).chain(lengths).for_each(|name| name.push_str(suffix));
     }
 }
 
@@ -79,8 +79,8 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
             || LibraryError::Declaration { path: path.into(), line: index + 1, text: line.trim_start().to_string() };
         let (kind, rest) = declaration.split_once(' ').ok_or_else(wrong)?;
         match kind {
-            "knob" => found.knobs.push(number(rest).ok_or_else(wrong)?),
-            "color" => found.knobs.push(color(rest).ok_or_else(wrong)?),
+            "parameter" => found.parameters.push(number(rest).ok_or_else(wrong)?),
+            "color" => found.parameters.push(color(rest).ok_or_else(wrong)?),
             "outer" => found.outer = vec![identifier(rest).ok_or_else(wrong)?],
             "exact" => {
                 let (module, repeat) = rest.trim().split_once(' ').map_or((rest, None), |(a, b)| (a, Some(b)));
@@ -97,7 +97,7 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
     Ok(found)
 }
 
-fn number(text: &str) -> Option<Knob> {
+fn number(text: &str) -> Option<Parameter> {
     let (name, rest) = text.split_once('=')?;
     let (value, rest) = rest.split_once(" in [")?;
     let (range, doc) = rest.split_once("]:")?;
@@ -105,17 +105,21 @@ fn number(text: &str) -> Option<Knob> {
     let finite = |text: &str| text.trim().parse::<f32>().ok().filter(|value| value.is_finite());
     let (value, low, high) = (finite(value)?, finite(low)?, finite(high)?);
     let valid = low < high && (low..=high).contains(&value);
-    valid.then_some(Knob {
+    valid.then_some(Parameter {
         name: identifier(name)?,
-        default: Default::Number(value, [low, high]),
+        kind: ParameterKind::Number(value, [low, high]),
         doc: doc.trim().into(),
     })
 }
 
-fn color(text: &str) -> Option<Knob> {
+fn color(text: &str) -> Option<Parameter> {
     let (name, rest) = text.split_once('=')?;
     let (value, doc) = rest.split_once(": ")?;
-    Some(Knob { name: identifier(name)?, default: Default::Color(hex_color(value.trim())?), doc: doc.trim().into() })
+    Some(Parameter {
+        name: identifier(name)?,
+        kind: ParameterKind::Color(hex_color(value.trim())?),
+        doc: doc.trim().into(),
+    })
 }
 
 /// Reads `#rrggbb`.
@@ -142,17 +146,18 @@ mod tests {
     }
 
     #[test]
-    fn knobs_are_read_with_default_range_and_sentence() {
-        let text = "// @knob size = 0.5 in [0, 2]: Size, in cells.\n// @color tint = #ff8000: Tint.";
+    fn parameters_are_read_with_default_range_and_sentence() {
+        let text = "// @param size = 0.5 in [0, 2]: Size, in cells.\n// @color tint = #ff8000: Tint.";
         let found = declarations(text).unwrap();
-        assert_eq!(found.knobs[0].default, Default::Number(0.5, [0.0, 2.0]));
-        assert_eq!(found.knobs[0].doc, "Size, in cells.");
-        assert_eq!(found.knobs[1].default, Default::Color([255, 128, 0]));
+        assert_eq!(found.parameters[0].kind, ParameterKind::Number(0.5, [0.0, 2.0]));
+        assert_eq!(found.parameters[0].doc, "Size, in cells.");
+        assert_eq!(found.parameters[1].kind, ParameterKind::Color([255, 128, 0]));
     }
 
     #[test]
     fn a_bad_declaration_names_file_and_line() {
-        for text in ["// @knob x = 3 in [0, 2]: Out of range.", "// @knob Big = 1 in [0, 2]: Upper case.", "// @what x"]
+        for text in
+            ["// @param x = 3 in [0, 2]: Out of range.", "// @param Big = 1 in [0, 2]: Upper case.", "// @what x"]
         {
             let error = declarations(&format!("\n{text}")).unwrap_err().to_string();
             assert!(error.starts_with("a.frag:2:"), "{error}");

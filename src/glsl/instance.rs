@@ -1,6 +1,6 @@
-//! The copies of modules that a further object of a scene gets for itself.
+//! The copies of modules that an additional object of a scene gets for itself.
 //!
-//! Two objects of one scene may fill one slot with different modules, or the same one with different knobs. So whatever
+//! Two objects of one scene may fill one slot with different modules, or the same one with different parameters. So whatever
 //! depends on the object is compiled once for each, under names that end in the object's; everything else is shared.
 
 use super::library::{Include, Library, LibraryError, Slots, include, objects, own_names};
@@ -17,14 +17,14 @@ const BINDINGS: u32 = 8;
 /// What is compiled anew for one object.
 pub(super) struct Instance {
     name: String,
-    /// The first further object is 1.
+    /// The first additional object is 1.
     index: u32,
     files: BTreeSet<String>,
     names: BTreeSet<String>,
     slots: BTreeSet<String>,
 }
 
-/// The instances of all further objects, by name.
+/// The instances of all additional objects, by name.
 pub(super) fn instances(library: &Library, slots: &Slots) -> Result<BTreeMap<String, Instance>, LibraryError> {
     let all = objects(slots).into_iter().zip(1..);
     all.map(|(name, index)| Ok((name.to_string(), Instance::new(library, slots, name, index)?))).collect()
@@ -53,7 +53,7 @@ impl Instance {
                     Include::File(file) => own.files.contains(file),
                     Include::Slot(slot) => own.slots.contains(slot),
                 });
-                let declares = text.lines().any(|line| line.starts_with("// @knob") || line.starts_with("// @color"));
+                let declares = text.lines().any(|line| line.starts_with("// @param") || line.starts_with("// @color"));
                 if !own.files.contains(file) && (depends || declares || has_state(&text) || uses(&text, &own.names)) {
                     own.take(library, file);
                 }
@@ -81,7 +81,7 @@ impl Instance {
         format!("_{}", self.name)
     }
 
-    /// The members that the object adds to the block of knobs: what `part.glsl` has in a block of its own.
+    /// The members that the object adds to the block of parameters: what `part.glsl` has in a block of its own.
     pub(super) fn members(&self, library: &Library) -> Vec<String> {
         let text = library.text(PART);
         members(&text).into_iter().map(|(kind, name)| format!("{kind} {name}{}", self.suffix())).collect()

@@ -8,15 +8,15 @@ use super::names::definitions;
 use std::fmt::Write;
 
 impl Library {
-    /// The knob by which a module says how wide its soft region is; of its second copy in a stack, that of the copy.
+    /// The parameter by which a module says how wide its soft region is; of its second copy in a stack, that of the copy.
     ///
     /// # Errors
     /// A declaration that cannot be read.
     pub fn width(&self, path: &str) -> Result<Option<String>, LibraryError> {
         let (file, copy) =
             path.split_once('#').map_or((path, String::new()), |(file, copy)| (file, format!("_{copy}")));
-        let knob = parse(file, self.source(file).unwrap_or_default())?.outer.pop();
-        Ok(knob.map(|knob| knob + &copy))
+        let parameter = parse(file, self.source(file).unwrap_or_default())?.outer.pop();
+        Ok(parameter.map(|parameter| parameter + &copy))
     }
 
     /// Whether one of these media says how opaque it is.

@@ -8,7 +8,7 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Which modules fill each slot: one name, or for a stack (`warp`, `dmf`) any number in order of application, and for
-/// `medium` one for each layer of the DMFs; a DMF may be `module@mask`. The slot of a further object is `object.slot`, and [`COMBINE`] holds the formula of the objects.
+/// `medium` one for each layer of the DMFs; a DMF may be `module@mask`. The slot of an additional object is `object.slot`, and [`COMBINE`] holds the formula of the objects.
 pub type Slots = BTreeMap<String, Vec<String>>;
 
 /// GLSL sources by path relative to the `glsl` folder, such as `dmf/fur.glsl`.
@@ -31,7 +31,7 @@ pub enum LibraryError {
         known: String,
     },
     /// A declaration cannot be read.
-    #[error("{path}:{line}: `{text}` is not a declaration; write `// @knob name = 0.5 in [0, 1]: What it does.`")]
+    #[error("{path}:{line}: `{text}` is not a declaration; write `// @param name = 0.5 in [0, 1]: What it does.`")]
     Declaration {
         /// The module.
         path: String,
@@ -50,14 +50,14 @@ pub enum LibraryError {
         /// The kind that it is.
         found: String,
     },
-    /// Two modules of one program declare the same knob differently.
-    #[error("knob `{name}` is declared twice with different defaults; rename it in one of the modules")]
+    /// Two modules of one program declare the same parameter differently.
+    #[error("parameter `{name}` is declared twice with different defaults; rename it in one of the modules")]
     Twice {
-        /// The knob.
+        /// The parameter.
         name: String,
     },
-    /// A `@move` or `@grow` speaks of what is no knob.
-    #[error("`{name}` in a `// @move` or `// @grow` is no knob of the program; declare it with `// @knob`")]
+    /// A `@move` or `@grow` speaks of what is no parameter.
+    #[error("`{name}` in a `// @move` or `// @grow` is no parameter of the program; declare it with `// @param`")]
     Unmeasured {
         /// The name.
         name: String,
@@ -184,7 +184,7 @@ impl Library {
         Ok(needed)
     }
 
-    /// Every file that is reached from `entries`, but for those of further objects.
+    /// Every file that is reached from `entries`, but for those of additional objects.
     ///
     /// # Errors
     /// [`LibraryError::Unknown`].
@@ -192,7 +192,7 @@ impl Library {
         self.files_of("", entries, choice)
     }
 
-    /// Everything that the files reached from `entries` declare; without what further objects declare.
+    /// Everything that the files reached from `entries` declare; without what additional objects declare.
     ///
     /// # Errors
     /// A declaration that cannot be read, two that disagree, or a module that does not exist.
@@ -200,7 +200,7 @@ impl Library {
         self.declared("", entries, choice)
     }
 
-    /// Everything that the modules of a further object declare, under the names that they have in their files.
+    /// Everything that the modules of an additional object declare, under the names that they have in their files.
     ///
     /// # Errors
     /// As [`Library::declarations`].
@@ -217,11 +217,11 @@ impl Library {
             if is_copy(copy) {
                 one.add_suffix(&format!("_{copy}"));
             }
-            for knob in one.knobs {
-                match all.knobs.iter().find(|known| known.name == knob.name) {
-                    None => all.knobs.push(knob),
-                    Some(known) if *known == knob => {}
-                    Some(_) => return Err(LibraryError::Twice { name: knob.name }),
+            for parameter in one.parameters {
+                match all.parameters.iter().find(|known| known.name == parameter.name) {
+                    None => all.parameters.push(parameter),
+                    Some(known) if *known == parameter => {}
+                    Some(_) => return Err(LibraryError::Twice { name: parameter.name }),
                 }
             }
             all.outer.extend(one.outer);
@@ -231,11 +231,12 @@ impl Library {
             Ok(())
         })?;
         let names = all.reach.iter_mut().flat_map(Reach::names);
-        let unknown = names.map(|name| name.clone()).find(|name| !all.knobs.iter().any(|knob| knob.name == *name));
+        let unknown =
+            names.map(|name| name.clone()).find(|name| !all.parameters.iter().any(|parameter| parameter.name == *name));
         unknown.map_or(Ok(all), |name| Err(LibraryError::Unmeasured { name }))
     }
 
-    /// Every file that a further object reaches.
+    /// Every file that an additional object reaches.
     ///
     /// # Errors
     /// [`LibraryError::Unknown`].
@@ -265,7 +266,7 @@ impl Library {
             for line in self.text(&path).lines() {
                 match include(line) {
                     Some(Include::File(file)) => queue.push(file.to_string()),
-                    Some(Include::Slot(KNOBS)) | None => {}
+                    Some(Include::Slot(PARAMETERS)) | None => {}
                     Some(Include::Slot(OBJECTS)) => {
                         on(None, Some(OBJECTS))?;
                         queue.push(OBJECT_ENTRY.into());
@@ -288,14 +289,14 @@ impl Library {
     }
 }
 
-/// The further objects of a scene, by name.
+/// The additional objects of a scene, by name.
 pub fn objects(choice: &Slots) -> BTreeSet<&str> {
     choice.keys().filter_map(|key| key.split_once('.')).map(|(object, _)| object).collect()
 }
 
 /// What a file defines and declares.
 pub fn own_names(path: &str, text: &str) -> BTreeSet<String> {
-    let declared = parse(path, text).unwrap_or_default().knobs.into_iter().map(|knob| knob.name);
+    let declared = parse(path, text).unwrap_or_default().parameters.into_iter().map(|parameter| parameter.name);
     definitions(text).into_iter().chain(declared).collect()
 }
 
@@ -307,8 +308,8 @@ fn is_copy(tag: &str) -> bool {
 /// Called with the path of a file or with the name of a slot.
 type Visitor<'a> = dyn FnMut(Option<&str>, Option<&str>) -> Result<(), LibraryError> + 'a;
 
-/// The slot that the linker fills with the uniform block of all knobs.
-pub const KNOBS: &str = "knobs";
+/// The slot that the linker fills with the uniform block of all parameters.
+pub const PARAMETERS: &str = "parameters";
 /// The slot that the linker fills with all objects of a scene and the classification of what they make together.
 pub const OBJECTS: &str = "objects";
 /// The key in [`Slots`] of the formula by which the objects make one.

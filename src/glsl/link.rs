@@ -1,17 +1,17 @@
 //! Linking: an entry file and the modules chosen for its slots become one SPIR-V module.
 //!
 //! `#include "file"` takes a file of the library, once; `#include <slot>` takes the modules chosen for that slot and,
-//! for a stack, a function that applies them in order; `#include <knobs>` takes the uniform block of every knob that
+//! for a stack, a function that applies them in order; `#include <parameters>` takes the uniform block of every parameter that
 //! the program declares. Errors name the module and the line, since glslang sees each module under its own name.
 //!
 //! SPIR-V for Vulkan cannot import functions, so this is what "program objects linked to swap functions" (MJ 3)
 //! becomes: the same text, a different file in one slot.
 
 use super::combine::{Formula, FormulaError};
-use super::declare::Default;
+use super::declare::ParameterKind;
 use super::instance::{Instance, instances};
 use super::layers::{layered, media};
-use super::library::{COMBINE, KNOBS, Library, LibraryError, MEDIUM, OBJECT_ENTRY, OBJECTS, Slots};
+use super::library::{COMBINE, Library, LibraryError, MEDIUM, OBJECT_ENTRY, OBJECTS, PARAMETERS, Slots};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -69,7 +69,7 @@ impl Linker {
     }
 
     /// Links `entry` (a file of `library`) with the modules in `slots` to SPIR-V 1.3 with names.
-    /// `knobs_of` lists every entry of the pipeline, so that all its stages share one knob block.
+    /// `parameters_of` lists every entry of the pipeline, so that all its stages share one parameter block.
     ///
     /// # Errors
     /// A missing module, a bad declaration, or what glslang says.
@@ -77,7 +77,7 @@ impl Linker {
         &self,
         library: &Library,
         (entry, stage): (&str, Stage),
-        knobs_of: &[&str],
+        parameters_of: &[&str],
         slots: &Slots,
     ) -> Result<Vec<u32>, LinkError> {
         let text = library.source(entry).ok_or_else(|| LibraryError::Unknown {
@@ -85,7 +85,7 @@ impl Linker {
             name: entry.into(),
             known: "slice.vert, slice.frag".into(),
         })?;
-        let sources = Sources::new(library, slots, knobs_of)?;
+        let sources = Sources::new(library, slots, parameters_of)?;
         let included = RefCell::new(BTreeSet::new());
         let compiler = |error: shaderc::Error| LinkError::Compiler(error.to_string());
         let mut options = shaderc::CompileOptions::new().map_err(compiler)?;
@@ -118,25 +118,25 @@ struct Sources<'a> {
     library: &'a Library,
     slots: &'a Slots,
     instances: BTreeMap<String, Instance>,
-    knobs: String,
+    parameters: String,
     objects: String,
 }
 
 impl<'a> Sources<'a> {
-    fn new(library: &'a Library, slots: &'a Slots, knobs_of: &[&str]) -> Result<Sources<'a>, LinkError> {
+    fn new(library: &'a Library, slots: &'a Slots, parameters_of: &[&str]) -> Result<Sources<'a>, LinkError> {
         let instances = instances(library, slots)?;
-        let knobs = knob_block(library, knobs_of, slots, &instances)?;
+        let parameters = parameter_block(library, parameters_of, slots, &instances)?;
         let objects = slots.get(COMBINE).and_then(|formula| formula.first());
         let formula = objects.map(|text| Formula::parse(text)).transpose()?;
         let objects = formula.as_ref().map(objects_text).unwrap_or_default();
-        Ok(Sources { library, slots, instances, knobs, objects })
+        Ok(Sources { library, slots, instances, parameters, objects })
     }
 
-    /// The name under which errors speak of an include, and its text. `object:name` is what a further object gets.
+    /// The name under which errors speak of an include, and its text. `object:name` is what an additional object gets.
     fn resolve(&self, name: &str, is_slot: bool) -> Result<(String, String), LibraryError> {
         let (object, name) = name.split_once(':').unwrap_or(("", name));
         let (path, text) = match is_slot {
-            true if name == KNOBS => (name.to_string(), self.knobs.clone()),
+            true if name == PARAMETERS => (name.to_string(), self.parameters.clone()),
             true if name == OBJECTS => (name.to_string(), self.objects.clone()),
             true => {
                 let own = self.slots.get(&format!("{object}.{name}")).or(self.slots.get(name));
@@ -239,7 +239,7 @@ fn objects_text(formula: &Formula) -> String {
     let combined = formula.glsl();
     format!(
         "{includes}vec4 classify(vec3 x, float path) {{\n{samples}    Soft all = {combined};\n    \
-         clearance = all.clearance;\n    if (all.density <= 0.0) return vec4(0.0);\n    \
+         distance_bound = all.distance_bound;\n    if (all.density <= 0.0) return vec4(0.0);\n    \
          vec3 normal = cap_normal(x, outward(all));\n    vec4 shade = vec4(0.0);\n    float rate = 0.0;\n{shades}    \
          float weight = max(shade.a, 1e-6);\n    float alpha = opacity(all.density, rate / weight * path);\n    \
          return vec4(shade.rgb / weight * alpha, alpha);\n}}\n"
@@ -249,28 +249,29 @@ fn objects_text(formula: &Formula) -> String {
 /// The name in formulas of the object that the scene itself describes.
 pub const MAIN: &str = "main";
 
-/// The uniform block of every knob of a program, and of the constants of its further objects; empty where it has none.
-fn knob_block(
+/// The uniform block of every parameter of a program, and of the constants of its additional objects; empty where it has none.
+fn parameter_block(
     library: &Library,
     entries: &[&str],
     slots: &Slots,
     instances: &BTreeMap<String, Instance>,
 ) -> Result<String, LibraryError> {
-    let declare = |default: &Default, name: &str, suffix: &str| match default {
-        Default::Number(..) => format!("float {name}{suffix}"),
-        Default::Color(_) => format!("vec4 {name}{suffix}"),
+    let declare = |kind: &ParameterKind, name: &str, suffix: &str| match kind {
+        ParameterKind::Number(..) => format!("float {name}{suffix}"),
+        ParameterKind::Color(_) => format!("vec4 {name}{suffix}"),
     };
-    let declared = library.declarations(entries, slots)?.knobs;
-    let mut members: Vec<String> = declared.iter().map(|knob| declare(&knob.default, &knob.name, "")).collect();
+    let declared = library.declarations(entries, slots)?.parameters;
+    let mut members: Vec<String> =
+        declared.iter().map(|parameter| declare(&parameter.kind, &parameter.name, "")).collect();
     for (object, instance) in instances {
-        let declared = library.object_declarations(object, slots)?.knobs;
-        members.extend(declared.iter().map(|knob| declare(&knob.default, &knob.name, &instance.suffix())));
+        let declared = library.object_declarations(object, slots)?.parameters;
+        members.extend(declared.iter().map(|parameter| declare(&parameter.kind, &parameter.name, &instance.suffix())));
         members.extend(instance.members(library));
     }
     if members.is_empty() {
         return Ok(String::new());
     }
-    Ok(format!("layout(set = 0, binding = 2) uniform Knobs {{\n    {};\n}};\n", members.join(";\n    ")))
+    Ok(format!("layout(set = 0, binding = 2) uniform Parameters {{\n    {};\n}};\n", members.join(";\n    ")))
 }
 
 #[cfg(test)]
@@ -282,7 +283,7 @@ mod tests {
     }
 
     fn library(dmf: &str) -> Library {
-        let entry = "#version 450\n#include <knobs>\nstruct Sample { vec3 x; };\n#include <dmf>\n\
+        let entry = "#version 450\n#include <parameters>\nstruct Sample { vec3 x; };\n#include <dmf>\n\
                      layout(location = 0) out vec4 color;\nvoid main() { Sample s = Sample(vec3(0.0)); color = vec4(modulate(1.0, s)); }";
         Library::new([("a.frag".to_string(), entry.to_string()), ("dmf/one.glsl".to_string(), dmf.to_string())])
     }
@@ -313,9 +314,9 @@ mod tests {
     }
 
     #[test]
-    fn a_knob_is_a_member_of_the_block_under_its_bare_name() {
+    fn a_parameter_is_a_member_of_the_block_under_its_bare_name() {
         let module =
-            "// @knob size = 1 in [0, 2]: Size.\nfloat one(float density, Sample s) { return size * density; }";
+            "// @param size = 1 in [0, 2]: Size.\nfloat one(float density, Sample s) { return size * density; }";
         assert!(link(&library(module), &["one"]).is_ok());
     }
 }

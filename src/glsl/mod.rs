@@ -1,4 +1,4 @@
-//! The GLSL house: modules, what they declare, and how they are linked into one program.
+//! The shader library: modules, what they declare, and how they are linked into one program.
 //!
 //! Role: the only place that knows GLSL text. A *module* is one file of a slot's folder (`dmf/fur.glsl`); a *slot* is
 //! filled for each program, so that a program holds the modules it needs and nothing else. Invariant: linking is a
@@ -16,7 +16,7 @@ mod names;
 pub mod reach;
 
 pub use combine::{Formula, FormulaError};
-pub use declare::{Declarations, Default, Knob};
+pub use declare::{Declarations, Parameter, ParameterKind};
 pub use kind::Kind;
 pub use library::{Library, LibraryError, Slots};
 pub use link::{LinkError, Linker, Stage};

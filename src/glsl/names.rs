@@ -145,21 +145,21 @@ pub fn rename(text: &str, names: &BTreeSet<String>, suffix: &str) -> String {
 mod tests {
     use super::*;
 
-    const TEXT: &str = "// size of it\n#define volume sampler3D(image, s)\nconst float PI = 3.0;\nfloat clearance = 0.0;\n\
+    const TEXT: &str = "// size of it\n#define volume sampler3D(image, s)\nconst float PI = 3.0;\nfloat distance_bound = 0.0;\n\
         struct Soft {\n    float size;\n};\nlayout(set = 0, binding = 1) uniform Block {\n    vec4 tint; // x\n    float size;\n};\n\
         layout(set = 0, binding = 2) uniform texture3D image;\nfloat one(float density, Soft s) {\n    float size2 = s.size * size;\n\
         \x20   return one(size2, s) + 1e5;\n}\n";
 
     #[test]
     fn what_a_file_defines_is_found_and_nothing_local() {
-        let expected = ["Block", "PI", "Soft", "clearance", "image", "one", "size", "tint", "volume"];
+        let expected = ["Block", "PI", "Soft", "distance_bound", "image", "one", "size", "tint", "volume"];
         assert_eq!(definitions(TEXT).into_iter().collect::<Vec<_>>(), expected);
         assert_eq!(members(TEXT), [("vec4", "tint"), ("float", "size")]);
     }
 
     #[test]
     fn a_variable_that_changes_is_told_from_constants_and_functions() {
-        assert!(has_state(TEXT), "clearance");
+        assert!(has_state(TEXT), "distance_bound");
         let still = "#define A b\nconst float PI = 3.0;\nstruct S {\n    float x;\n};\nfloat f(float x);\nfloat g() { float y = 1.0; return y; }\n";
         assert!(!has_state(still));
     }

@@ -6,14 +6,14 @@
 //! // @grow 0                                  matter gets no further than it was
 //! ```
 //! Lines of one kind add up, and so do the modules of a stack. Without `@grow`, matter grows as far as lookups move, to
-//! the other side: what is seen at a place is what is found where its lookup goes. Two names in a length are no knobs:
+//! the other side: what is seen at a place is what is found where its lookup goes. Two names in a length are no parameters:
 //! `hold_radius`, the radius beyond which a step along the radius stays as long as it is there (`scale_radius.glsl`), and
 //! `noise_bound`, the largest value of the noise, which a module of slot `noise` declares where it is not
 //! [`NOISE_BOUND`]: `// @bound 1`.
 
 use std::array::from_fn;
 
-/// The names in a length that are no knobs.
+/// The names in a length that are no parameters.
 pub const GIVEN: [&str; 2] = ["hold_radius", "noise_bound"];
 /// The largest value of gradient noise: eight unit gradients that point to the middle of a cell.
 pub const NOISE_BOUND: f32 = 0.866_025_4;
@@ -63,7 +63,7 @@ impl Reach {
         self.moves.is_empty() && self.grows.is_empty()
     }
 
-    /// The names of knobs in its lengths.
+    /// The names of parameters in its lengths.
     pub(super) fn names(&mut self) -> impl Iterator<Item = &mut String> {
         let factors = self.moves.iter_mut().chain(&mut self.grows).flat_map(|length| length.terms.iter_mut().flatten());
         factors.filter_map(|factor| match factor {

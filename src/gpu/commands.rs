@@ -53,7 +53,7 @@ impl Gpu {
         // SAFETY: the command buffer is new and in no use.
         unsafe { device.begin_command_buffer(job.buffer, &begin) }.named("vkBeginCommandBuffer")?;
         let mut commands = Commands { gpu: self, buffer: job.buffer };
-        let timed = self.0.facts.timestamp_period > 0.0;
+        let timed = self.0.info.timestamp_period > 0.0;
         // SAFETY: the command buffer is being recorded; the pool has two queries.
         unsafe {
             if timed {
@@ -103,7 +103,7 @@ impl Gpu {
         let mut ticks = [0u64; 2];
         // SAFETY: both queries were written by the finished submission.
         unsafe { device.get_query_pool_results(job.queries, 0, &mut ticks, flags) }.named("vkGetQueryPoolResults")?;
-        let gpu_ms = ticks[1].saturating_sub(ticks[0]) as f64 * f64::from(self.0.facts.timestamp_period) * 1e-6;
+        let gpu_ms = ticks[1].saturating_sub(ticks[0]) as f64 * f64::from(self.0.info.timestamp_period) * 1e-6;
         Ok(Submitted { gpu_ms, wall_ms, fragments })
     }
 }
@@ -131,7 +131,7 @@ impl<'a> Job<'a> {
             job.fence = device.create_fence(&vk::FenceCreateInfo::default(), None).named("vkCreateFence")?;
             let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2);
             job.queries = device.create_query_pool(&info, None).named("vkCreateQueryPool")?;
-            if gpu.facts().counts_fragments {
+            if gpu.info().counts_fragments {
                 let info = vk::QueryPoolCreateInfo::default()
                     .query_type(vk::QueryType::PIPELINE_STATISTICS)
                     .pipeline_statistics(vk::QueryPipelineStatisticFlags::FRAGMENT_SHADER_INVOCATIONS)

@@ -21,7 +21,7 @@ pub struct Options {
 
 /// What a person wants to know about the device.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Facts {
+pub struct DeviceInfo {
     /// Name of the device.
     pub name: String,
     /// Name and version of the driver.
@@ -44,7 +44,7 @@ pub struct Facts {
     pub timestamp_period: f32,
 }
 
-impl Facts {
+impl DeviceInfo {
     /// Device and driver, as pictures name them.
     pub fn title(&self) -> String {
         format!("{} ({})", self.name, self.driver)
@@ -64,7 +64,7 @@ pub(super) struct Shared {
     /// Who waits for the queue holds this: the one who gave it back cannot take it again before.
     next: Mutex<()>,
     pub(super) device: Device,
-    pub(super) facts: Facts,
+    pub(super) info: DeviceInfo,
     /// Family of the queue: what egui draws with is made for it.
     #[cfg(feature = "view")]
     pub(super) family: u32,
@@ -141,7 +141,7 @@ impl Gpu {
         fits: impl Fn(vk::PhysicalDevice, u32) -> bool,
     ) -> Result<Gpu, GpuError> {
         let wanted = options.device.as_deref().unwrap_or_default();
-        let (physical, family, facts) = choose(&instance.raw, wanted, fits)?;
+        let (physical, family, device_info) = choose(&instance.raw, wanted, fits)?;
         let device = Device(create_device(&instance.raw, physical, family, extensions)?);
         // SAFETY: the device was just made with one queue of this family.
         let queue = unsafe { device.get_device_queue(family, 0) };
@@ -178,7 +178,7 @@ impl Gpu {
             queue,
             next,
             device,
-            facts,
+            info: device_info,
             #[cfg(feature = "view")]
             family,
             physical,
@@ -187,8 +187,8 @@ impl Gpu {
     }
 
     /// What the device is and can do.
-    pub fn facts(&self) -> &Facts {
-        &self.0.facts
+    pub fn info(&self) -> &DeviceInfo {
+        &self.0.info
     }
 
     /// What the validation layer has said; readable after the device is closed.
@@ -270,7 +270,7 @@ fn choose(
     instance: &ash::Instance,
     wanted: &str,
     fits: impl Fn(vk::PhysicalDevice, u32) -> bool,
-) -> Result<(vk::PhysicalDevice, u32, Facts), GpuError> {
+) -> Result<(vk::PhysicalDevice, u32, DeviceInfo), GpuError> {
     // SAFETY: the instance is alive.
     let all = unsafe { instance.enumerate_physical_devices() }.named("vkEnumeratePhysicalDevices")?;
     let mut found = Vec::new();
@@ -283,11 +283,11 @@ fn choose(
                 instance.get_physical_device_queue_family_properties(physical),
             )
         };
-        let facts = facts(instance, physical, &properties);
-        found.push(facts.name.clone());
+        let device_info = device_info(instance, physical, &properties);
+        found.push(device_info.name.clone());
         let draws = |family: &usize| queues[*family].queue_flags.contains(vk::QueueFlags::GRAPHICS);
         let family = (0..queues.len()).find(|family| draws(family) && fits(physical, *family as u32));
-        let named = facts.name.to_lowercase().contains(&wanted.to_lowercase());
+        let named = device_info.name.to_lowercase().contains(&wanted.to_lowercase());
         if let (Some(family), true, true) = (family, named, properties.api_version >= vk::API_VERSION_1_3) {
             let rank = match properties.device_type {
                 vk::PhysicalDeviceType::DISCRETE_GPU => 0,
@@ -295,19 +295,23 @@ fn choose(
                 vk::PhysicalDeviceType::VIRTUAL_GPU => 2,
                 _ => 3,
             };
-            let period = if queues[family].timestamp_valid_bits == 0 { 0.0 } else { facts.timestamp_period };
-            fitting.push((rank, physical, family as u32, Facts { timestamp_period: period, ..facts }));
+            let period = if queues[family].timestamp_valid_bits == 0 { 0.0 } else { device_info.timestamp_period };
+            fitting.push((rank, physical, family as u32, DeviceInfo { timestamp_period: period, ..device_info }));
         }
     }
     let best = fitting.into_iter().min_by_key(|candidate| candidate.0);
-    let (_, physical, family, facts) = best.ok_or_else(|| GpuError::NoDevice {
+    let (_, physical, family, device_info) = best.ok_or_else(|| GpuError::NoDevice {
         wanted: wanted.into(),
         found: if found.is_empty() { "none".into() } else { found.join(", ") },
     })?;
-    Ok((physical, family, facts))
+    Ok((physical, family, device_info))
 }
 
-fn facts(instance: &ash::Instance, physical: vk::PhysicalDevice, properties: &vk::PhysicalDeviceProperties) -> Facts {
+fn device_info(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+    properties: &vk::PhysicalDeviceProperties,
+) -> DeviceInfo {
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut properties2 = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
     // SAFETY: the physical device belongs to the instance; the chain outlives the call.
@@ -320,7 +324,7 @@ fn facts(instance: &ash::Instance, physical: vk::PhysicalDevice, properties: &vk
     let version = properties.api_version;
     let (major, minor, patch) =
         (vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version));
-    Facts {
+    DeviceInfo {
         name: text(properties.device_name_as_c_str()),
         driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
         api: format!("{major}.{minor}.{patch}"),

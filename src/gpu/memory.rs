@@ -195,16 +195,16 @@ impl Image {
         (purpose, texels): (ImageUse, u64),
     ) -> Result<Image, GpuError> {
         use vk::{ImageType as Type, ImageViewType as View};
-        let facts = gpu.facts();
+        let info = gpu.info();
         let (kind, view_kind, size, limit) = match dimension {
-            Dimension::Line(x) => (Type::TYPE_1D, View::TYPE_1D, [x, 1, 1], facts.max_image),
-            Dimension::Plane(x, y) => (Type::TYPE_2D, View::TYPE_2D, [x, y, 1], facts.max_image),
-            Dimension::Volume(x, y, z) => (Type::TYPE_3D, View::TYPE_3D, [x, y, z], facts.max_volume),
+            Dimension::Line(x) => (Type::TYPE_1D, View::TYPE_1D, [x, 1, 1], info.max_image),
+            Dimension::Plane(x, y) => (Type::TYPE_2D, View::TYPE_2D, [x, y, 1], info.max_image),
+            Dimension::Volume(x, y, z) => (Type::TYPE_3D, View::TYPE_3D, [x, y, z], info.max_volume),
         };
         if size.iter().any(|&side| side == 0 || side > limit) {
             let asked = format!("{} x {} x {} texels", size[0], size[1], size[2]);
             let limit = format!("1 to {limit} for each axis");
-            return Err(GpuError::TooLarge { device: facts.name.clone(), what: name.into(), asked, limit });
+            return Err(GpuError::TooLarge { device: info.name.clone(), what: name.into(), asked, limit });
         }
         let extent = vk::Extent3D { width: size[0], height: size[1], depth: size[2] };
         let levels = levels(extent, texels);
@@ -370,12 +370,12 @@ impl Sampler {
     /// # Errors
     /// The device has no such anisotropy.
     pub fn new(gpu: &Gpu, address: Address, anisotropy: f32) -> Result<Sampler, GpuError> {
-        let facts = gpu.facts();
-        if anisotropy > facts.max_anisotropy {
+        let info = gpu.info();
+        if anisotropy > info.max_anisotropy {
             return Err(GpuError::Unsupported {
-                device: facts.name.clone(),
+                device: info.name.clone(),
                 what: format!("anisotropy {anisotropy}"),
-                remedy: format!("use --anisotropy 1 to {}", facts.max_anisotropy),
+                remedy: format!("use --anisotropy 1 to {}", info.max_anisotropy),
             });
         }
         let mode = match address {

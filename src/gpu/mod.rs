@@ -1,7 +1,7 @@
 //! Vulkan, and the only `unsafe` of the crate.
 //!
 //! Role: small safe owners around the parts of Vulkan 1.3 that the renderer uses (dynamic rendering,
-//! synchronization2), through `ash` and `gpu-allocator`. This room knows pixels, buffers and pipelines, and no scene.
+//! synchronization2), through `ash` and `gpu-allocator`. This layer knows pixels, buffers and pipelines, and no scene.
 //! Invariants:
 //! - every owner frees itself, and holds the [`Gpu`] alive until then: the device goes last;
 //! - [`Gpu::submit`] waits for what it submitted, so a resource borrowed by a recording outlives its use;
@@ -17,17 +17,17 @@ mod messages;
 #[cfg(feature = "view")]
 mod overlay;
 mod pipeline;
-#[cfg(test)]
-mod planted;
 #[cfg(feature = "view")]
 mod surface;
+#[cfg(test)]
+mod validation_tests;
 
 pub use commands::{Commands, Draw, Load, Submitted, Target};
-pub use device::{Facts, Gpu, Options};
+pub use device::{DeviceInfo, Gpu, Options};
 pub use memory::{Address, Buffer, BufferUse, Dimension, Format, Image, ImageUse, Sampler};
 pub use messages::Messages;
 #[cfg(feature = "view")]
-pub use overlay::{Canvas, Shown};
+pub use overlay::{Canvas, Presented};
 pub use pipeline::{BindSet, Binding, BindingKind, Blend, Pipeline, PipelineDescription, Resource};
 
 #[cfg(feature = "view")]

@@ -15,7 +15,7 @@ const PATIENCE: u64 = 200_000_000;
 /// A device that draws into a window.
 pub struct Canvas {
     renderer: Renderer<DefaultAllocator>,
-    frame: Frame,
+    frame: WindowFrame,
     /// The glyphs, which egui changes in parts.
     glyphs: Option<ColorImage>,
     freed: Vec<TextureId>,
@@ -24,7 +24,7 @@ pub struct Canvas {
 
 /// What became of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
+pub enum Presented {
     /// It is on the screen.
     Yes,
     /// The window had no image to draw into, or one of another size: try again.
@@ -34,7 +34,7 @@ pub enum Shown {
 }
 
 /// What one drawing at a time needs.
-struct Frame {
+struct WindowFrame {
     gpu: Gpu,
     pool: vk::CommandPool,
     buffer: vk::CommandBuffer,
@@ -44,10 +44,10 @@ struct Frame {
     acquired: vk::Semaphore,
 }
 
-impl Frame {
-    fn new(gpu: &Gpu) -> Result<Frame, GpuError> {
+impl WindowFrame {
+    fn new(gpu: &Gpu) -> Result<WindowFrame, GpuError> {
         let device = &gpu.0.device;
-        let mut frame = Frame {
+        let mut frame = WindowFrame {
             gpu: gpu.clone(),
             pool: vk::CommandPool::null(),
             buffer: vk::CommandBuffer::null(),
@@ -80,7 +80,7 @@ impl Frame {
     }
 }
 
-impl Drop for Frame {
+impl Drop for WindowFrame {
     fn drop(&mut self) {
         let device = &self.gpu.0.device;
         let _queue = self.gpu.queue();
@@ -113,7 +113,7 @@ impl Canvas {
         let gpu = &surface.gpu;
         let format = surface.format.format;
         let srgb = matches!(format, vk::Format::B8G8R8A8_SRGB | vk::Format::R8G8B8A8_SRGB);
-        let frame = Frame::new(gpu)?;
+        let frame = WindowFrame::new(gpu)?;
         let mode = RenderMode::DynamicRendering(DynamicRendering {
             color_attachment_format: format,
             depth_attachment_format: None,
@@ -142,7 +142,7 @@ impl Canvas {
         mut textures: TexturesDelta,
         primitives: &[ClippedPrimitive],
         pixels_per_point: f32,
-    ) -> Result<Shown, GpuError> {
+    ) -> Result<Presented, GpuError> {
         // A texture in use must not change, so nothing is under way from here on.
         self.frame.wait()?;
         for id in self.freed.drain(..) {
@@ -159,11 +159,11 @@ impl Canvas {
             }
         }
         self.freed.extend(textures.free.drain());
-        let shown = self.present(&gpu, size, primitives, pixels_per_point)?;
-        if shown == Shown::Later {
+        let presented = self.present(&gpu, size, primitives, pixels_per_point)?;
+        if presented == Presented::Later {
             self.surface.outdated();
         }
-        Ok(shown)
+        Ok(presented)
     }
 
     /// A change of the glyphs as all of them: the renderer drops what a change does not cover (it begins with an
@@ -195,15 +195,15 @@ impl Canvas {
         size: [u32; 2],
         primitives: &[ClippedPrimitive],
         pixels_per_point: f32,
-    ) -> Result<Shown, GpuError> {
+    ) -> Result<Presented, GpuError> {
         let swapchains = self.surface.swapchains.clone();
-        let Some(chain) = self.surface.swapchain(size)? else { return Ok(Shown::Hidden) };
+        let Some(chain) = self.surface.swapchain(size)? else { return Ok(Presented::Hidden) };
         let (handle, extent) = (chain.handle, chain.extent);
         // SAFETY: the swapchain is alive and used by this thread only; the semaphore is in no use.
         let index =
             match unsafe { swapchains.acquire_next_image(handle, PATIENCE, self.frame.acquired, vk::Fence::null()) } {
                 Err(vk::Result::ERROR_OUT_OF_DATE_KHR | vk::Result::TIMEOUT | vk::Result::NOT_READY) => {
-                    return Ok(Shown::Later);
+                    return Ok(Presented::Later);
                 }
                 other => other.named("vkAcquireNextImageKHR")?.0,
             };
@@ -250,15 +250,15 @@ impl Canvas {
         };
         drawn?;
         match presented {
-            Ok(false) => Ok(Shown::Yes),
-            // Shown, in the size that the window had.
-            Ok(true) | Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(Shown::Later),
+            Ok(false) => Ok(Presented::Yes),
+            // Presented, in the size that the window had.
+            Ok(true) | Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(Presented::Later),
             Err(result) => Err(GpuError::Call { call: "vkQueuePresentKHR", result }),
         }
     }
 }
 
-/// To be drawn into, whatever was there; or to be shown.
+/// To be drawn into, whatever was there; or to be presented.
 fn transition(gpu: &Gpu, buffer: vk::CommandBuffer, image: vk::Image, to: vk::ImageLayout) {
     use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
     let output = Stage::COLOR_ATTACHMENT_OUTPUT;

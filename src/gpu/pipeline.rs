@@ -250,7 +250,7 @@ fn layout_binding(binding: &Binding) -> vk::DescriptorSetLayoutBinding<'static> 
 
 fn check(gpu: &Gpu, description: &PipelineDescription<'_>) -> Result<(), GpuError> {
     let unsupported =
-        |what: String, remedy: String| Err(GpuError::Unsupported { device: gpu.facts().name.clone(), what, remedy });
+        |what: String, remedy: String| Err(GpuError::Unsupported { device: gpu.info().name.clone(), what, remedy });
     if description.blend != Blend::Replace && !gpu.can_blend(description.format) {
         return unsupported(format!("blending into {:?}", description.format), "choose another --target".into());
     }
@@ -259,7 +259,7 @@ fn check(gpu: &Gpu, description: &PipelineDescription<'_>) -> Result<(), GpuErro
         let what = format!("{} samples per pixel in {:?}", description.samples, description.format);
         return unsupported(what, format!("use --msaa with one of {counts:?}"));
     }
-    if description.samples > 1 && !gpu.facts().sample_shading {
+    if description.samples > 1 && !gpu.info().sample_shading {
         return unsupported("shading every sample of a pixel".into(), "use --msaa 1".into());
     }
     Ok(())

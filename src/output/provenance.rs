@@ -163,7 +163,7 @@ impl Provenance {
 }
 
 /// The objects of a scene.
-/// What may be a file: the inputs of the objects, and modules of one's own.
+/// What may be a file: the inputs of the objects, and custom modules.
 fn files(scene: &mut Scene) -> impl Iterator<Item = &mut String> {
     let objects = [&mut scene.object].into_iter().chain(scene.parts.values_mut().map(|part| &mut part.object));
     objects.map(|object| &mut object.input).chain(scene.modules.values_mut())

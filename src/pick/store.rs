@@ -1,8 +1,8 @@
 //! What was picked, kept on disk: by scene, bound, device and driver.
 
-use super::{Bound, Pick, PickError, Verified};
+use super::{ErrorBound, Pick, PickError, Verified};
 use crate::compare::Stage;
-use crate::kept::{self, Kind};
+use crate::disk_cache::{self, Kind};
 use crate::scene::{self, Scene};
 use crate::shard;
 use serde::{Deserialize, Serialize};
@@ -13,11 +13,11 @@ const VERSION: u32 = 3;
 const KIND: Kind = Kind { end: "pick", limit: 16 << 20 };
 
 /// The key of a pick: the hash of what it depends on.
-pub(super) fn key(stage: Stage<'_>, scene: &Scene, bound: Bound) -> Result<blake3::Hash, PickError> {
-    let facts = stage.gpu.facts();
+pub(super) fn key(stage: Stage<'_>, scene: &Scene, bound: ErrorBound) -> Result<blake3::Hash, PickError> {
+    let info = stage.gpu.info();
     let mut hash = blake3::Hasher::new();
     hash.update(&VERSION.to_le_bytes()).update(&bound.error.to_le_bytes());
-    hash.update(format!("{}\n{}\n{}\n", bound.metric, facts.name, facts.driver).as_bytes());
+    hash.update(format!("{}\n{}\n{}\n", bound.metric, info.name, info.driver).as_bytes());
     hash.update(shard::identity(scene, stage.library, stage.subject)?.as_bytes());
     Ok(hash.finalize())
 }
@@ -26,7 +26,7 @@ pub(super) fn key(stage: Stage<'_>, scene: &Scene, bound: Bound) -> Result<blake
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Stored {
-    way: String,
+    settings: String,
     error: f64,
     small_ms: f64,
     verified: Option<Verified>,
@@ -38,10 +38,10 @@ struct Stored {
 
 /// The pick that was saved under a key; `None` if there is none, or its file is not as it was written.
 pub(super) fn load(key: blake3::Hash) -> Option<Pick> {
-    let stored: Stored = toml::from_slice(&kept::load(KIND, key)?).ok()?;
+    let stored: Stored = toml::from_slice(&disk_cache::load(KIND, key)?).ok()?;
     Some(Pick {
         scene: scene::parse(&stored.scene, "remembered").ok()?,
-        way: stored.way,
+        settings: stored.settings,
         error: stored.error,
         small_ms: stored.small_ms,
         verified: stored.verified,
@@ -56,7 +56,7 @@ pub(super) fn load(key: blake3::Hash) -> Option<Pick> {
 /// Saves a pick; a folder that cannot be written to costs the next one its time, and no more.
 pub(super) fn save(key: blake3::Hash, pick: &Pick) {
     let stored = Stored {
-        way: pick.way.clone(),
+        settings: pick.settings.clone(),
         error: pick.error,
         small_ms: pick.small_ms,
         verified: pick.verified,
@@ -66,6 +66,6 @@ pub(super) fn save(key: blake3::Hash, pick: &Pick) {
         scene: scene::to_text(&pick.scene),
     };
     if let Ok(text) = toml::to_string(&stored) {
-        kept::save(KIND, key, text.as_bytes());
+        disk_cache::save(KIND, key, text.as_bytes());
     }
 }

@@ -1,6 +1,6 @@
-//! A way held against the f64 reference.
+//! A candidate held against the f64 reference.
 
-use super::Bound;
+use super::ErrorBound;
 use crate::compare::Stage;
 use crate::random::SplitMix;
 use crate::reference::{ReferenceError, TOLERANCE, reference_pixels, truth_of};
@@ -36,7 +36,7 @@ pub struct Verified {
 pub(super) fn verify(
     stage: Stage<'_>,
     scene: &Scene,
-    bound: Bound,
+    bound: ErrorBound,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Verified, ReferenceError> {
     let Stage { library, subject, .. } = stage;

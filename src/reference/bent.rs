@@ -7,7 +7,7 @@
 use super::{Reference, ReferenceError, images};
 use crate::exact;
 use crate::glsl::{Library, Linker};
-use crate::render::{Frozen, OCTAVES_ID, Subject};
+use crate::render::{CpuInputs, OCTAVES_ID, Subject};
 use crate::scene::Scene;
 use crate::variant::Variant;
 use rayon::prelude::*;
@@ -67,10 +67,10 @@ fn light(
 ) -> Result<Vec<[f64; 4]>, ReferenceError> {
     let variant = Variant::of(scene, library)?;
     let linked = variant.program(library, Linker::new)?;
-    let frozen = Frozen::new(scene, subject, &variant, &linked)?;
+    let cpu_inputs = CpuInputs::new(scene, subject, &variant, &linked)?;
     let program = exact::Program::read(&linked.fragment, &[(OCTAVES_ID, scene.effect.octaves)])?;
-    let moments = frozen.moments(&linked)?;
-    let mut inputs = images::inputs(&frozen);
+    let moments = cpu_inputs.moments(&linked)?;
+    let mut inputs = images::inputs(&cpu_inputs);
     let mut quads: BTreeMap<[u32; 2], [[f64; 4]; 4]> =
         pixels.iter().map(|p| (p.map(|c| c / 2), [[0.0; 4]; 4])).collect();
     for blocks in &moments {

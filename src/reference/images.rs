@@ -2,15 +2,15 @@
 
 use crate::exact;
 use crate::gpu::{Address, Dimension, Format};
-use crate::render::{Encoded, Frozen};
+use crate::render::{CpuInputs, Encoded};
 use std::collections::BTreeMap;
 
 /// Images and samplers, as yet without blocks.
-pub(super) fn inputs(frozen: &Frozen) -> exact::Inputs {
+pub(super) fn inputs(cpu_inputs: &CpuInputs) -> exact::Inputs {
     exact::Inputs {
         blocks: BTreeMap::new(),
-        images: frozen.images().iter().map(|(binding, image)| (*binding, texture(image))).collect(),
-        samplers: frozen.samplers().iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect(),
+        images: cpu_inputs.images().iter().map(|(binding, image)| (*binding, texture(image))).collect(),
+        samplers: cpu_inputs.samplers().iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect(),
     }
 }
 

@@ -101,7 +101,7 @@ impl Piece {
 }
 
 /// A ray cut into pieces, front to back.
-pub(super) struct Ray {
+pub(super) struct RayIntegral {
     pieces: Vec<Piece>,
     /// Light that the pieces let through, as they were added.
     left: f64,
@@ -125,10 +125,10 @@ const DARK: f64 = 1e-8;
 /// where one would do. More: with noise finer than a piece, estimates are too small.
 const BY_CHANCE: f64 = 4.0;
 
-impl Ray {
+impl RayIntegral {
     /// A ray through nothing yet.
-    pub(super) fn new() -> Ray {
-        Ray { pieces: Vec::new(), left: 1.0 }
+    pub(super) fn new() -> RayIntegral {
+        RayIntegral { pieces: Vec::new(), left: 1.0 }
     }
 
     /// Adds a piece behind the others, by its five samples at equal distances.
@@ -223,7 +223,7 @@ mod tests {
     const LIMITS: Limits = Limits { error: 1e-9, shortest: 1e-9, pieces: 20_000 };
 
     fn integrate(length: f64, pieces: u32, matter: impl Fn(f64) -> Matter) -> (Transport, f64) {
-        let mut ray = Ray::new();
+        let mut ray = RayIntegral::new();
         let step = length / f64::from(pieces);
         for k in 0..pieces {
             let from = f64::from(k) * step;

@@ -1,8 +1,8 @@
 //! References kept on disk: they take seconds, and the same one is asked for again and again.
 
 use super::Reference;
+use crate::disk_cache::{self, Kind};
 use crate::glsl::Library;
-use crate::kept::{self, Kind};
 use crate::render::{RenderError, Subject};
 use crate::scene::Scene;
 use crate::shard;
@@ -27,12 +27,12 @@ pub(super) fn key(
 
 /// The reference that was saved under a key.
 pub(super) fn load(key: blake3::Hash, size: [u32; 2]) -> Option<Reference> {
-    parse(&kept::load(KIND, key)?, size)
+    parse(&disk_cache::load(KIND, key)?, size)
 }
 
 /// Saves a reference.
 pub(super) fn save(key: blake3::Hash, reference: &Reference) {
-    kept::save(KIND, key, &bytes(reference));
+    disk_cache::save(KIND, key, &bytes(reference));
 }
 
 fn bytes(reference: &Reference) -> Vec<u8> {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::random::SplitMix;
 use crate::scene::{Boolean, parse, preset};
-use crate::{exact::Bound, glsl};
+use crate::{exact::BoundProgram, glsl};
 
 /// Three objects that are turned, each with a warp of its own.
 const SEVERAL: &str = r##"
@@ -42,24 +42,24 @@ fn p24_matter_is_where_rays_and_slices_look_and_a_leap_passes_none() {
         (scene.camera.azimuth, scene.camera.elevation) = (37.0, 21.0);
         scene.image.size = [64, 64];
         (scene.light.shadows, scene.quality.block_size) = (false, 32);
-        let scene = limit_of(&scene);
+        let scene = converged_settings(&scene);
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
         let (probe, mut inputs) = Probe::new(&library, &scene, &subject).unwrap();
         probe.set(&probe.moments[0], &mut inputs).unwrap();
-        let bound: Bound<'_> = probe.program.bind(&inputs).unwrap();
+        let bound: BoundProgram<'_> = probe.program.bind(&inputs).unwrap();
         let mut random = SplitMix(3);
-        let [near, far] = probe.frozen.depths;
+        let [near, far] = probe.cpu_inputs.depths;
         let pixels: Vec<[u32; 2]> = (0..3000).map(|_| [0, 1].map(|_| (random.next() % 64) as u32)).collect();
         let wide = 0.5 * (far - near);
         let depths: Vec<(usize, f64)> = (0..pixels.len())
             .map(|ray| (ray, (near - wide + (far - near + 2.0 * wide) * random.unit()).max(0.01)))
             .collect();
         let samples = probe.sample(&bound, &pixels, &depths).unwrap();
-        let leaps: Vec<(usize, f64)> = (depths.iter().zip(&samples))
-            .map(|(&(ray, depth), sample)| (ray, depth + sample.clearance.max(0.0) * random.unit()))
+        let skips: Vec<(usize, f64)> = (depths.iter().zip(&samples))
+            .map(|(&(ray, depth), sample)| (ray, depth + sample.distance_bound.max(0.0) * random.unit()))
             .collect();
-        let landed = probe.sample(&bound, &pixels, &leaps).unwrap();
-        let (mut matter, mut leapt) = (0, 0);
+        let landed = probe.sample(&bound, &pixels, &skips).unwrap();
+        let (mut matter, mut skipped) = (0, 0);
         for index in 0..pixels.len() {
             let (sample, depth) = (&samples[index], depths[index].1);
             if sample.matter.extinction > 0.0 {
@@ -71,12 +71,12 @@ fn p24_matter_is_where_rays_and_slices_look_and_a_leap_passes_none() {
                 );
                 matter += 1;
             }
-            if probe.leaps && sample.clearance > 0.0 {
+            if probe.skips && sample.distance_bound > 0.0 {
                 assert!(landed[index].matter.extinction <= 0.0, "{:?}: from {depth}", scene.effect);
-                leapt += 1;
+                skipped += 1;
             }
         }
-        println!("{:?}: matter at {matter}, {leapt} leaps of {}", scene.effect.warp, pixels.len());
+        println!("{:?}: matter at {matter}, {skipped} skips of {}", scene.effect.warp, pixels.len());
         assert!(matter > 10, "{:?}: {matter}", scene.effect.warp);
     }
 }

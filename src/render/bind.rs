@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use crate::variant::{Program, Resource, Use, Variant};
 
 /// The resources of one program.
-pub(super) struct Bound {
+pub(super) struct BoundInputs {
     blocks: Vec<(Resource, Buffer)>,
     images: Vec<(u32, Image)>,
     samplers: Vec<(u32, Sampler)>,
@@ -23,10 +23,10 @@ pub(super) struct Bound {
     values: Values,
 }
 
-impl Bound {
+impl BoundInputs {
     /// Everything that a program reads, but for the shadow volume, which is made with the rest of it: see
-    /// [`Bound::replace_shadow`].
-    pub(super) fn new(gpu: &Gpu, program: &Program, inputs: &Inputs) -> Result<Bound, RenderError> {
+    /// [`BoundInputs::replace_shadow`].
+    pub(super) fn new(gpu: &Gpu, program: &Program, inputs: &Inputs) -> Result<BoundInputs, RenderError> {
         let mut blocks = Vec::new();
         for resource in &program.resources {
             if let Use::Block(block) = &resource.holds {
@@ -41,7 +41,7 @@ impl Bound {
         let sampler = |(binding, filter): &(u32, super::inputs::Filter)| {
             Ok((*binding, Sampler::new(gpu, filter.address, filter.anisotropy)?))
         };
-        Ok(Bound {
+        Ok(BoundInputs {
             blocks,
             images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
             samplers: inputs.samplers.iter().map(sampler).collect::<Result<_, RenderError>>()?,

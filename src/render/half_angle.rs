@@ -7,7 +7,7 @@
 //! Source: GG 39.5.1; Kniss, Premoze, Hansen, Shirley and McPherson 2003. The chapter is cut: a reconstruction.
 
 use super::RenderError;
-use super::bind::{self, Bound};
+use super::bind::{self, BoundInputs};
 use super::inputs::{BEFORE, BEHIND};
 use super::view::View;
 use crate::glsl::{Library, Linker};
@@ -22,7 +22,7 @@ const BUFFER: Format = Format::Rgba32Float;
 /// Slices are crossed no flatter than this, the cosine of 80 degrees. Flatter: the path in one is six steps long and more.
 const FLATTEST: f32 = 0.17;
 
-/// Unit vector across the slices of a scene, toward its light, in eye space; z for slices that face the eye.
+/// Unit vector across the slices of a scene, toward its light, in eye space; z for view-aligned slices.
 pub(super) fn axis(scene: &Scene) -> Vec3 {
     let to_light = Vec3::from(scene.light.position).normalize_or(Vec3::Z);
     match scene.is_half_angle() {
@@ -104,7 +104,7 @@ impl HalfAngle {
         &self,
         gpu: &Gpu,
         (scene, view, planes): (&Scene, &View, &Planes),
-        (pipeline, program, bound): (&Pipeline, &Program, &Bound),
+        (pipeline, program, bound): (&Pipeline, &Program, &BoundInputs),
         (vertices, stack): (&Buffer, &pass::Stack),
         bands: &[std::ops::Range<u32>],
         target: gpu::Target<'_>,

@@ -95,7 +95,7 @@ impl Judge<'_> {
         let mut scene = scene.clone();
         if variant.module("classify").is_some_and(|module| module.starts_with("surface")) {
             // Of matter that is opaque or none the nearest is seen, in any order and alone.
-            (scene.quality.order, scene.quality.stop) = (Order::default(), 0.0);
+            (scene.quality.order, scene.quality.early_termination) = (Order::default(), 0.0);
         }
         let scene = &scene;
         let mut read = self.read(scene, &variant)?;

@@ -11,7 +11,7 @@ use super::{RenderError, Subject};
 use crate::field::Progress;
 use crate::gpu::{Address, Dimension, Format};
 use crate::pass::Planes;
-use crate::scene::{Knobs, Quality, Scene, Source, Wrap};
+use crate::scene::{Parameters, Quality, Scene, Source, Wrap};
 use crate::texture::{self, Bricks, Encoding, Texels};
 use crate::variant::{Program, Resource, Use, Variant};
 
@@ -202,20 +202,27 @@ pub(super) struct Item<'a> {
     /// The scene with this object as its only one.
     pub(super) scene: Scene,
     pub(super) subject: &'a Subject,
-    pub(super) knobs: &'a Knobs,
+    pub(super) parameters: &'a Parameters,
     pub(super) stored: Stored,
 }
 
 impl<'a> Item<'a> {
     fn of(own: &'a Own, scene: &Scene, subject: &'a Subject, variant: &'a Variant, stored: Stored) -> Item<'a> {
         match own.name.as_str() {
-            "" => Item { suffix: String::new(), own, scene: scene.clone(), subject, knobs: &variant.knobs, stored },
+            "" => Item {
+                suffix: String::new(),
+                own,
+                scene: scene.clone(),
+                subject,
+                parameters: &variant.parameters,
+                stored,
+            },
             name => Item {
                 suffix: format!("_{name}"),
                 own,
                 scene: scene.alone(name),
                 subject: &subject.parts[name],
-                knobs: &variant.parts[name],
+                parameters: &variant.parts[name],
                 stored,
             },
         }
@@ -264,7 +271,7 @@ impl<'a> Item<'a> {
     /// A warp moves the place that is looked up, here and wherever the ray lands, not alike. The filter mixes the
     /// distances of eight samples, whose weighted mean is at most half a voxel's diagonal away (by Jensen's
     /// inequality); a stored distance is rounded; and f32 has its own few ulps.
-    pub(super) fn leap_slack(&self) -> f32 {
+    pub(super) fn skip_slack(&self) -> f32 {
         let spacing = self.subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length());
         self.own.spread.moves.span() + 0.5 * spacing * self.subject.scale + self.stored.quantization + 1e-5
     }
@@ -295,7 +302,7 @@ pub(super) fn image_key(
             format!("{transfer:?} {} {densities:?} {:?}{:?}", effect.softness, effect.dmf, effect.warp)
         }
         "closest_image" => format!("{}", object.inner_iso),
-        "brick_image" => format!("{densities:?} {:?} {}", scene.quality.rule, planes.step),
+        "brick_image" => format!("{densities:?} {:?} {}", scene.quality.integration, planes.step),
         _ => format!("{:?}", item.encoding(variant)),
     }
 }

@@ -3,9 +3,9 @@
 //! Invariant: a block is made of its [`Recipe`] alone, so that the same one is not made again in the next run.
 
 use super::inputs::{Content, Encoded};
+use crate::disk_cache::{self, Kind};
 use crate::field::Progress;
 use crate::gpu::{Dimension, Format};
-use crate::kept::{self, Kind};
 use crate::noise::{Bake, Block, MEAN_NOISE, Noise, Weights, blue_noise, random_block};
 use crate::scene::{BlockFormat, Scene};
 use crate::texture::{self, Depth};
@@ -89,9 +89,9 @@ impl Recipe {
             return self.make(0.0, depth, progress);
         }
         let key = blake3::hash(format!("{VERSION} {self:?} {depth:?}").as_bytes());
-        kept::load(KIND, key).unwrap_or_else(|| {
+        disk_cache::load(KIND, key).unwrap_or_else(|| {
             let bytes = self.make(0.0, depth, progress);
-            kept::save(KIND, key, &bytes);
+            disk_cache::save(KIND, key, &bytes);
             bytes
         })
     }

@@ -8,7 +8,7 @@
 //! texels to the light would take n / 2 times as many. Handing the light from layer to layer of a grid that does not
 //! follow the rays needs no more either, but mixes neighbors in each layer, and knows no light inside of the scene.
 
-use super::bind::{self, Bound};
+use super::bind::{self, BoundInputs};
 use super::inputs::Inputs;
 use super::sub_frame::SubFrame;
 use super::view::View;
@@ -191,7 +191,7 @@ pub fn transmittance(
     let planes = view.planes(scene.quality.samples);
     let space = LightSpace::of(scene, &view, &planes);
     let inputs = Inputs::new(scene, subject, &variant, &program, (&view, &planes), &|_| ())?;
-    let mut bound = Bound::new(gpu, &program, &inputs)?;
+    let mut bound = BoundInputs::new(gpu, &program, &inputs)?;
     for sub_frame in SubFrame::all(scene).take(1) {
         bound.fill(scene, subject, &variant, &view, (&planes, &space), &sub_frame)?;
     }
@@ -229,7 +229,7 @@ impl Caster {
         &self,
         gpu: &Gpu,
         view: &View,
-        bound: &Bound,
+        bound: &BoundInputs,
         space: LightSpace,
     ) -> Result<Transmittance, RenderError> {
         let [width, height] = space.target();

@@ -2,7 +2,7 @@
 
 use super::inputs::Item;
 use crate::pass::Planes;
-use crate::scene::Rule;
+use crate::scene::Integration;
 use crate::texture::{Bricks, Texels};
 use serde::{Deserialize, Serialize};
 
@@ -45,9 +45,9 @@ impl Item<'_> {
         const MOST_SLANTED: f32 = 4.0; // three quarters of a right angle off the axis of view
         let (scene, field) = (&self.scene, self.subject.field.as_ref()?);
         let voxels = 2.0 * field.grid.spacing.max_element() * self.subject.scale;
-        let outer = match scene.quality.rule {
-            Rule::Point => self.own.outer_iso + voxels,
-            Rule::Segment => self.reach(),
+        let outer = match scene.quality.integration {
+            Integration::Point => self.own.outer_iso + voxels,
+            Integration::Segment => self.reach(),
         };
         let effect = &scene.effect;
         let opaque = effect.classify == "surface" || (effect.dmf.is_empty() && effect.opacity == "perlin");

@@ -29,8 +29,8 @@ pub struct Subject {
     /// Radius of the sphere around the object at the origin, object units.
     pub radius: f32,
     /// How the field was made.
-    pub report: Option<field::Report>,
-    /// The further objects of the scene, each in a space of its own.
+    pub report: Option<field::FieldReport>,
+    /// The additional objects of the scene, each in a space of its own.
     pub parts: BTreeMap<String, Subject>,
 }
 
@@ -46,7 +46,7 @@ impl Subject {
     pub fn load(scene: &Scene, library: &Library, progress: Progress<'_>) -> Result<Subject, RenderError> {
         let variant = Variant::of(scene, library)?;
         let count = (scene.parts.len() + 1) as f32;
-        let outer = variant.knobs.outer_iso().unwrap_or(scene.object.outer_iso);
+        let outer = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
         let closest = variant.reads_closest();
         let mut subject = Subject::load_with_margin(&scene.object, outer, closest, &|done| progress(done / count))?;
         for ((name, part), before) in scene.parts.iter().zip(1u8..) {

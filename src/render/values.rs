@@ -6,7 +6,7 @@ use super::inputs::Item;
 use super::sub_frame::SubFrame;
 use super::view::View;
 use crate::pass::Planes;
-use crate::scene::{KnobValue, Rule, Scene};
+use crate::scene::{Integration, ParameterValue, Scene};
 use crate::variant::{Program, Resource, Use};
 use std::collections::HashMap;
 
@@ -37,7 +37,7 @@ pub(super) fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(Stri
     ]
 }
 
-/// Every other member of the blocks of `interface.glsl` and `part.glsl`, and every knob, by name.
+/// Every other member of the blocks of `interface.glsl` and `part.glsl`, and every parameter, by name.
 pub(super) fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Planes) -> Values {
     let mut values = HashMap::new();
     let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
@@ -53,10 +53,10 @@ pub(super) fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Pl
     set("step_size", &[planes.step]);
     set("first_depth", &[planes.first_depth]);
     set("slice_count", &[planes.count as f32]);
-    set("full_opacity", &[1.0 - scene.quality.stop]);
+    set("full_opacity", &[1.0 - scene.quality.early_termination]);
     let half_path = half_path(scene, view, planes);
-    let reaches =
-        [scene.quality.rule == Rule::Segment, scene.quality.jitter].map(|reaches| f32::from(u8::from(reaches)));
+    let reaches = [scene.quality.integration == Integration::Segment, scene.quality.jitter]
+        .map(|reaches| f32::from(u8::from(reaches)));
     set("slice_axis", &view.axis.extend(0.0).to_array());
     let transport = scene.light.transport.linear();
     set("transport_color", &[transport[0], transport[1], transport[2], 1.0]);
@@ -83,7 +83,7 @@ pub(super) fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Pl
     values
 }
 
-/// The members of `part.glsl` and the knobs of one object.
+/// The members of `part.glsl` and the parameters of one object.
 fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     let (scene, subject, own) = (&item.scene, item.subject, item.own);
     set("normal_matrix", &(view.object_matrix * own.place).inverse().transpose().to_cols_array());
@@ -107,7 +107,7 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     set("volume_offset", &offset.extend(0.0).to_array());
     set("volume_texel", &texel.extend(0.0).to_array());
     set("distance_decode", &[item.stored.decode[0], item.stored.decode[1], 0.0, 0.0]);
-    set("leap_slack", &[item.leap_slack()]);
+    set("skip_slack", &[item.skip_slack()]);
     set("hold_radius", &[own.spread.hold_radius]);
     set("closest_range", &[item.stored.closest_range]);
     set("opacity_rate", &[scene.effect.opacity_rate]);
@@ -121,10 +121,10 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     set("specular_strength", &[scene.material.specular]);
     set("iso_value", &[scene.object.inner_iso]);
     set("outer_iso_value", &[own.outer_iso]);
-    for (knob, value) in item.knobs.iter() {
+    for (parameter, value) in item.parameters.iter() {
         match value {
-            KnobValue::Number(number) => set(&knob.name, &[*number]),
-            KnobValue::Color(rgb) => set(&knob.name, &color(rgb.linear(), 1.0)),
+            ParameterValue::Number(number) => set(&parameter.name, &[*number]),
+            ParameterValue::Color(rgb) => set(&parameter.name, &color(rgb.linear(), 1.0)),
         }
     }
 }

@@ -6,7 +6,7 @@
 use super::{Subject, half_angle};
 use crate::glsl::link::MAIN;
 use crate::pass::{Extent, Planes};
-use crate::scene::{Knobs, Place, Projection, Scene, Spread};
+use crate::scene::{Parameters, Projection, Scene, Spread, Transform};
 use crate::variant::Variant;
 use glam::camera::rh;
 use glam::{Mat4, Vec3};
@@ -70,16 +70,16 @@ pub(super) struct Own {
 }
 
 impl Own {
-    fn of(name: &str, place: Place, scene: &Scene, subject: &Subject, knobs: &Knobs) -> Own {
+    fn of(name: &str, place: Transform, scene: &Scene, subject: &Subject, parameters: &Parameters) -> Own {
         // Of the scene, not of the program: pre-classification softens the voxels, and its program does not.
         let soft = scene.effect.softness != "hard";
-        let declared = knobs.outer_iso().unwrap_or(scene.object.outer_iso);
+        let declared = parameters.outer_iso().unwrap_or(scene.object.outer_iso);
         let outer_iso = if soft { declared } else { scene.object.inner_iso };
         let half_size = subject.half_size + outer_iso.max(0.0);
         // The radius is that of the samples inside: the surface is at most a voxel beyond. And a rounding.
         let voxel = subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length() * subject.scale);
         let radius = 1.0001 * (subject.radius + voxel + outer_iso.max(0.0));
-        let spread = knobs.spread(radius);
+        let spread = parameters.spread(radius);
         Own {
             name: name.into(),
             place: place.matrix(),
@@ -171,9 +171,9 @@ pub fn half_height(scene: &Scene, subject: &Subject, variant: &Variant) -> f32 {
 impl View {
     pub(super) fn of(scene: &Scene, subject: &Subject, variant: &Variant) -> View {
         let camera = &scene.camera;
-        let mut objects = vec![Own::of("", Place::default(), scene, subject, &variant.knobs)];
+        let mut objects = vec![Own::of("", Transform::default(), scene, subject, &variant.parameters)];
         for (name, part) in &scene.parts {
-            objects.push(Own::of(name, part.place, &scene.alone(name), &subject.parts[name], &variant.parts[name]));
+            objects.push(Own::of(name, part.transform, &scene.alone(name), &subject.parts[name], &variant.parts[name]));
         }
         let (box_min, box_max) = box_of(scene, &objects, Own::soft_box);
         // What the eye looks at does not move with what drips.

@@ -1,16 +1,16 @@
 //! The checks that make a scene valid.
 
 use super::loops::{BENDING_LOOPS, BENDING_STEPS, LOOP_BUDGET, SHADOW_SAMPLES};
-use super::{Knobs, Ray, Repeat, Rule, Scene, SceneError, Storage};
+use super::{Integration, Parameters, RayPath, Repeat, Scene, SceneError, Storage};
 use crate::glsl::Slots;
 use crate::glsl::library::{COMBINE, Library};
 
 impl Scene {
-    /// Checks every value, module and knob, and gives the knobs their values.
+    /// Checks every value, module and parameter, and gives the parameters their values.
     ///
     /// # Errors
     /// The first thing that is wrong: the field, its value, and what is allowed.
-    pub fn check(&self, library: &Library) -> Result<Knobs, SceneError> {
+    pub fn check(&self, library: &Library) -> Result<Parameters, SceneError> {
         self.check_object()?;
         self.check_look()?;
         self.check_transfer()?;
@@ -21,21 +21,21 @@ impl Scene {
         let slots = self.slots_with_objects();
         self.check_modules(library, &slots)?;
         self.check_layers(library)?;
-        self.knobs(&library.declarations(&self.entries(), &slots)?)
+        self.parameters(&library.declarations(&self.entries(), &slots)?)
     }
 
-    /// Checks a further object, and gives its knobs their values.
+    /// Checks an additional object, and gives its parameters their values.
     ///
     /// # Errors
     /// As [`Scene::check`], with the object named.
-    pub fn check_part(&self, name: &str, library: &Library) -> Result<Knobs, SceneError> {
+    pub fn check_part(&self, name: &str, library: &Library) -> Result<Parameters, SceneError> {
         let within = |error: SceneError| SceneError::Part(name.to_string(), error.into());
         let own = self.alone(name);
         own.check_object().and_then(|()| own.check_look()).and_then(|()| own.check_transfer()).map_err(within)?;
         let slots = self.slots_with_objects();
         self.check_modules(library, &slots).map_err(within)?;
         own.check_layers(library).map_err(within)?;
-        own.knobs(&library.object_declarations(name, &slots)?).map_err(within)
+        own.parameters(&library.object_declarations(name, &slots)?).map_err(within)
     }
 
     /// The modules of the scene with one for each object: any, since all declare the same.
@@ -46,15 +46,15 @@ impl Scene {
         slots
     }
 
-    /// Drops the values of knobs that no module of the scene declares: for a scene whose modules were exchanged.
+    /// Drops the values of parameters that no module of the scene declares: for a scene whose modules were exchanged.
     ///
     /// # Errors
     /// An unknown module.
-    pub fn drop_foreign_knobs(&mut self, library: &Library) -> Result<(), SceneError> {
+    pub fn drop_foreign_parameters(&mut self, library: &Library) -> Result<(), SceneError> {
         let slots = self.slots_with_objects();
         self.check_modules(library, &slots)?;
-        let declared = library.declarations(&self.entries(), &slots)?.knobs;
-        self.knobs.retain(|name, _| declared.iter().any(|knob| knob.name == *name));
+        let declared = library.declarations(&self.entries(), &slots)?.parameters;
+        self.parameters.retain(|name, _| declared.iter().any(|parameter| parameter.name == *name));
         Ok(())
     }
 
@@ -208,14 +208,14 @@ impl Scene {
                         .into(),
             });
         }
-        if quality.rule == Rule::Segment
+        if quality.integration == Integration::Segment
             && !["surface", "soft", "preintegrated"].contains(&self.effect.classify.as_str())
         {
             return Err(SceneError::Value {
-                field: "quality.rule".into(),
+                field: "quality.integration".into(),
                 value: "segment".into(),
                 limit: format!(
-                    "effect.classify = \"{}\" has points only; use surface, soft or preintegrated, or rule = \"point\"",
+                    "effect.classify = \"{}\" has points only; use surface, soft or preintegrated, or integration = \"point\"",
                     self.effect.classify
                 ),
             });
@@ -223,7 +223,7 @@ impl Scene {
         within("effect.octaves", self.effect.octaves as f32, 1.0, 10.0)?;
         within("quality.seed", quality.seed as f32, 0.0, 16_777_215.0)?;
         within("quality.supersampling", quality.supersampling as f32, 1.0, 256.0)?;
-        within("quality.stop", quality.stop, 0.0, 0.5)?;
+        within("quality.early_termination", quality.early_termination, 0.0, 0.5)?;
         within("quality.anisotropy", quality.anisotropy, 1.0, 16.0)?;
         within("quality.block_blur", quality.block_blur, 0.0, 4.0)?;
         if !quality.block_size.is_power_of_two() || !(16..=256).contains(&quality.block_size) {
@@ -263,7 +263,7 @@ impl Scene {
         let refuse = |field: &str, value: &str, limit: String| {
             Err(SceneError::Value { field: field.into(), value: format!("\"{value}\""), limit })
         };
-        if effect.ray == Ray::Straight {
+        if effect.ray_path == RayPath::Straight {
             let idle = [
                 ("effect.environment", &effect.environment, effect.environment != "none"),
                 ("effect.absorption", &effect.absorption, effect.absorption != "none"),
@@ -271,27 +271,27 @@ impl Scene {
             ];
             return match idle.into_iter().find(|(_, _, set)| *set) {
                 None => Ok(()),
-                Some((field, value, _)) => refuse(field, value, "needs effect.ray = \"refracted\"".into()),
+                Some((field, value, _)) => refuse(field, value, "needs effect.ray_path = \"refracted\"".into()),
             };
         }
         if self.quality.pass == super::Pass::Slices {
             let limit = "needs quality.pass = \"march\": light does not bend from slice to slice".into();
-            return refuse("effect.ray", "refracted", limit);
+            return refuse("effect.ray_path", "refracted", limit);
         }
         if self.noise_loops() > 1.0 || effect.turbulence != "encoded" {
             let limit = "needs turbulence = \"encoded\" and a noise that ships and is no wavelet: a ray that bends reads too much of a sum";
-            return refuse("effect.ray", "refracted", limit.into());
+            return refuse("effect.ray_path", "refracted", limit.into());
         }
         let straight_only = [
-            ("quality.rule", "segment", self.quality.rule == Rule::Segment, "\"point\""),
+            ("quality.integration", "segment", self.quality.integration == Integration::Segment, "\"point\""),
             ("quality.jitter", "true", self.quality.jitter, "false"),
             ("effect.gradient", effect.gradient.as_str(), effect.gradient != "analytic", "\"analytic\""),
         ];
         if let Some((field, value, _, other)) = straight_only.into_iter().find(|entry| entry.2) {
-            return refuse(field, value, format!("must be {other} where effect.ray = \"refracted\""));
+            return refuse(field, value, format!("must be {other} where effect.ray_path = \"refracted\""));
         }
         if self.has_several() {
-            return refuse("effect.ray", "refracted", "needs a scene of one object".into());
+            return refuse("effect.ray_path", "refracted", "needs a scene of one object".into());
         }
         let most = ((LOOP_BUDGET / BENDING_LOOPS - BENDING_STEPS[1]) / BENDING_STEPS[0]).floor();
         within("quality.samples", self.quality.samples as f32, 1.0, most)
@@ -345,7 +345,7 @@ pub(super) fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(),
 pub(super) mod tests {
     use super::*;
     use crate::glsl;
-    use crate::scene::{Color, KnobValue, Pass, preset};
+    use crate::scene::{Color, ParameterValue, Pass, preset};
 
     /// What is said of the preset of fur, changed.
     pub(in crate::scene) fn refusal(change: impl FnOnce(&mut Scene)) -> String {
@@ -394,29 +394,32 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn unknown_modules_and_knobs_are_refused_with_the_nearest_name() {
+    fn unknown_modules_and_parameters_are_refused_with_the_nearest_name() {
         assert!(refusal(|s| s.effect.medium = "hairs".into()).contains("did you mean `hair`?"));
         let error = refusal(|s| {
-            s.knobs.insert("finenes".into(), KnobValue::Number(1.0));
+            s.parameters.insert("finenes".into(), ParameterValue::Number(1.0));
         });
-        assert!(error.starts_with("no knob `finenes` (did you mean `fineness`?)"), "{error}");
+        assert!(error.starts_with("no parameter `finenes` (did you mean `fineness`?)"), "{error}");
     }
 
     #[test]
-    fn a_knob_has_the_type_and_range_that_its_module_declares() {
+    fn a_parameter_has_the_type_and_range_that_its_module_declares() {
         let set = |value| {
             move |s: &mut Scene| {
-                s.knobs.insert("fineness".into(), value);
+                s.parameters.insert("fineness".into(), value);
             }
         };
-        assert_eq!(refusal(set(KnobValue::Number(1e9))), "knobs.fineness = 1000000000: must be from 2 to 200");
-        assert!(refusal(set(KnobValue::Color(Color([1, 2, 3])))).contains("must be a number from 2 to 200"));
+        assert_eq!(
+            refusal(set(ParameterValue::Number(1e9))),
+            "parameters.fineness = 1000000000: must be from 2 to 200"
+        );
+        assert!(refusal(set(ParameterValue::Color(Color([1, 2, 3])))).contains("must be a number from 2 to 200"));
     }
 
     #[test]
     fn m47_the_length_of_the_hair_is_the_outer_iso_value() {
         let mut scene = preset("fur").unwrap();
-        scene.knobs.insert("hair_length".into(), KnobValue::Number(0.3));
+        scene.parameters.insert("hair_length".into(), ParameterValue::Number(0.3));
         assert_eq!(scene.check(&glsl::shipped()).unwrap().outer_iso(), Some(0.3));
     }
 }

@@ -37,7 +37,7 @@ pub struct Effect {
     /// The normal that soft matter is lit by: `analytic`, `central` or `three`.
     pub gradient: String,
     /// Whether rays bend where the index of refraction changes.
-    pub ray: Ray,
+    pub ray_path: RayPath,
     /// Where the index of refraction comes from: `transfer`, the index of its stops.
     pub index: String,
     /// What takes light from a ray that bends: `none` or `tinted`.
@@ -81,7 +81,7 @@ impl std::default::Default for Effect {
             octaves: 8,
             bandlimit: "none".into(),
             gradient: "analytic".into(),
-            ray: Ray::Straight,
+            ray_path: RayPath::Straight,
             index: "transfer".into(),
             absorption: "none".into(),
             environment: "none".into(),
@@ -92,10 +92,10 @@ impl std::default::Default for Effect {
     }
 }
 
-/// The course of a ray through the object.
+/// The path of a ray through the object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Ray {
+pub enum RayPath {
     /// A straight line.
     #[default]
     Straight,

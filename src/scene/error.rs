@@ -46,7 +46,7 @@ pub enum SceneError {
     /// The formula of the objects cannot be read.
     #[error("combine = {0}")]
     Formula(String),
-    /// Something is wrong with a further object.
+    /// Something is wrong with an additional object.
     #[error("in parts.{0}: {1}")]
     Part(String, Box<SceneError>),
     /// A module is missing or its declarations are wrong.

@@ -4,7 +4,7 @@ use super::{Scene, SceneError};
 use toml::{Table, Value};
 
 impl Scene {
-    /// Gives a field its value: the name with its tables, such as `light.color` or `parts.stone.place.at`, and a value as
+    /// Gives a field its value: the name with its tables, such as `light.color` or `parts.stone.transform.at`, and a value as
     /// in a scene file, where the quotes of a text may be left out. An empty value takes the field back to its default.
     ///
     /// # Errors
@@ -64,10 +64,10 @@ mod tests {
         let mut scene = preset("fur").unwrap();
         scene.set_field("light.color", "#ff8000").unwrap();
         scene.set_field("effect.dmf", "['fur', 'biased']").unwrap();
-        scene.set_field("parts.b.place.at", "[1, 2, 0.5]").unwrap();
+        scene.set_field("parts.b.transform.at", "[1, 2, 0.5]").unwrap();
         scene.set_field("combine", "main - b").unwrap();
         scene.set_field("camera.clip", "[1, 0, 0, 0]").unwrap();
-        assert_eq!((scene.light.color, scene.parts["b"].place.at), (Color([255, 128, 0]), [1.0, 2.0, 0.5]));
+        assert_eq!((scene.light.color, scene.parts["b"].transform.at), (Color([255, 128, 0]), [1.0, 2.0, 0.5]));
         assert_eq!((scene.effect.dmf.len(), scene.combine.as_deref()), (2, Some("main - b")));
         for field in ["camera.clip", "combine", "parts.b", "quality.samples"] {
             scene.set_field(field, "").unwrap();

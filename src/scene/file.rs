@@ -55,7 +55,9 @@ fn part_over_preset(part: &mut toml::Value, name: &str) -> Result<(), SceneError
     let Some(table) = part.as_table_mut() else { return Ok(()) };
     let Some(toml::Value::String(preset)) = table.remove("preset") else { return Ok(()) };
     let mut base = self::table(presets::text(&preset)?, name)?;
-    base.retain(|key, _| ["object", "effect", "knobs", "material", "transfer"].into_iter().any(|kept| key == kept));
+    base.retain(|key, _| {
+        ["object", "effect", "parameters", "material", "transfer"].into_iter().any(|kept| key == kept)
+    });
     merge(&mut base, std::mem::take(table));
     *table = base;
     Ok(())
@@ -122,9 +124,9 @@ mod tests {
 
     #[test]
     fn a_file_goes_over_its_preset() {
-        let scene = parse("preset = \"fur\"\n[knobs]\nfineness = 60\n", "x.toml").unwrap();
+        let scene = parse("preset = \"fur\"\n[parameters]\nfineness = 60\n", "x.toml").unwrap();
         let fur = presets::preset("fur").unwrap();
-        assert_eq!(scene.knobs["fineness"], super::super::KnobValue::Number(60.0));
+        assert_eq!(scene.parameters["fineness"], super::super::ParameterValue::Number(60.0));
         assert_eq!(scene.effect, fur.effect);
     }
 

@@ -1,6 +1,6 @@
 //! How long a fragment may loop, and how long a scene makes it.
 
-use super::{Rule, Scene};
+use super::{Integration, Scene};
 
 /// Loop iterations of one fragment that every device bears: lavapipe ends a fragment in silence after 65 535.
 pub(super) const LOOP_BUDGET: f32 = 60_000.0;
@@ -28,9 +28,9 @@ impl Scene {
     /// Those of one object: a sum of octaves for every module that changes the density, one for the color and three more
     /// noises, at each place where the density is asked for.
     fn own_loops(&self) -> f32 {
-        let places = match self.quality.rule {
-            Rule::Point => 1.0,
-            Rule::Segment => 3.0,
+        let places = match self.quality.integration {
+            Integration::Point => 1.0,
+            Integration::Segment => 3.0,
         };
         let more = match self.effect.gradient.as_str() {
             "central" => 6.0,
@@ -66,7 +66,7 @@ mod tests {
         assert_eq!(refusal(march(500, "wavelet")), "quality.samples = 500: must be from 1 to 350");
         let segments = |s: &mut Scene| {
             march(149, "wavelet")(s);
-            s.quality.rule = Rule::Segment;
+            s.quality.integration = Integration::Segment;
         };
         assert_eq!(refusal(segments), "quality.samples = 149: must be from 1 to 116");
     }
@@ -76,7 +76,10 @@ mod tests {
         let several = |s: &mut Scene| {
             (s.quality.pass, s.quality.samples, s.effect.noise) = (Pass::March, 300, "wavelet".into());
             s.light.shadows = false;
-            s.parts.insert("b".into(), Part { effect: s.effect.clone(), knobs: s.knobs.clone(), ..Part::default() });
+            s.parts.insert(
+                "b".into(),
+                Part { effect: s.effect.clone(), parameters: s.parameters.clone(), ..Part::default() },
+            );
         };
         assert_eq!(refusal(several), "quality.samples = 300: must be from 1 to 175");
         let shaded = |s: &mut Scene| {

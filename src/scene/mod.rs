@@ -1,7 +1,7 @@
 //! Scenes: everything that decides what a picture shows.
 //!
 //! Role: a readable description, from a preset, a file and the command line, one over the other. Invariant: after
-//! [`Scene::check`] every value is finite and in its range, every module and knob exists. A scene knows no GPU.
+//! [`Scene::check`] every value is finite and in its range, every module and parameter exists. A scene knows no GPU.
 
 mod axis;
 mod check;
@@ -10,10 +10,10 @@ mod effect;
 mod error;
 mod field;
 mod file;
-mod knobs;
 mod light;
 mod loops;
 mod modules;
+mod parameters;
 mod part;
 mod presets;
 mod quality;
@@ -22,15 +22,17 @@ mod transfer;
 
 pub use axis::Axis;
 pub use color::{Color, linear_to_srgb, srgb_to_linear};
-pub use effect::{Effect, Ray};
+pub use effect::{Effect, RayPath};
 pub use error::{SceneError, nearest};
 pub use field::parse_value;
 pub use file::{load, parse, to_text};
-pub use knobs::{Knobs, Spread};
 pub use light::{Light, LightMethod};
-pub use part::{Boolean, Part, Place};
+pub use parameters::{Parameters, Spread};
+pub use part::{Boolean, Part, Transform};
 pub use presets::{EFFECTS, names, nearest_preset, preset};
-pub use quality::{BlockFormat, Order, Pass, Phases, Proxy, Quality, Reject, Rule, TargetFormat, Traverse, Wrap};
+pub use quality::{
+    BlockFormat, EmptySpace, Integration, Order, Pass, Phases, Proxy, Quality, Reject, TargetFormat, Wrap,
+};
 pub use strategy::Repeat;
 pub use transfer::{Curve, Stop, Transfer};
 
@@ -51,11 +53,11 @@ pub struct Scene {
     pub object: Object,
     /// The modules that make the effect.
     pub effect: Effect,
-    /// Modules of one's own: `slot/name` and the file that holds it.
+    /// Custom modules: `slot/name` and the file that holds it.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub modules: BTreeMap<String, String>,
     /// Parameters of those modules, by name.
-    pub knobs: BTreeMap<String, KnobValue>,
+    pub parameters: BTreeMap<String, ParameterValue>,
     /// Reflection of the hard surface.
     pub material: Material,
     /// Color and opacity by density.
@@ -98,7 +100,7 @@ pub struct Object {
     pub distance: bool,
     /// Signed distance at which the object starts, object units (the longest side of the object is 2).
     pub inner_iso: f32,
-    /// Signed distance at which the soft region starts, object units; the effect's own knob goes before it.
+    /// Signed distance at which the soft region starts, object units; the effect's own parameter goes before it.
     pub outer_iso: f32,
     /// Where the distance comes from.
     pub source: Source,
@@ -163,10 +165,10 @@ pub enum Storage {
     Sparse,
 }
 
-/// The value of a knob in a scene file.
+/// The value of a parameter in a scene file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum KnobValue {
+pub enum ParameterValue {
     /// A number.
     Number(f32),
     /// A color, `#rrggbb` in sRGB.
@@ -280,7 +282,7 @@ impl std::default::Default for Picture {
 }
 
 impl Scene {
-    /// Whether nothing is drawn beyond the soft region, so that a ray may leap there.
+    /// Whether nothing is drawn beyond the soft region, so that a ray may skip there.
     fn is_empty_outside(&self) -> bool {
         let stops = &self.transfer.stops;
         let outside = stops.iter().rfind(|stop| stop.at <= 0.0).or(stops.first());
@@ -294,10 +296,10 @@ impl Scene {
 
     /// The entry files of the scene's program in the folder `glsl`: vertex stage, fragment stage.
     pub fn entries(&self) -> [&'static str; 2] {
-        match (self.quality.pass, self.effect.ray) {
+        match (self.quality.pass, self.effect.ray_path) {
             (Pass::Slices, _) => ["slice.vert", "slice.frag"],
-            (Pass::March, Ray::Straight) => ["march.vert", "march.frag"],
-            (Pass::March, Ray::Refracted) => ["march.vert", "refract.frag"],
+            (Pass::March, RayPath::Straight) => ["march.vert", "march.frag"],
+            (Pass::March, RayPath::Refracted) => ["march.vert", "refract.frag"],
         }
     }
 
@@ -332,8 +334,8 @@ impl Scene {
         ] {
             fill(slot, vec![module.clone()]);
         }
-        let classify = match (self.quality.rule, effect.classify.as_str()) {
-            (Rule::Segment, whole @ ("surface" | "soft")) => format!("{whole}_segment"),
+        let classify = match (self.quality.integration, effect.classify.as_str()) {
+            (Integration::Segment, whole @ ("surface" | "soft")) => format!("{whole}_segment"),
             (_, module) => module.into(),
         };
         fill("classify", vec![classify]);
@@ -366,11 +368,11 @@ impl Scene {
         fill("planes", vec![if half_angle { "half_angle" } else { "facing" }.into()]);
         fill("scatter", vec![if self.light.translucency > 0.0 { "cone" } else { "none" }.into()]);
         fill("clip", vec![if self.camera.clip.is_some() { "plane" } else { "none" }.into()]);
-        let traverse = match self.quality.traverse {
-            Traverse::Leap if self.is_empty_outside() && effect.index == "transfer" => "leap",
-            _ => "fixed",
+        let empty_space = match self.quality.empty_space {
+            EmptySpace::Skip if self.is_empty_outside() && effect.index == "transfer" => "skip",
+            _ => "sample",
         };
-        fill("traverse", vec![traverse.into()]);
+        fill("empty_space", vec![empty_space.into()]);
         let jitter = match self.quality.phases {
             _ if !self.quality.jitter => "none",
             Phases::Hash => "hash",
@@ -378,7 +380,7 @@ impl Scene {
         };
         fill("jitter", vec![jitter.into()]);
         let jumps = effect.index == "transfer" && self.transfer.curve == Curve::Steps;
-        fill("course", vec![if jumps { "straight" } else { "curved" }.into()]);
+        fill("ray_path", vec![if jumps { "straight" } else { "curved" }.into()]);
         let wrap = match self.quality.wrap {
             Wrap::Repeat => "repeat",
             Wrap::Mirror => "mirror",

@@ -57,7 +57,7 @@ mod tests {
     use crate::scene::preset;
     use crate::variant::Variant;
 
-    const MODULE: &str = "// Half of it.\n// Source: a test.\n// @knob part = 0.5 in [0, 1]: How much.\n// Result: density.\n\
+    const MODULE: &str = "// Half of it.\n// Source: a test.\n// @param part = 0.5 in [0, 1]: How much.\n// Result: density.\n\
                           float half_of(float density, Sample s) { return part * density; }\n";
 
     #[test]
@@ -70,7 +70,7 @@ mod tests {
         scene.effect.dmf.push(name);
         let library = scene.library().unwrap();
         let variant = Variant::of(&scene, &library).unwrap();
-        assert!(variant.all_knobs().any(|(name, ..)| name == "part"));
+        assert!(variant.all_parameters().any(|(name, ..)| name == "part"));
         assert!(!variant.program(&library, crate::glsl::Linker::new).unwrap().shipped);
     }
 

@@ -1,6 +1,6 @@
 //! Further objects of a scene, each with its own effect, and how they make one.
 
-use super::{Effect, KnobValue, Material, Object, Rule, Scene, SceneError, Storage, Transfer};
+use super::{Effect, Integration, Material, Object, ParameterValue, Scene, SceneError, Storage, Transfer};
 use crate::glsl::library::COMBINE;
 use crate::glsl::{Formula, FormulaError, Slots, link::MAIN};
 use glam::{EulerRot, Mat4, Quat, Vec3};
@@ -12,11 +12,11 @@ const MAX_PARTS: usize = 4;
 /// Slots that each object fills for itself; the others are the scene's.
 const OWN_SLOTS: [&str; 6] = ["softness", "warp", "dmf", "surface", "medium", "project"];
 
-/// A further object of a scene.
+/// An additional object of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Part {
-    /// The preset that effect, knobs, material and transfer map start from; what the part says goes over it.
+    /// The preset that effect, parameters, material and transfer map start from; what the part says goes over it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
     /// The object.
@@ -24,19 +24,19 @@ pub struct Part {
     /// The modules that make its effect. Noise, turbulence and opacity are the scene's.
     pub effect: Effect,
     /// Parameters of those modules, by name.
-    pub knobs: BTreeMap<String, KnobValue>,
+    pub parameters: BTreeMap<String, ParameterValue>,
     /// Reflection of its hard surface.
     pub material: Material,
     /// Color and opacity by density.
     pub transfer: Transfer,
     /// Where it is.
-    pub place: Place,
+    pub transform: Transform,
 }
 
-/// Where a further object is: scaled, then turned about x, then y, then z, then moved.
+/// Where an additional object is: scaled, then turned about x, then y, then z, then moved.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Place {
+pub struct Transform {
     /// Position of its center in object space of the scene, -100 to 100.
     pub at: [f32; 3],
     /// Degrees about x, y and z.
@@ -45,13 +45,13 @@ pub struct Place {
     pub scale: f32,
 }
 
-impl std::default::Default for Place {
-    fn default() -> Place {
-        Place { at: [0.0; 3], turn: [0.0; 3], scale: 1.0 }
+impl std::default::Default for Transform {
+    fn default() -> Transform {
+        Transform { at: [0.0; 3], turn: [0.0; 3], scale: 1.0 }
     }
 }
 
-impl Place {
+impl Transform {
     /// From the space of the object to object space of the scene.
     pub fn matrix(&self) -> Mat4 {
         let [x, y, z] = self.turn.map(f32::to_radians);
@@ -72,12 +72,12 @@ pub enum Boolean {
 }
 
 impl Scene {
-    /// Whether the scene has further objects.
+    /// Whether the scene has additional objects.
     pub fn has_several(&self) -> bool {
         !self.parts.is_empty()
     }
 
-    /// The scene with one of its further objects as its only one.
+    /// The scene with one of its additional objects as its only one.
     ///
     /// # Panics
     /// When there is no such object.
@@ -86,7 +86,7 @@ impl Scene {
         Scene {
             object: part.object,
             effect: part.effect,
-            knobs: part.knobs,
+            parameters: part.parameters,
             material: part.material,
             transfer: part.transfer,
             parts: BTreeMap::new(),
@@ -129,7 +129,7 @@ impl Scene {
         }
     }
 
-    /// What must hold of the further objects together; each alone is checked as a scene is.
+    /// What must hold of the additional objects together; each alone is checked as a scene is.
     pub(super) fn check_parts(&self) -> Result<(), SceneError> {
         let wrong =
             |field: String, value: &str, limit: String| Err(SceneError::Value { field, value: value.into(), limit });
@@ -141,8 +141,8 @@ impl Scene {
                 _ => Ok(()),
             };
         }
-        if self.quality.rule != Rule::Point {
-            return wrong("quality.rule".into(), "segment", "point, in a scene of several objects".into());
+        if self.quality.integration != Integration::Point {
+            return wrong("quality.integration".into(), "segment", "point, in a scene of several objects".into());
         }
         let objects = self.parts.values().map(|part| &part.object).chain([&self.object]);
         if objects.into_iter().any(|object| object.storage == Storage::Sparse) {
@@ -152,7 +152,7 @@ impl Scene {
             return wrong(
                 "parts".into(),
                 &self.parts.len().to_string(),
-                format!("at most {MAX_PARTS} further objects"),
+                format!("at most {MAX_PARTS} additional objects"),
             );
         }
         for (name, part) in &self.parts {
@@ -161,12 +161,14 @@ impl Scene {
                 let limit = format!("must be lower-case letters and digits, at most 32, and not `{MAIN}`");
                 return wrong("name in parts".into(), name, limit);
             }
-            let Place { at, turn, scale } = part.place;
-            at.iter()
-                .try_for_each(|&value| super::check::within(&format!("parts.{name}.place.at"), value, -100.0, 100.0))?;
-            turn.iter()
-                .try_for_each(|&value| super::check::within(&format!("parts.{name}.place.turn"), value, -1e6, 1e6))?;
-            super::check::within(&format!("parts.{name}.place.scale"), scale, 0.01, 100.0)?;
+            let Transform { at, turn, scale } = part.transform;
+            at.iter().try_for_each(|&value| {
+                super::check::within(&format!("parts.{name}.transform.at"), value, -100.0, 100.0)
+            })?;
+            turn.iter().try_for_each(|&value| {
+                super::check::within(&format!("parts.{name}.transform.turn"), value, -1e6, 1e6)
+            })?;
+            super::check::within(&format!("parts.{name}.transform.scale"), scale, 0.01, 100.0)?;
             if part.object.stretch != [1.0; 3] {
                 let value = format!("{:?}", part.object.stretch);
                 return wrong(
@@ -240,7 +242,7 @@ mod tests {
             ("combine = 'main |'\n[parts.b]", "combine = `main |`: a name is missing at character 7"),
             ("[parts.B]", "name in parts = B: must be lower-case"),
             ("[parts.main]", "and not `main`"),
-            ("[parts.b.place]\nscale = 0", "parts.b.place.scale = 0: must be from 0.01 to 100"),
+            ("[parts.b.transform]\nscale = 0", "parts.b.transform.scale = 0: must be from 0.01 to 100"),
             ("[parts.b.object]\nstretch = [1, 2, 1]", "parts.b.object.stretch"),
             ("[parts.b.effect]\nclassify = 'post'", "effect.classify of b = post: surface or soft"),
             (
@@ -250,12 +252,12 @@ mod tests {
             ("[parts.b.effect]\ndmf = ['furr']", "no module of parts.b.effect.dmf `furr` (did you mean `fur`?)"),
             ("[parts.b.effect]\ndmf = ['fur@bend']", "no mask in parts.b.effect.dmf `bend` (did you mean `band`?)"),
             (
-                "[parts.b]\npreset = 'fur'\nknobs = { finenes = 3 }",
-                "in parts.b: no knob `finenes` (did you mean `fineness`?)",
+                "[parts.b]\npreset = 'fur'\nparameters = { finenes = 3 }",
+                "in parts.b: no parameter `finenes` (did you mean `fineness`?)",
             ),
             (
-                "[parts.b]\npreset = 'fur'\nknobs = { fineness = 3e9 }",
-                "in parts.b: knobs.fineness = 3000000000: must be from",
+                "[parts.b]\npreset = 'fur'\nparameters = { fineness = 3e9 }",
+                "in parts.b: parameters.fineness = 3000000000: must be from",
             ),
             ("[parts.a]\n[parts.b]\n[parts.c]\n[parts.d]\n[parts.e]", "parts = 5: at most 4"),
         ] {
@@ -266,7 +268,7 @@ mod tests {
 
     #[test]
     fn a_scene_of_several_objects_reads_back_as_itself() {
-        let text = "preset = 'fur'\ncombine = 'main - hole'\nboolean = 'minmax'\n[parts.hole]\npreset = 'fire'\nplace = { at = [1, 0, 0.5] }";
+        let text = "preset = 'fur'\ncombine = 'main - hole'\nboolean = 'minmax'\n[parts.hole]\npreset = 'fire'\ntransform = { at = [1, 0, 0.5] }";
         let scene = parse(text, "x").unwrap();
         assert_eq!(scene.parts["hole"].effect.medium, "flame");
         assert_eq!(parse(&crate::scene::to_text(&scene), "y").unwrap(), scene);

@@ -52,7 +52,7 @@ pub fn preset(name: &str) -> Result<Scene, SceneError> {
     file::parse(text(name)?, &format!("preset {name}"))
 }
 
-/// The preset that a scene differs from in the fewest fields, with its input and further objects: what was set in it is
+/// The preset that a scene differs from in the fewest fields, with its input and additional objects: what was set in it is
 /// told from that.
 pub fn nearest_preset(scene: &Scene) -> Scene {
     let fields = scene.fields();

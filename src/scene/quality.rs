@@ -11,12 +11,12 @@ pub struct Quality {
     /// Slices through the sphere around the object, or samples of a ray through it.
     pub samples: u32,
     /// What a sample stands for.
-    pub rule: Rule,
+    pub integration: Integration,
     /// Which samples of a ray are taken: all of them, or those that may not be empty.
-    pub traverse: Traverse,
+    pub empty_space: EmptySpace,
     /// A ray ends where less light than this would still come through, 0 to 0.5: the largest error of a pixel, in units
     /// of the brightest matter behind. Slices have no such end.
-    pub stop: f32,
+    pub early_termination: f32,
     /// Format that the slices are blended in.
     pub target: TargetFormat,
     /// Order of the slices.
@@ -55,9 +55,9 @@ impl std::default::Default for Quality {
         Quality {
             pass: Pass::Slices,
             samples: 256,
-            rule: Rule::Point,
-            traverse: Traverse::Leap,
-            stop: 1e-4,
+            integration: Integration::Point,
+            empty_space: EmptySpace::Skip,
+            early_termination: 1e-4,
             target: TargetFormat::Float32,
             order: Order::FrontToBack,
             proxy: Proxy::Polygons,
@@ -81,7 +81,7 @@ impl std::default::Default for Quality {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Pass {
-    /// Slices that face the eye, blended (MJ).
+    /// View-aligned slices, blended (MJ).
     #[default]
     Slices,
     /// Rays through the pixels, sampled where the slices would be (PH).
@@ -91,7 +91,7 @@ pub enum Pass {
 /// What a sample stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Rule {
+pub enum Integration {
     /// For itself: first order at surfaces and where soft matter becomes opaque.
     #[default]
     Point,
@@ -110,15 +110,15 @@ pub enum Phases {
     Blue,
 }
 
-/// Which samples of a ray are taken.
+/// What becomes of the samples of a ray where there is no matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Traverse {
-    /// All of them.
-    Fixed,
-    /// Those that the distance to the object does not show to be empty: the same picture, sooner.
+pub enum EmptySpace {
+    /// All of them are taken.
+    Sample,
+    /// It is skipped as far as the distance to the object shows it: the same picture, sooner.
     #[default]
-    Leap,
+    Skip,
 }
 
 /// Format that the slices are blended in.

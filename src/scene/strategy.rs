@@ -102,7 +102,7 @@ impl Scene {
     ///
     /// # Errors
     /// A module does not exist, or its header cannot be read.
-    pub fn exact_twin(&self, library: &Library) -> Result<Scene, LibraryError> {
+    pub fn unbaked(&self, library: &Library) -> Result<Scene, LibraryError> {
         let mut twin = self.clone();
         let effect = &mut twin.effect;
         let slots = [
@@ -134,7 +134,7 @@ mod tests {
     fn twin(noise: &str, turbulence: &str) -> Scene {
         let mut scene = Scene::default();
         (scene.effect.noise, scene.effect.turbulence) = (noise.into(), turbulence.into());
-        scene.exact_twin(&glsl::shipped()).unwrap()
+        scene.unbaked(&glsl::shipped()).unwrap()
     }
 
     #[test]
@@ -147,7 +147,7 @@ mod tests {
                     assert_eq!(library.exact(slot, module).unwrap(), None, "{slot}: {module}");
                     assert!(["procedural", "arrays", "wavelet", "random", "octaves"].contains(&module.as_str()));
                 }
-                assert_eq!(twin.exact_twin(&library).unwrap(), twin);
+                assert_eq!(twin.unbaked(&library).unwrap(), twin);
                 assert!(twin.check(&library).is_ok());
             }
         }
@@ -167,13 +167,13 @@ mod tests {
         let text = "// @exact procedural turbulence_block\n";
         let mut scene = Scene::default();
         scene.effect.turbulence = "mine".into();
-        let twin = scene.exact_twin(&glsl::shipped().with_module("turbulence", "mine", text)).unwrap();
+        let twin = scene.unbaked(&glsl::shipped().with_module("turbulence", "mine", text)).unwrap();
         assert_eq!(
             (twin.effect.turbulence.as_str(), twin.effect.turbulence_repeat),
             ("procedural", Repeat::TurbulenceBlock)
         );
         let unknown = glsl::shipped().with_module("turbulence", "mine", "// @exact nothing\n");
-        assert!(scene.exact_twin(&unknown).unwrap_err().to_string().starts_with("no module `nothing`"));
+        assert!(scene.unbaked(&unknown).unwrap_err().to_string().starts_with("no module `nothing`"));
     }
 
     #[test]

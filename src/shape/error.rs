@@ -56,13 +56,13 @@ pub enum ShapeError {
         /// The first bytes, quoted.
         start: String,
     },
-    /// The text of the file breaks the rules of its format.
+    /// The text of the file breaks the integrations of its format.
     #[error("{file}: {place}: expected {expected}, found {found}; correct it there or export the file again")]
     Malformed {
         /// The path.
         file: String,
         /// Where.
-        place: Place,
+        place: Location,
         /// What the format asks for.
         expected: &'static str,
         /// What is there, quoted.
@@ -74,7 +74,7 @@ pub enum ShapeError {
         /// The path.
         file: String,
         /// Where.
-        place: Place,
+        place: Location,
         /// The field or statement.
         what: &'static str,
         /// Its value, quoted.
@@ -204,7 +204,7 @@ pub enum ShapeError {
 
 /// Where in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum Location {
     /// A line of text, from 1.
     Line(u64),
     /// The header as a whole: something is not there.
@@ -222,11 +222,11 @@ pub enum Found {
     AtMost(u64),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Place::Line(line) => write!(f, "line {line}"),
-            Place::Header => write!(f, "header"),
+            Location::Line(line) => write!(f, "line {line}"),
+            Location::Header => write!(f, "header"),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Shapes: what a person brings, before it becomes a distance field.
 //!
 //! Role: turn a file, a name or a formula into a [`Shape`]. Invariant: every coordinate and value is finite.
-//! This room imports nothing else of the crate and needs no GPU.
+//! This layer imports nothing else of the crate and needs no GPU.
 //!
 //! [`open`] is the way in; [`write_nrrd`] is the way back out for volumes. World space is right-handed with y up for
 //! the built-in objects; files keep the coordinates they have. Sources are named where they are used: Newell's teapot
@@ -25,7 +25,7 @@ pub mod teapot;
 mod teapot_data;
 mod volume;
 
-pub use error::{Found, Place, ShapeError};
+pub use error::{Found, Location, ShapeError};
 pub use generated::BUILT_IN;
 pub use nrrd::write_nrrd;
 pub use open::{open, read};

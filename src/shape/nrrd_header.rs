@@ -4,7 +4,7 @@
 //! where they are is understood or refused, never passed over. Source: G. Kindlmann, "Definition of NRRD file format",
 //! teem.sourceforge.net/nrrd/format.html.
 
-use super::error::{Place, ShapeError, quoted};
+use super::error::{Location, ShapeError, quoted};
 use super::source::Source;
 use super::{Content, MAX_COORDINATE, MAX_VOXELS};
 use glam::{BVec3, DVec3, Vec3};
@@ -129,7 +129,7 @@ impl Header {
         source.check_positions("volume corners", &[origin.as_vec3(), last.as_vec3(), spacing])?;
         let voxels_away = (origin.abs().max(last.abs()) / step.abs()).max_element();
         if voxels_away > MAX_VOXELS_FROM_ORIGIN {
-            let (place, found) = (Place::Header, format!("{voxels_away:.0} voxels from the origin"));
+            let (place, found) = (Location::Header, format!("{voxels_away:.0} voxels from the origin"));
             let remedy =
                 "move it nearer, 32-bit coordinates cannot tell its samples apart (the limit is 131072 voxels)";
             return Err(ShapeError::Unsupported { file: fields.file, place, what: "a volume", found, remedy });
@@ -139,7 +139,11 @@ impl Header {
             Some((_, value)) if value == SIGNED_DISTANCE => Content::SignedDistance,
             Some((line, value)) => {
                 let found = quoted(value.as_bytes());
-                return Err(source.malformed_at(Place::Line(*line), "`hypertexture content:=signed distance`", found));
+                return Err(source.malformed_at(
+                    Location::Line(*line),
+                    "`hypertexture content:=signed distance`",
+                    found,
+                ));
             }
         };
         let origin = DVec3::select(mirrored, last, origin).as_vec3();
@@ -163,7 +167,7 @@ impl Fields {
         source.next_line(&mut line)?; // the magic number has been seen
         loop {
             if !source.next_line(&mut line)? {
-                let end = Place::Line(source.line);
+                let end = Location::Line(source.line);
                 return Err(source.malformed_at(end, "an empty line and then data", "the end of the file".into()));
             }
             let text = String::from_utf8_lossy(&line);
@@ -190,8 +194,8 @@ impl Fields {
         self.fields.get(name).map(|(_, value)| value.as_str())
     }
 
-    fn place(&self, name: &str) -> Place {
-        self.fields.get(name).map_or(Place::Header, |(line, _)| Place::Line(*line))
+    fn place(&self, name: &str) -> Location {
+        self.fields.get(name).map_or(Location::Header, |(line, _)| Location::Line(*line))
     }
 
     fn required(&self, name: &str, expected: &'static str) -> Result<&str, ShapeError> {
@@ -223,7 +227,7 @@ impl Fields {
             self.required("sizes", expected)?.split_whitespace().map(|text| text.parse().ok()).collect();
         let size: [u64; 3] =
             parsed.and_then(|sizes| sizes.try_into().ok()).ok_or_else(|| self.malformed("sizes", expected))?;
-        let Place::Line(line) = self.place("sizes") else { return Err(self.malformed("sizes", expected)) };
+        let Location::Line(line) = self.place("sizes") else { return Err(self.malformed("sizes", expected)) };
         if size.contains(&0) {
             return Err(ShapeError::ZeroSize { file: self.file.clone(), line, size });
         }

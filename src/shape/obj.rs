@@ -5,7 +5,7 @@
 //! the tobj crate, which gives no line numbers, splits vertices between objects, refuses comments that are not UTF-8 or
 //! follow data, and lets NaN pass.
 
-use super::error::{Place, ShapeError, quoted};
+use super::error::{Location, ShapeError, quoted};
 use super::polygon::{MAX_CONCAVE_CORNERS, triangulate};
 use super::source::{Source, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
@@ -98,7 +98,7 @@ fn index(source: &Source, line: u64, word: &[u8], count: usize) -> Result<u32, S
 }
 
 fn unsupported(source: &Source, line: u64, what: &'static str, found: String, remedy: &'static str) -> ShapeError {
-    ShapeError::Unsupported { file: source.file.clone(), place: Place::Line(line), what, found, remedy }
+    ShapeError::Unsupported { file: source.file.clone(), place: Location::Line(line), what, found, remedy }
 }
 
 // Every index fits: a u32 counts more vertices than three for each triangle.

@@ -3,7 +3,7 @@
 //! Role: lines and blocks with the place they came from, and the checks that all formats share. Invariant: nothing is
 //! allocated for a count that a file merely declares.
 
-use super::error::{Found, Place, ShapeError, quoted};
+use super::error::{Found, Location, ShapeError, quoted};
 use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
 use glam::Vec3;
 use std::io::{self, BufRead, Read};
@@ -65,11 +65,11 @@ impl Source<'_> {
 
     /// `found` at the current line is not what the format asks for.
     pub fn malformed(&self, expected: &'static str, found: &[u8]) -> ShapeError {
-        self.malformed_at(Place::Line(self.line), expected, quoted(found))
+        self.malformed_at(Location::Line(self.line), expected, quoted(found))
     }
 
     /// `found` at `place` is not what the format asks for.
-    pub fn malformed_at(&self, place: Place, expected: &'static str, found: String) -> ShapeError {
+    pub fn malformed_at(&self, place: Location, expected: &'static str, found: String) -> ShapeError {
         ShapeError::Malformed { file: self.file.clone(), place, expected, found }
     }
 

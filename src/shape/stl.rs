@@ -5,7 +5,7 @@
 //! specification", 1988. Read here and not by the stl_io crate, which takes every header that begins with "solid " for
 //! text and gives no line numbers.
 
-use super::error::{Found, Place, ShapeError};
+use super::error::{Found, Location, ShapeError};
 use super::source::{Source, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
 use glam::Vec3;
@@ -102,7 +102,7 @@ fn text(source: &mut Source) -> Result<Vec<Vec3>, ShapeError> {
         }
     }
     if in_solid || in_loop.is_some() {
-        let end = Place::Line(source.line);
+        let end = Location::Line(source.line);
         return Err(source.malformed_at(end, "`endsolid`", "the end of the file".into()));
     }
     Ok(corners)
@@ -197,7 +197,7 @@ mod tests {
             [("vertex 1e0 0 0", "vertex 1e0 zero 0", 5), ("endloop", "vertex 0 0 0", 7), ("outer", "inner", 3)]
         {
             let error = error(good.replacen(from, to, 1).as_bytes());
-            assert!(matches!(error, ShapeError::Malformed { place: Place::Line(l), .. } if l == line), "{error}");
+            assert!(matches!(error, ShapeError::Malformed { place: Location::Line(l), .. } if l == line), "{error}");
         }
         let cut = &good[..good.find("endsolid").unwrap()];
         assert!(error(cut.as_bytes()).to_string().contains("the end of the file"));

@@ -8,8 +8,8 @@ mod reflect;
 pub use crate::scene::FORMULAS;
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
-use crate::glsl::{Knob, Library, LibraryError, LinkError, Linker, Slots, Stage};
-use crate::scene::{KnobValue, Knobs, Scene, SceneError, Source};
+use crate::glsl::{Library, LibraryError, LinkError, Linker, Parameter, Slots, Stage};
+use crate::scene::{ParameterValue, Parameters, Scene, SceneError, Source};
 use std::collections::BTreeMap;
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));
@@ -31,10 +31,10 @@ pub struct Variant {
     pub entries: [&'static str; 2],
     /// The slots that the program reaches, with the modules that fill them.
     pub slots: Slots,
-    /// The knobs that those modules declare, with their values; without those of further objects.
-    pub knobs: Knobs,
-    /// The knobs of each further object, by its name.
-    pub parts: BTreeMap<String, Knobs>,
+    /// The parameters that those modules declare, with their values; without those of additional objects.
+    pub parameters: Parameters,
+    /// The parameters of each additional object, by its name.
+    pub parts: BTreeMap<String, Parameters>,
 }
 
 /// A linked program and what it reads.
@@ -73,10 +73,10 @@ impl Variant {
     /// # Errors
     /// What [`Scene::check`] finds.
     pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        let knobs = scene.check(library)?;
+        let parameters = scene.check(library)?;
         let entries = scene.entries();
         let mut choice = scene.slots();
-        let parts: BTreeMap<String, Knobs> = scene
+        let parts: BTreeMap<String, Parameters> = scene
             .parts
             .keys()
             .map(|name| Ok((name.clone(), scene.check_part(name, library)?)))
@@ -93,7 +93,7 @@ impl Variant {
             // A boolean may turn the normal of any of its operands into that of the whole.
             choice.insert(slot(name), vec![object_module(&own, needs_normal || scene.has_several()).into()]);
         }
-        Ok(Variant { entries, slots: library.needed(&entries, &choice)?, knobs, parts })
+        Ok(Variant { entries, slots: library.needed(&entries, &choice)?, parameters, parts })
     }
 
     /// The modules that give the shadow volume of the same scene: those of its matter, without what colors it. Such a
@@ -128,7 +128,7 @@ impl Variant {
             }
         }
         let slots = library.needed(&entries, &choice)?;
-        Ok(Variant { entries, slots, knobs: self.knobs.clone(), parts: self.parts.clone() })
+        Ok(Variant { entries, slots, parameters: self.parameters.clone(), parts: self.parts.clone() })
     }
 
     /// The modules that give one sample of a ray of the same scene, anywhere on it: what a picture is the integral of.
@@ -139,7 +139,7 @@ impl Variant {
         let mut choice = scene.slots();
         choice.extend(self.objects());
         let slots = library.needed(&PROBE_ENTRIES, &choice)?;
-        Ok(Variant { entries: PROBE_ENTRIES, slots, knobs: self.knobs.clone(), parts: self.parts.clone() })
+        Ok(Variant { entries: PROBE_ENTRIES, slots, parameters: self.parameters.clone(), parts: self.parts.clone() })
     }
 
     /// The modules that sample the objects, by slot.
@@ -164,18 +164,18 @@ impl Variant {
         self.module("project") == Some("closest")
     }
 
-    /// Whether the program reads the closest points of a further object.
+    /// Whether the program reads the closest points of an additional object.
     pub fn part_reads_closest(&self, name: &str) -> bool {
         self.module(&format!("{name}.project")) == Some("closest")
     }
 
-    /// Every knob of the scene with its value, under the name that `--set` knows it by: that of a further object is
-    /// `parts.OBJECT.KNOB`.
-    pub fn all_knobs(&self) -> impl Iterator<Item = (String, &Knob, &KnobValue)> {
-        let further = self.parts.iter().map(|(part, knobs)| (format!("parts.{part}."), knobs));
-        let all = [(String::new(), &self.knobs)].into_iter().chain(further);
-        all.flat_map(|(prefix, knobs)| {
-            knobs.iter().map(move |(knob, value)| (format!("{prefix}{}", knob.name), knob, value))
+    /// Every parameter of the scene with its value, under the name that `--set` knows it by: that of an additional object is
+    /// `parts.OBJECT.PARAMETER`.
+    pub fn all_parameters(&self) -> impl Iterator<Item = (String, &Parameter, &ParameterValue)> {
+        let further = self.parts.iter().map(|(part, parameters)| (format!("parts.{part}."), parameters));
+        let all = [(String::new(), &self.parameters)].into_iter().chain(further);
+        all.flat_map(|(prefix, parameters)| {
+            parameters.iter().map(move |(parameter, value)| (format!("{prefix}{}", parameter.name), parameter, value))
         })
     }
 

@@ -1,13 +1,13 @@
 //! Truth 7: rays that bend in smooth glass. Slices cannot bend light, so this is of the march alone.
 
+use super::analytic::Level;
 use super::closed::{fish_eye, luneburg_miss};
-use super::known::Level;
 use super::rays::{Ray, rays};
 use super::{Bench, Row};
 use crate::glsl::Library;
 use crate::gpu::Gpu;
 use crate::render::{RenderError, Renderer, Subject};
-use crate::scene::{Color, Curve, Pass, Projection, Ray as Course, Scene, Stop};
+use crate::scene::{Color, Curve, Pass, Projection, RayPath, Scene, Stop};
 use glam::{DMat3, DVec3};
 
 /// A clear object in no surroundings, seen along -z by parallel rays, without highlights; the stops of its transfer map
@@ -16,7 +16,7 @@ pub fn clear(object: &str, stops: &[(f32, f32)], curve: Curve) -> Scene {
     let mut scene = Scene::default();
     scene.object.input = object.into();
     scene.effect.classify = "clear".into();
-    scene.effect.ray = Course::Refracted;
+    scene.effect.ray_path = RayPath::Refracted;
     scene.quality.pass = Pass::March;
     scene.camera.projection = Projection::Parallel;
     scene.camera.azimuth = 0.0;

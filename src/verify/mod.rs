@@ -4,8 +4,8 @@
 //! [`run`] renders them in both passes and tells error, observed order, floor and bound; [`check`] holds a picture on
 //! disk against its own scene. Invariant: an answer shares nothing with the GLSL, and a row that could not fail is no row.
 
+mod analytic;
 mod closed;
-mod known;
 mod lens;
 mod picture;
 mod pictures;
@@ -13,10 +13,10 @@ mod rays;
 mod unchanged;
 mod volumes;
 
+pub use analytic::{AnalyticCase, Level, levels, order};
 pub use closed::{SoftBall, fish_eye, luneburg_miss};
-pub use known::{Known, Level, levels, order};
 pub use lens::{clear, probed};
-pub use picture::{Agreement, Asked, CheckError, Knows, Truth as PixelTruth, check, draw_pixels};
+pub use picture::{Agreement, CheckError, CheckOptions, Knows, Truth as PixelTruth, check, draw_pixels};
 pub use pictures::{
     COLOR_BY_DEPTH, HOMOGENEOUS, PERLIN_BALLS, SLAB, SLANTED, SOFT_BALLS, TWO_TONE, TWO_TONES, box_subject,
     homogeneous, library, two_tone,
@@ -61,23 +61,23 @@ pub struct Truth {
 #[derive(Clone, Copy)]
 pub enum Measure {
     /// By pictures with a known answer in every pixel, in both passes.
-    Known(&'static [Known]),
+    Analytic(&'static [AnalyticCase]),
     /// In its own way.
     Other(fn(&Bench<'_>) -> Result<Vec<Row>, RenderError>),
 }
 
 /// The truths.
 pub const TRUTHS: &[Truth] = &[
-    Truth { name: "1 homogeneous matter", measure: Measure::Known(HOMOGENEOUS) },
-    Truth { name: "2 color by depth", measure: Measure::Known(COLOR_BY_DEPTH) },
-    Truth { name: "3 soft ball", measure: Measure::Known(SOFT_BALLS) },
-    Truth { name: "4 soft ball, opacity of PH", measure: Measure::Known(PERLIN_BALLS) },
-    Truth { name: "5 two-tone ball", measure: Measure::Known(TWO_TONES) },
+    Truth { name: "1 homogeneous matter", measure: Measure::Analytic(HOMOGENEOUS) },
+    Truth { name: "2 color by depth", measure: Measure::Analytic(COLOR_BY_DEPTH) },
+    Truth { name: "3 soft ball", measure: Measure::Analytic(SOFT_BALLS) },
+    Truth { name: "4 soft ball, opacity of PH", measure: Measure::Analytic(PERLIN_BALLS) },
+    Truth { name: "5 two-tone ball", measure: Measure::Analytic(TWO_TONES) },
     Truth { name: "6 fields of voxels", measure: Measure::Other(volumes::fields) },
     Truth { name: "7 rays that bend", measure: Measure::Other(lens::lenses) },
     Truth { name: "8 noise", measure: Measure::Other(volumes::noise) },
     Truth { name: "9 what changes nothing", measure: Measure::Other(unchanged::rows) },
-    Truth { name: "10 wide view", measure: Measure::Known(SLANTED) },
+    Truth { name: "10 wide view", measure: Measure::Analytic(SLANTED) },
     Truth { name: "10 thin layers", measure: Measure::Other(unchanged::layers) },
 ];
 
@@ -163,7 +163,7 @@ fn name(pass: Pass) -> &'static str {
 
 /// What was found.
 #[derive(Clone, Debug)]
-pub struct Report {
+pub struct Verification {
     /// The rows, in the order of the truths.
     pub rows: Vec<Row>,
 }
@@ -172,13 +172,13 @@ pub struct Report {
 ///
 /// # Errors
 /// A picture that cannot be made: a device without what it needs.
-pub fn run(gpu: &Gpu, truths: &[Truth], progress: Progress<'_>) -> Result<Report, RenderError> {
+pub fn run(gpu: &Gpu, truths: &[Truth], progress: Progress<'_>) -> Result<Verification, RenderError> {
     let bench = Bench::new(gpu);
     let mut rows = Vec::new();
     for (done, truth) in truths.iter().enumerate() {
         progress(done as f32 / truths.len() as f32);
         let found = match truth.measure {
-            Measure::Known(cases) => cases
+            Measure::Analytic(cases) => cases
                 .iter()
                 .flat_map(|case| PASSES.map(|pass| case.row(&bench, pass)))
                 .collect::<Result<Vec<_>, _>>()?,
@@ -186,10 +186,10 @@ pub fn run(gpu: &Gpu, truths: &[Truth], progress: Progress<'_>) -> Result<Report
         };
         rows.extend(found.into_iter().map(|row| Row { truth: truth.name, ..row }));
     }
-    Ok(Report { rows })
+    Ok(Verification { rows })
 }
 
-impl Report {
+impl Verification {
     /// The rows that miss a bound or an order.
     pub fn missed(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|row| !row.ok)

@@ -23,7 +23,7 @@ const ROUNDING: f64 = 1e-5;
 
 /// What is asked.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked {
+pub struct CheckOptions {
     /// Pixels to be held against the truth.
     pub pixels: u32,
     /// Which ones.
@@ -185,7 +185,7 @@ pub fn check(
     gpu: &Gpu,
     library: &Library,
     path: &Path,
-    asked: &Asked,
+    asked: &CheckOptions,
     progress: Progress<'_>,
     truth: Knows<'_>,
 ) -> Result<Agreement, CheckError> {
@@ -207,7 +207,7 @@ pub fn check(
     progress(0.5);
     let pixels = draw_pixels(scene.image.size, asked.pixels, asked.seed);
     let truth = truth(&scene, &subject, &pixels, &|done| progress(0.5 + 0.5 * done)).map_err(CheckError::Truth)?;
-    let same_device = provenance.program == PROGRAM && provenance.device == gpu.facts().title();
+    let same_device = provenance.program == PROGRAM && provenance.device == gpu.info().title();
     let step = |at| share * apart_all(&stored, &scene, &drawn, &other, at);
     Ok(compare(&stored, &scene, &drawn, &step, (&pixels, &truth), asked.bound, same_device))
 }

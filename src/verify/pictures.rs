@@ -1,11 +1,11 @@
 //! The scenes of the truths 1 to 5 and 10, with what is known of them.
 
+use super::analytic::{AnalyticCase, Level};
 use super::closed::{self, SoftBall};
-use super::known::{Known, Level};
 use super::rays::Ray;
 use crate::glsl;
 use crate::render::Subject;
-use crate::scene::{Color, Projection, Rule, Scene};
+use crate::scene::{Color, Integration, Projection, Scene};
 use glam::Vec3;
 use std::collections::BTreeMap;
 
@@ -57,16 +57,16 @@ fn soft_scene(ball: SoftBall) -> Scene {
     let mut scene = homogeneous("sphere", ball.rate as f32, Projection::Parallel);
     scene.effect.softness = "quadratic".into();
     (scene.object.inner_iso, scene.object.outer_iso) = (ball.inner as f32 - 1.0, ball.outer as f32 - 1.0);
-    scene.quality.stop = 0.0;
+    scene.quality.early_termination = 0.0;
     scene
 }
 
 /// Soft white around a hard red core, unlit: red is the opacity, green and blue that of the soft region alone.
-pub fn two_tone(rule: Rule) -> Scene {
+pub fn two_tone(integration: Integration) -> Scene {
     let mut scene = soft_scene(TWO_TONE);
     scene.effect.opacity = "perlin".into();
     scene.effect.surface = "core".into();
-    scene.quality.rule = rule;
+    scene.quality.integration = integration;
     scene
 }
 
@@ -86,7 +86,7 @@ const SLANT: f64 = 1.036;
 const GROWING: &[u32] = &[64, 256, 1024];
 const ALIGNED: &[u32] = &[48, 192, 768];
 
-const BALL: Known = Known {
+const BALL: AnalyticCase = AnalyticCase {
     variant: "ball",
     projection: Projection::Parallel,
     scene: || (homogeneous("sphere", BALL_EXTINCTION as f32, Projection::Parallel), sphere()),
@@ -98,7 +98,7 @@ const BALL: Known = Known {
     order: Some([0.9, 1.1]),
 };
 
-const RAMP: Known = Known {
+const RAMP: AnalyticCase = AnalyticCase {
     variant: "linear slab",
     scene: || {
         let mut scene = homogeneous("cube", RAMP_RATE as f32, Projection::Parallel);
@@ -113,12 +113,12 @@ const RAMP: Known = Known {
     ..BALL
 };
 
-const DEPTH: Known = Known {
+const DEPTH: AnalyticCase = AnalyticCase {
     variant: "",
     scene: || {
         let mut scene = homogeneous("cube", DEPTH_RATE as f32, Projection::Parallel);
         scene.effect.surface = "depth".into();
-        scene.quality.stop = 0.0;
+        scene.quality.early_termination = 0.0;
         (scene, box_subject(SLAB))
     },
     samples: ALIGNED,
@@ -130,7 +130,7 @@ const DEPTH: Known = Known {
     ..BALL
 };
 
-const SOFT_BALL: Known = Known {
+const SOFT_BALL: AnalyticCase = AnalyticCase {
     variant: "",
     scene: || (soft_scene(SOFT), sphere()),
     truth: |ray| Some(SOFT.beer(ray.impact())),
@@ -143,8 +143,8 @@ const SOFT_BALL: Known = Known {
     ..BALL
 };
 
-const PERLIN_BALL: Known = Known {
-    scene: || (two_tone(Rule::Point), sphere()),
+const PERLIN_BALL: AnalyticCase = AnalyticCase {
+    scene: || (two_tone(Integration::Point), sphere()),
     // Beside the core by more than a step, so that the logarithm of the density has no end in sight.
     truth: |ray| (ray.impact() > 0.85).then(|| 1.0 - TWO_TONE.perlin(ray.impact().min(TWO_TONE.outer))),
     // Euler and Maclaurin: h^2 / 12 of the slope where the ray enters and leaves, 2 c L0 / (r0^2 - r1^2) each.
@@ -156,7 +156,7 @@ const PERLIN_BALL: Known = Known {
 };
 
 /// Points see the infinite extinction at the core as large as it is at one of them.
-const TWO_TONE_POINTS: Known = Known {
+const TWO_TONE_POINTS: AnalyticCase = AnalyticCase {
     variant: "points",
     channel: 1,
     truth: |ray| Some(1.0 - TWO_TONE.perlin(ray.impact().min(TWO_TONE.outer))),
@@ -166,15 +166,15 @@ const TWO_TONE_POINTS: Known = Known {
     ..PERLIN_BALL
 };
 
-const TWO_TONE_SEGMENTS: Known = Known {
+const TWO_TONE_SEGMENTS: AnalyticCase = AnalyticCase {
     variant: "segments",
-    scene: || (two_tone(Rule::Segment), sphere()),
+    scene: || (two_tone(Integration::Segment), sphere()),
     bound: |level| 5.0 * level.step.powi(2) + rounding(level),
     order: Some([1.8, 2.2]),
     ..TWO_TONE_POINTS
 };
 
-const PANE: Known = Known {
+const PANE: AnalyticCase = AnalyticCase {
     variant: "view of 90 degrees",
     projection: Projection::Perspective,
     scene: || {
@@ -193,23 +193,23 @@ const PANE: Known = Known {
     ..BALL
 };
 
-const fn perspective(known: Known) -> Known {
-    Known { projection: Projection::Perspective, ..known }
+const fn perspective(known: AnalyticCase) -> AnalyticCase {
+    AnalyticCase { projection: Projection::Perspective, ..known }
 }
 
 /// Truth 1.
-pub const HOMOGENEOUS: &[Known] = &[BALL, perspective(BALL), RAMP, perspective(RAMP)];
+pub const HOMOGENEOUS: &[AnalyticCase] = &[BALL, perspective(BALL), RAMP, perspective(RAMP)];
 /// Truth 2.
-pub const COLOR_BY_DEPTH: &[Known] = &[DEPTH, perspective(DEPTH)];
+pub const COLOR_BY_DEPTH: &[AnalyticCase] = &[DEPTH, perspective(DEPTH)];
 /// Truth 3.
-pub const SOFT_BALLS: &[Known] = &[SOFT_BALL, perspective(SOFT_BALL)];
+pub const SOFT_BALLS: &[AnalyticCase] = &[SOFT_BALL, perspective(SOFT_BALL)];
 /// Truth 4.
-pub const PERLIN_BALLS: &[Known] = &[PERLIN_BALL, perspective(PERLIN_BALL)];
+pub const PERLIN_BALLS: &[AnalyticCase] = &[PERLIN_BALL, perspective(PERLIN_BALL)];
 /// Truth 5.
-pub const TWO_TONES: &[Known] =
+pub const TWO_TONES: &[AnalyticCase] =
     &[TWO_TONE_POINTS, TWO_TONE_SEGMENTS, perspective(TWO_TONE_POINTS), perspective(TWO_TONE_SEGMENTS)];
 /// Truth 10, the first half.
-pub const SLANTED: &[Known] = &[PANE];
+pub const SLANTED: &[AnalyticCase] = &[PANE];
 
 /// The modules of the truths, beside those that ship.
 pub fn library() -> glsl::Library {

@@ -1,10 +1,10 @@
 //! Truth 9, what must not change a picture, and the second half of truth 10, what thin layers add up to.
 
-use super::known::Level;
+use super::analytic::Level;
 use super::pictures::{SLAB, box_subject, homogeneous};
 use super::{Bench, PASSES, Row, name};
 use crate::render::{Frame, RenderError, Renderer, Subject};
-use crate::scene::{Pass, Projection, Scene, TargetFormat, Traverse, preset};
+use crate::scene::{EmptySpace, Pass, Projection, Scene, TargetFormat, preset};
 use crate::variant::VariantError;
 
 /// The difference of two pictures, over all channels.
@@ -19,7 +19,7 @@ fn soft() -> Scene {
     let mut scene = homogeneous("sphere", 3.0, Projection::Perspective);
     scene.effect.softness = "quadratic".into();
     (scene.object.inner_iso, scene.object.outer_iso) = (-0.6, 0.3);
-    (scene.quality.samples, scene.quality.stop) = (128, 0.0);
+    (scene.quality.samples, scene.quality.early_termination) = (128, 0.0);
     scene
 }
 
@@ -67,9 +67,9 @@ pub(super) fn rows(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
         }
         rows.push(Row::single("bands of the picture", name(pass), difference(&whole, &joined), |_| 0.0));
         if pass == Pass::March {
-            scene.quality.traverse = Traverse::Fixed;
+            scene.quality.empty_space = EmptySpace::Sample;
             let fixed = renderer.render(&scene)?;
-            rows.push(Row::single("leaping", name(pass), difference(&whole, &fixed), |_| 0.0));
+            rows.push(Row::single("skipping", name(pass), difference(&whole, &fixed), |_| 0.0));
         }
         passes.push(own);
     }

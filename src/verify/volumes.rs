@@ -1,6 +1,6 @@
 //! Truths 6 and 8: what is read from volumes: distances between voxels, and noise.
 
-use super::known::Level;
+use super::analytic::Level;
 use super::pictures::{box_subject, homogeneous};
 use super::rays::rays;
 use super::{Bench, PASSES, Row, name};

@@ -1,8 +1,8 @@
 //! What happens in the window: the mouse and the keys to the scene, the scene to the thread that renders.
 
+mod actions;
 mod mouse;
-mod over;
-mod wish;
+mod overlay;
 
 use super::ViewError;
 use super::author::Author;
@@ -162,11 +162,11 @@ impl App {
 
     /// Takes a device, the first or another one; what was on the screen is shown and rendered again.
     pub(super) fn use_device(&mut self, gpu: &Gpu) {
-        let facts = gpu.facts();
-        self.figures.device = format!("{} ({})", facts.name, facts.driver);
-        self.figures.budget_ms = BUDGET_MS[usize::from(!facts.cpu)];
+        let info = gpu.info();
+        self.figures.device = format!("{} ({})", info.name, info.driver);
+        self.figures.budget_ms = BUDGET_MS[usize::from(!info.cpu)];
         let (notify, gate) = (self.notify.clone(), self.panels.author().gate().clone());
-        gate.try_on(&facts.name);
+        gate.try_on(&info.name);
         self.worker = Some(Worker::start(gpu.clone(), gate, self.figures.budget_ms, move || notify()));
         self.screen.forget();
         (self.posted, self.lost, self.tasks) = (None, false, 0);
@@ -293,7 +293,7 @@ impl App {
         if let Some(clock) = &mut self.clock {
             *clock += passed;
         }
-        let titles = self.kept.as_ref().map(|kept| over::titles(self.model.scene(), kept)).unwrap_or_default();
+        let titles = self.kept.as_ref().map(|kept| overlay::titles(self.model.scene(), kept)).unwrap_or_default();
         self.screen.draw(ui, self.place, self.figures.difference, &titles);
         self.show_over(ui);
         self.post(ui, now);

@@ -2,8 +2,8 @@
 
 use super::ViewError;
 use super::app::{App, Notify, Start};
-use super::script::{Deed, Script, Widget, widgets};
-use crate::gpu::{Canvas, GpuError, Messages, Shown, has_library};
+use super::script::{Script, ScriptEvent, Widget, widgets};
+use crate::gpu::{Canvas, GpuError, Messages, Presented, has_library};
 use egui::{Context, Theme, ViewportId};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -102,7 +102,7 @@ impl Live {
         if reads_names {
             context.enable_accesskit();
         }
-        let (scale, side) = (Some(window.scale_factor() as f32), canvas.gpu().facts().max_image as usize);
+        let (scale, side) = (Some(window.scale_factor() as f32), canvas.gpu().info().max_image as usize);
         let input = egui_winit::State::new(context.clone(), ViewportId::ROOT, &window, scale, None, Some(side));
         Ok(Live { canvas, context, input, window, widgets: Vec::new(), full_screen: false })
     }
@@ -223,13 +223,13 @@ impl Host {
                 None => log::info!("first picture after {seconds:.2} s"),
             }
         }
-        let deed = match (&mut self.script, &self.live) {
+        let event = match (&mut self.script, &self.live) {
             (Some(script), Some(live)) => script.next(&mut self.app, &live.widgets)?,
             _ => None,
         };
         let Some(live) = &mut self.live else { return Ok(()) };
-        if let Some(deed) = deed {
-            self.minimized = perform(deed, live, &mut self.app, self.minimized)?;
+        if let Some(event) = event {
+            self.minimized = perform(event, live, &mut self.app, self.minimized)?;
         }
         let raw = live.input.take_egui_input(&live.window);
         let PhysicalSize { width, height } = live.window.inner_size();
@@ -249,10 +249,10 @@ impl Host {
             output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
         let delay = match (&self.script, shown) {
             (Some(_), _) => wanted.min(SCRIPT_PACE),
-            (None, Shown::Later) => Duration::ZERO,
+            (None, Presented::Later) => Duration::ZERO,
             // Nothing is seen, and nothing needs to be drawn before the window is back.
-            (None, Shown::Hidden) => Duration::MAX,
-            (None, Shown::Yes) => wanted,
+            (None, Presented::Hidden) => Duration::MAX,
+            (None, Presented::Yes) => wanted,
         };
         event_loop.set_control_flow(match Instant::now().checked_add(delay) {
             Some(_) if delay.is_zero() => {
@@ -267,18 +267,18 @@ impl Host {
 }
 
 /// Does what a script asks for; whether the window is minimized.
-fn perform(deed: Deed, live: &mut Live, app: &mut App, minimized: bool) -> Result<bool, ViewError> {
-    match deed {
-        Deed::Events(events) => live.input.egui_input_mut().events.extend(events),
-        Deed::Drop(path) => drop(live.input.on_window_event(&live.window, &WindowEvent::DroppedFile(path))),
-        Deed::Size([width, height]) => drop(live.window.request_inner_size(LogicalSize::new(width, height))),
-        Deed::Minimize(minimize) => {
+fn perform(event: ScriptEvent, live: &mut Live, app: &mut App, minimized: bool) -> Result<bool, ViewError> {
+    match event {
+        ScriptEvent::Events(events) => live.input.egui_input_mut().events.extend(events),
+        ScriptEvent::Drop(path) => drop(live.input.on_window_event(&live.window, &WindowEvent::DroppedFile(path))),
+        ScriptEvent::Size([width, height]) => drop(live.window.request_inner_size(LogicalSize::new(width, height))),
+        ScriptEvent::Minimize(minimize) => {
             live.window.set_minimized(minimize);
             return Ok(minimize);
         }
-        Deed::Shot(path) => app.shoot(path),
-        Deed::Lose => return Err(GpuError::lost().into()),
-        Deed::Quit => app.quit = true,
+        ScriptEvent::Shot(path) => app.screenshot(path),
+        ScriptEvent::Lose => return Err(GpuError::lost().into()),
+        ScriptEvent::Quit => app.quit = true,
     }
     Ok(minimized)
 }

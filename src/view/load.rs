@@ -23,7 +23,7 @@ impl Key {
         let variant = Variant::of(scene, library)?;
         // What the picture does with the field is not the field's.
         let plain = |object: &Object| Object { stretch: [1.0; 3], inner_iso: 0.0, outer_iso: 0.0, ..object.clone() };
-        let main = variant.knobs.outer_iso().unwrap_or(scene.object.outer_iso);
+        let main = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
         let mut objects = vec![(plain(&scene.object), main, variant.reads_closest())];
         for (name, part) in &scene.parts {
             let outer = variant.parts[name].outer_iso().unwrap_or(part.object.outer_iso);
@@ -130,7 +130,7 @@ impl Loader {
     }
 
     /// Tries again what could not be loaded, or was given up.
-    pub(super) fn forgive(&mut self) {
+    pub(super) fn retry(&mut self) {
         self.failed = None;
     }
 }

@@ -6,10 +6,10 @@
 mod command;
 
 use super::author::{programs, reaches};
-use crate::glsl::declare::Default as KnobDefault;
+use crate::glsl::ParameterKind;
 use crate::glsl::{self, Library, Slots};
 use crate::output;
-use crate::scene::{self, Camera, KnobValue, Knobs, Part, Scene, SceneError};
+use crate::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 
@@ -20,8 +20,8 @@ const HISTORY: usize = 256;
 pub struct Model {
     scene: Scene,
     library: Library,
-    knobs: Knobs,
-    parts: BTreeMap<String, Knobs>,
+    parameters: Parameters,
+    parts: BTreeMap<String, Parameters>,
     past: VecDeque<Step>,
     future: Vec<Step>,
     /// What the last edit was about, while further edits of the same belong to it.
@@ -44,10 +44,22 @@ impl Model {
     /// # Errors
     /// What [`Scene::check`] and [`Scene::check_part`] find.
     pub fn new(scene: Scene, library: Library) -> Result<Model, SceneError> {
-        let (knobs, parts) = checked(&scene, &library)?;
+        let (parameters, parts) = checked(&scene, &library)?;
         let saved = scene.clone();
         let (past, future, home) = (VecDeque::new(), Vec::new(), scene.camera.clone());
-        Ok(Model { scene, library, knobs, parts, past, future, open: None, saved, file: None, home, message: None })
+        Ok(Model {
+            scene,
+            library,
+            parameters,
+            parts,
+            past,
+            future,
+            open: None,
+            saved,
+            file: None,
+            home,
+            message: None,
+        })
     }
 
     /// The scene.
@@ -60,9 +72,9 @@ impl Model {
         &self.library
     }
 
-    /// The knobs of the scene's own object, or of a further one, with their values.
-    pub fn knobs(&self, part: Option<&str>) -> &Knobs {
-        part.and_then(|part| self.parts.get(part)).unwrap_or(&self.knobs)
+    /// The parameters of the scene's own object, or of a further one, with their values.
+    pub fn parameters(&self, part: Option<&str>) -> &Parameters {
+        part.and_then(|part| self.parts.get(part)).unwrap_or(&self.parameters)
     }
 
     /// The last thing that was refused or done, one line.
@@ -108,8 +120,8 @@ impl Model {
         self.scene != self.saved
     }
 
-    /// Changes the scene. Knobs that no module declares any more are dropped, and what all objects must share is given to
-    /// all. Edits of the same thing, `what`, are one step of the history until [`Model::settle`].
+    /// Changes the scene. Parameters that no module declares any more are dropped, and what all objects must share is given to
+    /// all. Edits of the same thing, `what`, are one step of the history until [`Model::end_undo_group`].
     ///
     /// Whether the scene is now as `change` left it; if not, [`Model::message`] says why.
     pub fn edit(&mut self, what: &str, change: impl FnOnce(&mut Scene)) -> bool {
@@ -123,13 +135,13 @@ impl Model {
         if scene == self.scene {
             return true;
         }
-        let mended = mend(&mut scene, &self.library).and_then(|()| checked(&scene, &self.library));
-        match mended {
+        let normalized = normalize(&mut scene, &self.library).and_then(|()| checked(&scene, &self.library));
+        match normalized {
             Err(error) => {
                 self.say(error.to_string());
                 false
             }
-            Ok((knobs, parts)) => {
+            Ok((parameters, parts)) => {
                 let before = std::mem::replace(&mut self.scene, scene);
                 if self.open.as_deref() != Some(what) {
                     self.past.push_back(Step { scene: before, what: what.into() });
@@ -138,7 +150,7 @@ impl Model {
                     }
                 }
                 self.future.clear();
-                (self.knobs, self.parts, self.message) = (knobs, parts, None);
+                (self.parameters, self.parts, self.message) = (parameters, parts, None);
                 self.open = Some(what.into());
                 true
             }
@@ -146,7 +158,7 @@ impl Model {
     }
 
     /// Ends a step of the history: a slider was let go.
-    pub fn settle(&mut self) {
+    pub fn end_undo_group(&mut self) {
         self.open = None;
     }
 
@@ -184,21 +196,21 @@ impl Model {
 
     /// Puts a scene of the history in place; gives the one that was. None where a module of it is gone.
     fn exchange(&mut self, mut scene: Scene) -> Option<Scene> {
-        mend(&mut scene, &self.library).ok()?;
-        (self.knobs, self.parts) = checked(&scene, &self.library).ok()?;
+        normalize(&mut scene, &self.library).ok()?;
+        (self.parameters, self.parts) = checked(&scene, &self.library).ok()?;
         (self.open, self.message) = (None, None);
         Some(std::mem::replace(&mut self.scene, scene))
     }
 
-    /// Exchanges the modules. New knobs have their defaults, those that are gone are dropped, and a value that is out of
+    /// Exchanges the modules. New parameters have their defaults, those that are gone are dropped, and a value that is out of
     /// its new range goes to the end of it.
     ///
     /// # Errors
     /// The scene cannot be made of these modules; nothing has changed then.
     pub fn set_library(&mut self, library: Library) -> Result<(), SceneError> {
         let mut scene = self.scene.clone();
-        mend(&mut scene, &library)?;
-        (self.knobs, self.parts) = checked(&scene, &library)?;
+        normalize(&mut scene, &library)?;
+        (self.parameters, self.parts) = checked(&scene, &library)?;
         (self.scene, self.library, self.message) = (scene, library, None);
         Ok(())
     }
@@ -224,7 +236,7 @@ impl Model {
                 };
                 let good = self.propose(&format!("open {name}"), scene);
                 if good {
-                    self.settle();
+                    self.end_undo_group();
                     (self.saved, self.file) = (self.scene.clone(), Some(path.into()));
                     self.home.clone_from(&self.scene.camera);
                 } else {
@@ -284,30 +296,30 @@ impl Model {
             }
         };
         let good = self.propose(&format!("preset {name}"), scene);
-        self.settle();
+        self.end_undo_group();
         if good && !effect_only {
             self.home.clone_from(&self.scene.camera);
         }
         good
     }
 
-    /// Adds a further object, a copy of a part of a preset; the formula gets it at its end. Gives its name.
+    /// Adds an additional object, a copy of a part of a preset; the formula gets it at its end. Gives its name.
     pub fn add_part(&mut self, input: &str) -> Option<String> {
         let name = (1..).map(|number| format!("object{number}")).find(|name| !self.scene.parts.contains_key(name))?;
         let mut part = Part::default();
         part.object.input = input.into();
-        part.place = scene::Place { at: [1.0, 0.0, 0.0], scale: 0.5, ..part.place };
+        part.transform = scene::Transform { at: [1.0, 0.0, 0.0], scale: 0.5, ..part.transform };
         let good = self.edit(&format!("add {name}"), |scene| {
             scene.parts.insert(name.clone(), part);
             if let Some(formula) = &mut scene.combine {
                 formula.push_str(&format!(" | {name}"));
             }
         });
-        self.settle();
+        self.end_undo_group();
         good.then_some(name)
     }
 
-    /// Removes a further object. A formula that still names it gives way to the union of those that are left.
+    /// Removes an additional object. A formula that still names it gives way to the union of those that are left.
     pub fn remove_part(&mut self, name: &str) -> bool {
         let good = self.edit(&format!("remove {name}"), |scene| {
             scene.parts.remove(name);
@@ -316,7 +328,7 @@ impl Model {
                 scene.combine = None;
             }
         });
-        self.settle();
+        self.end_undo_group();
         good
     }
 
@@ -326,14 +338,14 @@ impl Model {
     }
 }
 
-fn checked(scene: &Scene, library: &Library) -> Result<(Knobs, BTreeMap<String, Knobs>), SceneError> {
-    let knobs = scene.check(library)?;
+fn checked(scene: &Scene, library: &Library) -> Result<(Parameters, BTreeMap<String, Parameters>), SceneError> {
+    let parameters = scene.check(library)?;
     let parts = scene.parts.keys().map(|name| Ok((name.clone(), scene.check_part(name, library)?)));
-    Ok((knobs, parts.collect::<Result<_, SceneError>>()?))
+    Ok((parameters, parts.collect::<Result<_, SceneError>>()?))
 }
 
-/// Makes the rest of a scene follow its modules: what all objects share, and the knobs that there are.
-fn mend(scene: &mut Scene, library: &Library) -> Result<(), SceneError> {
+/// Makes the rest of a scene follow its modules: what all objects share, and the parameters that there are.
+fn normalize(scene: &mut Scene, library: &Library) -> Result<(), SceneError> {
     let shared = scene.effect.clone();
     for part in scene.parts.values_mut() {
         let effect = &mut part.effect;
@@ -346,24 +358,24 @@ fn mend(scene: &mut Scene, library: &Library) -> Result<(), SceneError> {
     let mut slots: Slots = scene.slots();
     let objects = scene.parts.keys().map(|name| format!("{name}.object")).chain(["object".into()]);
     slots.extend(objects.collect::<Vec<_>>().into_iter().map(|slot| (slot, vec!["normals".into()])));
-    let declared = library.declarations(&scene.entries(), &slots)?.knobs;
-    keep_declared(&mut scene.knobs, &declared);
+    let declared = library.declarations(&scene.entries(), &slots)?.parameters;
+    keep_declared(&mut scene.parameters, &declared);
     for (name, part) in &mut scene.parts {
-        keep_declared(&mut part.knobs, &library.object_declarations(name, &slots)?.knobs);
+        keep_declared(&mut part.parameters, &library.object_declarations(name, &slots)?.parameters);
     }
     Ok(())
 }
 
-/// Keeps the values of declared knobs, each in its range where it is of the right kind.
-fn keep_declared(values: &mut BTreeMap<String, KnobValue>, declared: &[crate::glsl::Knob]) {
+/// Keeps the values of declared parameters, each in its range where it is of the right kind.
+fn keep_declared(values: &mut BTreeMap<String, ParameterValue>, declared: &[crate::glsl::Parameter]) {
     values.retain(|name, value| {
-        let knob = declared.iter().find(|knob| knob.name == *name);
-        match (knob.map(|knob| knob.default), value) {
-            (Some(KnobDefault::Number(_, [low, high])), KnobValue::Number(value)) => {
+        let parameter = declared.iter().find(|parameter| parameter.name == *name);
+        match (parameter.map(|parameter| parameter.kind), value) {
+            (Some(ParameterKind::Number(_, [low, high])), ParameterValue::Number(value)) => {
                 *value = value.clamp(low, high);
                 true
             }
-            (Some(KnobDefault::Color(_)), KnobValue::Color(_)) => true,
+            (Some(ParameterKind::Color(_)), ParameterValue::Color(_)) => true,
             _ => false,
         }
     });

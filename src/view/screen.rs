@@ -27,7 +27,7 @@ fn code(linear: f32) -> u8 {
 }
 
 /// Pictures over their backgrounds as codes; of two, also what lies between them, enlarged, and its root mean square.
-pub(super) fn develop(
+pub(super) fn encode_srgb(
     frames: &[&[[f32; 4]]],
     backgrounds: &[Option<Color>],
     size: [u32; 2],
@@ -135,9 +135,9 @@ mod tests {
     #[test]
     fn two_variants_have_a_difference_and_one_has_none() {
         let (a, b) = (vec![[0.5, 0.5, 0.5, 1.0]; 4], vec![[0.5, 0.5, 0.6, 1.0]; 4]);
-        let (one, none) = develop(&[&a], &[None], [2, 2]);
+        let (one, none) = encode_srgb(&[&a], &[None], [2, 2]);
         assert_eq!((one.len(), none), (1, None));
-        let (three, rms) = develop(&[&a, &b], &[None, None], [2, 2]);
+        let (three, rms) = encode_srgb(&[&a, &b], &[None, None], [2, 2]);
         assert_eq!(three.len(), 3);
         assert_eq!(three[2].pixels[0], Color32::from_rgb(0, 0, code(0.8)));
         assert!((rms.unwrap() - 0.05).abs() < 1e-6);

@@ -41,7 +41,7 @@ const DRAG_STEPS: u32 = 8;
 
 /// What the window system does in a step.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Deed {
+pub(super) enum ScriptEvent {
     /// These events come before the next frame.
     Events(Vec<Event>),
     /// A file is dropped.
@@ -74,7 +74,7 @@ enum Step {
     Set(String, f64),
     Write(String, String),
     Copy(PathBuf, PathBuf),
-    Do(Deed),
+    Do(ScriptEvent),
 }
 
 /// The steps that are left.
@@ -107,8 +107,8 @@ impl Script {
     /// Draws so many frames after the first picture, or waits for the converged one; writes a picture, and ends.
     pub(super) fn of_frames(frames: Option<u32>, shot: Option<PathBuf>) -> Script {
         let wait = frames.map_or(vec![Step::Converged], |frames| vec![Step::Picture, Step::Frames(frames)]);
-        let shot = shot.map(|path| Step::Do(Deed::Shot(path)));
-        let steps = wait.into_iter().chain(shot).chain([Step::Do(Deed::Quit)]);
+        let shot = shot.map(|path| Step::Do(ScriptEvent::Shot(path)));
+        let steps = wait.into_iter().chain(shot).chain([Step::Do(ScriptEvent::Quit)]);
         Script::new("--frames".into(), (1..).zip(steps).collect())
     }
 
@@ -117,9 +117,9 @@ impl Script {
     }
 
     /// What happens before the next frame.
-    pub(super) fn next(&mut self, app: &mut App, tree: &[Widget]) -> Result<Option<Deed>, ViewError> {
+    pub(super) fn next(&mut self, app: &mut App, tree: &[Widget]) -> Result<Option<ScriptEvent>, ViewError> {
         if let Some(events) = self.events.pop_front() {
-            return Ok(Some(Deed::Events(events)));
+            return Ok(Some(ScriptEvent::Events(events)));
         }
         let Some((line, step)) = self.steps.front().cloned() else { return Ok(None) };
         let fail = |reason: String| ViewError::Script { file: self.file.clone(), line, reason };
@@ -138,7 +138,7 @@ impl Script {
             Step::Good => self.frames > 1 && *app.author().state() == State::Good,
             Step::Bad => matches!(app.author().state(), State::Bad(_)),
             // A key is pressed whatever is under way.
-            Step::Do(Deed::Events(_)) => true,
+            Step::Do(ScriptEvent::Events(_)) => true,
             _ => steady,
         };
         if !done {
@@ -147,17 +147,17 @@ impl Script {
                 false => Ok(None),
             };
         }
-        let deed = match &step {
-            Step::Do(deed) => Some(deed.clone()),
+        let event = match &step {
+            Step::Do(event) => Some(event.clone()),
             Step::Drag(places, button) => {
                 self.events = drag(app.place, *places, *button);
-                self.events.pop_front().map(Deed::Events)
+                self.events.pop_front().map(ScriptEvent::Events)
             }
             Step::Scroll(lines) => {
                 let unit = MouseWheelUnit::Line;
                 let (delta, phase, modifiers) = (Vec2::new(0.0, *lines), TouchPhase::Move, Modifiers::NONE);
                 let wheel = Event::MouseWheel { unit, delta, phase, modifiers };
-                Some(Deed::Events(vec![Event::PointerMoved(app.place.center()), wheel]))
+                Some(ScriptEvent::Events(vec![Event::PointerMoved(app.place.center()), wheel]))
             }
             Step::Click(name) => Some(request(find(tree, name, Action::Click).map_err(fail)?, Action::Click, None)),
             Step::Set(name, value) => {
@@ -179,7 +179,7 @@ impl Script {
         };
         self.steps.pop_front();
         (self.began, self.frames) = (Instant::now(), 0);
-        Ok(deed)
+        Ok(event)
     }
 }
 
@@ -206,9 +206,9 @@ fn find<'a>(tree: &'a [Widget], name: &str, action: Action) -> Result<&'a Widget
 }
 
 /// What a screen reader asks of a control.
-fn request(widget: &Widget, action: Action, data: Option<ActionData>) -> Deed {
+fn request(widget: &Widget, action: Action, data: Option<ActionData>) -> ScriptEvent {
     let request = ActionRequest { action, target_node: widget.id, target_tree: TreeId::ROOT, data };
-    Deed::Events(vec![Event::AccessKitActionRequest(request)])
+    ScriptEvent::Events(vec![Event::AccessKitActionRequest(request)])
 }
 
 fn key(key: Key, modifiers: Modifiers) -> [Event; 2] {
@@ -255,13 +255,13 @@ fn parse(line: &str) -> Result<Step, String> {
         ("frames", _) => Step::Frames(numbers(1)?[0] as u32),
         ("size", _) => {
             let sides = numbers(2)?;
-            Step::Do(Deed::Size([sides[0] as u32, sides[1] as u32]))
+            Step::Do(ScriptEvent::Size([sides[0] as u32, sides[1] as u32]))
         }
-        ("minimize", "") => Step::Do(Deed::Minimize(true)),
-        ("restore", "") => Step::Do(Deed::Minimize(false)),
+        ("minimize", "") => Step::Do(ScriptEvent::Minimize(true)),
+        ("restore", "") => Step::Do(ScriptEvent::Minimize(false)),
         ("key", name) => {
             let named = keys::named(name).ok_or_else(|| format!("no key `{name}`"))?;
-            Step::Do(Deed::Events(key(named, Modifiers::NONE).into()))
+            Step::Do(ScriptEvent::Events(key(named, Modifiers::NONE).into()))
         }
         ("drag", _) => {
             let places = numbers(4)?;
@@ -271,10 +271,10 @@ fn parse(line: &str) -> Result<Step, String> {
         }
         ("scroll", _) => Step::Scroll(numbers(1)?[0]),
         ("click", name) if !name.is_empty() => Step::Click(name.into()),
-        ("drop", _) => Step::Do(Deed::Drop(path()?)),
-        ("shot", _) => Step::Do(Deed::Shot(path()?)),
-        ("lose", "") => Step::Do(Deed::Lose),
-        ("quit", "") => Step::Do(Deed::Quit),
+        ("drop", _) => Step::Do(ScriptEvent::Drop(path()?)),
+        ("shot", _) => Step::Do(ScriptEvent::Shot(path()?)),
+        ("lose", "") => Step::Do(ScriptEvent::Lose),
+        ("quit", "") => Step::Do(ScriptEvent::Quit),
         _ => return Err(format!("`{line}` is no step")),
     })
 }

@@ -1,22 +1,22 @@
 //! The thread that renders: the newest scene first, coarse while it moves, better and better while it stands still.
 
-mod studio;
+mod render_thread;
 mod task;
 
 use super::author::Gate;
 use super::status::Stage;
 use crate::glsl::Library;
 use crate::gpu::Gpu;
-use crate::pick::{Bound, Pick};
+use crate::pick::{ErrorBound, Pick};
 use crate::render::Subject;
 use crate::scene::Scene;
 use egui::ColorImage;
+use render_thread::RenderThread;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, mpsc};
 use std::thread::{self, JoinHandle};
-use studio::Studio;
 
 /// A scene and its object.
 #[derive(Clone)]
@@ -45,8 +45,8 @@ pub(super) enum Task {
     Shot { library: Arc<Library>, variant: Box<Variant>, path: PathBuf, edited: Vec<String> },
     /// Writes a turn around the object.
     Turntable { library: Arc<Library>, variant: Box<Variant>, path: PathBuf, frames: u32, edited: Vec<String> },
-    /// Looks for the cheapest way to draw within an error.
-    Pick { library: Arc<Library>, variant: Box<Variant>, bound: Bound },
+    /// Looks for the fastest settings within an error.
+    Pick { library: Arc<Library>, variant: Box<Variant>, bound: ErrorBound },
 }
 
 /// A picture, ready to be shown, and what is known about it.
@@ -147,7 +147,7 @@ impl Worker {
                 let _ = sender.send(event);
                 notify();
             };
-            Studio::new(gpu, gate, own, budget_ms, Box::new(tell)).run();
+            RenderThread::new(gpu, gate, own, budget_ms, Box::new(tell)).run();
         });
         Worker { shared, events, thread: Some(thread) }
     }

@@ -2,13 +2,13 @@
 //! the same blocks and texels for both.
 
 use hypertexture::exact::{Inputs, Program, Texture, Wrap};
-use hypertexture::glsl::{Default, Knob, Library, Linker, Slots};
+use hypertexture::glsl::{Default, Library, Linker, Parameter, Slots};
 use hypertexture::gpu::{
     Address, Binding, BindingKind, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Load, Pipeline,
     PipelineDescription, Resource, Sampler, Target,
 };
 use hypertexture::noise::{Bake, Noise, Weights, random_block};
-use hypertexture::scene::{self, Knobs};
+use hypertexture::scene::{self, Parameters};
 use hypertexture::texture::{Depth, block_channels, block_gradients, block_values, table_rows};
 use hypertexture::variant::{self, Use, Variant};
 use std::collections::BTreeMap;
@@ -35,16 +35,17 @@ impl Probe {
         if !slots.contains_key(slot) {
             return None;
         }
-        let mut knobs: Vec<(String, Knob)> = Vec::new();
-        let own = library.declarations(&entries, &slots).unwrap().knobs;
-        knobs.extend(own.into_iter().map(|knob| (knob.name.clone(), knob)));
+        let mut parameters: Vec<(String, Parameter)> = Vec::new();
+        let own = library.declarations(&entries, &slots).unwrap().parameters;
+        parameters.extend(own.into_iter().map(|parameter| (parameter.name.clone(), parameter)));
         let parts: Vec<&str> = choice.keys().filter_map(|key| key.split_once('.')).map(|(part, _)| part).collect();
         for part in &parts {
-            let own = library.object_declarations(part, &slots).unwrap().knobs;
-            knobs.extend(own.into_iter().map(|knob| (format!("{}_{part}", knob.name), knob)));
+            let own = library.object_declarations(part, &slots).unwrap().parameters;
+            parameters.extend(own.into_iter().map(|parameter| (format!("{}_{part}", parameter.name), parameter)));
         }
-        let knobs = knobs.into_iter().map(|(name, knob)| (name, knob.default)).collect::<BTreeMap<_, _>>();
-        let variant = Variant { entries, slots, knobs: no_knobs(&library), parts: BTreeMap::new() };
+        let parameters =
+            parameters.into_iter().map(|(name, parameter)| (name, parameter.kind)).collect::<BTreeMap<_, _>>();
+        let variant = Variant { entries, slots, parameters: no_parameters(&library), parts: BTreeMap::new() };
         let linked = variant.program(&library, Linker::new).unwrap_or_else(|error| panic!("{error}"));
         let bare = |name: &str| {
             let part = parts.iter().find_map(|part| name.strip_suffix(&format!("_{part}")));
@@ -58,14 +59,17 @@ impl Probe {
                         .members
                         .iter()
                         .map(|member| {
-                            let knob = knobs.get(&member.name).map(|default| match default {
-                                Default::Number(number, _) => vec![*number],
-                                Default::Color(rgb) => {
+                            let parameter = parameters.get(&member.name).map(|default| match default {
+                                ParameterKind::Number(number, _) => vec![*number],
+                                ParameterKind::Color(rgb) => {
                                     let [r, g, b] = rgb.map(|code| f32::from(code) / 255.0);
                                     vec![r * r, g * g, b * b, 1.0]
                                 }
                             });
-                            (member.name.clone(), knob.unwrap_or_else(|| value(&bare(&member.name), member.floats)))
+                            (
+                                member.name.clone(),
+                                parameter.unwrap_or_else(|| value(&bare(&member.name), member.floats)),
+                            )
                         })
                         .collect();
                     let bytes = block.fill(|name| values.get(name).map(Vec::as_slice)).unwrap();
@@ -162,8 +166,8 @@ impl Probe {
 }
 
 /// What fills a field that linking does not read.
-fn no_knobs(library: &Library) -> Knobs {
-    Variant::of(&scene::preset("lit").unwrap(), library).unwrap().knobs
+fn no_parameters(library: &Library) -> Parameters {
+    Variant::of(&scene::preset("lit").unwrap(), library).unwrap().parameters
 }
 
 /// A member of a block: an object of unit size four units before the eye, and a light beside it.
@@ -214,7 +218,7 @@ fn value(name: &str, floats: usize) -> Vec<f32> {
         ("outer_iso_value", _) => vec![0.4],
         ("opacity_rate", _) => vec![20.0],
         ("place_scale", _) => vec![1.0],
-        ("leap_slack", _) => vec![0.03125],
+        ("skip_slack", _) => vec![0.03125],
         ("closest_range", _) => vec![2.0],
         _ => vec![0.5],
     }

@@ -6,7 +6,7 @@ use super::common::{homogeneous, picture, rays, subject};
 use glam::DVec3;
 use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
-use hypertexture::scene::{KnobValue, Projection, Scene};
+use hypertexture::scene::{ParameterValue, Projection, Scene};
 use hypertexture::variant::Variant;
 
 /// Half the side of the square that a probe shows.
@@ -30,7 +30,7 @@ pub fn seen_with(gpu: &Gpu, library: &Library, text: &str, change: impl FnOnce(&
     let library = library.clone().with_module("surface", "probe", text);
     let subject = subject(&scene, &library);
     // The camera fits the soft region; nearer, every scene shows the same square.
-    let outer = Variant::of(&scene, &library).expect("a valid scene").knobs.outer_iso();
+    let outer = Variant::of(&scene, &library).expect("a valid scene").parameters.outer_iso();
     scene.object.outer_iso = outer.unwrap_or(scene.object.outer_iso);
     if scene.effect.softness != "hard" {
         scene.camera.zoom *= (0.8 / 0.97 * (subject.radius + scene.object.outer_iso) / subject.radius).max(1.0);
@@ -48,8 +48,8 @@ pub fn seen_with(gpu: &Gpu, library: &Library, text: &str, change: impl FnOnce(&
     seen
 }
 
-pub fn set(scene: &mut Scene, knobs: &[(&str, f32)]) {
-    scene.knobs.extend(knobs.iter().map(|(name, value)| (name.to_string(), KnobValue::Number(*value))));
+pub fn set(scene: &mut Scene, parameters: &[(&str, f32)]) {
+    scene.parameters.extend(parameters.iter().map(|(name, value)| (name.to_string(), ParameterValue::Number(*value))));
 }
 
 /// The largest error of any channel.

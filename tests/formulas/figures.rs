@@ -8,7 +8,7 @@ use crate::surface::transfer;
 use crate::values::c;
 use glam::{DMat4, DVec3};
 use hypertexture::exact::Texture;
-use hypertexture::scene::{KnobValue, Scene, preset};
+use hypertexture::scene::{ParameterValue, Scene, preset};
 use hypertexture::texture::transfer_map;
 use std::cell::Cell;
 use std::f64::consts::TAU;
@@ -32,10 +32,10 @@ fn map(scene: &Scene) -> Texture {
     Texture { size: [texels.len() as u32, 1, 1], texels }
 }
 
-fn number(scene: &Scene, knob: &str) -> f64 {
-    match scene.knobs[knob] {
-        KnobValue::Number(value) => f64::from(value),
-        KnobValue::Color(_) => f64::NAN,
+fn number(scene: &Scene, parameter: &str) -> f64 {
+    match scene.parameters[parameter] {
+        ParameterValue::Number(value) => f64::from(value),
+        ParameterValue::Color(_) => f64::NAN,
     }
 }
 
@@ -181,7 +181,7 @@ fn p30_the_fire_ball_is_a_sphere_of_turbulence_red_where_it_is_thin_and_yellow_w
 /// How far from the donut hair reaches, and the mean density at half of that.
 fn reach(length: f64) -> [f64; 2] {
     let mut scene = shown("furry_donut");
-    scene.knobs.insert("hair_length".into(), KnobValue::Number(length as f32));
+    scene.parameters.insert("hair_length".into(), ParameterValue::Number(length as f32));
     let outer = scene.check(&shipped()).unwrap().outer_iso().unwrap();
     let text = "#include \"sample.glsl\"\n#include <dmf>
         void check() { Sample s = sample_object(p0.xyz); out0.xy = vec2(modulate(s.density, s), s.distance); }";

@@ -12,11 +12,11 @@ crate::rows! {
         at.vector("glass_color").max(DVec3::splat(1e-4)).powf(at.p[0][0] / at.number("tint_depth"))
     }),
         "absorption/tinted.glsl": "amount / tint_depth" => "amount * tint_depth";
-    p28_light_goes_straight_between_interfaces = |l| course(l, "straight", |_, x, along, path| (x + path * along, along)),
-        "course/straight.glsl": "path * ray.along" => "-path * ray.along";
-    p28_light_oscillates_in_a_graded_fibre = |l| course(l, "curved", fibre),
-        "course/curved.glsl": "a + 2.0 * b" => "a - 2.0 * b",
-        "course/curved.glsl": "a + 4.0 * b + c" => "a + 3.0 * b + c";
+    p28_light_goes_straight_between_interfaces = |l| ray_path(l, "straight", |_, x, along, path| (x + path * along, along)),
+        "ray_path/straight.glsl": "path * ray.along" => "-path * ray.along";
+    p28_light_oscillates_in_a_graded_fibre = |l| ray_path(l, "curved", fibre),
+        "ray_path/curved.glsl": "a + 2.0 * b" => "a - 2.0 * b",
+        "ray_path/curved.glsl": "a + 4.0 * b + c" => "a + 3.0 * b + c";
     p28_the_index_is_a_channel_of_the_color_table = index,
         "index/transfer.glsl": "t * (b.xy - a.xy)" => "t * (a.xy - b.xy)",
         "index/transfer.glsl": "density <= 0.0 ? -0.5 : 0.5" => "density <= 0.0 ? 0.5 : -0.5";
@@ -33,20 +33,20 @@ fn absorption(library: &Library, module: &str, formula: fn(&At<'_>) -> DVec3) ->
 }
 
 /// A step of a ray in a medium whose index n falls with the distance from the axis: n^2 = 4 - |x|^2, in eye space.
-fn course(library: &Library, module: &str, formula: fn(f64, DVec3, DVec3, f64) -> (DVec3, DVec3)) -> f64 {
+fn ray_path(library: &Library, module: &str, formula: fn(f64, DVec3, DVec3, f64) -> (DVec3, DVec3)) -> f64 {
     let text = "#include \"index_point.glsl\"
         struct Ray { vec3 at; vec3 along; Index medium; };
         vec3 object_space(vec3 at) { return mat3(texture_matrix) * at; }
         // n grad n of the index by the place in object space, of which the normal matrix makes that in eye space.
         vec3 pull(vec3 x, Index medium) { return transpose(mat3(object_matrix)) * (mat3(object_matrix) * -x); }
-        #include <course>
+        #include <ray_path>
         void check() {
             Ray ray = Ray(p0.xyz, p1.xyz, Index(sqrt(4.0 - dot(p0.xyz, p0.xyz)), 1.0, 0.0, 0.5));
             ray = moved(ray, p2.x);
             out0.xyz = ray.at;
             out1.xyz = ray.along;
         }";
-    let check = Check::new(library, &[("course", module)], text).given(|random, _| {
+    let check = Check::new(library, &[("ray_path", module)], text).given(|random, _| {
         let path = if random.unit() < 0.5 { 0.02 * random.unit() } else { 0.02 };
         [
             random.in_cube(1.0).extend(0.0).to_array(),

@@ -4,7 +4,7 @@ use crate::values::{Random, Setting};
 use glam::DVec3;
 use hypertexture::exact::{Inputs, Lanes, Program, Texture, Wrap};
 use hypertexture::glsl::{self, Library, Linker, Slots};
-use hypertexture::scene::{KnobValue, Scene, preset};
+use hypertexture::scene::{ParameterValue, Scene, preset};
 use hypertexture::variant::{self, Use, Variant};
 use std::collections::BTreeMap;
 
@@ -42,7 +42,7 @@ const SLOTS: [(&str, &str); 24] = [
     ("boolean", "algebraic"),
     ("classify", "soft"),
     ("clip", "none"),
-    ("course", "straight"),
+    ("ray_path", "straight"),
     ("dmf", "-"),
     ("environment", "none"),
     ("gradient", "analytic"),
@@ -59,7 +59,7 @@ const SLOTS: [(&str, &str); 24] = [
     ("shadow", "none"),
     ("softness", "linear"),
     ("surface", "unlit"),
-    ("traverse", "fixed"),
+    ("empty_space", "sample"),
     ("turbulence", "procedural"),
 ];
 const MORE_SLOTS: [(&str, &str); 7] = [
@@ -130,19 +130,22 @@ impl Check {
         let names = |modules: &str| modules.split('+').filter(|name| *name != "-").map(String::from).collect();
         let choice: Slots = all.map(|(slot, modules)| (slot.to_string(), names(modules))).collect();
         let slots = library.needed(&entries, &choice).unwrap();
-        let mut knobs = library.declarations(&entries, &slots).unwrap().knobs;
+        let mut parameters = library.declarations(&entries, &slots).unwrap().parameters;
         for (part, _) in choice.keys().filter_map(|key| key.split_once('.')) {
-            let own = library.object_declarations(part, &slots).unwrap().knobs;
-            knobs.extend(own.into_iter().map(|knob| glsl::Knob { name: format!("{}_{part}", knob.name), ..knob }));
+            let own = library.object_declarations(part, &slots).unwrap().parameters;
+            parameters.extend(
+                own.into_iter()
+                    .map(|parameter| glsl::Parameter { name: format!("{}_{part}", parameter.name), ..parameter }),
+            );
         }
         let scene = preset("lit").unwrap();
-        let own = Variant::of(&scene, &glsl::shipped()).unwrap().knobs;
-        let variant = Variant { entries, slots, knobs: own, parts: BTreeMap::new() };
+        let own = Variant::of(&scene, &glsl::shipped()).unwrap().parameters;
+        let variant = Variant { entries, slots, parameters: own, parts: BTreeMap::new() };
         let linked = variant.program(&library, Linker::new).unwrap_or_else(|error| panic!("{error}"));
         let images = linked.resources.iter().filter(|resource| resource.holds == Use::Image);
         let textures = images.map(|image| (image.name.clone(), crate::values::texture(&image.name))).collect();
         let give = Box::new(|random: &mut Random, _: &Setting| random.point());
-        Check { linked, setting: Setting::new(knobs), textures, give }
+        Check { linked, setting: Setting::new(parameters), textures, give }
     }
 
     /// What gives the inputs of a point, where any numbers will not do.
@@ -157,7 +160,7 @@ impl Check {
         self
     }
 
-    /// A check of a scene: its modules, its knobs and its soft region.
+    /// A check of a scene: its modules, its parameters and its soft region.
     pub fn of_scene(library: &Library, scene: &Scene, text: &str) -> Check {
         let variant = Variant::of(scene, library).unwrap();
         let mut slots = scene.slots();
@@ -171,10 +174,10 @@ impl Check {
             check.setting.fix(&format!("iso_value{suffix}"), &[object.inner_iso.into()]);
             check.setting.fix(&format!("outer_iso_value{suffix}"), &[object.outer_iso.into()]);
         }
-        for (name, _, value) in variant.all_knobs() {
+        for (name, _, value) in variant.all_parameters() {
             let part = name.strip_prefix("parts.").and_then(|name| name.split_once('.'));
-            let name = part.map_or_else(|| name.clone(), |(part, knob)| format!("{knob}_{part}"));
-            if let KnobValue::Number(number) = value {
+            let name = part.map_or_else(|| name.clone(), |(part, parameter)| format!("{parameter}_{part}"));
+            if let ParameterValue::Number(number) = value {
                 check.setting.fix(&name, &[f64::from(*number)]);
             }
         }

@@ -30,7 +30,7 @@ use std::collections::BTreeSet;
 
 /// Files with nothing to be wrong about: declarations alone.
 const DECLARATIONS: [&str; 8] = [
-    "clearance.glsl",
+    "distance_bound.glsl",
     "index_point.glsl",
     "interface.glsl",
     "part.glsl",

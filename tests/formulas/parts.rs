@@ -12,7 +12,7 @@ crate::rows! {
         "boolean/algebraic.glsl": "1.0 - a.density, -a.slope" => "1.0 - a.density, a.slope";
     p12_fuzzy_booleans_are_extremes = |l| booleans(l, "minmax", |a, b| [a.min(b), a.max(b)]),
         "boolean/minmax.glsl": "b.density < a.density ||" => "b.density > a.density ||",
-        "boolean/minmax.glsl": "max(a.clearance" => "min(a.clearance";
+        "boolean/minmax.glsl": "max(a.distance_bound" => "min(a.distance_bound";
     p05_a_shade_is_of_each_object_by_its_density = objects,
         "classify/objects.glsl": "#include <opacity>" => "#define opacity_rate 1.0\n#include <opacity>",
         "one_of_several.glsl": "modulate(s.density, s)" => "s.density",
@@ -50,7 +50,7 @@ fn booleans(library: &Library, module: &str, formula: fn(f64, f64) -> [f64; 2]) 
             if (p3.w >= 0.75) found = unite(a, b);
             out0 = vec4(found.slope, found.density);
             out1 = vec4(found.normal, found.distance);
-            if (p3.w > 0.9 || p3.w < 0.1) out1.w = found.clearance;
+            if (p3.w > 0.9 || p3.w < 0.1) out1.w = found.distance_bound;
         }";
     let check = Check::new(library, &[("boolean", module)], text).given(|random, _| {
         let mut p = random.point();

@@ -28,10 +28,10 @@ crate::rows! {
         "clip/plane.glsl": "1.5 * step_size" => "0.5 * step_size";
     m64_nothing_is_clipped_without_a_plane = unclipped,
         "clip/none.glsl": "vec2(0.0, 1.0)" => "vec2(0.0, 0.5)";
-    p38_every_sample_is_taken = |l| advances(l, "fixed"),
-        "traverse/fixed.glsl": "1.0" => "2.0";
-    m61_p50_rays_leap_by_whole_steps = |l| advances(l, "leap"),
-        "traverse/leap.glsl": "floor(clearance" => "ceil(clearance";
+    p38_every_sample_is_taken = |l| advances(l, "sample"),
+        "empty_space/sample.glsl": "1.0" => "2.0";
+    m61_p50_rays_leap_by_whole_steps = |l| advances(l, "skip"),
+        "empty_space/skip.glsl": "floor(distance_bound" => "ceil(distance_bound";
     p48_a_hash_of_the_pixel_is_the_phase_of_its_steps = jittered,
         "jitter/hash.glsl": "- 0.5" => "- 0.25",
         "shift_sample.glsl": "-sample_phase()" => "sample_phase()";
@@ -43,8 +43,8 @@ crate::rows! {
     p48_without_jitter_samples_stay = still,
         "jitter/none.glsl": "return 0.0" => "return 0.5";
     p37_a_ray_enters_and_leaves_the_box_and_the_ball = crossings,
-        "crossing.glsl": "box_min.xyz - segment_reach" => "box_min.xyz + segment_reach",
-        "crossing.glsl": "nearest + half_chord" => "nearest - half_chord";
+        "box_intersection.glsl": "box_min.xyz - segment_reach" => "box_min.xyz + segment_reach",
+        "box_intersection.glsl": "nearest + half_chord" => "nearest - half_chord";
     g11_a_slice_is_cut_to_the_box = polygons,
         "proxy/polygons.glsl": "edge[c] * (past / rise[c])" => "edge[b] * (past / rise[c])",
         "proxy/polygons.glsl": "box_max.xyz + box_margin" => "box_max.xyz";
@@ -116,21 +116,21 @@ fn unclipped(library: &Library) -> f64 {
     Check::new(library, &[], text).holds(1e-12, |at| [[0.0, 0.0, 1.0, 0.0].as_slice(), &at.p[2][..3]].concat())
 }
 
-/// The largest number of whole steps that does not exceed the clearance, and at least one.
+/// The largest number of whole steps that does not exceed the distance_bound, and at least one.
 fn advances(library: &Library, module: &str) -> f64 {
-    let text = "#include \"clearance.glsl\"\n#include <traverse>
-        void check() { clearance = p0.x; out0.x = advance(p0.y); }";
-    let check = Check::new(library, &[("traverse", module)], text)
+    let text = "#include \"distance_bound.glsl\"\n#include <empty_space>
+        void check() { distance_bound = p0.x; out0.x = advance(p0.y); }";
+    let check = Check::new(library, &[("empty_space", module)], text)
         .given(|random, _| [[random.coordinate(), random.within(0.004, 0.2), 0.0, 0.0]; 4]);
     check.worst(|at, found| {
-        let [clearance, step, ..] = at.p[0];
+        let [distance_bound, step, ..] = at.p[0];
         let steps = found[0];
         let right = match module {
-            "leap" => {
+            "skip" => {
                 steps.fract() == 0.0
                     && steps >= 1.0
-                    && (steps == 1.0 || steps * step <= clearance)
-                    && (steps + 1.0) * step > clearance
+                    && (steps == 1.0 || steps * step <= distance_bound)
+                    && (steps + 1.0) * step > distance_bound
             }
             _ => steps == 1.0,
         };
@@ -196,8 +196,8 @@ fn still(library: &Library) -> f64 {
 
 /// Where on a ray all six half spaces, and the ball, hold it.
 fn crossings(library: &Library) -> f64 {
-    let text = "#include \"crossing.glsl\"
-        void check() { out0.xy = crossing(p0.xyz, p1.xyz); out0.zw = ball_crossing(p0.xyz, p1.xyz); }";
+    let text = "#include \"box_intersection.glsl\"
+        void check() { out0.xy = intersect_box(p0.xyz, p1.xyz); out0.zw = ball_crossing(p0.xyz, p1.xyz); }";
     let check = Check::new(library, &[], text).with("soft_radius", &[1.5]).given(|random, _| {
         let mut p = random.point();
         p[0] = random.in_cube(2.0).extend(0.0).to_array();

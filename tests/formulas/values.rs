@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DMat4, DQuat, DVec3};
 use hypertexture::exact::{Texture, Wrap};
-use hypertexture::glsl::{Default, Knob};
+use hypertexture::glsl::{Default, Parameter};
 use hypertexture::noise::{Noise, Weights};
 use hypertexture::random::SplitMix;
 use hypertexture::texture::table_rows;
@@ -101,15 +101,15 @@ impl Random {
 #[derive(Clone)]
 pub struct Setting {
     index: u64,
-    knobs: Vec<Knob>,
+    parameters: Vec<Parameter>,
     fixed: BTreeMap<String, Vec<f64>>,
     /// Whether noise and turbulence repeat, each setting after another number of cells.
     pub repeats: bool,
 }
 
 impl Setting {
-    pub fn new(knobs: Vec<Knob>) -> Setting {
-        Setting { index: 0, knobs, fixed: BTreeMap::new(), repeats: false }
+    pub fn new(parameters: Vec<Parameter>) -> Setting {
+        Setting { index: 0, parameters, fixed: BTreeMap::new(), repeats: false }
     }
 
     pub fn numbered(self, index: u64) -> Setting {
@@ -143,10 +143,11 @@ impl Setting {
             return (0..count).map(|at| value.get(at).copied().unwrap_or_default() as f32).collect();
         }
         let mut random = Random::new(self.index, name);
-        let knob = self.knobs.iter().find(|knob| knob.name == name).map(|knob| &knob.default);
-        let values = match (knob, count) {
-            (Some(Default::Number(_, [low, high])), _) => vec![random.ranged(f64::from(*low), f64::from(*high))],
-            (Some(Default::Color(_)), _) => vec![random.unit(), random.unit(), random.unit(), 1.0],
+        let parameter =
+            self.parameters.iter().find(|parameter| parameter.name == name).map(|parameter| &parameter.kind);
+        let values = match (parameter, count) {
+            (Some(ParameterKind::Number(_, [low, high])), _) => vec![random.ranged(f64::from(*low), f64::from(*high))],
+            (Some(ParameterKind::Color(_)), _) => vec![random.unit(), random.unit(), random.unit(), 1.0],
             (None, 16) => self.of_matrix(name).to_cols_array().to_vec(),
             (None, 4) => self.of_vector(name, &mut random),
             (None, _) if ENDLESS.contains(&name) && !self.repeats => vec![2f64.powi(20)],
@@ -197,7 +198,7 @@ impl Setting {
 /// Cells after which noise and turbulence repeat.
 const ENDLESS: [&str; 2] = ["noise_period", "turbulence_period"];
 
-/// A number that is no knob.
+/// A number that is no parameter.
 fn of_number(name: &str, random: &mut Random) -> f64 {
     let (low, high) = match name {
         "iso_value" | "iso_value_b" => (-0.3, 0.1),

@@ -11,7 +11,7 @@ vec4 color = vec4(1.0);
 #include <projection>
 #include <clip>
 #include <classify>
-#include <traverse>
+#include <empty_space>
 #include <index>
 #include <absorption>
 #include <environment>
@@ -21,7 +21,7 @@ struct Ray {
     Index medium;
 };
 vec3 object_space(vec3 at) { return mat3(texture_matrix) * at; }
-#include <course>
+#include <ray_path>
 
 void main() {
     vec3 x = 0.75 * point().xyz;

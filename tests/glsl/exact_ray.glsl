@@ -13,8 +13,8 @@ mat3 ray_basis;
 #include <jitter>
 #include <clip>
 #include <classify>
-#include <traverse>
-#include "crossing.glsl"
+#include <empty_space>
+#include "box_intersection.glsl"
 
 void main() {
     vec3 x = 0.75 * point().xyz;
@@ -23,5 +23,5 @@ void main() {
     vec4 matter = classify(x, 0.015625);
     vec3 far = ray_at(x.xy, 3.0 + x.z);
     vec3 kept = clipped(x) ? vec3(0.0) : vec3(1.0, sample_phase(), 0.0);
-    fragment = vec4(kept.x + kept.y, advance(0.25), path_scale() + far.y, 0.125 * crossing(vec3(x.xy, 3.0), vec3(0.1, x.z, -1.0)).x + matter.a);
+    fragment = vec4(kept.x + kept.y, advance(0.25), path_scale() + far.y, 0.125 * intersect_box(vec3(x.xy, 3.0), vec3(0.1, x.z, -1.0)).x + matter.a);
 }

@@ -1,8 +1,8 @@
 // Noise and turbulence over a plane, and their derivatives along x.
 // Source: MJ 4.1.
-// Result: 0.5 + 0.5 noise, half the turbulence, 0.5 + 0.1 of the derivative along x that a knob chooses.
-// @knob along = 0 in [0, 2]: 0 none, 1 that of the noise, 2 that of the turbulence.
-// @knob shift = 0 in [-1000000000, 1000000000]: Cells by which the plane is moved along x.
+// Result: 0.5 + 0.5 noise, half the turbulence, 0.5 + 0.1 of the derivative along x that a parameter chooses.
+// @param along = 0 in [0, 2]: 0 none, 1 that of the noise, 2 that of the turbulence.
+// @param shift = 0 in [-1000000000, 1000000000]: Cells by which the plane is moved along x.
 #include <noise>
 #include <turbulence>
 vec3 surface(Sample s) {

@@ -9,7 +9,7 @@ use egui::{Event, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use hypertexture::glsl;
-use hypertexture::scene::{self, Color, KnobValue, Pass, Scene, preset};
+use hypertexture::scene::{self, Color, ParameterValue, Pass, Scene, preset};
 use hypertexture::view::author::State;
 use hypertexture::view::model::Model;
 use hypertexture::view::panels::{Panels, Request, Status};
@@ -164,8 +164,12 @@ fn m53_every_slider_of_every_preset_sets_the_field_it_is_named_after() {
         let mut hand = Hand::open(preset(name).unwrap());
         let sliders = hand.names(Role::Slider);
         assert!(sliders.len() > 20, "{name}: {sliders:?}");
-        let knobs: Vec<String> =
-            hand.model().knobs(None).iter().map(|(knob, _)| format!("knobs.{}", knob.name)).collect();
+        let parameters: Vec<String> = hand
+            .model()
+            .parameters(None)
+            .iter()
+            .map(|(parameter, _)| format!("parameters.{}", parameter.name))
+            .collect();
         for slider in sliders.iter().filter(|slider| !slider.starts_with("max_error")) {
             let node = hand.0.get_by_label(slider);
             let node = node.accesskit_node();
@@ -186,9 +190,10 @@ fn m53_every_slider_of_every_preset_sets_the_field_it_is_named_after() {
                 hand.model().edit("about", |scene| scene.about.push('.'));
             }
         }
-        let is_there =
-            |knob: &String| sliders.contains(knob) || hand.0.query_by_label(&format!("{knob}.code")).is_some();
-        assert!(knobs.iter().all(is_there), "{name}: {knobs:?}");
+        let is_there = |parameter: &String| {
+            sliders.contains(parameter) || hand.0.query_by_label(&format!("{parameter}.code")).is_some()
+        };
+        assert!(parameters.iter().all(is_there), "{name}: {parameters:?}");
     }
 }
 
@@ -198,8 +203,8 @@ fn lists_switches_and_texts_set_their_fields() {
     hand.click("light.shadows");
     hand.set("quality.samples", 100.0);
     hand.choose("quality.pass", "march");
-    hand.choose("quality.rule", "segment");
-    hand.choose("quality.traverse", "fixed");
+    hand.choose("quality.integration", "segment");
+    hand.choose("quality.empty_space", "sample");
     hand.choose("quality.target", "float16");
     hand.choose("effect.turbulence", "procedural");
     hand.click("quality.jitter");
@@ -208,18 +213,21 @@ fn lists_switches_and_texts_set_their_fields() {
     hand.set("camera.clip.w", 0.25);
     hand.set("light.position.x", 2.5);
     hand.write("image.background.code", "#102030");
-    hand.write("knobs.tip_color.code", "#ff0000");
+    hand.write("parameters.tip_color.code", "#ff0000");
     hand.write("object.input", "torus");
     let scene = hand.scene();
-    assert_eq!((scene.quality.pass, scene.quality.rule), (Pass::March, scene::Rule::Segment));
-    assert_eq!((scene.quality.traverse, scene.quality.target), (scene::Traverse::Fixed, scene::TargetFormat::Float16));
+    assert_eq!((scene.quality.pass, scene.quality.integration), (Pass::March, scene::Integration::Segment));
+    assert_eq!(
+        (scene.quality.empty_space, scene.quality.target),
+        (scene::EmptySpace::Sample, scene::TargetFormat::Float16)
+    );
     assert_eq!((scene.effect.turbulence.as_str(), scene.object.input.as_str()), ("procedural", "torus"));
     assert_eq!((scene.quality.jitter, scene.light.position[0]), (true, 2.5));
     assert_ne!(scene.light.shadows, preset("fur").unwrap().light.shadows);
     assert_eq!((scene.image.background, scene.camera.clip), (Some(Color([16, 32, 48])), Some([0.0, 0.0, 1.0, 0.25])));
-    assert_eq!(scene.knobs["tip_color"], KnobValue::Color(Color([255, 0, 0])));
-    hand.click("knobs.tip_color.reset");
-    assert_ne!(hand.scene().knobs["tip_color"], KnobValue::Color(Color([255, 0, 0])));
+    assert_eq!(scene.parameters["tip_color"], ParameterValue::Color(Color([255, 0, 0])));
+    hand.click("parameters.tip_color.reset");
+    assert_ne!(hand.scene().parameters["tip_color"], ParameterValue::Color(Color([255, 0, 0])));
 }
 
 #[test]
@@ -235,14 +243,14 @@ fn what_changes_nothing_is_said_below_the_picture() {
 fn what_the_check_refuses_is_one_line_and_changes_nothing() {
     let mut hand = Hand::open(preset("fur").unwrap());
     let before = hand.scene();
-    hand.choose("effect.ray", "refracted");
+    hand.choose("effect.ray_path", "refracted");
     assert_eq!(hand.scene(), before);
     let message = hand.model().message().unwrap().to_string();
-    assert!(message.starts_with("effect.ray = \"refracted\": needs quality.pass"), "{message}");
+    assert!(message.starts_with("effect.ray_path = \"refracted\": needs quality.pass"), "{message}");
     assert!(hand.0.query_all_by_value(&message).next().is_some());
     hand.choose("quality.pass", "march");
-    hand.choose("effect.ray", "refracted");
-    assert_eq!(hand.scene().effect.ray, scene::Ray::Refracted);
+    hand.choose("effect.ray_path", "refracted");
+    assert_eq!(hand.scene().effect.ray_path, scene::RayPath::Refracted);
 }
 
 #[test]
@@ -257,9 +265,13 @@ fn s01_5_a_stack_grows_shrinks_changes_its_order_and_has_masks() {
     hand.choose("effect.dmf.1.mask", "height");
     hand.choose("effect.dmf.2", "fire");
     assert_eq!(hand.scene().effect.dmf, ["biased", "fur@height", "fire"]);
-    let knobs: Vec<String> = hand.model().knobs(None).iter().map(|(knob, _)| knob.name.clone()).collect();
-    assert!(knobs.iter().any(|name| name.starts_with("height_")), "{knobs:?}");
-    assert!(knobs.iter().all(|name| hand.0.query_by_label(&format!("knobs.{name}")).is_some()), "{knobs:?}");
+    let parameters: Vec<String> =
+        hand.model().parameters(None).iter().map(|(parameter, _)| parameter.name.clone()).collect();
+    assert!(parameters.iter().any(|name| name.starts_with("height_")), "{parameters:?}");
+    assert!(
+        parameters.iter().all(|name| hand.0.query_by_label(&format!("parameters.{name}")).is_some()),
+        "{parameters:?}"
+    );
     hand.click("effect.dmf.0.remove");
     hand.choose("effect.dmf.0.mask", "everywhere");
     hand.choose("effect.warp.add", "swirl");
@@ -275,11 +287,11 @@ fn s01_5_a_stack_grows_shrinks_changes_its_order_and_has_masks() {
 fn a_drag_is_one_step_back() {
     let mut hand = Hand::new(preset("fur").unwrap());
     let before = hand.scene();
-    let rect = hand.rect("knobs.fineness");
+    let rect = hand.rect("parameters.fineness");
     hand.drag(rect.left_center() + egui::vec2(20.0, 0.0), rect.left_center() + egui::vec2(80.0, 0.0));
     let after = hand.scene();
     assert_ne!(after, before);
-    assert_eq!(hand.model().undoes(), Some("knobs.fineness"));
+    assert_eq!(hand.model().undoes(), Some("parameters.fineness"));
     hand.click("undo");
     assert_eq!(hand.scene(), before);
     hand.click("redo");
@@ -322,19 +334,19 @@ fn objects_come_and_go_with_effects_of_their_own() {
     let mut hand = Hand::open(preset("solid").unwrap());
     hand.click("add object");
     assert_eq!(hand.scene().parts.len(), 1);
-    hand.set("parts.object1.place.scale", 0.75);
+    hand.set("parts.object1.transform.scale", 0.75);
     hand.write("parts.object1.object.input", "torus");
     hand.choose("parts.object1.effect.classify", "soft");
     hand.choose("parts.object1.effect.softness", "linear");
     hand.choose("parts.object1.effect.dmf.add", "noisy");
     hand.write("combine", "main - object1");
     hand.choose("boolean", "minmax");
-    let knob = hand.model().knobs(Some("object1")).iter().next().unwrap().0.name.clone();
-    let slider = format!("parts.object1.knobs.{knob}");
+    let parameter = hand.model().parameters(Some("object1")).iter().next().unwrap().0.name.clone();
+    let slider = format!("parts.object1.parameters.{parameter}");
     hand.set(&slider, hand.0.get_by_label(&slider).accesskit_node().max_numeric_value().unwrap());
     let scene = hand.scene();
     let part = &scene.parts["object1"];
-    assert_eq!((part.object.input.as_str(), part.place.scale, part.knobs.len()), ("torus", 0.75, 1));
+    assert_eq!((part.object.input.as_str(), part.transform.scale, part.parameters.len()), ("torus", 0.75, 1));
     assert_eq!((scene.combine.as_deref(), scene.boolean), (Some("main - object1"), scene::Boolean::Minmax));
     hand.picture("objects");
     hand.click("remove object");
@@ -349,7 +361,7 @@ fn presets_files_and_requests() {
     ["Presets", "File", "Accuracy", "Camera"].iter().for_each(|section| drop(hand.click(section)));
     hand.click("preset smoke");
     assert_eq!(hand.scene().effect, preset("smoke").unwrap().effect);
-    hand.write("knobs.vapor_color.code", "#808080");
+    hand.write("parameters.vapor_color.code", "#808080");
     hand.click("effect fur");
     let scene = hand.scene();
     assert_eq!((&scene.effect, scene.object.input.as_str()), (&preset("fur").unwrap().effect, "torus"));
@@ -377,7 +389,7 @@ fn presets_files_and_requests() {
 }
 
 #[test]
-fn m52_what_is_typed_is_compiled_and_declared_knobs_become_sliders() {
+fn m52_what_is_typed_is_compiled_and_declared_parameters_become_sliders() {
     let mut hand = Hand::new(preset("fur").unwrap());
     hand.click("author");
     let old = hand.0.state_mut().panels.author().text.clone();
@@ -394,12 +406,12 @@ fn m52_what_is_typed_is_compiled_and_declared_knobs_become_sliders() {
     let is_good = |panels: &mut Panels| *panels.author().state() == State::Good;
     hand.act("author.text", Action::Focus, None);
     hand.0.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Home);
-    hand.0.event(Event::Text("// @knob zest = 0.5 in [0, 2]: New.\n".into()));
+    hand.0.event(Event::Text("// @param zest = 0.5 in [0, 2]: New.\n".into()));
     hand.0.run_steps(2);
     wait(&mut hand, &|panels| *panels.author().state() != State::Good);
     wait(&mut hand, &is_good);
-    hand.set("knobs.zest", 1.5);
-    assert_eq!(hand.scene().knobs["zest"], KnobValue::Number(1.5));
+    hand.set("parameters.zest", 1.5);
+    assert_eq!(hand.scene().parameters["zest"], ParameterValue::Number(1.5));
     hand.act("author.text", Action::Focus, None);
     hand.0.event(Event::Text("float qq = tangled;\n".into()));
     hand.0.run_steps(2);
@@ -414,12 +426,12 @@ fn m52_what_is_typed_is_compiled_and_declared_knobs_become_sliders() {
     assert_eq!((path.as_str(), text.lines().nth(line - 1)), ("dmf/fur.glsl", Some("float qq = tangled;")));
     let shown = format!("{path}:{line}: {}", first.text);
     assert!(hand.0.query_all_by_value(&shown).next().is_some(), "{shown}");
-    assert!(hand.0.query_by_label("knobs.zest").is_some(), "the last good text stays");
+    assert!(hand.0.query_by_label("parameters.zest").is_some(), "the last good text stays");
     hand.picture("editor");
     hand.click("author.reset");
     wait(&mut hand, &|panels| faults(panels).is_empty() && panels.author().text == old);
     wait(&mut hand, &is_good);
-    assert!(hand.0.query_by_label("knobs.zest").is_none() && !hand.scene().knobs.contains_key("zest"));
+    assert!(hand.0.query_by_label("parameters.zest").is_none() && !hand.scene().parameters.contains_key("zest"));
 }
 
 #[test]

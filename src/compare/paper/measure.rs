@@ -10,10 +10,10 @@ use crate::compare::metrics::{Metrics, normal_angles};
 use crate::compare::timing::{Spread, interleave};
 use crate::compare::{BACKGROUND, BATCH_BYTES, Refer, Stage, Truths, run};
 use crate::random::SplitMix;
-use crate::scene::{KnobValue, Scene, TargetFormat};
+use crate::scene::{ParameterValue, Scene, TargetFormat};
 use crate::worker::Painter;
 
-/// k of Eq. 7, over the range of the knob.
+/// k of Eq. 7, over the range of the parameter.
 const BUMPS: [f32; 6] = [0.0, 0.8, 1.6, 3.2, 6.4, 20.0];
 
 /// Times everything that is planned, holds one picture of each row against its reference, and sweeps k of Eq. 7.
@@ -130,12 +130,12 @@ fn bumps(stage: Stage<'_>, plan: &Plan) -> Result<Vec<Bump>, String> {
     lit.quality.target = TargetFormat::Float32;
     let mut renderer = stage.painter();
     let mut draw = |scene: &Scene| renderer.render(scene).map_err(|error| error.to_string());
-    let mut flat = Scene { knobs: Default::default(), ..lit.clone() };
+    let mut flat = Scene { parameters: Default::default(), ..lit.clone() };
     flat.effect.surface = "normals".into();
     let flat = draw(&flat)?;
     let bump = |k: f32| {
         let mut scene = lit.clone();
-        scene.knobs.insert("bump_scale".into(), KnobValue::Number(k));
+        scene.parameters.insert("bump_scale".into(), ParameterValue::Number(k));
         let frame = draw(&scene)?;
         scene.effect.surface = "bump_normals".into();
         let angles = normal_angles(&draw(&scene)?.pixels, &flat.pixels).ok_or("the picture shows no surface")?;

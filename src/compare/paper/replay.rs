@@ -9,7 +9,7 @@ use super::numbers::{CARDS, EFFECTS};
 use super::{Cell, TABLE_3};
 use crate::gpu::{Format, Gpu};
 use crate::render::Frame;
-use crate::scene::{Pass, Proxy, Quality, Reject, Rule, Scene, TargetFormat};
+use crate::scene::{Integration, Pass, Proxy, Quality, Reject, Scene, TargetFormat};
 use serde::Serialize;
 
 /// Slices, unless asked otherwise: about one for each voxel of the volumes of 2005.
@@ -74,9 +74,9 @@ impl Sampling {
             TargetFormat::Float16 => Format::Rgba16Float,
             TargetFormat::Float32 => Format::Rgba32Float,
         };
-        let facts = gpu.facts();
-        let counts = if facts.sample_shading { gpu.sample_counts(format) } else { vec![1] };
-        Sampling::new(counts, facts.max_anisotropy)
+        let info = gpu.info();
+        let counts = if info.sample_shading { gpu.sample_counts(format) } else { vec![1] };
+        Sampling::new(counts, info.max_anisotropy)
     }
 
     /// Samples of a pixel and anisotropy in place of so many times: the most that the device has up to there.
@@ -190,7 +190,7 @@ pub const BLOCK_SHEET: usize = 3;
 pub fn paper_quality(quality: &Quality) -> Quality {
     Quality {
         pass: Pass::Slices,
-        rule: Rule::Point,
+        integration: Integration::Point,
         samples: SLICES,
         target: TargetFormat::Unorm8,
         proxy: Proxy::Quads,

@@ -104,7 +104,7 @@ fn one_digit(value: f64) -> f64 {
 
 const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
 
-/// The chart as an `svg` element for a page that defines `--ink`, `--muted`, `--rule` and `--paper`.
+/// The chart as an `svg` element for a page that defines `--ink`, `--muted`, `--integration` and `--paper`.
 pub fn svg(chart: &Chart) -> String {
     let [left, top, right, bottom] = AREA;
     let [width, height] = SIZE;
@@ -124,7 +124,10 @@ pub fn svg(chart: &Chart) -> String {
     };
     for (value, label) in x.ticks() {
         let px = x.place(value);
-        add(format!("<path d=\"M{px:.1} {top}V{bottom}\" stroke=\"var(--rule)\" stroke-width=\"{}\"/>", weight(label)));
+        add(format!(
+            "<path d=\"M{px:.1} {top}V{bottom}\" stroke=\"var(--integration)\" stroke-width=\"{}\"/>",
+            weight(label)
+        ));
         if label {
             let y = bottom + 20.0;
             add(format!(
@@ -135,7 +138,10 @@ pub fn svg(chart: &Chart) -> String {
     }
     for (value, label) in y.ticks() {
         let py = y.place(value);
-        add(format!("<path d=\"M{left} {py:.1}H{right}\" stroke=\"var(--rule)\" stroke-width=\"{}\"/>", weight(label)));
+        add(format!(
+            "<path d=\"M{left} {py:.1}H{right}\" stroke=\"var(--integration)\" stroke-width=\"{}\"/>",
+            weight(label)
+        ));
         if label {
             let (x, y) = (left - 8.0, py + 4.5);
             add(format!(
@@ -195,7 +201,7 @@ pub fn svg(chart: &Chart) -> String {
 
 /// The same as a file of its own.
 pub fn standalone(chart: &Chart) -> String {
-    let style = "<style>svg{--ink:#1c1e21;--muted:#5c6166;--rule:#e3e4e6;--paper:#fff;background:#fff}</style>";
+    let style = "<style>svg{--ink:#1c1e21;--muted:#5c6166;--integration:#e3e4e6;--paper:#fff;background:#fff}</style>";
     svg(chart).replacen(">\n", &format!(">\n{style}\n"), 1)
 }
 

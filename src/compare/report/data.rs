@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// The columns of [`candidates`].
-const COLUMNS: &str = "candidate,strategy,block,pass,rule,target,samples,octaves,rmse,own_rmse,relative_mse,max,p999,psnr_db,ssim,flip,\
+const COLUMNS: &str = "candidate,strategy,block,pass,integration,target,samples,octaves,rmse,own_rmse,relative_mse,max,p999,psnr_db,ssim,flip,\
     flip_p99,opacity_rmse,opacity_max,normal_mean_deg,normal_p99_deg,reference_rmse,blend_bound,gpu_ms,gpu_low_ms,\
     gpu_high_ms,gpu_min_ms,gpu_p95_ms,wall_ms,wall_low_ms,wall_high_ms,runs,unsteady,compile_ms,device_bytes,fragments,\
     efficiency,front";
@@ -30,7 +30,7 @@ pub fn candidates(report: &Report) -> String {
             candidate.strategy.clone(),
             block,
             pass_name(curve.pass).into(),
-            rule_name(curve.rule).into(),
+            rule_name(curve.integration).into(),
             target_name(curve.target).into(),
             candidate.samples().to_string(),
             candidate.octaves().map_or(String::new(), |[held, _]| held.to_string()),

@@ -39,15 +39,15 @@ const VARIABLES: [&str; 4] = ["LP_NUM_THREADS", "LP_NATIVE_VECTOR_WIDTH", "GALLI
 impl Environment {
     /// That of now; `load_after` is still open.
     pub fn of(gpu: &Gpu) -> Environment {
-        let facts = gpu.facts();
+        let info = gpu.info();
         let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
         let variable = |name: &str| Some((name.to_string(), std::env::var(name).ok()?));
         Environment {
             date: date(seconds),
             version: env!("CARGO_PKG_VERSION").into(),
-            device: facts.name.clone(),
-            driver: facts.driver.clone(),
-            vulkan: facts.api.clone(),
+            device: info.name.clone(),
+            driver: info.driver.clone(),
+            vulkan: info.api.clone(),
             processor: processor(),
             threads: std::thread::available_parallelism().map_or(1, |count| count.get()),
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),

@@ -7,7 +7,7 @@ use crate::compare::front::cheapest;
 use crate::compare::metrics::FLIP;
 use crate::compare::timing::Spread;
 use crate::compare::{BACKGROUND, Row};
-use crate::scene::{Pass, Rule};
+use crate::scene::{Integration, Pass};
 
 const PAGE: &str = include_str!("page.html");
 
@@ -115,7 +115,7 @@ fn answers(report: &Report) -> String {
             let slowest = rows.iter().filter(|other| other.metrics.rmse <= *bound).map(|other| other.gpu().median);
             let ratio = slowest.fold(0.0, f64::max) / row.gpu().median;
             format!(
-                "<p class=\"answer\">The cheapest way to an error of {bound} is <b>{}</b>: {} ms, {} times faster than the \
+                "<p class=\"answer\">The cheapest candidate within an error of {bound} is <b>{}</b>: {} ms, {} times faster than the \
                  slowest that gets there.</p>\n",
                 escape(&row.candidate.label()),
                 short(row.gpu().median),
@@ -206,9 +206,9 @@ fn orders(report: &Report) -> String {
                 (format!("{:.2} {doubt}", order.order), order.points.to_string(), floor)
             }
         };
-        let expected = match (curve.rule, curve.pass) {
-            (Rule::Segment, _) => "2 where the density is smooth",
-            (Rule::Point, Pass::March | Pass::Slices) => "1",
+        let expected = match (curve.integration, curve.pass) {
+            (Integration::Segment, _) => "2 where the density is smooth",
+            (Integration::Point, Pass::March | Pass::Slices) => "1",
         };
         format!(
             "<tr><td>{}<td class=\"n\">{}<td class=\"n\">{value}<td class=\"n\">{points}<td class=\"n\">{floor}<td>{expected}",
@@ -342,7 +342,7 @@ mod tests {
         let text = answers(&examples::report());
         // Segments of 16 samples have an error of 1/256, points of 16 one of 1/16, at the same time.
         assert!(
-            text.contains("cheapest way to an error of 0.001 is <b>encoded 64³, march, segment, 32 samples"),
+            text.contains("cheapest candidate within an error of 0.001 is <b>encoded 64³, march, segment, 32 samples"),
             "{text}"
         );
         assert!(text.contains("<td class=\"n\">0.01<td>encoded 64³, march, segment, 16 samples"), "{text}");

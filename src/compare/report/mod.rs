@@ -18,7 +18,7 @@ use super::paper::{Crop, Table};
 use super::{CompareError, Comparison, Failure, Stage};
 use crate::output::{OutputError, write_whole};
 use crate::render::Frame;
-use crate::scene::{Pass, Rule, Scene, to_text};
+use crate::scene::{Integration, Pass, Scene, to_text};
 use chart::{Chart, Line, Marker};
 use std::path::{Path, PathBuf};
 
@@ -107,7 +107,7 @@ fn chart(report: &Report) -> Chart {
     let rows = &report.comparison.rows;
     let mut groups: Vec<String> = Vec::new();
     let mut lines = Vec::new();
-    for (Curve { strategy, pass, rule, .. }, indices, _) in data::curves(report) {
+    for (Curve { strategy, pass, integration, .. }, indices, _) in data::curves(report) {
         let group = groups.iter().position(|name| *name == strategy).unwrap_or_else(|| {
             groups.push(strategy);
             groups.len() - 1
@@ -119,7 +119,7 @@ fn chart(report: &Report) -> Chart {
         lines.push(Line {
             group,
             marker: if pass == Pass::March { Marker::Circle } else { Marker::Square },
-            filled: rule == Rule::Segment,
+            filled: integration == Integration::Segment,
             faint: rows[indices[0]].candidate.aside,
             points: indices.iter().map(point).collect(),
         });

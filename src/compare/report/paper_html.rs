@@ -6,7 +6,7 @@ use crate::compare::BACKGROUND;
 use crate::compare::front::cheapest;
 use crate::compare::paper::conclusions::{Block, balance};
 use crate::compare::paper::{COLUMNS, Cell, TABLE_3, Table};
-use crate::scene::{Pass, Rule};
+use crate::scene::{Integration, Pass};
 use std::collections::BTreeMap;
 
 /// The paper's table beside ours, with the errors that it lacks.
@@ -101,7 +101,7 @@ pub fn blocks(report: &Report) -> String {
     let mut tried: BTreeMap<(u32, bool), Vec<Block>> = BTreeMap::new();
     for row in rows {
         let (curve, error) = (row.candidate.curve(), row.metrics.rmse);
-        let key = (row.candidate.samples(), curve.rule == Rule::Segment);
+        let key = (row.candidate.samples(), curve.integration == Integration::Segment);
         tried.entry(key).or_default().extend(curve.block.map(|side| Block { side, time: row.gpu(), error }));
     }
     let most = tried.values().rev().find(|blocks| blocks.len() > 1);

@@ -68,7 +68,7 @@ fn p55_asking_for_closest_points_changes_no_distance() {
     let (alone, report) = transform(&shape, &REQUEST, &|_| {}).unwrap();
     let (field, closest, with) = transform_with_closest(&shape, &REQUEST, &|_| {}).unwrap();
     assert!(report.buried && alone == field);
-    assert_eq!(Report { ms: 0.0, ..report }, Report { ms: 0.0, ..with });
+    assert_eq!(FieldReport { ms: 0.0, ..report }, FieldReport { ms: 0.0, ..with });
     let (_, farther) = worst(&field, &closest, REQUEST.band, |_| 0.0);
     assert!(farther <= 1e-3, "{farther}: the points are those of the surface that is left");
 }

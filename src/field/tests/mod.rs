@@ -6,13 +6,13 @@ mod exactness;
 mod input;
 mod scalar;
 
-use super::{DistanceField, Report, Request, transform};
+use super::{DistanceField, FieldReport, Request, transform};
 use crate::shape::{Mesh, Shape};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
 /// The field of a mesh: `resolution` samples, margin and band in world units.
-fn field_of(mesh: &Mesh, resolution: u32, margin: f32, band: f32) -> (DistanceField, Report) {
+fn field_of(mesh: &Mesh, resolution: u32, margin: f32, band: f32) -> (DistanceField, FieldReport) {
     transform(&Shape::Mesh(mesh.clone()), &Request { resolution, margin, band, iso: 0.0 }, &|_| {}).unwrap()
 }
 

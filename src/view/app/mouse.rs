@@ -41,7 +41,7 @@ impl App {
         }
         if response.drag_stopped() {
             self.glide = (self.inertia && self.last_turn.1 > 0.05).then_some(self.last_turn);
-            self.model.settle();
+            self.model.end_undo_group();
         }
         if pans
             && delta != Vec2::ZERO
@@ -85,7 +85,7 @@ impl App {
         let slower = speed * GLIDE.powf(passed);
         self.glide = (slower > 0.02).then_some((axis, slower));
         if self.glide.is_none() {
-            self.model.settle();
+            self.model.end_undo_group();
         }
     }
 }

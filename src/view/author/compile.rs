@@ -143,7 +143,7 @@ impl Fault {
     pub fn all(message: &str) -> Vec<Fault> {
         let lines = message.lines().map(str::trim).filter(|line| !line.is_empty());
         let found = lines.map(|line| {
-            // A second copy of a module is `dmf/fur.glsl#2`, one of a further object `stone:dmf/fur.glsl`.
+            // A second copy of a module is `dmf/fur.glsl#2`, one of an additional object `stone:dmf/fur.glsl`.
             let placed = || {
                 let (path, rest) = line.split_at(line.find(".glsl")? + ".glsl".len());
                 let (_, rest) = rest.split_once(':').filter(|(copy, _)| copy.is_empty() || copy.starts_with('#'))?;

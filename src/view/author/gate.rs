@@ -41,7 +41,7 @@ impl Gate {
     ///
     /// # Errors
     /// Why not; [`CompileError::Abandoned`] once `is_stale` says yes.
-    pub fn admit(&self, scene: &Scene, library: &Library, is_stale: &dyn Fn() -> bool) -> Result<(), CompileError> {
+    pub fn validate(&self, scene: &Scene, library: &Library, is_stale: &dyn Fn() -> bool) -> Result<(), CompileError> {
         if *library == self.shipped {
             return Ok(());
         }
@@ -58,7 +58,7 @@ impl Gate {
         }
         let device = held(&self.device).clone();
         let tried = compile(&self.program, &job, &Limits::default(), is_stale).and_then(|_| match &device {
-            Some(device) => rays::shoot(&self.program, device, scene, &job, is_stale),
+            Some(device) => rays::trial_render(&self.program, device, scene, &job, is_stale),
             None => Ok(()),
         });
         let verdict = match &tried {

@@ -34,7 +34,7 @@ const UNTRIED: &str = "untried ";
 /// A scene, and the modules that are not as shipped.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Take {
+struct TrialJob {
     scene: String,
     changed: Job,
 }
@@ -59,7 +59,7 @@ fn small(scene: &Scene) -> Scene {
 ///
 /// # Errors
 /// The rays take too long, or the driver does not survive them.
-pub(super) fn shoot(
+pub(super) fn trial_render(
     program: &Path,
     device: &str,
     scene: &Scene,
@@ -68,7 +68,7 @@ pub(super) fn shoot(
 ) -> Result<(), CompileError> {
     let run = |reason: String| CompileError::Run { path: program.into(), reason };
     let changed = Job { programs: Vec::new(), ..job.clone() };
-    let take = Take { scene: scene::to_text(&small(scene)), changed };
+    let job_text = TrialJob { scene: scene::to_text(&small(scene)), changed };
     let text = toml::to_string(&take).map_err(|error| run(error.to_string()))?;
     let limits = Limits { time: TIME, answer_bytes: 1 << 16, ..Limits::default() };
     let seconds = TIME.as_secs().to_string();
@@ -100,9 +100,9 @@ pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io
     let mut text = String::new();
     input.take(MAX_TAKE).read_to_string(&mut text)?;
     let invalid = |error: String| io::Error::new(io::ErrorKind::InvalidData, error);
-    let take: Take = toml::from_str(&text).map_err(|error| invalid(error.to_string()))?;
-    let scene = scene::parse(&take.scene, "scene").map_err(|error| invalid(error.to_string()))?;
-    let library = take.changed.library();
+    let job_text: TrialJob = toml::from_str(&text).map_err(|error| invalid(error.to_string()))?;
+    let scene = scene::parse(&job_text.scene, "scene").map_err(|error| invalid(error.to_string()))?;
+    let library = job_text.changed.library();
     let gpu = Gpu::new(&Options { validation: false, cache: None, ..options.clone() });
     let ready = gpu.map_err(|error| error.to_string()).and_then(|gpu| {
         let subject = Subject::load(&scene, &library, &|_| ()).map_err(|error| error.to_string())?;
@@ -127,7 +127,7 @@ pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io
 /// other programs may use it too.
 fn again(gpu: &Gpu, renderer: &mut Renderer<'_>, scene: &Scene, ms: f64) -> Result<f64, RenderError> {
     let taken = || child::processor_time(std::process::id());
-    let Some(before) = taken().filter(|_| ms > MOST_MS && gpu.facts().cpu) else { return Ok(ms) };
+    let Some(before) = taken().filter(|_| ms > MOST_MS && gpu.info().cpu) else { return Ok(ms) };
     renderer.render(scene)?;
     Ok(taken().map_or(ms, |after| ms.min(1e3 * (after - before).as_secs_f64())))
 }

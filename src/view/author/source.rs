@@ -196,7 +196,7 @@ impl Author {
         let library = model.library().clone();
         let what = format!("use {slot}/{name}");
         let good = model.edit(&what, |scene| trial::use_module(scene, &library, &slot, &name));
-        model.settle();
+        model.end_undo_group();
         good
     }
 
@@ -303,8 +303,8 @@ fn renamed(text: &str, from: &str, to: &str) -> String {
 
 /// Time and length of a file.
 fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
-    let facts = fs::metadata(path).ok()?;
-    Some((facts.modified().ok()?, facts.len()))
+    let info = fs::metadata(path).ok()?;
+    Some((info.modified().ok()?, info.len()))
 }
 
 fn read(path: &Path) -> Result<String, String> {
@@ -335,7 +335,7 @@ impl Worker {
                 if is_stale() {
                     continue;
                 }
-                let answer = own.admit(&scene, &library, &is_stale);
+                let answer = own.validate(&scene, &library, &is_stale);
                 if outbox.send((number, answer)).is_err() {
                     return;
                 }

@@ -59,7 +59,7 @@ pub(in crate::view) fn reaches(variant: &Variant, library: &Library, path: &str)
 }
 
 /// Puts a module into its slot: last in a stack, in place of the other elsewhere; a mask goes onto the last DMF. A copy of
-/// a module of the stack takes its place: both would have knobs and functions of the same names.
+/// a module of the stack takes its place: both would have parameters and functions of the same names.
 pub(super) fn use_module(scene: &mut Scene, library: &Library, slot: &str, name: &str) {
     let effect = &mut scene.effect;
     let stacked = |stack: &mut Vec<String>| {
@@ -88,11 +88,11 @@ pub(super) fn use_module(scene: &mut Scene, library: &Library, slot: &str, name:
     }
 }
 
-/// Names of the knobs and functions that a text declares.
+/// Names of the parameters and functions that a text declares.
 fn declared(text: &str) -> BTreeSet<&str> {
     let name = |line| -> Option<&str> {
-        if let Some(knob) = ["// @knob ", "// @color "].iter().find_map(|word| str::strip_prefix(line, word)) {
-            return knob.split([' ', '=']).next();
+        if let Some(parameter) = ["// @param ", "// @color "].iter().find_map(|word| str::strip_prefix(line, word)) {
+            return parameter.split([' ', '=']).next();
         }
         let (head, _) = line.split_once('(').filter(|(head, _)| head.starts_with(|c: char| c.is_ascii_alphabetic()))?;
         let (_, name) = head.trim_end().split_once(' ')?;

@@ -8,7 +8,7 @@ use crate::scene::{self, Scene, parse_value};
 use std::path::Path;
 use toml::Value;
 
-/// What goes before the other options, since it decides which knobs are kept: the slots of `--module`.
+/// What goes before the other options, since it decides which parameters are kept: the slots of `--module`.
 const MODULES: [&str; 15] = [
     "classify",
     "softness",
@@ -35,9 +35,9 @@ const PLAIN: [(&str, &str); 20] = [
     ("object.source", "--source"),
     ("effect.gradient", "--gradient"),
     ("quality.pass", "--pass"),
-    ("quality.traverse", "--traverse"),
+    ("quality.empty_space", "--empty-space"),
     ("quality.samples", "--samples"),
-    ("quality.rule", "--rule"),
+    ("quality.integration", "--integration"),
     ("quality.seed", "--seed"),
     ("quality.supersampling", "--supersampling"),
     ("quality.target", "--target"),
@@ -83,7 +83,7 @@ fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
     let changed = difference(&before, &after);
     let slots = changed.iter().filter_map(|(name, value)| Some((module_slot(name)?, value.as_ref()?)));
     let slots: Vec<_> = slots.collect();
-    // `--module` checks the scene before, and drops the knobs of modules that are gone.
+    // `--module` checks the scene before, and drops the parameters of modules that are gone.
     let mut exchanged = base.clone();
     let object = &mut exchanged.object;
     (object.iso, object.up, object.source) = (scene.object.iso, scene.object.up, scene.object.source);
@@ -110,10 +110,10 @@ fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
                 break;
             }
         }
-        if !modules.is_empty() && exchanged.drop_foreign_knobs(library).is_ok() {
+        if !modules.is_empty() && exchanged.drop_foreign_parameters(library).is_ok() {
             words.append(&mut modules);
             base.effect = exchanged.effect;
-            base.knobs = exchanged.knobs;
+            base.parameters = exchanged.parameters;
         }
     }
     for part in scene.parts.keys().filter(|name| !base.parts.contains_key(*name)).cloned().collect::<Vec<_>>() {
@@ -178,9 +178,9 @@ fn option(name: &str, value: Option<&Value>, scene: &Scene) -> Vec<String> {
         ("camera.clip", _, Some(Value::Array(numbers))) => valued("--clip", &list(numbers)),
         ("image.size", ..) => valued("--size", &format!("{}x{}", scene.image.size[0], scene.image.size[1])),
         ("image.background", ..) => valued("--background", &value.map_or("none".into(), text)),
-        _ => match (name.strip_prefix("knobs."), name.split_once(".knobs."), value) {
-            (Some(knob), _, Some(_)) => set(knob),
-            (None, Some((part, knob)), Some(_)) => set(&format!("{part}.{knob}")),
+        _ => match (name.strip_prefix("parameters."), name.split_once(".parameters."), value) {
+            (Some(parameter), _, Some(_)) => set(parameter),
+            (None, Some((part, parameter)), Some(_)) => set(&format!("{part}.{parameter}")),
             _ => set(name),
         },
     }

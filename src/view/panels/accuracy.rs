@@ -2,7 +2,7 @@
 
 use super::widgets::{button, choice, field, number, switch};
 use super::{Pass as Controls, Request};
-use crate::scene::{Order, Pass, Phases, Proxy, Reject, Rule, TargetFormat, Traverse};
+use crate::scene::{EmptySpace, Integration, Order, Pass, Phases, Proxy, Reject, TargetFormat};
 use egui::Ui;
 
 /// The largest error that is asked for at first: one step of 8 bits.
@@ -13,7 +13,7 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
     ui.horizontal(|ui| {
         let asked = controls.status.max_error;
         let mut on = asked.is_some();
-        let doc = "Draw in the cheapest way whose root mean square error is at most this.";
+        let doc = "Draw with the fastest settings whose root mean square error is at most this.";
         let response = ui.checkbox(&mut on, "largest error").on_hover_text(doc);
         if super::widgets::named(ui, &response, "max_error.on").changed() {
             controls.requests.push(Request::MaxError(on.then_some(FIRST_ERROR)));
@@ -29,7 +29,7 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
     let touch = &mut controls.touch;
     let quality = &mut controls.draft.quality;
     let passes = [
-        (Pass::Slices, "slices", "Slices that face the eye, blended.".into()),
+        (Pass::Slices, "slices", "View-aligned slices, blended.".into()),
         (Pass::March, "march", "Rays through the pixels, sampled where the slices would be.".into()),
     ];
     choice(ui, touch, &field("quality.pass", "How the samples are taken."), &mut quality.pass, &passes);
@@ -43,28 +43,38 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
             }
         }
     });
-    let rules = [
+    let integrations = [
         (
-            Rule::Point,
+            Integration::Point,
             "point",
             "A sample stands for itself, hard surfaces are located: first order in soft matter.".into(),
         ),
-        (Rule::Segment, "segment", "It stands for half a step to either side: second order.".into()),
-    ];
-    choice(ui, touch, &field("quality.rule", "What a sample stands for."), &mut quality.rule, &rules);
-    let traverses = [
-        (Traverse::Leap, "leap", "Those that the distance does not show to be empty: the same picture, sooner.".into()),
-        (Traverse::Fixed, "fixed", "All of them.".into()),
+        (Integration::Segment, "segment", "It stands for half a step to either side: second order.".into()),
     ];
     choice(
         ui,
         touch,
-        &field("quality.traverse", "Which samples of a ray are taken."),
-        &mut quality.traverse,
-        &traverses,
+        &field("quality.integration", "What a sample stands for."),
+        &mut quality.integration,
+        &integrations,
+    );
+    let kinds = [
+        (
+            EmptySpace::Skip,
+            "skip",
+            "Those that the distance does not show to be empty: the same picture, sooner.".into(),
+        ),
+        (EmptySpace::Sample, "sample", "All of them.".into()),
+    ];
+    choice(
+        ui,
+        touch,
+        &field("quality.empty_space", "Which samples of a ray are taken."),
+        &mut quality.empty_space,
+        &kinds,
     );
     let doc = "A ray ends where less light than this would still come through: the largest error of a pixel.";
-    number(ui, touch, &field("quality.stop", doc), &mut quality.stop, 0.0..=0.5);
+    number(ui, touch, &field("quality.early_termination", doc), &mut quality.early_termination, 0.0..=0.5);
     let targets = [
         (TargetFormat::Unorm8, "unorm8", "8 bits: the paper's; loses thin matter.".into()),
         (TargetFormat::Float16, "float16", "16-bit float.".into()),

@@ -3,7 +3,7 @@
 use super::widgets::{Field, Touch, choice, field, named, number};
 use super::{Pass, own, prefix};
 use crate::glsl::Library;
-use crate::scene::{Effect, Ray};
+use crate::scene::{Effect, RayPath};
 use egui::{Button, ComboBox, RichText, Ui};
 
 /// A slot with one module, and what it is for.
@@ -29,7 +29,7 @@ const SHARED: [Slot; 9] = [
     ("absorption", "What takes light from a ray that bends.", |effect| &mut effect.absorption),
     ("environment", "What a ray that bends meets behind the object.", |effect| &mut effect.environment),
 ];
-/// Modules of `classify` that a scene takes by its rule or its objects, never by name.
+/// Modules of `classify` that a scene takes by its integration or its objects, never by name.
 const NOT_CHOSEN: [&str; 4] = ["objects", "stack", "surface_segment", "soft_segment"];
 /// A stack longer than this is a slip of the hand: every module costs at every sample.
 const MAX_STACK: usize = 16;
@@ -71,10 +71,10 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     let doc = "Octaves of turbulence; an encoded block holds as many as it has texels for.";
     number(ui, touch, &field("effect.octaves", doc), &mut effect.octaves, 1..=10);
     let rays = [
-        (Ray::Straight, "straight", "Rays are straight lines.".into()),
-        (Ray::Refracted, "refracted", "Rays bend where the index of refraction changes; needs pass march.".into()),
+        (RayPath::Straight, "straight", "Rays are straight lines.".into()),
+        (RayPath::Refracted, "refracted", "Rays bend where the index of refraction changes; needs pass march.".into()),
     ];
-    choice(ui, touch, &field("effect.ray", "The course of a ray through the object."), &mut effect.ray, &rays);
+    choice(ui, touch, &field("effect.ray_path", "The path of a ray through the object."), &mut effect.ray_path, &rays);
 }
 
 /// The first line of a module: what it computes.

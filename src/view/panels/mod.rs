@@ -7,8 +7,8 @@
 mod accuracy;
 mod effect;
 mod figures;
-mod knobs;
 mod object;
+mod parameters;
 mod session;
 mod stage;
 mod transfer;
@@ -16,7 +16,7 @@ pub mod widgets;
 
 use super::author::{self, Author};
 use super::model::Model;
-use crate::scene::{Effect, KnobValue, Material, Object, Scene, Transfer};
+use crate::scene::{Effect, Material, Object, ParameterValue, Scene, Transfer};
 use egui::{CollapsingHeader, Panel, RichText, ScrollArea, Ui};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -74,7 +74,7 @@ pub enum Request {
 
 /// What the panels remember from frame to frame.
 pub struct Panels {
-    /// The further object that is being edited; none for the scene's own.
+    /// The additional object that is being edited; none for the scene's own.
     selected: Option<String>,
     /// The stop of the transfer map that is being edited.
     stop: usize,
@@ -110,7 +110,7 @@ struct Pass<'a> {
 struct Own<'a> {
     object: &'a mut Object,
     effect: &'a mut Effect,
-    knobs: &'a mut BTreeMap<String, KnobValue>,
+    parameters: &'a mut BTreeMap<String, ParameterValue>,
     material: &'a mut Material,
     transfer: &'a mut Transfer,
 }
@@ -175,7 +175,7 @@ impl Panels {
         acts.into_iter().for_each(|act| self.act(act, model));
         // A drag is one step of the history, and a pair of keys is two.
         if !ui.ctx().input(|input| input.pointer.any_down()) {
-            model.settle();
+            model.end_undo_group();
         }
         requests
     }
@@ -187,7 +187,7 @@ impl Panels {
         let part = self.selected.clone();
         let part = part.as_deref();
         section(ui, "Object", false, |ui| object::show(ui, pass, part));
-        section(ui, "Knobs", true, |ui| knobs::show(ui, pass, part));
+        section(ui, "Parameters", true, |ui| parameters::show(ui, pass, part));
         section(ui, "Effect", true, |ui| effect::show(ui, pass, part));
         section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.stop));
         section(ui, "Material", false, |ui| stage::material(ui, pass, part));
@@ -215,14 +215,14 @@ fn own<'a>(scene: &'a mut Scene, part: Option<&str>) -> Own<'a> {
         Some(part) => Own {
             object: &mut part.object,
             effect: &mut part.effect,
-            knobs: &mut part.knobs,
+            parameters: &mut part.parameters,
             material: &mut part.material,
             transfer: &mut part.transfer,
         },
         None => Own {
             object: &mut scene.object,
             effect: &mut scene.effect,
-            knobs: &mut scene.knobs,
+            parameters: &mut scene.parameters,
             material: &mut scene.material,
             transfer: &mut scene.transfer,
         },

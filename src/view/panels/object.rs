@@ -39,13 +39,13 @@ pub(super) fn list(ui: &mut Ui, pass: &mut Pass<'_>, selected: &mut Option<Strin
     ];
     choice(ui, &mut pass.touch, &boolean, &mut pass.draft.boolean, &options);
     if let Some((name, part)) = selected.as_ref().and_then(|name| Some((name, pass.draft.parts.get_mut(name)?))) {
-        let at = |name: &str, of: &str| format!("parts.{name}.place.{of}");
-        let place = &mut part.place;
+        let at = |name: &str, of: &str| format!("parts.{name}.transform.{of}");
+        let transform = &mut part.transform;
         let doc = "Position of its center in object space of the scene.";
-        numbers(ui, &mut pass.touch, &field(at(name, "at"), doc), &mut place.at, 0.01);
-        numbers(ui, &mut pass.touch, &field(at(name, "turn"), "Degrees about x, y and z."), &mut place.turn, 1.0);
+        numbers(ui, &mut pass.touch, &field(at(name, "at"), doc), &mut transform.at, 0.01);
+        numbers(ui, &mut pass.touch, &field(at(name, "turn"), "Degrees about x, y and z."), &mut transform.turn, 1.0);
         let doc = "Its size against that of the scene's own object.";
-        number(ui, &mut pass.touch, &field(at(name, "scale"), doc), &mut place.scale, 0.01..=4.0);
+        number(ui, &mut pass.touch, &field(at(name, "scale"), doc), &mut transform.scale, 0.01..=4.0);
     }
 }
 
@@ -84,7 +84,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     switch(ui, touch, &field(at("distance"), doc), &mut object.distance);
     let doc = "Signed distance at which the object starts, object units: its longest side is 2.";
     number(ui, touch, &field(at("inner_iso"), doc), &mut object.inner_iso, -2.0..=2.0);
-    let doc = "Signed distance at which the soft region starts; the effect's own knob goes before it.";
+    let doc = "Signed distance at which the soft region starts; the effect's own parameter goes before it.";
     number(ui, touch, &field(at("outer_iso"), doc), &mut object.outer_iso, -2.0..=2.0);
     let sources = [
         (Source::Auto, "auto", "A formula where the object has one, else a volume with normals if they are read."),

@@ -21,7 +21,7 @@ const MAX_STOPS: usize = 256;
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selected: &mut usize) {
     let at = |name: &str| format!("{}transfer.{name}", prefix(part));
     let read = reads_map(pass, part);
-    let refracts = pass.draft.effect.ray == crate::scene::Ray::Refracted;
+    let refracts = pass.draft.effect.ray_path == crate::scene::RayPath::Refracted;
     let touch = &mut pass.touch;
     let transfer = own(&mut pass.draft, part).transfer;
     if !read {

@@ -1,11 +1,11 @@
 //! What is done between two pictures.
 
-use super::studio::Studio;
+use super::render_thread::RenderThread;
 use super::{Event, Task, Variant};
 use crate::compare::Stage;
 use crate::glsl::Library;
 use crate::output::{self, Depth, Provenance};
-use crate::pick::{Bound, PickError, pick};
+use crate::pick::{ErrorBound, PickError, pick};
 use crate::render::{Frame, RenderError, Renderer};
 use crate::scene::Scene;
 use crate::sequence::{Frames, Sequence, frame_path};
@@ -19,7 +19,7 @@ const FPS: f64 = 25.0;
 /// Thrown through a search that nobody waits for any more.
 struct Stopped;
 
-impl Studio {
+impl RenderThread {
     pub(super) fn work(&self, task: Task) -> Result<(), RenderError> {
         let (Task::Shot { library, variant, .. }
         | Task::Turntable { library, variant, .. }
@@ -68,7 +68,7 @@ impl Studio {
         if !edited.is_empty() {
             modules += &format!("; edited in the window: {}", edited.join(", "));
         }
-        let written = Provenance::of(scene, &self.gpu.facts().title(), &modules)
+        let written = Provenance::of(scene, &self.gpu.info().title(), &modules)
             .map_err(|error| error.to_string())
             .and_then(|provenance| {
                 let background = scene.image.background;
@@ -77,7 +77,7 @@ impl Studio {
         written.map_err(|reason| (self.tell)(Event::Failed(reason))).is_ok()
     }
 
-    fn pick(&self, library: &Library, variant: &Variant, bound: Bound) -> Result<(), RenderError> {
+    fn pick(&self, library: &Library, variant: &Variant, bound: ErrorBound) -> Result<(), RenderError> {
         let Variant { scene, subject } = variant;
         let (tell, shared) = (&self.tell, &self.shared);
         let progress = |done: f32| {

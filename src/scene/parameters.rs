@@ -1,15 +1,15 @@
-//! The knobs of a scene: what its modules declare, and what the scene says.
+//! The parameters of a scene: what its modules declare, and what the scene says.
 
 use super::check::within;
-use super::{KnobValue, Scene, SceneError};
-use crate::glsl::declare::{Default, Knob};
+use super::{ParameterValue, Scene, SceneError};
+use crate::glsl::declare::{Parameter, ParameterKind};
 use crate::glsl::reach::{GIVEN, NOISE_BOUND};
 use crate::glsl::{Declarations, Reach, Sides};
 
 /// The declared parameters of a scene's modules with the values that the scene gives them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Knobs {
-    declared: Vec<(Knob, KnobValue)>,
+pub struct Parameters {
+    declared: Vec<(Parameter, ParameterValue)>,
     outer: Vec<String>,
     reach: Vec<Reach>,
     noise_bound: f32,
@@ -34,10 +34,10 @@ const MOST_GROWTH: f32 = 2.25;
 /// But not within this many radii, so that the object itself is what the formula says.
 const LEAST_HOLD: f32 = 1.1547005;
 
-impl Knobs {
-    /// Every knob with its value, in the order of the modules.
-    pub fn iter(&self) -> impl Iterator<Item = (&Knob, &KnobValue)> {
-        self.declared.iter().map(|(knob, value)| (knob, value))
+impl Parameters {
+    /// Every parameter with its value, in the order of the modules.
+    pub fn iter(&self) -> impl Iterator<Item = (&Parameter, &ParameterValue)> {
+        self.declared.iter().map(|(parameter, value)| (parameter, value))
     }
 
     /// Signed distance at which the soft region starts, if a module says so: of several, that of the widest; object units.
@@ -69,46 +69,46 @@ impl Knobs {
     }
 
     fn number(&self, name: &str) -> f32 {
-        let found = self.declared.iter().find(|(knob, _)| knob.name == name);
+        let found = self.declared.iter().find(|(parameter, _)| parameter.name == name);
         match found.map(|(_, value)| value) {
-            Some(KnobValue::Number(value)) => *value,
+            Some(ParameterValue::Number(value)) => *value,
             _ => 0.0,
         }
     }
 }
 
 impl Scene {
-    pub(super) fn knobs(&self, declarations: &Declarations) -> Result<Knobs, SceneError> {
-        let known: Vec<&str> = declarations.knobs.iter().map(|knob| knob.name.as_str()).collect();
-        if let Some(name) = self.knobs.keys().find(|name| !known.contains(&name.as_str())) {
-            return Err(SceneError::unknown("knob", name, &known));
+    pub(super) fn parameters(&self, declarations: &Declarations) -> Result<Parameters, SceneError> {
+        let known: Vec<&str> = declarations.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+        if let Some(name) = self.parameters.keys().find(|name| !known.contains(&name.as_str())) {
+            return Err(SceneError::unknown("parameter", name, &known));
         }
         let mut declared = Vec::new();
-        for knob in &declarations.knobs {
-            let value = match (knob.default, self.knobs.get(&knob.name)) {
-                (Default::Number(default, _), None) => KnobValue::Number(default),
-                (Default::Color(default), None) => KnobValue::Color(super::Color(default)),
-                (Default::Number(_, [low, high]), Some(KnobValue::Number(value))) => {
-                    within(&format!("knobs.{}", knob.name), *value, low, high)?;
-                    KnobValue::Number(*value)
+        for parameter in &declarations.parameters {
+            let value = match (parameter.kind, self.parameters.get(&parameter.name)) {
+                (ParameterKind::Number(default, _), None) => ParameterValue::Number(default),
+                (ParameterKind::Color(default), None) => ParameterValue::Color(super::Color(default)),
+                (ParameterKind::Number(_, [low, high]), Some(ParameterValue::Number(value))) => {
+                    within(&format!("parameters.{}", parameter.name), *value, low, high)?;
+                    ParameterValue::Number(*value)
                 }
-                (Default::Color(_), Some(KnobValue::Color(color))) => KnobValue::Color(*color),
+                (ParameterKind::Color(_), Some(ParameterValue::Color(color))) => ParameterValue::Color(*color),
                 (default, Some(value)) => {
                     let limit = match default {
-                        Default::Number(_, [low, high]) => format!("must be a number from {low} to {high}"),
-                        Default::Color(_) => "must be a color, #rrggbb".into(),
+                        ParameterKind::Number(_, [low, high]) => format!("must be a number from {low} to {high}"),
+                        ParameterKind::Color(_) => "must be a color, #rrggbb".into(),
                     };
                     let value = match value {
-                        KnobValue::Number(value) => value.to_string(),
-                        KnobValue::Color(color) => String::from(*color),
+                        ParameterValue::Number(value) => value.to_string(),
+                        ParameterValue::Color(color) => String::from(*color),
                     };
-                    return Err(SceneError::Value { field: format!("knobs.{}", knob.name), value, limit });
+                    return Err(SceneError::Value { field: format!("parameters.{}", parameter.name), value, limit });
                 }
             };
-            declared.push((knob.clone(), value));
+            declared.push((parameter.clone(), value));
         }
         let noise_bound = declarations.noise_bound.unwrap_or(NOISE_BOUND);
         let (outer, reach) = (declarations.outer.clone(), declarations.reach.clone());
-        Ok(Knobs { declared, outer, reach, noise_bound })
+        Ok(Parameters { declared, outer, reach, noise_bound })
     }
 }

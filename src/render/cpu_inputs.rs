@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 pub(crate) type Blocks = BTreeMap<u32, Vec<u8>>;
 
 /// What a program reads, for every sub-frame of a picture.
-pub(crate) struct Frozen {
+pub(crate) struct CpuInputs {
     inputs: Inputs,
     moments: Vec<Values>,
     space: LightSpace,
@@ -22,14 +22,14 @@ pub(crate) struct Frozen {
     pub(crate) depths: [f64; 2],
 }
 
-impl Frozen {
+impl CpuInputs {
     /// What `program`, of the same scene as `variant`, reads.
     pub(crate) fn new(
         scene: &Scene,
         subject: &Subject,
         variant: &Variant,
         program: &Program,
-    ) -> Result<Frozen, RenderError> {
+    ) -> Result<CpuInputs, RenderError> {
         let view = View::of(scene, subject, variant);
         let planes = view.planes(scene.quality.samples);
         let space = LightSpace::of(scene, &view, &planes);
@@ -40,7 +40,7 @@ impl Frozen {
         let extent = view.extent;
         let near = (extent.distance - extent.radius).max(extent.near);
         let depths = [near, extent.distance + extent.radius].map(f64::from);
-        Ok(Frozen { inputs, moments, space, depths })
+        Ok(CpuInputs { inputs, moments, space, depths })
     }
 
     /// The images by binding, but for the shadow volume.

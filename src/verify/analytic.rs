@@ -12,8 +12,8 @@ const ABOVE_ROUNDING: f64 = 2e-6;
 
 /// A picture with a known answer in every pixel.
 #[derive(Clone, Copy)]
-pub struct Known {
-    /// What of the truth it shows, such as the rule of its samples; empty where it is the only one.
+pub struct AnalyticCase {
+    /// What of the truth it shows, such as the integration of its samples; empty where it is the only one.
     pub variant: &'static str,
     /// How its rays leave the eye.
     pub projection: Projection,
@@ -93,7 +93,7 @@ pub fn order(levels: &[Level]) -> Option<f64> {
     if above.len() < 2 { None } else { Some(above[0].order(above[above.len() - 1])) }
 }
 
-impl Known {
+impl AnalyticCase {
     /// Scene and subject, in a pass.
     pub fn in_pass(&self, pass: Pass) -> (Scene, Subject) {
         let (mut scene, subject) = (self.scene)();

@@ -8,7 +8,7 @@ use crate::scene::{Scene, nearest_preset};
 use crate::view::author::Gate;
 use crate::view::author::compile::CompileError;
 use crate::view::progressive::{FEWEST, Level, MOST, Mean, enlarge, number, reference, rms_difference};
-use crate::view::screen::develop;
+use crate::view::screen::encode_srgb;
 use crate::view::status::Stage;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -23,7 +23,7 @@ const SHOW_EVERY: Duration = Duration::from_millis(150);
 type Tell = Box<dyn Fn(Event) + Send + Sync>;
 
 /// Where pictures are made.
-pub(super) struct Studio {
+pub(super) struct RenderThread {
     pub(super) gpu: Gpu,
     gate: Arc<Gate>,
     pub(super) shared: Arc<Shared>,
@@ -37,7 +37,7 @@ pub(super) struct Studio {
 }
 
 /// What is kept of a scene that stands still.
-struct Still {
+struct Accumulation {
     scenes: Vec<Scene>,
     /// The coarse pictures, their size and level.
     coarse: Vec<Frame>,
@@ -50,11 +50,11 @@ struct Still {
     told: bool,
 }
 
-impl Still {
-    fn of(job: &Job, coarse: Vec<Frame>, level: Level) -> Still {
+impl Accumulation {
+    fn of(job: &Job, coarse: Vec<Frame>, level: Level) -> Accumulation {
         let gpu_ms = coarse.iter().map(device_ms).sum();
         let means = vec![Mean::default(); coarse.len()];
-        Still { scenes: scenes(job), coarse, level, own: None, means, gpu_ms, told: false }
+        Accumulation { scenes: scenes(job), coarse, level, own: None, means, gpu_ms, told: false }
     }
 }
 
@@ -74,10 +74,10 @@ fn device_ms(frame: &Frame) -> f64 {
     frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0)
 }
 
-impl Studio {
-    pub(super) fn new(gpu: Gpu, gate: Arc<Gate>, shared: Arc<Shared>, budget_ms: f64, tell: Tell) -> Studio {
-        let level = Level::first(gpu.facts().cpu);
-        Studio { gpu, gate, shared, tell, level, budget_ms, coarse_error: None, own_error: None }
+impl RenderThread {
+    pub(super) fn new(gpu: Gpu, gate: Arc<Gate>, shared: Arc<Shared>, budget_ms: f64, tell: Tell) -> RenderThread {
+        let level = Level::first(gpu.info().cpu);
+        RenderThread { gpu, gate, shared, tell, level, budget_ms, coarse_error: None, own_error: None }
     }
 
     pub(super) fn run(mut self) {
@@ -144,7 +144,12 @@ impl Studio {
         }
     }
 
-    fn picture(&mut self, job: &Job, pairs: &mut [Pair<'_>], still: &mut Option<Still>) -> Result<(), RenderError> {
+    fn picture(
+        &mut self,
+        job: &Job,
+        pairs: &mut [Pair<'_>],
+        still: &mut Option<Accumulation>,
+    ) -> Result<(), RenderError> {
         if still.as_ref().is_none_or(|still| still.scenes != scenes(job)) {
             *still = None;
             if !job.variants.iter().all(|variant| self.admits(&variant.scene, &job.library)) {
@@ -160,7 +165,7 @@ impl Studio {
 
     /// Whether the device may meet the programs of a scene; tells why not.
     pub(super) fn admits(&self, scene: &Scene, library: &Library) -> bool {
-        match self.gate.admit(scene, library, &|| self.shared.quits()) {
+        match self.gate.validate(scene, library, &|| self.shared.quits()) {
             Ok(()) => true,
             Err(CompileError::Abandoned) => false,
             Err(error) => {
@@ -172,7 +177,7 @@ impl Studio {
     }
 
     /// A picture in time for the next one.
-    fn coarse(&mut self, job: &Job, pairs: &mut [Pair<'_>]) -> Result<Still, RenderError> {
+    fn coarse(&mut self, job: &Job, pairs: &mut [Pair<'_>]) -> Result<Accumulation, RenderError> {
         let level = self.level;
         let mut frames = Vec::new();
         for (variant, pair) in job.variants.iter().zip(pairs) {
@@ -181,7 +186,7 @@ impl Studio {
             pair.row_ms = level.whole(device_ms(&frame)) / rows;
             frames.push(frame);
         }
-        let still = Still::of(job, frames, level);
+        let still = Accumulation::of(job, frames, level);
         self.level = level.next(still.gpu_ms, self.budget_ms);
         let frames: Vec<&[[f32; 4]]> = still.coarse.iter().map(|frame| frame.pixels.as_slice()).collect();
         let error = self.coarse_error.filter(|(_, of)| *of == level).map(|(error, _)| error);
@@ -191,7 +196,7 @@ impl Studio {
     }
 
     /// The scene's own picture, then means of more and more, until they are good enough or something else is to be done.
-    fn refine(&mut self, job: &Job, pairs: &mut [Pair<'_>], still: &mut Still) -> Result<(), RenderError> {
+    fn refine(&mut self, job: &Job, pairs: &mut [Pair<'_>], still: &mut Accumulation) -> Result<(), RenderError> {
         if still.own.is_none() && !self.own_pictures(job, pairs, still)? {
             return Ok(());
         }
@@ -231,14 +236,14 @@ impl Studio {
     /// Says what changes nothing in a picture that is finished: it takes a part of a second.
     fn tell_ignored(&self, job: &Job) {
         let (scene, subject) = (&job.variants[0].scene, &job.variants[0].subject);
-        // A module of one's own is compiled in a process of its own, and never for this.
+        // A custom module is compiled in a process of its own, and never for this.
         if scene.modules.is_empty() && *job.library == shipped() && !self.shared.is_stale(job.number) {
             (self.tell)(Event::Ignored(ignored(&job.library, subject, &nearest_preset(scene), scene)));
         }
     }
 
     /// The scene's own picture of each variant; whether they were finished.
-    fn own_pictures(&self, job: &Job, pairs: &mut [Pair<'_>], still: &mut Still) -> Result<bool, RenderError> {
+    fn own_pictures(&self, job: &Job, pairs: &mut [Pair<'_>], still: &mut Accumulation) -> Result<bool, RenderError> {
         let size = job.variants[0].scene.image.size;
         let mut all: Vec<Vec<[f32; 4]>> =
             still.coarse.iter().map(|frame| enlarge(&frame.pixels, frame.size, size)).collect();
@@ -303,7 +308,7 @@ impl Studio {
     }
 
     /// Holds the coarse picture and the scene's own against the mean.
-    fn judge(&mut self, still: &mut Still) {
+    fn judge(&mut self, still: &mut Accumulation) {
         let all = still.means.iter().zip(&still.coarse).zip(still.own.iter().flatten()).zip(&still.scenes);
         let mut worst = [0.0f64; 2];
         for (((mean, coarse), own), scene) in all {
@@ -316,7 +321,7 @@ impl Studio {
         self.own_error = Some(worst[1]);
     }
 
-    fn tell_mean(&self, job: &Job, still: &Still, done: bool) {
+    fn tell_mean(&self, job: &Job, still: &Accumulation, done: bool) {
         let count = still.means[0].count;
         let means: Vec<_> = still.means.iter().map(Mean::pixels).collect();
         let frames: Vec<&[[f32; 4]]> = means.iter().map(Vec::as_slice).collect();
@@ -335,7 +340,7 @@ impl Studio {
         (error, standard_error): (Option<f64>, Option<f64>),
     ) {
         let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
-        let (images, difference) = develop(frames, &backgrounds, size);
+        let (images, difference) = encode_srgb(frames, &backgrounds, size);
         let number = job.number;
         let picture = Picture { number, images, difference, size, samples, stage, gpu_ms, error, standard_error };
         (self.tell)(Event::Picture(picture));
@@ -349,7 +354,7 @@ fn whole(job: &Job) -> ([u32; 2], u32) {
 }
 
 /// Whether the means are good enough. Two doublings are the least that says something.
-fn is_converged(still: &Still, job: &Job) -> bool {
+fn is_converged(still: &Accumulation, job: &Job) -> bool {
     let good = |mean: &Mean| mean.count >= 2 * FEWEST && mean.error().is_some_and(|error| error <= job.max_error);
     still.means.iter().all(good)
 }

@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::glsl::Library;
-use crate::pick::{Bound, Metric, Pick};
+use crate::pick::{ErrorBound, Metric, Pick};
 use crate::scene::{self, Camera, Scene};
 use crate::view::keys::Action;
 use crate::view::panels::Request;
@@ -46,7 +46,7 @@ impl App {
 
     pub(super) fn request(&mut self, request: Request) {
         match request {
-            Request::Screenshot(path) => self.shoot(path),
+            Request::Screenshot(path) => self.screenshot(path),
             Request::ResetCamera => {
                 let time = self.model.scene().camera.time;
                 let home = Camera { time, ..self.model.home().clone() };
@@ -93,7 +93,7 @@ impl App {
 
     /// Shows a mesh, a scan or a scene file; a module is edited, and followed when another program writes it.
     pub(in crate::view) fn open(&mut self, path: &Path) {
-        self.loader.forgive();
+        self.loader.retry();
         if path.extension().is_some_and(|end| end == "glsl") {
             match self.panels.author().watch(self.model.library(), path) {
                 Ok(()) => self.panels.show_author(true),
@@ -105,7 +105,7 @@ impl App {
     }
 
     /// Writes the picture that `render` makes of what is shown.
-    pub(in crate::view) fn shoot(&mut self, path: PathBuf) {
+    pub(in crate::view) fn screenshot(&mut self, path: PathBuf) {
         let edited = self.model.edited();
         self.task(|library, variant| Task::Shot { library, variant, path, edited });
     }
@@ -117,7 +117,7 @@ impl App {
         self.task(|library, variant| Task::Turntable { library, variant, path, frames: TURN, edited });
     }
 
-    /// Looks for the cheapest way to draw the scene within the error that was asked for, once the hand lets go.
+    /// Looks for the fastest settings for the scene within the error that was asked for, once the hand lets go.
     pub(super) fn pick(&mut self, ui: &Ui, now: Instant) {
         let Some(error) = self.pick else { return };
         let rests = self.clock.is_some() || now.duration_since(self.changed) >= CALM;
@@ -127,7 +127,7 @@ impl App {
             return ui.ctx().request_repaint_after(CALM);
         }
         self.pick = None;
-        match Bound::new(Metric::Rmse, error) {
+        match ErrorBound::new(Metric::Rmse, error) {
             Ok(bound) => {
                 self.figures.picking = Some(0.0);
                 self.picked_for = Some(self.model.scene().clone());
@@ -149,11 +149,11 @@ impl App {
             scene.quality.clone_from(quality);
             scene.effect.clone_from(effect);
         });
-        self.model.settle();
+        self.model.end_undo_group();
         if good {
             let by = if pick.verified.is_some() { "the f64 reference" } else { "a finer picture" };
             let error = pick.verified.map_or(pick.error, |verified| verified.error);
-            self.say(format!("drawn with {}: error {error:.1e} by {by}", pick.way));
+            self.say(format!("drawn with {}: error {error:.1e} by {by}", pick.settings));
         }
     }
 

@@ -1,7 +1,7 @@
 // Depths at which a ray from `from` along `along`, per unit of depth, enters and leaves the box around the soft region.
 // Source: PH 3.1, after Kay and Kajiya 1986.
 // Object space. A ray in the plane of a face gives infinities or NaN, which min and max drop.
-vec2 crossing(vec3 from, vec3 along) {
+vec2 intersect_box(vec3 from, vec3 along) {
     vec3 safe = mix(along, vec3(1e-20), lessThan(abs(along), vec3(1e-20)));
     vec3 a = (box_min.xyz - segment_reach - from) / safe, b = (box_max.xyz + segment_reach - from) / safe;
     vec3 near = min(a, b), far = max(a, b);

@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use hypertexture::glsl::declare::hex_color;
 use hypertexture::output::{self, OutputError};
 use hypertexture::pick::Metric;
-use hypertexture::scene::{self, Color, KnobValue, Object, Scene, SceneError};
+use hypertexture::scene::{self, Color, Object, ParameterValue, Scene, SceneError};
 use std::error::Error;
 use std::path::Path;
 
@@ -47,9 +47,9 @@ impl ObjectArguments {
     }
 }
 
-/// A look that shows how a picture is made.
+/// A debug view: how a picture is made.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Debug {
+pub enum DebugView {
     /// Normals as colors (MJ Fig. 3a).
     Normals,
     /// Texture coordinates as colors (MJ Fig. 3b).
@@ -66,18 +66,18 @@ pub enum Debug {
 
 /// What a picture shows: each goes over the scene.
 #[derive(Args, Clone, Default)]
-pub struct Look {
+pub struct SceneArguments {
     /// The effect; `hypertexture effects` lists them.
     #[arg(long, value_name = "NAME")]
     pub effect: Option<String>,
-    /// A look that shows how the picture is made.
+    /// A debug view: how the picture is made.
     #[arg(long, value_enum)]
-    pub look: Option<Debug>,
-    /// A knob of the effect, or as parts.OBJECT.KNOB of a further object; or any field of a scene file, such as
+    pub debug_view: Option<DebugView>,
+    /// A parameter of the effect, or as parts.OBJECT.PARAMETER of an additional object; or any field of a scene file, such as
     /// light.color=#ffe0c0; may be given again.
-    #[arg(long = "set", value_name = "KNOB=VALUE")]
-    pub knobs: Vec<String>,
-    /// The density modulation functions, applied in this order: names, or GLSL files of one's own, such as fur+my_waves.glsl.
+    #[arg(long = "set", value_name = "PARAMETER=VALUE")]
+    pub parameters: Vec<String>,
+    /// The density modulation functions, applied in this order: names, or custom GLSL files, such as fur+my_waves.glsl.
     #[arg(long, value_name = "NAMES")]
     pub dmf: Option<String>,
     /// The module of a slot, such as noise=procedural or surface=my_marble.glsl; may be given again.
@@ -89,15 +89,15 @@ pub struct Look {
     /// How the samples are taken: slices, march.
     #[arg(long)]
     pub pass: Option<String>,
-    /// Which samples of a ray are taken: leap, fixed.
+    /// Where a ray meets no matter: skip, as far as the distance shows it, or sample all the same.
     #[arg(long)]
-    pub traverse: Option<String>,
+    pub empty_space: Option<String>,
     /// Slices through the object, or samples of a ray through it.
     #[arg(long)]
     pub samples: Option<u32>,
     /// What a sample stands for: point, segment (second order at surfaces and in opaque matter).
     #[arg(long)]
-    pub rule: Option<String>,
+    pub integration: Option<String>,
     /// The normal that soft matter is lit by: analytic, central, three.
     #[arg(long, value_name = "MODULE")]
     pub gradient: Option<String>,
@@ -170,8 +170,8 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     parsed.ok_or_else(|| "write width x height in pixels, such as 640x480".into())
 }
 
-impl Look {
-    /// The scene of an input: its file, that of a picture, the figure of that name, or the preset of the effect, with the
+impl SceneArguments {
+    /// The scene of an input: its file, that of a picture, the example scene of that name, or the preset of the effect, with the
     /// arguments over it.
     pub fn scene(&self, input: &str, object: &ObjectArguments) -> Result<Scene, Box<dyn Error>> {
         Ok(self.scene_and_base(input, object)?.0)
@@ -197,15 +197,15 @@ impl Look {
         let path = Path::new(input);
         let ends = |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|e| end.eq_ignore_ascii_case(e)));
         let (is_file, is_picture) = (ends(&["toml"]), ends(&["png", "exr"]));
-        let is_figure = !path.exists() && scene::names().any(|name| name == input);
+        let is_example = !path.exists() && scene::names().any(|name| name == input);
         let load = || -> Result<Scene, Box<dyn Error>> {
-            Ok(match (is_picture, is_figure) {
+            Ok(match (is_picture, is_example) {
                 (true, _) => scene_of_picture(path)?,
                 (_, true) => scene::preset(input)?,
                 _ => scene::load(path)?,
             })
         };
-        Ok(match (is_file || is_picture || is_figure, &self.effect) {
+        Ok(match (is_file || is_picture || is_example, &self.effect) {
             (true, None) => load()?,
             (true, Some(effect)) => {
                 let file = load()?;
@@ -229,24 +229,24 @@ impl Look {
 
     fn apply(&self, scene: &mut Scene) -> Result<(), SceneError> {
         self.apply_effect(scene)?;
-        for text in &self.knobs {
+        for text in &self.parameters {
             if let Some((field, value)) = text.split_once('=').filter(|(name, _)| is_field(name.trim())) {
                 scene.set_field(field.trim(), value.trim())?;
                 continue;
             }
-            let (name, value) = knob(text)?;
+            let (name, value) = parameter(text)?;
             let further = name.strip_prefix("parts.").and_then(|rest| rest.split_once('.'));
-            let (knobs, name) = match further {
-                None => (&mut scene.knobs, name),
-                Some((part, knob)) => {
+            let (parameters, name) = match further {
+                None => (&mut scene.parameters, name),
+                Some((part, parameter)) => {
                     let known: Vec<String> = scene.parts.keys().cloned().collect();
                     let known: Vec<&str> = known.iter().map(String::as_str).collect();
                     let found = scene.parts.get_mut(part);
-                    let part = found.ok_or_else(|| SceneError::unknown("further object", part, &known))?;
-                    (&mut part.knobs, knob.to_string())
+                    let part = found.ok_or_else(|| SceneError::unknown("additional object", part, &known))?;
+                    (&mut part.parameters, parameter.to_string())
                 }
             };
-            knobs.insert(name, value);
+            parameters.insert(name, value);
         }
         put(&mut scene.effect.gradient, self.gradient.clone());
         let quality = &mut scene.quality;
@@ -254,12 +254,12 @@ impl Look {
         name_into("--jitter", &self.jitter.clone().flatten(), &mut quality.phases)?;
         put(&mut quality.seed, self.seed);
         put(&mut quality.supersampling, self.supersampling);
-        name_into("--rule", &self.rule, &mut quality.rule)?;
+        name_into("--integration", &self.integration, &mut quality.integration)?;
         put(&mut quality.samples, self.samples);
         put(&mut quality.msaa, self.msaa);
         put(&mut quality.anisotropy, self.anisotropy);
         name_into("--pass", &self.pass, &mut quality.pass)?;
-        name_into("--traverse", &self.traverse, &mut quality.traverse)?;
+        name_into("--empty-space", &self.empty_space, &mut quality.empty_space)?;
         name_into("--target", &self.target, &mut quality.target)?;
         name_into("--order", &self.order, &mut quality.order)?;
         name_into("--proxy", &self.proxy, &mut quality.proxy)?;
@@ -294,23 +294,23 @@ impl Look {
     }
 
     fn apply_look(&self, scene: &mut Scene) {
-        match self.look {
+        match self.debug_view {
             None => {}
-            Some(Debug::Normals) => show(scene, "surface", "normals"),
-            Some(Debug::TexCoord) => show(scene, "surface", "tex_coord"),
-            Some(Debug::SoftRegion) => {
+            Some(DebugView::Normals) => show(scene, "surface", "normals"),
+            Some(DebugView::TexCoord) => show(scene, "surface", "tex_coord"),
+            Some(DebugView::SoftRegion) => {
                 show(scene, "soft", "lit");
                 scene.effect.softness = "linear".into();
                 scene.effect.medium = "soft_region".into();
                 scene.effect.opacity_rate = 4.0;
             }
-            Some(Debug::SliceStack) => {
+            Some(DebugView::SliceStack) => {
                 show(scene, "stack", "lit");
                 scene.camera.slice_stack = true;
                 scene.quality.samples = 24;
             }
-            Some(Debug::Noise) => show_plane(scene, "noise"),
-            Some(Debug::NoiseGradient) => show_plane(scene, "noise_gradient"),
+            Some(DebugView::Noise) => show_plane(scene, "noise"),
+            Some(DebugView::NoiseGradient) => show_plane(scene, "noise_gradient"),
         }
     }
 
@@ -320,7 +320,7 @@ impl Look {
         if self.modules.is_empty() && dmf.is_none() {
             return Ok(());
         }
-        // What is wrong with the scene as it came is said before modules go, and knobs with them.
+        // What is wrong with the scene as it came is said before modules go, and parameters with them.
         scene.check(&scene.library()?)?;
         let names_dmf = |text: &&String| {
             text.split_once('=').is_some_and(|(slot, names)| slot.trim() == "dmf" && !names.is_empty())
@@ -332,7 +332,7 @@ impl Look {
             module(text, scene)?;
         }
         let library = scene.library()?;
-        scene.drop_foreign_knobs(&library)
+        scene.drop_foreign_parameters(&library)
     }
 }
 
@@ -371,20 +371,20 @@ fn name_into<T: serde::de::DeserializeOwned>(
 
 /// Whether `--set` means a field of the scene: one in a table, or one of the three that are in none.
 fn is_field(name: &str) -> bool {
-    let is_knob_of_part = name.starts_with("parts.") && name.split('.').count() == 3;
-    (name.contains('.') && !is_knob_of_part) || ["about", "combine", "boolean"].contains(&name)
+    let is_parameter_of_part = name.starts_with("parts.") && name.split('.').count() == 3;
+    (name.contains('.') && !is_parameter_of_part) || ["about", "combine", "boolean"].contains(&name)
 }
 
-fn knob(text: &str) -> Result<(String, KnobValue), SceneError> {
+fn parameter(text: &str) -> Result<(String, ParameterValue), SceneError> {
     let wrong = || SceneError::Value {
         field: "--set".into(),
         value: text.into(),
-        limit: "write KNOB=NUMBER or KNOB=#rrggbb, such as fineness=60".into(),
+        limit: "write PARAMETER=NUMBER or PARAMETER=#rrggbb, such as fineness=60".into(),
     };
     let (name, value) = text.split_once('=').ok_or_else(wrong)?;
     let value = match value.trim().parse() {
-        Ok(number) => KnobValue::Number(number),
-        Err(_) => KnobValue::Color(Color(hex_color(value.trim()).ok_or_else(wrong)?)),
+        Ok(number) => ParameterValue::Number(number),
+        Err(_) => ParameterValue::Color(Color(hex_color(value.trim()).ok_or_else(wrong)?)),
     };
     Ok((name.trim().into(), value))
 }

@@ -2,37 +2,37 @@
 
 use super::widgets::{self, color, field, number};
 use super::{Pass, own, prefix};
-use crate::glsl::declare::Default as KnobDefault;
-use crate::scene::{Color, KnobValue};
+use crate::glsl::ParameterKind;
+use crate::scene::{Color, ParameterValue};
 use egui::{Button, RichText, Ui};
 
-/// Every knob of an object.
+/// Every parameter of an object.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
-    let declared = pass.model.knobs(part);
+    let declared = pass.model.parameters(part);
     if declared.iter().next().is_none() {
         ui.label(RichText::new("the modules of this effect declare none").weak());
     }
-    let values = own(&mut pass.draft, part).knobs;
-    for (knob, value) in declared.iter() {
-        let name = format!("{}knobs.{}", prefix(part), knob.name);
-        let field = field(&name, &knob.doc);
+    let values = own(&mut pass.draft, part).parameters;
+    for (parameter, value) in declared.iter() {
+        let name = format!("{}parameters.{}", prefix(part), parameter.name);
+        let field = field(&name, &parameter.doc);
         let mut new = value.clone();
         ui.horizontal(|ui| {
-            match (knob.default, &mut new) {
-                (KnobDefault::Number(_, [low, high]), KnobValue::Number(value)) => {
+            match (parameter.kind, &mut new) {
+                (ParameterKind::Number(_, [low, high]), ParameterValue::Number(value)) => {
                     number(ui, &mut pass.touch, &field, value, low..=high);
                 }
-                (_, KnobValue::Color(value)) => color(ui, &mut pass.touch, &field, value),
+                (_, ParameterValue::Color(value)) => color(ui, &mut pass.touch, &field, value),
                 _ => {}
             }
-            let default = match knob.default {
-                KnobDefault::Number(value, _) => KnobValue::Number(value),
-                KnobDefault::Color(code) => KnobValue::Color(Color(code)),
+            let default = match parameter.kind {
+                ParameterKind::Number(value, _) => ParameterValue::Number(value),
+                ParameterKind::Color(code) => ParameterValue::Color(Color(code)),
             };
             let reset = ui.add_enabled(*value != default, Button::new("⟲").small());
             let shown = match &default {
-                KnobValue::Number(value) => value.to_string(),
-                KnobValue::Color(color) => String::from(*color),
+                ParameterValue::Number(value) => value.to_string(),
+                ParameterValue::Color(color) => String::from(*color),
             };
             if widgets::named(ui, &reset, &format!("{name}.reset")).on_hover_text(format!("Back to {shown}.")).clicked()
             {
@@ -41,7 +41,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
             }
         });
         if new != *value {
-            values.insert(knob.name.clone(), new);
+            values.insert(parameter.name.clone(), new);
         }
     }
 }

@@ -53,12 +53,12 @@ fn load_from(folder: &Path, kind: Kind, key: blake3::Hash) -> Option<Vec<u8>> {
 fn save_to(folder: &Path, kind: Kind, key: blake3::Hash, bytes: &[u8]) {
     let whole = [bytes, blake3::hash(bytes).as_bytes()].concat();
     if fs::create_dir_all(folder).and_then(|()| output::write_whole(&file(folder, kind, key), &whole)).is_ok() {
-        forget(folder, kind);
+        evict(folder, kind);
     }
 }
 
 /// Removes what was used longest ago where there is too much.
-fn forget(folder: &Path, kind: Kind) {
+fn evict(folder: &Path, kind: Kind) {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let of_kind = entries.filter(|entry| entry.path().extension().is_some_and(|end| end == kind.end));
     let mut files: Vec<(SystemTime, u64, PathBuf)> = of_kind

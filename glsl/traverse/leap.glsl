@@ -1,6 +1,0 @@
-// A ray leaps over the samples that the distance to the object shows to be empty, and lands on the same grid of samples:
-// the picture does not change.
-// Source: MJ 7 (space leaping by the distance field).
-// step_length: of one step, object space; result: whole steps to the next sample, at least 1.
-#include "clearance.glsl"
-float advance(float step_length) { return max(floor(clearance / step_length), 1.0); }
