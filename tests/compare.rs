@@ -2,6 +2,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
 mod common;
+#[path = "common/program.rs"]
+mod program;
 
 use common::with_gpu;
 use hypertexture::compare::candidates::Sweep;
@@ -11,22 +13,12 @@ use hypertexture::gpu::Format;
 use hypertexture::reference::Reference;
 use hypertexture::render::render;
 use hypertexture::scene::{Integration, Pass, Repeat, Scene, preset};
+use program::{command, run};
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::Arc;
-
-fn command(folder: &Path, arguments: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_hypertexture"));
-    command.args(arguments.split_whitespace()).current_dir(folder).env("HYPERTEXTURE_CACHE", folder.join("cache"));
-    command.stdin(Stdio::null());
-    command
-}
-
-fn run(folder: &Path, arguments: &str) -> Output {
-    command(folder, arguments).output().unwrap()
-}
 
 /// The rows of a table, each by the names of its columns.
 fn rows(path: &Path) -> Vec<HashMap<String, String>> {

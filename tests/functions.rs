@@ -125,6 +125,7 @@ fn a_linear_field_is_reproduced_at_any_size_because_texels_are_centered() {
             scene.object.source = source;
             scene.object.inner_iso = 1.9;
             scene.object.outer_iso = 1.9;
+            scene.camera.zoom = 2.0; // the surface is far beyond the face
             // The grid spans the cube of the formula from sample to sample.
             let spacing = 2.0 / (glam::UVec3::from(size).as_vec3() - 1.0);
             let grid = Grid { size, origin: Vec3::splat(-1.0), spacing };

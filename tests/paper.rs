@@ -2,6 +2,8 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
 mod common;
+#[path = "common/program.rs"]
+mod program;
 
 use common::{subject, with_gpu};
 use hypertexture::compare::Stage;
@@ -14,22 +16,12 @@ use hypertexture::reference::Reference;
 use hypertexture::render::render;
 use hypertexture::scene::{Order, Pass, Proxy, Quality, Reject, Scene, TargetFormat, preset};
 use hypertexture::variant::Variant;
+use program::{command, run};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::sync::Arc;
-
-fn command(folder: &Path, arguments: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_hypertexture"));
-    command.args(arguments.split_whitespace()).current_dir(folder).env("HYPERTEXTURE_CACHE", folder.join("cache"));
-    command.stdin(Stdio::null());
-    command
-}
-
-fn run(folder: &Path, arguments: &str) -> Output {
-    command(folder, arguments).output().unwrap()
-}
 
 fn json(folder: &Path) -> Value {
     serde_json::from_str(&fs::read_to_string(folder.join("paper.json")).unwrap()).unwrap()

@@ -5,7 +5,7 @@
 #include <opacity>
 
 vec4 classify(vec3 x, float path) {
-    vec4 matter = texture(classified_volume, volume_scale.xyz * x + volume_offset.xyz);
+    vec4 matter = textureLod(classified_volume, volume_scale.xyz * x + volume_offset.xyz, 0.0);
     float alpha = opacity(matter.a, opacity_rate * path);
     return vec4(matter.a > 0.0 ? matter.rgb / matter.a * alpha : vec3(0.0), alpha);
 }

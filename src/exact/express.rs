@@ -136,11 +136,11 @@ impl<'m> Lower<'m> {
                 depth_ref: None,
                 ..
             } => {
-                // Where no level is named, there is one.
+                // Where no level is named, there is one; a footprint is that of a point, as without anisotropy.
                 let level = match level {
-                    SampleLevel::Auto | SampleLevel::Zero => None,
+                    SampleLevel::Auto | SampleLevel::Zero | SampleLevel::Gradient { .. } => None,
                     SampleLevel::Exact(level) => Some(*level),
-                    _ => return Err(self.refuse("a texture lookup with a bias or gradients")),
+                    SampleLevel::Bias(_) => return Err(self.refuse("a texture lookup with a bias")),
                 };
                 self.lookup(frame, *image, Some((*sampler, level)), *coordinate)?
             }

@@ -387,8 +387,9 @@ impl Scene {
         };
         fill("wrap", vec![wrap.into()]);
         let storage = match self.object.storage {
-            Storage::Dense => "dense",
             Storage::Sparse => "sparse",
+            Storage::Dense if self.quality.anisotropy > 1.0 => "anisotropic",
+            Storage::Dense => "dense",
         };
         fill("storage", vec![storage.into()]);
         fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);

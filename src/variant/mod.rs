@@ -125,6 +125,8 @@ impl Variant {
                 *names = vec![module.to_string()];
             } else if let Some(points) = names.first().and_then(|name| name.strip_suffix("_segment")) {
                 *names = vec![points.to_string()]; // a segment of the light holds many samples
+            } else if slot == "storage" && names == &["anisotropic"] {
+                *names = vec!["dense".into()]; // a sample of the light is wider than a pixel
             }
         }
         let slots = library.needed(&entries, &choice)?;

@@ -22,9 +22,12 @@ crate::rows! {
         material(at) * (at.vector("ambient_color") + 0.5 * at.vector("light_color"))
     }),
         "medium/translucent.glsl": "ambient_color.rgb +" => "ambient_color.rgb -";
-    m03_a_dense_volume_has_a_texel_for_each_voxel = dense,
+    m03_a_dense_volume_has_a_texel_for_each_voxel = |l| dense(l, "dense"),
         "storage/dense.glsl": "ivec3(0)" => "ivec3(1)",
-        "storage/dense.glsl": "tex_coord); }" => "1.0 - tex_coord); }";
+        "storage/dense.glsl": "tex_coord, 0.0); }" => "1.0 - tex_coord, 0.0); }";
+    m57_a_footprint_is_filtered_around_its_place = |l| dense(l, "anisotropic"),
+        "storage/anisotropic.glsl": "ivec3(0)" => "ivec3(1)",
+        "storage/anisotropic.glsl": "tex_coord, across" => "1.0 - tex_coord, across";
     g14_bricks_are_filtered_as_the_whole_volume = bricks,
         "storage/sparse.glsl": "at - BRICK * vec3(brick)" => "at",
         "storage/sparse.glsl": "ivec3(entry.xyz) - int(BRICK) * brick" => "ivec3(entry.xyz)";
@@ -96,8 +99,9 @@ fn blurred(library: &Library) -> f64 {
 const STORAGE: &str = "#include <storage>
     void check() { out0 = volume_at(p0.xyz); out1.xyz = vec3(texel_shift(ivec3(floor(p1.xyz)))); }";
 
-fn dense(library: &Library) -> f64 {
-    let check = Check::new(library, &[], STORAGE).given(|random, _| [random.in_cube(1.2).extend(0.0).to_array(); 4]);
+fn dense(library: &Library, module: &str) -> f64 {
+    let check = Check::new(library, &[("storage", module)], STORAGE)
+        .given(|random, _| [random.in_cube(1.2).extend(0.0).to_array(); 4]);
     check.holds(1e-9, |at| {
         let texel = filtered(at.texture("volume_image"), &at.p[0][..3], Wrap::Clamp);
         [texel.as_slice(), &[0.0; 3]].concat()
