@@ -464,7 +464,7 @@ fn s01_5_the_tank_is_five_objects_in_their_places_with_parameters_of_their_own()
     let box_of = |name: &str| match name {
         "hull" => (-whole.half_size, whole.half_size),
         name => {
-            let (place, half) = (scene.parts[name].place, whole.parts[name].half_size);
+            let (place, half) = (scene.parts[name].transform, whole.parts[name].half_size);
             (Vec3::from(place.at) - place.scale * half, Vec3::from(place.at) + place.scale * half)
         }
     };

@@ -1,6 +1,6 @@
 //! Self-tests on the device: what drivers do in silence, measured, and what the renderer does about it.
 
-use super::Report;
+use super::Diagnosis;
 use crate::glsl::{self, Library, LinkError, Linker, Slots, Stage};
 use crate::gpu::{
     Address, Binding, BindingKind, Blend, Dimension, Format, Gpu, GpuError, Image, ImageUse, Load, Pipeline,
@@ -27,7 +27,7 @@ type Finding = (&'static str, String);
 type Test<'a> = (&'a str, &'a dyn Fn(&Bench<'_>) -> Result<Finding, ProbeError>);
 
 /// Runs every test; one that cannot be run has failed.
-pub(super) fn run(gpu: &Gpu, report: &mut Report) {
+pub(super) fn run(gpu: &Gpu, report: &mut Diagnosis) {
     let linker = match Linker::new() {
         Ok(linker) => linker,
         Err(error) => return report.line("FAIL", &format!("{error}; reinstall the program")),

@@ -79,7 +79,7 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
             || LibraryError::Declaration { path: path.into(), line: index + 1, text: line.trim_start().to_string() };
         let (kind, rest) = declaration.split_once(' ').ok_or_else(wrong)?;
         match kind {
-            "parameter" => found.parameters.push(number(rest).ok_or_else(wrong)?),
+            "param" => found.parameters.push(number(rest).ok_or_else(wrong)?),
             "color" => found.parameters.push(color(rest).ok_or_else(wrong)?),
             "outer" => found.outer = vec![identifier(rest).ok_or_else(wrong)?],
             "exact" => {

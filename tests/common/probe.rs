@@ -2,7 +2,7 @@
 //! the same blocks and texels for both.
 
 use hypertexture::exact::{Inputs, Program, Texture, Wrap};
-use hypertexture::glsl::{Default, Library, Linker, Parameter, Slots};
+use hypertexture::glsl::{Library, Linker, Parameter, ParameterKind, Slots};
 use hypertexture::gpu::{
     Address, Binding, BindingKind, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Load, Pipeline,
     PipelineDescription, Resource, Sampler, Target,

@@ -101,7 +101,7 @@ fn p29_the_eroded_cube_is_the_product_of_a_fractal_sphere_and_a_cube_colored_by_
     let text = "#include <clip>\n#include <classify>\nvoid check() { out0 = classify(p0.xyz, 1.0 / opacity_rate); }";
     let mut check = Check::of_scene(&shipped(), &scene, text);
     let map = map(&scene);
-    let scale = f64::from(part.place.scale);
+    let scale = f64::from(part.transform.scale);
     for suffix in ["", "_cube"] {
         let name = |name: &str| format!("{name}{suffix}");
         check = check.with(&name("ambient_color"), &[1.0; 3]).with(&name("light_color"), &[0.0; 3]);

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DMat4, DQuat, DVec3};
 use hypertexture::exact::{Texture, Wrap};
-use hypertexture::glsl::{Default, Parameter};
+use hypertexture::glsl::{Parameter, ParameterKind};
 use hypertexture::noise::{Noise, Weights};
 use hypertexture::random::SplitMix;
 use hypertexture::texture::table_rows;

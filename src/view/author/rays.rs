@@ -24,7 +24,7 @@ const MOST_MS: f64 = 1000.0;
 /// Processor time for all of it: a device, a small field, a pipeline, and the rays.
 const TIME: Duration = Duration::from_secs(20);
 /// The longest text that a child reads, in bytes.
-const MAX_TAKE: u64 = 16 << 20;
+const MAX_JOB: u64 = 16 << 20;
 /// Voxels along the longest side of the field: it is computed beside the one of the window, and must not take as long.
 const RESOLUTION: u32 = 48;
 /// First words of an answer.
@@ -68,8 +68,8 @@ pub(super) fn trial_render(
 ) -> Result<(), CompileError> {
     let run = |reason: String| CompileError::Run { path: program.into(), reason };
     let changed = Job { programs: Vec::new(), ..job.clone() };
-    let job_text = TrialJob { scene: scene::to_text(&small(scene)), changed };
-    let text = toml::to_string(&take).map_err(|error| run(error.to_string()))?;
+    let job = TrialJob { scene: scene::to_text(&small(scene)), changed };
+    let text = toml::to_string(&job).map_err(|error| run(error.to_string()))?;
     let limits = Limits { time: TIME, answer_bytes: 1 << 16, ..Limits::default() };
     let seconds = TIME.as_secs().to_string();
     let variables = [("HYPERTEXTURE_DEVICE", device), ("HYPERTEXTURE_VALIDATION", "")];
@@ -98,11 +98,11 @@ pub(super) fn trial_render(
 /// The scene cannot be read or the answer not be written.
 pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io::Result<()> {
     let mut text = String::new();
-    input.take(MAX_TAKE).read_to_string(&mut text)?;
+    input.take(MAX_JOB).read_to_string(&mut text)?;
     let invalid = |error: String| io::Error::new(io::ErrorKind::InvalidData, error);
-    let job_text: TrialJob = toml::from_str(&text).map_err(|error| invalid(error.to_string()))?;
-    let scene = scene::parse(&job_text.scene, "scene").map_err(|error| invalid(error.to_string()))?;
-    let library = job_text.changed.library();
+    let job: TrialJob = toml::from_str(&text).map_err(|error| invalid(error.to_string()))?;
+    let scene = scene::parse(&job.scene, "scene").map_err(|error| invalid(error.to_string()))?;
+    let library = job.changed.library();
     let gpu = Gpu::new(&Options { validation: false, cache: None, ..options.clone() });
     let ready = gpu.map_err(|error| error.to_string()).and_then(|gpu| {
         let subject = Subject::load(&scene, &library, &|_| ()).map_err(|error| error.to_string())?;
