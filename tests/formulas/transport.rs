@@ -27,7 +27,7 @@ crate::rows! {
         "storage/dense.glsl": "tex_coord, 0.0); }" => "1.0 - tex_coord, 0.0); }";
     m57_a_footprint_is_filtered_around_its_place = |l| dense(l, "anisotropic"),
         "storage/anisotropic.glsl": "ivec3(0)" => "ivec3(1)",
-        "storage/anisotropic.glsl": "tex_coord, across" => "1.0 - tex_coord, across";
+        "storage/anisotropic.glsl": "clamp(tex_coord" => "clamp(1.0 - tex_coord";
     g14_bricks_are_filtered_as_the_whole_volume = bricks,
         "storage/sparse.glsl": "at - BRICK * vec3(brick)" => "at",
         "storage/sparse.glsl": "ivec3(entry.xyz) - int(BRICK) * brick" => "ivec3(entry.xyz)";
