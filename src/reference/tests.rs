@@ -14,11 +14,11 @@ stretch = [1.2, 0.7, 1.0]
 [parts.ball]
 preset = "noisy_sphere"
 object = { input = "sphere", inner_iso = -0.04, outer_iso = 0.04 }
-place = { at = [1.4, 0.3, 0.2], turn = [30, 50, 20], scale = 0.6 }
+transform = { at = [1.4, 0.3, 0.2], turn = [30, 50, 20], scale = 0.6 }
 [parts.ring]
 preset = "melting"
 object = { input = "torus" }
-place = { at = [-1.1, 0.2, 0.5], turn = [100, 20, 10], scale = 0.8 }
+transform = { at = [-1.1, 0.2, 0.5], turn = [100, 20, 10], scale = 0.8 }
 "##;
 
 /// The same as one in which the others are cut off.
@@ -28,7 +28,7 @@ combine = "main & cube"
 [parts.cube]
 preset = "noisy_sphere"
 object = { input = "cube", inner_iso = -0.02, outer_iso = 0.02 }
-place = { at = [0.5, 0.2, 0.1], turn = [20, 70, 40], scale = 0.7 }
+transform = { at = [0.5, 0.2, 0.1], turn = [20, 70, 40], scale = 0.7 }
 "##;
 
 #[test]
