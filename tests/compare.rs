@@ -13,11 +13,10 @@ use hypertexture::gpu::Format;
 use hypertexture::reference::Reference;
 use hypertexture::render::render;
 use hypertexture::scene::{Integration, Pass, Repeat, Scene, preset};
-use program::{command, run};
+use program::{interrupt, run};
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
 use std::sync::Arc;
 
 /// The rows of a table, each by the names of its columns.
@@ -206,17 +205,7 @@ fn m56_m57_a_full_comparison_has_every_strategy_and_every_column_of_table_3() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn an_interrupted_comparison_keeps_what_is_measured() {
     let desk = tempfile::tempdir().unwrap();
-    let mut started = command(desk.path(), "compare sphere --effect fire --size 48x48 -o r");
-    let mut child = started.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    while !desk.path().join("r").is_dir() && child.try_wait().unwrap().is_none() {
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-    std::thread::sleep(std::time::Duration::from_secs(1));
-    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    let output = child.wait_with_output().unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!((output.status.code(), said.lines().count()), (Some(130), 1), "{said}");
-    assert!(said.starts_with("interrupted: ") && said.contains("marked as partial"), "{said}");
+    interrupt(desk.path(), "compare sphere --effect fire --size 48x48");
     let page = fs::read_to_string(desk.path().join("r/index.html")).unwrap();
     assert!(page.contains("Partial"));
     let names = fs::read_dir(desk.path().join("r")).unwrap().map(|entry| entry.unwrap().file_name());

@@ -16,11 +16,10 @@ use hypertexture::reference::Reference;
 use hypertexture::render::render;
 use hypertexture::scene::{Order, Pass, Proxy, Quality, Reject, Scene, TargetFormat, preset};
 use hypertexture::variant::Variant;
-use program::{command, run};
+use program::{interrupt, run};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
 use std::sync::Arc;
 
 fn json(folder: &Path) -> Value {
@@ -221,17 +220,7 @@ fn what_the_replay_needs_is_said_in_one_line() {
 fn an_interrupted_replay_keeps_what_is_measured() {
     let desk = tempfile::tempdir().unwrap();
     // More runs than anyone waits for.
-    let mut started = command(desk.path(), "compare sphere --paper --scale 0.1 --samples 16 --repeat 1000 -o r");
-    let child = started.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    while !desk.path().join("r").is_dir() {
-        std::thread::sleep(std::time::Duration::from_millis(20));
-    }
-    std::thread::sleep(std::time::Duration::from_secs(1));
-    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    let output = child.wait_with_output().unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!((output.status.code(), said.lines().count()), (Some(130), 1), "{said}");
-    assert!(said.starts_with("interrupted: ") && said.contains("marked as partial"), "{said}");
+    interrupt(desk.path(), "compare sphere --paper --scale 0.1 --samples 16 --repeat 1000");
     assert_eq!(json(&desk.path().join("r"))["partial"], true);
     assert!(fs::read_to_string(desk.path().join("r/paper.html")).unwrap().contains("Partial"));
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
 /// The program with these arguments, split at spaces.
 pub fn command(folder: &Path, arguments: &str) -> Command {
@@ -14,4 +15,21 @@ pub fn command(folder: &Path, arguments: &str) -> Command {
 /// What it says and how it ends.
 pub fn run(folder: &Path, arguments: &str) -> Output {
     command(folder, arguments).output().expect("the program is built")
+}
+
+/// Interrupts a comparison that writes its report into `r`, a second after it has begun to measure. It says so in a line, ends
+/// with 130, and has a report.
+#[cfg(unix)]
+pub fn interrupt(folder: &Path, arguments: &str) {
+    let mut started = command(folder, &format!("{arguments} -o r"));
+    let mut child = started.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program is built");
+    while !folder.join("r").is_dir() && child.try_wait().expect("a child").is_none() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    std::thread::sleep(Duration::from_secs(1));
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("a signal");
+    let output = child.wait_with_output().expect("a child");
+    let said = String::from_utf8(output.stderr).expect("a text");
+    assert_eq!((output.status.code(), said.lines().count()), (Some(130), 1), "{said}");
+    assert!(said.starts_with("interrupted: ") && said.contains("marked as partial"), "{said}");
 }
