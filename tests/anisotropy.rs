@@ -62,3 +62,20 @@ fn m57_tables_have_no_anisotropy() {
         }
     });
 }
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m57_a_located_surface_keeps_what_a_filter_looks_at_within_a_step() {
+    // Where a lane that is off held a coordinate far away, lavapipe of Mesa 22.3 filtered the whole volume for each sample:
+    // more than the minute that a picture may take, in place of a hundredth of a second.
+    with_gpu(|gpu| {
+        let mut scene = preset("lit").expect("a preset");
+        (scene.image.size, scene.quality.samples) = ([100, 100], 32);
+        let (library, subject) = (glsl::shipped(), subject(&scene, &glsl::shipped()));
+        for anisotropy in [1.0, 2.0, 8.0] {
+            scene.quality.anisotropy = anisotropy;
+            let frame = picture(gpu, &library, &scene, &subject);
+            assert!(frame.pixels[50 * 100 + 50][3] > 0.9, "anisotropy {anisotropy}: {:?}", frame.pixels[50 * 100 + 50]);
+        }
+    });
+}
