@@ -2,27 +2,20 @@
 //! that the program uses at run time.
 
 #[allow(dead_code)]
-mod glsl {
-    #[path = "../src/glsl/combine.rs"]
+#[path = "src/shader"]
+mod shader {
     pub mod combine;
-    #[path = "../src/glsl/declare.rs"]
     mod declare;
-    #[path = "../src/glsl/instance.rs"]
     mod instance;
-    #[path = "../src/glsl/layers.rs"]
     mod layers;
-    #[path = "../src/glsl/library.rs"]
     pub mod library;
-    #[path = "../src/glsl/link.rs"]
     pub mod link;
-    #[path = "../src/glsl/names.rs"]
     mod names;
-    #[path = "../src/glsl/reach.rs"]
     mod reach;
 }
 
-use glsl::library::{Library, Slots};
-use glsl::link::{Linker, Stage};
+use shader::library::{Library, Slots};
+use shader::link::{Linker, Stage};
 use std::error::Error;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -34,7 +27,7 @@ const SHADOW: [[&str; 2]; 1] = [["march.vert", "shadow.frag"]];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=glsl");
-    println!("cargo::rerun-if-changed=src/glsl");
+    println!("cargo::rerun-if-changed=src/shader");
     switch("HYPERTEXTURE_NO_GPU", "no_gpu");
     switch("HYPERTEXTURE_NO_DISPLAY", "no_display");
     switch("HYPERTEXTURE_DATA", "test_data");

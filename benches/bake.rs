@@ -10,7 +10,7 @@ mod bench;
 use bench::Spread;
 use fastnoise_lite::{FastNoiseLite, NoiseType};
 use hypertexture::noise::{Bake, Weights};
-use hypertexture::texture::{Depth, block_gradients};
+use hypertexture::render::texture::{Depth, block_gradients};
 use noise::{NoiseFn, Perlin};
 use rayon::prelude::*;
 use std::hint::black_box;

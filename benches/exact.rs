@@ -12,9 +12,9 @@ mod probe;
 
 use bench::Spread;
 use hypertexture::exact::{BoundProgram, Interval, Lanes, Number};
-use hypertexture::glsl;
+use hypertexture::render::variant::Variant;
 use hypertexture::scene;
-use hypertexture::variant::Variant;
+use hypertexture::shader;
 use probe::Probe;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -40,7 +40,7 @@ fn measure<N: Number>(bound: &BoundProgram<'_>, width: f64, of: impl Fn(f64, f64
 }
 
 fn main() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     println!("{:<14} {:>16} {:>28} {:>28}", "", "per point", "f64, M operations / s", "interval 0.01, M / s");
     for name in ["lit", "solid", "fur", "fire", "melting", "noisy_sphere", "smoke", "woven", "ensemble"] {
         let scene = scene::preset(name).unwrap();

@@ -12,11 +12,11 @@ mod common;
 mod peer;
 
 use bench::Spread;
-use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
+use hypertexture::measure::verify;
 use hypertexture::render::{Frame, Renderer, Subject};
 use hypertexture::scene::{self, EmptySpace, Integration, Pass, Projection, Scene};
-use hypertexture::verify;
+use hypertexture::shader::{self, Library};
 use std::time::Instant;
 
 const REPEATS: usize = 5;
@@ -180,7 +180,7 @@ fn sweeps(gpu: &Gpu, library: &Library) {
 fn main() {
     let start = Instant::now();
     let gpu = bench::open();
-    let library = glsl::shipped();
+    let library = shader::shipped();
     println!("{SIZE} x {SIZE} pixels, {SAMPLES} steps, {REPEATS} repeats in turns: median (lowest-highest)");
     // `cargo bench --bench march -- peer` measures that alone.
     let chosen: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();

@@ -8,10 +8,10 @@
 mod bench;
 
 use bench::Spread;
-use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, Subject, render};
 use hypertexture::scene::{self, EFFECTS, EmptySpace, ParameterValue, Pass, Proxy, Scene, Source};
+use hypertexture::shader::{self, Library};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
@@ -74,7 +74,7 @@ impl Bench {
     fn new() -> Bench {
         let library = FLOORS
             .iter()
-            .fold(glsl::shipped(), |library, (name, second)| library.with_module("classify", name, &floor(second)));
+            .fold(shader::shipped(), |library, (name, second)| library.with_module("classify", name, &floor(second)));
         Bench { gpu: bench::open(), library }
     }
 

@@ -9,10 +9,10 @@
 //!
 //! # Practice
 //! ```no_run
-//! use hypertexture::{glsl, gpu, render, scene};
+//! use hypertexture::{shader, gpu, render, scene};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let library = glsl::shipped();
+//! let library = shader::shipped();
 //! let mut scene = scene::preset("fur")?;
 //! scene.object.input = "torus".into();
 //! let subject = render::Subject::load(&scene, &library, &|_| ())?;
@@ -22,7 +22,7 @@
 //! # Ok(())
 //! # }
 //! ```
-//! An effect of your own is one GLSL file in a slot: [`glsl::Library::with_module`].
+//! An effect of your own is one GLSL file in a slot: [`shader::Library::with_module`].
 //!
 //! # Map
 //! ```text
@@ -43,30 +43,19 @@
 //! all of it, live in a window                         view
 //! ```
 
-mod child;
-pub mod compare;
-mod disk_cache;
-pub mod doctor;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod exact;
 pub mod field;
-pub mod gallery;
-pub mod glsl;
 pub mod gpu;
+#[cfg(feature = "measure")]
+pub mod measure;
 pub mod noise;
 pub mod output;
-pub mod pass;
-pub mod pick;
-pub mod predict;
-pub mod random;
-pub mod reference;
 pub mod render;
 pub mod scene;
-pub mod sequence;
+pub mod shader;
 pub mod shape;
-pub mod shard;
-pub mod texture;
-pub mod variant;
-pub mod verify;
-#[cfg(feature = "view")]
-pub mod view;
-pub mod worker;
+mod support;
+#[cfg(feature = "viewer")]
+pub mod viewer;

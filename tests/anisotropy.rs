@@ -3,14 +3,14 @@
 mod common;
 
 use common::{picture, subject, with_gpu};
-use hypertexture::glsl;
 use hypertexture::gpu::Gpu;
 use hypertexture::render::Frame;
 use hypertexture::scene::{EFFECTS, Scene, names, preset};
+use hypertexture::shader;
 
 /// A scene, tiny, with those anisotropies that the device has.
 fn pictures(gpu: &Gpu, scene: &Scene, anisotropies: &[f32]) -> Vec<Frame> {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let mut scene = scene.clone();
     scene.object.resolution = 16;
     scene.parts.values_mut().for_each(|part| part.object.resolution = 16);
@@ -71,7 +71,7 @@ fn m57_a_located_surface_keeps_what_a_filter_looks_at_within_a_step() {
     with_gpu(|gpu| {
         let mut scene = preset("lit").expect("a preset");
         (scene.image.size, scene.quality.samples) = ([100, 100], 32);
-        let (library, subject) = (glsl::shipped(), subject(&scene, &glsl::shipped()));
+        let (library, subject) = (shader::shipped(), subject(&scene, &shader::shipped()));
         for anisotropy in [1.0, 2.0, 8.0] {
             scene.quality.anisotropy = anisotropy;
             let frame = picture(gpu, &library, &scene, &subject);

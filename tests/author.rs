@@ -1,14 +1,14 @@
 //! Live authoring: what a person writes reaches the scene, and what the compiler makes of it reaches the person.
-#![cfg(feature = "view")]
+#![cfg(feature = "viewer")]
 #![expect(clippy::unwrap_used, reason = "a test fails where a process or a file is not as described")]
 
-use hypertexture::glsl::{self, Library, Linker};
+use hypertexture::render::variant::Variant;
 use hypertexture::scene::{ParameterValue, preset};
-use hypertexture::variant::Variant;
-use hypertexture::view::author::compile::{CompileError, Job, Limits, compile};
-use hypertexture::view::author::{Author, State};
-use hypertexture::view::model::Model;
-use hypertexture::view::unsaved;
+use hypertexture::shader::{self, Library, Linker};
+use hypertexture::viewer::author::compile::{CompileError, Job, Limits, compile};
+use hypertexture::viewer::author::{Author, State};
+use hypertexture::viewer::model::Model;
+use hypertexture::viewer::unsaved;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
@@ -31,7 +31,7 @@ fn job(library: &Library, dmf: &str) -> Job {
 /// A program with this text for the body of a DMF, compiled in a child.
 fn try_body(header: &str, body: &str, limits: &Limits) -> Result<(), CompileError> {
     let text = format!("{header}\nfloat mine(float density, Sample s) {{ {body} }}\n");
-    let library = glsl::shipped().with_module("dmf", "mine", &text);
+    let library = shader::shipped().with_module("dmf", "mine", &text);
     compile(&program(), &job(&library, "mine"), limits, &|| false).map(drop)
 }
 
@@ -62,14 +62,14 @@ fn edit(author: &mut Author, model: &mut Model, text: &str) -> State {
 }
 
 fn desk(name: &str) -> (Author, Model) {
-    let model = Model::new(preset(name).unwrap(), glsl::shipped()).unwrap();
+    let model = Model::new(preset(name).unwrap(), shader::shipped()).unwrap();
     let author = Author::new(program(), model.library(), "dmf", "fur").unwrap();
     (author, model)
 }
 
 #[test]
 fn a_child_links_the_same_program_as_this_process() {
-    let library = glsl::shipped().with_module("dmf", "ripples", RIPPLES);
+    let library = shader::shipped().with_module("dmf", "ripples", RIPPLES);
     let job = job(&library, "ripples");
     let [vertex, fragment] = &compile(&program(), &job, &Limits::default(), &|| false).unwrap()[0];
     let mut scene = preset("fur").unwrap();
@@ -155,7 +155,7 @@ fn a_long_text_a_long_answer_and_a_missing_program_are_errors() {
     let limits = Limits { answer_bytes: 100, ..Limits::default() };
     let error = try_body("", "return density;", &limits).unwrap_err().to_string();
     assert!(error.contains("longer than 100 bytes"), "{error}");
-    let job = job(&glsl::shipped(), "biased");
+    let job = job(&shader::shipped(), "biased");
     let error = compile(Path::new("/nowhere/hypertexture"), &job, &Limits::default(), &|| false).unwrap_err();
     assert!(error.to_string().starts_with("the GLSL compiler cannot be run as `/nowhere/hypertexture`"), "{error}");
     assert!(matches!(compile(&program(), &job, &Limits::default(), &|| true), Err(CompileError::Abandoned)));

@@ -4,12 +4,12 @@
 mod common;
 
 use common::{difference, homogeneous, picture, subject, with_gpu};
-use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
-use hypertexture::reference::{converged_settings, reference_pixels};
+use hypertexture::measure::reference::{converged_settings, reference_pixels};
+use hypertexture::render::variant::Variant;
 use hypertexture::render::{Frame, Subject, half_height};
 use hypertexture::scene::{Integration, ParameterValue, Part, Pass, Projection, Scene, Transform, preset};
-use hypertexture::variant::Variant;
+use hypertexture::shader::{self, Library};
 
 /// What sums octaves: where it is put, and the parameter that says how fine the first octave is, for coarse and fine samples.
 struct Sum {
@@ -127,7 +127,7 @@ fn both(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) -> [Fram
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p39_clamping_reaches_every_sum_of_octaves() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         let mut wrong = Vec::new();
         for Sum { name, put, parameter: frequency_parameter, frequency } in SUMS {
@@ -163,7 +163,7 @@ fn p39_clamping_reaches_every_sum_of_octaves() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p39_the_relief_of_a_flame_is_clamped() {
     // Its frequency is fixed: 2 cells per unit. A relief that is finer than a pixel is noise.
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         let mut scene = ball();
         (scene.effect.medium, scene.effect.octaves) = ("flame".into(), 8);
@@ -190,7 +190,7 @@ fn face(strategy: &str, width: f32, slope: bool) -> (Scene, Library) {
     (scene.image.size, scene.camera.zoom, scene.quality.integration) = ([40, 40], 2.0, Integration::Segment);
     parameter(&mut scene, "wide", width);
     parameter(&mut scene, "sloped", f32::from(u8::from(slope)));
-    (scene, glsl::shipped().with_module("surface", "wide", text))
+    (scene, shader::shipped().with_module("surface", "wide", text))
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn p39_the_evaluator_reads_the_levels_that_the_device_reads() {
 fn p39_a_sample_is_as_wide_as_it_is_in_the_space_of_its_object() {
     let text = "// Width of a sample.\n// Source: -\n// Result: in units of the object.\n#include <bandlimit>\n\
         vec3 surface(Sample s) { return vec3(sample_width()); }\n";
-    let library = glsl::shipped().with_module("surface", "width", text);
+    let library = shader::shipped().with_module("surface", "width", text);
     with_gpu(|gpu| {
         let mut scene = homogeneous("sphere", 1.0, Projection::Parallel);
         (scene.effect.surface, scene.effect.bandlimit) = ("width".into(), "clamp".into());
@@ -264,7 +264,7 @@ fn p39_a_sample_is_as_wide_as_it_is_in_the_space_of_its_object() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p39_matter_that_is_clamped_casts_shadows() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for (effect, pass) in [("fire", Pass::March), ("clouds", Pass::Slices), ("nebula", Pass::March)] {
             let mut scene = preset(effect).unwrap();

@@ -3,8 +3,8 @@
 mod common;
 
 use common::{difference, homogeneous, picture, subject, with_gpu};
-use hypertexture::glsl;
 use hypertexture::scene::{Color, Curve, Projection, Scene, Source, Stop};
+use hypertexture::shader;
 
 /// A soft sphere in a coarse volume, under a transfer map that goes up and down twelve times across the soft region.
 fn high_frequency(classify: &str, samples: u32) -> Scene {
@@ -29,7 +29,7 @@ fn high_frequency(classify: &str, samples: u32) -> Scene {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m04_m05_preintegration_beats_post_classification_beats_pre_classification() {
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         let subject = subject(&high_frequency("post", 1), &library);
         let frame = |classify: &str, samples| picture(gpu, &library, &high_frequency(classify, samples), &subject);
         let reference = frame("post", 2048);
@@ -52,7 +52,7 @@ fn m04_m05_preintegration_beats_post_classification_beats_pre_classification() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m05_the_three_agree_where_the_transfer_map_is_smooth() {
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         let smooth = |classify: &str, resolution| {
             let mut scene = high_frequency(classify, 256);
             let stop = |at, density| Stop { at, color: Color([255; 3]), density, index: 1.0 };

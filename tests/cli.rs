@@ -563,7 +563,7 @@ fn every_effect_is_listed_with_its_parameters() {
         let scene = hypertexture::scene::preset(name).unwrap();
         assert!(said.contains(&format!("{name}: {}", scene.about)), "{name} is not listed");
         let about = said.split_once(&format!("{name}: ")).unwrap_or_default().1;
-        for (parameter, value) in scene.check(&hypertexture::glsl::shipped()).unwrap().iter() {
+        for (parameter, value) in scene.check(&hypertexture::shader::shipped()).unwrap().iter() {
             let line = about.lines().find(|line| line.trim_start().starts_with(&format!("{} ", parameter.name)));
             let line = line.unwrap_or_else(|| panic!("{} of {name} is not listed", parameter.name));
             let value = match value {

@@ -6,13 +6,13 @@ mod common;
 mod program;
 
 use common::with_gpu;
-use hypertexture::compare::candidates::Sweep;
-use hypertexture::compare::{Settings, Stage, compare};
-use hypertexture::glsl;
 use hypertexture::gpu::Format;
-use hypertexture::reference::Reference;
+use hypertexture::measure::compare::candidates::Sweep;
+use hypertexture::measure::compare::{Settings, Stage, compare};
+use hypertexture::measure::reference::Reference;
 use hypertexture::render::render;
 use hypertexture::scene::{Integration, Pass, Repeat, Scene, preset};
+use hypertexture::shader;
 use program::{interrupt, run};
 use std::collections::HashMap;
 use std::fs;
@@ -110,7 +110,7 @@ fn plain(scene: &Scene, light: f64) -> Reference {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn errors_are_those_against_the_reference_and_a_missing_reference_is_a_failure() {
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         let mut scene = preset("fire").unwrap();
         (scene.object.input, scene.image.size) = ("sphere".into(), [24, 24]);
         let subject = common::subject(&scene, &library);
@@ -145,7 +145,7 @@ fn errors_are_those_against_the_reference_and_a_missing_reference_is_a_failure()
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn more_samples_of_segments_turn_the_normals_less() {
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         let mut scene = preset("lit").unwrap();
         (scene.object.input, scene.image.size) = ("torus".into(), [48, 48]);
         let subject = common::subject(&scene, &library);
@@ -154,7 +154,7 @@ fn more_samples_of_segments_turn_the_normals_less() {
         let mut refer = |scene: &Scene| Ok(Arc::new(dark(scene)));
         let found = compare(stage, &scene, &Settings { sweep, repeat: 1 }, &mut refer, &|_| ()).unwrap();
         let angle = |integration, samples| {
-            let is = |c: &hypertexture::compare::candidates::Candidate| {
+            let is = |c: &hypertexture::measure::compare::candidates::Candidate| {
                 (c.curve().pass, c.curve().integration, c.samples()) == (Pass::March, integration, samples)
             };
             found.rows.iter().find(|row| is(&row.candidate)).unwrap().normals.unwrap().mean
@@ -189,7 +189,7 @@ fn m56_m57_a_full_comparison_has_every_strategy_and_every_column_of_table_3() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success() && said.is_empty(), "{said}");
     let all = rows(&desk.path().join("r/candidates.csv"));
-    for strategy in glsl::shipped().modules("turbulence") {
+    for strategy in shader::shipped().modules("turbulence") {
         assert!(all.iter().any(|row| row["strategy"].split('+').next() == Some(strategy)), "{strategy} is missing");
     }
     let page = fs::read_to_string(desk.path().join("r/index.html")).unwrap();

@@ -4,12 +4,12 @@ mod common;
 
 use common::{homogeneous, picture, rays, subject, with_gpu};
 use glam::DVec3;
-use hypertexture::compare::metrics::normal_angles;
-use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
+use hypertexture::measure::compare::metrics::normal_angles;
 use hypertexture::noise::Lattice;
 use hypertexture::render::Frame;
 use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
+use hypertexture::shader::{self, Library};
 
 /// Half the side of the square that is looked at, a little less than the face of the cube.
 const SIDE: f64 = 0.99;
@@ -50,7 +50,7 @@ fn m41_the_planes_of_noise_and_of_its_gradient_are_those_of_the_lattice() {
         DVec3::new(along(0), along(1), along(2))
     };
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         // What a block of four texels a cell loses, and what rounding loses where noise is computed in place.
         for (noise, period, value, direction) in [("procedural", 1 << 20, 2e-5, 2e-3), ("block", 16, 0.06, 0.35)] {
             let show = |surface: &str| {
@@ -100,7 +100,7 @@ fn m46_a_larger_k_is_a_milder_bump_and_opposite_normals_leave_that_of_the_volume
                     vec3 surface(Sample s) {\n\
                     float k = 10.0 + 10.0 * s.x.y;\n\
                     return 0.5 + 0.5 * bumpmap(V, -(k * V), k);\n}\n";
-    let library = glsl::shipped().with_module("surface", "probe", text).with_module("surface", "opposite", opposite);
+    let library = shader::shipped().with_module("surface", "probe", text).with_module("surface", "opposite", opposite);
     let (v, u) = (DVec3::new(1.0, 2.0, 2.0) / 3.0, DVec3::new(2.0, 1.0, -2.0) / 3.0);
     with_gpu(|gpu| {
         for ([x, y], color) in face(gpu, &library, "probe", |_| ()) {

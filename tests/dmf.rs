@@ -9,9 +9,9 @@ mod seen;
 use common::{box_subject, homogeneous, picture, rays, subject, with_gpu};
 use glam::{DVec3, Vec3};
 use hypertexture::field::{DistanceField, Grid};
-use hypertexture::glsl;
 use hypertexture::render::Subject;
 use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
+use hypertexture::shader;
 use lattice::noise;
 use seen::{seen, seen_with, set, worst};
 
@@ -63,7 +63,7 @@ fn m50_each_layer_has_the_density_of_its_own_width_and_what_follows_it_is_of_tha
          float d = at.density > 0.0 ? modulate(at.density, at) : 0.0;\n    \
          return vec3(layer(0, a), layer(1, b), d);\n}}"
     );
-    let library = glsl::shipped().with_module("dmf", "thin", THIN).with_module("dmf", "wide", WIDE);
+    let library = shader::shipped().with_module("dmf", "thin", THIN).with_module("dmf", "wide", WIDE);
     with_gpu(|gpu| {
         let seen = seen_with(gpu, &library, &text, |scene| {
             soft(scene, &["thin", "wide", "biased"]);
@@ -119,7 +119,7 @@ fn m50_each_layer_has_its_own_color_and_opacity_and_its_shadow_that_opacity_too(
         medium("red", "1.0, 0.0, 0.0", ""),
         medium("blue", "0.0, 0.0, 1.0", "float extinction(Sample s, float density) { return 0.25; }\n"),
     ];
-    let library = glsl::shipped()
+    let library = shader::shipped()
         .with_module("dmf", "thin", &THIN.replace("s.density * density", "0.5"))
         .with_module("dmf", "wide", WIDE.replace("0.5 * density", "0.25").as_str())
         .with_module("medium", "red", &red)
@@ -162,7 +162,7 @@ fn glsl_medium(text: &str, name: &str) -> (String, String) {
 #[test]
 fn m50_the_soft_region_is_as_wide_as_the_widest_layer() {
     let mut scene = preset("burning_bush").unwrap();
-    let outer = |scene: &Scene| scene.check(&glsl::shipped()).unwrap().outer_iso();
+    let outer = |scene: &Scene| scene.check(&shader::shipped()).unwrap().outer_iso();
     let width = |scene: &Scene, parameter: &str| match scene.parameters[parameter] {
         ParameterValue::Number(width) => width,
         ParameterValue::Color(_) => f32::NAN,
@@ -228,7 +228,7 @@ fn p31_fur_is_the_formula_of_1989() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p34_tribble_is_the_formula_of_1989_and_at_its_root_a_hair_is_straight() {
     let shift = {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         let text = library.source("vector_noise.glsl").unwrap();
         let numbers = text.split_once("NOISE_SHIFT = vec3(").unwrap().1.split_once(')').unwrap().0;
         DVec3::from_slice(&numbers.split(',').map(|number| number.trim().parse().unwrap()).collect::<Vec<f64>>())
@@ -266,7 +266,7 @@ fn p34_tribble_is_the_formula_of_1989_and_at_its_root_a_hair_is_straight() {
 fn g04_noise_changes_the_opacity_after_the_transfer_map() {
     let half =
         "// Half.\n// Source: a test.\n// Result: density.\nfloat half_full(float density, Sample s) { return 0.5; }\n";
-    let library = glsl::shipped().with_module("dmf", "half_full", half);
+    let library = shader::shipped().with_module("dmf", "half_full", half);
     with_gpu(|gpu| {
         let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
         soft(&mut scene, &["half_full"]);
@@ -358,7 +358,7 @@ fn p40_more_gain_forces_less_amplitude_so_that_the_steepest_slope_stays() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p04_a_dmf_changes_with_what_its_kind_says_and_with_nothing_else() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for dmf in library.modules("dmf") {
             let text = format!(
@@ -372,9 +372,9 @@ fn p04_a_dmf_changes_with_what_its_kind_says_and_with_nothing_else() {
             let seen = seen(gpu, &text, |scene| scene.effect.project = "gradient".into());
             let changes = |channel: usize| seen.iter().filter(|(_, color)| color[channel] > 1e-3).count() > 100;
             let found = match (changes(0), changes(1)) {
-                (false, false) => glsl::Kind::PositionIndependent,
-                (true, false) => glsl::Kind::PositionDependent,
-                (_, true) => glsl::Kind::GeometryDependent,
+                (false, false) => shader::Kind::PositionIndependent,
+                (true, false) => shader::Kind::PositionDependent,
+                (_, true) => shader::Kind::GeometryDependent,
             };
             assert_eq!(library.kind(dmf).unwrap(), found, "{dmf}");
         }
@@ -389,7 +389,7 @@ const HELD: usize = 24;
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn g05_a_perturbed_lookup_gives_a_coarse_field_detail_that_it_cannot_hold() {
     let library =
-        glsl::shipped().with_module("surface", "depth_probe", "vec3 surface(Sample s) { return vec3(s.x.z); }");
+        shader::shipped().with_module("surface", "depth_probe", "vec3 surface(Sample s) { return vec3(s.x.z); }");
     // Depths along a circle of radius 1/2 on a ball: a field of so many voxels, looked up at places moved so far.
     let depths = |gpu: &hypertexture::gpu::Gpu, resolution: u32, perturbation: f32| {
         let mut scene = homogeneous("sphere", 1.0, Projection::Parallel);
@@ -456,7 +456,7 @@ fn g05_a_perturbed_lookup_gives_a_coarse_field_detail_that_it_cannot_hold() {
 
 #[test]
 fn s01_5_the_tank_is_five_objects_in_their_places_with_parameters_of_their_own() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let mut scene = preset("tank").unwrap();
     scene.object.resolution = 64;
     scene.parts.values_mut().for_each(|part| part.object.resolution = 64);
@@ -474,7 +474,7 @@ fn s01_5_the_tank_is_five_objects_in_their_places_with_parameters_of_their_own()
     assert!(gun.0.x < turret.1.x && gun.1.x > hull.1.x && gun.1.y < turret.1.y, "the gun looks out of the turret");
     assert!(tracks.0.y < hull.0.y - 0.1 && near(tracks.0.z, -tracks.1.z) && tracks.1.z < hull.1.z, "tracks carry it");
     assert!(wheels.0.cmpgt(tracks.0).all() && wheels.1.cmplt(tracks.1).all(), "wheels are in the tracks");
-    let variant = hypertexture::variant::Variant::of(&scene, &library).unwrap();
+    let variant = hypertexture::render::variant::Variant::of(&scene, &library).unwrap();
     let parameters: Vec<String> = variant.all_parameters().map(|(name, ..)| name).collect();
     for parameter in ["ball_radius", "parts.turret.height_from", "parts.gun.ball_radius", "parts.tracks.bump_scale"] {
         assert!(parameters.iter().any(|name| name == parameter), "{parameter} is none of {parameters:?}");

@@ -1,9 +1,9 @@
 //! The exact evaluator: operations against Rust's f64, control flow, images, and every program that ships.
 
 use hypertexture::exact::{BoundProgram, Inputs, Interval, Lanes, Number, Program, Texture, Wrap};
-use hypertexture::glsl::{self, Library, Linker, Slots, Stage};
+use hypertexture::render::variant::Variant;
 use hypertexture::scene::{self, Pass};
-use hypertexture::variant::Variant;
+use hypertexture::shader::{self, Library, Linker, Slots, Stage};
 use std::collections::BTreeMap;
 
 /// A fragment stage whose output is computed by `body` from `x`, a vec4 that comes from the vertex stage.
@@ -456,7 +456,7 @@ fn a_loop_without_a_bound_gives_the_whole_line() {
 
 #[test]
 fn every_program_of_every_preset_lowers() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     for name in scene::names() {
         let mut scene = scene::preset(name).unwrap();
         let own = scene.quality.pass;

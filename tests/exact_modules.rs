@@ -7,9 +7,9 @@ mod probe;
 
 use common::with_gpu;
 use hypertexture::exact::{Interval, Lanes};
-use hypertexture::glsl::{self, Library, Slots};
+use hypertexture::render::variant::Variant;
 use hypertexture::scene;
-use hypertexture::variant::Variant;
+use hypertexture::shader::{self, Library, Slots};
 use probe::Probe;
 use std::collections::BTreeMap;
 
@@ -92,7 +92,7 @@ fn each(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
 /// Every folder of modules is in the table, but those that only the vertex stage and slices have, with their light.
 #[test]
 fn no_slot_is_left_out() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let others = ["proxy", "sampling", "reject", "scatter", "doctor"];
     let folders = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/glsl")).unwrap();
     for folder in folders.map(|entry| entry.unwrap()).filter(|entry| entry.path().is_dir()) {
@@ -161,7 +161,7 @@ fn allowed(given: &Probe, pixels: &[u32], factor: f64) -> Vec<f64> {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn f64_agrees_with_the_device_on_every_module_and_preset() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let mut failed = Vec::new();
     with_gpu(|gpu| {
         each(&library, |name, text, choice, slot| {
@@ -233,7 +233,7 @@ const POINTS: usize = 24;
 
 #[test]
 fn intervals_hold_what_their_points_give_on_every_module_and_preset() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let mut random = Random(7);
     let mut total = 0;
     each(&library, |name, text, choice, slot| {

@@ -3,14 +3,14 @@
 mod common;
 
 use common::{difference, formula, homogeneous, picture, with_gpu};
-use hypertexture::glsl::{self, ParameterKind};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, render};
 use hypertexture::scene::{EFFECTS, ParameterValue, Projection, Proxy, Scene, preset};
+use hypertexture::shader::{self, ParameterKind};
 
 /// Renders a scene whose object is a formula; a value that is not finite is an error of the renderer.
 fn finite(gpu: &Gpu, scene: &Scene) -> Frame {
-    picture(gpu, &glsl::shipped(), scene, &formula(scene))
+    picture(gpu, &shader::shipped(), scene, &formula(scene))
 }
 
 fn soft(softness: &str, inner: f32, outer: f32) -> Scene {
@@ -106,7 +106,7 @@ fn the_eye_may_be_inside_the_object() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p36_every_parameter_may_stand_at_either_end() {
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         let mut tried = 0;
         for name in EFFECTS {
             let mut scene = preset(name).unwrap_or_else(|error| panic!("{error}"));
@@ -156,7 +156,7 @@ fn far_times_lights_and_views_are_finite() {
                 scene.image.size = [16, 16];
                 scene.quality.samples = 32;
                 change(&mut scene);
-                let result = render(gpu, &glsl::shipped(), &scene, &formula(&scene));
+                let result = render(gpu, &shader::shipped(), &scene, &formula(&scene));
                 assert!(result.is_ok(), "{name}, {what}: {}", result.err().map_or_else(String::new, |e| e.to_string()));
             }
         }

@@ -4,8 +4,8 @@
 mod common;
 
 use common::{picture, subject, with_gpu};
-use hypertexture::glsl;
 use hypertexture::scene::{Scene, names, preset};
+use hypertexture::shader;
 
 fn small(name: &str) -> Scene {
     let mut scene = preset(name).unwrap();
@@ -19,7 +19,7 @@ fn small(name: &str) -> Scene {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p01_no_figure_has_an_opacity_outside_of_0_to_1_and_each_has_something_to_see() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for name in names() {
             let scene = small(name);
@@ -34,7 +34,7 @@ fn p01_no_figure_has_an_opacity_outside_of_0_to_1_and_each_has_something_to_see(
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn no_preset_is_cut_off_by_the_border_of_its_picture() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         let mut cut = Vec::new();
         for name in names() {
@@ -66,7 +66,7 @@ fn apart(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn g03_what_moves_neither_pops_nor_flickers() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         // Fur stands still: the eye turns around it, as with --turntable.
         for (name, object) in [("fur", "torus"), ("fire", "torus"), ("smoke", "torus"), ("flow", ""), ("fire_ball", "")]
@@ -103,7 +103,7 @@ fn g03_what_moves_neither_pops_nor_flickers() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p29_a_soft_shell_has_the_solid_texture_of_the_surface_below() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         let of = |medium: &str| {
             let mut scene = preset("eroded_cube").unwrap();
@@ -132,7 +132,7 @@ fn p29_a_soft_shell_has_the_solid_texture_of_the_surface_below() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn g03_what_moves_changes_with_time_and_what_is_still_does_not() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for (name, moves) in [
             ("fire", true),
@@ -156,7 +156,7 @@ fn g03_what_moves_changes_with_time_and_what_is_still_does_not() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p03_sphere_cube_and_torus_have_soft_versions() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for object in ["sphere", "cube", "torus"] {
             let covered = |softness: &str| {

@@ -5,18 +5,18 @@ mod common;
 use common::{formula, homogeneous, picture, rays, subject, with_gpu};
 use glam::{DMat3, DVec3, Vec3};
 use hypertexture::field::{DistanceField, Grid};
-use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::noise::{Lattice, Period, Weights};
 use hypertexture::render::{Frame, Subject};
 use hypertexture::scene::{Projection, Scene, Source};
+use hypertexture::shader::{self, Library};
 
 /// An opaque cube seen along -z in parallel projection, its face colored by a module.
 fn probe(module: &str, text: &str) -> (Scene, Library) {
     let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
     scene.effect.classify = "surface".into();
     scene.effect.surface = module.into();
-    (scene, glsl::shipped().with_module("surface", module, text))
+    (scene, shader::shipped().with_module("surface", module, text))
 }
 
 /// What a picture has where the front face is, with its place on it.
@@ -92,7 +92,7 @@ fn m12_a_stack_of_three_dmfs_is_their_composition() {
         ("square", include_str!("glsl/square.glsl")),
     ];
     let library =
-        dmfs.into_iter().fold(glsl::shipped(), |library, (name, text)| library.with_module("dmf", name, text));
+        dmfs.into_iter().fold(shader::shipped(), |library, (name, text)| library.with_module("dmf", name, text));
     let apply = |name: &str, density: f64| match name {
         "halve" => 0.5 * density,
         "raise" => density + 0.3,

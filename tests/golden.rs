@@ -8,11 +8,11 @@
 
 mod common;
 
-use hypertexture::glsl;
 use hypertexture::gpu::Gpu;
 use hypertexture::output::{self, Depth, Provenance};
 use hypertexture::render::{Subject, render};
 use hypertexture::scene::{self, Color, Scene};
+use hypertexture::shader;
 use image::{Rgb, RgbImage};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -197,7 +197,7 @@ fn scene_of(name: &str, text: &str) -> Scene {
 
 /// Renders a scene as a person gets it: through the writer of pictures.
 fn picture(gpu: &Gpu, scene: &Scene) -> RgbImage {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let subject = Subject::load(scene, &library, &|_| {}).unwrap();
     let frame = render(gpu, &library, scene, &subject).unwrap();
     let folder = tempfile::tempdir().unwrap();

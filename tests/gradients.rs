@@ -3,8 +3,8 @@
 mod common;
 
 use common::{homogeneous, picture, subject, with_gpu};
-use hypertexture::glsl;
 use hypertexture::scene::{Color, ParameterValue, Pass, Projection, Scene, preset};
+use hypertexture::shader;
 
 const GRADIENTS: [&str; 3] = ["analytic", "central", "three"];
 
@@ -28,7 +28,7 @@ fn p41_three_samples_are_of_first_order_and_six_of_second() {
             float r = length(s.x);\n\
             return vec3(length(cross(s.shading, s.x / r)), r > 0.65 && r < 0.95 ? 1.0 : 0.0, 0.0);\n\
         }\n";
-    let library = glsl::shipped().with_module("medium", "angle", angle);
+    let library = shader::shipped().with_module("medium", "angle", angle);
     with_gpu(|gpu| {
         for (projection, stretch) in [
             (Projection::Parallel, [1.0; 3]),
@@ -87,7 +87,7 @@ fn p42_a_gradient_is_asked_for_only_where_the_density_lies_between_0_and_1() {
              }}\n"
         )
     };
-    let library = glsl::shipped()
+    let library = shader::shipped()
         .with_module("gradient", "count", count)
         .with_module("dmf", "tally", tally)
         .with_module("classify", "gradients", &counting("gradients"))
@@ -122,7 +122,7 @@ fn p43_differences_see_the_relief_that_a_dmf_makes() {
     let bumps = "// Bumps.\n// Source: -\n// @outer bump_reach\n// @param bump_reach = 0.3 in [0, 1]: Reach.\n\
         #include <noise>\n\
         float bumps(float density, Sample s) { return clamp(6.0 * (density - 0.5 - noise(6.0 * s.x)), 0.0, 1.0); }\n";
-    let library = glsl::shipped().with_module("dmf", "bumps", bumps);
+    let library = shader::shipped().with_module("dmf", "bumps", bumps);
     with_gpu(|gpu| {
         let contrast = GRADIENTS.map(|gradient| {
             let mut scene = preset("fur").expect("a shipped preset");
@@ -155,7 +155,7 @@ fn p43_what_a_dmf_leaves_for_the_medium_survives_every_probe() {
          Sample beside = sample_object(s.x + vec3(0.05, 0.02, 0.03));\n    \
          float there = modulate(beside.density, beside);\n    \
          return vec3(distance(s.hair_normal, left(s.x)), distance(s.hair_tangent, left(2.0 * s.x)), 0.5 + 1e-6 * there);\n}\n";
-    let library = glsl::shipped().with_module("dmf", "leaves", &dmf).with_module("medium", "told", medium);
+    let library = shader::shipped().with_module("dmf", "leaves", &dmf).with_module("medium", "told", medium);
     with_gpu(|gpu| {
         for gradient in ["analytic", "central", "three"] {
             for rate in [3.0, 200.0] {

@@ -4,9 +4,9 @@ mod common;
 
 use common::{Level, Ray, box_subject, difference, errors, formula, homogeneous, picture, subject, with_gpu};
 use glam::{DVec3, Vec3};
-use hypertexture::glsl::{self, Library};
 use hypertexture::render::{Subject, render};
 use hypertexture::scene::{Color, LightMethod, Projection, Scene, parse, preset};
+use hypertexture::shader::{self, Library};
 
 /// The library with a look that shows the light that reaches a place, and a DMF of a blade above a thin veil.
 fn library() -> Library {
@@ -16,7 +16,7 @@ fn library() -> Library {
                  float blade(float density, Sample s) {\n    \
                  if (abs(s.x.z - 0.5) < 0.5 * step_size) return s.x.x < 0.0 ? 1.0 : 0.0;\n    \
                  return abs(s.x.z + 0.5) < 0.5 * step_size ? 0.9 : 0.0;\n}\n";
-    glsl::shipped().with_module("surface", "seen", seen).with_module("dmf", "blade", blade)
+    shader::shipped().with_module("surface", "seen", seen).with_module("dmf", "blade", blade)
 }
 
 /// Homogeneous matter that shows the light in it.
@@ -149,7 +149,7 @@ fn g13_the_blur_of_scattered_light_grows_with_the_root_of_the_way() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn g13_slices_give_the_light_of_the_shadow_volume() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for (effect, medium, input) in
             [("fur", "hair", "torus"), ("clouds", "translucent", "sphere"), ("lit", "material", "torus")]
@@ -178,7 +178,7 @@ fn g13_slices_give_the_light_of_the_shadow_volume() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn g13_a_light_in_the_scene_is_refused() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         let mut scene = preset("wax").expect("a shipped preset");
         (scene.object.input, scene.image.size, scene.light.position) = ("sphere".into(), [16, 16], [0.5, 0.2, 0.1]);
@@ -193,7 +193,7 @@ fn g13_a_light_in_the_scene_is_refused() {
 fn g13_what_cannot_be_had_is_refused() {
     let refusal = |text: &str| {
         let scene = parse(&format!("preset = 'wax'\n{text}"), "test").expect("a scene");
-        scene.check(&glsl::shipped()).expect_err("it is refused").to_string()
+        scene.check(&shader::shipped()).expect_err("it is refused").to_string()
     };
     let rays = refusal("quality.pass = 'march'");
     assert_eq!(rays, "light.method = \"half_angle\": needs quality.pass = \"slices\"; rays take \"volume\"");

@@ -4,10 +4,10 @@
 mod common;
 
 use common::{picture, subject, with_gpu};
-use hypertexture::glsl;
 use hypertexture::gpu::Gpu;
 use hypertexture::render::ignored;
 use hypertexture::scene::{Pass, Scene, preset};
+use hypertexture::shader;
 
 /// Every field that a hand may set, with a value that no scene here has.
 const FIELDS: [(&str, &str); 58] = [
@@ -87,7 +87,7 @@ fn scene(effect: &str, object: &str, change: impl FnOnce(&mut Scene)) -> Scene {
 
 /// Whether pictures with and without each field are equal, against what is said.
 fn check(gpu: &Gpu, name: &str, base: &Scene) {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let plain = picture(gpu, &library, base, &subject(base, &library));
     let (mut said, mut wrong) = (Vec::new(), Vec::new());
     for (field, value) in FIELDS {
@@ -126,7 +126,7 @@ fn what_is_ignored_is_what_changes_no_bit() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn what_is_ignored_in_glass_and_in_sums_of_noise() {
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         let said = |base: &Scene, field: &str, value: &str| {
             let mut set = base.clone();
             set.set_field(field, value).unwrap();
@@ -150,7 +150,7 @@ fn what_is_ignored_in_glass_and_in_sums_of_noise() {
 
 #[test]
 fn nothing_is_said_of_what_was_not_set_or_only_makes_it_sooner() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let base = scene("fire", "sphere", |s| s.quality.pass = Pass::March);
     let subject = subject(&base, &library);
     assert!(ignored(&library, &subject, &base, &base).is_empty());

@@ -3,9 +3,9 @@
 mod common;
 
 use common::{formula, homogeneous, picture, subject, with_gpu};
-use hypertexture::glsl;
 use hypertexture::render::Frame;
 use hypertexture::scene::{EFFECTS, EmptySpace, LightMethod, Pass, Projection, RayPath, Scene, names, preset};
+use hypertexture::shader;
 
 /// Part of the pixels that differ by more than `bound` in a channel, and the largest difference of the others.
 fn compare(a: &Frame, b: &Frame, bound: f32) -> (f64, f32) {
@@ -42,7 +42,7 @@ fn both(scene: &Scene) -> [Scene; 2] {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m61_rays_and_slices_give_the_same_picture_of_every_figure() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for name in names() {
             let scene = small(name);
@@ -61,7 +61,7 @@ fn m61_rays_and_slices_give_the_same_picture_of_every_figure() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m61_skipping_changes_no_bit_of_any_figure_whose_rays_are_straight() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for name in names() {
             let mut scene = small(name);
@@ -85,7 +85,7 @@ fn m61_skipping_changes_no_bit_of_any_figure_whose_rays_are_straight() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m61_rays_and_slices_give_the_same_picture_of_every_effect() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for effect in EFFECTS.into_iter().chain(["shells"]) {
             for (object, projection) in
@@ -112,7 +112,7 @@ fn m61_rays_and_slices_give_the_same_picture_of_every_effect() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p44_soft_matter_is_the_same_to_the_rounding_of_f32() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         let mut scene = homogeneous("sphere", 3.0, Projection::Perspective);
         scene.effect.softness = "quadratic".into();
@@ -128,7 +128,7 @@ fn p44_soft_matter_is_the_same_to_the_rounding_of_f32() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p46_an_early_end_changes_no_pixel_by_more_than_it_says() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         let mut scene = homogeneous("sphere", 6.0, Projection::Parallel);
         scene.quality.pass = Pass::March;
@@ -148,7 +148,7 @@ fn p46_an_early_end_changes_no_pixel_by_more_than_it_says() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p37_rays_start_at_the_eye_when_it_is_inside_the_volume() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         let mut scene = homogeneous("sphere", 1.0, Projection::Perspective);
         scene.camera.zoom = 8.0;
@@ -163,7 +163,7 @@ fn p37_rays_start_at_the_eye_when_it_is_inside_the_volume() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m61_skipping_changes_no_bit_of_any_picture() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for effect in EFFECTS.into_iter().chain(["shells"]) {
             for (object, samples) in [("torus", 64), ("torus", 400), ("knot", 128)] {

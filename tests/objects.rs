@@ -4,13 +4,13 @@ mod common;
 
 use common::{difference, homogeneous, picture, rays, with_gpu};
 use glam::DVec3;
-use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::scene::{self, Boolean, EmptySpace, ParameterValue, Part, Pass, Projection, Scene, Transform};
+use hypertexture::shader::{self, Library};
 
 fn library() -> Library {
     let modules = [("level", include_str!("glsl/level.glsl")), ("halve", include_str!("glsl/halve.glsl"))];
-    modules.into_iter().fold(glsl::shipped(), |library, (name, text)| library.with_module("dmf", name, text))
+    modules.into_iter().fold(shader::shipped(), |library, (name, text)| library.with_module("dmf", name, text))
 }
 
 /// Cubes that fill the same place with one density each, combined.
@@ -114,7 +114,7 @@ fn pair(softness: f32, boolean: Boolean) -> Scene {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p10_a_fillet_is_as_wide_as_the_soft_regions() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         // Matter that the product adds to the maximum, summed over the picture: a band whose width, height and depth
         // all grow with the softness.
@@ -134,7 +134,7 @@ fn p10_a_fillet_is_as_wide_as_the_soft_regions() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m63_a_placed_object_is_where_and_as_large_as_its_place_says() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let (center, radius, rate) = (DVec3::new(0.3, -0.2, 0.1), 0.3, 3.0);
     let mut scene = homogeneous("cube", rate as f32, Projection::Parallel);
     let mut part = Part {
@@ -182,7 +182,7 @@ fn ensemble() -> Scene {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m63_objects_with_effects_of_their_own_give_one_picture_in_both_passes_and_leaping_changes_no_bit() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for boolean in [Boolean::Algebraic, Boolean::Minmax] {
             let mut scene = ensemble();
@@ -256,14 +256,15 @@ fn m49_a_dmf_acts_where_its_mask_says() {
 
 #[test]
 fn an_error_in_a_module_of_a_further_object_names_object_module_and_line() {
-    let library = glsl::shipped().with_module("dmf", "bad", "float bad(float density, Sample s) {\n    return qq;\n}");
+    let library =
+        shader::shipped().with_module("dmf", "bad", "float bad(float density, Sample s) {\n    return qq;\n}");
     let mut scene = levels("main | b", Boolean::Algebraic, &[("main", 1.0), ("b", 1.0)]);
     scene.effect.dmf.clear();
     scene.parameters.clear();
     let part = scene.parts.get_mut("b").expect("it was made");
     part.effect.dmf = vec!["bad".into()];
     part.parameters.clear();
-    let variant = hypertexture::variant::Variant::of(&scene, &library).expect("the modules exist");
-    let error = variant.program(&library, hypertexture::glsl::Linker::new).expect_err("qq is nothing").to_string();
+    let variant = hypertexture::render::variant::Variant::of(&scene, &library).expect("the modules exist");
+    let error = variant.program(&library, hypertexture::shader::Linker::new).expect_err("qq is nothing").to_string();
     assert!(error.contains("b:dmf/bad.glsl:2: error: 'qq'"), "{error}");
 }

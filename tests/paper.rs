@@ -6,16 +6,16 @@ mod common;
 mod program;
 
 use common::{subject, with_gpu};
-use hypertexture::compare::Stage;
-use hypertexture::compare::paper::Cell;
-use hypertexture::compare::paper::measure::replay;
-use hypertexture::compare::paper::replay::{Plan, paper_quality};
-use hypertexture::glsl;
 use hypertexture::gpu::Format;
-use hypertexture::reference::Reference;
+use hypertexture::measure::compare::Stage;
+use hypertexture::measure::compare::paper::Cell;
+use hypertexture::measure::compare::paper::measure::replay;
+use hypertexture::measure::compare::paper::replay::{Plan, paper_quality};
+use hypertexture::measure::reference::Reference;
 use hypertexture::render::render;
+use hypertexture::render::variant::Variant;
 use hypertexture::scene::{Order, Pass, Proxy, Quality, Reject, Scene, TargetFormat, preset};
-use hypertexture::variant::Variant;
+use hypertexture::shader;
 use program::{interrupt, run};
 use serde_json::Value;
 use std::fs;
@@ -117,7 +117,7 @@ fn dark(scene: &Scene) -> Reference {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m57_every_window_is_drawn_with_its_sampling_and_what_fails_is_one_cell() {
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         let mut scene = preset("lit").unwrap();
         scene.object.input = "sphere".into();
         scene.quality = Quality { samples: 8, ..paper_quality(&scene.quality) };
@@ -158,7 +158,7 @@ fn m57_every_window_is_drawn_with_its_sampling_and_what_fails_is_one_cell() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m58_fragments_that_are_kept_with_alpha_0_change_no_bit_of_a_picture() {
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         let ways = [
             (TargetFormat::Unorm8, Order::FrontToBack, Proxy::Quads, 1),
             (TargetFormat::Float32, Order::BackToFront, Proxy::Polygons, 1),

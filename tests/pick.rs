@@ -1,15 +1,18 @@
 //! `--max-error`: what is picked keeps its bound against the f64 reference of the whole picture.
 
 mod common;
+#[path = "../src/support/random.rs"]
+#[allow(dead_code, reason = "the tests use a part of it")]
+mod random;
 
 use common::{picture, subject, with_gpu};
-use hypertexture::compare::Stage;
-use hypertexture::glsl::{self, ParameterKind};
-use hypertexture::pick::{ErrorBound, Metric, PickError, pick};
-use hypertexture::random::SplitMix;
-use hypertexture::reference::{reference_pixels, truth_of};
+use hypertexture::measure::compare::Stage;
+use hypertexture::measure::pick::{ErrorBound, Metric, PickError, pick};
+use hypertexture::measure::reference::{reference_pixels, truth_of};
+use hypertexture::render::variant::Variant;
 use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
-use hypertexture::variant::Variant;
+use hypertexture::shader::{self, ParameterKind};
+use random::SplitMix;
 
 fn within(random: &mut SplitMix, low: f64, high: f64) -> f64 {
     low + (high - low) * random.unit()
@@ -32,7 +35,7 @@ fn random_scene(random: &mut SplitMix) -> Scene {
     scene.camera.projection =
         if random.next().is_multiple_of(2) { Projection::Parallel } else { Projection::Perspective };
     scene.effect.turbulence = one(random, &["encoded", "hybrid", "procedural", "lookups8", "channels"]).into();
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let variant = Variant::of(&scene, &library).expect("a valid scene");
     for (name, parameter, _) in variant.all_parameters() {
         let ParameterKind::Number(_, [low, high]) = parameter.kind else { continue };
@@ -47,7 +50,7 @@ fn random_scene(random: &mut SplitMix) -> Scene {
 
 /// Root of the mean square error of a picture, and the error of the reference, all of its pixels looked at.
 fn rmse(gpu: &hypertexture::gpu::Gpu, scene: &Scene) -> f64 {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let subject = subject(scene, &library);
     let frame = picture(gpu, &library, scene, &subject);
     let [width, height] = scene.image.size;
@@ -70,7 +73,7 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
     let mut random = SplitMix(33);
     let (mut picked, mut refused, mut worst) = (0, 0, 0f64);
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         for index in 0..count {
             let scene = random_scene(&mut random);
             let error = 10f64.powf(within(&mut random, -2.7, -1.0));
@@ -98,7 +101,7 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_smaller_bound_is_no_cheaper_and_an_impossible_one_says_what_is_nearest() {
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         let mut scene = preset("noisy_sphere").unwrap();
         scene.image.size = [48, 48];
         let subject = subject(&scene, &library);

@@ -4,9 +4,9 @@ mod common;
 
 use common::{picture, subject, with_gpu};
 use glam::Vec3;
-use hypertexture::glsl;
 use hypertexture::gpu::Gpu;
 use hypertexture::scene::{Pass, Scene, Source};
+use hypertexture::shader;
 use hypertexture::shape::Solid;
 
 const PROBE: &str = include_str!("glsl/foot_probe.glsl");
@@ -30,7 +30,7 @@ fn scene(input: &str, project: &str) -> Scene {
 fn feet(gpu: &Gpu, scene: &Scene) -> (Vec<(Vec3, Vec3)>, f32) {
     let mut scene = scene.clone();
     scene.effect.classify = "foot_probe".into();
-    let probe = |what| glsl::shipped().with_module("classify", "foot_probe", &PROBE.replace("WHAT", what));
+    let probe = |what| shader::shipped().with_module("classify", "foot_probe", &PROBE.replace("WHAT", what));
     let subject = subject(&scene, &probe("project(x, s)"));
     let [places, feet] = ["x", "project(x, s)"].map(|what| picture(gpu, &probe(what), &scene, &subject).pixels);
     let seen = places.iter().zip(&feet).filter(|(place, _)| place[3] > 0.5);

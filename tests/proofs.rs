@@ -4,14 +4,17 @@
 #[path = "common/probe.rs"]
 #[expect(dead_code, reason = "shared with tests that draw")]
 mod probe;
+#[path = "../src/support/random.rs"]
+#[allow(dead_code, reason = "the tests use a part of it")]
+mod random;
 
 use glam::DVec3;
 use hypertexture::exact::{Inputs, Lanes};
-use hypertexture::glsl::{self, ParameterKind};
-use hypertexture::random::SplitMix;
+use hypertexture::render::variant::{Use, Variant};
 use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
-use hypertexture::variant::{Use, Variant};
+use hypertexture::shader::{self, ParameterKind};
 use probe::Probe;
+use random::SplitMix;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
@@ -45,7 +48,7 @@ fn warped(stack: &[&str], random: &mut SplitMix) -> Scene {
     scene.parameters.clear();
     scene.effect.warp = stack.iter().map(|name| name.to_string()).collect();
     (scene.effect.noise, scene.effect.turbulence) = ("procedural".into(), "procedural".into());
-    let parameters = Variant::of(&scene, &glsl::shipped()).unwrap().parameters;
+    let parameters = Variant::of(&scene, &shader::shipped()).unwrap().parameters;
     for (parameter, _) in parameters.iter() {
         if let ParameterKind::Number(_, [low, high]) = parameter.kind {
             let high =
@@ -59,7 +62,7 @@ fn warped(stack: &[&str], random: &mut SplitMix) -> Scene {
 
 #[test]
 fn p24_no_warp_moves_a_lookup_or_lets_matter_grow_further_than_it_declares() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let text = format!(
         "{HEAD}#include <warp>\nvoid main() {{\n    vec3 x = point().xyz;\n    mat3 jacobian = mat3(1.0);\n    \
          displace(x, jacobian);\n    fragment = vec4(x, 1.0);\n}}\n"
@@ -171,7 +174,7 @@ fn p40_the_highlight_of_hair_is_the_cone_that_a_cylinder_mirrors() {
     let mut scene = preset("furry_donut").unwrap();
     scene.camera.projection = Projection::Parallel;
     scene.light.shadows = false;
-    let probe = Probe::new(&glsl::shipped(), &text, &scene.slots(), "medium", true).unwrap();
+    let probe = Probe::new(&shader::shipped(), &text, &scene.slots(), "medium", true).unwrap();
     let mut random = SplitMix(5);
     let (lights, tangents): (Vec<DVec3>, Vec<DVec3>) =
         (0..10_000).map(|_| (direction(&mut random), direction(&mut random))).unzip();

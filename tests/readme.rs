@@ -1,9 +1,9 @@
 //! What the README shows is true: its scene file, its module and its table of parameters.
 #![expect(clippy::unwrap_used, reason = "a test fails where the README is not as described")]
 
-use hypertexture::glsl::{self, Linker};
+use hypertexture::render::variant::Variant;
 use hypertexture::scene::{self, ParameterValue, Scene};
-use hypertexture::variant::Variant;
+use hypertexture::shader::{self, Linker};
 use std::fmt::Write;
 
 const README: &str = include_str!("../README.md");
@@ -17,13 +17,13 @@ fn block(language: &str) -> &'static str {
 #[test]
 fn the_scene_file_of_the_readme_is_valid() {
     let scene = scene::parse(block("toml"), "README.md").unwrap();
-    scene.check(&glsl::shipped()).unwrap();
+    scene.check(&shader::shipped()).unwrap();
     assert_eq!(scene.effect, scene::preset("fur").unwrap().effect);
 }
 
 #[test]
 fn the_module_of_the_readme_links_and_declares_its_parameters() {
-    let library = glsl::shipped().with_module("dmf", "ripples", block("glsl"));
+    let library = shader::shipped().with_module("dmf", "ripples", block("glsl"));
     let mut scene = Scene::default();
     let effect = &mut scene.effect;
     (effect.classify, effect.softness, effect.medium) = ("soft".into(), "linear".into(), "lit".into());
@@ -40,7 +40,7 @@ fn effects() -> String {
     let mut text = String::from(
         "# Effects, example scenes and their parameters\n\n`--set PARAMETER=VALUE`, or `[parameters]` in a scene file, changes one.\n",
     );
-    let library = glsl::shipped();
+    let library = shader::shipped();
     for name in scene::names() {
         let scene = scene::preset(name).unwrap();
         let variant = Variant::of(&scene, &library).unwrap();
@@ -49,10 +49,10 @@ fn effects() -> String {
         let mut rows = String::new();
         for (name, parameter, value) in variant.all_parameters() {
             let value = match (value, parameter.kind) {
-                (ParameterValue::Number(value), glsl::ParameterKind::Number(_, [low, high])) => {
+                (ParameterValue::Number(value), shader::ParameterKind::Number(_, [low, high])) => {
                     format!("{value} in [{low}, {high}]")
                 }
-                (ParameterValue::Number(value), glsl::ParameterKind::Color(_)) => value.to_string(),
+                (ParameterValue::Number(value), shader::ParameterKind::Color(_)) => value.to_string(),
                 (ParameterValue::Color(color), _) => String::from(*color),
             };
             writeln!(rows, "| `{name}` | {value} | {} |", parameter.doc).unwrap();

@@ -4,11 +4,11 @@ mod common;
 
 use common::{picture, subject, with_gpu};
 use glam::DVec3;
-use hypertexture::glsl::{self, Library};
-use hypertexture::reference::{TOLERANCE, reference_pixels, truth_of};
+use hypertexture::measure::reference::{TOLERANCE, reference_pixels, truth_of};
+use hypertexture::measure::verify::{self, AnalyticCase, rays};
 use hypertexture::render::Subject;
 use hypertexture::scene::{Curve, EFFECTS, Integration, Pass, Scene, names, preset};
-use hypertexture::verify::{self, AnalyticCase, rays};
+use hypertexture::shader::{self, Library};
 
 /// Light and estimate of every pixel.
 fn found(library: &Library, scene: &Scene, subject: &Subject, tolerance: f64) -> Vec<([f64; 4], f64)> {
@@ -46,7 +46,7 @@ fn closed_forms_hold_in_every_pixel_to_a_hundred_thousandth() {
 
 #[test]
 fn what_it_says_of_its_error_is_true() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     for (name, object) in [("fire", "sphere"), ("fur", "torus"), ("melting", "torus"), ("fractal_sphere", "sphere")] {
         let mut scene = preset(name).unwrap();
         scene.object.input = object.into();
@@ -70,7 +70,7 @@ fn what_it_says_of_its_error_is_true() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn the_device_comes_as_near_as_its_steps_allow_in_all_effects() {
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         for effect in EFFECTS {
             let mut scene = preset(effect).unwrap();
             scene.object.input = "torus".into();
@@ -102,7 +102,7 @@ fn the_device_comes_as_near_as_its_steps_allow_in_all_effects() {
 
 #[test]
 fn every_preset_has_a_reference() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     for name in names() {
         let mut scene = preset(name).unwrap();
         scene.object.resolution = scene.object.resolution.min(48);
@@ -146,7 +146,7 @@ fn p28_rays_that_bend_are_known_better_than_the_device_can() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p28_the_device_draws_the_glass_that_the_reference_has() {
     with_gpu(|gpu| {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         let mut scene = preset("blue_glass").unwrap();
         (scene.image.size, scene.quality.samples, scene.quality.msaa) = ([32, 32], 1024, 1);
         let subject = subject(&scene, &library);

@@ -4,11 +4,11 @@ mod common;
 
 use common::{Ray, picture, rays, subject, with_gpu};
 use glam::{DMat3, DVec3};
-use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
+use hypertexture::measure::verify::{self, TRUTHS, Truth, clear};
 use hypertexture::render::Subject;
 use hypertexture::scene::{Color, Curve, EmptySpace, ParameterValue, Pass, RayPath, Scene, preset};
-use hypertexture::verify::{self, TRUTHS, Truth, clear};
+use hypertexture::shader::{self, Library};
 
 /// The shipped modules and those of these tests.
 fn library() -> Library {
@@ -250,7 +250,7 @@ fn p28_a_smooth_index_keeps_the_invariant_of_bouguer() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p28_where_the_index_is_flat_rays_are_straight() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for effect in ["lit", "fur", "fire", "melting", "shells"] {
             for (object, clip) in [("torus", None), ("sphere", Some([0.0, 0.0, 1.0, 0.3]))] {
@@ -341,7 +341,7 @@ fn p28_what_cannot_bend_is_refused_in_one_line() {
     let refusal = |change: &dyn Fn(&mut Scene)| {
         let mut scene = preset("blue_glass").expect("a shipped preset");
         change(&mut scene);
-        scene.check(&glsl::shipped()).expect_err("must be refused").to_string()
+        scene.check(&shader::shipped()).expect_err("must be refused").to_string()
     };
     assert_eq!(
         refusal(&|s| s.quality.pass = Pass::Slices),

@@ -3,9 +3,9 @@
 mod common;
 
 use common::{difference, formula, homogeneous, picture, subject, with_gpu};
-use hypertexture::glsl;
 use hypertexture::render::{Frame, Renderer};
 use hypertexture::scene::{EmptySpace, Integration, Order, Pass, Phases, Projection, Scene, TargetFormat, preset};
+use hypertexture::shader;
 
 /// The front face of the cube in turbulence that is clamped by the step.
 fn face(bandlimit: &str) -> Scene {
@@ -24,7 +24,7 @@ fn p39_octaves_fade_without_a_jump_as_the_step_grows() {
     let stop = "// A hard end: the control.\n// Source: PH 3.1.\n// Result: 0 or 1.\n\
         float sample_width() { return step_size * path_scale(); }\n\
         float octave_weight(float cells) { return cells < 0.5 ? 1.0 : 0.0; }\n";
-    let library = glsl::shipped().with_module("surface", "octaves", octaves).with_module("bandlimit", "stop", stop);
+    let library = shader::shipped().with_module("surface", "octaves", octaves).with_module("bandlimit", "stop", stop);
     with_gpu(|gpu| {
         let jumps = ["none", "clamp", "stop"].map(|bandlimit| {
             let mut scene = face(bandlimit);
@@ -60,7 +60,7 @@ fn p39_clamping_is_nearer_to_the_truth_where_steps_are_longer_than_cells() {
         float cloud(float density, Sample s) {\n\
             return density * clamp(0.5 * turbulence(cells * s.x, cells * sample_width()), 0.0, 1.0);\n\
         }\n";
-    let library = glsl::shipped().with_module("dmf", "cloud", cloud);
+    let library = shader::shipped().with_module("dmf", "cloud", cloud);
     with_gpu(|gpu| {
         let mut scene = homogeneous("cube", 0.01, Projection::Parallel);
         scene.effect.dmf = vec!["cloud".into()];
@@ -95,7 +95,7 @@ fn p39_clamping_is_nearer_to_the_truth_where_steps_are_longer_than_cells() {
 fn p39_the_octaves_are_a_constant_of_the_pipeline() {
     let octaves = "// Octaves.\n// Source: -\n// Result: turbulence.\n#include <turbulence>\n\
         vec3 surface(Sample s) { return vec3(0.5 * turbulence(vec3(0.5))); }\n";
-    let library = glsl::shipped().with_module("surface", "octaves", octaves);
+    let library = shader::shipped().with_module("surface", "octaves", octaves);
     with_gpu(|gpu| {
         let mut scene = face("none");
         scene.image.size = [8, 8];
@@ -107,7 +107,7 @@ fn p39_the_octaves_are_a_constant_of_the_pipeline() {
         // Lattice points of every octave but the first: noise is 0 there.
         assert!(values[0] > 0.0 && values.iter().all(|value| *value == values[0]), "{values:?}");
         let shifted = octaves.replace("vec3(0.5)", "vec3(0.3)");
-        let library = glsl::shipped().with_module("surface", "octaves", &shifted);
+        let library = shader::shipped().with_module("surface", "octaves", &shifted);
         let values = [1, 2, 8, 10].map(|octaves| {
             scene.effect.octaves = octaves;
             picture(gpu, &library, &scene, &subject).pixels[27][0]
@@ -119,7 +119,7 @@ fn p39_the_octaves_are_a_constant_of_the_pipeline() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p48_phases_are_the_same_in_both_passes() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for effect in ["fur", "fire", "solid", "shells"] {
             for integration in [Integration::Point, Integration::Segment] {
@@ -159,7 +159,7 @@ fn p48_the_mean_over_seeds_converges_to_the_integral() {
         (scene.object.inner_iso, scene.object.outer_iso) = (-0.3, -0.1);
         (scene.image.size, scene.quality.early_termination) = ([48, 48], 0.0);
         let subject = formula(&scene);
-        let library = glsl::shipped();
+        let library = shader::shipped();
         scene.quality.samples = 4096;
         let truth = picture(gpu, &library, &scene, &subject);
         scene.quality.samples = 12;
@@ -206,7 +206,7 @@ fn p49_an_edge_covers_the_pixels_that_it_covers() {
             };
             let rms = [1, 16, 64].map(|count| {
                 scene.quality.supersampling = count;
-                let pixels = picture(gpu, &glsl::shipped(), &scene, &subject).pixels;
+                let pixels = picture(gpu, &shader::shipped(), &scene, &subject).pixels;
                 let edge = pixels.iter().enumerate().map(|(i, p)| (covered(i), f64::from(p[3])));
                 let off: Vec<f64> =
                     edge.filter(|(c, _)| *c > 0.0 && *c < 1.0).map(|(c, found)| (c - found).abs()).collect();
@@ -221,7 +221,7 @@ fn p49_an_edge_covers_the_pixels_that_it_covers() {
             scene.quality.supersampling = 16;
             let [a, b] = [Pass::Slices, Pass::March].map(|pass| {
                 scene.quality.pass = pass;
-                picture(gpu, &glsl::shipped(), &scene, &subject)
+                picture(gpu, &shader::shipped(), &scene, &subject)
             });
             assert!(difference(&a, &b).1 < 4e-3, "the slices move against the rays");
             assert!(rms[0] > 0.2 && rms[1] < 0.04 && rms[2] < 0.015, "{rms:?}");
@@ -234,7 +234,7 @@ fn p49_an_edge_covers_the_pixels_that_it_covers() {
 fn p49_a_blurred_picture_is_the_mean_of_its_moments() {
     let pulse = "// Pulse.\n// Source: -\n// Result: density by time alone.\n\
         float pulse(float density, Sample s) { return density * clamp(time, 0.0, 1.0); }\n";
-    let library = glsl::shipped().with_module("dmf", "pulse", pulse);
+    let library = shader::shipped().with_module("dmf", "pulse", pulse);
     with_gpu(|gpu| {
         let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
         scene.effect.dmf = vec!["pulse".into()];
@@ -263,7 +263,7 @@ fn p49_a_blurred_picture_is_the_mean_of_its_moments() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p49_a_renderer_that_is_used_again_gives_the_pictures_that_a_new_one_gives() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for (effect, parameter) in [("fire", "fury"), ("melting", "melt_time")] {
             for pass in [Pass::Slices, Pass::March] {
@@ -316,7 +316,7 @@ fn p48_blue_phases_leave_as_large_an_error_and_less_of_it_after_a_filter() {
         scene.effect.softness = "linear".into();
         (scene.object.inner_iso, scene.object.outer_iso) = (-0.3, -0.1);
         (scene.image.size, scene.quality.early_termination) = ([SIDE as u32; 2], 0.0);
-        let (subject, library) = (formula(&scene), glsl::shipped());
+        let (subject, library) = (formula(&scene), shader::shipped());
         scene.quality.samples = 2048;
         let truth = picture(gpu, &library, &scene, &subject);
         (scene.quality.samples, scene.quality.jitter) = (12, true);

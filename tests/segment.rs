@@ -3,9 +3,9 @@
 mod common;
 
 use common::{difference, errors, formula, homogeneous, picture, subject, with_gpu};
-use hypertexture::glsl;
+use hypertexture::measure::verify::{self, AnalyticCase, Bench, Level, PASSES, TWO_TONE, order, two_tone};
 use hypertexture::scene::{EFFECTS, EmptySpace, Integration, Pass, Projection, preset};
-use hypertexture::verify::{self, AnalyticCase, Bench, Level, PASSES, TWO_TONE, order, two_tone};
+use hypertexture::shader;
 
 const PROJECTIONS: [Projection; 2] = [Projection::Parallel, Projection::Perspective];
 const DOUBLING: [u32; 6] = [32, 64, 128, 256, 512, 1024];
@@ -47,7 +47,7 @@ fn p45_a_soft_medium_is_of_second_order_by_segments() {
             let mut scene = two_tone(Integration::Segment);
             (scene.quality.pass, scene.camera.projection) = (Pass::March, projection);
             (scene.effect.opacity, scene.effect.surface) = ("beer".into(), "unlit".into());
-            let segments = errors(gpu, &glsl::shipped(), (&scene, &formula(&scene)), &DOUBLING, 3, |ray| {
+            let segments = errors(gpu, &shader::shipped(), (&scene, &formula(&scene)), &DOUBLING, 3, |ray| {
                 Some(TWO_TONE.beer(ray.impact()))
             });
             assert!(overall(&segments) >= 1.9, "order {}", overall(&segments));
@@ -59,7 +59,7 @@ fn p45_a_soft_medium_is_of_second_order_by_segments() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m31_a_hard_surface_is_found_within_the_step() {
     let place = "// Depth.\n// Source: -\n// Result: 0.5 + 0.5 z.\nvec3 surface(Sample s) { return vec3(0.5 + 0.5 * s.x.z); }\n";
-    let library = glsl::shipped().with_module("surface", "place", place);
+    let library = shader::shipped().with_module("surface", "place", place);
     with_gpu(|gpu| {
         for (projection, pass) in PROJECTIONS.into_iter().zip(PASSES) {
             let [point, segment] = [Integration::Point, Integration::Segment].map(|integration| {
@@ -88,7 +88,7 @@ fn m31_a_hard_surface_is_found_within_the_step() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m31_a_cut_is_where_its_plane_is() {
     let place = "// Depth.\n// Source: -\n// Result: 0.5 + 0.5 z.\nvec3 surface(Sample s) { return vec3(0.5 + 0.5 * s.x.z); }\n";
-    let library = glsl::shipped().with_module("surface", "place", place);
+    let library = shader::shipped().with_module("surface", "place", place);
     with_gpu(|gpu| {
         for (classify, softness) in [("surface", "hard"), ("soft", "linear")] {
             for pass in PASSES {
@@ -108,7 +108,7 @@ fn m31_a_cut_is_where_its_plane_is() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m61_segments_give_one_picture_in_both_passes_leaping_or_not() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for effect in EFFECTS {
             let knot = (["solid", "fur"].contains(&effect)).then_some(("knot", Some([0.0, 0.0, 1.0, 0.3])));
@@ -144,8 +144,8 @@ fn m31_what_has_no_segments_is_refused() {
     let mut scene = preset("shells").expect("a shipped preset");
     scene.effect.classify = "post".into();
     scene.quality.integration = Integration::Segment;
-    let error = scene.check(&glsl::shipped()).unwrap_err().to_string();
+    let error = scene.check(&shader::shipped()).unwrap_err().to_string();
     assert!(error.starts_with("quality.integration = segment: effect.classify = \"post\" has points only"), "{error}");
     scene.effect.classify = "preintegrated".into();
-    assert!(scene.check(&glsl::shipped()).is_ok(), "a segment integration of its own");
+    assert!(scene.check(&shader::shipped()).is_ok(), "a segment integration of its own");
 }

@@ -4,10 +4,10 @@
 mod common;
 
 use common::{subject, with_gpu};
-use hypertexture::glsl;
-use hypertexture::predict::predict;
+use hypertexture::measure::predict::predict;
 use hypertexture::render::{Renderer, render};
 use hypertexture::scene::{Pass, preset};
+use hypertexture::shader;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -121,7 +121,7 @@ const ATTEMPTS: usize = 4;
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p51_small_pictures_foretell_the_cost_of_a_large_one() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let mut outside = Vec::new();
     with_gpu(|gpu| {
         for (effect, pass) in [("lit", Pass::Slices), ("fur", Pass::March), ("melting", Pass::Slices)] {

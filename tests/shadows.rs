@@ -4,9 +4,9 @@ mod common;
 
 use common::{formula, homogeneous, picture, subject, with_gpu};
 use glam::{Mat3, Vec3};
-use hypertexture::glsl;
 use hypertexture::render::{Transmittance, transmittance};
 use hypertexture::scene::{EmptySpace, Pass, Projection, Scene, preset};
+use hypertexture::shader;
 
 /// How far a ray goes through the unit sphere on its way from `x` to the light.
 fn chord(x: Vec3, light: Vec3) -> f32 {
@@ -31,7 +31,7 @@ fn errors(light: &Transmittance, expected: impl Fn(Vec3) -> f32) -> (f32, f32) {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p54_the_transmittance_volume_is_the_closed_form_of_a_homogeneous_sphere() {
-    let (library, rate) = (glsl::shipped(), 1.3);
+    let (library, rate) = (shader::shipped(), 1.3);
     with_gpu(|gpu| {
         // Before the object, far away, beside it, and inside of it.
         for light in [[-3.0, 4.0, 5.0], [3e4, 1e4, -4e4], [1.6, 0.2, 0.4], [0.3, -0.2, 0.4]] {
@@ -60,7 +60,7 @@ fn p54_the_transmittance_volume_is_the_closed_form_of_a_homogeneous_sphere() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p54_soft_matter_of_second_order() {
-    let (library, rate) = (glsl::shipped(), 2.0);
+    let (library, rate) = (shader::shipped(), 2.0);
     with_gpu(|gpu| {
         let light = Vec3::new(-3.0, 4.0, 5.0);
         // D = (ro^2 - r^2) / (ro^2 - ri^2) with ri = 0: along a ray a parabola.
@@ -93,7 +93,7 @@ fn p54_soft_matter_of_second_order() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p54_a_point_behind_an_opaque_sphere_is_dark_and_beside_it_lit() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         let mut scene = Scene::default();
         scene.object.input = "sphere".into();
@@ -130,7 +130,7 @@ fn shaded(effect: &str, input: &str) -> Scene {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m06_shadows_darken_and_never_brighten_and_leave_the_outline() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for (effect, object) in [("lit", "teapot"), ("bump", "torus"), ("solid", "knot"), ("melting", "teapot")] {
             let scene = shaded(effect, object);
@@ -153,7 +153,7 @@ fn m06_shadows_darken_and_never_brighten_and_leave_the_outline() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p54_a_convex_surface_casts_no_shadow_on_the_side_that_is_lit() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for side in [32, 128] {
             for position in [[-3.0, 4.0, 5.0], [5.0, 0.5, 1.0], [0.3, 0.2, 4.0]] {
@@ -174,7 +174,7 @@ fn p54_a_convex_surface_casts_no_shadow_on_the_side_that_is_lit() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m61_rays_and_slices_give_the_same_picture_with_shadows() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for (effect, object) in [("lit", "teapot"), ("fur", "torus"), ("fur", "knot")] {
             let scene = shaded(effect, object);
@@ -195,7 +195,7 @@ fn m61_rays_and_slices_give_the_same_picture_with_shadows() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m61_leaping_changes_no_shadow() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for (effect, object) in [("lit", "knot"), ("fur", "torus"), ("melting", "torus")] {
             let mut scene = shaded(effect, object);

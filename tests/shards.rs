@@ -4,11 +4,11 @@
 mod common;
 
 use common::{picture, subject, with_gpu};
-use hypertexture::glsl;
+use hypertexture::output::shard::{Shard, Whole, encode, identity, merge};
 use hypertexture::output::{Depth, Provenance};
 use hypertexture::render::{Frame, Measurements, Renderer};
 use hypertexture::scene::{Color, Pass, Scene, TargetFormat, preset};
-use hypertexture::shard::{Shard, Whole, encode, identity, merge};
+use hypertexture::shader;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -20,7 +20,7 @@ fn bits(frame: &Frame) -> Vec<[u32; 4]> {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p52_any_split_into_shards_is_the_whole_bit_for_bit() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for effect in ["lit", "fur"] {
             let mut scene = preset(effect).unwrap();
@@ -135,7 +135,7 @@ fn p53_what_is_no_full_set_of_shards_is_refused_with_its_reason() {
 
 #[test]
 fn the_identity_of_a_scene_is_its_content_and_not_its_path() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let mut scene = preset("lit").unwrap();
     (scene.object.input, scene.object.resolution) = ("knot".into(), 32);
     let subject = subject(&scene, &library);

@@ -3,10 +3,10 @@
 mod common;
 
 use common::{difference, formula, homogeneous, picture, rays, subject, with_gpu};
-use hypertexture::glsl;
 use hypertexture::gpu::{Format, Gpu};
 use hypertexture::render::{Frame, Subject, render};
 use hypertexture::scene::{EFFECTS, Order, Projection, Proxy, Scene, Source, preset};
+use hypertexture::shader;
 use std::path::Path;
 
 /// An irregular octahedron: a closed mesh without symmetry, so that a wrong axis shows.
@@ -41,13 +41,13 @@ fn effects(samples: u32, test: impl Fn(&str, &Scene, &Subject)) {
     for (label, object) in [("torus", "torus"), ("mesh", mesh.as_str())] {
         for name in EFFECTS {
             let scene = effect(name, object, samples);
-            test(&format!("{name} on {label}"), &scene, &subject(&scene, &glsl::shipped()));
+            test(&format!("{name} on {label}"), &scene, &subject(&scene, &shader::shipped()));
         }
     }
 }
 
 fn shipped(gpu: &Gpu, scene: &Scene, subject: &Subject) -> Frame {
-    picture(gpu, &glsl::shipped(), scene, subject)
+    picture(gpu, &shader::shipped(), scene, subject)
 }
 
 /// Pixels that are covered in one picture alone, and the root-mean-square difference of the others.
@@ -120,7 +120,7 @@ const VEIL: &str = "vec4 classify(vec3 x, float path) { return vec4(1.0 / 16.0);
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn polygons_shade_less_than_half_the_fragments_of_quads() {
     with_gpu(|gpu| {
-        let library = glsl::shipped().with_module("classify", "veil", VEIL);
+        let library = shader::shipped().with_module("classify", "veil", VEIL);
         // Of a ball nearly all of the box is in the quads; of a ring it is flat.
         let mut scene = effect("lit", "torus", 64);
         let ring = formula(&scene);
@@ -178,10 +178,10 @@ fn m01_turning_the_camera_equals_turning_the_object() {
         let [by_camera, by_object] = [(&objects[0], 90.0), (&objects[1], 0.0)].map(|(object, azimuth)| {
             let mut scene = effect("lit", object, 64);
             scene.camera.azimuth = azimuth;
-            shipped(gpu, &scene, &subject(&scene, &glsl::shipped()))
+            shipped(gpu, &scene, &subject(&scene, &shader::shipped()))
         });
         let unturned = effect("lit", &objects[0], 64);
-        let other = shipped(gpu, &unturned, &subject(&unturned, &glsl::shipped()));
+        let other = shipped(gpu, &unturned, &subject(&unturned, &shader::shipped()));
         let beyond = part_beyond(&by_camera, &by_object, 1e-2);
         println!(
             "{:.2} % of the pixels differ; without the turn {:.0} %",
@@ -230,7 +230,7 @@ fn m30_a_hard_object_has_no_holes_where_it_is_as_thick_as_a_slice() {
                 }
             }
             // The negative control: a test for equality, as MJ 3.5 warns, has holes.
-            let library = glsl::shipped().with_module("softness", "hard", equality);
+            let library = shader::shipped().with_module("softness", "hard", equality);
             let covered = picture(gpu, &library, &scene, &subject).pixels.iter().filter(|p| p[3] > 0.0).count();
             println!("{samples} slices: {thick} thick pixels, all covered; equality covers {covered}");
             assert!(covered < thick);
@@ -294,7 +294,7 @@ fn m57_samples_that_the_device_lacks_are_refused_with_those_it_has() {
         let counts = gpu.sample_counts(Format::Rgba32Float);
         for msaa in [2, 4, 8] {
             scene.quality.msaa = msaa;
-            let result = render(gpu, &glsl::shipped(), &scene, &formula(&scene));
+            let result = render(gpu, &shader::shipped(), &scene, &formula(&scene));
             match result {
                 Ok(_) => assert!(counts.contains(&msaa), "{msaa} rendered, and the device has {counts:?}"),
                 Err(error) => {
@@ -316,7 +316,7 @@ fn m57_anisotropy_is_accepted_up_to_what_the_device_has() {
     with_gpu(|gpu| {
         let mut scene = effect("lit", "sphere", 64);
         scene.object.source = Source::Normals16;
-        let subject = subject(&scene, &glsl::shipped());
+        let subject = subject(&scene, &shader::shipped());
         let isotropic = shipped(gpu, &scene, &subject);
         scene.quality.anisotropy = gpu.info().max_anisotropy;
         let anisotropic = shipped(gpu, &scene, &subject);

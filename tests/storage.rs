@@ -3,10 +3,10 @@
 mod common;
 
 use common::{difference, picture, subject, with_gpu};
-use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, Subject};
 use hypertexture::scene::{EmptySpace, Integration, Pass, Scene, Source, Storage, parse, preset};
+use hypertexture::shader::{self, Library};
 
 fn scene(effect: &str, input: &str) -> Scene {
     let mut scene = preset(effect).expect("a shipped preset");
@@ -44,7 +44,7 @@ fn compare([dense, sparse]: &[Frame; 2]) -> (f64, f64) {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn g14_bricks_give_the_picture_of_the_whole_volume() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for effect in ["lit", "fur", "melting", "fire", "clouds"] {
             let mut scene = scene(effect, "teapot");
@@ -71,7 +71,7 @@ fn g14_bricks_give_the_picture_of_the_whole_volume() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn g14_every_encoding_is_read_out_of_bricks() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for source in [Source::Normals16, Source::Normals8, Source::Distance16, Source::Distance32] {
             let mut scene = scene("lit", "torus");
@@ -94,7 +94,7 @@ fn g14_the_far_end_of_the_reach_is_stored() {
     let all = "// All of the soft region.\n// Source: -\n// density: in [0, 1].\n// @outer thick\n\
                // @param thick = 0.3 in [0, 1]: How thick it is, object units.\n\
                float thick_all(float density, Sample s) { return density > 0.0 ? 0.5 : 0.0; }\n";
-    let library = glsl::shipped().with_module("warp", "aside", away).with_module("dmf", "thick_all", all);
+    let library = shader::shipped().with_module("warp", "aside", away).with_module("dmf", "thick_all", all);
     with_gpu(|gpu| {
         for (empty_space, pass) in
             [(EmptySpace::Skip, Pass::March), (EmptySpace::Sample, Pass::March), (EmptySpace::Skip, Pass::Slices)]
@@ -115,7 +115,7 @@ fn g14_the_far_end_of_the_reach_is_stored() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn g14_what_a_body_saves_depends_on_what_it_fills() {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         let saved = |input: &str, resolution: u32| {
             let mut scene = scene("lit", input);
@@ -137,7 +137,7 @@ fn g14_what_a_body_saves_depends_on_what_it_fills() {
 fn g14_bricks_are_refused_where_they_cannot_be_had() {
     let refusal = |text: &str| {
         let scene = parse(text, "test").expect("a scene");
-        scene.check(&glsl::shipped()).expect_err("it is refused").to_string()
+        scene.check(&shader::shipped()).expect_err("it is refused").to_string()
     };
     let sparse = "object.storage = 'sparse'\n";
     let formula = refusal(&format!("preset = 'lit'\n{sparse}object.input = 'torus'"));

@@ -5,11 +5,11 @@ mod common;
 
 use common::{difference, homogeneous, picture, rays, subject, with_gpu};
 use glam::DVec3;
-use hypertexture::glsl::{self, Library, Linker};
 use hypertexture::gpu::Gpu;
 use hypertexture::noise::{Lattice, Noise, Weights};
+use hypertexture::render::variant::Variant;
 use hypertexture::scene::{BlockFormat, ParameterValue, Pass, Projection, Scene, Wrap, preset};
-use hypertexture::variant::Variant;
+use hypertexture::shader::{self, Library, Linker};
 
 const STRATEGIES: [&str; 8] =
     ["lookups8", "lookups4", "channels", "encoded", "tables", "arrays", "procedural", "hybrid"];
@@ -19,7 +19,7 @@ fn probe() -> (Scene, Library) {
     let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
     (scene.effect.classify, scene.effect.surface) = ("surface".into(), "probe".into());
     scene.image.size = [96, 96];
-    (scene, glsl::shipped().with_module("surface", "probe", include_str!("glsl/strategy_probe.glsl")))
+    (scene, shader::shipped().with_module("surface", "probe", include_str!("glsl/strategy_probe.glsl")))
 }
 
 fn parameter(scene: &mut Scene, name: &str, value: f32) {
@@ -47,7 +47,7 @@ fn rms(errors: impl Iterator<Item = f64>) -> f64 {
 
 /// The turbulence that a scene is an approximation of, in all its octaves or in those that it has.
 fn truth(scene: &Scene, octaves: u32) -> impl Fn(DVec3) -> f64 {
-    let twin = scene.unbaked(&glsl::shipped()).unwrap();
+    let twin = scene.unbaked(&shader::shipped()).unwrap();
     let tables = Noise::new(1989, Weights::Quintic);
     move |p: DVec3| match twin.effect.turbulence.as_str() {
         "procedural" => Lattice::default().turbulence(p.to_array(), twin.periods()[1], octaves).1,
@@ -161,7 +161,7 @@ fn m36_gradients_change_their_sign_in_the_mirror() {
             if noise == "procedural" {
                 let mut blocks = scene.clone();
                 (blocks.effect.noise, blocks.effect.turbulence) = ("block".into(), "encoded".into());
-                scene = blocks.unbaked(&glsl::shipped()).unwrap();
+                scene = blocks.unbaked(&shader::shipped()).unwrap();
             }
             // Within the first period of the noise, and within its mirror image behind 0.
             for (along, shift) in [(1.0, 6.0), (1.0, -6.0), (1.0, 22.0), (2.0, 0.0), (2.0, 3.0)] {
@@ -205,7 +205,7 @@ fn m36_a_block_and_its_twin_have_the_same_mirror_image() {
 
 #[test]
 fn m43_the_fetches_of_each_strategy() {
-    let library = glsl::shipped().with_module(
+    let library = shader::shipped().with_module(
         "surface",
         "sum",
         "// Sum.\n// Source: -\n// Result: turbulence.\n#include <turbulence>\n\
@@ -275,7 +275,7 @@ fn m34_the_formats_of_a_block_are_right_to_half_a_code() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn an_end_before_all_octaves_are_summed_changes_no_bit() {
     let patient = |slot: &str, name: &str| {
-        let shipped = glsl::shipped();
+        let shipped = shader::shipped();
         let text = shipped.source(&format!("{slot}/{name}.glsl")).unwrap().replace(", enough)", ", ALL)");
         assert!(text.contains(", ALL)"), "{slot}/{name} waits anyway");
         shipped.with_module(slot, name, &text)
@@ -292,11 +292,11 @@ fn an_end_before_all_octaves_are_summed_changes_no_bit() {
                     (scene.object.input, scene.image.size) = ("torus".into(), [48, 48]);
                     if effect == "smoke" {
                         scene.effect.dmf = vec!["turbulent".into()];
-                        scene.drop_foreign_parameters(&glsl::shipped()).unwrap();
+                        scene.drop_foreign_parameters(&shader::shipped()).unwrap();
                     }
                     (scene.effect.turbulence, scene.quality.pass, scene.quality.samples) = (strategy.into(), pass, 96);
-                    let subject = subject(&scene, &glsl::shipped());
-                    let frames = [glsl::shipped(), patient(slot, module)]
+                    let subject = subject(&scene, &shader::shipped());
+                    let frames = [shader::shipped(), patient(slot, module)]
                         .map(|library| picture(gpu, &library, &scene, &subject));
                     assert_eq!(difference(&frames[0], &frames[1]).0, 0.0, "{effect} with {strategy}, {pass:?}");
                     assert!(frames[0].pixels.iter().any(|pixel| pixel[3] > 0.1), "{effect} with {strategy} is empty");

@@ -9,9 +9,9 @@ mod seen;
 
 use common::{picture, subject, with_gpu};
 use glam::DVec3;
-use hypertexture::glsl;
 use hypertexture::noise::{Lattice, Noise, Weights};
 use hypertexture::scene::{Integration, preset};
+use hypertexture::shader;
 use lattice::{noise, octaves, wavelet};
 use seen::{seen, set, worst};
 
@@ -100,11 +100,11 @@ fn p22_the_dmfs_that_know_the_place_are_their_formulas() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p05_the_toolkit_stacks_in_any_order_and_nothing_leaves_its_range() {
-    let dmfs = glsl::shipped().modules("dmf").iter().map(|name| name.to_string()).collect::<Vec<_>>();
+    let dmfs = shader::shipped().modules("dmf").iter().map(|name| name.to_string()).collect::<Vec<_>>();
     let plain = |name: &String| !["fur", "tribble", "fire", "woven"].contains(&name.as_str());
     let dmfs: Vec<String> = dmfs.into_iter().filter(plain).collect();
     assert!(dmfs.len() >= 9, "{dmfs:?}");
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         for turn in 0..dmfs.len() {
             let mut scene = preset("noisy_sphere").unwrap();
@@ -127,7 +127,7 @@ fn p05_the_toolkit_stacks_in_any_order_and_nothing_leaves_its_range() {
 
 /// The constant of a vector in a GLSL file.
 fn vector(file: &str, name: &str) -> DVec3 {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let text = library.source(file).unwrap();
     let numbers = text.split_once(&format!("{name} = vec3(")).unwrap().1.split_once(')').unwrap().0;
     let parts: Vec<f64> = numbers.split(',').map(|number| number.trim().parse().unwrap()).collect();

@@ -1,6 +1,6 @@
 //! The window, under a display of its own: what a person does, done by scripts, with the validation layer listening.
 
-#![cfg(feature = "view")]
+#![cfg(feature = "viewer")]
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
 use hypertexture::scene;

@@ -8,15 +8,15 @@
 mod common;
 
 use common::{picture, subject, with_gpu};
-use hypertexture::compare::candidates::Sweep;
-use hypertexture::compare::{Settings, Stage, compare};
-use hypertexture::gallery;
-use hypertexture::glsl;
-use hypertexture::pick::{ErrorBound, Metric, pick};
-use hypertexture::reference::Reference;
+use hypertexture::cli::gallery;
+use hypertexture::measure::compare::candidates::Sweep;
+use hypertexture::measure::compare::{Settings, Stage, compare};
+use hypertexture::measure::pick::{ErrorBound, Metric, pick};
+use hypertexture::measure::reference::Reference;
+use hypertexture::measure::worker::{Load, PATIENCE, Painter, Start, Worker};
 use hypertexture::render::{RenderError, Subject};
 use hypertexture::scene::{Integration, Pass, Scene, preset, to_text};
-use hypertexture::worker::{Load, PATIENCE, Painter, Start, Worker};
+use hypertexture::shader;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -50,7 +50,7 @@ const HALVED: &str = "float halved(float density, Sample s) { return density < 1
 fn fire() -> (Scene, Subject) {
     let mut scene = preset("fire").unwrap();
     (scene.object.input, scene.image.size, scene.quality.samples) = ("sphere".into(), [16, 16], 16);
-    let subject = subject(&scene, &glsl::shipped());
+    let subject = subject(&scene, &shader::shipped());
     (scene, subject)
 }
 
@@ -60,7 +60,7 @@ fn a_worker_draws_the_picture_of_this_process_and_says_what_it_says() {
     with_gpu(|gpu| {
         let (mut scene, subject) = fire();
         // A module of one's own, and a value that is written with many digits.
-        let library = glsl::shipped().with_module("dmf", "halved", HALVED);
+        let library = shader::shipped().with_module("dmf", "halved", HALVED);
         scene.effect.dmf.push("halved".into());
         scene.camera.azimuth = 1.0 / 3.0;
         let worker = Worker::new(&real(), &library, Load::Scene(to_text(&scene)));
@@ -98,7 +98,7 @@ fn a_driver_that_crashes_or_hangs_on_a_candidate_costs_the_comparison_that_one()
     // A request holds the text of a scene, its quotes escaped.
     let start = broken(folder.path(), "/turbulence = ..lookups4/", "/turbulence = ..lookups8/ && /samples = 17/");
     let (scene, subject) = fire();
-    let library = glsl::shipped();
+    let library = shader::shipped();
     with_gpu(|gpu| {
         let strategies = ["encoded", "lookups4", "lookups8"].map(String::from);
         let sweep = Sweep { quick: true, samples: Some(vec![16, 17]), strategies: Some(strategies.into()) };
@@ -129,7 +129,7 @@ fn a_driver_that_crashes_on_a_way_costs_the_pick_that_one() {
     let start = broken(folder.path(), "/pass = ..march/", "/no such text/");
     let mut scene = preset("noisy_sphere").unwrap();
     scene.image.size = [16, 16];
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let subject = subject(&scene, &library);
     with_gpu(|gpu| {
         let worker = Worker::new(&start, &library, Load::Scene(to_text(&scene)));
@@ -156,7 +156,7 @@ fn a_driver_that_crashes_on_a_figure_costs_the_gallery_that_one() {
     }
     with_gpu(|gpu| {
         let out = folder.path().join("out");
-        let made = gallery::write(gpu, &glsl::shipped(), &scenes, Some(&start), &out, &|_| ()).unwrap();
+        let made = gallery::write(gpu, &shader::shipped(), &scenes, Some(&start), &out, &|_| ()).unwrap();
         assert_eq!(made.failures.len(), 1, "{:?}", made.failures);
         assert!(made.failures[0].0 == "bump" && made.failures[0].1.contains("signal 11"), "{:?}", made.failures);
         let page = fs::read_to_string(made.page).unwrap();
@@ -171,7 +171,7 @@ fn a_program_that_is_no_worker_is_told() {
     let (scene, _) = fire();
     for (program, says) in [("/nowhere/hypertexture", "No such file"), ("/bin/true", "crashed")] {
         let start = Start { program: program.into(), ..real() };
-        let worker = Worker::new(&start, &glsl::shipped(), Load::Scene(to_text(&scene)));
+        let worker = Worker::new(&start, &shader::shipped(), Load::Scene(to_text(&scene)));
         let error = Painter::of(&worker).render(&scene).unwrap_err().to_string();
         assert!(error.starts_with(&format!("`{program}` cannot draw in a process of its own: ")), "{error}");
         assert!(error.contains(says), "{error}");

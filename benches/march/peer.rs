@@ -8,10 +8,10 @@
 
 use crate::bench::Spread;
 use crate::{REPEATS, common};
-use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::Renderer;
 use hypertexture::scene::{EmptySpace, ParameterValue, Pass, Projection, Scene};
+use hypertexture::shader::{self, Library};
 use std::process::{Command, Stdio};
 
 /// Pixels along a side.
@@ -50,7 +50,7 @@ const COUNTED: &str = "\
     }\n";
 
 fn library() -> Library {
-    glsl::shipped()
+    shader::shipped()
         .with_module("warp", "ball", WARP)
         .with_module("medium", "gas", MEDIUM)
         .with_module("classify", "counted", COUNTED)

@@ -3,9 +3,9 @@
 use super::compare::Compare;
 use super::scene_arguments::{ObjectArguments, SceneArguments, metric, size};
 use super::sequence::{Motion, ShardChoice, shard};
+use crate::measure::pick::Metric;
+use crate::output::Depth;
 use clap::{Args, Parser, Subcommand};
-use hypertexture::output::Depth;
-use hypertexture::pick::Metric;
 use std::path::PathBuf;
 
 /// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
@@ -29,7 +29,7 @@ pub enum Command {
     /// Render a picture.
     Render(Box<Render>),
     /// Show a window, in which the mouse turns the scene and panels change it.
-    #[cfg(feature = "view")]
+    #[cfg(feature = "viewer")]
     View(Box<ViewArguments>),
     /// Join the shards of a picture, as `render --shard` writes them.
     Merge(Merge),
@@ -49,11 +49,11 @@ pub enum Command {
     #[command(hide = true)]
     Draw,
     /// Compile the job on standard input: what the window runs a user's GLSL through.
-    #[cfg(feature = "view")]
+    #[cfg(feature = "viewer")]
     #[command(hide = true)]
     Compile(Compile),
     /// Render a few rays of the scene on standard input: what the window tries a user's GLSL with.
-    #[cfg(feature = "view")]
+    #[cfg(feature = "viewer")]
     #[command(hide = true)]
     Rays(Rays),
 }
@@ -105,7 +105,7 @@ impl Render {
 }
 
 /// Arguments of `view`.
-#[cfg(feature = "view")]
+#[cfg(feature = "viewer")]
 #[derive(Args)]
 pub struct ViewArguments {
     /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), or an example scene such as fire_ball.
@@ -137,7 +137,7 @@ pub struct ViewArguments {
     pub arguments: SceneArguments,
 }
 
-#[cfg(feature = "view")]
+#[cfg(feature = "viewer")]
 fn error(text: &str) -> Result<f64, String> {
     let parsed = text.parse().ok().filter(|error| (1e-7..=1.0).contains(error));
     parsed.ok_or_else(|| "write a number from 1e-7 to 1; a code of 8 bits is 0.004".into())
@@ -174,7 +174,7 @@ fn bound(text: &str) -> Result<f64, String> {
 }
 
 /// Arguments of `compile`: the limits of the process.
-#[cfg(feature = "view")]
+#[cfg(feature = "viewer")]
 #[derive(Args)]
 pub struct Compile {
     /// Time of the processor, seconds.
@@ -186,7 +186,7 @@ pub struct Compile {
 }
 
 /// Arguments of `rays`: the limit of the process.
-#[cfg(feature = "view")]
+#[cfg(feature = "viewer")]
 #[derive(Args)]
 pub struct Rays {
     /// Time of the processor, seconds.

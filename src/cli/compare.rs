@@ -3,16 +3,16 @@
 use super::scene_arguments::{ObjectArguments, SceneArguments};
 use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, say, start, with_progress};
+use crate::gpu::{Gpu, Options};
+use crate::measure::compare::candidates::{Sweep, candidates};
+use crate::measure::compare::report::{self, Environment, Report};
+use crate::measure::compare::{Comparison, Settings, Stage, compare, paper};
+use crate::measure::reference::{Reference, TOLERANCE, reference};
+use crate::measure::worker::{Load, Worker};
+use crate::render::Subject;
+use crate::scene::{Scene, to_text};
+use crate::support::write_whole;
 use clap::Args;
-use hypertexture::compare::candidates::{Sweep, candidates};
-use hypertexture::compare::report::{self, Environment, Report};
-use hypertexture::compare::{Comparison, Settings, Stage, compare, paper};
-use hypertexture::gpu::{Gpu, Options};
-use hypertexture::output;
-use hypertexture::reference::{Reference, TOLERANCE, reference};
-use hypertexture::render::Subject;
-use hypertexture::scene::{Scene, to_text};
-use hypertexture::worker::{Load, Worker};
 use std::error::Error;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -143,7 +143,7 @@ pub(super) fn make_folder(folder: &Path) -> Result<(), String> {
     let fail = |error: std::io::Error| format!("{}: {error}; nothing was written", folder.display());
     std::fs::create_dir_all(folder).map_err(fail)?;
     let probe = folder.join(format!(".probe.{}", std::process::id()));
-    output::write_whole(&probe, b"").and_then(|()| std::fs::remove_file(&probe)).map_err(fail)
+    write_whole(&probe, b"").and_then(|()| std::fs::remove_file(&probe)).map_err(fail)
 }
 
 fn title(command: &Compare) -> String {

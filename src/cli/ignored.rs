@@ -1,9 +1,9 @@
 //! What was asked for and changes nothing, in one line.
 
 use super::args::Render;
-use hypertexture::glsl::Library;
-use hypertexture::render::{Subject, ignored};
-use hypertexture::scene::Scene;
+use crate::render::{Subject, ignored};
+use crate::scene::Scene;
+use crate::shader::Library;
 use std::path::Path;
 
 impl Render {

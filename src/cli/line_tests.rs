@@ -2,10 +2,10 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a line is not as described")]
 
 use super::args::{Arguments, Command};
+use crate::scene::{self, Color, ParameterValue, Scene, preset};
+use crate::shader;
+use crate::viewer::model::Model;
 use clap::Parser;
-use hypertexture::glsl;
-use hypertexture::scene::{self, Color, ParameterValue, Scene, preset};
-use hypertexture::view::model::Model;
 
 /// The words of a line, as `sh` reads them.
 fn words(line: &str) -> Vec<String> {
@@ -28,7 +28,7 @@ fn check(model: &Model) {
 #[test]
 fn the_command_line_of_every_preset_is_its_name() {
     for name in scene::names() {
-        let model = Model::new(preset(name).unwrap(), glsl::shipped()).unwrap();
+        let model = Model::new(preset(name).unwrap(), shader::shipped()).unwrap();
         assert!(model.command_line().len() <= format!("hypertexture render {name}").len(), "{}", model.command_line());
         check(&model);
     }
@@ -41,7 +41,7 @@ fn a_person_would_write_the_same_line() {
     scene.quality.samples = 100;
     scene.camera.azimuth = -12.5;
     scene.parameters.insert("fineness".into(), ParameterValue::Number(60.0));
-    let model = Model::new(scene, glsl::shipped()).unwrap();
+    let model = Model::new(scene, shader::shipped()).unwrap();
     let expected = "hypertexture render torus --effect fur --set fineness=60 --samples 100 --camera=-12.5,";
     assert!(model.command_line().starts_with(expected), "{}", model.command_line());
     check(&model);
@@ -90,8 +90,8 @@ fn edit(model: &mut Model, dice: &mut Dice) -> bool {
         11 if !parameters.is_empty() => model.edit("a", |s| {
             let parameter = &parameters[dice.below(parameters.len())];
             let value = match parameter.kind {
-                glsl::ParameterKind::Number(_, [low, high]) => ParameterValue::Number(low + (high - low) * number),
-                glsl::ParameterKind::Color(_) => ParameterValue::Color(dice.color()),
+                shader::ParameterKind::Number(_, [low, high]) => ParameterValue::Number(low + (high - low) * number),
+                shader::ParameterKind::Color(_) => ParameterValue::Color(dice.color()),
             };
             s.parameters.insert(parameter.name.clone(), value);
         }),
@@ -111,7 +111,7 @@ fn the_command_line_of_random_edits_gives_the_same_scene() {
     for seed in 0..24 {
         let mut dice = Dice(seed);
         let name = scene::names().nth(seed as usize % 26).unwrap();
-        let mut model = Model::new(preset(name).unwrap(), glsl::shipped()).unwrap();
+        let mut model = Model::new(preset(name).unwrap(), shader::shipped()).unwrap();
         for _ in 0..10 {
             edit(&mut model, &mut dice);
         }
@@ -123,7 +123,7 @@ fn the_command_line_of_random_edits_gives_the_same_scene() {
 fn every_edit_is_undone_and_done_again() {
     for seed in 100..116 {
         let mut dice = Dice(seed);
-        let mut model = Model::new(preset("fur").unwrap(), glsl::shipped()).unwrap();
+        let mut model = Model::new(preset("fur").unwrap(), shader::shipped()).unwrap();
         let mut scenes = vec![model.scene().clone()];
         for _ in 0..40 {
             let good = edit(&mut model, &mut dice);

@@ -1,9 +1,11 @@
-//! What each command does, in terms of the library.
+//! The command line: arguments to calls of the library, errors to one line and an exit code.
 
 mod args;
 mod compare;
+pub mod doctor;
+pub mod gallery;
 mod ignored;
-#[cfg(all(test, feature = "view"))]
+#[cfg(all(test, feature = "viewer"))]
 mod line_tests;
 mod log;
 mod modules;
@@ -11,36 +13,48 @@ mod paper;
 mod scene_arguments;
 mod sequence;
 mod verify;
-#[cfg(feature = "view")]
+#[cfg(feature = "viewer")]
 mod view;
 
-pub use args::Arguments;
+use args::Arguments;
 use args::{Command, Field, Gallery, Merge, Render};
-pub use compare::Failed;
-pub use sequence::Interrupted;
+use compare::Failed;
+use sequence::Interrupted;
 use sequence::ShardChoice;
-pub use verify::Disagreement;
-#[cfg(feature = "view")]
-pub use view::NoWindow;
+use verify::Disagreement;
+#[cfg(feature = "viewer")]
+use view::NoWindow;
 
-use hypertexture::compare::{Failure, Stage};
-use hypertexture::glsl::{self, Library, ParameterKind};
-use hypertexture::gpu::{Format, Gpu, Options};
-use hypertexture::output::{self, Provenance};
-use hypertexture::pick::{ErrorBound, Pick, remembered};
-use hypertexture::predict::{Estimate, Prediction, predict};
-use hypertexture::render::{Frame, Renderer, Subject, open, request};
-use hypertexture::scene::{self, Object, ParameterValue, Pass, Scene};
-use hypertexture::shard::{self, Shard};
-use hypertexture::variant::Variant;
-#[cfg(feature = "view")]
-use hypertexture::view::author::{compile, rays};
-use hypertexture::worker::{self, Load, PATIENCE, Start, Worker};
-use hypertexture::{doctor, field, gallery, shape};
+use crate::gpu::{Format, Gpu, Options};
+use crate::measure::compare::{Failure, Stage};
+use crate::measure::pick::{ErrorBound, Pick, remembered};
+use crate::measure::predict::{Estimate, Prediction, predict};
+use crate::measure::worker::{self, Load, PATIENCE, Start, Worker};
+use crate::output::shard::{self, Shard};
+use crate::output::{self, Provenance};
+use crate::render::variant::Variant;
+use crate::render::{Frame, Renderer, Subject, open, request};
+use crate::scene::{self, Object, ParameterValue, Pass, Scene};
+use crate::shader::{self, Library, ParameterKind};
+use crate::support::write_whole;
+#[cfg(feature = "viewer")]
+use crate::viewer::author::{compile, rays};
+use crate::{field, shape};
+use clap::Parser;
+use clap::error::ErrorKind;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::io::Write;
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
+
+/// Exit code of anything that the person at the keyboard can mend.
+const BAD_INPUT: u8 = 2;
+/// Exit code of a window that could not be shown, or not be shown on.
+#[cfg(feature = "viewer")]
+const NO_WINDOW: u8 = 1;
+/// Exit code of `verify` where a device or a picture is not as it must be.
+const DISAGREES: u8 = 1;
 
 /// Exit code of a program that was interrupted, as shells have it: 128 and the number of SIGINT.
 pub const INTERRUPTED: u8 = 130;
@@ -48,18 +62,60 @@ pub const INTERRUPTED: u8 = 130;
 /// Exit code of a report that holds failures.
 pub const FAILED: u8 = 1;
 
+/// The program: arguments to calls, errors to one line and an exit code.
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
+            say(&error.render().to_string());
+            return ExitCode::SUCCESS;
+        }
+        Err(error) => {
+            let text = match error.kind() {
+                ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => "error: no command".into(),
+                _ => error.to_string(),
+            };
+            let is_end = |line: &&str| line.starts_with("Usage:") || line.starts_with("For more information");
+            let lines = text.lines().map(str::trim).take_while(|line| !is_end(line));
+            let line = lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join("; ");
+            eprintln!("{line}; see `hypertexture --help`");
+            return ExitCode::from(BAD_INPUT);
+        }
+    };
+    match run(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.is::<Interrupted>() => {
+            eprintln!("{error}");
+            ExitCode::from(INTERRUPTED)
+        }
+        #[cfg(feature = "viewer")]
+        Err(error) if error.is::<NoWindow>() => {
+            eprintln!("error: {}", error.to_string().replace('\n', " "));
+            ExitCode::from(NO_WINDOW)
+        }
+        Err(error) if error.is::<Disagreement>() => {
+            eprintln!("{error}");
+            ExitCode::from(DISAGREES)
+        }
+        Err(error) => {
+            eprintln!("error: {}", error.to_string().replace('\n', " "));
+            ExitCode::from(if error.is::<Failed>() { FAILED } else { BAD_INPUT })
+        }
+    }
+}
+
 /// Runs the command that was asked for.
-pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
+fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     log::start(arguments.quiet);
     let options = Options {
         device: arguments.device.filter(|name| !name.is_empty()),
         validation: std::env::var_os("HYPERTEXTURE_VALIDATION").is_some_and(|value| value == "1"),
-        cache: field::default_folder(),
+        cache: crate::support::disk_cache::default_folder(),
     };
     let quiet = arguments.quiet;
     match arguments.command {
         Command::Render(command) => run_render(&command, &options, quiet),
-        #[cfg(feature = "view")]
+        #[cfg(feature = "viewer")]
         Command::View(command) => view::run(*command, options),
         Command::Merge(command) => merge(&command, quiet),
         Command::Field(command) => write_field(&command, quiet),
@@ -73,12 +129,12 @@ pub fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
             if report.healthy { Ok(()) } else { Err("the tests above did not all pass".into()) }
         }
         Command::Draw => Ok(worker::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), &options)?),
-        #[cfg(feature = "view")]
+        #[cfg(feature = "viewer")]
         Command::Compile(limits) => {
             compile::limit(limits.seconds, Some(limits.memory_mib))?;
             Ok(compile::serve(std::io::stdin().lock(), &mut std::io::stdout().lock())?)
         }
-        #[cfg(feature = "view")]
+        #[cfg(feature = "viewer")]
         Command::Rays(limits) => {
             compile::limit(limits.seconds, None)?;
             Ok(rays::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), &options)?)
@@ -147,7 +203,7 @@ fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Bo
         render_picture(command, &picture, quiet)?;
     }
     if let Some(file) = &command.save_scene {
-        output::write_whole(file, scene::to_text(&scene).as_bytes())
+        write_whole(file, scene::to_text(&scene).as_bytes())
             .map_err(|error| format!("{}: {error}; nothing was written", file.display()))?;
     }
     Ok(())
@@ -181,7 +237,7 @@ fn render_shard(command: &Render, picture: &Picture<'_>, shard: Shard, quiet: bo
         provenance: Provenance::of(scene, &gpu.info().title(), &frame.measurements.modules)?,
     };
     let path = shard.path(&command.output);
-    output::write_whole(&path, &shard::encode(&whole, shard, &frame))
+    write_whole(&path, &shard::encode(&whole, shard, &frame))
         .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
         say(&summary(gpu, scene, subject, &frame));
@@ -329,7 +385,7 @@ fn write_field(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
     let field = field.turned(object.up.turn());
     let mut bytes = Vec::new();
     shape::write_nrrd(&field.to_volume(), &mut bytes)?;
-    output::write_whole(&command.output, &bytes)
+    write_whole(&command.output, &bytes)
         .map_err(|error| format!("{}: {error}; nothing was written", command.output.display()))?;
     if !quiet {
         let [x, y, z] = field.grid.size;
@@ -351,7 +407,7 @@ fn write_field(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
 }
 
 fn write_gallery(command: &Gallery, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let gpu = Gpu::new(options)?;
     // Smooth edges, where the device has them for the default target.
     let smooth = gpu.sample_counts(Format::Rgba32Float).contains(&4) && gpu.info().sample_shading;
@@ -388,7 +444,7 @@ fn write_gallery(command: &Gallery, options: &Options, quiet: bool) -> Result<()
 }
 
 fn list_effects() -> Result<(), Box<dyn Error>> {
-    let library = glsl::shipped();
+    let library = shader::shipped();
     let mut text = String::new();
     for name in scene::names() {
         let scene = scene::preset(name)?;

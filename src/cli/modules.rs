@@ -1,6 +1,6 @@
 //! Modules from the command line, and the debug views.
 
-use hypertexture::scene::{Projection, RayPath, Scene, SceneError};
+use crate::scene::{Projection, RayPath, Scene, SceneError};
 
 /// Puts the modules of one slot, separated by `+`, into the scene. One that ends in `.glsl` is a custom module.
 pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {

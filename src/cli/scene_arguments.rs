@@ -1,11 +1,11 @@
 //! What a picture shows, as the command line says it, and how it goes over a scene.
 
 use super::modules::{module, show, show_plane};
+use crate::measure::pick::Metric;
+use crate::output::{self, OutputError};
+use crate::scene::{self, Color, Object, ParameterValue, Scene, SceneError};
+use crate::shader::declare::hex_color;
 use clap::{Args, ValueEnum};
-use hypertexture::glsl::declare::hex_color;
-use hypertexture::output::{self, OutputError};
-use hypertexture::pick::Metric;
-use hypertexture::scene::{self, Color, Object, ParameterValue, Scene, SceneError};
 use std::error::Error;
 use std::path::Path;
 

@@ -2,11 +2,11 @@
 
 use super::args::Render;
 use super::{Picture, absolute, say, with_progress};
+use crate::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
+use crate::output::shard::{self, Shard, ShardError};
+use crate::output::{self, Provenance};
+use crate::render::Renderer;
 use clap::Args;
-use hypertexture::output::{self, Provenance};
-use hypertexture::render::Renderer;
-use hypertexture::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
-use hypertexture::shard::{self, Shard, ShardError};
 use std::error::Error;
 use std::fmt;
 use std::path::PathBuf;

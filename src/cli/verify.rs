@@ -2,14 +2,14 @@
 
 use super::args::Verify;
 use super::{say, with_progress};
-use hypertexture::field::Progress;
-use hypertexture::glsl::Library;
-use hypertexture::gpu::{Gpu, Options};
-use hypertexture::output;
-use hypertexture::reference::{Reference, ReferenceError, TOLERANCE, converged_settings, reference_pixels};
-use hypertexture::render::{Subject, render};
-use hypertexture::scene::Scene;
-use hypertexture::verify::{self, CheckOptions, PixelTruth};
+use crate::field::Progress;
+use crate::gpu::{Gpu, Options};
+use crate::measure::reference::{Reference, ReferenceError, TOLERANCE, converged_settings, reference_pixels};
+use crate::measure::verify::{self, CheckOptions, PixelTruth};
+use crate::output;
+use crate::render::{Subject, render};
+use crate::scene::Scene;
+use crate::shader::Library;
 use std::error::Error;
 use std::fmt;
 use std::path::Path;

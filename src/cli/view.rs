@@ -1,8 +1,8 @@
 //! The window, by the arguments of `view`.
 
 use super::args::ViewArguments;
-use hypertexture::gpu::Options;
-use hypertexture::view::{self, Start, ViewError};
+use crate::gpu::Options;
+use crate::viewer::{self, Start, ViewError};
 use std::error::Error;
 use std::fmt;
 use std::time::Instant;
@@ -25,8 +25,8 @@ pub fn run(command: ViewArguments, options: Options) -> Result<(), Box<dyn Error
     let scene = command.arguments.scene(&command.input, &command.object)?;
     let library = scene.library()?;
     scene.check(&library)?;
-    command.screenshot.iter().try_for_each(|file| hypertexture::output::check(file))?;
+    command.screenshot.iter().try_for_each(|file| crate::output::check(file))?;
     let ViewArguments { max_error, play, window, frames, screenshot, script, .. } = command;
     let start = Start { scene, library, options, max_error, play, window, frames, screenshot, script, began };
-    view::run(start).map_err(|error| NoWindow(error).into())
+    viewer::run(start).map_err(|error| NoWindow(error).into())
 }

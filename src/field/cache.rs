@@ -1,18 +1,16 @@
 //! Fields kept on disk, so that a shape is transformed once.
 //!
-//! Invariant: a file is used only if every byte of it is accounted for: magic, version, key, sizes and a blake3 hash
-//! over all of it. Anything else is ignored and replaced. Files appear whole: written under another name in the
-//! same folder, synced, then renamed.
+//! Invariant: a file is used only if every byte of it is accounted for: magic, version, key, sizes, and the hash of the
+//! cache. Anything else is ignored and replaced.
 
 use super::{ClosestPoints, DistanceField, FieldError, FieldReport, Grid, Progress, Request};
 use super::{transform, transform_with_closest};
 use crate::shape::{Content, Shape, Solid};
+use crate::support::disk_cache;
 use glam::Vec3;
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::{Instant, SystemTime};
+use std::time::Instant;
 
 /// A kind of file: first bytes, end of the name, floats for each sample.
 struct Kind {
@@ -27,12 +25,10 @@ const FIELD: Kind = Kind { magic: b"HYPERFLD", end: "field", floats: 1 };
 const CLOSEST: Kind = Kind { magic: b"HYPERCPT", end: "closest", floats: 3 };
 /// Raise it when a field computed from the same input changes, or the layout of the file does.
 const VERSION: u32 = 1;
-/// Magic, version, key, size, origin, spacing, five counts; the payload follows, then the hash of it all.
+/// Magic, version, key, size, origin, spacing, five counts; the payload follows.
 const HEADER_BYTES: usize = 8 + 4 + 32 + 12 + 12 + 12 + 5 * 8;
-const HASH_BYTES: usize = 32;
-/// Fields and closest points kept on disk, all together. Less: a few scans at a high resolution push each other out. More: a person finds
-/// a full disk.
-const FOLDER_BYTES: u64 = 2 << 30;
+/// Less: a few scans at a high resolution push each other out. More: a person finds a full disk.
+const CACHE: disk_cache::Kind = disk_cache::Kind { ends: &[FIELD.end, CLOSEST.end], limit: 2 << 30 };
 
 /// What a field depends on, hashed: geometry and values of the shape, the request, the version of this code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,7 +71,7 @@ impl Key {
     }
 }
 
-/// [`transform`], through the cache in [`default_folder`].
+/// [`transform`], through the cache on disk.
 ///
 /// A formula or a volume of signed distances is not cached: computing it is as fast as reading it.
 ///
@@ -97,7 +93,7 @@ pub fn load_or_compute(
     }
 }
 
-/// [`transform_with_closest`], through the cache in [`default_folder`], as [`load_or_compute`].
+/// [`transform_with_closest`], through the cache on disk, as [`load_or_compute`].
 ///
 /// # Errors
 /// Those of [`transform`]. A cache that cannot be read or written is a warning in the log.
@@ -122,7 +118,7 @@ fn kept_in(shape: &Shape) -> Option<PathBuf> {
     match shape {
         Shape::Solid(_) => None,
         Shape::Volume(volume) if volume.content == Content::SignedDistance => None,
-        _ => default_folder(),
+        _ => disk_cache::default_folder(),
     }
 }
 
@@ -170,15 +166,14 @@ pub fn cached_with_closest(
 /// What is stored under `key`; nothing, and a warning, where a file is damaged or cannot be read.
 fn read(kind: &Kind, key: &Key, folder: &Path) -> Option<Stored> {
     let path = key.file(kind, folder);
-    match fs::read(&path) {
-        Ok(bytes) => match decode(kind, &bytes, key) {
-            Some(stored) => {
-                // Best effort: the time of use decides what goes first when the folder is full.
-                let _ = File::options().append(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
-                return Some(stored);
+    match disk_cache::read(&path) {
+        Ok(bytes) => {
+            let stored = bytes.and_then(|bytes| decode(kind, &bytes, key));
+            if stored.is_none() {
+                log::warn!("{}: damaged or foreign field file, computing it again", path.display());
             }
-            None => log::warn!("{}: damaged or foreign field file, computing it again", path.display()),
-        },
+            return stored;
+        }
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
         Err(error) => log::warn!("{}: cannot read the cached field: {error}", path.display()),
     }
@@ -188,18 +183,9 @@ fn read(kind: &Kind, key: &Key, folder: &Path) -> Option<Stored> {
 /// Stores under `key`, or warns.
 fn keep(kind: &Kind, key: &Key, folder: &Path, content: (&Grid, &[f32], &FieldReport)) {
     let path = key.file(kind, folder);
-    let kept = store(&path, folder, &encode(kind, key, content)).and_then(|()| trim(folder, FOLDER_BYTES));
-    if let Err(error) = kept {
+    if let Err(error) = disk_cache::write(&path, encode(kind, key, content), Some(CACHE)) {
         log::warn!("{}: cannot keep the field: {error}; set HYPERTEXTURE_CACHE to a writable folder", path.display());
     }
-}
-
-/// `$HYPERTEXTURE_CACHE`, else `$XDG_CACHE_HOME/hypertexture`, else `~/.cache/hypertexture`; none without a home.
-pub fn default_folder() -> Option<PathBuf> {
-    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-    set("HYPERTEXTURE_CACHE")
-        .or_else(|| set("XDG_CACHE_HOME").map(|folder| folder.join("hypertexture")))
-        .or_else(|| set("HOME").map(|folder| folder.join(".cache").join("hypertexture")))
 }
 
 fn floats(hash: &mut blake3::Hasher, values: &[f32]) {
@@ -210,7 +196,7 @@ fn floats(hash: &mut blake3::Hasher, values: &[f32]) {
 type Stored = (Grid, Vec<f32>, FieldReport);
 
 fn encode(kind: &Kind, key: &Key, (grid, values, report): (&Grid, &[f32], &FieldReport)) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(HEADER_BYTES + 4 * values.len() + HASH_BYTES);
+    let mut bytes = Vec::with_capacity(HEADER_BYTES + 4 * values.len());
     bytes.extend_from_slice(kind.magic);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
     bytes.extend_from_slice(&key.0);
@@ -221,14 +207,11 @@ fn encode(kind: &Kind, key: &Key, (grid, values, report): (&Grid, &[f32], &Field
         [report.triangles as u64, report.open_edges as u64, turned, report.closing_triangles as u64, report.exact];
     bytes.extend(counts.iter().flat_map(|n| n.to_le_bytes()));
     bytes.extend(values.iter().flat_map(|v| v.to_le_bytes()));
-    let hash = blake3::hash(&bytes);
-    bytes.extend_from_slice(hash.as_bytes());
     bytes
 }
 
 fn decode(kind: &Kind, bytes: &[u8], key: &Key) -> Option<Stored> {
-    let (content, hash) = bytes.split_at_checked(bytes.len().checked_sub(HASH_BYTES)?)?;
-    let (header, payload) = content.split_at_checked(HEADER_BYTES)?;
+    let (header, payload) = bytes.split_at_checked(HEADER_BYTES)?;
     let head = header.strip_prefix(kind.magic)?.strip_prefix(&VERSION.to_le_bytes())?.strip_prefix(&key.0)?;
     let (geometry, counts) = head.split_at_checked(36)?;
     let mut words = geometry.as_chunks::<4>().0.iter();
@@ -237,7 +220,7 @@ fn decode(kind: &Kind, bytes: &[u8], key: &Key) -> Option<Stored> {
     let mut vector = || Some(Vec3::from_array([word()?, word()?, word()?].map(f32::from_le_bytes)));
     let grid = Grid { size, origin: vector()?, spacing: vector()? };
     let expected = size.iter().try_fold(4 * kind.floats, |a, &n| a.checked_mul(u64::from(n)))?;
-    if payload.len() as u64 != expected || blake3::hash(content).as_bytes() != hash {
+    if payload.len() as u64 != expected {
         return None;
     }
     let counts: Vec<u64> = counts.as_chunks::<8>().0.iter().map(|&b| u64::from_le_bytes(b)).collect();
@@ -255,63 +238,12 @@ fn decode(kind: &Kind, bytes: &[u8], key: &Key) -> Option<Stored> {
     Some((grid, values, report))
 }
 
-/// Removes the fields used longest ago until the rest fit into `limit` bytes.
-fn trim(folder: &Path, limit: u64) -> io::Result<()> {
-    let mut fields = Vec::new();
-    for entry in fs::read_dir(folder)? {
-        let entry = entry?;
-        let about = entry.metadata()?;
-        if entry.path().extension().is_some_and(|end| end == FIELD.end || end == CLOSEST.end) {
-            fields.push((about.modified()?, about.len(), entry.path()));
-        }
-    }
-    fields.sort();
-    let mut total: u64 = fields.iter().map(|(_, bytes, _)| bytes).sum();
-    for (_, bytes, path) in fields {
-        if total <= limit {
-            break;
-        }
-        fs::remove_file(&path)?;
-        total -= bytes;
-    }
-    Ok(())
-}
-
-fn store(path: &Path, folder: &Path, bytes: &[u8]) -> io::Result<()> {
-    static NEXT: AtomicU32 = AtomicU32::new(0);
-    fs::create_dir_all(folder)?;
-    let number = NEXT.fetch_add(1, Ordering::Relaxed);
-    let temporary = path.with_extension(format!("{}-{number}.tmp", std::process::id()));
-    let write = || {
-        let mut file = File::create(&temporary)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        fs::rename(&temporary, path)
-    };
-    write().inspect_err(|_| {
-        // Best effort: the error to report is the first one.
-        let _ = fs::remove_file(&temporary);
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::shape::Mesh;
     use std::cell::Cell;
-
-    #[test]
-    fn a_full_folder_loses_the_fields_used_longest_ago() {
-        let folder = tempfile::tempdir().unwrap();
-        for (name, age) in [("old.field", 30), ("new.field", 10), ("other.txt", 90)] {
-            let mut file = File::create(folder.path().join(name)).unwrap();
-            file.write_all(&[0; 100]).unwrap();
-            file.set_modified(SystemTime::now() - std::time::Duration::from_secs(age)).unwrap();
-        }
-        trim(folder.path(), 150).unwrap();
-        let left = |name: &str| folder.path().join(name).exists();
-        assert!(!left("old.field") && left("new.field") && left("other.txt"));
-    }
+    use std::fs;
 
     const REQUEST: Request = Request { resolution: 8, margin: 0.1, band: 0.1, iso: 0.0 };
 

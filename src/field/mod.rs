@@ -23,7 +23,7 @@ mod tetra;
 mod transform;
 mod winding;
 
-pub use cache::{Key, cached, cached_with_closest, default_folder, load_or_compute, load_or_compute_closest};
+pub use cache::{Key, cached, cached_with_closest, load_or_compute, load_or_compute_closest};
 pub use closest::ClosestPoints;
 pub use transform::{transform, transform_with_closest};
 

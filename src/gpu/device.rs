@@ -2,6 +2,7 @@
 
 use super::instance::Instance;
 use super::{Format, GpuError, Messages, Named};
+use crate::support::disk_cache;
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::c_char;
@@ -66,7 +67,7 @@ pub(super) struct Shared {
     pub(super) device: Device,
     pub(super) info: DeviceInfo,
     /// Family of the queue: what egui draws with is made for it.
-    #[cfg(feature = "view")]
+    #[cfg(feature = "viewer")]
     pub(super) family: u32,
     pub(super) physical: vk::PhysicalDevice,
     pub(super) instance: Instance,
@@ -117,7 +118,10 @@ impl Drop for PipelineCache {
         // SAFETY: made from this device, which is a later field of the same owner.
         unsafe {
             if let (Some(file), Ok(data)) = (&self.file, self.device.get_pipeline_cache_data(self.handle)) {
-                write_cache(file, &data);
+                // A folder that cannot be written costs time, not correctness.
+                if let Err(error) = disk_cache::write(file, data, None) {
+                    log::warn!("the pipeline cache {} could not be written: {error}", file.display());
+                }
             }
             self.device.destroy_pipeline_cache(self.handle, None);
         }
@@ -165,7 +169,7 @@ impl Gpu {
         let handle = unsafe { device.create_command_pool(&info, None) }.named("vkCreateCommandPool")?;
         let pool = CommandPool { device: device.0.clone(), handle };
         let file = options.cache.as_ref().map(|folder| folder.join(cache_name(&instance.raw, physical)));
-        let known = file.as_ref().and_then(|file| read_cache(file)).unwrap_or_default();
+        let known = file.as_ref().and_then(|file| disk_cache::read(file).ok()?).unwrap_or_default();
         let info = vk::PipelineCacheCreateInfo::default().initial_data(&known);
         // SAFETY: the device is alive; the data was written by this very driver, as its file name and checksum say.
         let handle = unsafe { device.create_pipeline_cache(&info, None) }.named("vkCreatePipelineCache")?;
@@ -179,7 +183,7 @@ impl Gpu {
             next,
             device,
             info: device_info,
-            #[cfg(feature = "view")]
+            #[cfg(feature = "viewer")]
             family,
             physical,
             instance,
@@ -348,23 +352,4 @@ fn cache_name(instance: &ash::Instance, physical: vk::PhysicalDevice) -> String 
     let properties = unsafe { instance.get_physical_device_properties(physical) };
     let uuid: String = properties.pipeline_cache_uuid.iter().map(|byte| format!("{byte:02x}")).collect();
     format!("pipelines-{:x}-{:x}-{:x}-{uuid}", properties.vendor_id, properties.device_id, properties.driver_version)
-}
-
-/// The cache file without its checksum; `None` where it is missing or damaged.
-fn read_cache(file: &std::path::Path) -> Option<Vec<u8>> {
-    let bytes = std::fs::read(file).ok()?;
-    let (checksum, data) = bytes.split_at_checked(blake3::OUT_LEN)?;
-    (blake3::hash(data).as_bytes() == checksum).then(|| data.to_vec())
-}
-
-/// Keeps the cache for the next run; a folder that cannot be written costs time, not correctness.
-fn write_cache(file: &std::path::Path, data: &[u8]) {
-    let bytes = [blake3::hash(data).as_bytes(), data].concat();
-    let temporary = file.with_extension(format!("{}.tmp", std::process::id()));
-    let folder = file.parent().map(std::fs::create_dir_all).unwrap_or(Ok(()));
-    let written =
-        folder.and_then(|()| std::fs::write(&temporary, bytes)).and_then(|()| std::fs::rename(&temporary, file));
-    if let Err(error) = written {
-        log::warn!("the pipeline cache {} could not be written: {error}", file.display());
-    }
 }

@@ -7,7 +7,7 @@ use std::ffi::c_char;
 
 /// Owner of the Vulkan instance, of the registration of its messages, and of the surface of its window if it has one.
 pub(super) struct Instance {
-    #[cfg(feature = "view")]
+    #[cfg(feature = "viewer")]
     pub(super) surface: Option<super::surface::WindowSurface>,
     pub(super) raw: ash::Instance,
     messenger: Option<Messenger>,
@@ -23,7 +23,7 @@ impl Instance {
         let messages = Messages::default();
         let raw = create_instance(&entry, validation, extensions, &messages)?;
         let mut instance = Instance {
-            #[cfg(feature = "view")]
+            #[cfg(feature = "viewer")]
             surface: None,
             raw,
             messenger: None,
@@ -39,7 +39,7 @@ impl Instance {
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        #[cfg(feature = "view")]
+        #[cfg(feature = "viewer")]
         drop(self.surface.take());
         if let Some(messenger) = &self.messenger {
             messenger.destroy();

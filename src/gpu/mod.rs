@@ -14,10 +14,10 @@ mod device;
 mod instance;
 mod memory;
 mod messages;
-#[cfg(feature = "view")]
+#[cfg(feature = "viewer")]
 mod overlay;
 mod pipeline;
-#[cfg(feature = "view")]
+#[cfg(feature = "viewer")]
 mod surface;
 #[cfg(test)]
 mod validation_tests;
@@ -26,11 +26,11 @@ pub use commands::{Commands, Draw, Load, Submitted, Target};
 pub use device::{DeviceInfo, Gpu, Options};
 pub use memory::{Address, Buffer, BufferUse, Dimension, Format, Image, ImageUse, Sampler};
 pub use messages::Messages;
-#[cfg(feature = "view")]
+#[cfg(feature = "viewer")]
 pub use overlay::{Canvas, Presented};
 pub use pipeline::{BindSet, Binding, BindingKind, Blend, Pipeline, PipelineDescription, Resource};
 
-#[cfg(feature = "view")]
+#[cfg(feature = "viewer")]
 pub use surface::{WindowHandle, has_library};
 
 use ash::vk;

@@ -7,7 +7,7 @@
 
 use super::Weights;
 use super::lattice::direction;
-use crate::random::SplitMix;
+use crate::support::random::SplitMix;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -1,6 +1,6 @@
 //! Blue noise: a tile of numbers of which neighbors are far apart.
 
-use crate::random::SplitMix;
+use crate::support::random::SplitMix;
 
 /// Width of the energy around a point, texels. Smaller: clusters are not seen; larger: the order becomes a lattice.
 const SIGMA: f64 = 1.9;

@@ -3,7 +3,7 @@
 //! Source: PH 2.3 (n = 256).
 
 use super::{Weights, absolute_sum, random_direction};
-use crate::random::SplitMix;
+use crate::support::random::SplitMix;
 
 /// Entries of the permutation and gradient tables: the period of the noise in lattice cells.
 const TABLE: usize = 256;

@@ -8,9 +8,9 @@ use super::values::{Values, blocks};
 use super::view::View;
 use super::{RenderError, Subject};
 use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler};
-use crate::pass::Planes;
+use crate::render::pass::Planes;
+use crate::render::variant::{Program, Resource, Use, Variant};
 use crate::scene::Scene;
-use crate::variant::{Program, Resource, Use, Variant};
 
 /// The resources of one program.
 pub(super) struct BoundInputs {

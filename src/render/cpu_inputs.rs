@@ -6,8 +6,8 @@ use super::sub_frame::SubFrame;
 use super::values::{Values, blocks};
 use super::view::View;
 use super::{RenderError, Subject};
+use crate::render::variant::{Program, Variant};
 use crate::scene::Scene;
-use crate::variant::{Program, Variant};
 use std::collections::BTreeMap;
 
 /// The blocks of a program, by binding.

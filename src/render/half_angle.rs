@@ -10,11 +10,11 @@ use super::RenderError;
 use super::bind::{self, BoundInputs};
 use super::inputs::{BEFORE, BEHIND};
 use super::view::View;
-use crate::glsl::{Library, Linker};
 use crate::gpu::{self, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
-use crate::pass::{self, Planes};
+use crate::render::pass::{self, Planes};
+use crate::render::variant::{Program, Variant};
 use crate::scene::{Projection, Scene};
-use crate::variant::{Program, Variant};
+use crate::shader::{Library, Linker};
 use glam::{Vec2, Vec3};
 
 /// The light's buffer: scattered light in RGB, direct light in A. Fewer bits: thin matter does not darken it at all.

@@ -10,10 +10,10 @@ use super::view::{Own, View};
 use super::{RenderError, Subject};
 use crate::field::Progress;
 use crate::gpu::{Address, Dimension, Format};
-use crate::pass::Planes;
+use crate::render::pass::Planes;
+use crate::render::texture::{self, Bricks, Encoding, Texels};
+use crate::render::variant::{Program, Resource, Use, Variant};
 use crate::scene::{Parameters, Quality, Scene, Source, Wrap};
-use crate::texture::{self, Bricks, Encoding, Texels};
-use crate::variant::{Program, Resource, Use, Variant};
 
 /// An image, encoded.
 pub(crate) struct Encoded {

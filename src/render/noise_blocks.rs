@@ -3,12 +3,12 @@
 //! Invariant: a block is made of its [`Recipe`] alone, so that the same one is not made again in the next run.
 
 use super::inputs::{Content, Encoded};
-use crate::disk_cache::{self, Kind};
 use crate::field::Progress;
 use crate::gpu::{Dimension, Format};
 use crate::noise::{Bake, Block, MEAN_NOISE, Noise, Weights, blue_noise, random_block};
+use crate::render::texture::{self, Depth};
 use crate::scene::{BlockFormat, Scene};
-use crate::texture::{self, Depth};
+use crate::support::disk_cache::{self, Kind};
 use std::sync::OnceLock;
 
 /// Seed of Perlin's tables and of random texels: changing it changes every picture that is made of them.
@@ -20,7 +20,7 @@ const VERSION: u32 = 1;
 /// Blocks of fewer texels along a side are made faster than they are read.
 const KEPT_FROM: u32 = 64;
 /// Less: two blocks of 256^3 texels push each other out. More: a person finds a full disk.
-const KIND: Kind = Kind { end: "block", limit: 1 << 30 };
+const KIND: Kind = Kind { ends: &["block"], limit: 1 << 30 };
 
 /// What a block holds. Equal recipes make equal bytes.
 #[derive(Clone, Copy, Debug)]

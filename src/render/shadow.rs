@@ -13,11 +13,11 @@ use super::inputs::Inputs;
 use super::sub_frame::SubFrame;
 use super::view::View;
 use super::{RenderError, Subject};
-use crate::glsl::{Library, Linker};
 use crate::gpu::{self, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
-use crate::pass::{self, Planes};
+use crate::render::pass::{self, Planes};
+use crate::render::variant::{Program, Variant};
 use crate::scene::Scene;
-use crate::variant::{Program, Variant};
+use crate::shader::{Library, Linker};
 use glam::{Mat4, Quat, Vec3};
 
 /// A light is taken to be at most this many radii of the scene away. Farther: f32 holds too few places on a ray. Nearer:

@@ -1,9 +1,9 @@
 //! Volumes in bricks: which of them a scene can reach, and what that saves.
 
 use super::inputs::Item;
-use crate::pass::Planes;
+use crate::render::pass::Planes;
+use crate::render::texture::{Bricks, Texels};
 use crate::scene::Integration;
-use crate::texture::{Bricks, Texels};
 use serde::{Deserialize, Serialize};
 
 /// A volume of which the device has bricks alone.

@@ -2,8 +2,8 @@
 //!
 //! Source: PH 3.1 suggests jittered rays and motion blur by rays over time.
 
-use crate::random::SplitMix;
 use crate::scene::{Phases, Scene};
+use crate::support::random::SplitMix;
 
 /// Multiples of it leave no large gap in [0, 1], however many they are.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_8;

@@ -2,10 +2,10 @@
 
 use super::RenderError;
 use crate::field::{self, ClosestPoints, DistanceField, Progress};
-use crate::glsl::Library;
+use crate::render::variant::Variant;
 use crate::scene::{Axis, Object, Scene};
+use crate::shader::Library;
 use crate::shape::{self, Shape, ShapeError};
-use crate::variant::Variant;
 use glam::Vec3;
 use std::collections::BTreeMap;
 

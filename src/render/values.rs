@@ -5,9 +5,9 @@ use super::half_angle::slant;
 use super::inputs::Item;
 use super::sub_frame::SubFrame;
 use super::view::View;
-use crate::pass::Planes;
+use crate::render::pass::Planes;
+use crate::render::variant::{Program, Resource, Use};
 use crate::scene::{Integration, ParameterValue, Scene};
-use crate::variant::{Program, Resource, Use};
 use std::collections::HashMap;
 
 /// The values of the members of all blocks, by name.

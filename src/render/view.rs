@@ -4,10 +4,10 @@
 //! rotation of the object reaches them through the texture matrix alone (MJ 3.3).
 
 use super::{Subject, half_angle};
-use crate::glsl::link::MAIN;
-use crate::pass::{Extent, Planes};
+use crate::render::pass::{Extent, Planes};
+use crate::render::variant::Variant;
 use crate::scene::{Parameters, Projection, Scene, Spread, Transform};
-use crate::variant::Variant;
+use crate::shader::link::MAIN;
 use glam::camera::rh;
 use glam::{Mat4, Vec3};
 
@@ -269,9 +269,9 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::glsl;
-    use crate::pass::stack;
+    use crate::render::pass::stack;
     use crate::scene::{EFFECTS, LightMethod, Order, Proxy, preset};
+    use crate::shader;
 
     #[test]
     fn m01_the_trackball_turns_the_texture_matrix_and_moves_no_vertex() {
@@ -283,8 +283,8 @@ mod tests {
                 scene.object.input = "torus".into();
                 (scene.light.shadows, scene.light.method, scene.light.position) = (true, method, [6.0, 1.0, -3.0]);
                 (scene.camera.azimuth, scene.camera.elevation) = (azimuth, elevation);
-                let subject = Subject::load(&scene, &glsl::shipped(), &|_| ()).unwrap();
-                View::of(&scene, &subject, &Variant::of(&scene, &glsl::shipped()).unwrap())
+                let subject = Subject::load(&scene, &shader::shipped(), &|_| ()).unwrap();
+                View::of(&scene, &subject, &Variant::of(&scene, &shader::shipped()).unwrap())
             });
             assert_ne!(still.texture_matrix, turned.texture_matrix, "{effect}");
             assert_eq!((still.projection, still.axis), (turned.projection, turned.axis), "{effect}");

@@ -2,8 +2,8 @@
 
 use super::loops::{BENDING_LOOPS, BENDING_STEPS, LOOP_BUDGET, SHADOW_SAMPLES};
 use super::{Integration, Parameters, RayPath, Repeat, Scene, SceneError, Storage};
-use crate::glsl::Slots;
-use crate::glsl::library::{COMBINE, Library};
+use crate::shader::Slots;
+use crate::shader::library::{COMBINE, Library};
 
 impl Scene {
     /// Checks every value, module and parameter, and gives the parameters their values.
@@ -344,14 +344,14 @@ pub(super) fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(),
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::glsl;
     use crate::scene::{Color, ParameterValue, Pass, preset};
+    use crate::shader;
 
     /// What is said of the preset of fur, changed.
     pub(in crate::scene) fn refusal(change: impl FnOnce(&mut Scene)) -> String {
         let mut scene = preset("fur").unwrap();
         change(&mut scene);
-        scene.check(&glsl::shipped()).unwrap_err().to_string()
+        scene.check(&shader::shipped()).unwrap_err().to_string()
     }
 
     #[test]
@@ -420,6 +420,6 @@ pub(super) mod tests {
     fn m47_the_length_of_the_hair_is_the_outer_iso_value() {
         let mut scene = preset("fur").unwrap();
         scene.parameters.insert("hair_length".into(), ParameterValue::Number(0.3));
-        assert_eq!(scene.check(&glsl::shipped()).unwrap().outer_iso(), Some(0.3));
+        assert_eq!(scene.check(&shader::shipped()).unwrap().outer_iso(), Some(0.3));
     }
 }

@@ -17,7 +17,7 @@ impl Color {
 impl TryFrom<String> for Color {
     type Error = String;
     fn try_from(text: String) -> Result<Color, String> {
-        crate::glsl::declare::hex_color(&text)
+        crate::shader::declare::hex_color(&text)
             .map(Color)
             .ok_or_else(|| format!("`{text}` is not a color; write #rrggbb, such as #d9a05f"))
     }

@@ -51,7 +51,7 @@ pub enum SceneError {
     Part(String, Box<SceneError>),
     /// A module is missing or its declarations are wrong.
     #[error(transparent)]
-    Library(#[from] crate::glsl::LibraryError),
+    Library(#[from] crate::shader::LibraryError),
 }
 
 impl SceneError {

@@ -36,7 +36,7 @@ pub use quality::{
 pub use strategy::Repeat;
 pub use transfer::{Curve, Stop, Transfer};
 
-use crate::glsl::Slots;
+use crate::shader::Slots;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

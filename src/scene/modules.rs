@@ -1,7 +1,7 @@
 //! A person's own modules: GLSL files beside those that ship.
 
 use super::{Scene, SceneError};
-use crate::glsl::{self, Library};
+use crate::shader::{self, Library};
 use std::path::Path;
 
 /// The largest file of a module, bytes: more is no module.
@@ -28,7 +28,7 @@ impl Scene {
     /// # Errors
     /// A file cannot be read, is for no slot, or has the name of a module that ships.
     pub fn library(&self) -> Result<Library, SceneError> {
-        let mut library = glsl::shipped();
+        let mut library = shader::shipped();
         for (module, file) in &self.modules {
             let fail = |reason: String| SceneError::Read { path: file.clone(), reason };
             let (slot, name) = module.split_once('/').unwrap_or((module, ""));
@@ -54,8 +54,8 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::variant::Variant;
     use crate::scene::preset;
-    use crate::variant::Variant;
 
     const MODULE: &str = "// Half of it.\n// Source: a test.\n// @param part = 0.5 in [0, 1]: How much.\n// Result: density.\n\
                           float half_of(float density, Sample s) { return part * density; }\n";
@@ -71,7 +71,7 @@ mod tests {
         let library = scene.library().unwrap();
         let variant = Variant::of(&scene, &library).unwrap();
         assert!(variant.all_parameters().any(|(name, ..)| name == "part"));
-        assert!(!variant.program(&library, crate::glsl::Linker::new).unwrap().shipped);
+        assert!(!variant.program(&library, crate::shader::Linker::new).unwrap().shipped);
     }
 
     #[test]

@@ -2,9 +2,9 @@
 
 use super::check::within;
 use super::{ParameterValue, Scene, SceneError};
-use crate::glsl::declare::{Parameter, ParameterKind};
-use crate::glsl::reach::{GIVEN, NOISE_BOUND};
-use crate::glsl::{Declarations, Reach, Sides};
+use crate::shader::declare::{Parameter, ParameterKind};
+use crate::shader::reach::{GIVEN, NOISE_BOUND};
+use crate::shader::{Declarations, Reach, Sides};
 
 /// The declared parameters of a scene's modules with the values that the scene gives them.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! Further objects of a scene, each with its own effect, and how they make one.
 
 use super::{Effect, Integration, Material, Object, ParameterValue, Scene, SceneError, Storage, Transfer};
-use crate::glsl::library::COMBINE;
-use crate::glsl::{Formula, FormulaError, Slots, link::MAIN};
+use crate::shader::library::COMBINE;
+use crate::shader::{Formula, FormulaError, Slots, link::MAIN};
 use glam::{EulerRot, Mat4, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -220,12 +220,12 @@ impl Scene {
 
 #[cfg(test)]
 mod tests {
-    use crate::glsl;
     use crate::scene::parse;
+    use crate::shader;
 
     fn refusal(text: &str) -> String {
         let scene = parse(text, "x").unwrap();
-        let library = glsl::shipped();
+        let library = shader::shipped();
         let checked = scene
             .check(&library)
             .and_then(|_| scene.parts.keys().try_for_each(|name| scene.check_part(name, &library).map(drop)));

@@ -82,13 +82,13 @@ pub(super) fn text(name: &str) -> Result<&'static str, SceneError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::glsl;
+    use crate::shader;
 
     #[test]
     fn m53_every_preset_is_a_valid_scene_about_something() {
         for (name, _) in PRESETS {
             let scene = preset(name).unwrap();
-            scene.check(&glsl::shipped()).unwrap();
+            scene.check(&shader::shipped()).unwrap();
             assert!(!scene.about.is_empty(), "{name}");
         }
         assert!(EFFECTS.iter().all(|effect| preset(effect).is_ok()));

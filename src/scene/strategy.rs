@@ -2,8 +2,8 @@
 //! whose noise nothing discretizes.
 
 use super::Scene;
-use crate::glsl::{Library, LibraryError};
 use crate::noise::{Bake, Period};
+use crate::shader::{Library, LibraryError};
 use serde::{Deserialize, Serialize};
 
 /// Lattice cells across a block of noise: four texels for each cell. Fewer texels: the trilinear filter shows its
@@ -129,17 +129,17 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::glsl;
+    use crate::shader;
 
     fn twin(noise: &str, turbulence: &str) -> Scene {
         let mut scene = Scene::default();
         (scene.effect.noise, scene.effect.turbulence) = (noise.into(), turbulence.into());
-        scene.unbaked(&glsl::shipped()).unwrap()
+        scene.unbaked(&shader::shipped()).unwrap()
     }
 
     #[test]
     fn every_strategy_has_a_twin_that_nothing_discretizes() {
-        let library = glsl::shipped();
+        let library = shader::shipped();
         for turbulence in library.modules("turbulence") {
             for noise in library.modules("noise") {
                 let twin = twin(noise, turbulence);
@@ -167,12 +167,12 @@ mod tests {
         let text = "// @exact procedural turbulence_block\n";
         let mut scene = Scene::default();
         scene.effect.turbulence = "mine".into();
-        let twin = scene.unbaked(&glsl::shipped().with_module("turbulence", "mine", text)).unwrap();
+        let twin = scene.unbaked(&shader::shipped().with_module("turbulence", "mine", text)).unwrap();
         assert_eq!(
             (twin.effect.turbulence.as_str(), twin.effect.turbulence_repeat),
             ("procedural", Repeat::TurbulenceBlock)
         );
-        let unknown = glsl::shipped().with_module("turbulence", "mine", "// @exact nothing\n");
+        let unknown = shader::shipped().with_module("turbulence", "mine", "// @exact nothing\n");
         assert!(scene.unbaked(&unknown).unwrap_err().to_string().starts_with("no module `nothing`"));
     }
 

@@ -3,13 +3,13 @@
 #![allow(dead_code, reason = "each file of tests uses its part of this")]
 
 #[allow(unused_imports, reason = "each file of tests uses its part of this")]
-pub use hypertexture::verify::{Level, Ray, box_subject, homogeneous, rays};
+pub use hypertexture::measure::verify::{Level, Ray, box_subject, homogeneous, rays};
 
-use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::{Gpu, Options};
+use hypertexture::measure::verify;
 use hypertexture::render::{Frame, Subject, render};
 use hypertexture::scene::Scene;
-use hypertexture::verify;
+use hypertexture::shader::{self, Library};
 
 /// Runs a test on a device with validation, closes the device, and fails on whatever the layer has reported until then.
 pub fn with_gpu<T>(test: impl FnOnce(&Gpu) -> T) -> T {
@@ -27,7 +27,7 @@ pub fn with_gpu<T>(test: impl FnOnce(&Gpu) -> T) -> T {
 
 /// The subject of a scene whose object is a formula.
 pub fn formula(scene: &Scene) -> Subject {
-    subject(scene, &glsl::shipped())
+    subject(scene, &shader::shipped())
 }
 
 /// The subject of a scene.

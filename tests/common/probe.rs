@@ -2,15 +2,15 @@
 //! the same blocks and texels for both.
 
 use hypertexture::exact::{Inputs, Program, Texture, Wrap};
-use hypertexture::glsl::{Library, Linker, Parameter, ParameterKind, Slots};
 use hypertexture::gpu::{
     Address, Binding, BindingKind, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Load, Pipeline,
     PipelineDescription, Resource, Sampler, Target,
 };
 use hypertexture::noise::{Bake, Noise, Weights, random_block};
+use hypertexture::render::texture::{Depth, block_channels, block_gradients, block_values, table_rows};
+use hypertexture::render::variant::{self, Use, Variant};
 use hypertexture::scene::{self, Parameters};
-use hypertexture::texture::{Depth, block_channels, block_gradients, block_values, table_rows};
-use hypertexture::variant::{self, Use, Variant};
+use hypertexture::shader::{Library, Linker, Parameter, ParameterKind, Slots};
 use std::collections::BTreeMap;
 
 /// Points of the device, from the coordinates of a fragment: exact in f32 too.

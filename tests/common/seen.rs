@@ -4,10 +4,10 @@
 
 use super::common::{homogeneous, picture, rays, subject};
 use glam::DVec3;
-use hypertexture::glsl::{self, Library};
 use hypertexture::gpu::Gpu;
+use hypertexture::render::variant::Variant;
 use hypertexture::scene::{ParameterValue, Projection, Scene};
-use hypertexture::variant::Variant;
+use hypertexture::shader::{self, Library};
 
 /// Half the side of the square that a probe shows.
 const SIDE: f64 = 0.99;
@@ -15,7 +15,7 @@ const SIDE: f64 = 0.99;
 /// What a surface module makes of the front face of a cube, on more than 10^4 points (x, y); the face is found to one
 /// slice, so that probes put a z of their own, 0.37, in its place.
 pub fn seen(gpu: &Gpu, text: &str, change: impl FnOnce(&mut Scene)) -> Vec<(DVec3, DVec3)> {
-    seen_with(gpu, &glsl::shipped(), text, change)
+    seen_with(gpu, &shader::shipped(), text, change)
 }
 
 /// The same with modules of a library.

@@ -6,7 +6,7 @@ use crate::surface::transfer;
 use crate::values::{Random, Setting, filtered};
 use glam::{DMat3, DVec3};
 use hypertexture::exact::Wrap;
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     m10_p45_soft_matter_covers_by_its_modulated_density = soft,

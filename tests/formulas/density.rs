@@ -5,7 +5,7 @@ use crate::harness::{At, Check, OCTAVES};
 use crate::knots::{noise, octaves, turbulence};
 use crate::values::{Random, Setting, c};
 use glam::DVec3;
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     p13_p14_bias_and_gain_are_phs = shaping,

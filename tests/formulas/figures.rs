@@ -8,8 +8,8 @@ use crate::surface::transfer;
 use crate::values::c;
 use glam::{DMat4, DVec3};
 use hypertexture::exact::Texture;
+use hypertexture::render::texture::transfer_map;
 use hypertexture::scene::{ParameterValue, Scene, preset};
-use hypertexture::texture::transfer_map;
 use std::cell::Cell;
 use std::f64::consts::TAU;
 

@@ -3,7 +3,7 @@
 use crate::harness::{At, Check};
 use crate::values::{Random, Setting};
 use glam::DVec3;
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     p28_nothing_is_absorbed = |l| absorption(l, "none", |_| DVec3::ONE),

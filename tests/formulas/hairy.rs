@@ -7,7 +7,7 @@ use crate::knots::{noise, vector_noise};
 use crate::light::{directions, phong, to_eye_space};
 use crate::values::{Random, Setting, c};
 use glam::{DVec2, DVec3};
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     p31_fur_is_gain_of_bias_of_noise_at_the_root = |l| hairs(l, "fur", fur),

@@ -3,9 +3,9 @@
 use crate::values::{Random, Setting};
 use glam::DVec3;
 use hypertexture::exact::{Inputs, Lanes, Program, Texture, Wrap};
-use hypertexture::glsl::{self, Library, Linker, Slots};
+use hypertexture::render::variant::{self, Use, Variant};
 use hypertexture::scene::{ParameterValue, Scene, preset};
-use hypertexture::variant::{self, Use, Variant};
+use hypertexture::shader::{self, Library, Linker, Slots};
 use std::collections::BTreeMap;
 
 /// What a check shows a module with: the inputs `p0` to `p3` of a point, the outputs `out0` and `out1`.
@@ -135,11 +135,11 @@ impl Check {
             let own = library.object_declarations(part, &slots).unwrap().parameters;
             parameters.extend(
                 own.into_iter()
-                    .map(|parameter| glsl::Parameter { name: format!("{}_{part}", parameter.name), ..parameter }),
+                    .map(|parameter| shader::Parameter { name: format!("{}_{part}", parameter.name), ..parameter }),
             );
         }
         let scene = preset("lit").unwrap();
-        let own = Variant::of(&scene, &glsl::shipped()).unwrap().parameters;
+        let own = Variant::of(&scene, &shader::shipped()).unwrap().parameters;
         let variant = Variant { entries, slots, parameters: own, parts: BTreeMap::new() };
         let linked = variant.program(&library, Linker::new).unwrap_or_else(|error| panic!("{error}"));
         let images = linked.resources.iter().filter(|resource| resource.holds == Use::Image);
@@ -274,7 +274,7 @@ impl Check {
 
 /// The shipped modules.
 pub fn shipped() -> Library {
-    glsl::shipped()
+    shader::shipped()
 }
 
 /// What a wrong module has in its text: file, the text that is right, the text that is wrong.

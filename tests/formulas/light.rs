@@ -5,7 +5,7 @@ use crate::harness::{At, Check};
 use crate::values::{c, filtered};
 use glam::{DMat3, DVec2, DVec3};
 use hypertexture::exact::Wrap;
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     p54_the_shadow_volume_is_asked_off_the_surface = shadowed,

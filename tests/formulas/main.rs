@@ -19,6 +19,9 @@ mod medium;
 mod noise;
 mod object;
 mod parts;
+#[path = "../../src/support/random.rs"]
+#[allow(dead_code, reason = "the tests use a part of it")]
+mod random;
 mod rays;
 mod segments;
 mod surface;

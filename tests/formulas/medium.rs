@@ -8,7 +8,7 @@ use crate::light::{directions, phong, to_eye_space};
 use crate::surface::{SAMPLE, marble, material, sample, transfer};
 use crate::values::c;
 use glam::{DMat3, DVec3};
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     m51_soft_matter_in_the_bare_material = |l| medium(l, "material", material),

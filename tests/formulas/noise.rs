@@ -6,8 +6,8 @@ use crate::knots::{cubic, lattice, octaves, perlin, quintic, wavelet};
 use crate::values::{Random, SIDE, c, filtered, image};
 use glam::DVec3;
 use hypertexture::exact::Wrap;
-use hypertexture::glsl::Library;
 use hypertexture::noise::{Noise, Weights};
+use hypertexture::shader::Library;
 
 crate::rows! {
     p15_procedural_noise_is_the_sum_over_its_knots = |l| computed(l, &[], |at, p| lattice(p, quintic, cells(at, "noise_period"))),

@@ -7,7 +7,7 @@ use crate::knots::noise;
 use crate::values::{Random, SIDE, c, filtered, image};
 use glam::DVec3;
 use hypertexture::exact::Wrap;
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     m11_a_sphere_is_its_distance_and_slope = |l| formula(l, "sphere", sphere),

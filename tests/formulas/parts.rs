@@ -3,7 +3,7 @@
 use crate::classify::{covering, line};
 use crate::harness::{At, COLOR, Check};
 use glam::{DMat3, DMat4, DVec3};
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     p06_to_p09_soft_booleans_are_products = |l| booleans(l, "algebraic", |a, b| [a * b, a + b - a * b]),

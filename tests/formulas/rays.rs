@@ -4,7 +4,7 @@ use crate::harness::{At, Check};
 use crate::knots::pcg3d;
 use crate::values::c;
 use glam::{DMat3, DMat4, DVec2, DVec3};
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     m02_parallel_rays_cross_slices_at_a_right_angle = |l| projection(l, "parallel", |at| {

@@ -4,7 +4,7 @@ use crate::classify::{classified, covering, line};
 use crate::density::mean_logarithm;
 use crate::harness::{At, COLOR, Check};
 use glam::{DMat3, DVec3};
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     m05_the_density_of_a_segment_is_a_line = soft,

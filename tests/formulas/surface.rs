@@ -7,7 +7,7 @@ use crate::light::phong;
 use crate::values::{c, filtered};
 use glam::DVec3;
 use hypertexture::exact::Wrap;
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     m25_m28_lit_is_the_material_under_the_light = |l| surface(l, "lit", |at| phong(at, material(at), at.place(1))),

@@ -7,7 +7,7 @@ use crate::surface::material;
 use crate::values::{c, filtered, image};
 use glam::DVec3;
 use hypertexture::exact::Wrap;
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     g13_the_light_of_a_slice_is_that_before_and_behind_it = half_angle,

@@ -1,11 +1,11 @@
 //! Random parameters and points: all over what is allowed, and at its ends.
 
+use crate::random::SplitMix;
 use glam::{DMat3, DMat4, DQuat, DVec3};
 use hypertexture::exact::{Texture, Wrap};
-use hypertexture::glsl::{Parameter, ParameterKind};
 use hypertexture::noise::{Noise, Weights};
-use hypertexture::random::SplitMix;
-use hypertexture::texture::table_rows;
+use hypertexture::render::texture::table_rows;
+use hypertexture::shader::{Parameter, ParameterKind};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 

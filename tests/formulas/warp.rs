@@ -6,7 +6,7 @@ use crate::knots::{noise, octaves, turbulence, vector_noise};
 use crate::values::{c, filtered};
 use glam::{DMat3, DVec3};
 use hypertexture::exact::Wrap;
-use hypertexture::glsl::Library;
+use hypertexture::shader::Library;
 
 crate::rows! {
     p24_noisy_scales_the_radius_by_noise = |l| warp(l, "noisy", |at, x| {

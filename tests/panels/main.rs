@@ -1,5 +1,5 @@
 //! The panels of the live window, used as a person uses them: by the names of their controls, without a window.
-#![cfg(feature = "view")]
+#![cfg(feature = "viewer")]
 #![expect(clippy::unwrap_used, reason = "a test fails where a control is not as described")]
 
 mod paint;
@@ -8,11 +8,11 @@ use egui::accesskit::{Action, ActionData, ActionRequest, Role};
 use egui::{Event, PointerButton, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use hypertexture::glsl;
 use hypertexture::scene::{self, Color, ParameterValue, Pass, Scene, preset};
-use hypertexture::view::author::State;
-use hypertexture::view::model::Model;
-use hypertexture::view::panels::{Panels, Request, Status};
+use hypertexture::shader;
+use hypertexture::viewer::author::State;
+use hypertexture::viewer::model::Model;
+use hypertexture::viewer::panels::{Panels, Request, Status};
 use paint::Painter;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
@@ -35,7 +35,7 @@ struct Hand(Harness<'static, Desk>);
 
 impl Hand {
     fn new(scene: Scene) -> Hand {
-        let model = Model::new(scene, glsl::shipped()).unwrap();
+        let model = Model::new(scene, shader::shipped()).unwrap();
         let program = PathBuf::from(env!("CARGO_BIN_EXE_hypertexture"));
         let panels = Panels::new(program, &model).unwrap();
         let painter = Painter::default();
@@ -185,7 +185,7 @@ fn m53_every_slider_of_every_preset_sets_the_field_it_is_named_after() {
             let now = number(&hand.scene(), slider);
             let is_set = now.is_some_and(|now| (now - value).abs() <= off);
             assert!(is_set || refused, "{name}: {slider} = {value}: {now:?}");
-            hand.scene().check(&glsl::shipped()).unwrap();
+            hand.scene().check(&shader::shipped()).unwrap();
             if refused {
                 hand.model().edit("about", |scene| scene.about.push('.'));
             }
@@ -326,7 +326,7 @@ fn the_transfer_map_is_edited_by_hand() {
     let point = hand.scene().transfer.stops[1];
     hand.double_click(at(point.at, point.density));
     assert_eq!(hand.scene().transfer.stops.len(), before.len());
-    hand.scene().check(&glsl::shipped()).unwrap();
+    hand.scene().check(&shader::shipped()).unwrap();
 }
 
 #[test]

@@ -1,0 +1,56 @@
+//! A report of made-up measurements, for tests.
+
+use super::{Environment, Report};
+use crate::measure::compare::candidates::{Sweep, candidates};
+use crate::measure::compare::metrics::Metrics;
+use crate::measure::compare::timing::Run;
+use crate::measure::compare::{Comparison, Row};
+use crate::measure::reference::Reference;
+use crate::render::Frame;
+use crate::scene::preset;
+use crate::shader;
+
+/// Fire by two strategies: the error is 1 / samples by points and 1 / samples^2 by segments, the time grows with samples.
+pub fn report() -> Report {
+    let mut scene = preset("fire").unwrap();
+    scene.image.size = [8, 8];
+    let sweep = Sweep { samples: Some(vec![16, 32, 64]), quick: true, ..Sweep::default() };
+    let row = |candidate: crate::measure::compare::candidates::Candidate| {
+        let samples = f64::from(candidate.samples());
+        let second = candidate.curve().label().contains("segment");
+        let rmse = samples.powf(if second { -2.0 } else { -1.0 });
+        let metrics = Metrics {
+            rmse,
+            own_rmse: Some(0.5 * rmse),
+            relative_mse: rmse,
+            max: 4.0 * rmse,
+            p999: 3.0 * rmse,
+            psnr: -20.0 * rmse.log10(),
+            ssim: 1.0 - rmse,
+            flip: rmse,
+            flip_p99: 2.0 * rmse,
+            opacity_rmse: rmse,
+            opacity_max: 2.0 * rmse,
+            not_finite: 0,
+        };
+        let run = |index: u32| Run { gpu_ms: samples + 0.01 * f64::from(index), wall_ms: samples + 2.0 };
+        let first = Frame { size: [8, 8], pixels: Vec::new(), measurements: Default::default() };
+        let truth = Reference { size: [8, 8], pixels: vec![[0.0; 4]; 64], estimate: vec![0.0; 64] };
+        Row {
+            candidate,
+            truth: truth.into(),
+            metrics,
+            reference_error: 1e-7,
+            normals: None,
+            runs: (0..7).map(run).collect(),
+            first,
+        }
+    };
+    let rows: Vec<Row> = candidates(&scene, &shader::shipped(), &sweep).unwrap().into_iter().map(row).collect();
+    let comparison =
+        Comparison { scene: scene.clone(), planned: rows.len(), rows, failures: Vec::new(), partial: false };
+    let environment = Environment { device: "a device".into(), ..Environment::default() };
+    let hash = super::hash(&scene);
+    let (pictures, crops) = (Vec::new(), Vec::new());
+    Report { title: "fire".into(), hash, environment, comparison, pictures, table: None, crops }
+}

@@ -1,0 +1,8 @@
+//! Error against run time: references, metrics, comparisons, the fastest settings within an error, checks, predictions.
+
+pub mod compare;
+pub mod pick;
+pub mod predict;
+pub mod reference;
+pub mod verify;
+pub mod worker;

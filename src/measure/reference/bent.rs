@@ -1,0 +1,95 @@
+//! The light of rays that bend.
+//!
+//! Role: how a ray bends depends on its own steps, and what it meets at last is filtered by its neighbors, so nothing
+//! can be sampled along it beforehand: the program of the picture itself runs in f64, four pixels of a quad together,
+//! with ever more steps. Invariant: what two numbers of steps differ by is the error that is stated.
+
+use super::{Reference, ReferenceError, images};
+use crate::exact;
+use crate::render::variant::Variant;
+use crate::render::{CpuInputs, OCTAVES_ID, Subject};
+use crate::scene::Scene;
+use crate::shader::{Library, Linker};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Steps through the scene to begin with: smooth glass is done with them.
+pub(super) const FEWEST: u32 = 256;
+/// Steps at most, where a ray may have so many: at an edge of total reflection no number is enough.
+const MOST: u32 = 4096;
+/// Quads that are evaluated together.
+const TOGETHER: usize = 16;
+
+/// The light of some pixels, and by how much twice the steps changed it.
+pub(super) fn reference(
+    library: &Library,
+    truth: &Scene,
+    subject: &Subject,
+    pixels: &[[u32; 2]],
+    tolerance: f64,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Reference, ReferenceError> {
+    let with = |steps| {
+        let mut scene = truth.clone();
+        scene.quality.samples = steps;
+        scene
+    };
+    let steps: Vec<Scene> = std::iter::successors(Some(FEWEST), |steps| Some(2 * steps))
+        .take_while(|steps| *steps <= MOST)
+        .map(with)
+        .take_while(|scene| scene.check(library).is_ok())
+        .collect();
+    let [first, finer @ ..] = &steps[..] else { return Err(ReferenceError::NoLimit("a ray may not have 256 steps")) };
+    let mut found = light(library, first, subject, pixels)?;
+    let mut estimate = vec![f64::INFINITY; pixels.len()];
+    for (level, scene) in finer.iter().enumerate() {
+        progress((level + 1) as f32 / steps.len() as f32);
+        let coarse: Vec<usize> = (0..pixels.len()).filter(|&index| estimate[index] > tolerance).collect();
+        if coarse.is_empty() {
+            break;
+        }
+        let asked: Vec<[u32; 2]> = coarse.iter().map(|&index| pixels[index]).collect();
+        for (&index, finer) in coarse.iter().zip(light(library, scene, subject, &asked)?) {
+            estimate[index] = (0..4).map(|c| (finer[c] - found[index][c]).abs()).fold(0.0, f64::max);
+            found[index] = finer;
+        }
+    }
+    progress(1.0);
+    Ok(Reference { size: truth.image.size, pixels: found, estimate })
+}
+
+/// The light of some pixels, by the steps of the scene.
+fn light(
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    pixels: &[[u32; 2]],
+) -> Result<Vec<[f64; 4]>, ReferenceError> {
+    let variant = Variant::of(scene, library)?;
+    let linked = variant.program(library, Linker::new)?;
+    let cpu_inputs = CpuInputs::new(scene, subject, &variant, &linked)?;
+    let program = exact::Program::read(&linked.fragment, &[(OCTAVES_ID, scene.effect.octaves)])?;
+    let moments = cpu_inputs.moments(&linked)?;
+    let mut inputs = images::inputs(&cpu_inputs);
+    let mut quads: BTreeMap<[u32; 2], [[f64; 4]; 4]> =
+        pixels.iter().map(|p| (p.map(|c| c / 2), [[0.0; 4]; 4])).collect();
+    for blocks in &moments {
+        inputs.blocks.clone_from(blocks);
+        let bound = program.bind(&inputs)?;
+        let mut all: Vec<(&[u32; 2], &mut [[f64; 4]; 4])> = quads.iter_mut().collect();
+        all.par_chunks_mut(TOGETHER).try_for_each(|quads| -> Result<(), ReferenceError> {
+            let place = |quad: [u32; 2], k: u32| [2 * quad[0] + k % 2, 2 * quad[1] + k / 2].map(|c| f64::from(c) + 0.5);
+            let at = quads.iter().flat_map(|(quad, _)| [0, 1, 2, 3].map(|k| place(**quad, k)));
+            let fragment_coordinates = at.map(|[x, y]| [x, y, 0.5, 1.0]).collect();
+            let lanes = exact::Lanes { fragment_coordinates, varyings: BTreeMap::new() };
+            let light = bound.run::<f64>(&lanes)?.remove(&0).unwrap_or_default();
+            for ((_, sum), light) in quads.iter_mut().zip(light.as_chunks::<4>().0) {
+                for (sum, light) in sum.as_flattened_mut().iter_mut().zip(light.as_flattened()) {
+                    *sum += light / moments.len() as f64;
+                }
+            }
+            Ok(())
+        })?;
+    }
+    Ok(pixels.iter().map(|[x, y]| quads[&[x / 2, y / 2]][(y % 2 * 2 + x % 2) as usize]).collect())
+}

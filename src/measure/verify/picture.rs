@@ -1,0 +1,371 @@
+//! A picture on disk against its own scene: rendered again, and random pixels against a truth.
+//!
+//! All is compared in the encoding of the file, where a person sees it: colors of a PNG count as much as their alpha.
+
+use crate::field::Progress;
+use crate::gpu::Gpu;
+use crate::output::{self, Encoding, OutputError, PROGRAM, Stored};
+use crate::render::{Frame, RenderError, Subject, render};
+use crate::scene::{Scene, SceneError};
+use crate::shader::Library;
+use crate::support::random::SplitMix;
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::path::Path;
+
+/// A pixel may be off by so many times what the step explains around it, and a picture by so many times what it explains
+/// on the mean. Fewer: a kink that the step happens to meet looks like an error. More: an error looks like a kink.
+const STEPS: f64 = 4.0;
+/// The part of the pixels that may be off by more: a sample to this side of a hard edge or to that.
+const AT_EDGES: f64 = 0.005;
+/// What the rounding of f32 may add up to.
+const ROUNDING: f64 = 1e-5;
+
+/// What is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct CheckOptions {
+    /// Pixels to be held against the truth.
+    pub pixels: u32,
+    /// Which ones.
+    pub seed: u64,
+    /// The root mean square that is allowed; without one, what codes and step explain.
+    pub bound: Option<f64>,
+}
+
+/// What some pixels really are.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// Premultiplied linear RGBA without the background, for each pixel that was asked for.
+    pub pixels: Vec<[f64; 4]>,
+    /// How far each of them may be off itself.
+    pub estimate: Vec<f64>,
+    /// What knows it.
+    pub source: &'static str,
+}
+
+/// Says what some pixels of a scene are.
+pub type Knows<'a> = &'a dyn Fn(&Scene, &Subject, &[[u32; 2]], Progress<'_>) -> Result<Truth, Box<dyn Error>>;
+
+/// Why a picture cannot be checked.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckError {
+    /// It cannot be read, or does not say where it comes from.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// Its scene is not valid in this version.
+    #[error("{path}: {source}")]
+    Scene {
+        /// The picture.
+        path: String,
+        /// What is wrong.
+        source: Box<SceneError>,
+    },
+    /// Its scene cannot be rendered.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// It was scaled or cut.
+    #[error("{path} has {} x {} pixels, and its scene {} x {}: it was scaled or cut, and its pixels are no longer those of the scene", size[0], size[1], said[0], said[1])]
+    Size {
+        /// The picture.
+        path: String,
+        /// Width and height of the file.
+        size: [u32; 2],
+        /// Those of the scene.
+        said: [u32; 2],
+    },
+    /// The truth is not to be had.
+    #[error("no truth for this picture: {0}")]
+    Truth(Box<dyn Error>),
+}
+
+/// How a picture agrees with its scene.
+#[derive(Clone, Debug)]
+pub struct Agreement {
+    /// What the numbers of the file mean.
+    pub encoding: Encoding,
+    /// Samples in depth of the scene.
+    pub samples: u32,
+    /// Pixels that are off by more than one code (1e-5 in a float) where the scene is rendered again, of how many.
+    pub redrawn: [usize; 2],
+    /// Where the picture is furthest from what is rendered again, and by how much.
+    pub redrawn_worst: ([u32; 2], f64),
+    /// Whether it was rendered by this program on this device, so that none may be off.
+    pub same_device: bool,
+    /// What knows the truth.
+    pub source: &'static str,
+    /// Pixels held against the truth.
+    pub pixels: usize,
+    /// Root mean square of their error, over channels.
+    pub rms: f64,
+    /// Largest error of 99.9 % of them.
+    pub p999: f64,
+    /// Largest error, and where.
+    pub worst: ([u32; 2], f64),
+    /// Root mean square that the rounding to codes explains.
+    pub codes: f64,
+    /// Root mean square that the step explains, as measured against other numbers of samples.
+    pub step: f64,
+    /// Largest error of the truth itself, as it estimates.
+    pub estimate: f64,
+    /// Pixels whose error neither codes nor the step explain.
+    pub beyond: usize,
+    /// The root mean square that is allowed.
+    pub bound: f64,
+    /// Whether the bound was asked for, so that it alone decides.
+    pub asked: bool,
+}
+
+impl Agreement {
+    /// Whether the picture is what its scene gives.
+    pub fn holds(&self) -> bool {
+        let few = self.beyond as f64 <= AT_EDGES * self.pixels as f64;
+        (self.redrawn[0] == 0 || !self.same_device) && self.rms <= self.bound && (few || self.asked)
+    }
+
+    /// The agreement in words, line by line.
+    pub fn text(&self) -> String {
+        let Agreement { redrawn: [off, all], redrawn_worst: (place, most), pixels, .. } = self;
+        let (unit, codes) = match self.encoding {
+            Encoding::Codes(most) => {
+                ("one code", format!("{}-bit codes explain {:.1e}", most.count_ones(), self.codes))
+            }
+            Encoding::Linear => ("1e-5", "floats explain nothing".into()),
+        };
+        let elsewhere = if self.same_device { "" } else { "; another device or version may round another way" };
+        let redrawn = match off {
+            0 => format!("all {all} pixels agree to {unit}"),
+            _ => format!(
+                "{off} of {all} pixels are off by more than {unit}, the worst, {} {}, by {most:.2e}{elsewhere}",
+                place[0], place[1]
+            ),
+        };
+        let (at, worst) = self.worst;
+        let decided = if self.asked { "as asked" } else { "codes and 4 times the step" };
+        format!(
+            "redrawn    {redrawn}\n\
+             truth      {pixels} pixels by {}: RMS {:.1e}, 99.9 % within {:.1e}, max {worst:.1e} at {} {}\n\
+             explained  {codes}; the step ({} samples) {:.1e}, as measured; the truth itself is known to {:.0e}\n\
+             beyond     {} of {pixels} pixels are off by more than codes and 4 times the step around them\n\
+             bound      RMS {:.1e} ({decided})\n",
+            self.source,
+            self.rms,
+            self.p999,
+            at[0],
+            at[1],
+            self.samples,
+            self.step,
+            self.estimate,
+            self.beyond,
+            self.bound,
+        )
+    }
+}
+
+/// Pixels of a picture, each once: as many as asked for, or all of them.
+pub fn draw_pixels(size: [u32; 2], count: u32, seed: u64) -> Vec<[u32; 2]> {
+    let all = u64::from(size[0]) * u64::from(size[1]);
+    let mut random = SplitMix(seed);
+    // The first of a shuffle, of which only what was exchanged is kept.
+    let mut exchanged: BTreeMap<u64, u64> = BTreeMap::new();
+    let picked = (0..all.min(u64::from(count))).map(|first| {
+        let other = first + random.next() % (all - first);
+        let at = |exchanged: &BTreeMap<u64, u64>, place| exchanged.get(&place).copied().unwrap_or(place);
+        let (pick, displaced) = (at(&exchanged, other), at(&exchanged, first));
+        exchanged.insert(other, displaced);
+        [(pick % u64::from(size[0])) as u32, (pick / u64::from(size[0])) as u32]
+    });
+    picked.collect()
+}
+
+/// Holds a picture against its scene. `truth` says what the asked pixels of a scene are.
+///
+/// # Errors
+/// [`CheckError`].
+pub fn check(
+    gpu: &Gpu,
+    library: &Library,
+    path: &Path,
+    asked: &CheckOptions,
+    progress: Progress<'_>,
+    truth: Knows<'_>,
+) -> Result<Agreement, CheckError> {
+    let provenance = output::read_provenance(path)?;
+    let name = || path.display().to_string();
+    let of = |source| OutputError::Provenance { path: name(), source };
+    provenance.check_inputs(path).map_err(of)?;
+    let scene = provenance.scene(path).map_err(of)?;
+    scene.check(library).map_err(|source| CheckError::Scene { path: name(), source: source.into() })?;
+    let stored = output::read(path)?;
+    if stored.size != scene.image.size {
+        return Err(CheckError::Size { path: name(), size: stored.size, said: scene.image.size });
+    }
+    let subject = Subject::load(&scene, library, &|done| progress(0.3 * done))?;
+    let drawn = render(gpu, library, &scene, &subject)?;
+    progress(0.4);
+    let (other, share) = other_samples(&scene, library);
+    let other = render(gpu, library, &other, &subject)?;
+    progress(0.5);
+    let pixels = draw_pixels(scene.image.size, asked.pixels, asked.seed);
+    let truth = truth(&scene, &subject, &pixels, &|done| progress(0.5 + 0.5 * done)).map_err(CheckError::Truth)?;
+    let same_device = provenance.program == PROGRAM && provenance.device == gpu.info().title();
+    let step = |at| share * apart_all(&stored, &scene, &drawn, &other, at);
+    Ok(compare(&stored, &scene, &drawn, &step, (&pixels, &truth), asked.bound, same_device))
+}
+
+/// The scene with twice the samples, or half of them where a ray cannot have so many; and by what its difference is to
+/// be multiplied to give the error of the scene, where that is of first order.
+fn other_samples(scene: &Scene, library: &Library) -> (Scene, f64) {
+    let with = |samples| {
+        let mut other = scene.clone();
+        other.quality.samples = samples;
+        other
+    };
+    let more = with(scene.quality.samples.saturating_mul(2));
+    match more.check(library) {
+        Ok(_) => (more, 2.0),
+        Err(_) => (with((scene.quality.samples / 2).max(1)), 1.0),
+    }
+}
+
+/// How far two pixels in an encoding are apart, channel by channel. A color that is not seen does not count.
+fn apart(a: [f32; 4], b: [f32; 4], encoding: Encoding) -> [f64; 4] {
+    let seen = match encoding {
+        Encoding::Codes(_) => f64::from(a[3].max(b[3])),
+        Encoding::Linear => 1.0,
+    };
+    let off = |c: usize| f64::from(a[c] - b[c]).abs();
+    [seen * off(0), seen * off(1), seen * off(2), off(3)]
+}
+
+fn largest(channels: [f64; 4]) -> f64 {
+    channels.into_iter().fold(0.0, f64::max)
+}
+
+fn index(size: [u32; 2], [x, y]: [u32; 2]) -> usize {
+    y as usize * size[0] as usize + x as usize
+}
+
+/// How far two renderings are apart at a pixel, in the encoding of a picture.
+fn apart_all(stored: &Stored, scene: &Scene, a: &Frame, b: &Frame, at: [u32; 2]) -> f64 {
+    let code = |frame: &Frame| stored.encoding.of(frame.pixels[index(stored.size, at)], scene.image.background);
+    largest(apart(code(a), code(b), stored.encoding))
+}
+
+/// The agreement of a picture with what is rendered again and with the truth; `step` says how far the step may have
+/// moved a pixel.
+fn compare(
+    stored: &Stored,
+    scene: &Scene,
+    drawn: &Frame,
+    step: &dyn Fn([u32; 2]) -> f64,
+    (pixels, truth): (&[[u32; 2]], &Truth),
+    bound: Option<f64>,
+    same_device: bool,
+) -> Agreement {
+    let Stored { size, encoding, .. } = *stored;
+    let background = scene.image.background;
+    let quantum = encoding.quantum();
+    let off =
+        |at: [u32; 2], pixel: [f32; 4]| apart(stored.pixels[index(size, at)], encoding.of(pixel, background), encoding);
+
+    let all = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y]));
+    let again = all.map(|at| (at, largest(off(at, drawn.pixels[index(size, at)]))));
+    let (mut changed, mut redrawn_worst) = (0, ([0, 0], 0.0));
+    for (at, off) in again {
+        // Codes are compared with what is not rounded: half a code, and one more.
+        changed += usize::from(off.is_nan() || off > 1.5 * quantum + ROUNDING);
+        redrawn_worst = if off > redrawn_worst.1 { (at, off) } else { redrawn_worst };
+    }
+
+    // The alpha of a picture over a background is 1 and tells nothing.
+    let channels = if background.is_some() { 3 } else { 4 };
+    let (mut square, mut step_square, mut beyond, mut worst) = (0.0, 0.0, 0, ([0, 0], 0.0));
+    let mut errors = Vec::new();
+    for ((&at, &pixel), &estimate) in pixels.iter().zip(&truth.pixels).zip(&truth.estimate) {
+        let off = off(at, pixel.map(|channel| channel as f32));
+        square += off[..channels].iter().map(|off| off * off).sum::<f64>();
+        step_square += step(at).powi(2);
+        let [x, y] = at;
+        let around = (y.saturating_sub(1)..=(y + 1).min(size[1] - 1))
+            .flat_map(|y| (x.saturating_sub(1)..=(x + 1).min(size[0] - 1)).map(move |x| [x, y]));
+        let most = around.map(step).fold(0.0, f64::max);
+        let off = largest(off);
+        beyond += usize::from(off.is_nan() || off > 0.5 * quantum + STEPS * most + estimate + ROUNDING);
+        worst = if off > worst.1 { (at, off) } else { worst };
+        errors.push(off);
+    }
+    errors.sort_by(f64::total_cmp);
+    let count = errors.len().max(1) as f64;
+    let (codes, step) = (quantum / 12f64.sqrt(), (step_square / count).sqrt());
+    let estimate = truth.estimate.iter().copied().fold(0.0, f64::max);
+    Agreement {
+        encoding,
+        samples: scene.quality.samples,
+        redrawn: [changed, stored.pixels.len()],
+        redrawn_worst,
+        same_device,
+        source: truth.source,
+        pixels: errors.len(),
+        rms: (square / (count * channels as f64)).sqrt(),
+        p999: errors.get((0.999 * (count - 1.0)).round() as usize).copied().unwrap_or_default(),
+        worst,
+        codes,
+        step,
+        estimate,
+        beyond,
+        bound: bound.unwrap_or(codes + STEPS * step + estimate + ROUNDING),
+        asked: bound.is_some(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_are_drawn_once_each_and_again_by_their_seed() {
+        let drawn = draw_pixels([30, 20], 250, 7);
+        let mut sorted = drawn.clone();
+        sorted.sort_unstable();
+        sorted.dedup();
+        assert_eq!((drawn.len(), sorted.len()), (250, 250));
+        assert!(drawn.iter().all(|[x, y]| *x < 30 && *y < 20));
+        assert_eq!(draw_pixels([30, 20], 250, 7), drawn);
+        assert_ne!(draw_pixels([30, 20], 250, 8), drawn);
+        assert_eq!(draw_pixels([3, 2], 100, 0).len(), 6);
+    }
+
+    #[test]
+    fn the_rounding_to_codes_is_what_it_is_said_to_explain() {
+        // A ramp in linear light, rounded to 8 bits as a writer does.
+        let encoding = Encoding::Codes(255);
+        let linear: Vec<[f32; 4]> =
+            (0..4096).map(|i| [i as f32 / 4095.0, 0.3, 0.1 + 0.2 * (i % 7) as f32, 1.0]).collect();
+        let rounded = |pixel: &[f32; 4]| encoding.of(*pixel, None).map(|code| (code * 255.0).round() / 255.0);
+        let mut stored = Stored { size: [64, 64], pixels: linear.iter().map(rounded).collect(), encoding };
+        let mut scene = Scene::default();
+        scene.image.size = [64, 64];
+        let drawn = Frame { size: [64, 64], pixels: linear.clone(), measurements: Default::default() };
+        let pixels = draw_pixels([64, 64], 4096, 0);
+        let truth = |off: f64| Truth {
+            pixels: pixels.iter().map(|at| linear[index([64, 64], *at)].map(|c| f64::from(c) + off)).collect(),
+            estimate: vec![0.0; 4096],
+            source: "the test",
+        };
+        let agree = |stored: &Stored, off: f64, bound| {
+            compare(stored, &scene, &drawn, &|_| 0.0, (&pixels, &truth(off)), bound, true)
+        };
+        let exact = agree(&stored, 0.0, None);
+        assert!(exact.holds() && exact.redrawn == [0, 4096] && exact.beyond == 0, "{exact:?}");
+        assert!(
+            exact.rms < exact.codes && exact.rms > 0.3 * exact.codes && exact.worst.1 <= 0.502 / 255.0,
+            "{exact:?}"
+        );
+        // Half a percent of the light is more than codes explain, unless more is allowed.
+        assert!(!agree(&stored, 5e-3, None).holds() && agree(&stored, 5e-3, Some(1e-2)).holds());
+        // One altered pixel is enough, wherever it is.
+        stored.pixels[77][1] += 3.0 / 255.0;
+        let altered = agree(&stored, 0.0, Some(1.0));
+        assert!(!altered.holds() && altered.redrawn[0] == 1 && altered.redrawn_worst.0 == [13, 1], "{altered:?}");
+    }
+}

@@ -1,0 +1,115 @@
+//! Noise on the CPU, and the blocks of it that textures are made of.
+//!
+//! Role: the gradient noises of `glsl/` in f64 with analytic gradients, their sums of octaves, and blocks of them that
+//! tile. Invariant: a block holds the very function that the shader computes where it has no block: [`Lattice`] is
+//! `glsl/lattice_noise.glsl`, [`Noise`] is `glsl/table_noise.glsl`, the same on every machine.
+//! Source: PH 2.3, Perlin 2002 (quintic weights), MJ 4.1 and 4.2.
+
+mod bake;
+mod blue;
+mod lattice;
+mod table;
+
+pub use bake::{Bake, Block, random_block};
+pub use blue::blue_noise;
+pub use lattice::{Lattice, Period};
+pub use table::Noise;
+
+use crate::support::random::SplitMix;
+
+/// The gradient of the noise never exceeds this (2.8 for quintic weights and unit gradients), per lattice cell.
+pub const NOISE_GRADIENT_BOUND: f64 = 3.0;
+/// The gradient of eight octaves of turbulence never exceeds this, per lattice cell of the first octave.
+pub const TURBULENCE_GRADIENT_BOUND: f64 = 24.0;
+/// The largest value of turbulence that a block can hold; the sum of all octaves stays below 1.733.
+pub const TURBULENCE_BOUND: f64 = 2.0;
+
+/// The mean of the absolute value of noise, as `MEAN_NOISE` in `octave_constants.glsl`: what an octave that fades leaves.
+pub const MEAN_NOISE: f32 = 0.156;
+
+/// How the gradients of the lattice fade into each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weights {
+    /// `3 t^2 - 2 t^3` (PH 2.3, 1989): the curvature jumps at lattice planes.
+    Cubic,
+    /// `6 t^5 - 15 t^4 + 10 t^3` (Perlin 2002).
+    #[default]
+    Quintic,
+}
+
+impl Weights {
+    /// Weight of the far side at `t` in [0, 1], and its slope.
+    fn fade(self, t: f64) -> (f64, f64) {
+        match self {
+            Weights::Cubic => (t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t)),
+            Weights::Quintic => (t * t * t * (t * (t * 6.0 - 15.0) + 10.0), 30.0 * t * t * (t * (t - 2.0) + 1.0)),
+        }
+    }
+
+    /// Gradient and value at `t` in [0, 1]^3 of a cell whose corners have the gradients that `knot` gives.
+    fn interpolate(self, t: [f64; 3], knot: impl Fn([usize; 3]) -> [f64; 3]) -> ([f64; 3], f64) {
+        let fade = t.map(|t| self.fade(t).0);
+        let slope = t.map(|t| self.fade(t).1);
+        let (mut gradient, mut value) = ([0.0; 3], 0.0);
+        for corner in 0..8 {
+            let side = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let knot = knot(side);
+            let weight: [f64; 3] = std::array::from_fn(|a| if side[a] == 1 { fade[a] } else { 1.0 - fade[a] });
+            let dot: f64 = (0..3).map(|a| knot[a] * (t[a] - side[a] as f64)).sum();
+            value += weight[0] * weight[1] * weight[2] * dot;
+            for a in 0..3 {
+                let others = weight[(a + 1) % 3] * weight[(a + 2) % 3];
+                let sign = if side[a] == 1 { 1.0 } else { -1.0 };
+                gradient[a] += others * (weight[a] * knot[a] + sign * slope[a] * dot);
+            }
+        }
+        (gradient, value)
+    }
+}
+
+/// The sum over octaves of |noise| / 2^i, with its gradient; `octave` gives gradient and value of octave i, per cell of
+/// that octave.
+fn absolute_sum(octaves: u32, octave: impl Fn(u32) -> ([f64; 3], f64)) -> ([f64; 3], f64) {
+    let (mut gradient, mut value) = ([0.0; 3], 0.0);
+    for index in 0..octaves {
+        let (g, n) = octave(index);
+        value += n.abs() / f64::from(1u32 << index);
+        for a in 0..3 {
+            gradient[a] += n.signum() * g[a];
+        }
+    }
+    (gradient, value)
+}
+
+/// PH 2.3: a point in the cube, kept when it lies in the ball, brought to the sphere.
+fn random_direction(random: &mut SplitMix) -> [f64; 3] {
+    loop {
+        let p: [f64; 3] = std::array::from_fn(|_| (random.next() >> 11) as f64 / (1u64 << 52) as f64 - 1.0);
+        let n2: f64 = p.iter().map(|c| c * c).sum();
+        if (1e-6..=1.0).contains(&n2) {
+            return p.map(|c| c / n2.sqrt());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Places in [-32, 32]^3.
+    pub(super) fn points(count: u32) -> impl Iterator<Item = [f64; 3]> {
+        let mut random = SplitMix(7);
+        (0..count).map(move |_| std::array::from_fn(|_| random.unit() * 64.0 - 32.0))
+    }
+
+    #[test]
+    fn p16_the_weights_of_both_sides_sum_to_one() {
+        for weights in [Weights::Cubic, Weights::Quintic] {
+            for t in (0..=100).map(|t| f64::from(t) / 100.0) {
+                assert!((weights.fade(t).0 + weights.fade(1.0 - t).0 - 1.0).abs() < 1e-12);
+            }
+        }
+        // PH 2.3 in its own form: 2 |t|^3 - 3 t^2 + 1 is the weight of the near side.
+        assert!((1.0 - Weights::Cubic.fade(0.3).0 - (2.0 * 0.027 - 3.0 * 0.09 + 1.0)).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,281 @@
+//! Sequences: numbered pictures of one scene in motion, and how far a rendering of them got.
+//!
+//! Role: which scene frame k shows, what its file is called, and the manifest beside the frames, by which a rendering
+//! that was stopped goes on. Invariant: a frame counts as finished only when its line in the manifest is whole and its
+//! file has the hash that the line says; the line is written after the file.
+
+use crate::output::shard::Shard;
+use crate::scene::Scene;
+use crate::support::write_whole;
+use std::collections::BTreeMap;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// The largest number of a frame.
+const MAX_FRAME: u32 = 9_999_999;
+/// Digits of a number where a name has no place for it.
+const DIGITS: usize = 4;
+/// The first words of a manifest; the identity of the sequence follows.
+const TITLE: &str = "hypertexture-frames 1 ";
+
+/// Why a sequence cannot be rendered.
+#[derive(Debug, thiserror::Error)]
+pub enum SequenceError {
+    /// Not a range of frames.
+    #[error("write A..B, the numbers of the first and the last frame, from 0 to {MAX_FRAME}, such as 1..100")]
+    Range,
+    /// A rate that makes no motion.
+    #[error("--fps {0}: must be from 0.001 to 1000 frames per second")]
+    Rate(f64),
+    /// A manifest cannot be read or written, or a frame cannot be read.
+    #[error("{path}: {source}")]
+    File {
+        /// The file.
+        path: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A manifest of something else.
+    #[error("{path} {what}; give another --output, or --restart to render every frame again")]
+    Foreign {
+        /// The manifest.
+        path: String,
+        /// What it is instead.
+        what: &'static str,
+    },
+}
+
+/// Numbers of frames: both the first and the last are rendered, as in Blender's `-f 1..100`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frames {
+    /// The first.
+    pub first: u32,
+    /// The last, not less than the first.
+    pub last: u32,
+}
+
+impl FromStr for Frames {
+    type Err = SequenceError;
+
+    /// Reads `A..B`.
+    fn from_str(text: &str) -> Result<Frames, SequenceError> {
+        let parsed = text.split_once("..").and_then(|(first, last)| Some((first.parse().ok()?, last.parse().ok()?)));
+        match parsed {
+            Some((first, last)) if first <= last && last <= MAX_FRAME => Ok(Frames { first, last }),
+            _ => Err(SequenceError::Range),
+        }
+    }
+}
+
+/// A scene in motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sequence {
+    /// Its frames.
+    pub frames: Frames,
+    /// Frames per second, 0.001 to 1000.
+    pub fps: f64,
+    /// Whether the eye goes once around the object, in equal steps: the frame after the last would show the first view
+    /// again.
+    pub turntable: bool,
+}
+
+impl Sequence {
+    /// Checks the rate.
+    ///
+    /// # Errors
+    /// [`SequenceError::Rate`].
+    pub fn check(&self) -> Result<(), SequenceError> {
+        match (0.001..=1000.0).contains(&self.fps) {
+            true => Ok(()),
+            false => Err(SequenceError::Rate(self.fps)),
+        }
+    }
+
+    /// The scene of frame k: its time is that of `scene` and k / fps seconds. With a turntable, its azimuth is that of
+    /// `scene` and 360 (k - first) / (last - first + 1) degrees.
+    pub fn scene(&self, scene: &Scene, frame: u32) -> Scene {
+        let mut moved = scene.clone();
+        moved.camera.time = (f64::from(scene.camera.time) + f64::from(frame) / self.fps) as f32;
+        if self.turntable {
+            let Frames { first, last } = self.frames;
+            let part = f64::from(frame - first) / f64::from(last - first + 1);
+            moved.camera.azimuth = (f64::from(scene.camera.azimuth) + 360.0 * part) as f32;
+            if scene.camera.rotation.is_some() {
+                let around = glam::Quat::from_rotation_y((-std::f64::consts::TAU * part) as f32);
+                moved.camera.rotation = Some((scene.camera.turn() * around).normalize().to_array());
+            }
+        }
+        moved
+    }
+
+    /// A hash of what decides the pixels of a frame with a given number; `scene` is the identity of the scene at rest,
+    /// `depth` the bits of a channel. The range of frames counts only where the turntable depends on it, so that a
+    /// sequence can be made longer.
+    pub fn identity(&self, scene: blake3::Hash, depth: &str) -> blake3::Hash {
+        let range = self.turntable.then_some(self.frames);
+        blake3::hash(format!("{scene} {} {range:?} {depth}", self.fps).as_bytes())
+    }
+}
+
+/// The file of a frame: its number takes the place of the last run of `#` in the name, with at least as many digits, or
+/// goes before the extension with at least 4.
+pub fn frame_path(output: &Path, frame: u32) -> PathBuf {
+    let name = output.file_name().unwrap_or_default().to_string_lossy();
+    let (before, digits, after) = match name.rfind('#') {
+        Some(end) => {
+            let before = name[..=end].trim_end_matches('#');
+            (before.to_string(), end + 1 - before.len(), name[end + 1..].to_string())
+        }
+        None => {
+            let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+            (format!("{stem}_"), DIGITS, name[stem.len()..].to_string())
+        }
+    };
+    output.with_file_name(format!("{before}{frame:0digits$}{after}"))
+}
+
+/// The manifest of the frames called `output`, or of one shard of them: beside them, named after them.
+pub fn manifest_path(output: &Path, shard: Option<Shard>) -> PathBuf {
+    let name = output.file_name().unwrap_or_default().to_string_lossy().replace('#', "");
+    let shard = shard.map_or(String::new(), |shard| format!(".{}", shard.suffix()));
+    output.with_file_name(format!("{name}{shard}.frames"))
+}
+
+/// Which frames are finished: a text file with the identity of the sequence in its first line, and a line for each
+/// frame: number, BLAKE3 hash of the file, name of the file.
+#[derive(Debug)]
+pub struct Manifest {
+    path: PathBuf,
+    file: File,
+    done: BTreeMap<u32, (blake3::Hash, String)>,
+}
+
+impl Manifest {
+    /// Opens or begins the manifest of a sequence; `restart` begins it in any case. A line that is not whole, as a crash
+    /// leaves it, is dropped.
+    ///
+    /// # Errors
+    /// [`SequenceError::Foreign`] for the manifest of another sequence or another kind of file, or what the system says.
+    pub fn open(path: &Path, identity: blake3::Hash, restart: bool) -> Result<Manifest, SequenceError> {
+        let name = path.display().to_string();
+        let failed = |source| SequenceError::File { path: name.clone(), source };
+        let title = format!("{TITLE}{identity}\n");
+        let text = match fs::read(path) {
+            _ if restart => title.clone(),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => title.clone(),
+            read => String::from_utf8_lossy(&read.map_err(failed)?).into_owned(),
+        };
+        let foreign = |what| SequenceError::Foreign { path: name.clone(), what };
+        if !text.starts_with(TITLE) {
+            return Err(foreign("is not a manifest of frames"));
+        }
+        let lines = text.strip_prefix(&title).ok_or_else(|| {
+            foreign("is of another scene, object, rate, depth or version: its frames do not go with these")
+        })?;
+        let done: BTreeMap<_, _> = lines.split_inclusive('\n').filter_map(finished).collect();
+        let lines = done.iter().map(|(frame, (hash, name))| line(*frame, hash, name));
+        let clean = std::iter::once(title.clone()).chain(lines).collect::<String>();
+        write_whole(path, clean.as_bytes()).map_err(failed)?;
+        let file = OpenOptions::new().append(true).open(path).map_err(failed)?;
+        Ok(Manifest { path: path.into(), file, done })
+    }
+
+    /// Whether the file of a frame is there as it was written.
+    pub fn has(&self, frame: u32, path: &Path) -> bool {
+        let own = |name: &str| path.file_name().is_some_and(|file| file == name);
+        match self.done.get(&frame) {
+            Some((hash, name)) if own(name) => fs::read(path).is_ok_and(|bytes| blake3::hash(&bytes) == *hash),
+            _ => false,
+        }
+    }
+
+    /// Notes that the file of a frame is finished. The line is on the disk when this returns.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn add(&mut self, frame: u32, path: &Path) -> Result<(), SequenceError> {
+        let failed = |path: &Path| {
+            let path = path.display().to_string();
+            move |source| SequenceError::File { path, source }
+        };
+        let hash = blake3::hash(&fs::read(path).map_err(failed(path))?);
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let written = self.file.write_all(line(frame, &hash, &name).as_bytes()).and_then(|()| self.file.sync_data());
+        written.map_err(failed(&self.path))?;
+        self.done.insert(frame, (hash, name));
+        Ok(())
+    }
+}
+
+fn line(frame: u32, hash: &blake3::Hash, name: &str) -> String {
+    format!("{frame} {hash} {name}\n")
+}
+
+/// The frame of a whole line.
+fn finished(line: &str) -> Option<(u32, (blake3::Hash, String))> {
+    let mut parts = line.strip_suffix('\n')?.splitn(3, ' ');
+    let frame = parts.next()?.parse().ok()?;
+    let hash = blake3::Hash::from_hex(parts.next()?).ok()?;
+    Some((frame, (hash, parts.next()?.to_string())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_number_takes_the_place_of_the_last_hashes_or_goes_before_the_extension() {
+        let name = |pattern: &str, frame| frame_path(Path::new(pattern), frame).display().to_string();
+        assert_eq!(name("frames/fire_####.png", 7), "frames/fire_0007.png");
+        assert_eq!(name("a#b_##.exr", 123), "a#b_123.exr");
+        assert_eq!(name("d#/fire.png", 12345), "d#/fire_12345.png");
+        assert_eq!(name("fire.png", 0), "fire_0000.png");
+        assert_eq!(manifest_path(Path::new("f/a_##.png"), Shard::new(1, 3)), Path::new("f/a_.png.shard-1-of-3.frames"));
+    }
+
+    #[test]
+    fn a_range_holds_its_first_and_its_last_frame() {
+        assert_eq!("3..3".parse::<Frames>().unwrap(), Frames { first: 3, last: 3 });
+        for wrong in ["3", "4..3", "0..10000000", "a..b", "-1..2", "1...2", "1..=2", ""] {
+            assert!(wrong.parse::<Frames>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_turntable_comes_around_without_showing_a_view_twice() {
+        let mut scene = Scene::default();
+        (scene.camera.azimuth, scene.camera.time) = (10.0, 2.0);
+        let sequence = Sequence { frames: Frames { first: 5, last: 8 }, fps: 10.0, turntable: true };
+        let cameras = [5, 6, 8].map(|frame| sequence.scene(&scene, frame).camera);
+        assert_eq!(cameras.clone().map(|camera| camera.azimuth), [10.0, 100.0, 280.0]);
+        assert_eq!(cameras.map(|camera| camera.time), [2.5, 2.6, 2.8]);
+    }
+
+    #[test]
+    fn half_a_line_is_not_believed_and_another_sequence_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let [path, frame] = ["out.png.frames", "out_0001.png"].map(|name| folder.path().join(name));
+        let own = blake3::hash(b"own");
+        fs::write(&frame, "pixels").unwrap();
+        let mut manifest = Manifest::open(&path, own, false).unwrap();
+        assert!(!manifest.has(1, &frame));
+        manifest.add(1, &frame).unwrap();
+        let whole = fs::read(&path).unwrap();
+        for cut in TITLE.len() + 65..whole.len() {
+            fs::write(&path, &whole[..cut]).unwrap();
+            let mut again = Manifest::open(&path, own, false).unwrap();
+            assert!(!again.has(1, &frame), "cut at {cut}");
+            again.add(1, &frame).unwrap();
+            assert_eq!(fs::read(&path).unwrap(), whole);
+        }
+        assert!(Manifest::open(&path, own, false).unwrap().has(1, &frame));
+        fs::write(&frame, "pixel").unwrap();
+        assert!(!Manifest::open(&path, own, false).unwrap().has(1, &frame));
+        let error = Manifest::open(&path, blake3::hash(b"other"), false).unwrap_err().to_string();
+        assert!(error.contains("another scene") && error.contains("--restart"), "{error}");
+        assert!(Manifest::open(&frame, own, false).unwrap_err().to_string().contains("not a manifest"));
+        assert!(!Manifest::open(&path, blake3::hash(b"other"), true).unwrap().has(1, &frame));
+    }
+}

@@ -1,0 +1,374 @@
+//! Variants: the program that a scene needs, and nothing else.
+//!
+//! Role: scene -> chosen modules -> SPIR-V with its live bindings. Invariant: [`Variant::of`] is pure, and what the
+//! scene does not reach is neither in the program nor in its layout; [`Program::left_out`] says so.
+
+mod reflect;
+
+pub use crate::scene::FORMULAS;
+pub use reflect::{Block, Member, ReflectError, Resource, Use};
+
+use crate::scene::{ParameterValue, Parameters, Scene, SceneError, Source};
+use crate::shader::{Library, LibraryError, LinkError, Linker, Parameter, Slots, Stage};
+use std::collections::BTreeMap;
+
+include!(concat!(env!("OUT_DIR"), "/programs.rs"));
+
+/// The entry files of the program that gives the shadow volume.
+const SHADOW_ENTRIES: [&str; 2] = ["march.vert", "shadow.frag"];
+/// The entry files of the program that hands the light from slice to slice.
+const LIGHT_ENTRIES: [&str; 2] = ["light.vert", "light.frag"];
+/// The entry files of the program that gives one sample.
+const PROBE_ENTRIES: [&str; 2] = ["march.vert", "probe.frag"];
+/// What the program of shadows has in place of the modules that color and light matter.
+const SHADOW_SLOTS: [(&str, &str); 4] =
+    [("surface", "unlit"), ("medium", "material"), ("shadow", "none"), ("gradient", "analytic")];
+
+/// The modules of a scene's program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variant {
+    /// The files of the library that the program starts from: vertex stage, fragment stage.
+    pub entries: [&'static str; 2],
+    /// The slots that the program reaches, with the modules that fill them.
+    pub slots: Slots,
+    /// The parameters that those modules declare, with their values; without those of additional objects.
+    pub parameters: Parameters,
+    /// The parameters of each additional object, by its name.
+    pub parts: BTreeMap<String, Parameters>,
+}
+
+/// A linked program and what it reads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Program {
+    /// SPIR-V of the vertex stage.
+    pub vertex: Vec<u32>,
+    /// SPIR-V of the fragment stage.
+    pub fragment: Vec<u32>,
+    /// Every binding that either stage reads.
+    pub resources: Vec<Resource>,
+    /// Whether it was linked when the crate was built.
+    pub shipped: bool,
+}
+
+/// Why there is no program for a scene.
+#[derive(Debug, thiserror::Error)]
+pub enum VariantError {
+    /// The scene is not valid.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A module is missing.
+    #[error(transparent)]
+    Library(#[from] LibraryError),
+    /// The program cannot be linked.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The linked program cannot be read back.
+    #[error(transparent)]
+    Reflect(#[from] ReflectError),
+}
+
+impl Variant {
+    /// The modules that `scene` needs out of `library`.
+    ///
+    /// # Errors
+    /// What [`Scene::check`] finds.
+    pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        let parameters = scene.check(library)?;
+        let entries = scene.entries();
+        let mut choice = scene.slots();
+        let parts: BTreeMap<String, Parameters> = scene
+            .parts
+            .keys()
+            .map(|name| Ok((name.clone(), scene.check_part(name, library)?)))
+            .collect::<Result<_, SceneError>>()?;
+        let slot = |name: &str| if name.is_empty() { "object".to_string() } else { format!("{name}.object") };
+        let objects = || [""].into_iter().chain(scene.parts.keys().map(String::as_str));
+        choice.extend(objects().map(|name| (slot(name), vec!["normals".into()])));
+        for name in objects() {
+            let needs_normal = match name {
+                "" => library.declarations(&entries, &choice)?.needs_normal,
+                _ => library.object_declarations(name, &choice)?.needs_normal,
+            };
+            let own = if name.is_empty() { scene.clone() } else { scene.alone(name) };
+            // A boolean may turn the normal of any of its operands into that of the whole.
+            choice.insert(slot(name), vec![object_module(&own, needs_normal || scene.has_several()).into()]);
+        }
+        Ok(Variant { entries, slots: library.needed(&entries, &choice)?, parameters, parts })
+    }
+
+    /// The modules that give the shadow volume of the same scene: those of its matter, without what colors it. Such a
+    /// program reads no image that the picture's does not.
+    ///
+    /// # Errors
+    /// A module is missing, which [`Variant::of`] excludes.
+    pub fn shadow(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        self.of_light(scene, library, SHADOW_ENTRIES)
+    }
+
+    /// The modules that hand the light from slice to slice, where the slices lie half way between eye and light.
+    ///
+    /// # Errors
+    /// As [`Variant::shadow`].
+    pub fn light(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        self.of_light(scene, library, LIGHT_ENTRIES)
+    }
+
+    fn of_light(&self, scene: &Scene, library: &Library, entries: [&'static str; 2]) -> Result<Variant, VariantError> {
+        let mut choice = scene.slots();
+        choice.extend(self.objects());
+        for (key, names) in &mut choice {
+            let slot = key.rsplit('.').next().unwrap_or_default();
+            if slot == "medium" && library.has_extinction(names) {
+                continue; // how opaque the matter is
+            }
+            if let Some((_, module)) = SHADOW_SLOTS.iter().find(|(other, _)| *other == slot) {
+                *names = vec![module.to_string()];
+            } else if let Some(points) = names.first().and_then(|name| name.strip_suffix("_segment")) {
+                *names = vec![points.to_string()]; // a segment of the light holds many samples
+            } else if slot == "storage" && names == &["anisotropic"] {
+                *names = vec!["dense".into()]; // a sample of the light is wider than a pixel
+            }
+        }
+        let slots = library.needed(&entries, &choice)?;
+        Ok(Variant { entries, slots, parameters: self.parameters.clone(), parts: self.parts.clone() })
+    }
+
+    /// The modules that give one sample of a ray of the same scene, anywhere on it: what a picture is the integral of.
+    ///
+    /// # Errors
+    /// A module is missing, which [`Variant::of`] excludes.
+    pub fn probe(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        let mut choice = scene.slots();
+        choice.extend(self.objects());
+        let slots = library.needed(&PROBE_ENTRIES, &choice)?;
+        Ok(Variant { entries: PROBE_ENTRIES, slots, parameters: self.parameters.clone(), parts: self.parts.clone() })
+    }
+
+    /// The modules that sample the objects, by slot.
+    fn objects(&self) -> impl Iterator<Item = (String, Vec<String>)> {
+        let of_object = |key: &String| key == "object" || key.ends_with(".object");
+        let own = self.slots.iter().filter(move |(key, _)| of_object(key));
+        own.map(|(key, names)| (key.clone(), names.clone()))
+    }
+
+    /// The module that fills a slot; `None` where the program does not reach it or its stack is empty.
+    pub fn module(&self, slot: &str) -> Option<&str> {
+        self.slots.get(slot)?.first().map(String::as_str)
+    }
+
+    /// Whether the program of any object reaches a slot.
+    pub fn reads(&self, slot: &str) -> bool {
+        self.slots.keys().any(|key| key.rsplit('.').next() == Some(slot))
+    }
+
+    /// Whether the program reads the closest points of the object.
+    pub fn reads_closest(&self) -> bool {
+        self.module("project") == Some("closest")
+    }
+
+    /// Whether the program reads the closest points of an additional object.
+    pub fn part_reads_closest(&self, name: &str) -> bool {
+        self.module(&format!("{name}.project")) == Some("closest")
+    }
+
+    /// Every parameter of the scene with its value, under the name that `--set` knows it by: that of an additional object is
+    /// `parts.OBJECT.PARAMETER`.
+    pub fn all_parameters(&self) -> impl Iterator<Item = (String, &Parameter, &ParameterValue)> {
+        let further = self.parts.iter().map(|(part, parameters)| (format!("parts.{part}."), parameters));
+        let all = [(String::new(), &self.parameters)].into_iter().chain(further);
+        all.flat_map(|(prefix, parameters)| {
+            parameters.iter().map(move |(parameter, value)| (format!("{prefix}{}", parameter.name), parameter, value))
+        })
+    }
+
+    /// The name of the program: its slots and modules.
+    pub fn key(&self) -> String {
+        self.slots.iter().map(|(slot, names)| format!("{slot}={}", names.join("+"))).collect::<Vec<_>>().join(" ")
+    }
+
+    /// The linked program: the one that ships, if `library` is the shipped one and has it, else linked here.
+    /// `linker` is called only for a program that does not ship.
+    ///
+    /// # Errors
+    /// What glslang says about a module.
+    pub fn program(
+        &self,
+        library: &Library,
+        linker: impl FnOnce() -> Result<Linker, LinkError>,
+    ) -> Result<Program, VariantError> {
+        let key = self.key();
+        let ships = SHIPPED_PROGRAMS.binary_search_by(|program| program.0.cmp(&key)).ok();
+        let shipped = ships.filter(|_| *library == crate::shader::shipped()).map(|index| SHIPPED_PROGRAMS[index]);
+        let (vertex, fragment) = match shipped {
+            Some((_, vertex, fragment)) => (words(vertex), words(fragment)),
+            None => {
+                let linker = linker()?;
+                let entries = self.entries;
+                let link = |entry, stage| linker.link(library, (entry, stage), &entries, &self.slots);
+                (link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?)
+            }
+        };
+        let resources = reflect::resources(&vertex, &fragment)?;
+        Ok(Program { vertex, fragment, resources, shipped: shipped.is_some() })
+    }
+}
+
+impl Program {
+    /// Whether the program reads this binding.
+    pub fn reads(&self, name: &str) -> bool {
+        self.resources.iter().any(|resource| resource.name == name)
+    }
+
+    /// What the scene did not need: not in the program, not allocated, not uploaded, not bound.
+    pub fn left_out(&self) -> Vec<&'static str> {
+        let read = |binding: &str| self.resources.iter().any(|resource| resource.name.starts_with(binding)); // by any object
+        PARTS.iter().filter(|(binding, _)| !read(binding)).map(|(_, part)| *part).collect()
+    }
+}
+
+/// What a program may read: how its bindings begin, and its name.
+const PARTS: [(&str, &str); 9] = [
+    ("volume_image", "volume"),
+    ("noise_", "noise block"), // with or without its gradient
+    ("turbulence_", "turbulence block"),
+    ("transfer_image", "transfer map"),
+    ("segment_image", "segment table"),
+    ("classified_image", "classified volume"),
+    ("index_image", "index map"),
+    ("closest_image", "closest points"),
+    ("shadow_image", "shadow volume"),
+];
+
+/// Names of [`Program::left_out`], read back.
+pub(crate) fn parts<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Vec<&'static str>, D::Error> {
+    let names: Vec<String> = serde::Deserialize::deserialize(from)?;
+    Ok(PARTS.iter().map(|(_, part)| *part).filter(|part| names.iter().any(|name| name == part)).collect())
+}
+
+fn object_module(scene: &Scene, needs_normal: bool) -> &str {
+    match scene.object.source {
+        Source::Normals16 | Source::Normals8 => "normals",
+        Source::Distance16 | Source::Distance32 => "distance",
+        Source::Auto if scene.object.is_formula() => &scene.object.input,
+        Source::Auto if needs_normal => "normals",
+        Source::Auto => "distance",
+    }
+}
+
+fn words(bytes: &[u8]) -> Vec<u32> {
+    bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{EFFECTS, preset};
+    use crate::shader;
+
+    fn program(scene: &Scene) -> Program {
+        let library = shader::shipped();
+        Variant::of(scene, &library).unwrap().program(&library, Linker::new).unwrap()
+    }
+
+    #[test]
+    fn m19_the_six_effects_ship_as_linked_programs() {
+        for effect in EFFECTS {
+            for object in ["teapot", "sphere", "cube", "torus"] {
+                let mut scene = preset(effect).unwrap();
+                scene.object.input = object.into();
+                assert!(program(&scene).shipped, "{effect} on {object}");
+                if scene.light.shadows {
+                    let library = shader::shipped();
+                    let shadow = Variant::of(&scene, &library).unwrap().shadow(&scene, &library).unwrap();
+                    assert!(shadow.program(&library, Linker::new).unwrap().shipped, "shadows of {effect} on {object}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_shipped_program_is_the_one_that_run_time_links() {
+        let library = shader::shipped();
+        for effect in EFFECTS {
+            let variant = Variant::of(&preset(effect).unwrap(), &library).unwrap();
+            let shipped = variant.program(&library, || unreachable!("it ships")).unwrap();
+            let other = library.clone().with_module("dmf", "unused", "");
+            let linked = variant.program(&other, Linker::new).unwrap();
+            assert!(!linked.shipped);
+            assert_eq!((shipped.vertex, shipped.fragment), (linked.vertex, linked.fragment), "{effect}");
+        }
+    }
+
+    #[test]
+    fn what_a_scene_does_not_need_is_not_bound() {
+        let mut scene = preset("lit").unwrap();
+        let blocks =
+            ["noise block", "turbulence block", "transfer map", "segment table", "classified volume", "index map"];
+        assert_eq!(program(&scene).left_out(), [&blocks[..], &["closest points", "shadow volume"]].concat());
+        assert!(!program(&preset("fur").unwrap()).left_out().contains(&"closest points"));
+        assert!(!program(&preset("fur").unwrap()).left_out().contains(&"shadow volume"));
+        scene.object.input = "sphere".into();
+        assert!(program(&scene).left_out().contains(&"volume"));
+        assert!(!program(&preset("fur").unwrap()).left_out().contains(&"noise block"));
+        assert!(program(&preset("fur").unwrap()).left_out().contains(&"transfer map"));
+        assert!(!program(&preset("fire").unwrap()).left_out().contains(&"transfer map"));
+    }
+
+    #[test]
+    fn normals_are_left_out_where_no_module_reads_them() {
+        let mut scene = preset("solid").unwrap();
+        scene.effect.surface = "solid_unlit".into();
+        assert_eq!(Variant::of(&scene, &shader::shipped()).unwrap().module("object"), Some("distance"));
+        assert_eq!(
+            Variant::of(&preset("solid").unwrap(), &shader::shipped()).unwrap().module("object"),
+            Some("normals")
+        );
+    }
+
+    #[test]
+    fn p54_the_program_of_a_shadow_reads_no_image_that_the_picture_does_not() {
+        let library = shader::shipped();
+        for (effect, object) in EFFECTS.into_iter().chain(["shells"]).flat_map(|e| [(e, "teapot"), (e, "torus")]) {
+            let mut scene = preset(effect).unwrap();
+            (scene.object.input, scene.light.shadows) = (object.into(), true);
+            let variant = Variant::of(&scene, &library).unwrap();
+            let picture = variant.program(&library, Linker::new).unwrap();
+            let shadow = variant.shadow(&scene, &library).unwrap().program(&library, Linker::new).unwrap();
+            let images = shadow.resources.iter().filter(|resource| !matches!(resource.holds, Use::Block(_)));
+            for image in images {
+                assert!(picture.reads(&image.name), "{effect} on {object}: {}", image.name);
+            }
+            assert!(!shadow.reads("shadow_image") && shadow.reads("View"));
+        }
+    }
+
+    #[test]
+    fn m28_the_constants_are_those_of_the_paper() {
+        let program = program(&preset("lit").unwrap());
+        let Some(Use::Block(block)) = program.resources.iter().find(|r| r.name == "Constants").map(|r| r.holds.clone())
+        else {
+            panic!("no block of constants")
+        };
+        let names: Vec<_> = block.members.iter().map(|member| member.name.as_str()).collect();
+        let expected = [
+            "normal_matrix",
+            "material_color",
+            "ambient_color",
+            "light_color",
+            "light_position",
+            "specular_power",
+            "specular_strength",
+            "iso_value",
+            "outer_iso_value",
+        ];
+        assert_eq!(names[..expected.len()], expected, "what follows says how to read the volume");
+    }
+
+    #[test]
+    fn m12_any_two_dmfs_make_a_stack() {
+        let mut scene = preset("fur").unwrap();
+        scene.effect.dmf = vec!["fur".into(), "fire".into()];
+        let program = program(&scene);
+        assert!(program.reads("noise_image") && program.reads("turbulence_value_image"));
+    }
+}

@@ -1,0 +1,156 @@
+//! What is kept on disk between runs, because it takes longer to make than to read.
+//!
+//! Invariant: a file is used only if it ends in the BLAKE3 hash of the rest; files appear whole. A folder that cannot be
+//! read or written costs the next run its time, and no more.
+
+use super::write_whole;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+const HASH_BYTES: usize = 32;
+
+/// Files of one kind, which are evicted together.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kind {
+    /// What their names may end in; the first is that of [`load`] and [`save`].
+    pub(crate) ends: &'static [&'static str],
+    /// Bytes of all of them; those used longest ago are evicted.
+    pub(crate) limit: u64,
+}
+
+/// `$HYPERTEXTURE_CACHE`, else `$XDG_CACHE_HOME/hypertexture`, else `~/.cache/hypertexture`; none without a home.
+pub(crate) fn default_folder() -> Option<PathBuf> {
+    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    set("HYPERTEXTURE_CACHE")
+        .or_else(|| set("XDG_CACHE_HOME").map(|folder| folder.join("hypertexture")))
+        .or_else(|| set("HOME").map(|folder| folder.join(".cache").join("hypertexture")))
+}
+
+/// What was saved under a key.
+pub(crate) fn load(kind: Kind, key: blake3::Hash) -> Option<Vec<u8>> {
+    read(&file(&default_folder()?, kind, key)).ok()?
+}
+
+/// Saves under a key.
+pub(crate) fn save(kind: Kind, key: blake3::Hash, bytes: &[u8]) {
+    if let Some(folder) = default_folder() {
+        let _ = write(&file(&folder, kind, key), bytes.to_vec(), Some(kind));
+    }
+}
+
+fn file(folder: &Path, kind: Kind, key: blake3::Hash) -> PathBuf {
+    folder.join(format!("{}.{}", key.to_hex(), kind.ends[0]))
+}
+
+/// What a file holds; nothing where it is damaged.
+///
+/// # Errors
+/// What the system says.
+pub(crate) fn read(path: &Path) -> io::Result<Option<Vec<u8>>> {
+    let mut bytes = fs::read(path)?;
+    let Some((content, hash)) = bytes.split_last_chunk::<HASH_BYTES>() else { return Ok(None) };
+    if blake3::hash(content).as_bytes() != hash {
+        return Ok(None);
+    }
+    bytes.truncate(content.len());
+    // The time of use decides what goes first.
+    let _ = File::options().append(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
+    Ok(Some(bytes))
+}
+
+/// Writes a file with its hash, and evicts of its kind what was used longest ago where there is too much.
+///
+/// # Errors
+/// What the system says.
+pub(crate) fn write(path: &Path, mut bytes: Vec<u8>, kind: Option<Kind>) -> io::Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)?;
+    let hash = blake3::hash(&bytes);
+    bytes.extend_from_slice(hash.as_bytes());
+    write_whole(path, &bytes)?;
+    kind.map_or(Ok(()), |kind| evict(folder, kind))
+}
+
+fn evict(folder: &Path, kind: Kind) -> io::Result<()> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        if entry.path().extension().is_some_and(|end| kind.ends.iter().any(|of_kind| end == *of_kind)) {
+            let about = entry.metadata()?;
+            files.push((about.modified()?, about.len(), entry.path()));
+        }
+    }
+    files.sort();
+    let mut total: u64 = files.iter().map(|(_, bytes, _)| bytes).sum();
+    for (_, bytes, path) in files {
+        if total <= kind.limit {
+            break;
+        }
+        fs::remove_file(path)?;
+        total -= bytes;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn save_to(folder: &Path, kind: Kind, key: blake3::Hash, bytes: &[u8]) {
+        let _ = write(&file(folder, kind, key), bytes.to_vec(), Some(kind));
+    }
+
+    fn load_from(folder: &Path, kind: Kind, key: blake3::Hash) -> Option<Vec<u8>> {
+        read(&file(folder, kind, key)).ok()?
+    }
+
+    const KIND: Kind = Kind { ends: &["test"], limit: 200 };
+
+    #[test]
+    fn what_was_saved_comes_back_and_what_is_damaged_does_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let key = blake3::hash(b"key");
+        assert_eq!(load_from(folder.path(), KIND, key), None);
+        for bytes in [&b"some bytes"[..], b""] {
+            save_to(folder.path(), KIND, key, bytes);
+            assert_eq!(load_from(folder.path(), KIND, key).as_deref(), Some(bytes));
+        }
+        save_to(folder.path(), KIND, key, b"some bytes");
+        let path = file(folder.path(), KIND, key);
+        let whole = fs::read(&path).unwrap();
+        for at in 0..whole.len() {
+            let mut damaged = whole.clone();
+            damaged[at] ^= 1;
+            fs::write(&path, damaged).unwrap();
+            assert_eq!(load_from(folder.path(), KIND, key), None, "byte {at}");
+            fs::write(&path, &whole[..at]).unwrap();
+            assert_eq!(load_from(folder.path(), KIND, key), None, "cut at {at}");
+        }
+    }
+
+    #[test]
+    fn the_one_used_longest_ago_goes_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let keys = [b"a", b"b", b"c"].map(|name| blake3::hash(name));
+        let at = |key: usize, seconds| {
+            let file = File::options().append(true).open(file(folder.path(), KIND, keys[key])).unwrap();
+            file.set_modified(SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(seconds)).unwrap();
+        };
+        save_to(folder.path(), KIND, keys[0], &[0; 50]);
+        save_to(folder.path(), KIND, keys[1], &[1; 50]);
+        at(0, 2);
+        at(1, 1);
+        save_to(folder.path(), KIND, keys[2], &[2; 50]);
+        let left = keys.map(|key| load_from(folder.path(), KIND, key).is_some());
+        assert_eq!(left, [true, false, true]);
+    }
+
+    #[test]
+    fn a_folder_that_is_none_keeps_nothing() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        save_to(file.path(), KIND, blake3::hash(b"key"), b"bytes");
+        assert_eq!(load_from(file.path(), KIND, blake3::hash(b"key")), None);
+    }
+}

@@ -1,0 +1,183 @@
+//! What is asked of the window: by keys, by the panels, by a file that is dropped.
+
+use super::App;
+use crate::measure::pick::{ErrorBound, Metric, Pick};
+use crate::scene::{self, Camera, Scene};
+use crate::shader::Library;
+use crate::viewer::keys::Action;
+use crate::viewer::panels::Request;
+use crate::viewer::worker::{Task, Variant};
+use egui::Ui;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// A way to draw is looked for once the scene has not changed for so long.
+const CALM: Duration = Duration::from_millis(500);
+/// Frames of a recording: four seconds.
+const TURN: u32 = 100;
+
+impl App {
+    pub(super) fn act(&mut self, action: Action) {
+        match action {
+            Action::Help => self.help = !self.help,
+            Action::Play => self.request(Request::Pause(self.clock.is_some())),
+            Action::Reset => self.request(Request::ResetCamera),
+            Action::Previous => self.step(-1),
+            Action::Next => self.step(1),
+            Action::Screenshot => self.request(Request::Screenshot(free_name("hypertexture", ".png"))),
+            Action::Record => self.request(Request::Record(self.figures.recording.is_none())),
+            Action::Compare => {
+                let kept = self.kept.is_none().then(|| Box::new(self.shown()));
+                self.request(Request::Split(kept));
+            }
+            Action::Inertia => {
+                self.inertia = !self.inertia;
+                self.glide = None;
+                self.say(if self.inertia { "the ball turns on" } else { "the ball stops when it is let go" }.into());
+            }
+            Action::Undo => drop(self.model.undo()),
+            Action::Redo => drop(self.model.redo()),
+            Action::FullScreen => self.full_screen = !self.full_screen,
+            Action::Leave if self.help => self.help = false,
+            Action::Leave => self.quit = true,
+        }
+    }
+
+    pub(super) fn request(&mut self, request: Request) {
+        match request {
+            Request::Screenshot(path) => self.screenshot(path),
+            Request::ResetCamera => {
+                let time = self.model.scene().camera.time;
+                let home = Camera { time, ..self.model.home().clone() };
+                self.glide = None;
+                self.model.edit("camera", |scene| scene.camera = home);
+            }
+            Request::Split(kept) => self.kept = kept.map(|scene| *scene),
+            Request::Record(true) => self.record(),
+            Request::Record(false) => self.stop(),
+            Request::Pause(false) => self.clock = Some(f64::from(self.model.scene().camera.time)),
+            Request::Pause(true) => {
+                if let Some(clock) = self.clock.take() {
+                    self.model.edit("camera.time", |scene| scene.camera.time = clock as f32);
+                }
+            }
+            Request::MaxError(error) => {
+                (self.max_error, self.pick) = (error, error);
+                if self.figures.picking.is_some() {
+                    self.stop(); // what is looked for is no longer asked for
+                }
+            }
+            Request::Quit => self.quit = true,
+        }
+    }
+
+    /// The preset before or after the one whose effect is shown.
+    fn step(&mut self, by: isize) {
+        let names: Vec<&str> = scene::names().collect();
+        let about = &self.model.scene().about;
+        let here = names.iter().position(|name| scene::preset(name).is_ok_and(|preset| preset.about == *about));
+        let count = names.len() as isize;
+        let next = here.map_or(0, |here| (here as isize + by).rem_euclid(count));
+        self.model.take_preset(names[next as usize], false);
+        self.glide = None;
+        self.say(format!("{}: {}", names[next as usize], self.model.scene().about));
+    }
+
+    /// Ends a recording, or the search for a way to draw.
+    pub(super) fn stop(&self) {
+        if let Some(worker) = &self.worker {
+            worker.stop();
+        }
+    }
+
+    /// Shows a mesh, a scan or a scene file; a module is edited, and followed when another program writes it.
+    pub(in crate::viewer) fn open(&mut self, path: &Path) {
+        self.loader.retry();
+        if path.extension().is_some_and(|end| end == "glsl") {
+            match self.panels.author().watch(self.model.library(), path) {
+                Ok(()) => self.panels.show_author(true),
+                Err(reason) => self.say(reason),
+            }
+        } else {
+            self.model.open(path);
+        }
+    }
+
+    /// Writes the picture that `render` makes of what is shown.
+    pub(in crate::viewer) fn screenshot(&mut self, path: PathBuf) {
+        let edited = self.model.edited();
+        self.task(|library, variant| Task::Shot { library, variant, path, edited });
+    }
+
+    fn record(&mut self) {
+        let path = free_name("turntable", "_####.png");
+        self.figures.recording = Some((0, TURN));
+        let edited = self.model.edited();
+        self.task(|library, variant| Task::Turntable { library, variant, path, frames: TURN, edited });
+    }
+
+    /// Looks for the fastest settings for the scene within the error that was asked for, once the hand lets go.
+    pub(super) fn pick(&mut self, ui: &Ui, now: Instant) {
+        let Some(error) = self.pick else { return };
+        let rests = self.clock.is_some() || now.duration_since(self.changed) >= CALM;
+        let is_free = !ui.input(|input| input.pointer.any_down()) && self.loader.progress().is_none();
+        // A picture comes first, if only a coarse one: the search keeps the device busy.
+        if !(rests && is_free && self.is_current && self.tasks == 0) {
+            return ui.ctx().request_repaint_after(CALM);
+        }
+        self.pick = None;
+        match ErrorBound::new(Metric::Rmse, error) {
+            Ok(bound) => {
+                self.figures.picking = Some(0.0);
+                self.picked_for = Some(self.model.scene().clone());
+                self.task(|library, variant| Task::Pick { library, variant, bound });
+            }
+            Err(error) => self.say(error.to_string()),
+        }
+    }
+
+    /// Draws the scene in the way that was picked for it.
+    pub(super) fn take(&mut self, pick: &Pick) {
+        let content = |scene: &Scene| Scene { camera: Camera::default(), ..scene.clone() };
+        if self.picked_for.take().map(|scene| content(&scene)) != Some(content(self.model.scene())) {
+            self.say("the scene has changed while a way to draw it was looked for: ask again".into());
+            return;
+        }
+        let Scene { quality, effect, .. } = &pick.scene;
+        let good = self.model.edit("way to draw", |scene| {
+            scene.quality.clone_from(quality);
+            scene.effect.clone_from(effect);
+        });
+        self.model.end_undo_group();
+        if good {
+            let by = if pick.verified.is_some() { "the f64 reference" } else { "a finer picture" };
+            let error = pick.verified.map_or(pick.error, |verified| verified.error);
+            self.say(format!("drawn with {}: error {error:.1e} by {by}", pick.settings));
+        }
+    }
+
+    fn task(&mut self, task: impl FnOnce(Arc<Library>, Box<Variant>) -> Task) {
+        let scene = self.shown();
+        let subject = self.posted.as_ref().filter(|_| self.loader.progress().is_none());
+        let (Some(posted), Some(worker)) = (subject, &self.worker) else {
+            self.failure.get_or_insert("the object is not loaded yet".into());
+            self.say("the object is not loaded yet".into());
+            return;
+        };
+        let subject = posted.variants[0].subject.clone();
+        worker.add(task(self.library.clone(), Box::new(Variant { scene, subject })));
+        self.tasks += 1;
+        self.posted = None; // the picture is gone on with afterwards
+    }
+}
+
+/// The first name that no file has: `stem`, a number and `end`.
+fn free_name(stem: &str, end: &str) -> PathBuf {
+    let name = |number: u32| PathBuf::from(format!("{stem}_{number:03}{end}"));
+    let taken = |path: &Path| {
+        let first = path.to_string_lossy().replace("####", "0000");
+        path.exists() || Path::new(&first).exists()
+    };
+    (1..1000).map(name).find(|path| !taken(path)).unwrap_or_else(|| name(1000))
+}

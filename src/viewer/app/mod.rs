@@ -1,0 +1,409 @@
+//! What happens in the window: the mouse and the keys to the scene, the scene to the thread that renders.
+
+mod actions;
+mod mouse;
+mod overlay;
+
+use super::ViewError;
+use super::author::Author;
+use super::host;
+use super::keys;
+use super::load::Loader;
+use super::model::Model;
+use super::panels::{Panels, Status};
+use super::screen::Screen;
+use super::script::Script;
+use super::status::{Figures, Stage};
+use super::trackball::Trackball;
+use super::unsaved;
+use super::worker::{Event, Job, Variant, Worker};
+use crate::gpu::{Gpu, Options};
+use crate::scene::{self, Camera, Scene};
+use crate::shader::Library;
+use egui::{Rect, Sense, Ui};
+use glam::DVec3;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// What the window begins with.
+pub struct Start {
+    /// The scene; it has been checked.
+    pub scene: Scene,
+    /// Its modules.
+    pub library: Library,
+    /// How to open the device.
+    pub options: Options,
+    /// The root mean square error at which a picture is good enough.
+    pub max_error: Option<f64>,
+    /// Whether time runs from the beginning.
+    pub play: bool,
+    /// Width and height of the window, points.
+    pub window: [u32; 2],
+    /// Draw so many frames after the first picture, write the screenshot, and end.
+    pub frames: Option<u32>,
+    /// Where the screenshot goes, at the end of those frames or when the picture has converged.
+    pub screenshot: Option<PathBuf>,
+    /// A file of what a person would do.
+    pub script: Option<PathBuf>,
+    /// When the program began.
+    pub began: Instant,
+}
+
+/// Shows a window until it is closed.
+///
+/// # Errors
+/// No display, library, loader or driver: one line that says what to do. With [`Start::frames`], a screenshot or a script,
+/// whatever they run into; and what the validation layer has found.
+pub fn run(start: Start) -> Result<(), ViewError> {
+    let script = match &start.script {
+        Some(file) => Some(Script::read(file)?),
+        None if start.frames.is_some() || start.screenshot.is_some() => {
+            Some(Script::of_frames(start.frames, start.screenshot.clone()))
+        }
+        None => None,
+    };
+    host::run(start, script)
+}
+
+/// Good enough for the eye: half a code of an 8-bit picture in its mid tones, without the option.
+const GOOD: f64 = 1e-3;
+/// A scene that has not changed for so long stands still.
+const REST: Duration = Duration::from_millis(200);
+/// Milliseconds that a picture may take while the scene moves, on a CPU and on another device.
+const BUDGET_MS: [f64; 2] = [50.0, 12.0];
+
+/// Tells the window from another thread that there is something new.
+pub(super) type Notify = Arc<dyn Fn() + Send + Sync>;
+
+/// The window's state.
+pub(super) struct App {
+    pub(super) model: Model,
+    panels: Panels,
+    library: Arc<Library>,
+    worker: Option<Worker>,
+    loader: Loader,
+    notify: Notify,
+    screen: Screen,
+    pub(super) figures: Figures,
+    /// Where the picture is, points.
+    pub(super) place: Rect,
+    ball: Trackball,
+    /// Axis, radians per second.
+    glide: Option<(DVec3, f64)>,
+    last_turn: (DVec3, f64),
+    inertia: bool,
+    /// The time, while it runs.
+    clock: Option<f64>,
+    last_frame: Instant,
+    /// The variant that the scene is compared with.
+    kept: Option<Scene>,
+    max_error: Option<f64>,
+    /// The error that a way to draw is still to be looked for.
+    pick: Option<f64>,
+    /// The scene that one is being looked for.
+    picked_for: Option<Scene>,
+    posted: Option<Job>,
+    dragging: bool,
+    changed: Instant,
+    number: u64,
+    /// Tasks that are not finished.
+    pub(super) tasks: u32,
+    help: bool,
+    /// Whether the picture is that of the scene as it is now.
+    pub(super) is_current: bool,
+    /// The first thing that went wrong with an object or a task.
+    pub(super) failure: Option<String>,
+    pub(super) lost: bool,
+    pub(super) quit: bool,
+    pub(super) full_screen: bool,
+}
+
+impl App {
+    /// A window that shows a scene.
+    pub(super) fn new(start: &Start, notify: Notify) -> Result<App, ViewError> {
+        let model = Model::new(start.scene.clone(), start.library.clone())?;
+        let program = std::env::current_exe().unwrap_or_else(|_| PathBuf::from("hypertexture"));
+        let panels = Panels::new(program, &model).map_err(scene::SceneError::from)?;
+        let (now, camera) = (Instant::now(), model.scene().camera.clone());
+        Ok(App {
+            library: Arc::new(model.library().clone()),
+            panels,
+            worker: None,
+            loader: Loader::default(),
+            notify,
+            screen: Screen::default(),
+            figures: Figures::default(),
+            place: Rect::ZERO,
+            ball: Trackball::of(&camera),
+            glide: None,
+            last_turn: (DVec3::Y, 0.0),
+            inertia: false,
+            clock: start.play.then_some(f64::from(camera.time)),
+            last_frame: now,
+            kept: None,
+            max_error: start.max_error,
+            pick: start.max_error,
+            picked_for: None,
+            posted: None,
+            dragging: false,
+            changed: now,
+            number: 0,
+            tasks: 0,
+            help: false,
+            is_current: false,
+            failure: None,
+            lost: false,
+            quit: false,
+            full_screen: false,
+            model,
+        })
+    }
+
+    /// Takes a device, the first or another one; what was on the screen is shown and rendered again.
+    pub(super) fn use_device(&mut self, gpu: &Gpu) {
+        let info = gpu.info();
+        self.figures.device = format!("{} ({})", info.name, info.driver);
+        self.figures.budget_ms = BUDGET_MS[usize::from(!info.cpu)];
+        let (notify, gate) = (self.notify.clone(), self.panels.author().gate().clone());
+        gate.try_on(&info.name);
+        self.worker = Some(Worker::start(gpu.clone(), gate, self.figures.budget_ms, move || notify()));
+        self.screen.forget();
+        (self.posted, self.lost, self.tasks) = (None, false, 0);
+    }
+
+    /// Lets go of the device: nothing of this holds it any more.
+    pub(super) fn leave_device(&mut self) {
+        self.worker = None;
+    }
+
+    /// Keeps what no file holds, and says where.
+    pub(super) fn keep_unsaved(&mut self) {
+        let Some(folder) = unsaved::folder() else { return };
+        match unsaved::keep(&self.model, self.panels.author(), &folder) {
+            Ok(false) => {}
+            Ok(true) => println!("what was not saved is in {}", folder.display()),
+            Err(error) => log::warn!("what was not saved is lost: {error}"),
+        }
+    }
+
+    /// The module that is being edited.
+    pub(super) fn author(&mut self) -> &mut Author {
+        self.panels.author()
+    }
+
+    /// What is being loaded, and how far it is.
+    pub(super) fn loading(&self) -> Option<(String, f32)> {
+        self.loader.progress()
+    }
+
+    /// Takes what the other threads have made.
+    pub(super) fn receive(&mut self) {
+        if let Err(reason) = self.loader.poll() {
+            self.failure.get_or_insert(reason.clone());
+            self.say(reason);
+        }
+        let Some(worker) = &self.worker else { return };
+        // A thread that has failed is replaced as one whose device is lost: once.
+        self.lost |= worker.has_ended();
+        let events: Vec<Event> = worker.events.try_iter().collect();
+        for event in events {
+            match event {
+                Event::Picture(mut picture) => {
+                    self.screen.take(&mut picture);
+                    let figures = &mut self.figures;
+                    (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
+                    (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
+                    (figures.error, figures.standard_error) = (picture.error, picture.standard_error);
+                    if picture.stage == Stage::Coarse {
+                        figures.ignored.clear();
+                        figures.recent_ms.push(picture.gpu_ms);
+                        let surplus = figures.recent_ms.len().saturating_sub(120);
+                        figures.recent_ms.drain(..surplus);
+                    }
+                    self.is_current = picture.number == self.number;
+                }
+                Event::Stopped(line) => {
+                    (self.tasks, self.figures.recording) = (self.tasks.saturating_sub(1), None);
+                    self.say(line);
+                }
+                Event::Ignored(fields) => self.figures.ignored = fields,
+                Event::Wrote(path) => {
+                    self.tasks = self.tasks.saturating_sub(1);
+                    self.figures.recording = None;
+                    self.say(format!("wrote {}", std::path::absolute(&path).unwrap_or(path).display()));
+                }
+                Event::Picking(done) => self.figures.picking = Some(done),
+                Event::Picked(pick) => {
+                    (self.tasks, self.figures.picking) = (self.tasks.saturating_sub(1), None);
+                    if let Some(pick) = pick {
+                        self.take(&pick);
+                    }
+                }
+                Event::Recorded(done, all) => self.figures.recording = Some((done, all)),
+                Event::Refused(reason) => {
+                    self.failure.get_or_insert(reason.clone());
+                    (self.tasks, self.figures.recording, self.figures.picking) = (0, None, None);
+                    self.say(reason);
+                }
+                Event::Failed(reason) => {
+                    if self.tasks > 0 {
+                        self.failure.get_or_insert(reason.clone());
+                    }
+                    (self.tasks, self.figures.recording, self.figures.picking) = (0, None, None);
+                    self.say(reason);
+                }
+                Event::Lost => self.lost = true,
+            }
+        }
+    }
+
+    fn say(&mut self, line: String) {
+        self.figures.message = Some(line);
+    }
+
+    /// One frame: the panels, the picture, and what is over it.
+    pub(super) fn ui(&mut self, ui: &mut Ui) {
+        let now = Instant::now();
+        let passed = now.duration_since(self.last_frame).as_secs_f64();
+        self.last_frame = now;
+        for action in keys::pressed(ui.ctx()) {
+            self.act(action);
+        }
+        let status = self.status();
+        let angles = |camera: &Camera| (camera.azimuth, camera.elevation);
+        let before = angles(&self.model.scene().camera);
+        let requests = self.panels.show(ui, &mut self.model, &status);
+        if angles(&self.model.scene().camera) != before && self.model.scene().camera.rotation.is_some() {
+            // Who asks for an angle means it.
+            self.model.edit("camera", |scene| scene.camera.rotation = None);
+        }
+        for request in requests {
+            self.request(request);
+        }
+        let dropped: Vec<PathBuf> =
+            ui.ctx().input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_path_buf()).collect());
+        for path in dropped {
+            self.open(&path);
+        }
+        self.place = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(self.place, Sense::click_and_drag());
+        self.navigate(ui, &response);
+        self.glide(passed);
+        if let Some(clock) = &mut self.clock {
+            *clock += passed;
+        }
+        let titles = self.kept.as_ref().map(|kept| overlay::titles(self.model.scene(), kept)).unwrap_or_default();
+        self.screen.draw(ui, self.place, self.figures.difference, &titles);
+        self.show_over(ui);
+        self.post(ui, now);
+        self.pick(ui, now);
+    }
+
+    fn status(&self) -> Status {
+        let Figures { error, standard_error, size, samples, recording, .. } = &self.figures;
+        let recent = &self.figures.recent_ms;
+        let mean = recent.iter().sum::<f64>() / recent.len().max(1) as f64;
+        let variance = recent.iter().map(|ms| (ms - mean).powi(2)).sum::<f64>() / recent.len().max(1) as f64;
+        // Only coarse pictures come often enough for their times to have a spread.
+        let spread = if self.figures.stage == Stage::Coarse { variance.sqrt() } else { 0.0 };
+        Status {
+            frame_ms: (!recent.is_empty()).then_some([self.figures.gpu_ms, spread]),
+            error: error.map(|error| [error, standard_error.unwrap_or(error)]),
+            samples: format!("{}, {} x {}, {samples} samples", self.figures.stage.text(), size[0], size[1]),
+            device: self.figures.device.clone(),
+            message: self.figures.message.clone(),
+            ignored: self.figures.ignored.clone(),
+            progress: self.figures.picking.or(recording.map(|(done, all)| done as f32 / all.max(1) as f32)),
+            recent_ms: recent.clone(),
+            budget_ms: self.figures.budget_ms,
+            paused: self.clock.is_none(),
+            recording: recording.is_some(),
+            split: self.kept.is_some(),
+            max_error: self.max_error,
+        }
+    }
+
+    /// The scene at the time it is.
+    fn shown(&self) -> Scene {
+        let mut scene = self.model.scene().clone();
+        if let Some(clock) = self.clock {
+            scene.camera.time = clock as f32;
+        }
+        scene
+    }
+
+    /// Gives the thread that renders what is to be seen now, if that is something new.
+    fn post(&mut self, ui: &Ui, now: Instant) {
+        if *self.library != *self.model.library() {
+            self.library = Arc::new(self.model.library().clone());
+        }
+        let points = ui.ctx().pixels_per_point();
+        let pane = Screen::pane(self.place, self.kept.is_some()) * points;
+        let size = [pane.x, pane.y].map(|side| (side.round() as u32).clamp(16, 8192));
+        let mut scenes = vec![self.shown()];
+        if let Some(kept) = &self.kept {
+            scenes.push(Scene { camera: scenes[0].camera.clone(), ..kept.clone() });
+        }
+        let notify = self.notify.clone();
+        let mut variants = Vec::new();
+        for mut scene in scenes {
+            scene.image.size = size;
+            match self.loader.subject(&scene, &self.library, &move_clone(&notify)) {
+                Ok(Some(subject)) => variants.push(Variant { scene, subject }),
+                Ok(None) => {}
+                Err(error) => self.say(error.to_string()),
+            }
+        }
+        if self.loader.progress().is_some() {
+            ui.ctx().request_repaint_after(Duration::from_millis(50));
+        }
+        let expected = 1 + usize::from(self.kept.is_some());
+        if variants.len() < expected {
+            self.is_current = false;
+            return;
+        }
+        let same = |job: &Job| {
+            Arc::ptr_eq(&job.library, &self.library)
+                && job.variants.len() == variants.len()
+                && job
+                    .variants
+                    .iter()
+                    .zip(&variants)
+                    .all(|(a, b)| a.scene == b.scene && Arc::ptr_eq(&a.subject, &b.subject))
+        };
+        let changed = !self.posted.as_ref().is_some_and(same);
+        if changed && self.posted.is_some() {
+            self.changed = now;
+            if self.figures.picking.is_some() && self.clock.is_none() {
+                // The hand comes first: what is looked for is looked for again once the scene rests.
+                self.stop();
+                self.pick = self.max_error;
+            }
+        }
+        let busy = self.dragging || self.clock.is_some() || self.glide.is_some();
+        let moving = busy || now.duration_since(self.changed) < REST;
+        let max_error = self.max_error.unwrap_or(GOOD);
+        let as_before = |job: &Job| job.moving == moving && job.max_error.to_bits() == max_error.to_bits();
+        if changed || !self.posted.as_ref().is_some_and(as_before) {
+            self.number += 1;
+            self.is_current = false;
+            let job = Job { number: self.number, library: self.library.clone(), variants, moving, max_error };
+            if let Some(worker) = &self.worker {
+                worker.show(job.clone());
+            }
+            self.posted = Some(job);
+        }
+        if busy {
+            ui.ctx().request_repaint();
+        } else if moving {
+            ui.ctx().request_repaint_after(REST);
+        }
+    }
+}
+
+/// A function that calls this one.
+fn move_clone(notify: &Notify) -> impl Fn() + Clone + Send + 'static + use<> {
+    let notify = notify.clone();
+    move || notify()
+}

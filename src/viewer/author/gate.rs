@@ -1,0 +1,73 @@
+//! Which programs may be drawn: those that ship, and those of a user's text that have survived a compiler, a driver and a
+//! few rays in processes of their own.
+
+use super::compile::{CompileError, Job, Limits, compile};
+use super::rays;
+use super::trial::{programs, reaches};
+use crate::scene::Scene;
+use crate::shader::{Library, shipped};
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard};
+
+/// What is known of programs with text of a user.
+pub struct Gate {
+    /// What needs no trial.
+    shipped: Library,
+    /// The executable of hypertexture.
+    program: PathBuf,
+    /// The device that rays are tried on; none, and a text is only compiled.
+    device: Mutex<Option<String>>,
+    /// What became of the programs that were tried: the line that refuses them, if one does.
+    verdicts: Mutex<HashMap<String, Option<String>>>,
+}
+
+fn held<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+}
+
+impl Gate {
+    /// Nothing is known yet. `program` is the executable that compiles: [`std::env::current_exe`].
+    pub fn new(program: PathBuf) -> Gate {
+        Gate { shipped: shipped(), program, device: Mutex::new(None), verdicts: Mutex::new(HashMap::new()) }
+    }
+
+    /// From now on a few rays of each program are tried on the device of this name.
+    pub fn try_on(&self, device: &str) {
+        *held(&self.device) = Some(device.into());
+    }
+
+    /// Whether a scene may be drawn with these modules. Takes seconds the first time, nothing where all of it ships.
+    ///
+    /// # Errors
+    /// Why not; [`CompileError::Abandoned`] once `is_stale` says yes.
+    pub fn validate(&self, scene: &Scene, library: &Library, is_stale: &dyn Fn() -> bool) -> Result<(), CompileError> {
+        if *library == self.shipped {
+            return Ok(());
+        }
+        let refused = |error: &dyn ToString| CompileError::Refused(error.to_string());
+        let variants = programs(scene, library).map_err(|error| refused(&error))?;
+        let mut job = Job::new(library, &variants);
+        job.changed.retain(|path, _| variants.iter().any(|variant| reaches(variant, library, path)));
+        if job.changed.is_empty() {
+            return Ok(());
+        }
+        let key = toml::to_string(&job).map_err(|error| refused(&error))?;
+        if let Some(verdict) = held(&self.verdicts).get(&key) {
+            return verdict.clone().map_or(Ok(()), |reason| Err(CompileError::Refused(reason)));
+        }
+        let device = held(&self.device).clone();
+        let tried = compile(&self.program, &job, &Limits::default(), is_stale).and_then(|_| match &device {
+            Some(device) => rays::trial_render(&self.program, device, scene, &job, is_stale),
+            None => Ok(()),
+        });
+        let verdict = match &tried {
+            Ok(()) => None,
+            // These say nothing about the text.
+            Err(CompileError::Abandoned | CompileError::Run { .. }) => return tried,
+            Err(error) => Some(error.to_string()),
+        };
+        held(&self.verdicts).insert(key, verdict);
+        tried
+    }
+}

@@ -1,0 +1,238 @@
+//! Objects loaded beside the window: fields are computed on a thread of their own, with progress, and can be given up.
+
+use crate::render::variant::{Variant, VariantError};
+use crate::render::{RenderError, Subject};
+use crate::scene::{Object, Scene};
+use crate::shader::Library;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, mpsc};
+use std::thread;
+
+/// Subjects that are kept: those of the last presets and variants.
+const KEPT: usize = 6;
+
+/// What decides the subject of a scene: each object, how far its field must reach at least, and whether it has closest
+/// points.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Key(Vec<(Object, f32, bool)>);
+
+impl Key {
+    /// The key of a scene.
+    pub(super) fn of(scene: &Scene, library: &Library) -> Result<Key, VariantError> {
+        let variant = Variant::of(scene, library)?;
+        // What the picture does with the field is not the field's.
+        let plain = |object: &Object| Object { stretch: [1.0; 3], inner_iso: 0.0, outer_iso: 0.0, ..object.clone() };
+        let main = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
+        let mut objects = vec![(plain(&scene.object), main, variant.reads_closest())];
+        for (name, part) in &scene.parts {
+            let outer = variant.parts[name].outer_iso().unwrap_or(part.object.outer_iso);
+            objects.push((plain(&part.object), outer, variant.part_reads_closest(name)));
+        }
+        Ok(Key(objects))
+    }
+
+    /// Whether the subject of `self` serves a scene of `other`: fields reach as far by steps, and closest points that
+    /// nobody reads do no harm.
+    fn serves(&self, other: &Key) -> bool {
+        let reach = |outer: f32| crate::render::field_margin(outer);
+        self.0.len() == other.0.len()
+            && self.0.iter().zip(&other.0).all(|((object, outer, closest), (wanted, reach_wanted, read))| {
+                object == wanted && reach(*outer) == reach(*reach_wanted) && (*closest || !*read)
+            })
+    }
+}
+
+/// The subjects of the last scenes, and the one that is being loaded.
+#[derive(Default)]
+pub(super) struct Loader {
+    kept: Vec<(Key, Arc<Subject>)>,
+    loading: Option<Loading>,
+    failed: Option<Key>,
+}
+
+/// A subject that is being loaded.
+struct Loading {
+    key: Key,
+    name: String,
+    progress: Arc<AtomicU32>,
+    cancel: Arc<AtomicBool>,
+    result: mpsc::Receiver<Option<Result<Subject, RenderError>>>,
+}
+
+impl Drop for Loading {
+    fn drop(&mut self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Thrown through the computation of a field that nobody waits for any more.
+struct Cancelled;
+
+impl Loader {
+    /// The subject of a scene if it is there; if not, it is being loaded from now on, in place of what was being loaded.
+    /// `notify` is called from the other thread when it is there.
+    pub(super) fn subject(
+        &mut self,
+        scene: &Scene,
+        library: &Arc<Library>,
+        notify: &(impl Fn() + Clone + Send + 'static),
+    ) -> Result<Option<Arc<Subject>>, VariantError> {
+        let key = Key::of(scene, library)?;
+        // From the last on: where several serve, it is the same one as before, and the picture is not begun anew.
+        if let Some(found) = self.kept.iter().rposition(|(known, _)| known.serves(&key)) {
+            let last = self.kept.remove(found);
+            self.kept.push(last);
+            return Ok(self.kept.last().map(|(_, subject)| subject.clone()));
+        }
+        let running = self.loading.as_ref().is_some_and(|loading| loading.key.serves(&key));
+        if !running && self.failed.as_ref() != Some(&key) {
+            self.loading = Some(Loading::start(key, scene.clone(), library.clone(), notify.clone()));
+        }
+        Ok(None)
+    }
+
+    /// Takes what has been loaded; the text says why it could not be.
+    pub(super) fn poll(&mut self) -> Result<(), String> {
+        let Some(loading) = &self.loading else { return Ok(()) };
+        let outcome = match loading.result.try_recv() {
+            Err(mpsc::TryRecvError::Empty) => return Ok(()),
+            Err(mpsc::TryRecvError::Disconnected) => Some(Err("the computation of the field has failed".to_string())),
+            Ok(result) => result.map(|loaded| loaded.map_err(|error| error.to_string())),
+        };
+        let Some(mut done) = self.loading.take() else { return Ok(()) };
+        let key = std::mem::replace(&mut done.key, Key(Vec::new()));
+        match outcome {
+            None => Ok(()),
+            Some(Ok(subject)) => {
+                self.kept.push((key, Arc::new(subject)));
+                if self.kept.len() > KEPT {
+                    self.kept.remove(0);
+                }
+                Ok(())
+            }
+            Some(Err(reason)) => {
+                self.failed = Some(key);
+                Err(reason)
+            }
+        }
+    }
+
+    /// What is being loaded, and how far it is.
+    pub(super) fn progress(&self) -> Option<(String, f32)> {
+        let loading = self.loading.as_ref()?;
+        Some((loading.name.clone(), f32::from_bits(loading.progress.load(Ordering::Relaxed))))
+    }
+
+    /// Gives up what is being loaded.
+    pub(super) fn cancel(&mut self) {
+        self.failed = self.loading.take().map(|mut loading| std::mem::replace(&mut loading.key, Key(Vec::new())));
+    }
+
+    /// Tries again what could not be loaded, or was given up.
+    pub(super) fn retry(&mut self) {
+        self.failed = None;
+    }
+}
+
+impl Loading {
+    fn start(key: Key, scene: Scene, library: Arc<Library>, notify: impl Fn() + Send + 'static) -> Loading {
+        let name = scene.object.input.clone();
+        let progress = Arc::new(AtomicU32::new(0));
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (sender, result) = mpsc::channel();
+        let (done, stop) = (progress.clone(), cancel.clone());
+        thread::spawn(move || {
+            let report = |fraction: f32| {
+                done.store(fraction.to_bits(), Ordering::Relaxed);
+                if stop.load(Ordering::Relaxed) {
+                    // Unwinding is the one way out of a computation that spans threads; nothing of it is kept.
+                    panic::resume_unwind(Box::new(Cancelled));
+                }
+            };
+            let loaded = panic::catch_unwind(AssertUnwindSafe(|| Subject::load(&scene, &library, &report)));
+            let loaded = match loaded {
+                Ok(loaded) => Some(loaded),
+                Err(reason) if reason.is::<Cancelled>() => None,
+                Err(reason) => panic::resume_unwind(reason),
+            };
+            // Nobody listens to a computation that was given up.
+            let _ = sender.send(loaded);
+            drop(sender);
+            notify();
+        });
+        Loading { key, name, progress, cancel, result }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{scene, shader};
+    use std::time::{Duration, Instant};
+
+    fn wait(loader: &mut Loader, scene: &Scene, library: &Arc<Library>) -> Result<Arc<Subject>, String> {
+        let start = Instant::now();
+        loop {
+            if let Some(subject) = loader.subject(scene, library, &|| ()).unwrap() {
+                return Ok(subject);
+            }
+            loader.poll()?;
+            assert!(start.elapsed() < Duration::from_secs(1800)); // a test that fails ends
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    #[test]
+    fn a_subject_is_loaded_once_and_serves_every_scene_of_its_object() {
+        let library = Arc::new(shader::shipped());
+        let mut loader = Loader::default();
+        let mut fur = scene::preset("fur").unwrap();
+        fur.object.input = "torus".into();
+        let first = wait(&mut loader, &fur, &library).unwrap();
+        fur.camera.azimuth = 99.0;
+        fur.quality.samples = 7;
+        assert!(Arc::ptr_eq(&first, &wait(&mut loader, &fur, &library).unwrap()));
+        fur.object.input = "sphere".into();
+        assert!(!Arc::ptr_eq(&first, &wait(&mut loader, &fur, &library).unwrap()));
+    }
+
+    #[test]
+    fn of_two_subjects_that_serve_it_is_always_the_same() {
+        let library = Arc::new(shader::shipped());
+        let mut scene = scene::preset("lit").unwrap();
+        scene.object.input = "torus".into();
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        let key = Key::of(&scene, &library).unwrap();
+        let kept = (0..2).map(|_| (key.clone(), Arc::new(subject.clone()))).collect();
+        let mut loader = Loader { kept, ..Loader::default() };
+        let mut next = || loader.subject(&scene, &library, &|| ()).unwrap().unwrap();
+        let first = next();
+        assert!((0..3).all(|_| Arc::ptr_eq(&first, &next())));
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_said_once_and_not_tried_again() {
+        let library = Arc::new(shader::shipped());
+        let mut loader = Loader::default();
+        let mut scene = scene::preset("lit").unwrap();
+        scene.object.input = "nowhere.obj".into();
+        let error = wait(&mut loader, &scene, &library).unwrap_err();
+        assert!(error.contains("nowhere.obj"), "{error}");
+        assert!(loader.subject(&scene, &library, &|| ()).unwrap().is_none());
+        assert!(loader.progress().is_none());
+    }
+
+    #[test]
+    fn a_computation_can_be_given_up() {
+        let library = Arc::new(shader::shipped());
+        let mut loader = Loader::default();
+        let mut scene = scene::preset("lit").unwrap();
+        scene.object.resolution = 347; // in no cache
+        assert!(loader.subject(&scene, &library, &|| ()).unwrap().is_none());
+        let (name, _) = loader.progress().unwrap();
+        assert_eq!(name, "teapot");
+        loader.cancel();
+        assert!(loader.progress().is_none() && loader.poll().is_ok());
+    }
+}

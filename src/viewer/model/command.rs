@@ -1,0 +1,238 @@
+//! The command line that says what a scene is.
+//!
+//! It starts from the preset, or the preset over an input, that leaves the least to say, and says the rest with the option
+//! that a person would use, else with `--set FIELD=VALUE`.
+
+use crate::scene::{self, Scene, parse_value};
+use crate::shader::Library;
+use std::path::Path;
+use toml::Value;
+
+/// What goes before the other options, since it decides which parameters are kept: the slots of `--module`.
+const MODULES: [&str; 15] = [
+    "classify",
+    "softness",
+    "warp",
+    "dmf",
+    "surface",
+    "medium",
+    "noise",
+    "weights",
+    "turbulence",
+    "bandlimit",
+    "opacity",
+    "index",
+    "absorption",
+    "environment",
+    "project",
+];
+/// Fields with an option of their own that takes the value as a scene file has it.
+const PLAIN: [(&str, &str); 20] = [
+    ("object.iso", "--iso"),
+    ("object.up", "--up"),
+    ("object.stretch", "--stretch"),
+    ("object.resolution", "--resolution"),
+    ("object.source", "--source"),
+    ("effect.gradient", "--gradient"),
+    ("quality.pass", "--pass"),
+    ("quality.empty_space", "--empty-space"),
+    ("quality.samples", "--samples"),
+    ("quality.integration", "--integration"),
+    ("quality.seed", "--seed"),
+    ("quality.supersampling", "--supersampling"),
+    ("quality.target", "--target"),
+    ("quality.order", "--order"),
+    ("quality.proxy", "--proxy"),
+    ("quality.msaa", "--msaa"),
+    ("quality.anisotropy", "--anisotropy"),
+    ("camera.projection", "--projection"),
+    ("camera.time", "--time"),
+    ("camera.shutter", "--shutter"),
+];
+
+/// The shortest of the command lines that give this scene, for `sh`.
+pub(super) fn line(scene: &Scene, library: &Library) -> String {
+    let starts = scene::names().filter_map(|name| scene::preset(name).ok().map(|preset| (name, preset)));
+    let lines = starts.flat_map(|(name, preset)| {
+        let figure = (vec![name.to_string()], preset.clone());
+        let mut over = preset;
+        over.object.input.clone_from(&scene.object.input);
+        let effect: &[&str] = if name == "lit" { &[] } else { &["--effect", name] };
+        let words = [&scene.object.input].into_iter().cloned().chain(effect.iter().map(|word| word.to_string()));
+        let input = is_plain_input(&scene.object.input).then(|| (words.collect(), over));
+        [Some(figure), input].into_iter().flatten()
+    });
+    let lines = lines.map(|(start, base): (Vec<String>, Scene)| {
+        let words = ["hypertexture", "render"].map(String::from).into_iter().chain(start);
+        words.chain(options(&base, scene, library)).map(|word| quoted(&word)).collect::<Vec<_>>().join(" ")
+    });
+    lines.min_by_key(String::len).unwrap_or_default()
+}
+
+/// Whether `render INPUT` means this input as the object.
+fn is_plain_input(input: &str) -> bool {
+    let is_scene = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
+    !is_scene && !input.starts_with('-') && !input.is_empty() && scene::names().all(|name| name != input)
+}
+
+/// The words that turn `base` into `scene`, in the order in which they act.
+fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
+    let mut words = Vec::new();
+    let mut base = base.clone();
+    let (before, after) = (base.fields(), scene.fields());
+    let changed = difference(&before, &after);
+    let slots = changed.iter().filter_map(|(name, value)| Some((module_slot(name)?, value.as_ref()?)));
+    let slots: Vec<_> = slots.collect();
+    // `--module` checks the scene before, and drops the parameters of modules that are gone.
+    let mut exchanged = base.clone();
+    let object = &mut exchanged.object;
+    (object.iso, object.up, object.source) = (scene.object.iso, scene.object.up, scene.object.source);
+    (object.stretch, object.resolution) = (scene.object.stretch, scene.object.resolution);
+    object.distance |= scene.object.distance;
+    let mut modules = Vec::new();
+    let own = |(slot, value): &(&str, &Value)| names(value).iter().all(|name| is_known(scene, slot, name));
+    if !slots.is_empty() && slots.iter().all(own) && exchanged.check(library).is_ok() {
+        if slots.iter().any(|(slot, value)| *slot == "dmf" && !names(value).is_empty()) {
+            exchanged.effect.soften();
+        }
+        for (slot, value) in slots {
+            let mut word = |name: &str| match own_file(scene, slot, name) {
+                Some(file) => {
+                    base.modules.insert(format!("{slot}/{name}"), file.into());
+                    file.to_string()
+                }
+                None => name.to_string(),
+            };
+            let names = names(value).into_iter().map(&mut word).collect::<Vec<_>>().join("+");
+            modules.extend(["--module".to_string(), format!("{slot}={names}")]);
+            if exchanged.set_field(&format!("effect.{slot}"), &value.to_string()).is_err() {
+                modules.clear();
+                break;
+            }
+        }
+        if !modules.is_empty() && exchanged.drop_foreign_parameters(library).is_ok() {
+            words.append(&mut modules);
+            base.effect = exchanged.effect;
+            base.parameters = exchanged.parameters;
+        }
+    }
+    for part in scene.parts.keys().filter(|name| !base.parts.contains_key(*name)).cloned().collect::<Vec<_>>() {
+        words.extend(["--set".to_string(), format!("parts.{part}={{}}")]);
+        base.parts.insert(part, scene::Part::default());
+    }
+    for part in base.parts.keys().filter(|name| !scene.parts.contains_key(*name)).cloned().collect::<Vec<_>>() {
+        words.extend(["--set".to_string(), format!("parts.{part}=")]);
+        base.parts.remove(&part);
+    }
+    let mut camera = false;
+    for (name, value) in difference(&base.fields(), &after) {
+        match name.as_str() {
+            "camera.azimuth" | "camera.elevation" | "camera.zoom" => camera = true,
+            _ => words.extend(option(&name, value.as_ref(), scene)),
+        }
+    }
+    if camera {
+        let eye = &scene.camera;
+        let zoom = if eye.zoom == base.camera.zoom { String::new() } else { format!(",{}", eye.zoom) };
+        words.extend(valued("--camera", &format!("{},{}{zoom}", eye.azimuth, eye.elevation)));
+    }
+    words
+}
+
+/// The modules that fill a slot.
+fn names(value: &Value) -> Vec<&str> {
+    match value {
+        Value::Array(stack) => stack.iter().filter_map(Value::as_str).collect(),
+        other => other.as_str().into_iter().collect(),
+    }
+}
+
+/// Whether `--module` knows a module before `--set` has said which files there are.
+fn is_known(scene: &Scene, slot: &str, name: &str) -> bool {
+    let (name, mask) = name.split_once('@').map_or((name, None), |(name, mask)| (name, Some(mask)));
+    let is_own = |slot: &str, name: &str| scene.modules.contains_key(&format!("{slot}/{name}"));
+    match mask {
+        Some(mask) => !is_own(slot, name) && !is_own("mask", mask),
+        None => !is_own(slot, name) || own_file(scene, slot, name).is_some(),
+    }
+}
+
+/// The file of a module of the scene's own, where `--module` makes the same of it.
+fn own_file<'a>(scene: &'a Scene, slot: &str, name: &str) -> Option<&'a str> {
+    let file = scene.modules.get(&format!("{slot}/{name}"))?;
+    (Path::new(file).file_stem()? == name && !file.contains(['+', '@'])).then_some(file)
+}
+
+/// The option for one field.
+fn option(name: &str, value: Option<&Value>, scene: &Scene) -> Vec<String> {
+    let set = |name: &str| vec!["--set".into(), format!("{name}={}", value.map(text).unwrap_or_default())];
+    let plain = PLAIN.iter().find(|(field, _)| *field == name).map(|(_, flag)| *flag);
+    match (name, plain, value) {
+        (_, Some(flag), Some(Value::Array(numbers))) => valued(flag, &list(numbers)),
+        (_, Some(flag), Some(value)) => valued(flag, &text(value)),
+        ("quality.jitter", _, Some(Value::Boolean(true))) => vec!["--jitter".into()],
+        ("object.distance", _, Some(Value::Boolean(true))) => vec!["--distance".into()],
+        ("light.shadows", _, Some(Value::Boolean(true))) => vec!["--shadows".into()],
+        ("light.shadows", _, _) => vec!["--shadows=false".into()],
+        ("light.position", _, Some(Value::Array(numbers))) => valued("--light", &list(numbers)),
+        ("camera.clip", _, Some(Value::Array(numbers))) => valued("--clip", &list(numbers)),
+        ("image.size", ..) => valued("--size", &format!("{}x{}", scene.image.size[0], scene.image.size[1])),
+        ("image.background", ..) => valued("--background", &value.map_or("none".into(), text)),
+        _ => match (name.strip_prefix("parameters."), name.split_once(".parameters."), value) {
+            (Some(parameter), _, Some(_)) => set(parameter),
+            (None, Some((part, parameter)), Some(_)) => set(&format!("{part}.{parameter}")),
+            _ => set(name),
+        },
+    }
+}
+
+/// An option and its value; joined where the value could be taken for an option.
+fn valued(flag: &str, value: &str) -> Vec<String> {
+    if value.starts_with('-') { vec![format!("{flag}={value}")] } else { vec![flag.into(), value.into()] }
+}
+
+/// The slot of a field of the scene's own effect that `--module` fills.
+fn module_slot(name: &str) -> Option<&str> {
+    name.strip_prefix("effect.").filter(|slot| MODULES.contains(slot))
+}
+
+/// Fields that are not the same, with the new value; none where the field is gone.
+fn difference(before: &[(String, Value)], after: &[(String, Value)]) -> Vec<(String, Option<Value>)> {
+    let find = |fields: &[(String, Value)], name: &str| {
+        fields.iter().find(|(other, _)| other == name).map(|(_, value)| value.clone())
+    };
+    let gone = before.iter().filter(|(name, _)| find(after, name).is_none()).map(|(name, _)| (name.clone(), None));
+    let new = after.iter().filter(|(name, value)| find(before, name).as_ref() != Some(value));
+    gone.chain(new.map(|(name, value)| (name.clone(), Some(value.clone())))).collect()
+}
+
+fn list(numbers: &[Value]) -> String {
+    numbers.iter().map(text).collect::<Vec<_>>().join(",")
+}
+
+/// A value as `--set` reads it.
+fn text(value: &Value) -> String {
+    match value {
+        Value::String(text) if !text.is_empty() && text.trim() == text && parse_value(text) == *value => text.clone(),
+        Value::Float(number) => (*number as f32).to_string(),
+        other => short(other).to_string(),
+    }
+}
+
+/// The same value with as few digits as a single-precision number needs.
+fn short(value: &Value) -> Value {
+    match value {
+        Value::Float(number) => Value::Float((*number as f32).to_string().parse().unwrap_or(*number)),
+        Value::Array(values) => values.iter().map(short).collect::<Vec<_>>().into(),
+        Value::Table(table) => {
+            table.iter().map(|(name, value)| (name.clone(), short(value))).collect::<toml::Table>().into()
+        }
+        other => other.clone(),
+    }
+}
+
+/// A word as `sh` reads it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
+    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}

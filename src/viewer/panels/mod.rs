@@ -1,0 +1,242 @@
+//! The panels around the picture.
+//!
+//! Role: a scene and what is known of its picture -> controls; what they change goes into the [`Model`], what only the
+//! window can do comes back as [`Request`]s. Invariant: no window, no device; each control's accessible name is that of
+//! its field in a scene file.
+
+mod accuracy;
+mod effect;
+mod figures;
+mod object;
+mod parameters;
+mod session;
+mod stage;
+mod transfer;
+pub mod widgets;
+
+use super::author::{self, Author};
+use super::model::Model;
+use crate::scene::{Effect, Material, Object, ParameterValue, Scene, Transfer};
+use egui::{CollapsingHeader, Panel, RichText, ScrollArea, Ui};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use widgets::Touch;
+
+/// What the window knows and the panels show.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Status {
+    /// Time of the last frame and its spread, milliseconds.
+    pub frame_ms: Option<[f64; 2]>,
+    /// Milliseconds of the last pictures on the device, the newest last.
+    pub recent_ms: Vec<f64>,
+    /// Milliseconds that one may take while the scene moves.
+    pub budget_ms: f64,
+    /// Estimated root mean square error of the picture that is shown, and its own spread, in units of 1.
+    pub error: Option<[f64; 2]>,
+    /// Samples, slices or pictures that are shown, in words.
+    pub samples: String,
+    /// Device and driver.
+    pub device: String,
+    /// What goes wrong, or was done; the model's own message goes before it.
+    pub message: Option<String>,
+    /// Fields of the scene that change nothing in the picture, with their values.
+    pub ignored: Vec<String>,
+    /// Part of what is under way that is done, 0 to 1.
+    pub progress: Option<f32>,
+    /// Whether time stands still.
+    pub paused: bool,
+    /// Whether frames are being written.
+    pub recording: bool,
+    /// Whether a second scene is shown beside this one.
+    pub split: bool,
+    /// The error that the picture may have; without one, the scene says how it is made.
+    pub max_error: Option<f64>,
+}
+
+/// What only the window can do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// Write the picture that is shown.
+    Screenshot(PathBuf),
+    /// Look at the object as the preset does.
+    ResetCamera,
+    /// Show this scene beside the one that is edited; none ends it.
+    Split(Option<Box<Scene>>),
+    /// Start or end the writing of frames.
+    Record(bool),
+    /// Let time stand still, or go on.
+    Pause(bool),
+    /// Choose samples so that the error is at most this; none leaves them to the scene.
+    MaxError(Option<f64>),
+    /// End the program.
+    Quit,
+}
+
+/// What the panels remember from frame to frame.
+pub struct Panels {
+    /// The additional object that is being edited; none for the scene's own.
+    selected: Option<String>,
+    /// The stop of the transfer map that is being edited.
+    stop: usize,
+    /// Scene file, picture.
+    paths: [String; 2],
+    author: Author,
+    author_is_open: bool,
+}
+
+/// What is done after the controls have been shown, in place of what they changed.
+enum Act {
+    Undo,
+    Redo,
+    Preset { name: String, effect_only: bool },
+    Open(PathBuf),
+    Save(PathBuf),
+    AddPart,
+    RemovePart(String),
+}
+
+/// One pass over the controls.
+struct Pass<'a> {
+    /// The scene as the controls leave it.
+    draft: Scene,
+    touch: Touch,
+    acts: Vec<Act>,
+    requests: Vec<Request>,
+    model: &'a Model,
+    status: &'a Status,
+}
+
+/// The fields that each object has of its own.
+struct Own<'a> {
+    object: &'a mut Object,
+    effect: &'a mut Effect,
+    parameters: &'a mut BTreeMap<String, ParameterValue>,
+    material: &'a mut Material,
+    transfer: &'a mut Transfer,
+}
+
+impl Panels {
+    /// Panels around a scene. `program` is the executable of hypertexture, which compiles what is written in the editor.
+    ///
+    /// # Errors
+    /// The library has no module that an editor could begin with.
+    pub fn new(program: PathBuf, model: &Model) -> Result<Panels, crate::shader::LibraryError> {
+        let effect = &model.scene().effect;
+        let first = effect.dmf.first().map(|name| ("dmf", name.split('@').next().unwrap_or_default()));
+        let (slot, name) = first.unwrap_or(("surface", &effect.surface));
+        let author = Author::new(program, model.library(), slot, name)?;
+        let paths = ["scene.toml".into(), "picture.png".into()];
+        Ok(Panels { selected: None, stop: 0, paths, author, author_is_open: false })
+    }
+
+    /// The module that is being edited.
+    pub fn author(&mut self) -> &mut Author {
+        &mut self.author
+    }
+
+    /// Opens or closes the editor.
+    pub fn show_author(&mut self, open: bool) {
+        self.author_is_open = open;
+    }
+
+    /// Shows every panel in what is left of `ui`; what they leave is for the picture. To be called once for each frame.
+    pub fn show(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
+        ui.spacing_mut().item_spacing.y = 5.0;
+        ui.spacing_mut().slider_width = 118.0;
+        Panel::bottom("status").show(ui, |ui| figures::show(ui, model, status));
+        let requests = Panel::right("scene").default_size(376.0).size_range(320.0..=640.0).show(ui, |ui| {
+            let requests = self.controls(ui, model, status);
+            ui.take_available_width();
+            requests
+        });
+        if self.author_is_open {
+            Panel::left("author").default_size(520.0).size_range(280.0..=1200.0).show(ui, |ui| {
+                ui.add_space(4.0);
+                author::show(ui, &mut self.author, model);
+            });
+        } else if self.author.poll(model) {
+            ui.ctx().request_repaint();
+        }
+        requests.inner
+    }
+
+    fn controls(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
+        self.selected = self.selected.take().filter(|name| model.scene().parts.contains_key(name));
+        let (draft, acts, requests) = (model.scene().clone(), Vec::new(), Vec::new());
+        let mut pass = Pass { draft, touch: None, acts, requests, model, status };
+        ui.add_space(4.0);
+        session::history(ui, &mut pass, &mut self.author_is_open);
+        ui.separator();
+        ScrollArea::vertical().id_salt("controls").auto_shrink(false).show(ui, |ui| self.sections(ui, &mut pass));
+        let Pass { draft, touch, acts, requests, .. } = pass;
+        if let Some(what) = touch {
+            model.propose(&what, draft);
+        }
+        acts.into_iter().for_each(|act| self.act(act, model));
+        // A drag is one step of the history, and a pair of keys is two.
+        if !ui.ctx().input(|input| input.pointer.any_down()) {
+            model.end_undo_group();
+        }
+        requests
+    }
+
+    fn sections(&mut self, ui: &mut Ui, pass: &mut Pass<'_>) {
+        section(ui, "Presets", false, |ui| session::presets(ui, pass));
+        section(ui, "File", false, |ui| session::files(ui, pass, &mut self.paths));
+        section(ui, "Objects", false, |ui| object::list(ui, pass, &mut self.selected));
+        let part = self.selected.clone();
+        let part = part.as_deref();
+        section(ui, "Object", false, |ui| object::show(ui, pass, part));
+        section(ui, "Parameters", true, |ui| parameters::show(ui, pass, part));
+        section(ui, "Effect", true, |ui| effect::show(ui, pass, part));
+        section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.stop));
+        section(ui, "Material", false, |ui| stage::material(ui, pass, part));
+        section(ui, "Light and background", false, |ui| stage::light(ui, pass));
+        section(ui, "Camera", false, |ui| stage::camera(ui, pass));
+        section(ui, "Accuracy", false, |ui| accuracy::show(ui, pass));
+    }
+
+    fn act(&mut self, act: Act, model: &mut Model) {
+        match act {
+            Act::Undo => drop(model.undo()),
+            Act::Redo => drop(model.redo()),
+            Act::Preset { name, effect_only } => drop(model.take_preset(&name, effect_only)),
+            Act::Open(path) => drop(model.open(&path)),
+            Act::Save(path) => drop(model.save(&path)),
+            Act::AddPart => self.selected = model.add_part("sphere").or(self.selected.take()),
+            Act::RemovePart(name) => drop(model.remove_part(&name)),
+        }
+    }
+}
+
+/// The fields of the scene's own object, or of a further one.
+fn own<'a>(scene: &'a mut Scene, part: Option<&str>) -> Own<'a> {
+    match part.and_then(|part| scene.parts.get_mut(part)) {
+        Some(part) => Own {
+            object: &mut part.object,
+            effect: &mut part.effect,
+            parameters: &mut part.parameters,
+            material: &mut part.material,
+            transfer: &mut part.transfer,
+        },
+        None => Own {
+            object: &mut scene.object,
+            effect: &mut scene.effect,
+            parameters: &mut scene.parameters,
+            material: &mut scene.material,
+            transfer: &mut scene.transfer,
+        },
+    }
+}
+
+/// What goes before the names of those fields in a scene file.
+fn prefix(part: Option<&str>) -> String {
+    part.map(|part| format!("parts.{part}.")).unwrap_or_default()
+}
+
+fn section(ui: &mut Ui, title: &str, open: bool, add: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(RichText::new(title).strong()).id_salt(title).default_open(open).show(ui, |ui| {
+        add(ui);
+        ui.add_space(4.0);
+    });
+}

@@ -1,0 +1,102 @@
+//! What is done between two pictures.
+
+use super::render_thread::RenderThread;
+use super::{Event, Task, Variant};
+use crate::measure::compare::Stage;
+use crate::measure::pick::{ErrorBound, PickError, pick};
+use crate::output::sequence::{Frames, Sequence, frame_path};
+use crate::output::{self, Depth, Provenance};
+use crate::render::{Frame, RenderError, Renderer};
+use crate::scene::Scene;
+use crate::shader::Library;
+use std::panic::{self, AssertUnwindSafe};
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+/// Frames per second of a recording.
+const FPS: f64 = 25.0;
+
+/// Thrown through a search that nobody waits for any more.
+struct Stopped;
+
+impl RenderThread {
+    pub(super) fn work(&self, task: Task) -> Result<(), RenderError> {
+        let (Task::Shot { library, variant, .. }
+        | Task::Turntable { library, variant, .. }
+        | Task::Pick { library, variant, .. }) = &task;
+        if !self.admits(&variant.scene, library) {
+            return Ok(());
+        }
+        match task {
+            Task::Shot { library, variant, path, edited } => {
+                let frame = Renderer::new(&self.gpu, &library, &variant.subject).render(&variant.scene)?;
+                if self.write(&frame, &variant.scene, &edited, &path) {
+                    (self.tell)(Event::Wrote(path));
+                }
+            }
+            Task::Turntable { library, variant, path, frames, edited } => {
+                let last = frames.max(1) - 1;
+                let sequence = Sequence { frames: Frames { first: 0, last }, fps: FPS, turntable: true };
+                let mut renderer = Renderer::new(&self.gpu, &library, &variant.subject);
+                for frame in 0..=last {
+                    if self.stops() {
+                        let reason = format!("the recording was stopped after {frame} of {frames} frames");
+                        (self.tell)(Event::Stopped(reason));
+                        return Ok(());
+                    }
+                    (self.tell)(Event::Recorded(frame, frames));
+                    let scene = sequence.scene(&variant.scene, frame);
+                    if !self.write(&renderer.render(&scene)?, &scene, &edited, &frame_path(&path, frame)) {
+                        return Ok(());
+                    }
+                }
+                (self.tell)(Event::Recorded(frames, frames));
+                (self.tell)(Event::Wrote(path));
+            }
+            Task::Pick { library, variant, bound } => self.pick(&library, &variant, bound)?,
+        }
+        Ok(())
+    }
+
+    fn stops(&self) -> bool {
+        self.shared.quits() || self.shared.stop.load(Ordering::Relaxed)
+    }
+
+    /// Writes a picture and what it shows; whether that went well.
+    fn write(&self, frame: &Frame, scene: &Scene, edited: &[String], path: &Path) -> bool {
+        let mut modules = frame.measurements.modules.clone();
+        if !edited.is_empty() {
+            modules += &format!("; edited in the window: {}", edited.join(", "));
+        }
+        let written = Provenance::of(scene, &self.gpu.info().title(), &modules)
+            .map_err(|error| error.to_string())
+            .and_then(|provenance| {
+                let background = scene.image.background;
+                output::write(frame, background, Depth::Eight, &provenance, path).map_err(|error| error.to_string())
+            });
+        written.map_err(|reason| (self.tell)(Event::Failed(reason))).is_ok()
+    }
+
+    fn pick(&self, library: &Library, variant: &Variant, bound: ErrorBound) -> Result<(), RenderError> {
+        let Variant { scene, subject } = variant;
+        let (tell, shared) = (&self.tell, &self.shared);
+        let progress = |done: f32| {
+            if shared.quits() || shared.stop.load(Ordering::Relaxed) {
+                // Unwinding is the one way out of a computation that spans threads; nothing of it is kept.
+                panic::resume_unwind(Box::new(Stopped));
+            }
+            tell(Event::Picking(done));
+        };
+        let stage = Stage { gpu: &self.gpu, library, subject, worker: None, stop: &|| false };
+        let search = || pick(stage, scene, bound, &progress);
+        let found = match panic::catch_unwind(AssertUnwindSafe(search)) {
+            Ok(Ok(found)) => Event::Picked(Some(Box::new(found))),
+            Ok(Err(PickError::Render(error))) => return Err(error),
+            Ok(Err(error)) => Event::Failed(error.to_string()),
+            Err(reason) if reason.is::<Stopped>() => Event::Picked(None),
+            Err(reason) => panic::resume_unwind(reason),
+        };
+        tell(found);
+        Ok(())
+    }
+}
