@@ -212,7 +212,9 @@ fn run_render(command: &Render, options: &Options, quiet: bool) -> Result<(), Bo
 fn render_picture(command: &Render, picture: &Picture<'_>, quiet: bool) -> Result<(), Box<dyn Error>> {
     let Picture { gpu, library, scene, subject } = *picture;
     let frame = with_progress(quiet, "noise", |progress| {
-        Renderer::new(gpu, library, subject).with_progress(progress).render(scene)
+        let mut renderer = Renderer::new(gpu, library, subject);
+        renderer.prepare(scene, progress)?;
+        renderer.render(scene)
     })?;
     let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements.modules)?;
     output::write(&frame, scene.image.background, command.depth(), &provenance, &command.output)?;
@@ -227,7 +229,9 @@ fn render_shard(command: &Render, picture: &Picture<'_>, shard: Shard, quiet: bo
     let Picture { gpu, library, scene, subject } = *picture;
     let bands = shard.bands(scene.image.size[1]);
     let frame = with_progress(quiet, "noise", |progress| {
-        Renderer::new(gpu, library, subject).with_progress(progress).render_bands(scene, &bands)
+        let mut renderer = Renderer::new(gpu, library, subject);
+        renderer.prepare(scene, progress)?;
+        renderer.render_bands(scene, &bands)
     })?;
     let whole = shard::Whole {
         identity: shard::identity(scene, library, subject)?,

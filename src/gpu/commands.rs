@@ -161,7 +161,7 @@ impl Drop for Job<'_> {
 
 /// Commands being recorded.
 pub struct Commands<'a> {
-    gpu: &'a Gpu,
+    pub(super) gpu: &'a Gpu,
     pub(super) buffer: vk::CommandBuffer,
 }
 
@@ -220,7 +220,7 @@ impl Commands<'_> {
         let (stage, write) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
         let access = write | Access::COLOR_ATTACHMENT_READ;
         for image in [Some(target.color), target.resolved].into_iter().flatten() {
-            let (after, written) = match image.layout.get() {
+            let (after, written) = match image.layout() {
                 Layout::SHADER_READ_ONLY_OPTIMAL => (Stage::FRAGMENT_SHADER, Access::NONE), // it was sampled
                 _ => (stage | Stage::COPY, write),
             };
@@ -241,9 +241,20 @@ impl Commands<'_> {
                 .resolve_image_view(resolved.view)
                 .resolve_image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL);
         }
-        let attachments = [attachment];
         let vk::Extent3D { width, height, .. } = target.color.extent;
-        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
+        self.draw_into(attachment, vk::Extent2D { width, height }, draw);
+    }
+
+    /// Draws into an attachment that is in its layout.
+    pub(super) fn draw_into(
+        &mut self,
+        attachment: vk::RenderingAttachmentInfo<'_>,
+        extent: vk::Extent2D,
+        draw: impl FnOnce(&mut Draw<'_>),
+    ) {
+        let attachments = [attachment];
+        let vk::Extent2D { width, height } = extent;
+        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
         let info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachments);
         let viewport =
             vk::Viewport { width: width as f32, height: height as f32, max_depth: 1.0, ..Default::default() };
@@ -278,7 +289,7 @@ impl Commands<'_> {
         let barriers = [vk::ImageMemoryBarrier2::default()
             .image(image.handle)
             .subresource_range(COLOR)
-            .old_layout(image.layout.replace(layout))
+            .old_layout(image.set_layout(layout))
             .new_layout(layout)
             .src_stage_mask(after)
             .src_access_mask(written)
@@ -315,7 +326,7 @@ impl Draw<'_> {
     }
 
     /// Draws triangles: a range of the vertices of `buffer`, or of none where the program makes its own.
-    pub fn triangles(&mut self, pipeline: &Pipeline, set: &BindSet<'_>, buffer: Option<&Buffer>, vertices: Range<u32>) {
+    pub fn triangles(&mut self, pipeline: &Pipeline, set: &BindSet, buffer: Option<&Buffer>, vertices: Range<u32>) {
         let device = &self.gpu.0.device;
         // SAFETY: the command buffer is inside a rendering; the set was made for this pipeline's layout, and the
         // caller holds all of them until the submission has been waited for.

@@ -6,7 +6,7 @@ use crate::support::disk_cache;
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::c_char;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 /// How to open a device.
@@ -73,13 +73,17 @@ pub(super) struct Shared {
     pub(super) instance: Instance,
 }
 
-/// Owner of the logical device.
-pub(super) struct Device(ash::Device);
+/// The logical device.
+pub(super) struct Device {
+    pub(super) raw: ash::Device,
+    /// It is a host's, who destroys it.
+    pub(super) hosted: bool,
+}
 
 impl std::ops::Deref for Device {
     type Target = ash::Device;
     fn deref(&self) -> &ash::Device {
-        &self.0
+        &self.raw
     }
 }
 
@@ -87,8 +91,10 @@ impl Drop for Device {
     fn drop(&mut self) {
         // SAFETY: all that was made from the device is gone: its owners are fields before it, or hold it alive.
         unsafe {
-            let _ = self.0.device_wait_idle();
-            self.0.destroy_device(None);
+            if !self.hosted {
+                let _ = self.raw.device_wait_idle();
+                self.raw.destroy_device(None);
+            }
         }
     }
 }
@@ -146,12 +152,24 @@ impl Gpu {
     ) -> Result<Gpu, GpuError> {
         let wanted = options.device.as_deref().unwrap_or_default();
         let (physical, family, device_info) = choose(&instance.raw, wanted, fits)?;
-        let device = Device(create_device(&instance.raw, physical, family, extensions)?);
+        let raw = create_device(&instance.raw, physical, family, extensions)?;
         // SAFETY: the device was just made with one queue of this family.
-        let queue = unsafe { device.get_device_queue(family, 0) };
+        let queue = unsafe { raw.get_device_queue(family, 0) };
+        let device = Device { raw, hosted: false };
+        Gpu::with_device(instance, (physical, device_info), device, (queue, family), options.cache.as_deref())
+    }
+
+    /// A device with what every picture needs.
+    pub(super) fn with_device(
+        instance: Instance,
+        (physical, device_info): (vk::PhysicalDevice, DeviceInfo),
+        device: Device,
+        (queue, family): (vk::Queue, u32),
+        cache: Option<&Path>,
+    ) -> Result<Gpu, GpuError> {
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.raw.clone(),
-            device: device.0.clone(),
+            device: device.raw.clone(),
             physical_device: physical,
             debug_settings: Default::default(),
             buffer_device_address: false,
@@ -167,13 +185,13 @@ impl Gpu {
             .flags(vk::CommandPoolCreateFlags::TRANSIENT);
         // SAFETY: the device is alive and has a queue of this family.
         let handle = unsafe { device.create_command_pool(&info, None) }.named("vkCreateCommandPool")?;
-        let pool = CommandPool { device: device.0.clone(), handle };
-        let file = options.cache.as_ref().map(|folder| folder.join(cache_name(&instance.raw, physical)));
+        let pool = CommandPool { device: device.raw.clone(), handle };
+        let file = cache.map(|folder| folder.join(cache_name(&instance.raw, physical)));
         let known = file.as_ref().and_then(|file| disk_cache::read(file).ok()?).unwrap_or_default();
         let info = vk::PipelineCacheCreateInfo::default().initial_data(&known);
         // SAFETY: the device is alive; the data was written by this very driver, as its file name and checksum say.
         let handle = unsafe { device.create_pipeline_cache(&info, None) }.named("vkCreatePipelineCache")?;
-        let pipeline_cache = PipelineCache { device: device.0.clone(), handle, file };
+        let pipeline_cache = PipelineCache { device: device.raw.clone(), handle, file };
         let (allocator, queue, next) = (Mutex::new(allocator), Mutex::new(queue), Mutex::new(()));
         Ok(Gpu(Arc::new(Shared {
             pipeline_cache,
@@ -245,6 +263,20 @@ impl Gpu {
     }
 }
 
+/// What every device must have enabled; all of it is mandatory in Vulkan 1.3, and no extension is needed.
+pub fn required_features() -> vk::PhysicalDeviceVulkan13Features<'static> {
+    // maintenance4 lets a fragment stage leave an output of the vertex stage unread.
+    vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true)
+}
+
+/// What is used where a device has it: anisotropic filters, the shading of every sample, the count of fragments.
+pub fn optional_features(supported: &vk::PhysicalDeviceFeatures) -> vk::PhysicalDeviceFeatures {
+    vk::PhysicalDeviceFeatures::default()
+        .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
+        .sample_rate_shading(supported.sample_rate_shading == vk::TRUE)
+        .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE)
+}
+
 fn create_device(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
@@ -253,13 +285,7 @@ fn create_device(
 ) -> Result<ash::Device, GpuError> {
     // SAFETY: the physical device belongs to `instance`, which is alive.
     let supported = unsafe { instance.get_physical_device_features(physical) };
-    let features = vk::PhysicalDeviceFeatures::default()
-        .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
-        .sample_rate_shading(supported.sample_rate_shading == vk::TRUE)
-        .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE);
-    // maintenance4 lets a fragment stage leave an output of the vertex stage unread; it is mandatory in Vulkan 1.3.
-    let mut features13 =
-        vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true);
+    let (features, mut features13) = (optional_features(&supported), required_features());
     let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
     let info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
@@ -287,7 +313,9 @@ fn choose(
                 instance.get_physical_device_queue_family_properties(physical),
             )
         };
-        let device_info = device_info(instance, physical, &properties);
+        // SAFETY: the physical device belongs to the instance.
+        let supported = unsafe { instance.get_physical_device_features(physical) };
+        let device_info = device_info(instance, physical, &supported);
         found.push(device_info.name.clone());
         let draws = |family: &usize| queues[*family].queue_flags.contains(vk::QueueFlags::GRAPHICS);
         let family = (0..queues.len()).find(|family| draws(family) && fits(physical, *family as u32));
@@ -311,18 +339,17 @@ fn choose(
     Ok((physical, family, device_info))
 }
 
-fn device_info(
+/// What a device is and can do with these features enabled.
+pub(super) fn device_info(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
-    properties: &vk::PhysicalDeviceProperties,
+    enabled: &vk::PhysicalDeviceFeatures,
 ) -> DeviceInfo {
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut properties2 = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
     // SAFETY: the physical device belongs to the instance; the chain outlives the call.
-    let supported = unsafe {
-        instance.get_physical_device_properties2(physical, &mut properties2);
-        instance.get_physical_device_features(physical)
-    };
+    unsafe { instance.get_physical_device_properties2(physical, &mut properties2) };
+    let properties = properties2.properties;
     let text =
         |name: Result<&std::ffi::CStr, _>| name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let version = properties.api_version;
@@ -335,13 +362,13 @@ fn device_info(
         cpu: properties.device_type == vk::PhysicalDeviceType::CPU,
         max_volume: properties.limits.max_image_dimension3_d,
         max_image: properties.limits.max_image_dimension2_d,
-        max_anisotropy: if supported.sampler_anisotropy == vk::TRUE {
+        max_anisotropy: if enabled.sampler_anisotropy == vk::TRUE {
             properties.limits.max_sampler_anisotropy
         } else {
             1.0
         },
-        sample_shading: supported.sample_rate_shading == vk::TRUE,
-        counts_fragments: supported.pipeline_statistics_query == vk::TRUE,
+        sample_shading: enabled.sample_rate_shading == vk::TRUE,
+        counts_fragments: enabled.pipeline_statistics_query == vk::TRUE,
         timestamp_period: properties.limits.timestamp_period,
     }
 }

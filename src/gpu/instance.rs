@@ -5,11 +5,13 @@ use super::{GpuError, Named};
 use ash::vk;
 use std::ffi::c_char;
 
-/// Owner of the Vulkan instance, of the registration of its messages, and of the surface of its window if it has one.
+/// The Vulkan instance, with the registration of its messages, and of the surface of its window if it has one.
 pub(super) struct Instance {
     #[cfg(feature = "viewer")]
     pub(super) surface: Option<super::surface::WindowSurface>,
     pub(super) raw: ash::Instance,
+    /// It is a host's, who destroys it.
+    hosted: bool,
     messenger: Option<Messenger>,
     pub(super) messages: Messages,
     pub(super) entry: ash::Entry,
@@ -26,6 +28,7 @@ impl Instance {
             #[cfg(feature = "viewer")]
             surface: None,
             raw,
+            hosted: false,
             messenger: None,
             messages,
             entry,
@@ -34,6 +37,19 @@ impl Instance {
             instance.messenger = Some(Messenger::new(&instance.entry, &instance.raw, &instance.messages)?);
         }
         Ok(instance)
+    }
+
+    /// The instance of a host, which has messages of its own.
+    pub(super) fn of_host(entry: ash::Entry, raw: ash::Instance) -> Instance {
+        Instance {
+            #[cfg(feature = "viewer")]
+            surface: None,
+            raw,
+            hosted: true,
+            messenger: None,
+            messages: Messages::default(),
+            entry,
+        }
     }
 }
 
@@ -45,7 +61,11 @@ impl Drop for Instance {
             messenger.destroy();
         }
         // SAFETY: all that was made from the instance is gone: its owners are fields before it, or hold it alive.
-        unsafe { self.raw.destroy_instance(None) };
+        unsafe {
+            if !self.hosted {
+                self.raw.destroy_instance(None);
+            }
+        }
     }
 }
 

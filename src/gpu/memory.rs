@@ -4,7 +4,7 @@ use super::{Gpu, GpuError, Named};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
-use std::cell::Cell;
+use std::sync::atomic::{AtomicI32, Ordering};
 
 /// Texel formats that the renderer uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -23,6 +23,12 @@ pub enum Format {
     Rgba16Float,
     /// Four channels, 32-bit float.
     Rgba32Float,
+    /// As [`Format::Rgba8Unorm`]; colors are encoded as sRGB where they are written.
+    Rgba8Srgb,
+    /// As [`Format::Rgba8Unorm`], blue first.
+    Bgra8Unorm,
+    /// As [`Format::Rgba8Srgb`], blue first.
+    Bgra8Srgb,
 }
 
 impl Format {
@@ -31,7 +37,8 @@ impl Format {
         match self {
             Format::R8Unorm => 1,
             Format::R16Unorm => 2,
-            Format::R32Float | Format::Rgba8Unorm => 4,
+            Format::R32Float | Format::Rgba8Unorm | Format::Rgba8Srgb => 4,
+            Format::Bgra8Unorm | Format::Bgra8Srgb => 4,
             Format::Rgba16Unorm | Format::Rgba16Float => 8,
             Format::Rgba32Float => 16,
         }
@@ -46,6 +53,9 @@ impl Format {
             Format::Rgba16Unorm => vk::Format::R16G16B16A16_UNORM,
             Format::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
             Format::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
+            Format::Rgba8Srgb => vk::Format::R8G8B8A8_SRGB,
+            Format::Bgra8Unorm => vk::Format::B8G8R8A8_UNORM,
+            Format::Bgra8Srgb => vk::Format::B8G8R8A8_SRGB,
         }
     }
 }
@@ -100,25 +110,13 @@ impl Buffer {
     /// Device memory is exhausted.
     pub fn new(gpu: &Gpu, name: &str, purpose: BufferUse, content: &[u8]) -> Result<Buffer, GpuError> {
         let mut buffer = Buffer::empty(gpu, name, purpose, content.len() as u64)?;
-        buffer.write(name, content)?;
-        Ok(buffer)
-    }
-
-    /// Writes new content over the old: every submission that reads the buffer has been waited for.
-    ///
-    /// # Errors
-    /// The memory cannot be mapped.
-    ///
-    /// # Panics
-    /// When `content` is longer than the buffer.
-    pub fn write(&mut self, name: &str, content: &[u8]) -> Result<(), GpuError> {
-        let mapped = self.allocation.mapped_slice_mut().ok_or_else(|| GpuError::Memory {
+        let mapped = buffer.allocation.mapped_slice_mut().ok_or_else(|| GpuError::Memory {
             what: name.into(),
             bytes: content.len() as u64,
             reason: "its memory cannot be mapped".into(),
         })?;
         mapped[..content.len()].copy_from_slice(content);
-        Ok(())
+        Ok(buffer)
     }
 
     /// The content, as the device left it at the end of a submission that made it visible to the host.
@@ -166,7 +164,7 @@ pub struct Image {
     pub(super) extent: vk::Extent3D,
     /// Size of each level.
     pub(super) levels: Vec<vk::Extent3D>,
-    pub(super) layout: Cell<vk::ImageLayout>,
+    layout: AtomicI32,
     format: Format,
     name: String,
 }
@@ -234,7 +232,7 @@ impl Image {
             allocation: Allocation::default(),
             extent,
             levels,
-            layout: Cell::new(vk::ImageLayout::UNDEFINED),
+            layout: AtomicI32::new(vk::ImageLayout::UNDEFINED.as_raw()),
             format,
             name: name.into(),
         };
@@ -288,6 +286,16 @@ impl Image {
         let buffer = Buffer::empty(&self.gpu, "download", BufferUse::Download, self.texel_bytes())?;
         self.gpu.submit("download", |commands| commands.download(self, &buffer))?;
         Ok(buffer.content().to_vec())
+    }
+
+    /// The layout that it has after the commands recorded so far.
+    pub(super) fn layout(&self) -> vk::ImageLayout {
+        vk::ImageLayout::from_raw(self.layout.load(Ordering::Relaxed))
+    }
+
+    /// Notes the layout that commands give it, and returns that before.
+    pub(super) fn set_layout(&self, layout: vk::ImageLayout) -> vk::ImageLayout {
+        vk::ImageLayout::from_raw(self.layout.swap(layout.as_raw(), Ordering::Relaxed))
     }
 
     /// Bytes of device memory.

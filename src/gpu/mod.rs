@@ -11,6 +11,7 @@
 
 mod commands;
 mod device;
+mod host;
 mod instance;
 mod memory;
 mod messages;
@@ -22,8 +23,10 @@ mod surface;
 #[cfg(test)]
 mod validation_tests;
 
+pub use ash;
 pub use commands::{Commands, Draw, Load, Submitted, Target};
-pub use device::{DeviceInfo, Gpu, Options};
+pub use device::{DeviceInfo, Gpu, Options, optional_features, required_features};
+pub use host::{HostCommands, HostDevice, HostTarget, Recording};
 pub use memory::{Address, Buffer, BufferUse, Dimension, Format, Image, ImageUse, Sampler};
 pub use messages::Messages;
 #[cfg(feature = "viewer")]

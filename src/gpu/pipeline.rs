@@ -2,7 +2,7 @@
 
 use super::{Buffer, Format, Gpu, GpuError, Image, Named, Sampler};
 use ash::vk;
-use std::marker::PhantomData;
+use std::sync::Arc;
 
 /// A binding that a program reads; all bindings are in set 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,7 +116,7 @@ impl Pipeline {
     ///
     /// # Panics
     /// When a binding of the pipeline has no resource of its kind.
-    pub fn bind<'a>(&self, resources: &[(u32, Resource<'a>)]) -> Result<BindSet<'a>, GpuError> {
+    pub fn bind(&self, resources: &[(u32, Resource)]) -> Result<BindSet, GpuError> {
         let device = &self.gpu.0.device;
         let sizes: Vec<_> = self
             .bindings
@@ -126,7 +126,7 @@ impl Pipeline {
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
         // SAFETY: the device is alive; the new handle is owned before anything can fail.
         let pool = unsafe { device.create_descriptor_pool(&info, None) }.named("vkCreateDescriptorPool")?;
-        let mut set = BindSet { gpu: self.gpu.clone(), pool, handle: vk::DescriptorSet::null(), borrows: PhantomData };
+        let mut set = BindSet { gpu: self.gpu.clone(), pool, handle: vk::DescriptorSet::null(), bound: Vec::new() };
         let layouts = [self.set_layout];
         let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
         // SAFETY: pool and layout belong to the device, and the pool has room for one set of this layout.
@@ -138,6 +138,7 @@ impl Pipeline {
                 .find(|(index, resource)| *index == binding.index && resource.kind() == binding.kind)
                 .unwrap_or_else(|| panic!("binding {} has no resource of kind {:?}", binding.index, binding.kind));
             set.write(binding, resource);
+            set.bound.push(resource.clone());
         }
         Ok(set)
     }
@@ -155,17 +156,17 @@ impl Drop for Pipeline {
 }
 
 /// A resource to be bound.
-#[derive(Clone, Copy)]
-pub enum Resource<'a> {
+#[derive(Clone)]
+pub enum Resource {
     /// A uniform block.
-    Uniform(&'a Buffer),
+    Uniform(Arc<Buffer>),
     /// A sampled image.
-    Image(&'a Image),
+    Image(Arc<Image>),
     /// A sampler.
-    Sampler(&'a Sampler),
+    Sampler(Arc<Sampler>),
 }
 
-impl Resource<'_> {
+impl Resource {
     fn kind(&self) -> BindingKind {
         match self {
             Resource::Uniform(_) => BindingKind::Uniform,
@@ -175,16 +176,16 @@ impl Resource<'_> {
     }
 }
 
-/// Resources bound to a pipeline's layout, borrowed for as long as they are bound.
-pub struct BindSet<'a> {
+/// Resources bound to a pipeline's layout, which it keeps.
+pub struct BindSet {
     gpu: Gpu,
     pool: vk::DescriptorPool,
     pub(super) handle: vk::DescriptorSet,
-    borrows: PhantomData<&'a ()>,
+    bound: Vec<Resource>,
 }
 
-impl BindSet<'_> {
-    fn write(&self, binding: &Binding, resource: &Resource<'_>) {
+impl BindSet {
+    fn write(&self, binding: &Binding, resource: &Resource) {
         let write = vk::WriteDescriptorSet::default().dst_set(self.handle).dst_binding(binding.index);
         let write = write.descriptor_type(binding.kind.vk());
         let mut image = [vk::DescriptorImageInfo::default()];
@@ -203,12 +204,12 @@ impl BindSet<'_> {
                 write.image_info(&image)
             }
         };
-        // SAFETY: the set is not in use, and the handles written belong to the device and outlive the set's borrow.
+        // SAFETY: the set is not in use, and the handles written belong to the device and are kept by the set.
         unsafe { self.gpu.0.device.update_descriptor_sets(&[write], &[]) };
     }
 }
 
-impl Drop for BindSet<'_> {
+impl Drop for BindSet {
     fn drop(&mut self) {
         // SAFETY: submissions that used the set were waited for; the pool frees the set with it.
         unsafe { self.gpu.0.device.destroy_descriptor_pool(self.pool, None) };

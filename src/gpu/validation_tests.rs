@@ -5,6 +5,7 @@
 
 use super::memory::COLOR;
 use super::*;
+use std::sync::Arc;
 
 const SIDE: u32 = 8;
 const BYTES: usize = (SIDE * SIDE * 4) as usize;
@@ -98,9 +99,11 @@ fn a_correct_frame_is_not_reported() {
     let ids = reported(|gpu| {
         let image =
             Image::sampled(gpu, "texels", Dimension::Plane(SIDE, SIDE), Format::Rgba8Unorm, &[7; BYTES]).unwrap();
-        let sampler = Sampler::new(gpu, Address::Clamp, 1.0).unwrap();
+        let image = Arc::new(image);
+        let sampler = Arc::new(Sampler::new(gpu, Address::Clamp, 1.0).unwrap());
         let pipeline = sampling_pipeline(gpu, &[]);
-        let set = pipeline.bind(&[(0, Resource::Image(&image)), (1, Resource::Sampler(&sampler))]).unwrap();
+        let set =
+            pipeline.bind(&[(0, Resource::Image(image.clone())), (1, Resource::Sampler(sampler.clone()))]).unwrap();
         let color = plane(gpu, ImageUse::Target(1));
         let target = Target { color: &color, resolved: None };
         gpu.submit("draw", |commands| {
@@ -118,10 +121,11 @@ fn a_correct_frame_is_not_reported() {
 fn a_copy_into_an_image_that_the_read_does_not_wait_for_is_reported() {
     use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
     let ids = reported(|gpu| {
-        let (texels, image) = (upload_buffer(gpu), plane(gpu, ImageUse::Sampled));
-        let sampler = Sampler::new(gpu, Address::Clamp, 1.0).unwrap();
+        let (texels, image) = (upload_buffer(gpu), Arc::new(plane(gpu, ImageUse::Sampled)));
+        let sampler = Arc::new(Sampler::new(gpu, Address::Clamp, 1.0).unwrap());
         let pipeline = sampling_pipeline(gpu, &[]);
-        let set = pipeline.bind(&[(0, Resource::Image(&image)), (1, Resource::Sampler(&sampler))]).unwrap();
+        let set =
+            pipeline.bind(&[(0, Resource::Image(image.clone())), (1, Resource::Sampler(sampler.clone()))]).unwrap();
         let color = plane(gpu, ImageUse::Target(1));
         gpu.submit("planted", |commands| {
             let writable = [Layout::UNDEFINED, Layout::TRANSFER_DST_OPTIMAL];
@@ -210,9 +214,11 @@ fn a_draw_without_its_vertices_is_reported() {
     let ids = reported(|gpu| {
         let image =
             Image::sampled(gpu, "texels", Dimension::Plane(SIDE, SIDE), Format::Rgba8Unorm, &[7; BYTES]).unwrap();
-        let sampler = Sampler::new(gpu, Address::Clamp, 1.0).unwrap();
+        let image = Arc::new(image);
+        let sampler = Arc::new(Sampler::new(gpu, Address::Clamp, 1.0).unwrap());
         let pipeline = sampling_pipeline(gpu, &[2]);
-        let set = pipeline.bind(&[(0, Resource::Image(&image)), (1, Resource::Sampler(&sampler))]).unwrap();
+        let set =
+            pipeline.bind(&[(0, Resource::Image(image.clone())), (1, Resource::Sampler(sampler.clone()))]).unwrap();
         let color = plane(gpu, ImageUse::Target(1));
         let target = Target { color: &color, resolved: None };
         gpu.submit("planted", |commands| {

@@ -72,7 +72,7 @@ pub struct Prediction {
 ///
 /// # Errors
 /// As [`crate::render::render`].
-pub fn predict(renderer: &mut Renderer<'_>, scene: &Scene) -> Result<Prediction, RenderError> {
+pub fn predict(renderer: &mut Renderer, scene: &Scene) -> Result<Prediction, RenderError> {
     let start = Instant::now();
     let mut small = scene.clone();
     let (mut probes, mut slices) = (Vec::new(), 0);

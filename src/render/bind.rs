@@ -1,22 +1,19 @@
 //! What a program reads, on the device: blocks written, images uploaded.
 
-use super::inputs::{Inputs, SHADOW, StoredObjects};
-use super::shadow::LightSpace;
+use super::RenderError;
+use super::inputs::{Inputs, SHADOW, Shot, StoredObjects};
 use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
 use super::values::{Values, blocks};
-use super::view::View;
-use super::{RenderError, Subject};
 use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler};
-use crate::render::pass::Planes;
-use crate::render::variant::{Program, Resource, Use, Variant};
-use crate::scene::Scene;
+use crate::render::variant::{Program, Resource, Use};
+use std::sync::Arc;
 
 /// The resources of one program.
 pub(super) struct BoundInputs {
-    blocks: Vec<(Resource, Buffer)>,
-    images: Vec<(u32, Image)>,
-    samplers: Vec<(u32, Sampler)>,
+    blocks: Vec<(u32, Arc<Buffer>)>,
+    images: Vec<(u32, Arc<Image>)>,
+    samplers: Vec<(u32, Arc<Sampler>)>,
     sparse: Option<Sparse>,
     stored: StoredObjects,
     /// What was written into the blocks last.
@@ -26,23 +23,16 @@ pub(super) struct BoundInputs {
 impl BoundInputs {
     /// Everything that a program reads, but for the shadow volume, which is made with the rest of it: see
     /// [`BoundInputs::replace_shadow`].
-    pub(super) fn new(gpu: &Gpu, program: &Program, inputs: &Inputs) -> Result<BoundInputs, RenderError> {
-        let mut blocks = Vec::new();
-        for resource in &program.resources {
-            if let Use::Block(block) = &resource.holds {
-                let buffer = Buffer::new(gpu, &resource.name, BufferUse::Uniform, &vec![0; block.bytes])?;
-                blocks.push((resource.clone(), buffer));
-            }
-        }
-        let upload = |(binding, image): &(u32, super::inputs::Encoded)| {
+    pub(super) fn new(gpu: &Gpu, inputs: &Inputs) -> Result<BoundInputs, RenderError> {
+        let upload = |(binding, image): &(u32, super::encoded::Encoded)| {
             let uploaded = Image::sampled(gpu, image.name, image.dimension, image.format, image.bytes())?;
-            Ok((*binding, uploaded))
+            Ok((*binding, Arc::new(uploaded)))
         };
-        let sampler = |(binding, filter): &(u32, super::inputs::Filter)| {
-            Ok((*binding, Sampler::new(gpu, filter.address, filter.anisotropy)?))
+        let sampler = |(binding, filter): &(u32, super::encoded::Filter)| {
+            Ok((*binding, Arc::new(Sampler::new(gpu, filter.address, filter.anisotropy)?)))
         };
         Ok(BoundInputs {
-            blocks,
+            blocks: Vec::new(),
             images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
             samplers: inputs.samplers.iter().map(sampler).collect::<Result<_, RenderError>>()?,
             sparse: inputs.sparse,
@@ -51,22 +41,16 @@ impl BoundInputs {
         })
     }
 
-    /// Writes the blocks for a picture; the last one is finished.
+    /// Makes the blocks of a picture.
     pub(super) fn fill(
         &mut self,
-        scene: &Scene,
-        subject: &Subject,
-        variant: &Variant,
-        view: &View,
-        moment: (&Planes, &LightSpace),
+        gpu: &Gpu,
+        program: &Program,
+        shot: &Shot<'_>,
         sub_frame: &SubFrame,
     ) -> Result<(), RenderError> {
-        self.values = self.stored.values(scene, subject, variant, view, moment, sub_frame);
-        for (resource, buffer) in &mut self.blocks {
-            let Use::Block(block) = &resource.holds else { continue };
-            let bytes = block.fill(|name| self.values.get(name).map(Vec::as_slice)).map_err(RenderError::Unfilled)?;
-            buffer.write(&resource.name, &bytes)?;
-        }
+        self.values = self.stored.values(shot, sub_frame);
+        self.blocks = self.blocks_of(gpu, program)?;
         Ok(())
     }
 
@@ -84,28 +68,29 @@ impl BoundInputs {
     pub(super) fn replace_shadow(&mut self, program: &Program, image: Image) {
         if let Some(found) = program.resources.iter().find(|resource| resource.name == SHADOW) {
             self.images.retain(|(binding, _)| *binding != found.binding);
-            self.images.push((found.binding, image));
+            self.images.push((found.binding, Arc::new(image)));
         }
     }
 
     /// The blocks of another program that reads no value which this one does not have, as they were filled last.
-    pub(super) fn blocks_of(&self, gpu: &Gpu, program: &Program) -> Result<Vec<(u32, Buffer)>, RenderError> {
+    pub(super) fn blocks_of(&self, gpu: &Gpu, program: &Program) -> Result<Vec<(u32, Arc<Buffer>)>, RenderError> {
         let buffer = |(resource, bytes): &(Resource, Vec<u8>)| {
-            Ok((resource.binding, Buffer::new(gpu, &resource.name, BufferUse::Uniform, bytes)?))
+            Ok((resource.binding, Arc::new(Buffer::new(gpu, &resource.name, BufferUse::Uniform, bytes)?)))
         };
         blocks(program, &self.values)?.iter().map(buffer).collect()
     }
 
     /// The resources by binding.
-    pub(super) fn resources(&self) -> Vec<(u32, gpu::Resource<'_>)> {
-        let blocks = self.blocks.iter().map(|(resource, block)| (resource.binding, gpu::Resource::Uniform(block)));
-        blocks.chain(self.images_and_samplers()).collect()
+    pub(super) fn resources(&self) -> Vec<(u32, gpu::Resource)> {
+        self.with(&self.blocks)
     }
 
-    /// The images and samplers by binding.
-    pub(super) fn images_and_samplers(&self) -> impl Iterator<Item = (u32, gpu::Resource<'_>)> {
-        let images = self.images.iter().map(|(binding, image)| (*binding, gpu::Resource::Image(image)));
-        images.chain(self.samplers.iter().map(|(binding, sampler)| (*binding, gpu::Resource::Sampler(sampler))))
+    /// The images and samplers by binding, with blocks of another program.
+    pub(super) fn with(&self, blocks: &[(u32, Arc<Buffer>)]) -> Vec<(u32, gpu::Resource)> {
+        let blocks = blocks.iter().map(|(binding, block)| (*binding, gpu::Resource::Uniform(block.clone())));
+        let images = self.images.iter().map(|(binding, image)| (*binding, gpu::Resource::Image(image.clone())));
+        let samplers = self.samplers.iter().map(|(binding, own)| (*binding, gpu::Resource::Sampler(own.clone())));
+        blocks.chain(images).chain(samplers).collect()
     }
 
     /// Bytes of the images on the device.

@@ -1,7 +1,8 @@
 //! All that a picture is computed from, for a processor to compute it.
 
-use super::inputs::{Encoded, Filter, Inputs, SHADOW};
-use super::shadow::LightSpace;
+use super::encoded::{Encoded, Filter};
+use super::inputs::{Inputs, SHADOW, Shot};
+use super::light_space::LightSpace;
 use super::sub_frame::SubFrame;
 use super::values::{Values, blocks};
 use super::view::View;
@@ -34,8 +35,8 @@ impl CpuInputs {
         let planes = view.planes(scene.quality.samples);
         let space = LightSpace::of(scene, &view, &planes);
         let inputs = Inputs::new(scene, subject, variant, program, (&view, &planes), &|_| ())?;
-        let values =
-            |moment: SubFrame| inputs.stored().values(scene, subject, variant, &view, (&planes, &space), &moment);
+        let shot = Shot { scene, subject, variant, view: &view, planes: &planes, space: &space };
+        let values = |moment: SubFrame| inputs.stored().values(&shot, &moment);
         let moments = SubFrame::all(scene).map(values).collect();
         let extent = view.extent;
         let near = (extent.distance - extent.radius).max(extent.near);

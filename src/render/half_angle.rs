@@ -9,44 +9,21 @@
 use super::RenderError;
 use super::bind::{self, BoundInputs};
 use super::inputs::{BEFORE, BEHIND};
-use super::view::View;
+use super::view::{FLATTEST, View, axis, slant};
 use crate::gpu::{self, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
 use crate::render::pass::{self, Planes};
 use crate::render::variant::{Program, Variant};
-use crate::scene::{Projection, Scene};
+use crate::scene::Scene;
 use crate::shader::{Library, Linker};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
+use std::sync::Arc;
 
 /// The light's buffer: scattered light in RGB, direct light in A. Fewer bits: thin matter does not darken it at all.
 const BUFFER: Format = Format::Rgba32Float;
-/// Slices are crossed no flatter than this, the cosine of 80 degrees. Flatter: the path in one is six steps long and more.
-const FLATTEST: f32 = 0.17;
-
-/// Unit vector across the slices of a scene, toward its light, in eye space; z for view-aligned slices.
-pub(super) fn axis(scene: &Scene) -> Vec3 {
-    let to_light = Vec3::from(scene.light.position).normalize_or(Vec3::Z);
-    match scene.is_half_angle() {
-        true if to_light.z >= 0.0 => (to_light + Vec3::Z).normalize(),
-        true => (to_light - Vec3::Z).normalize(),
-        false => Vec3::Z,
-    }
-}
 
 /// How the slices meet the target: the light comes first, and the eye may look from the other side.
 pub(super) fn blend(scene: &Scene) -> Blend {
     if axis(scene).z >= 0.0 { Blend::Under } else { Blend::Over }
-}
-
-/// The most that a ray of the picture travels between two planes, over their distance.
-pub(super) fn slant(scene: &Scene, view: &View) -> f32 {
-    let farthest = (Vec2::from(view.pan).abs() + 1.0) * Vec2::from(view.ray_scale);
-    let signs = [Vec2::ONE, Vec2::NEG_ONE, Vec2::new(1.0, -1.0), Vec2::new(-1.0, 1.0)];
-    let along = signs.map(|sign| match scene.camera.projection {
-        Projection::Parallel => Vec3::NEG_Z,
-        Projection::Perspective => (sign * farthest).extend(-1.0),
-    });
-    let toward = -view.axis * view.axis.z.signum();
-    along.iter().map(|ray| ray.length() / ray.dot(toward).max(FLATTEST * ray.length())).fold(1.0, f32::max)
 }
 
 /// Refuses an eye or a light that does not look through the slices in their order.
@@ -71,7 +48,7 @@ fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
 pub(super) struct HalfAngle {
     program: Program,
     pipeline: Pipeline,
-    buffers: [Image; 2],
+    buffers: [Arc<Image>; 2],
 }
 
 impl HalfAngle {
@@ -95,7 +72,10 @@ impl HalfAngle {
         };
         let pipeline = Pipeline::new(gpu, &description)?;
         let side = scene.light.shadow_resolution;
-        let buffer = || Image::new(gpu, "light", Dimension::Plane(side, side), BUFFER, ImageUse::SampledTarget);
+        let buffer = || {
+            let plane = Dimension::Plane(side, side);
+            Image::new(gpu, "light", plane, BUFFER, ImageUse::SampledTarget).map(Arc::new)
+        };
         Ok(HalfAngle { program, pipeline, buffers: [buffer()?, buffer()?] })
     }
 
@@ -120,21 +100,14 @@ impl HalfAngle {
         // The buffers take turns: that before a slice, and that behind it.
         let buffers = |program: &Program, before: usize| {
             let found = program.resources.iter().filter_map(|resource| match resource.name.as_str() {
-                BEFORE => Some((resource.binding, gpu::Resource::Image(&self.buffers[before]))),
-                BEHIND => Some((resource.binding, gpu::Resource::Image(&self.buffers[1 - before]))),
+                BEFORE => Some((resource.binding, gpu::Resource::Image(self.buffers[before].clone()))),
+                BEHIND => Some((resource.binding, gpu::Resource::Image(self.buffers[1 - before].clone()))),
                 _ => None,
             });
             found.collect::<Vec<_>>()
         };
-        let own = || blocks.iter().map(|(binding, block)| (*binding, gpu::Resource::Uniform(block)));
-        let of_light = |before| {
-            let all = own().chain(bound.images_and_samplers()).chain(buffers(&self.program, before));
-            self.pipeline.bind(&all.collect::<Vec<_>>())
-        };
-        let of_eye = |before| {
-            let all = bound.resources().into_iter().chain(buffers(program, before));
-            pipeline.bind(&all.collect::<Vec<_>>())
-        };
+        let of_light = |before| self.pipeline.bind(&[bound.with(&blocks), buffers(&self.program, before)].concat());
+        let of_eye = |before| pipeline.bind(&[bound.resources(), buffers(program, before)].concat());
         let light = pass::Light {
             pipeline: &self.pipeline,
             sets: [of_light(0)?, of_light(1)?],
@@ -147,6 +120,6 @@ impl HalfAngle {
 
     /// Bytes of the buffers on the device.
     pub(super) fn bytes(&self) -> u64 {
-        self.buffers.iter().map(Image::bytes).sum()
+        self.buffers.iter().map(|buffer| buffer.bytes()).sum()
     }
 }

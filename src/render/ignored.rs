@@ -5,8 +5,9 @@
 //! the values and images that it reads after all that is dead is gone, and how it is drawn. What only makes a picture
 //! sooner is not named.
 
-use super::inputs::{Filter, SHADOW, StoredObjects, image_key};
-use super::shadow::LightSpace;
+use super::encoded::Filter;
+use super::inputs::{SHADOW, Shot, StoredObjects, image_key};
+use super::light_space::LightSpace;
 use super::sub_frame::SubFrame;
 use super::values::blocks;
 use super::view::View;
@@ -112,7 +113,8 @@ impl Judge<'_> {
         let space = LightSpace::of(scene, &view, &planes);
         let (subject, quality) = (self.subject, &scene.quality);
         let stored = StoredObjects::none(&view);
-        let values = |frame: SubFrame| stored.values(scene, subject, &variant, &view, (&planes, &space), &frame);
+        let shot = Shot { scene, subject, variant: &variant, view: &view, planes: &planes, space: &space };
+        let values = |frame: SubFrame| stored.values(&shot, &frame);
         let moments: Vec<_> = SubFrame::all(scene).map(values).collect();
         let mut all = Hasher::new();
         let mut add = |what: String| {

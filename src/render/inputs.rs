@@ -1,74 +1,27 @@
 //! What a program reads, made without a device: the values of its blocks, its images encoded, and nothing that it does
 //! not read.
 
+use super::encoded::{Content, Encoded, Filter};
+use super::item::{CLOSEST, Item, Stored};
+use super::light_space::LightSpace;
 use super::noise_blocks::{block, block_key};
-use super::shadow::LightSpace;
 use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
 use super::values::{Values, moment, values};
-use super::view::{Own, View};
+use super::view::View;
 use super::{RenderError, Subject};
 use crate::field::Progress;
-use crate::gpu::{Address, Dimension, Format};
+use crate::gpu::{Dimension, Format};
 use crate::render::pass::Planes;
 use crate::render::texture::{self, Bricks, Encoding, Texels};
 use crate::render::variant::{Program, Resource, Use, Variant};
-use crate::scene::{Parameters, Quality, Scene, Source, Wrap};
-
-/// An image, encoded.
-pub(crate) struct Encoded {
-    pub(crate) name: &'static str,
-    pub(crate) dimension: Dimension,
-    pub(crate) format: Format,
-    pub(super) content: Content,
-}
-
-/// Texels as they were made, x fastest.
-pub(super) enum Content {
-    Bytes(Vec<u8>),
-    Codes(Vec<u16>),
-    Floats(Vec<f32>),
-}
-
-impl Encoded {
-    /// The texels as the device takes them.
-    pub(crate) fn bytes(&self) -> &[u8] {
-        match &self.content {
-            Content::Bytes(bytes) => bytes,
-            Content::Codes(codes) => bytemuck::cast_slice(codes),
-            Content::Floats(floats) => bytemuck::cast_slice(floats),
-        }
-    }
-}
-
-/// A sampler: what it returns outside [0, 1], and its anisotropy, 1 for none.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Filter {
-    pub(crate) address: Address,
-    pub(super) anisotropy: f32,
-}
-
-impl Filter {
-    /// The sampler of a name in `interface.glsl`. Only that of volumes is anisotropic: a driver may end by an anisotropic
-    /// sampler of an image of one dimension (lavapipe of Mesa 22.3), a table is never seen at a slant, and blocks are
-    /// read at a level of their own.
-    pub(super) fn of(name: &str, quality: &Quality) -> Filter {
-        let (address, anisotropy) = match name {
-            "table_sampler" => (Address::Clamp, 1.0),
-            "repeat_sampler" => (Address::Repeat, 1.0),
-            "block_sampler" if quality.wrap == Wrap::Mirror => (Address::Mirror, 1.0),
-            "block_sampler" => (Address::Repeat, 1.0),
-            _ => (Address::Clamp, quality.anisotropy),
-        };
-        Filter { address, anisotropy }
-    }
-}
+use crate::scene::Scene;
 
 /// The volumes of one object, as far as its program reads them.
 struct Volumes {
     texels: Option<Texels>,
-    /// The ways to the closest points.
-    ways: Option<Texels>,
+    /// The offsets to the closest points.
+    offsets: Option<Texels>,
     bricks: Option<Bricks>,
 }
 
@@ -81,6 +34,17 @@ pub(crate) struct Inputs {
     /// What bricks save.
     pub(super) sparse: Option<Sparse>,
     stored: StoredObjects,
+}
+
+/// A picture about to be drawn: a scene, and where all of it is.
+#[derive(Clone, Copy)]
+pub(super) struct Shot<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) subject: &'a Subject,
+    pub(super) variant: &'a Variant,
+    pub(super) view: &'a View,
+    pub(super) planes: &'a Planes,
+    pub(super) space: &'a LightSpace,
 }
 
 /// How the distance of each object is stored, in the order of the view's objects.
@@ -116,11 +80,11 @@ impl Inputs {
             let read = program.reads(&format!("closest_image{}", item.suffix));
             let made = if read { Some(item.closest()?) } else { None };
             item.stored.closest_range = made.as_ref().map_or(0.0, |(_, range)| range * item.subject.scale);
-            let mut ways = made.map(|(ways, _)| ways);
-            if let (Some(ways), Some(bricks), Some(sparse)) = (&mut ways, &bricks, &mut sparse) {
-                sparse.add(ways, bricks);
+            let mut offsets = made.map(|(offsets, _)| offsets);
+            if let (Some(offsets), Some(bricks), Some(sparse)) = (&mut offsets, &bricks, &mut sparse) {
+                sparse.add(offsets, bricks);
             }
-            volumes.push(Volumes { texels, ways, bricks });
+            volumes.push(Volumes { texels, offsets, bricks });
         }
         let (mut images, mut samplers) = (Vec::new(), Vec::new());
         for Resource { name, binding, holds, .. } in &program.resources {
@@ -161,11 +125,7 @@ impl StoredObjects {
     /// The values of every member of the blocks for one picture.
     pub(super) fn values(
         &self,
-        scene: &Scene,
-        subject: &Subject,
-        variant: &Variant,
-        view: &View,
-        (planes, space): (&Planes, &LightSpace),
+        &Shot { scene, subject, variant, view, planes, space }: &Shot<'_>,
         sub_frame: &SubFrame,
     ) -> Values {
         let objects = view.objects.iter().zip(&self.0);
@@ -178,105 +138,11 @@ impl StoredObjects {
     }
 }
 
-/// How a distance is stored in a volume, units of its object: `x + y s` for a texel s.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Stored {
-    pub(super) decode: [f32; 2],
-    quantization: f32,
-    /// Range of the ways to the closest points.
-    pub(super) closest_range: f32,
-}
-
 /// The shadow volume's name in `interface.glsl`.
 pub(super) const SHADOW: &str = "shadow_image";
 /// The names of the light's buffers there.
 pub(super) const BEFORE: &str = "light_before_image";
 pub(super) const BEHIND: &str = "light_behind_image";
-/// What an error calls the closest points.
-const CLOSEST: &str = "closest points";
-
-/// One object of the scene, with what its names in the program end in.
-pub(super) struct Item<'a> {
-    pub(super) suffix: String,
-    pub(super) own: &'a Own,
-    /// The scene with this object as its only one.
-    pub(super) scene: Scene,
-    pub(super) subject: &'a Subject,
-    pub(super) parameters: &'a Parameters,
-    pub(super) stored: Stored,
-}
-
-impl<'a> Item<'a> {
-    fn of(own: &'a Own, scene: &Scene, subject: &'a Subject, variant: &'a Variant, stored: Stored) -> Item<'a> {
-        match own.name.as_str() {
-            "" => Item {
-                suffix: String::new(),
-                own,
-                scene: scene.clone(),
-                subject,
-                parameters: &variant.parameters,
-                stored,
-            },
-            name => Item {
-                suffix: format!("_{name}"),
-                own,
-                scene: scene.alone(name),
-                subject: &subject.parts[name],
-                parameters: &variant.parts[name],
-                stored,
-            },
-        }
-    }
-
-    /// The volume of the object; `None` for a formula.
-    fn volume(&self, variant: &Variant) -> Option<Texels> {
-        let field = self.subject.field.as_ref()?;
-        let (encoding, range) = self.encoding(variant);
-        Some(texture::encode(field, encoding, range))
-    }
-
-    /// How the volume is stored, and the distances that it tells apart, units of the field.
-    fn encoding(&self, variant: &Variant) -> (Encoding, [f32; 2]) {
-        let slot = if self.own.name.is_empty() { "object".into() } else { format!("{}.object", self.own.name) };
-        let encoding = match (self.scene.object.source, variant.module(&slot)) {
-            (Source::Normals8, _) => Encoding::Normals8,
-            (Source::Distance32, _) => Encoding::Distance32,
-            (_, Some("distance")) => Encoding::Distance16,
-            _ => Encoding::Normals16,
-        };
-        let reach = self.reach() / self.subject.scale;
-        (encoding, [-reach, reach])
-    }
-
-    /// Distances beyond this are all alike, units of the object: the soft region and as much again on either side, since
-    /// gradients and filters read beyond it.
-    pub(super) fn reach(&self) -> f32 {
-        self.own.outer_iso.abs() + self.scene.object.inner_iso.abs() + 0.25
-    }
-
-    /// The ways to the closest points of the inner surface, and their range in the units of the field.
-    fn closest(&self) -> Result<(Texels, f32), RenderError> {
-        let both = self.subject.field.as_ref().zip(self.subject.closest.as_ref());
-        let (field, closest) = both.ok_or(RenderError::Missing(CLOSEST))?;
-        let (ways, range) = texture::encode_closest(closest, field, self.scene.object.inner_iso / self.subject.scale);
-        let bytes = bytemuck::cast_slice(&ways).to_vec();
-        Ok((
-            Texels { size: field.grid.size, encoding: Encoding::Normals16, bytes, decode: [0.0; 2], quantization: 0.0 },
-            range,
-        ))
-    }
-
-    /// How much nearer the matter may be than a sampled distance says, units of the object.
-    ///
-    /// A warp moves the place that is looked up, here and wherever the ray lands, not alike. The filter mixes the
-    /// distances of eight samples, whose weighted mean is at most half a voxel's diagonal away (by Jensen's
-    /// inequality); a stored distance is rounded; and f32 has its own few ulps.
-    pub(super) fn skip_slack(&self) -> f32 {
-        let spacing = self.subject.field.as_ref().map_or(0.0, |field| field.grid.spacing.length());
-        self.own.spread.moves.span() + 0.5 * spacing * self.subject.scale + self.stored.quantization + 1e-5
-    }
-}
-
 /// What an image depends on, in words, for objects that are loaded.
 pub(super) fn image_key(
     scene: &Scene,
@@ -333,10 +199,10 @@ fn image(
             encoded("index map", size, Format::Rgba32Float, Content::Floats(texels))
         }
         "closest_image" => {
-            let ways = volumes[index].ways.take().ok_or(RenderError::Missing(CLOSEST))?;
-            let [x, y, z] = ways.size;
+            let offsets = volumes[index].offsets.take().ok_or(RenderError::Missing(CLOSEST))?;
+            let [x, y, z] = offsets.size;
             let (size, format) = (Dimension::Volume(x, y, z), Format::Rgba16Unorm);
-            encoded(CLOSEST, size, format, Content::Bytes(ways.bytes))
+            encoded(CLOSEST, size, format, Content::Bytes(offsets.bytes))
         }
         "brick_image" => {
             let bricks = volumes[index].bricks.as_ref().ok_or_else(|| RenderError::Unfilled(name.into()))?;

@@ -2,7 +2,7 @@
 //!
 //! Invariant: a block is made of its [`Recipe`] alone, so that the same one is not made again in the next run.
 
-use super::inputs::{Content, Encoded};
+use super::encoded::{Content, Encoded};
 use crate::field::Progress;
 use crate::gpu::{Dimension, Format};
 use crate::noise::{Bake, Block, MEAN_NOISE, Noise, Weights, blue_noise, random_block};

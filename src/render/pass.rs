@@ -9,6 +9,7 @@ use crate::gpu::{BindSet, Buffer, Commands, Gpu, GpuError, Image, Load, Pipeline
 use crate::scene::{Order, Proxy};
 use std::collections::VecDeque;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A submission should take about this many milliseconds. Shorter: the fixed cost of one shows. Longer: a desktop that
 /// shares the device stutters, and after two seconds it resets it.
@@ -126,7 +127,7 @@ impl Drawn {
     fn begin(
         gpu: &Gpu,
         pipeline: &Pipeline,
-        set: &BindSet<'_>,
+        set: &BindSet,
         vertices: Option<&Buffer>,
         into: Target<'_>,
     ) -> Result<Drawn, GpuError> {
@@ -162,7 +163,7 @@ impl Drawn {
 pub fn march(
     gpu: &Gpu,
     pipeline: &Pipeline,
-    set: &BindSet<'_>,
+    set: &BindSet,
     bands: &[Range<u32>],
     target: Target<'_>,
 ) -> Result<Drawn, GpuError> {
@@ -213,11 +214,11 @@ pub struct Light<'a> {
     /// Draws the light behind a slice from that before it.
     pub pipeline: &'a Pipeline,
     /// What it reads where the first buffer, or the second, holds the light before the slice.
-    pub sets: [BindSet<'a>; 2],
+    pub sets: [BindSet; 2],
     /// Three vertices for each slice.
     pub vertices: &'a Buffer,
     /// The buffers, which take turns.
-    pub buffers: &'a [Image; 2],
+    pub buffers: &'a [Arc<Image>; 2],
 }
 
 impl Light<'_> {
@@ -260,7 +261,7 @@ impl Light<'_> {
 pub fn draw(
     gpu: &Gpu,
     pipeline: &Pipeline,
-    sets: [&BindSet<'_>; 2],
+    sets: [&BindSet; 2],
     vertices: &Buffer,
     stack: &Stack,
     bands: &[Range<u32>],

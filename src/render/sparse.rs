@@ -1,6 +1,6 @@
 //! Volumes in bricks: which of them a scene can reach, and what that saves.
 
-use super::inputs::Item;
+use super::item::Item;
 use crate::render::pass::Planes;
 use crate::render::texture::{Bricks, Texels};
 use crate::scene::Integration;

@@ -8,18 +8,19 @@ use crate::shader::Library;
 use crate::shape::{self, Shape, ShapeError};
 use glam::Vec3;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The object of a scene, ready to be drawn in any effect.
 ///
-/// Object space is centered on the object, and the longest side of its bounding box spans [-1, 1] there.
+/// Clones share its field. Object space is centered on the object, and the longest side of its bounding box spans [-1, 1] there.
 #[derive(Clone, Debug)]
 pub struct Subject {
     /// What the scene calls it.
     pub input: String,
     /// The distance field; `None` for a formula, which needs none.
-    pub field: Option<DistanceField>,
+    pub field: Option<Arc<DistanceField>>,
     /// The closest points of the surface, on the grid of the field; `None` where no scene reads them.
-    pub closest: Option<ClosestPoints>,
+    pub closest: Option<Arc<ClosestPoints>>,
     /// World position of the origin of object space.
     pub center: Vec3,
     /// Object units in one world unit.
@@ -92,8 +93,9 @@ impl Subject {
         let radius = inside_points(&field).map(|p| p.distance(center)).fold(0.0, f32::max) * scale;
         let half_size = 0.5 * scale * (high - low);
         let input = object.input.clone();
-        let (field, report, parts) = (Some(field), Some(report), BTreeMap::new());
-        Ok(Subject { input, field, closest: points, center, scale, half_size, radius, report, parts })
+        let (field, report, parts) = (Some(Arc::new(field)), Some(report), BTreeMap::new());
+        let closest = points.map(Arc::new);
+        Ok(Subject { input, field, closest, center, scale, half_size, radius, report, parts })
     }
 }
 

@@ -1,10 +1,9 @@
 //! The values of the blocks that programs read, by name.
 
 use super::RenderError;
-use super::half_angle::slant;
-use super::inputs::Item;
+use super::item::Item;
 use super::sub_frame::SubFrame;
-use super::view::View;
+use super::view::{View, slant};
 use crate::render::pass::Planes;
 use crate::render::variant::{Program, Resource, Use};
 use crate::scene::{Integration, ParameterValue, Scene};

@@ -3,13 +3,13 @@
 //! Eye space: the eye at the origin, looking along -z, y up; one unit is one object unit. The slices live there, and the
 //! rotation of the object reaches them through the texture matrix alone (MJ 3.3).
 
-use super::{Subject, half_angle};
+use super::Subject;
 use crate::render::pass::{Extent, Planes};
 use crate::render::variant::Variant;
 use crate::scene::{Parameters, Projection, Scene, Spread, Transform};
 use crate::shader::link::MAIN;
 use glam::camera::rh;
-use glam::{Mat4, Vec3};
+use glam::{Mat4, Vec2, Vec3};
 
 /// The object fills this part of the height of a picture at zoom 1, and less where its soft region would be cut off.
 const FILL: f32 = 0.8;
@@ -19,6 +19,9 @@ const SOFT_FILL: f32 = 0.97;
 const NEAR: f32 = 1e-3;
 /// How far the stack of slices is turned to be looked at from the side, degrees: MJ Fig. 1.
 const STACK_TURN: f32 = 62.0;
+
+/// Slices are crossed no flatter than this, the cosine of 80 degrees. Flatter: the path in one is six steps long and more.
+pub(super) const FLATTEST: f32 = 0.17;
 
 /// The matrices of a scene.
 pub(super) struct View {
@@ -239,7 +242,7 @@ impl View {
             box_max,
             soft_radius,
             extent: Extent { distance, radius, near: NEAR },
-            axis: half_angle::axis(scene),
+            axis: axis(scene),
             ray_scale,
             pan,
             slice_stack: camera.slice_stack,
@@ -264,6 +267,28 @@ impl View {
             if slice_stack { [1.0 - 0.8 * place, 0.25 + 0.3 * place, 0.2 + 0.8 * place, 1.0] } else { [1.0; 4] }
         }
     }
+}
+
+/// Unit vector across the slices of a scene, toward its light, in eye space; z for view-aligned slices.
+pub(super) fn axis(scene: &Scene) -> Vec3 {
+    let to_light = Vec3::from(scene.light.position).normalize_or(Vec3::Z);
+    match scene.is_half_angle() {
+        true if to_light.z >= 0.0 => (to_light + Vec3::Z).normalize(),
+        true => (to_light - Vec3::Z).normalize(),
+        false => Vec3::Z,
+    }
+}
+
+/// The most that a ray of the picture travels between two planes, over their distance.
+pub(super) fn slant(scene: &Scene, view: &View) -> f32 {
+    let farthest = (Vec2::from(view.pan).abs() + 1.0) * Vec2::from(view.ray_scale);
+    let signs = [Vec2::ONE, Vec2::NEG_ONE, Vec2::new(1.0, -1.0), Vec2::new(-1.0, 1.0)];
+    let along = signs.map(|sign| match scene.camera.projection {
+        Projection::Parallel => Vec3::NEG_Z,
+        Projection::Perspective => (sign * farthest).extend(-1.0),
+    });
+    let toward = -view.axis * view.axis.z.signum();
+    along.iter().map(|ray| ray.length() / ray.dot(toward).max(FLATTEST * ray.length())).fold(1.0, f32::max)
 }
 
 #[cfg(test)]

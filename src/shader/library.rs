@@ -6,15 +6,16 @@ use super::reach::Reach;
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// Which modules fill each slot: one name, or for a stack (`warp`, `dmf`) any number in order of application, and for
 /// `medium` one for each layer of the DMFs; a DMF may be `module@mask`. The slot of an additional object is `object.slot`, and [`COMBINE`] holds the formula of the objects.
 pub type Slots = BTreeMap<String, Vec<String>>;
 
-/// GLSL sources by path relative to the `glsl` folder, such as `dmf/fur.glsl`.
+/// GLSL sources by path relative to the `glsl` folder, such as `dmf/fur.glsl`. Clones share them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Library {
-    sources: BTreeMap<String, String>,
+    sources: Arc<BTreeMap<String, String>>,
 }
 
 /// Why a library does not give what is asked of it.
@@ -67,12 +68,12 @@ pub enum LibraryError {
 impl Library {
     /// A library of (path, text) pairs.
     pub fn new(sources: impl IntoIterator<Item = (String, String)>) -> Library {
-        Library { sources: sources.into_iter().collect() }
+        Library { sources: Arc::new(sources.into_iter().collect()) }
     }
 
     /// The same library with one more module, or with that module replaced.
     pub fn with_module(mut self, slot: &str, name: &str, text: &str) -> Library {
-        self.sources.insert(format!("{slot}/{name}.glsl"), text.to_string());
+        Arc::make_mut(&mut self.sources).insert(format!("{slot}/{name}.glsl"), text.to_string());
         self
     }
 

@@ -6,6 +6,7 @@ use crate::gpu::{
     PipelineDescription, Resource, Sampler, Submitted, Target,
 };
 use crate::shader::{self, Library, LinkError, Linker, Slots, Stage};
+use std::sync::Arc;
 
 /// Bindings of `part.glsl` and `interface.glsl`.
 const VOLUME: u32 = 17;
@@ -63,7 +64,7 @@ struct Run<'a> {
     format: Format,
     size: [u32; 2],
     layers: u32,
-    volume: Option<&'a Image>,
+    volume: Option<Arc<Image>>,
 }
 
 impl Bench<'_> {
@@ -87,9 +88,9 @@ impl Bench<'_> {
                 blend: Blend::Under,
             },
         )?;
-        let sampler = Sampler::new(self.gpu, Address::Clamp, 1.0)?;
-        let mut resources = vec![(CLAMP_SAMPLER, Resource::Sampler(&sampler))];
-        resources.extend(run.volume.map(|volume| (VOLUME, Resource::Image(volume))));
+        let sampler = Arc::new(Sampler::new(self.gpu, Address::Clamp, 1.0)?);
+        let mut resources = vec![(CLAMP_SAMPLER, Resource::Sampler(sampler))];
+        resources.extend(run.volume.clone().map(|volume| (VOLUME, Resource::Image(volume))));
         let set = pipeline.bind(&resources)?;
         let [width, height] = run.size;
         let plane = Dimension::Plane(width, height);
@@ -149,7 +150,7 @@ fn filter(bench: &Bench<'_>, format: Format) -> Result<Finding, ProbeError> {
     };
     let volume = Image::sampled(bench.gpu, "self-test", Dimension::Volume(2, 1, 1), format, &texels)?;
     let (fragment, size) = ("doctor/filter.frag", [PLACES, 1]);
-    let run = Run { fragment, format: Format::Rgba32Float, size, layers: 1, volume: Some(&volume) };
+    let run = Run { fragment, format: Format::Rgba32Float, size, layers: 1, volume: Some(Arc::new(volume)) };
     let found: Vec<f32> = bench.draw(&run)?.0.iter().map(|texel| texel[0]).collect();
     let mut distinct: Vec<u32> = found.iter().map(|value| value.to_bits()).collect();
     distinct.sort_unstable();

@@ -41,7 +41,7 @@ pub fn probed(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject) ->
 const PROBES: [&str; 2] = ["exit_direction", "exit_moment"];
 
 /// As [`probed`], by a renderer for each of [`PROBES`].
-fn asked(renderers: &mut [Renderer<'_>; 2], scene: &Scene) -> Result<Vec<[DVec3; 2]>, RenderError> {
+fn asked(renderers: &mut [Renderer; 2], scene: &Scene) -> Result<Vec<[DVec3; 2]>, RenderError> {
     let mut scene = scene.clone();
     let mut ask = |probe: usize| {
         scene.effect.environment = PROBES[probe].into();

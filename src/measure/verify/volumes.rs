@@ -8,6 +8,7 @@ use crate::field::{DistanceField, Grid};
 use crate::render::{RenderError, Subject, render};
 use crate::scene::{Pass, Projection, Scene, Source};
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// A hard face across the picture, colored by a module.
 fn face(surface: &str, pass: Pass) -> Scene {
@@ -63,7 +64,7 @@ pub(super) fn fields(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
             let mut subject = face_subject();
             let mut levels = Vec::new();
             for &cells in cells {
-                subject.field = Some(sampled(cells, distance));
+                subject.field = Some(Arc::new(sampled(cells, distance)));
                 let frame = render(bench.gpu, &bench.library, &scene, &subject)?;
                 let pixels = rays(&scene, &subject).into_iter().zip(&frame.pixels);
                 let off = pixels.map(|(ray, pixel)| {

@@ -240,7 +240,7 @@ fn read_answer(output: &mut impl BufRead) -> Option<(Answer, Vec<[f32; 4]>)> {
 /// Draws scenes of one subject, as a [`Renderer`] does: it is one, or asks a worker for one.
 pub enum Painter<'a> {
     /// In this process.
-    Here(Box<Renderer<'a>>),
+    Here(Box<Renderer>),
     /// In a worker.
     There(Remote<'a>),
 }

@@ -26,7 +26,7 @@ pub fn serve(input: impl BufRead, output: &mut impl Write, options: &Options) ->
     };
     tell(output, &Answer::Ready, &[])?;
     let messages = gpu.messages();
-    let mut renderers: HashMap<u64, Renderer<'_>> = HashMap::new();
+    let mut renderers: HashMap<u64, Renderer> = HashMap::new();
     for request in lines {
         match serde_json::from_str(&request?)? {
             Request::Forget(number) => drop(renderers.remove(&number)),

@@ -125,7 +125,7 @@ pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io
 
 /// How long a picture takes that seems to take too long: on a device that is the processor, what it takes of that, as
 /// other programs may use it too.
-fn again(gpu: &Gpu, renderer: &mut Renderer<'_>, scene: &Scene, ms: f64) -> Result<f64, RenderError> {
+fn again(gpu: &Gpu, renderer: &mut Renderer, scene: &Scene, ms: f64) -> Result<f64, RenderError> {
     let taken = || child::processor_time(std::process::id());
     let Some(before) = taken().filter(|_| ms > MOST_MS && gpu.info().cpu) else { return Ok(ms) };
     renderer.render(scene)?;

@@ -59,9 +59,9 @@ impl Accumulation {
 }
 
 /// The two renderers of a variant: each keeps what it has made for one size.
-struct Pair<'a> {
-    coarse: Renderer<'a>,
-    fine: Renderer<'a>,
+struct Pair {
+    coarse: Renderer,
+    fine: Renderer,
     /// Milliseconds of a row of the whole picture, about.
     row_ms: f64,
 }
@@ -126,7 +126,7 @@ impl RenderThread {
             fine: Renderer::new(&gpu, &library, subject),
             row_ms: 1.0,
         };
-        let mut pairs: Vec<Pair<'_>> = subjects.iter().map(|subject| pair(subject)).collect();
+        let mut pairs: Vec<Pair> = subjects.iter().map(|subject| pair(subject)).collect();
         let mut still = None;
         loop {
             let done = self.picture(&job, &mut pairs, &mut still);
@@ -144,12 +144,7 @@ impl RenderThread {
         }
     }
 
-    fn picture(
-        &mut self,
-        job: &Job,
-        pairs: &mut [Pair<'_>],
-        still: &mut Option<Accumulation>,
-    ) -> Result<(), RenderError> {
+    fn picture(&mut self, job: &Job, pairs: &mut [Pair], still: &mut Option<Accumulation>) -> Result<(), RenderError> {
         if still.as_ref().is_none_or(|still| still.scenes != scenes(job)) {
             *still = None;
             if !job.variants.iter().all(|variant| self.admits(&variant.scene, &job.library)) {
@@ -177,7 +172,7 @@ impl RenderThread {
     }
 
     /// A picture in time for the next one.
-    fn coarse(&mut self, job: &Job, pairs: &mut [Pair<'_>]) -> Result<Accumulation, RenderError> {
+    fn coarse(&mut self, job: &Job, pairs: &mut [Pair]) -> Result<Accumulation, RenderError> {
         let level = self.level;
         let mut frames = Vec::new();
         for (variant, pair) in job.variants.iter().zip(pairs) {
@@ -196,7 +191,7 @@ impl RenderThread {
     }
 
     /// The scene's own picture, then means of more and more, until they are good enough or something else is to be done.
-    fn refine(&mut self, job: &Job, pairs: &mut [Pair<'_>], still: &mut Accumulation) -> Result<(), RenderError> {
+    fn refine(&mut self, job: &Job, pairs: &mut [Pair], still: &mut Accumulation) -> Result<(), RenderError> {
         if still.own.is_none() && !self.own_pictures(job, pairs, still)? {
             return Ok(());
         }
@@ -243,7 +238,7 @@ impl RenderThread {
     }
 
     /// The scene's own picture of each variant; whether they were finished.
-    fn own_pictures(&self, job: &Job, pairs: &mut [Pair<'_>], still: &mut Accumulation) -> Result<bool, RenderError> {
+    fn own_pictures(&self, job: &Job, pairs: &mut [Pair], still: &mut Accumulation) -> Result<bool, RenderError> {
         let size = job.variants[0].scene.image.size;
         let mut all: Vec<Vec<[f32; 4]>> =
             still.coarse.iter().map(|frame| enlarge(&frame.pixels, frame.size, size)).collect();
@@ -278,7 +273,7 @@ impl RenderThread {
         &self,
         job: &Job,
         scene: &Scene,
-        pair: &mut Pair<'_>,
+        pair: &mut Pair,
         number: Option<u32>,
         pixels: &mut Vec<[f32; 4]>,
         mut show: impl FnMut(&[[f32; 4]]),

@@ -1,0 +1,144 @@
+//! A host's own device, and pictures in its own command buffers.
+
+use super::device::{Device, device_info};
+use super::instance::Instance;
+use super::{BindSet, Buffer, Commands, Format, Gpu, GpuError, Pipeline};
+use ash::vk;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+/// The device of another program: of Vulkan 1.3, with [`required_features`](super::required_features).
+pub struct HostDevice {
+    /// The loader.
+    pub entry: ash::Entry,
+    /// The instance.
+    pub instance: ash::Instance,
+    /// The physical device.
+    pub physical_device: vk::PhysicalDevice,
+    /// The device.
+    pub device: ash::Device,
+    /// Its features that are enabled, such as [`optional_features`](super::optional_features).
+    pub features: vk::PhysicalDeviceFeatures,
+    /// A queue with graphics.
+    pub queue: vk::Queue,
+    /// The family of the queue.
+    pub queue_family: u32,
+}
+
+impl Gpu {
+    /// A device of another program, which stays its own. Compiled pipelines are kept in the folder `cache`.
+    ///
+    /// # Errors
+    /// No memory left.
+    ///
+    /// # Safety
+    /// - The handles belong together and are alive until all that was made from the [`Gpu`] is dropped, and the `Gpu` itself;
+    /// - the device has [`required_features`](super::required_features) and the `features` named enabled;
+    /// - nobody else uses the queue while a call of this crate runs that submits: each that takes a `Gpu`, a renderer's too.
+    pub unsafe fn from_raw(host: HostDevice, cache: Option<&Path>) -> Result<Gpu, GpuError> {
+        let mut info = device_info(&host.instance, host.physical_device, &host.features);
+        // SAFETY: the physical device belongs to the instance, as the caller says.
+        let families = unsafe { host.instance.get_physical_device_queue_family_properties(host.physical_device) };
+        if families.get(host.queue_family as usize).is_none_or(|family| family.timestamp_valid_bits == 0) {
+            info.timestamp_period = 0.0;
+        }
+        let instance = Instance::of_host(host.entry, host.instance);
+        let device = Device { raw: host.device, hosted: true };
+        Gpu::with_device(instance, (host.physical_device, info), device, (host.queue, host.queue_family), cache)
+    }
+
+    /// A command buffer of a host, to record a picture into.
+    ///
+    /// # Errors
+    /// The image has a format that is none of [`Format`], or one that cannot be blended into.
+    ///
+    /// # Safety
+    /// - The command buffer belongs to this device and to the family of its queue, and is being recorded outside of a rendering;
+    /// - the image behind the view is a color attachment with one sample, in `COLOR_ATTACHMENT_OPTIMAL` layout, and what was
+    ///   written before is visible to reads and writes of color attachments; it stays in that layout;
+    /// - what a recording returns is dropped after the commands have been executed, and before the device goes.
+    pub unsafe fn host_commands(
+        &self,
+        buffer: vk::CommandBuffer,
+        target: HostTarget,
+    ) -> Result<HostCommands<'_>, GpuError> {
+        let format = Format::HOST.into_iter().find(|format| format.vk() == target.format);
+        let format = format.filter(|&format| self.can_blend(format)).ok_or_else(|| GpuError::Unsupported {
+            device: self.info().name.clone(),
+            what: format!("blending into {:?}", target.format),
+            remedy: format!("use an image of {:?}", Format::HOST.map(Format::vk)),
+        })?;
+        Ok(HostCommands { commands: Commands { gpu: self, buffer }, target, format })
+    }
+}
+
+impl Format {
+    /// What a host's image may be of.
+    const HOST: [Format; 6] = [
+        Format::Rgba8Srgb,
+        Format::Bgra8Srgb,
+        Format::Rgba8Unorm,
+        Format::Bgra8Unorm,
+        Format::Rgba16Float,
+        Format::Rgba32Float,
+    ];
+}
+
+/// An image of a host that is drawn into. What is written is linear: formats that encode sRGB show it as it is.
+#[derive(Clone, Copy, Debug)]
+pub struct HostTarget {
+    /// A view of all of it.
+    pub view: vk::ImageView,
+    /// Its format.
+    pub format: vk::Format,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+}
+
+/// A host's command buffer and the image to draw into: [`Gpu::host_commands`].
+pub struct HostCommands<'a> {
+    commands: Commands<'a>,
+    target: HostTarget,
+    format: Format,
+}
+
+impl HostCommands<'_> {
+    /// Width and height of the image in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.target.size
+    }
+
+    /// Format of the image.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
+    /// Draws triangles over what is in the image: a range of the vertices, or of none where the program makes its own.
+    pub fn draw(
+        &mut self,
+        pipeline: &Arc<Pipeline>,
+        set: BindSet,
+        buffer: Option<Buffer>,
+        vertices: Range<u32>,
+    ) -> Recording {
+        let attachment = vk::RenderingAttachmentInfo::default()
+            .image_view(self.target.view)
+            .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+            .load_op(vk::AttachmentLoadOp::LOAD)
+            .store_op(vk::AttachmentStoreOp::STORE);
+        let [width, height] = self.target.size;
+        self.commands.draw_into(attachment, vk::Extent2D { width, height }, |draw| {
+            draw.triangles(pipeline, &set, buffer.as_ref(), vertices);
+        });
+        Recording { _pipeline: pipeline.clone(), _set: set, _vertices: buffer }
+    }
+}
+
+/// What recorded commands use: the host drops it when they have been executed.
+#[must_use = "what the commands use must stay until they have been executed"]
+pub struct Recording {
+    _pipeline: Arc<Pipeline>,
+    _set: BindSet,
+    _vertices: Option<Buffer>,
+}

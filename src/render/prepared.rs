@@ -1,0 +1,296 @@
+//! What the pictures of a scene share, and the frame pipeline, read top to bottom.
+
+use super::bind::{BoundInputs, binding};
+use super::half_angle::{HalfAngle, blend as light_blend};
+use super::inputs::{Inputs, SHADOW, Shot};
+use super::light_space::LightSpace;
+use super::pass;
+use super::pixels::{add, check_finite, decode, mean};
+use super::shadow::Caster;
+use super::sub_frame::SubFrame;
+use super::variant::{Program, Variant};
+use super::view::View;
+use super::{Frame, Measurements, RenderError, Subject};
+use crate::field::Progress;
+use crate::gpu::{self, Buffer, Gpu, HostCommands, Recording};
+use crate::scene::{Order, Pass, Scene, TargetFormat};
+use crate::shader::{Library, Linker};
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Where pictures go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Destination {
+    /// Into a target of their own, from which they are read back.
+    Frame,
+    /// Into a host's image of this format.
+    Host(gpu::Format),
+}
+
+/// A scene with all that its pictures share, made once: program, pipeline, images and targets.
+pub(super) struct Prepared {
+    gpu: Gpu,
+    scene: Scene,
+    variant: Variant,
+    destination: Destination,
+    pub(super) program: Program,
+    pub(super) bound: BoundInputs,
+    pipeline: Arc<gpu::Pipeline>,
+    /// What casts the shadows of a scene that has them.
+    caster: Option<Caster>,
+    /// What hands the light from slice to slice, in a scene that has it do so.
+    half_angle: Option<HalfAngle>,
+    /// The images of a picture that is read back: that which is blended into, and where its samples are averaged to.
+    targets: Option<(gpu::Image, Option<gpu::Image>)>,
+    compile_ms: f64,
+}
+
+impl Prepared {
+    /// Makes what the pictures of a scene share; its program and what that reads may be `made` already.
+    pub(super) fn new(
+        (gpu, library, subject): (&Gpu, &Library, &Subject),
+        (scene, variant): (&Scene, &Variant),
+        destination: Destination,
+        (linked, bound): (Option<Program>, Option<BoundInputs>),
+        progress: Progress<'_>,
+    ) -> Result<Prepared, RenderError> {
+        let start = Instant::now();
+        let program = linked.map_or_else(|| variant.program(library, Linker::new), Ok)?;
+        let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
+        let quality = &scene.quality;
+        let bound = bound.map_or_else(
+            || {
+                let view = View::of(scene, subject, variant);
+                let planes = view.planes(quality.samples);
+                let inputs = Inputs::new(scene, subject, variant, &program, (&view, &planes), progress)?;
+                BoundInputs::new(gpu, &inputs)
+            },
+            Ok,
+        )?;
+        let format = match (destination, quality.target) {
+            (Destination::Host(format), _) => format,
+            (_, TargetFormat::Unorm8) => gpu::Format::Rgba8Unorm,
+            (_, TargetFormat::Float16) => gpu::Format::Rgba16Float,
+            (_, TargetFormat::Float32) => gpu::Format::Rgba32Float,
+        };
+        let blend = match (quality.pass, quality.order) {
+            _ if destination != Destination::Frame => gpu::Blend::Over,
+            (Pass::March, _) => gpu::Blend::Replace,
+            _ if scene.is_half_angle() => light_blend(scene),
+            (Pass::Slices, Order::FrontToBack) => gpu::Blend::Under,
+            (Pass::Slices, Order::BackToFront) => gpu::Blend::Over,
+        };
+        let bindings: Vec<gpu::Binding> = program.resources.iter().map(binding).collect();
+        let pipeline_start = Instant::now();
+        let pipeline = gpu::Pipeline::new(
+            gpu,
+            &gpu::PipelineDescription {
+                vertex: &program.vertex,
+                fragment: &program.fragment,
+                constants: &[(super::OCTAVES_ID, scene.effect.octaves)],
+                bindings: &bindings,
+                attributes: if quality.pass == Pass::Slices { pass::attributes(quality.proxy) } else { &[] },
+                format,
+                samples: quality.msaa,
+                blend,
+            },
+        )?;
+        let casts = program.reads(SHADOW);
+        let caster = casts.then(|| Caster::new(gpu, library, scene, variant)).transpose()?;
+        let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, variant));
+        let half_angle = half_angle.transpose()?;
+        compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
+        let targets = match destination {
+            Destination::Host(_) => None,
+            Destination::Frame => {
+                let [width, height] = scene.image.size;
+                let target = |name, samples| {
+                    let plane = gpu::Dimension::Plane(width, height);
+                    gpu::Image::new(gpu, name, plane, format, gpu::ImageUse::Target(samples))
+                };
+                let resolved = (quality.msaa > 1).then(|| target("resolved target", 1)).transpose()?;
+                Some((target("target", quality.msaa)?, resolved))
+            }
+        };
+        let (gpu, scene, variant, pipeline) = (gpu.clone(), scene.clone(), variant.clone(), Arc::new(pipeline));
+        Ok(Prepared {
+            gpu,
+            scene,
+            variant,
+            destination,
+            program,
+            bound,
+            pipeline,
+            caster,
+            half_angle,
+            targets,
+            compile_ms,
+        })
+    }
+
+    /// Whether all of this serves another scene as well: it differs in what a picture is drawn with alone.
+    pub(super) fn fits(&self, scene: &Scene, variant: &Variant, destination: Destination) -> bool {
+        let target = |scene: &Scene, destination| match destination {
+            Destination::Host(_) => (destination, None),
+            Destination::Frame => (destination, Some((scene.image.size, scene.quality.target, scene.quality.msaa))),
+        };
+        let (own, other) = (target(&self.scene, self.destination), target(scene, destination));
+        let blends = |scene: &Scene| (scene.quality.order, scene.quality.proxy);
+        own == other && blends(&self.scene) == blends(scene) && self.reads_the_same(scene, variant)
+    }
+
+    /// Whether another scene has the same program and images: it differs in camera, time, parameters, samples and targets
+    /// alone, and its matter reaches as far.
+    pub(super) fn reads_the_same(&self, scene: &Scene, variant: &Variant) -> bool {
+        let mut same = self.scene.clone();
+        same.camera.clone_from(&scene.camera);
+        same.image.clone_from(&scene.image);
+        same.parameters.clone_from(&scene.parameters);
+        for (part, other) in same.parts.values_mut().zip(scene.parts.values()) {
+            part.parameters.clone_from(&other.parameters);
+        }
+        let (quality, other) = (&mut same.quality, &scene.quality);
+        (quality.target, quality.msaa) = (other.target, other.msaa);
+        (quality.order, quality.proxy) = (other.order, other.proxy);
+        (quality.early_termination, quality.seed, quality.supersampling) =
+            (other.early_termination, other.seed, other.supersampling);
+        // These depend on the length of a step.
+        if !["segment_image", "brick_image"].iter().any(|name| self.program.reads(name)) {
+            quality.samples = other.samples;
+        }
+        let reach = |variant: &Variant| {
+            let all = [&variant.parameters].into_iter().chain(variant.parts.values());
+            all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0))).collect::<Vec<_>>()
+        };
+        same == *scene && self.runs(variant) && reach(variant) == reach(&self.variant)
+    }
+
+    /// Whether its program is that of a variant.
+    pub(super) fn runs(&self, variant: &Variant) -> bool {
+        (variant.entries, &variant.slots) == (self.variant.entries, &self.variant.slots)
+    }
+
+    /// The slices of a picture, or none for rays.
+    fn slices(&self, shot: &Shot<'_>) -> Result<Option<(Buffer, pass::Stack)>, RenderError> {
+        let (quality, view, planes) = (&shot.scene.quality, shot.view, shot.planes);
+        if quality.pass == Pass::March {
+            return Ok(None);
+        }
+        // Rays to the rim of the sphere are slanted: at the nearest plane they may be a little beyond it.
+        let radius = view.extent.radius + planes.step;
+        let stack = pass::stack(planes, radius, quality.proxy, quality.order, view.tint());
+        let none = [0; 4]; // a buffer cannot be empty, a stack can
+        let bytes = if stack.vertices.is_empty() { &none } else { bytemuck::cast_slice(&stack.vertices) };
+        Ok(Some((Buffer::new(&self.gpu, "proxy slices", gpu::BufferUse::Vertices, bytes)?, stack)))
+    }
+
+    /// Makes the shadow volume of a picture, and waits for it; milliseconds on the device.
+    fn cast(&mut self, shot: &Shot<'_>) -> Result<Option<f64>, RenderError> {
+        let Some(caster) = &self.caster else { return Ok(None) };
+        let light = caster.cast(&self.gpu, shot.view, &self.bound, *shot.space)?;
+        self.bound.replace_shadow(&self.program, light.image(&self.gpu)?);
+        Ok(Some(light.gpu_ms))
+    }
+
+    /// Records a picture of a scene that fits.
+    pub(super) fn record(
+        &mut self,
+        commands: &mut HostCommands<'_>,
+        scene: &Scene,
+        subject: &Subject,
+        variant: &Variant,
+    ) -> Result<Recording, RenderError> {
+        let view = View::of(scene, subject, variant);
+        let planes = view.planes(scene.quality.samples);
+        let space = LightSpace::of(scene, &view, &planes);
+        let shot = Shot { scene, subject, variant, view: &view, planes: &planes, space: &space };
+        let mut all = SubFrame::all(scene);
+        let (Some(sub_frame), None) = (all.next(), all.next()) else {
+            return Err(RenderError::Recorded("quality.supersampling = 1"));
+        };
+        self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame)?;
+        self.cast(&shot)?;
+        let (vertices, count) = match self.slices(&shot)? {
+            Some((vertices, stack)) => (Some(vertices), stack.slices * stack.per_slice),
+            None => (None, 3),
+        };
+        let set = self.pipeline.bind(&self.bound.resources())?;
+        Ok(commands.draw(&self.pipeline, set, vertices, 0..count))
+    }
+
+    /// Some bands of a picture of a scene that fits, the mean of the sub-frames that are wanted: the frame pipeline.
+    pub(super) fn frame(
+        &mut self,
+        scene: &Scene,
+        subject: &Subject,
+        variant: &Variant,
+        bands: &[Range<u32>],
+        wanted: impl Fn(u32) -> bool,
+    ) -> Result<Frame, RenderError> {
+        let view = View::of(scene, subject, variant);
+        let planes = view.planes(scene.quality.samples);
+        let space = LightSpace::of(scene, &view, &planes);
+        let shot = Shot { scene, subject, variant, view: &view, planes: &planes, space: &space };
+        let slices = self.slices(&shot)?;
+        let [width, height] = scene.image.size;
+        let mut sum = vec![[0.0; 4]; width as usize * height as usize];
+        let mut drawn = pass::Drawn { fragments: Some(0), ..Default::default() };
+        let mut shadow_ms = None;
+        let mut count = 0;
+        for (_, sub_frame) in (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)) {
+            count += 1;
+            self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame)?;
+            // The shadow of matter that moves while the shutter is open moves with it.
+            if (shadow_ms.is_none() || scene.camera.shutter > 0.0)
+                && let Some(ms) = self.cast(&shot)?
+            {
+                shadow_ms = Some(shadow_ms.unwrap_or(0.0) + ms);
+            }
+            let Some((color, resolved)) = &self.targets else { continue };
+            let target = gpu::Target { color, resolved: resolved.as_ref() };
+            let (gpu, pipeline) = (&self.gpu, &*self.pipeline);
+            drawn.append(&match (&slices, &self.half_angle) {
+                (Some((vertices, stack)), Some(light)) => {
+                    let own = (pipeline, &self.program, &self.bound);
+                    light.draw(gpu, (scene, &view, &planes), own, (vertices, stack), bands, target)?
+                }
+                (Some((vertices, stack)), None) => {
+                    let set = pipeline.bind(&self.bound.resources())?;
+                    pass::draw(gpu, pipeline, [&set; 2], vertices, stack, bands, target, None)?
+                }
+                (None, _) => pass::march(gpu, pipeline, &pipeline.bind(&self.bound.resources())?, bands, target)?,
+            });
+            let texels = resolved.as_ref().unwrap_or(color).read()?;
+            add(&mut sum, &decode(&texels, scene.quality.target));
+        }
+        let pixels = mean(&sum, count);
+        check_finite(&pixels, width as usize)?;
+        let images = self.targets.iter().flat_map(|(color, resolved)| std::iter::once(color).chain(resolved));
+        let targets: u64 = images.map(gpu::Image::bytes).sum();
+        let measurements = Measurements {
+            modules: variant.key(),
+            shipped: self.program.shipped,
+            left_out: self.program.left_out(),
+            octaves: variant.reads("turbulence").then(|| [scene.octaves_held(), scene.effect.octaves]),
+            slices: planes.count,
+            step: planes.step,
+            fragments: drawn.fragments,
+            compile_ms: std::mem::take(&mut self.compile_ms) + drawn.first_use_ms,
+            gpu_ms: drawn.gpu_ms,
+            shadow_ms,
+            longest_ms: drawn.longest_ms,
+            total_ms: 0.0,
+            device_bytes: self.bound.bytes() + targets + self.half_angle.as_ref().map_or(0, HalfAngle::bytes),
+            sparse: self.bound.sparse(),
+            quantization: self.bound.quantization(),
+            held_beyond: view
+                .objects
+                .iter()
+                .filter(|own| own.spread.held)
+                .map(|own| own.spread.hold_radius)
+                .reduce(f32::min),
+        };
+        Ok(Frame { size: scene.image.size, pixels, measurements })
+    }
+}
