@@ -6,6 +6,7 @@
 mod shader {
     pub mod combine;
     mod declare;
+    mod error;
     mod instance;
     mod layers;
     pub mod library;

@@ -19,6 +19,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+/// The object of the paper's tables, unless another is given.
+const OBJECT: &str = "teapot";
 /// Share of the progress that candidates take; the rest is the paper's table.
 const CANDIDATES: f32 = 0.8;
 
@@ -66,7 +68,7 @@ pub struct Compare {
 impl Compare {
     /// What is compared.
     pub fn input(&self) -> &str {
-        self.input.as_deref().unwrap_or(super::paper::OBJECT)
+        self.input.as_deref().unwrap_or(OBJECT)
     }
 }
 
@@ -91,9 +93,6 @@ impl Error for Failed {}
 
 /// Compares, and writes the report.
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    if command.paper {
-        return super::paper::run(command, options, quiet);
-    }
     let (scene, settings) = plan(command)?;
     let library = scene.library()?;
     candidates(&scene, &library, &settings.sweep)?; // what is wrong is said before the work begins

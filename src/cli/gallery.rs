@@ -1,17 +1,41 @@
 //! The gallery: every example scene on its own object, or the effects of MJ Fig. 7 on one, and a page that explains them.
 
+use super::compare::Failed;
+use super::scene_arguments::{ObjectArguments, size};
+use super::{absolute, say, start, with_progress};
 use crate::field::Progress;
-use crate::gpu::Gpu;
+use crate::gpu::{Format, Gpu, Options};
 use crate::measure::worker::{Load, Painter, Start, Worker};
 use crate::output::{self, Depth, OutputError, Provenance};
 use crate::render::variant::Variant;
 use crate::render::{Frame, RenderError, Subject, render};
 use crate::scene::{Color, EFFECTS, Object, ParameterValue, Pass, Scene, SceneError, names, preset, to_text};
-use crate::shader::Library;
-use crate::shader::ParameterKind;
+use crate::shader::{self, Library, ParameterKind};
 use crate::support::write_whole;
+use clap::Args;
+use std::error::Error;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Arguments of `gallery`.
+#[derive(Args)]
+pub(super) struct GalleryArguments {
+    /// The object of the six effects; without one, every example scene has its own object.
+    pub input: Option<String>,
+    /// Where pictures and page go.
+    #[arg(long, short, default_value = "out", value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Width and height in pixels.
+    #[arg(long, default_value = "512x512", value_parser = size, value_name = "WxH")]
+    pub size: [u32; 2],
+    /// Samples of a ray through the object; what the scene says without it.
+    #[arg(long)]
+    pub samples: Option<u32>,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectArguments,
+}
 
 /// Why there is no gallery.
 #[derive(Debug, thiserror::Error)]
@@ -32,6 +56,44 @@ const RESOLUTION: u32 = 256;
 
 /// Background of a picture that has none: that of the page.
 const BACKGROUND: Color = Color([24, 26, 31]);
+
+/// Renders the scenes, and writes the page.
+pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let library = shader::shipped();
+    let gpu = Gpu::new(options)?;
+    // Smooth edges, where the device has them for the default target.
+    let smooth = gpu.sample_counts(Format::Rgba32Float).contains(&4) && gpu.info().sample_shading;
+    let mut scenes = match &command.input {
+        Some(input) => effects(input)?,
+        None => examples()?,
+    };
+    for (_, scene) in &mut scenes {
+        scene.image.size = command.size;
+        scene.quality.samples = command.samples.unwrap_or(scene.quality.samples);
+        // Among many scenes only those are smoothed that have hard edges and are quick: it takes four times as long.
+        let quick = scene.effect.softness == "hard" && scene.effect.warp.is_empty();
+        let smooth = smooth && (command.input.is_some() || quick);
+        scene.quality.msaa = if smooth { 4 } else { 1 };
+        command.object.apply(&mut scene.object)?;
+    }
+    let (began, start) = (Instant::now(), start(options)?);
+    let Gallery { page, failures } = with_progress(quiet, "gallery", |progress| {
+        write(&gpu, &library, &scenes, Some(&start), &command.output, progress)
+    })?;
+    if !quiet {
+        say(&format!(
+            "rendered {} scenes in {:.1} s on {}\nwrote {}\n",
+            scenes.len() - failures.len(),
+            began.elapsed().as_secs_f64(),
+            gpu.info().name,
+            absolute(&page)
+        ));
+    }
+    let count = failures.len();
+    failures.into_iter().next().map_or(Ok(()), |(name, reason)| {
+        Err(Failed::new(format!("{count} of {} scenes failed; the first, {name}: {reason}", scenes.len())).into())
+    })
+}
 
 /// The six effects on an object, by name.
 ///

@@ -18,8 +18,6 @@ use crate::scene::Scene;
 use std::error::Error;
 use std::sync::atomic::Ordering;
 
-/// The object, unless another is given.
-pub const OBJECT: &str = "teapot";
 /// Pixels of the pictures that are held against their reference, unless said otherwise.
 const ERROR_SIZE: [u32; 2] = [64, 64];
 /// Timed runs of a cell, at most, unless said otherwise.

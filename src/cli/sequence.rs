@@ -1,10 +1,10 @@
 //! Many frames and many processes: rendering resumed where it stopped, and stopped between two frames.
 
-use super::args::Render;
-use super::{Picture, absolute, say, with_progress};
+use super::picture::Picture;
+use super::{absolute, say, with_progress};
 use crate::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
 use crate::output::shard::{self, Shard, ShardError};
-use crate::output::{self, Provenance};
+use crate::output::{Provenance, write};
 use crate::render::Renderer;
 use clap::Args;
 use std::error::Error;
@@ -79,19 +79,18 @@ impl Motion {
 
 /// Renders the frames of a sequence, or those of a shard of them.
 pub fn render_frames(
-    command: &Render,
     picture: &Picture<'_>,
     sequence: &Sequence,
     shard: Option<Shard>,
-    quiet: bool,
+    restart: bool,
 ) -> Result<(), Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject } = *picture;
+    let Picture { gpu, library, scene, subject, output, depth, quiet } = *picture;
     let (first, last) = (sequence.frames.first, sequence.frames.last);
     let own = |frame: &u32| shard.is_none_or(|shard| shard.takes(frame - first));
     let frames: Vec<(u32, PathBuf)> =
-        (first..=last).filter(own).map(|frame| (frame, frame_path(&command.output, frame))).collect();
-    let identity = sequence.identity(shard::identity(scene, library, subject)?, &command.depth);
-    let mut manifest = Manifest::open(&manifest_path(&command.output, shard), identity, command.motion.restart)?;
+        (first..=last).filter(own).map(|frame| (frame, frame_path(output, frame))).collect();
+    let identity = sequence.identity(shard::identity(scene, library, subject)?, depth);
+    let mut manifest = Manifest::open(&manifest_path(output, shard), identity, restart)?;
     let stop = stop_flag()?;
     let mut renderer = Renderer::new(gpu, library, subject);
     let start = Instant::now();
@@ -111,7 +110,7 @@ pub fn render_frames(
             let scene = sequence.scene(scene, *frame);
             let drawn = renderer.render(&scene)?;
             let provenance = Provenance::of(&scene, &gpu.info().title(), &drawn.measurements.modules)?;
-            output::write(&drawn, scene.image.background, command.depth(), &provenance, path)?;
+            write(&drawn, scene.image.background, picture.depth(), &provenance, path)?;
             manifest.add(*frame, path)?;
             rendered += 1;
             progress(rendered as f32 / left.len() as f32);

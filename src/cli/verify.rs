@@ -1,6 +1,5 @@
 //! `verify`: the truths on the device at hand, or a picture against its own scene.
 
-use super::args::Verify;
 use super::{say, with_progress};
 use crate::field::Progress;
 use crate::gpu::{Gpu, Options};
@@ -10,10 +9,31 @@ use crate::output;
 use crate::render::{Subject, render};
 use crate::scene::Scene;
 use crate::shader::Library;
+use clap::Args;
 use std::error::Error;
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+/// Arguments of `verify`.
+#[derive(Args)]
+pub struct Verify {
+    /// A picture that this program has written: .png or .exr; without one, the device is verified.
+    pub image: Option<PathBuf>,
+    /// How many pixels of the picture are held against the truth.
+    #[arg(long, default_value_t = 1000, requires = "image", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub pixels: u32,
+    /// Which pixels.
+    #[arg(long, default_value_t = 0, requires = "image")]
+    pub seed: u64,
+    /// The root mean square error that is allowed; without it, what the codes of the file and its step explain.
+    #[arg(long, requires = "image", value_parser = bound)]
+    pub bound: Option<f64>,
+}
+
+fn bound(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|bound| (0.0..=1.0).contains(bound)).ok_or_else(|| "must be from 0 to 1".into())
+}
 
 /// Something is not as it must be.
 #[derive(Debug)]

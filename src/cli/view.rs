@@ -1,11 +1,50 @@
 //! The window, by the arguments of `view`.
 
-use super::args::ViewArguments;
+use super::scene_arguments::{ObjectArguments, SceneArguments, size};
 use crate::gpu::Options;
 use crate::viewer::{self, Start, ViewError};
+use clap::Args;
 use std::error::Error;
 use std::fmt;
+use std::path::PathBuf;
 use std::time::Instant;
+
+/// Arguments of `view`.
+#[derive(Args)]
+pub struct ViewArguments {
+    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), or an example scene such as fire_ball.
+    #[arg(default_value = "furry_donut")]
+    pub input: String,
+    /// Refine a picture that stands still until its root mean square error is about this [default: 0.001].
+    #[arg(long, value_name = "RMSE", value_parser = error)]
+    pub max_error: Option<f64>,
+    /// Let time run from the beginning.
+    #[arg(long)]
+    pub play: bool,
+    /// Width and height of the window, in points.
+    #[arg(long, default_value = "1280x800", value_parser = size, value_name = "WxH")]
+    pub window: [u32; 2],
+    /// Draw so many frames after the first picture, then end.
+    #[arg(long, value_name = "NUMBER")]
+    pub frames: Option<u32>,
+    /// Write the picture that `render` makes, after those frames or when the picture has converged, then end.
+    #[arg(long, value_name = "FILE")]
+    pub screenshot: Option<PathBuf>,
+    /// Do what this file says.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "screenshot"], hide = true)]
+    pub script: Option<PathBuf>,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectArguments,
+    /// What the picture shows.
+    #[command(flatten)]
+    pub arguments: SceneArguments,
+}
+
+fn error(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|error| (1e-7..=1.0).contains(error));
+    parsed.ok_or_else(|| "write a number from 1e-7 to 1; a code of 8 bits is 0.004".into())
+}
 
 /// There is no window: something outside of the scene is missing, or went wrong.
 #[derive(Debug)]

@@ -8,7 +8,7 @@ use std::ffi::c_char;
 /// The Vulkan instance, with the registration of its messages, and of the surface of its window if it has one.
 pub(super) struct Instance {
     #[cfg(feature = "viewer")]
-    pub(super) surface: Option<super::surface::WindowSurface>,
+    pub(super) surface: Option<super::window::WindowSurface>,
     pub(super) raw: ash::Instance,
     /// It is a host's, who destroys it.
     hosted: bool,

@@ -22,6 +22,8 @@ mod pipeline;
 mod surface;
 #[cfg(test)]
 mod validation_tests;
+#[cfg(feature = "viewer")]
+mod window;
 
 pub use ash;
 pub use commands::{Commands, Draw, Load, Submitted, Target};
@@ -34,7 +36,7 @@ pub use overlay::{Canvas, Presented};
 pub use pipeline::{BindSet, Binding, BindingKind, Blend, Pipeline, PipelineDescription, Resource};
 
 #[cfg(feature = "viewer")]
-pub use surface::{WindowHandle, has_library};
+pub use window::{WindowHandle, has_library};
 
 use ash::vk;
 

@@ -1,6 +1,7 @@
 //! A window's content: the triangles that egui makes of it, drawn into the images of a swapchain.
 
-use super::surface::{Surface, WindowHandle};
+use super::surface::Surface;
+use super::window::WindowHandle;
 use super::{Gpu, GpuError, Named, Options};
 use ash::vk;
 use egui::epaint::{ImageData, ImageDelta};

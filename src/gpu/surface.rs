@@ -1,53 +1,12 @@
-//! What a window shows: its surface, and the images of its swapchain.
+//! The device that draws into a window, and the images of its swapchain.
 
 use super::device::Gpu;
 use super::instance::Instance;
 use super::memory::COLOR;
+use super::window::{WindowHandle, WindowSurface, no_handle};
 use super::{GpuError, Named, Options};
 use ash::{khr, vk};
-use raw_window_handle::{HandleError, HasDisplayHandle, HasWindowHandle};
 use std::sync::Arc;
-
-/// A window that can be drawn into.
-pub trait WindowHandle: HasDisplayHandle + HasWindowHandle + Send + Sync {}
-
-impl<T: HasDisplayHandle + HasWindowHandle + Send + Sync> WindowHandle for T {}
-
-/// Whether a shared library is installed, by its file name: for those of which the absence would end the program.
-pub fn has_library(name: &str) -> bool {
-    // SAFETY: a library of the system, whose constructors have no requirement on when it is loaded.
-    unsafe { libloading::Library::new(name) }.is_ok()
-}
-
-/// The surface of a window, which is kept for as long: a part of its instance, so that it goes before that.
-pub(super) struct WindowSurface {
-    functions: khr::surface::Instance,
-    handle: vk::SurfaceKHR,
-    _window: Arc<dyn WindowHandle>,
-}
-
-impl WindowSurface {
-    fn new(instance: &Instance, window: Arc<dyn WindowHandle>) -> Result<WindowSurface, GpuError> {
-        let display = window.display_handle().map_err(no_handle)?.as_raw();
-        let own = window.window_handle().map_err(no_handle)?.as_raw();
-        let functions = khr::surface::Instance::new(&instance.entry, &instance.raw);
-        // SAFETY: the instance has the extensions of this display; the window is kept for longer than the surface.
-        let handle = unsafe { ash_window::create_surface(&instance.entry, &instance.raw, display, own, None) }
-            .named("vkCreateSurfaceKHR")?;
-        Ok(WindowSurface { functions, handle, _window: window })
-    }
-}
-
-impl Drop for WindowSurface {
-    fn drop(&mut self) {
-        // SAFETY: its swapchain is gone, which holds the device alive, which holds the instance, which drops this.
-        unsafe { self.functions.destroy_surface(self.handle, None) };
-    }
-}
-
-fn no_handle(error: HandleError) -> GpuError {
-    GpuError::Window(error.to_string())
-}
 
 /// The swapchain of the surface of a device.
 pub(super) struct Surface {
@@ -81,7 +40,7 @@ impl Surface {
         let display = window.display_handle().map_err(no_handle)?.as_raw();
         let extensions = ash_window::enumerate_required_extensions(display).named("the extensions of the display")?;
         let mut instance = Instance::new(options.validation, extensions)?;
-        let surface = WindowSurface::new(&instance, window)?;
+        let surface = WindowSurface::new(&instance.entry, &instance.raw, window)?;
         let (functions, handle) = (surface.functions.clone(), surface.handle);
         instance.surface = Some(surface);
         let presents = |physical, family| {

@@ -1,6 +1,6 @@
 //! Scene files: TOML, unknown fields refused with line and nearest name.
 
-use super::{Scene, SceneError, nearest, presets};
+use super::{Scene, SceneError, nearest, preset_texts};
 use std::path::Path;
 
 /// The largest scene file that is read, in bytes: more is no scene.
@@ -40,7 +40,7 @@ pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
         return Ok(scene);
     }
     let mut base =
-        scene.preset.as_deref().map_or(Ok(toml::Table::new()), |preset| table(presets::text(preset)?, name))?;
+        scene.preset.as_deref().map_or(Ok(toml::Table::new()), |preset| table(preset_texts::text(preset)?, name))?;
     merge(&mut base, table(text, name)?);
     base.remove("preset");
     if let Some(toml::Value::Table(parts)) = base.get_mut("parts") {
@@ -54,7 +54,7 @@ pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
 fn part_over_preset(part: &mut toml::Value, name: &str) -> Result<(), SceneError> {
     let Some(table) = part.as_table_mut() else { return Ok(()) };
     let Some(toml::Value::String(preset)) = table.remove("preset") else { return Ok(()) };
-    let mut base = self::table(presets::text(&preset)?, name)?;
+    let mut base = self::table(preset_texts::text(&preset)?, name)?;
     base.retain(|key, _| {
         ["object", "effect", "parameters", "material", "transfer"].into_iter().any(|kept| key == kept)
     });
@@ -101,6 +101,7 @@ fn syntax(error: &toml::de::Error, text: &str, name: &str) -> SceneError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::preset;
 
     #[test]
     fn an_unknown_field_is_refused_with_line_and_nearest_name() {
@@ -125,7 +126,7 @@ mod tests {
     #[test]
     fn a_file_goes_over_its_preset() {
         let scene = parse("preset = \"fur\"\n[parameters]\nfineness = 60\n", "x.toml").unwrap();
-        let fur = presets::preset("fur").unwrap();
+        let fur = preset("fur").unwrap();
         assert_eq!(scene.parameters["fineness"], super::super::ParameterValue::Number(60.0));
         assert_eq!(scene.effect, fur.effect);
     }
@@ -133,7 +134,7 @@ mod tests {
     #[test]
     fn a_saved_scene_reads_back_as_itself() {
         for effect in super::super::EFFECTS {
-            let mut scene = presets::preset(effect).unwrap();
+            let mut scene = preset(effect).unwrap();
             scene.camera.clip = Some([0.0, 0.0, 1.0, 0.25]);
             scene.camera.rotation = Some([0.6, 0.0, 0.0, 0.8]);
             assert_eq!(parse(&to_text(&scene), "saved").unwrap(), scene);

@@ -15,6 +15,7 @@ mod loops;
 mod modules;
 mod parameters;
 mod part;
+mod preset_texts;
 mod presets;
 mod quality;
 mod strategy;
@@ -29,7 +30,8 @@ pub use file::{load, parse, to_text};
 pub use light::{Light, LightMethod};
 pub use parameters::{Parameters, Spread};
 pub use part::{Boolean, Part, Transform};
-pub use presets::{EFFECTS, names, nearest_preset, preset};
+pub use preset_texts::names;
+pub use presets::{EFFECTS, nearest_preset, preset};
 pub use quality::{
     BlockFormat, EmptySpace, Integration, Order, Pass, Phases, Proxy, Quality, Reject, TargetFormat, Wrap,
 };

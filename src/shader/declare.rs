@@ -13,7 +13,8 @@
 //! ```
 //! The same lines feed the uniform block, the checks of a scene file and the documentation.
 
-use super::library::LibraryError;
+use super::error::LibraryError;
+use super::names::identifier;
 use super::reach::Reach;
 
 /// What a module declares.
@@ -127,13 +128,6 @@ pub fn hex_color(text: &str) -> Option<[u8; 3]> {
     let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii())?;
     let channel = |from: usize| u8::from_str_radix(&digits[from..from + 2], 16).ok();
     Some([channel(0)?, channel(2)?, channel(4)?])
-}
-
-pub(super) fn identifier(text: &str) -> Option<String> {
-    let name = text.trim();
-    let valid = name.starts_with(|c: char| c.is_ascii_lowercase())
-        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
-    valid.then(|| name.to_string())
 }
 
 #[cfg(test)]

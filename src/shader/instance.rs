@@ -3,7 +3,8 @@
 //! Two objects of one scene may fill one slot with different modules, or the same one with different parameters. So whatever
 //! depends on the object is compiled once for each, under names that end in the object's; everything else is shared.
 
-use super::library::{Include, Library, LibraryError, Slots, include, objects, own_names};
+use super::error::LibraryError;
+use super::library::{Include, Library, Slots, include, objects, own_names};
 use super::names::{has_state, members, rename, uses};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -3,7 +3,8 @@
 //! Source: MJ 6: different DMFs through the soft region, possible and not done in the paper.
 
 use super::declare::parse;
-use super::library::{Library, LibraryError, MEDIUM, MEDIUM_FUNCTIONS};
+use super::error::LibraryError;
+use super::library::{Library, MEDIUM, MEDIUM_FUNCTIONS};
 use super::names::definitions;
 use std::fmt::Write;
 

@@ -1,6 +1,7 @@
 //! The modules by path.
 
 use super::declare::{Declarations, Exact, parse};
+use super::error::LibraryError;
 use super::names::{definitions, rename};
 use super::reach::Reach;
 use std::borrow::Cow;
@@ -16,53 +17,6 @@ pub type Slots = BTreeMap<String, Vec<String>>;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Library {
     sources: Arc<BTreeMap<String, String>>,
-}
-
-/// Why a library does not give what is asked of it.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum LibraryError {
-    /// There is no such module.
-    #[error("no module `{name}` in slot `{slot}`; choose one of: {known}")]
-    Unknown {
-        /// The slot.
-        slot: String,
-        /// The name asked for.
-        name: String,
-        /// What there is.
-        known: String,
-    },
-    /// A declaration cannot be read.
-    #[error("{path}:{line}: `{text}` is not a declaration; write `// @param name = 0.5 in [0, 1]: What it does.`")]
-    Declaration {
-        /// The module.
-        path: String,
-        /// Line, from 1.
-        line: usize,
-        /// The comment.
-        text: String,
-    },
-    /// A DMF reads more or less than its header says.
-    #[error("{path} says that it is {claimed}, and reads what makes it {found}")]
-    Kind {
-        /// The module.
-        path: String,
-        /// The kind that its header names.
-        claimed: String,
-        /// The kind that it is.
-        found: String,
-    },
-    /// Two modules of one program declare the same parameter differently.
-    #[error("parameter `{name}` is declared twice with different defaults; rename it in one of the modules")]
-    Twice {
-        /// The parameter.
-        name: String,
-    },
-    /// A `@move` or `@grow` speaks of what is no parameter.
-    #[error("`{name}` in a `// @move` or `// @grow` is no parameter of the program; declare it with `// @param`")]
-    Unmeasured {
-        /// The name.
-        name: String,
-    },
 }
 
 impl Library {

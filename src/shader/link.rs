@@ -9,9 +9,10 @@
 
 use super::combine::{Formula, FormulaError};
 use super::declare::ParameterKind;
+use super::error::LibraryError;
 use super::instance::{Instance, instances};
 use super::layers::{layered, media};
-use super::library::{COMBINE, Library, LibraryError, MEDIUM, OBJECT_ENTRY, OBJECTS, PARAMETERS, Slots};
+use super::library::{COMBINE, Library, MEDIUM, OBJECT_ENTRY, OBJECTS, PARAMETERS, Slots};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;

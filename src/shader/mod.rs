@@ -7,6 +7,7 @@
 
 pub mod combine;
 pub mod declare;
+mod error;
 mod instance;
 mod kind;
 mod layers;
@@ -17,8 +18,9 @@ pub mod reach;
 
 pub use combine::{Formula, FormulaError};
 pub use declare::{Declarations, Parameter, ParameterKind};
+pub use error::LibraryError;
 pub use kind::Kind;
-pub use library::{Library, LibraryError, Slots};
+pub use library::{Library, Slots};
 pub use link::{LinkError, Linker, Stage};
 pub use reach::{Reach, Sides};
 

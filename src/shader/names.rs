@@ -32,6 +32,14 @@ fn is_name(token: &str) -> bool {
     token.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
 }
 
+/// A name as declarations write it: lower case.
+pub(super) fn identifier(text: &str) -> Option<String> {
+    let name = text.trim();
+    let valid = name.starts_with(|c: char| c.is_ascii_lowercase())
+        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+    valid.then(|| name.to_string())
+}
+
 /// Tokens that mean something: neither white space nor comments.
 fn words(text: &str) -> Vec<&str> {
     let idle =

@@ -124,7 +124,7 @@ impl Length {
         };
         let factor = |text: &str| match text.trim().parse::<f32>() {
             Ok(number) => (number.is_finite() && number >= 0.0).then_some(Factor::Number(number)),
-            Err(_) => super::declare::identifier(text).map(Factor::Name),
+            Err(_) => super::names::identifier(text).map(Factor::Name),
         };
         let product = |text: &str| text.split('*').map(factor).collect::<Option<Vec<_>>>();
         Some(Length { axis, terms: sum.split('+').map(product).collect::<Option<_>>()? })

@@ -3,7 +3,7 @@
 //! Role: one variant for each thing that really happens. Invariant: every message is one line with the file, the place
 //! where it is known, the value found, the limit, and the way out.
 
-use super::{BUILT_IN, open::known_extensions};
+use super::BUILT_IN;
 use std::{fmt, io};
 
 /// Why a name or a file gives no [`Shape`](super::Shape).
@@ -12,13 +12,15 @@ use std::{fmt, io};
 #[derive(Debug, thiserror::Error)]
 pub enum ShapeError {
     /// Neither a built-in object nor an existing file, and it does not look like a path.
-    #[error("no built-in object and no file is called `{name}`; did you mean `{nearest}`? built in: {}; files: {}",
-        BUILT_IN.join(", "), known_extensions())]
+    #[error("no built-in object and no file is called `{name}`; did you mean `{nearest}`? built in: {}; files: {known}",
+        BUILT_IN.join(", "))]
     UnknownName {
         /// What was asked for.
         name: String,
         /// The built-in name with the smallest edit distance.
         nearest: &'static str,
+        /// Extensions of the files that are read.
+        known: String,
     },
     /// There is no file at this path.
     #[error("{file}: no such file; check the path, or use a built-in object: {}", BUILT_IN.join(", "))]
@@ -49,12 +51,14 @@ pub enum ShapeError {
         file: String,
     },
     /// Neither the content nor the extension belongs to a known format.
-    #[error("{file}: not a known format, it begins with {start}; known files: {}", known_extensions())]
+    #[error("{file}: not a known format, it begins with {start}; known files: {known}")]
     UnknownFormat {
         /// The path.
         file: String,
         /// The first bytes, quoted.
         start: String,
+        /// Extensions of the files that are read.
+        known: String,
     },
     /// The text of the file breaks the integrations of its format.
     #[error("{file}: {place}: expected {expected}, found {found}; correct it there or export the file again")]

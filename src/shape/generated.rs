@@ -3,6 +3,7 @@
 //! Role: things to look at without a file. Invariant: every name of [`BUILT_IN`] gives a shape; meshes are wound
 //! outward and closed. All fit into [-1, 1]^3 with y up, and look alike in size.
 
+use super::mesh::tessellate;
 use super::{Mesh, Shape, Solid, head, phantom, tank, teapot};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
@@ -40,17 +41,6 @@ pub(super) fn built_in(name: &str) -> Option<Shape> {
         part if tank::PARTS.contains(&part) => Shape::Mesh(tank::part(part)),
         _ => return None,
     })
-}
-
-/// Corners of the triangles of a parametric surface over `nu` x `nv` cells; counterclockwise seen from the side of
-/// dP/du x dP/dv. `point` takes the grid indices 0..=nu and 0..=nv.
-pub(super) fn tessellate(nu: usize, nv: usize, point: impl Fn(usize, usize) -> Vec3) -> Vec<Vec3> {
-    let cells = (0..nu).flat_map(|u| (0..nv).map(move |v| (u, v)));
-    let corners = cells.flat_map(|(u, v)| {
-        let [a, b, c, d] = [point(u, v), point(u + 1, v), point(u + 1, v + 1), point(u, v + 1)];
-        [a, b, c, a, c, d]
-    });
-    corners.collect()
 }
 
 /// A regular dodecahedron with its corners on the unit sphere: 20 vertices, 36 triangles.

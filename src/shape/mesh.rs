@@ -95,6 +95,17 @@ fn weld(positions: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
     (distinct, indices)
 }
 
+/// Corners of the triangles of a parametric surface over `nu` x `nv` cells; counterclockwise seen from the side of
+/// dP/du x dP/dv. `point` takes the grid indices 0..=nu and 0..=nv.
+pub(super) fn tessellate(nu: usize, nv: usize, point: impl Fn(usize, usize) -> Vec3) -> Vec<Vec3> {
+    let cells = (0..nu).flat_map(|u| (0..nv).map(move |v| (u, v)));
+    let corners = cells.flat_map(|(u, v)| {
+        let [a, b, c, d] = [point(u, v), point(u + 1, v), point(u + 1, v + 1), point(u, v + 1)];
+        [a, b, c, a, c, d]
+    });
+    corners.collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -61,7 +61,7 @@ pub fn read(name: &str, mut bytes: &[u8]) -> Result<Shape, ShapeError> {
 }
 
 /// Extensions of all formats, for messages.
-pub(super) fn known_extensions() -> String {
+fn known_extensions() -> String {
     let all = FORMATS.iter().flat_map(|format| format.extensions);
     all.map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
 }
@@ -77,7 +77,7 @@ fn parse(name: &str, len: u64, reader: &mut dyn BufRead) -> Result<Shape, ShapeE
         Some(format) => (format.read)(&mut source),
         None => {
             let start = quoted(&start[..start.len().min(16)]);
-            Err(ShapeError::UnknownFormat { file: source.file, start })
+            Err(ShapeError::UnknownFormat { file: source.file, start, known: known_extensions() })
         }
     }
 }
@@ -92,7 +92,7 @@ fn unopened(name: &str, reason: io::Error) -> ShapeError {
     let file = shown(name);
     match reason.kind() {
         io::ErrorKind::NotFound if Path::new(name).extension().is_none() && !name.contains(['/', '\\']) => {
-            ShapeError::UnknownName { nearest: nearest(name), name: file }
+            ShapeError::UnknownName { nearest: nearest(name), name: file, known: known_extensions() }
         }
         io::ErrorKind::NotFound => ShapeError::Missing { file },
         _ => ShapeError::Unreadable { file, reason },

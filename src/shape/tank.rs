@@ -4,7 +4,7 @@
 //! brought to the size of the other built-in objects, and [`place`] says where it belongs.
 
 use super::Mesh;
-use super::generated::tessellate;
+use super::mesh::tessellate;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 

@@ -5,7 +5,7 @@
 //! spout), [`unit()`] closes them. Source: M. Newell 1975, see `teapot_data.rs`.
 
 use super::Mesh;
-use super::generated::tessellate;
+use super::mesh::tessellate;
 use super::teapot_data::{PATCHES, POINTS};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;

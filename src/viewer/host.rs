@@ -19,8 +19,19 @@ const SCRIPT_PACE: Duration = Duration::from_millis(16);
 /// Something came from another thread.
 struct Wake;
 
-/// Runs the window until it is closed.
-pub(super) fn run(start: Start, script: Option<Script>) -> Result<(), ViewError> {
+/// Shows a window until it is closed.
+///
+/// # Errors
+/// No display, library, loader or driver: one line that says what to do. With [`Start::frames`], a screenshot or a script,
+/// whatever they run into; and what the validation layer has found.
+pub fn run(start: Start) -> Result<(), ViewError> {
+    let script = match &start.script {
+        Some(file) => Some(Script::read(file)?),
+        None if start.frames.is_some() || start.screenshot.is_some() => {
+            Some(Script::of_frames(start.frames, start.screenshot.clone()))
+        }
+        None => None,
+    };
     let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     let wayland = set("WAYLAND_DISPLAY") || set("WAYLAND_SOCKET");
     if !wayland && !set("DISPLAY") && cfg!(target_os = "linux") {

@@ -15,6 +15,7 @@ mod keys;
 mod load;
 pub mod model;
 pub mod panels;
+mod programs;
 mod progressive;
 mod screen;
 mod script;
@@ -23,6 +24,7 @@ mod trackball;
 pub mod unsaved;
 mod worker;
 
-pub use app::{Start, run};
+pub use app::Start;
 pub use error::ViewError;
+pub use host::run;
 pub use trackball::Trackball;

@@ -1,6 +1,5 @@
 //! How a picture gets on the screen: its colors and its place.
 
-use super::worker::Picture;
 use crate::scene::{Color, linear_to_srgb};
 use egui::{Align2, Color32, ColorImage, FontId, Pos2, Rect, Stroke, TextureHandle, TextureOptions, Ui, Vec2};
 use rayon::prelude::*;
@@ -61,9 +60,9 @@ pub(super) struct Screen {
 }
 
 impl Screen {
-    /// Takes a picture.
-    pub(super) fn take(&mut self, picture: &mut Picture) {
-        self.images = std::mem::take(&mut picture.images);
+    /// Takes the images of a picture.
+    pub(super) fn take(&mut self, images: Vec<ColorImage>) {
+        self.images = images;
         self.fresh = true;
     }
 

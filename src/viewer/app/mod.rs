@@ -6,13 +6,11 @@ mod overlay;
 
 use super::ViewError;
 use super::author::Author;
-use super::host;
 use super::keys;
 use super::load::Loader;
 use super::model::Model;
 use super::panels::{Panels, Status};
 use super::screen::Screen;
-use super::script::Script;
 use super::status::{Figures, Stage};
 use super::trackball::Trackball;
 use super::unsaved;
@@ -48,22 +46,6 @@ pub struct Start {
     pub script: Option<PathBuf>,
     /// When the program began.
     pub began: Instant,
-}
-
-/// Shows a window until it is closed.
-///
-/// # Errors
-/// No display, library, loader or driver: one line that says what to do. With [`Start::frames`], a screenshot or a script,
-/// whatever they run into; and what the validation layer has found.
-pub fn run(start: Start) -> Result<(), ViewError> {
-    let script = match &start.script {
-        Some(file) => Some(Script::read(file)?),
-        None if start.frames.is_some() || start.screenshot.is_some() => {
-            Some(Script::of_frames(start.frames, start.screenshot.clone()))
-        }
-        None => None,
-    };
-    host::run(start, script)
 }
 
 /// Good enough for the eye: half a code of an 8-bit picture in its mid tones, without the option.
@@ -209,8 +191,8 @@ impl App {
         let events: Vec<Event> = worker.events.try_iter().collect();
         for event in events {
             match event {
-                Event::Picture(mut picture) => {
-                    self.screen.take(&mut picture);
+                Event::Picture(picture) => {
+                    self.screen.take(picture.images);
                     let figures = &mut self.figures;
                     (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
                     (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);

@@ -3,9 +3,9 @@
 
 use super::compile::{CompileError, Job, Limits, compile};
 use super::rays;
-use super::trial::{programs, reaches};
 use crate::scene::Scene;
 use crate::shader::{Library, shipped};
+use crate::viewer::programs::{programs, reaches};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard};

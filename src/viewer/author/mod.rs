@@ -7,14 +7,11 @@
 
 mod arrays;
 pub mod compile;
-mod editor;
 mod gate;
 pub mod rays;
 mod source;
 mod trial;
 
 pub use compile::Fault;
-pub use editor::show;
 pub use gate::Gate;
-pub use source::{Author, State};
-pub(super) use trial::{programs, reaches};
+pub use source::{Author, State, WATCH};

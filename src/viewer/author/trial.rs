@@ -1,8 +1,9 @@
 //! Which programs a changed module is tried in.
 
-use crate::render::variant::{Variant, VariantError};
+use crate::render::variant::VariantError;
 use crate::scene::{Pass, Scene};
 use crate::shader::Library;
+use crate::viewer::programs::{programs, reaches};
 use std::collections::BTreeSet;
 
 /// The scene, if the module is in its programs, else the nearest one that has it. None where no scene can have it.
@@ -26,13 +27,6 @@ pub(super) fn scene_with(
     refused.map_or(Ok(None), Err)
 }
 
-/// What a scene would link: its picture, and its shadows where it casts some.
-pub(in crate::viewer) fn programs(scene: &Scene, library: &Library) -> Result<Vec<Variant>, VariantError> {
-    let picture = Variant::of(scene, library)?;
-    let shadow = scene.light.shadows.then(|| picture.shadow(scene, library)).transpose()?;
-    Ok([picture].into_iter().chain(shadow).collect())
-}
-
 /// The scene, then with the module put in, then reduced to what needs it.
 fn candidates(scene: &Scene, library: &Library, slot: &str, name: &str) -> Vec<Scene> {
     let with = |mut scene: Scene| {
@@ -46,16 +40,6 @@ fn candidates(scene: &Scene, library: &Library, slot: &str, name: &str) -> Vec<S
     // What bends rays is read by nothing else.
     let glass = crate::scene::preset("blue_glass").unwrap_or_default();
     [scene.clone(), with(scene.clone()), with(soft), with(rays), with(glass)].into()
-}
-
-/// Whether the file is among those that a program is linked from.
-pub(in crate::viewer) fn reaches(variant: &Variant, library: &Library, path: &str) -> bool {
-    let is_it = |file: &String| file.split('#').next() == Some(path);
-    let filled = |(key, names): (&String, &Vec<String>)| {
-        let slot = key.rsplit('.').next().unwrap_or_default();
-        library.files(slot, names).is_ok_and(|files| files.iter().any(is_it))
-    };
-    variant.slots.iter().any(filled)
 }
 
 /// Puts a module into its slot: last in a stack, in place of the other elsewhere; a mask goes onto the last DMF. A copy of

@@ -5,7 +5,7 @@
 
 mod command;
 
-use super::author::{programs, reaches};
+use super::programs::{programs, reaches};
 use crate::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError};
 use crate::shader::ParameterKind;
 use crate::shader::{self, Library, Slots};

@@ -5,6 +5,7 @@
 //! its field in a scene file.
 
 mod accuracy;
+mod editor;
 mod effect;
 mod figures;
 mod object;
@@ -14,7 +15,7 @@ mod stage;
 mod transfer;
 pub mod widgets;
 
-use super::author::{self, Author};
+use super::author::Author;
 use super::model::Model;
 use crate::scene::{Effect, Material, Object, ParameterValue, Scene, Transfer};
 use egui::{CollapsingHeader, Panel, RichText, ScrollArea, Ui};
@@ -152,7 +153,7 @@ impl Panels {
         if self.author_is_open {
             Panel::left("author").default_size(520.0).size_range(280.0..=1200.0).show(ui, |ui| {
                 ui.add_space(4.0);
-                author::show(ui, &mut self.author, model);
+                editor::show(ui, &mut self.author, model);
             });
         } else if self.author.poll(model) {
             ui.ctx().request_repaint();

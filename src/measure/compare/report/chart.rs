@@ -3,7 +3,7 @@
 //! The colors of ink and paper are CSS variables, so that a page can show the chart in light and dark; [`standalone`]
 //! gives them values of its own.
 
-use super::html::escape;
+use super::page::escape;
 use std::fmt::Write;
 
 /// What a point is drawn as.

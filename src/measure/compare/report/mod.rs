@@ -7,8 +7,10 @@ mod data;
 mod environment;
 mod html;
 mod images;
+mod page;
 mod paper_html;
 pub mod replay;
+mod replay_grid;
 mod replay_html;
 
 pub use environment::{Environment, load};

@@ -1,6 +1,6 @@
 //! The paper's Table 3 beside ours, and its Fig. 8, as parts of the page.
 
-use super::html::{escape, short};
+use super::page::{escape, short};
 use super::{Report, images};
 use crate::measure::compare::BACKGROUND;
 use crate::measure::compare::front::cheapest;

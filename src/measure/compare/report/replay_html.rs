@@ -1,8 +1,8 @@
 //! The paper's tables beside ours, as one page that needs nothing else.
 
-use super::html::{circumstances, escape, whole};
 use super::images;
-use super::replay::{Replayed, about, grid};
+use super::page::{circumstances, escape, whole};
+use super::replay_grid::{Replayed, about, grid};
 use crate::measure::compare::BACKGROUND;
 use crate::measure::compare::paper::conclusions::{conclusions, digits};
 use crate::measure::compare::paper::numbers::CARDS;

@@ -1,8 +1,8 @@
 //! The panel in which a module is edited.
 
-use super::{Author, Fault, State};
+use super::widgets::{button, named};
+use crate::viewer::author::{Author, Fault, State, WATCH};
 use crate::viewer::model::Model;
-use crate::viewer::panels::widgets::{button, named};
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Align2, Color32, FontId, RichText, ScrollArea, TextEdit, Ui};
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ const FONT: FontId = FontId::monospace(13.0);
 const NO_SLOTS: [&str; 2] = ["doctor", "combine"];
 
 /// Shows the editor; what the text fields hold lives in the memory of `ui`. To be called once for each frame: it polls.
-pub fn show(ui: &mut Ui, author: &mut Author, model: &mut Model) {
+pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &mut Model) {
     author.poll(model);
     ui.horizontal_wrapped(|ui| {
         chooser(ui, author, model);
@@ -44,7 +44,7 @@ pub fn show(ui: &mut Ui, author: &mut Author, model: &mut Model) {
     ui.separator();
     text(ui, author);
     // A compiler that answers and a file that changes are seen without a hand on the mouse.
-    let wait = if *author.state() == State::Compiling { 30 } else { super::source::WATCH.as_millis() as u64 };
+    let wait = if *author.state() == State::Compiling { 30 } else { WATCH.as_millis() as u64 };
     ui.ctx().request_repaint_after(std::time::Duration::from_millis(wait));
 }
 

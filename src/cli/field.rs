@@ -1,0 +1,70 @@
+//! `field`: the distance field of an object, as a file.
+
+use super::scene_arguments::ObjectArguments;
+use super::{absolute, say, with_progress};
+use crate::render::{open, request};
+use crate::scene::Object;
+use crate::support::write_whole;
+use crate::{field, output, shape};
+use clap::Args;
+use std::error::Error;
+use std::path::PathBuf;
+
+/// Arguments of `field`.
+#[derive(Args)]
+pub struct Field {
+    /// A built-in object, a mesh, a scalar volume or a distance field.
+    pub input: String,
+    /// Where the field goes: .nrrd.
+    #[arg(long, short, default_value = "field.nrrd", value_name = "FILE")]
+    pub output: PathBuf,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectArguments,
+    /// How far the field reaches beyond the object; 1 is half of its longest side.
+    #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
+    pub margin: f32,
+}
+
+/// Computes the field, and writes it.
+pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
+    if !command.output.extension().is_some_and(|end| end.eq_ignore_ascii_case("nrrd")) {
+        return Err(format!("{}: a field is written as NRRD; end the name in .nrrd", command.output.display()).into());
+    }
+    output::check_folder(&command.output)?;
+    let mut object = Object { input: command.input.clone(), ..Object::default() };
+    command.object.apply(&mut object)?;
+    if !(0.0..=4.0).contains(&command.margin) {
+        return Err(format!(
+            "--margin {}: must be from 0 to 4 (1 is half of the object's longest side)",
+            command.margin
+        )
+        .into());
+    }
+    let shape = open(&object)?;
+    let request = request(&shape, &object, command.margin);
+    let (field, report) =
+        with_progress(quiet, "distance field", |progress| field::load_or_compute(&shape, &request, progress))?;
+    let field = field.turned(object.up.turn());
+    let mut bytes = Vec::new();
+    shape::write_nrrd(&field.to_volume(), &mut bytes)?;
+    write_whole(&command.output, &bytes)
+        .map_err(|error| format!("{}: {error}; nothing was written", command.output.display()))?;
+    if !quiet {
+        let [x, y, z] = field.grid.size;
+        let (low, high) = field.range();
+        say(&format!(
+            "field      {x} x {y} x {z}, spacing {:?}, distances {low:.4} to {high:.4} world units\n\
+             exact      within {:.4} of the surface; a lower bound beyond\n\
+             surface    {} triangles, {} open edges, {} closing; {:.0} ms\nwrote {}\n",
+            field.grid.spacing.to_array(),
+            request.band,
+            report.triangles,
+            report.open_edges,
+            report.closing_triangles,
+            report.ms,
+            absolute(&command.output)
+        ));
+    }
+    Ok(())
+}

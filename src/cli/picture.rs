@@ -1,0 +1,118 @@
+//! A picture, or a shard of one: rendered, written, and what it took in words.
+
+use super::{absolute, say, with_progress};
+use crate::gpu::Gpu;
+use crate::output::shard::{self, Shard};
+use crate::output::{Depth, Provenance, write};
+use crate::render::{Frame, Renderer, Subject};
+use crate::scene::Scene;
+use crate::shader::Library;
+use crate::support::write_whole;
+use std::error::Error;
+use std::path::Path;
+
+/// All that a picture is made of, and where it goes.
+#[derive(Clone, Copy)]
+pub(super) struct Picture<'a> {
+    pub(super) gpu: &'a Gpu,
+    pub(super) library: &'a Library,
+    pub(super) scene: &'a Scene,
+    pub(super) subject: &'a Subject,
+    pub(super) output: &'a Path,
+    /// Bits of each channel of a PNG: 8 or 16.
+    pub(super) depth: &'a str,
+    pub(super) quiet: bool,
+}
+
+impl Picture<'_> {
+    /// Bits of each channel of a PNG.
+    pub(super) fn depth(&self) -> Depth {
+        if self.depth == "16" { Depth::Sixteen } else { Depth::Eight }
+    }
+}
+
+/// Renders a picture and writes it.
+pub(super) fn render_picture(picture: &Picture<'_>) -> Result<(), Box<dyn Error>> {
+    let Picture { gpu, library, scene, subject, output, quiet, .. } = *picture;
+    let frame = with_progress(quiet, "noise", |progress| {
+        let mut renderer = Renderer::new(gpu, library, subject);
+        renderer.prepare(scene, progress)?;
+        renderer.render(scene)
+    })?;
+    let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements.modules)?;
+    write(&frame, scene.image.background, picture.depth(), &provenance, output)?;
+    if !quiet {
+        say(&summary(gpu, scene, subject, &frame));
+        say(&format!("wrote {}\n", absolute(output)));
+    }
+    Ok(())
+}
+
+/// Renders a part of a picture and writes it as a file of its own.
+pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<(), Box<dyn Error>> {
+    let Picture { gpu, library, scene, subject, output, quiet, .. } = *picture;
+    let bands = shard.bands(scene.image.size[1]);
+    let frame = with_progress(quiet, "noise", |progress| {
+        let mut renderer = Renderer::new(gpu, library, subject);
+        renderer.prepare(scene, progress)?;
+        renderer.render_bands(scene, &bands)
+    })?;
+    let whole = shard::Whole {
+        identity: shard::identity(scene, library, subject)?,
+        size: scene.image.size,
+        background: scene.image.background,
+        depth: picture.depth(),
+        provenance: Provenance::of(scene, &gpu.info().title(), &frame.measurements.modules)?,
+    };
+    let path = shard.path(output);
+    write_whole(&path, &shard::encode(&whole, shard, &frame))
+        .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
+    if !quiet {
+        say(&summary(gpu, scene, subject, &frame));
+        say(&format!("wrote {}\n", absolute(&path)));
+    }
+    Ok(())
+}
+
+/// What a render took, and what it left out.
+fn summary(gpu: &Gpu, scene: &Scene, subject: &Subject, frame: &Frame) -> String {
+    let info = gpu.info();
+    let m = &frame.measurements;
+    let mut lines = vec![
+        format!("device     {} ({}, Vulkan {})", info.name, info.driver, info.api),
+        format!("program    {}{}", m.modules, if m.shipped { "" } else { " (linked now)" }),
+        format!("left out   {}", if m.left_out.is_empty() { "nothing".into() } else { m.left_out.join(", ") }),
+    ];
+    if let (Some(field), Some(report)) = (&subject.field, &subject.report) {
+        let [x, y, z] = field.grid.size;
+        let origin = if report.from_cache { "from the cache" } else { "computed" };
+        lines.push(format!(
+            "field      {x} x {y} x {z}, {origin} in {:.0} ms; {} triangles, {} open edges, {} closing; stored to {:.1e} object units",
+            report.ms, report.triangles, report.open_edges, report.closing_triangles, m.quantization
+        ));
+    }
+    if let Some([held, asked]) = m.octaves.filter(|[held, asked]| held < asked) {
+        lines.push(format!("octaves    {held} of {asked}: {}", scene.octaves_limit()));
+    }
+    let fragments = m.fragments.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
+    lines.push(format!("slices     {} of thickness {:.5} object units{fragments}", m.slices, m.step));
+    if let Some(radius) = m.held_beyond {
+        lines.push(format!(
+            "held       beyond {radius:.2} object units from the center a warp keeps its step: lobes are shorter than its formula"
+        ));
+    }
+    if let Some(shadow_ms) = m.shadow_ms {
+        lines.push(format!("shadows    {shadow_ms:.1} ms"));
+    }
+    lines.push(format!(
+        "time       {:.1} ms on the device (longest submission {:.1} ms), {:.0} ms to compile, {:.0} ms in all",
+        m.gpu_ms, m.longest_ms, m.compile_ms, m.total_ms
+    ));
+    if let Some(sparse) = m.sparse {
+        let [bytes, dense] = [sparse.bytes, sparse.dense_bytes].map(|bytes| bytes as f64 / f64::from(1 << 20));
+        let (stored, bricks) = (sparse.stored, sparse.bricks);
+        lines.push(format!("bricks     {stored} of {bricks} stored: {bytes:.1} MiB in place of {dense:.1} MiB"));
+    }
+    lines.push(format!("memory     {:.1} MiB of images on the device\n", m.device_bytes as f64 / f64::from(1 << 20)));
+    lines.join("\n")
+}

@@ -1,0 +1,190 @@
+//! `render`: a picture, its frames or a shard of them, with the fastest settings or with its cost in advance.
+
+use super::picture::{Picture, render_picture, render_shard};
+use super::scene_arguments::{ObjectArguments, SceneArguments, metric};
+use super::sequence::{Motion, ShardChoice, render_frames, shard};
+use super::{say, start, with_progress};
+use crate::gpu::{Gpu, Options};
+use crate::measure::compare::{Failure, Stage};
+use crate::measure::pick::{ErrorBound, Metric, Pick, remembered};
+use crate::measure::predict::{Estimate, Prediction, predict};
+use crate::measure::worker::{Load, Worker};
+use crate::output;
+use crate::render::{Renderer, Subject, ignored};
+use crate::scene::{self, Pass, Scene};
+use crate::shader::Library;
+use crate::support::write_whole;
+use clap::Args;
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `render`.
+#[derive(Args)]
+pub struct Render {
+    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), an example scene such as fire_ball, or
+    /// a picture that this program has written: its scene.
+    pub input: String,
+    /// Where the picture goes: .png or .exr.
+    #[arg(long, short, default_value = "out.png", value_name = "FILE")]
+    pub output: PathBuf,
+    /// Bits of each channel of a PNG.
+    #[arg(long, default_value = "8", value_parser = ["8", "16"])]
+    pub depth: String,
+    /// Write the scene in use, complete with defaults.
+    #[arg(long, value_name = "FILE")]
+    pub save_scene: Option<PathBuf>,
+    /// Say what the picture will cost, from small ones, and write none.
+    #[arg(long, conflicts_with_all = ["frames", "shard"])]
+    pub predict: bool,
+    /// Draw it with the fastest settings whose error is below this, such as 1e-3; the scene says what is drawn, and no longer how.
+    #[arg(long, value_name = "ERROR", conflicts_with = "shard")]
+    pub max_error: Option<f64>,
+    /// How that error is measured: rmse, max, p999, opacity.
+    #[arg(long, default_value = "rmse", value_parser = metric, requires = "max_error")]
+    pub metric: Metric,
+    /// Render part K, from 0 to N - 1, of a picture or of the frames; without a value, the part that Slurm or
+    /// Kubernetes gives to this process.
+    #[arg(long, value_name = "K/N", num_args = 0..=1, default_missing_value = "auto", value_parser = shard)]
+    pub shard: Option<ShardChoice>,
+    /// Many frames.
+    #[command(flatten)]
+    pub motion: Motion,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectArguments,
+    /// What the picture shows.
+    #[command(flatten)]
+    pub arguments: SceneArguments,
+}
+
+impl Render {
+    /// What changes nothing, with commas between; `None` if all that was asked for does something. `base` is what was there
+    /// before, `asked` the scene as the file and the arguments have it, `drawn` that which `--max-error` may have changed.
+    fn ignored(&self, library: &Library, subject: &Subject, [base, asked, drawn]: [&Scene; 3]) -> Option<String> {
+        let (before, after) = (base.fields(), drawn.fields());
+        let set: Vec<_> = asked.fields().into_iter().filter(|field| !before.contains(field)).collect();
+        let said = |(name, value): &(String, toml::Value)| format!("{name} = {value}");
+        let replaced = set.iter().filter(|field| !after.contains(field));
+        let mut all: Vec<String> = replaced.map(|field| format!("{} (--max-error chooses)", said(field))).collect();
+        let own: Vec<String> = set.iter().map(said).collect();
+        all.extend(ignored(library, subject, base, drawn).into_iter().filter(|field| own.contains(field)));
+        let ends = |path: &Path, end: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end));
+        if self.depth != "8" && (ends(&self.output, "exr") || self.predict) {
+            all.push(format!("--depth {}", self.depth));
+        }
+        if self.predict && self.output != Path::new("out.png") {
+            all.push(format!("--output {}", self.output.display()));
+        }
+        (!all.is_empty()).then(|| all.join(", "))
+    }
+}
+
+/// Renders, or says what it would cost.
+pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let (mut scene, base) = command.arguments.scene_and_base(&command.input, &command.object)?;
+    let library = scene.library()?;
+    scene.check(&library)?;
+    let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose()?;
+    output::check(&command.output)?;
+    command.save_scene.iter().try_for_each(|file| output::check_folder(file))?;
+    let shard = command.shard.map(ShardChoice::shard).transpose()?;
+    let sequence = command.motion.sequence()?;
+    if let Some(sequence) = &sequence {
+        sequence.scene(&scene, sequence.frames.last).check(&library)?;
+    }
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let gpu = Gpu::new(options)?;
+    let asked = scene.clone();
+    if let Some(bound) = bound {
+        let worker = Worker::new(&start(options)?, &library, Load::Scene(scene::to_text(&scene)));
+        let worker = Some(&worker);
+        let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker, stop: &|| false };
+        let pick = with_progress(quiet, "fastest settings", |progress| remembered(stage, &scene, bound, progress))?;
+        if !quiet {
+            say(&explain(&pick, bound));
+        }
+        scene = pick.scene;
+    }
+    if !quiet {
+        let line = command.ignored(&library, &subject, [&base, &asked, &scene]);
+        say(&line.map_or(String::new(), |fields| format!("ignored    {fields}: the picture is the same without\n")));
+    }
+    let (output, depth) = (&*command.output, &*command.depth);
+    let picture = Picture { gpu: &gpu, library: &library, scene: &scene, subject: &subject, output, depth, quiet };
+    if command.predict {
+        let prediction = predict(&mut Renderer::new(&gpu, &library, &subject), &scene)?;
+        say(&format_prediction(&scene, &prediction));
+    } else if let Some(sequence) = &sequence {
+        render_frames(&picture, sequence, shard, command.motion.restart)?;
+    } else if let Some(shard) = shard {
+        render_shard(&picture, shard)?;
+    } else {
+        render_picture(&picture)?;
+    }
+    if let Some(file) = &command.save_scene {
+        write_whole(file, scene::to_text(&scene).as_bytes())
+            .map_err(|error| format!("{}: {error}; nothing was written", file.display()))?;
+    }
+    Ok(())
+}
+
+/// A pick in words.
+fn explain(pick: &Pick, bound: ErrorBound) -> String {
+    let [left_out, drawn, kept] = pick.counts;
+    let remembered = if pick.remembered { ", remembered" } else { "" };
+    let mut text = format!("settings   {}{remembered}\n", pick.settings);
+    text += &match (&pick.verified, &pick.unverified) {
+        (Some(found), _) => format!(
+            "error      {} {:.1e}, asked for {:.1e}; by the f64 reference (own error {:.0e}) in {} pixels\n",
+            bound.metric, found.error, bound.error, found.estimate, found.pixels
+        ),
+        (None, why) => format!(
+            "error      {} {:.1e}, asked for {:.1e}; by a finer picture: {}\n",
+            bound.metric,
+            pick.error,
+            bound.error,
+            why.as_deref().unwrap_or_default()
+        ),
+    };
+    text += &format!(
+        "why        the fastest of {kept} that fit, of {drawn} drawn small ({:.2} ms); {left_out} could not fit",
+        pick.small_ms
+    );
+    let other =
+        pick.other.as_ref().map(|(settings, ms)| format!("; {settings} takes {:.1}x", ms / pick.small_ms.max(1e-6)));
+    text = text + &other.unwrap_or_default() + "\n";
+    for Failure { label, message } in &pick.failures {
+        text += &format!("failed     {label}: {message}\n");
+    }
+    text
+}
+
+/// A prediction in words.
+fn format_prediction(scene: &Scene, prediction: &Prediction) -> String {
+    let seconds = |ms: f64| format!("{:.2} s", ms * 1e-3);
+    let time = |e: &Estimate| format!("{} ({} to {})", seconds(e.expected), seconds(e.low), seconds(e.high));
+    let [width, height] = scene.image.size;
+    let Prediction { probes, slices, .. } = prediction;
+    let sizes = probes.chunk_by(|a, b| a.size == b.size);
+    let sizes = sizes.map(|same| format!("{} of {} x {}", same.len(), same[0].size[0], same[0].size[1]));
+    let millions = |count: f64| count * 1e-6;
+    let count = match (scene.quality.pass, prediction.fragments) {
+        (Pass::March, Some(rays)) => {
+            let rays = millions(rays.expected);
+            format!("rays       {rays:.2} M, {:.0} M samples at most", rays * f64::from(*slices))
+        }
+        (Pass::Slices, Some(Estimate { low, expected, high })) => {
+            let [low, expected, high] = [low, expected, high].map(millions);
+            format!("slices     {slices}, {expected:.1} M fragments ({low:.1} to {high:.1} M)")
+        }
+        (_, None) => format!("slices     {slices}; the device does not count fragments"),
+    };
+    format!(
+        "probes     {}: {} in all\n{count}\ndevice     {} for {width} x {height}\n\
+         expected   {} in all, without the distance field and the writing of the file\n",
+        sizes.collect::<Vec<_>>().join(", "),
+        seconds(prediction.spent_ms),
+        time(&prediction.device_ms),
+        time(&prediction.total_ms),
+    )
+}
