@@ -1,5 +1,6 @@
 //! Pictures that get better: how coarse one may be while the scene moves, and how good a mean of many is.
 
+use crate::measure::statistics::rms_difference;
 use crate::scene::{RayPath, Scene, TargetFormat};
 
 /// Ways to save work: every so many pixels in a row, and one of so many samples. From the best.
@@ -129,13 +130,6 @@ impl Mean {
         let of_means: f64 = self.sum.as_flattened().iter().map(|sum| sum * sum / count).sum();
         (self.count > 1).then(|| ((self.squares - of_means).max(0.0) / values / (count - 1.0) / count).sqrt())
     }
-}
-
-/// Root mean square difference of two pictures of the same size, over all channels.
-pub(super) fn rms_difference(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
-    let values = a.as_flattened().iter().zip(b.as_flattened());
-    let sum: f64 = values.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
-    (sum / (4 * a.len()).max(1) as f64).sqrt()
 }
 
 /// A picture with more pixels, each that of the nearest.

@@ -2,12 +2,13 @@
 
 use super::{Event, Job, Picture, Shared};
 use crate::gpu::Gpu;
+use crate::measure::statistics::rms_difference;
 use crate::render::{Frame, RenderError, Renderer, ignored};
 use crate::scene::{Scene, nearest_preset};
 use crate::shader::{Library, shipped};
 use crate::viewer::author::Gate;
 use crate::viewer::author::compile::CompileError;
-use crate::viewer::progressive::{FEWEST, Level, MOST, Mean, enlarge, number, reference, rms_difference};
+use crate::viewer::progressive::{FEWEST, Level, MOST, Mean, enlarge, number, reference};
 use crate::viewer::screen::encode_srgb;
 use crate::viewer::status::Stage;
 use std::sync::Arc;
