@@ -11,6 +11,7 @@
 
 mod commands;
 mod device;
+mod format;
 mod instance;
 mod memory;
 mod messages;
@@ -24,7 +25,8 @@ mod validation_tests;
 
 pub use commands::{Commands, Draw, Load, Submitted, Target};
 pub use device::{DeviceInfo, Gpu, Options};
-pub use memory::{Address, Buffer, BufferUse, Dimension, Format, Image, ImageUse, Sampler};
+pub use format::Format;
+pub use memory::{Address, Buffer, BufferUse, Dimension, Image, ImageUse, Sampler};
 pub use messages::Messages;
 #[cfg(feature = "viewer")]
 pub use overlay::{Canvas, Presented};

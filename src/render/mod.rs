@@ -34,7 +34,7 @@ use crate::render::variant::{Program, Variant, VariantError};
 use crate::scene::{Order, Pass, Scene, TargetFormat};
 use crate::shader::{Library, Linker};
 use crate::shape::ShapeError;
-use pixels::{add, check_finite, decode, floats, mean};
+use pixels::{add, check_finite, mean};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::time::Instant;
@@ -416,7 +416,7 @@ impl<'a> Prepared<'a> {
                 }
             });
             let texels = self.resolved.as_ref().unwrap_or(&self.color).read()?;
-            add(&mut sum, &decode(&texels, quality.target));
+            add(&mut sum, &texels);
         }
         let pixels = mean(&sum, count);
         check_finite(&pixels, width as usize)?;
