@@ -149,6 +149,7 @@ pub(super) fn enlarge(pixels: &[[f32; 4]], from: [u32; 2], to: [u32; 2]) -> Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::support::random::SplitMix;
     use std::collections::BTreeSet;
 
     #[test]
@@ -179,11 +180,8 @@ mod tests {
 
     #[test]
     fn the_error_of_a_mean_of_independent_pictures_is_what_it_says() {
-        let mut state = 7u64;
-        let mut noise = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((state >> 40) as f32 / (1 << 24) as f32 - 0.5) * 12f32.sqrt() * 0.1 // deviation 0.1
-        };
+        let mut random = SplitMix(7);
+        let mut noise = || (random.unit() as f32 - 0.5) * 12f32.sqrt() * 0.1; // deviation 0.1
         let mut mean = Mean::default();
         for count in 1..=64 {
             let picture: Vec<[f32; 4]> =
