@@ -4,6 +4,9 @@
 mod common;
 #[path = "common/probe.rs"]
 mod probe;
+#[path = "../src/support/random.rs"]
+#[allow(dead_code, reason = "the tests use a part of it")]
+mod random;
 
 use common::with_gpu;
 use hypertexture::exact::{Interval, Lanes};
@@ -11,6 +14,7 @@ use hypertexture::render::variant::Variant;
 use hypertexture::scene;
 use hypertexture::shader::{self, Library, Slots};
 use probe::Probe;
+use random::SplitMix;
 use std::collections::BTreeMap;
 
 const POINT: &str = include_str!("glsl/exact_point.glsl");
@@ -215,18 +219,6 @@ fn f64_agrees_with_the_device_on_every_module_and_preset() {
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
 
-/// Numbers in [0, 1), each step the next.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        // PCG-XSH-RR, O'Neill 2014.
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        let bits = (((self.0 >> 18) ^ self.0) >> 27) as u32;
-        f64::from(bits.rotate_right((self.0 >> 59) as u32)) / 4_294_967_296.0
-    }
-}
-
 /// Boxes of each program, and points in each.
 const BOXES: usize = 448;
 const POINTS: usize = 24;
@@ -234,7 +226,7 @@ const POINTS: usize = 24;
 #[test]
 fn intervals_hold_what_their_points_give_on_every_module_and_preset() {
     let library = shader::shipped();
-    let mut random = Random(7);
+    let mut random = SplitMix(7);
     let mut total = 0;
     each(&library, |name, text, choice, slot| {
         let Some(probe) = Probe::new(&library, text, choice, slot, true) else { return };
@@ -243,9 +235,9 @@ fn intervals_hold_what_their_points_give_on_every_module_and_preset() {
         // Widths from 1e-6 to 1, evenly over the powers.
         let boxes: Vec<[Interval; 4]> = (0..BOXES)
             .map(|_| {
-                let width = 10f64.powf(-6.0 * random.next());
+                let width = 10f64.powf(-6.0 * random.unit());
                 [0; 4].map(|_| {
-                    let low = 4.0 * random.next() - 2.0;
+                    let low = 4.0 * random.unit() - 2.0;
                     Interval::of(low, low + width)
                 })
             })
@@ -261,7 +253,7 @@ fn intervals_hold_what_their_points_give_on_every_module_and_preset() {
         for _ in 0..POINTS {
             let inside: Vec<[f64; 4]> = boxes
                 .iter()
-                .map(|at| at.map(|range| (range.lo + random.next() * (range.hi - range.lo)).clamp(range.lo, range.hi)))
+                .map(|at| at.map(|range| (range.lo + random.unit() * (range.hi - range.lo)).clamp(range.lo, range.hi)))
                 .collect();
             let lanes =
                 Lanes { fragment_coordinates: coordinates.clone(), varyings: BTreeMap::from([(0, inside.clone())]) };

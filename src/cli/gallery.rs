@@ -239,7 +239,7 @@ impl Shared {
     fn serves(&self, scene: &Scene) -> bool {
         match &self.alone {
             Some(alone) => alone == scene,
-            None => !scene.has_several() && same_field(&self.object, &scene.object),
+            None => !scene.has_several() && self.object.without_look() == scene.object.without_look(),
         }
     }
 
@@ -272,12 +272,6 @@ impl Shared {
         };
         render(gpu, library, scene, self.subject.insert(subject))
     }
-}
-
-/// What of an object its field depends on.
-fn same_field(a: &Object, b: &Object) -> bool {
-    let soft = |object: &Object| Object { inner_iso: 0.0, outer_iso: 0.0, stretch: [1.0; 3], ..object.clone() };
-    soft(a) == soft(b)
 }
 
 /// The objects of the scenes, each once.

@@ -4,6 +4,7 @@
 use super::args::{Arguments, Command};
 use crate::scene::{self, Color, ParameterValue, Scene, preset};
 use crate::shader;
+use crate::support::random::SplitMix;
 use crate::viewer::model::Model;
 use clap::Parser;
 
@@ -47,13 +48,12 @@ fn a_person_would_write_the_same_line() {
     check(&model);
 }
 
-/// Numbers between 0 and 1 from a seed: a small linear congruence.
-struct Dice(u64);
+/// Numbers between 0 and 1.
+struct Dice(SplitMix);
 
 impl Dice {
     fn roll(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u32 << 24) as f32
+        self.0.unit() as f32
     }
 
     fn below(&mut self, count: usize) -> usize {
@@ -109,7 +109,7 @@ fn edit(model: &mut Model, dice: &mut Dice) -> bool {
 #[test]
 fn the_command_line_of_random_edits_gives_the_same_scene() {
     for seed in 0..24 {
-        let mut dice = Dice(seed);
+        let mut dice = Dice(SplitMix(seed));
         let name = scene::names().nth(seed as usize % 26).unwrap();
         let mut model = Model::new(preset(name).unwrap(), shader::shipped()).unwrap();
         for _ in 0..10 {
@@ -122,7 +122,7 @@ fn the_command_line_of_random_edits_gives_the_same_scene() {
 #[test]
 fn every_edit_is_undone_and_done_again() {
     for seed in 100..116 {
-        let mut dice = Dice(seed);
+        let mut dice = Dice(SplitMix(seed));
         let mut model = Model::new(preset("fur").unwrap(), shader::shipped()).unwrap();
         let mut scenes = vec![model.scene().clone()];
         for _ in 0..40 {

@@ -77,7 +77,7 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
     let library = provenance.scene(image)?.library()?;
     let asked = CheckOptions { pixels: command.pixels, seed: command.seed, bound: command.bound };
     let known = |scene: &Scene, subject: &Subject, pixels: &[[u32; 2]], progress: Progress<'_>| {
-        truth(&gpu, &library, (scene, subject), pixels, progress)
+        truth(&gpu, &library, scene, subject, pixels, progress)
     };
     let agreement =
         with_progress(quiet, "verifying", |progress| verify::check(&gpu, &library, image, &asked, progress, &known))?;
@@ -111,7 +111,8 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
 fn truth(
     gpu: &Gpu,
     library: &Library,
-    (scene, subject): (&Scene, &Subject),
+    scene: &Scene,
+    subject: &Subject,
     pixels: &[[u32; 2]],
     progress: Progress<'_>,
 ) -> Result<PixelTruth, Box<dyn Error>> {

@@ -137,7 +137,7 @@ pub fn cached(
         return Ok((field, FieldReport { ms: start.elapsed().as_secs_f64() * 1e3, ..report }));
     }
     let (field, report) = compute()?;
-    keep(&FIELD, key, folder, (&field.grid, &field.values, &report));
+    keep(&FIELD, key, folder, &field.grid, &field.values, &report);
     Ok((field, report))
 }
 
@@ -158,8 +158,8 @@ pub fn cached_with_closest(
         return Ok((DistanceField { grid, values }, ClosestPoints { grid: closest_grid, points }, report));
     }
     let (field, closest, report) = compute()?;
-    keep(&FIELD, key, folder, (&field.grid, &field.values, &report));
-    keep(&CLOSEST, key, folder, (&closest.grid, bytemuck::cast_slice(&closest.points), &report));
+    keep(&FIELD, key, folder, &field.grid, &field.values, &report);
+    keep(&CLOSEST, key, folder, &closest.grid, bytemuck::cast_slice(&closest.points), &report);
     Ok((field, closest, report))
 }
 
@@ -181,9 +181,9 @@ fn read(kind: &Kind, key: &Key, folder: &Path) -> Option<Stored> {
 }
 
 /// Stores under `key`, or warns.
-fn keep(kind: &Kind, key: &Key, folder: &Path, content: (&Grid, &[f32], &FieldReport)) {
+fn keep(kind: &Kind, key: &Key, folder: &Path, grid: &Grid, values: &[f32], report: &FieldReport) {
     let path = key.file(kind, folder);
-    if let Err(error) = disk_cache::write(&path, encode(kind, key, content), Some(CACHE)) {
+    if let Err(error) = disk_cache::write(&path, encode(kind, key, grid, values, report), Some(CACHE)) {
         log::warn!("{}: cannot keep the field: {error}; set HYPERTEXTURE_CACHE to a writable folder", path.display());
     }
 }
@@ -195,7 +195,7 @@ fn floats(hash: &mut blake3::Hasher, values: &[f32]) {
 /// Grid, floats of its samples, and how they were computed.
 type Stored = (Grid, Vec<f32>, FieldReport);
 
-fn encode(kind: &Kind, key: &Key, (grid, values, report): (&Grid, &[f32], &FieldReport)) -> Vec<u8> {
+fn encode(kind: &Kind, key: &Key, grid: &Grid, values: &[f32], report: &FieldReport) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER_BYTES + 4 * values.len());
     bytes.extend_from_slice(kind.magic);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
@@ -342,9 +342,9 @@ mod tests {
         assert!(others.iter().all(|other| *other != key));
         assert_ne!(others[4], others[5]);
         let field = transform(&shape(), &REQUEST, &|_| {}).unwrap().0;
-        let foreign = encode(&FIELD, &others[0], (&field.grid, &field.values, &FieldReport::default()));
+        let foreign = encode(&FIELD, &others[0], &field.grid, &field.values, &FieldReport::default());
         assert!(decode(&FIELD, &foreign, &key).is_none());
-        let of_another_kind = encode(&FIELD, &key, (&field.grid, &field.values, &FieldReport::default()));
+        let of_another_kind = encode(&FIELD, &key, &field.grid, &field.values, &FieldReport::default());
         assert!(decode(&FIELD, &of_another_kind, &key).is_some() && decode(&CLOSEST, &of_another_kind, &key).is_none());
     }
 

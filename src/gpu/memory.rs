@@ -1,64 +1,10 @@
 //! Buffers, images and samplers, each owning its memory.
 
-use super::{Gpu, GpuError, Named};
+use super::{Format, Gpu, GpuError, Named};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use std::sync::atomic::{AtomicI32, Ordering};
-
-/// Texel formats that the renderer uses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Format {
-    /// One channel, 8 bits, [0, 1].
-    R8Unorm,
-    /// One channel, 16 bits, [0, 1].
-    R16Unorm,
-    /// One channel, 32-bit float.
-    R32Float,
-    /// Four channels, 8 bits, [0, 1].
-    Rgba8Unorm,
-    /// Four channels, 16 bits, [0, 1].
-    Rgba16Unorm,
-    /// Four channels, 16-bit float.
-    Rgba16Float,
-    /// Four channels, 32-bit float.
-    Rgba32Float,
-    /// As [`Format::Rgba8Unorm`]; colors are encoded as sRGB where they are written.
-    Rgba8Srgb,
-    /// As [`Format::Rgba8Unorm`], blue first.
-    Bgra8Unorm,
-    /// As [`Format::Rgba8Srgb`], blue first.
-    Bgra8Srgb,
-}
-
-impl Format {
-    /// Bytes of one texel.
-    pub fn bytes(self) -> u64 {
-        match self {
-            Format::R8Unorm => 1,
-            Format::R16Unorm => 2,
-            Format::R32Float | Format::Rgba8Unorm | Format::Rgba8Srgb => 4,
-            Format::Bgra8Unorm | Format::Bgra8Srgb => 4,
-            Format::Rgba16Unorm | Format::Rgba16Float => 8,
-            Format::Rgba32Float => 16,
-        }
-    }
-
-    pub(super) fn vk(self) -> vk::Format {
-        match self {
-            Format::R8Unorm => vk::Format::R8_UNORM,
-            Format::R16Unorm => vk::Format::R16_UNORM,
-            Format::R32Float => vk::Format::R32_SFLOAT,
-            Format::Rgba8Unorm => vk::Format::R8G8B8A8_UNORM,
-            Format::Rgba16Unorm => vk::Format::R16G16B16A16_UNORM,
-            Format::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
-            Format::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
-            Format::Rgba8Srgb => vk::Format::R8G8B8A8_SRGB,
-            Format::Bgra8Unorm => vk::Format::B8G8R8A8_UNORM,
-            Format::Bgra8Srgb => vk::Format::B8G8R8A8_SRGB,
-        }
-    }
-}
 
 /// What a buffer is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -282,10 +228,10 @@ impl Image {
     ///
     /// # Errors
     /// No memory left, or the download fails.
-    pub fn read(&self) -> Result<Vec<u8>, GpuError> {
+    pub fn read(&self) -> Result<Vec<[f32; 4]>, GpuError> {
         let buffer = Buffer::empty(&self.gpu, "download", BufferUse::Download, self.texel_bytes())?;
         self.gpu.submit("download", |commands| commands.download(self, &buffer))?;
-        Ok(buffer.content().to_vec())
+        Ok(self.format.decode(buffer.content()))
     }
 
     /// The layout that it has after the commands recorded so far.

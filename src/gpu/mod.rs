@@ -11,6 +11,7 @@
 
 mod commands;
 mod device;
+mod format;
 mod host;
 mod instance;
 mod memory;
@@ -28,8 +29,9 @@ mod window;
 pub use ash;
 pub use commands::{Commands, Draw, Load, Submitted, Target};
 pub use device::{DeviceInfo, Gpu, Options, optional_features, required_features};
+pub use format::Format;
 pub use host::{HostCommands, HostDevice, HostTarget, Recording};
-pub use memory::{Address, Buffer, BufferUse, Dimension, Format, Image, ImageUse, Sampler};
+pub use memory::{Address, Buffer, BufferUse, Dimension, Image, ImageUse, Sampler};
 pub use messages::Messages;
 #[cfg(feature = "viewer")]
 pub use overlay::{Canvas, Presented};

@@ -111,7 +111,7 @@ fn a_correct_frame_is_not_reported() {
             commands.render(target, Load::Keep, |draw| draw.triangles(&pipeline, &set, None, 0..3));
         })
         .unwrap();
-        assert_eq!(color.read().unwrap(), [7; BYTES]);
+        assert_eq!(color.read().unwrap(), [[7.0 / 255.0; 4]; (SIDE * SIDE) as usize]);
     });
     assert!(ids.is_empty(), "{ids:?}");
 }

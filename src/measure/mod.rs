@@ -4,5 +4,6 @@ pub mod compare;
 pub mod pick;
 pub mod predict;
 pub mod reference;
+pub mod statistics;
 pub mod verify;
 pub mod worker;

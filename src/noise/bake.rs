@@ -199,9 +199,9 @@ impl Bake {
             let values = &mut values[range.clone()];
             if GRADIENT {
                 let out = [values, &mut x[range.clone()], &mut y[range.clone()], &mut zs[range]];
-                add_gradients(out, [field(0), field(2), field(4)], (factors, slopes), (amplitude, self.absolute));
+                add_gradients(out, [field(0), field(2), field(4)], factors, slopes, amplitude, self.absolute);
             } else {
-                add_values(values, field(0), factors, (amplitude, self.absolute));
+                add_values(values, field(0), factors, amplitude, self.absolute);
             }
         }
     }
@@ -307,7 +307,7 @@ fn mix_two(out: &mut [f32], [a, b]: [&[f32]; 2], w: [f32; 4]) {
 
 /// Adds one octave of rows: `field` is constant and growing, near and far.
 #[inline(always)]
-fn add_values(out: &mut [f32], [a, b, c, d]: [&[f32]; 4], w: [f32; 4], (amplitude, absolute): (f32, bool)) {
+fn add_values(out: &mut [f32], [a, b, c, d]: [&[f32]; 4], w: [f32; 4], amplitude: f32, absolute: bool) {
     let values = out.iter_mut().zip(a).zip(b).zip(c).zip(d);
     if absolute {
         for ((((out, a), b), c), d) in values {
@@ -326,8 +326,10 @@ fn add_values(out: &mut [f32], [a, b, c, d]: [&[f32]; 4], w: [f32; 4], (amplitud
 fn add_gradients(
     [values, xs, ys, zs]: [&mut [f32]; 4],
     [n, nx, ny]: [[&[f32]; 4]; 3],
-    (w, s): ([f32; 4], [f32; 4]),
-    (amplitude, absolute): (f32, bool),
+    w: [f32; 4],
+    s: [f32; 4],
+    amplitude: f32,
+    absolute: bool,
 ) {
     let length = values.len();
     let mix =

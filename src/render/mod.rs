@@ -38,7 +38,6 @@ use crate::field::FieldError;
 use crate::gpu::GpuError;
 use crate::render::variant::VariantError;
 use crate::shape::ShapeError;
-use pixels::floats;
 use serde::{Deserialize, Serialize};
 
 /// A picture and what it took.

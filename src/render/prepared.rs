@@ -5,7 +5,7 @@ use super::half_angle::{HalfAngle, blend as light_blend};
 use super::inputs::{Inputs, SHADOW, Shot};
 use super::light_space::LightSpace;
 use super::pass;
-use super::pixels::{add, check_finite, decode, mean};
+use super::pixels::{add, check_finite, mean};
 use super::shadow::Caster;
 use super::sub_frame::SubFrame;
 use super::variant::{Program, Variant};
@@ -262,7 +262,7 @@ impl Prepared {
                 (None, _) => pass::march(gpu, pipeline, &pipeline.bind(&self.bound.resources())?, bands, target)?,
             });
             let texels = resolved.as_ref().unwrap_or(color).read()?;
-            add(&mut sum, &decode(&texels, scene.quality.target));
+            add(&mut sum, &texels);
         }
         let pixels = mean(&sum, count);
         check_finite(&pixels, width as usize)?;

@@ -133,7 +133,7 @@ impl Caster {
         let color = Image::new(gpu, "shadow segments", plane, SEGMENTS, ImageUse::Target(1))?;
         let target = gpu::Target { color: &color, resolved: None };
         let drawn = pass::march(gpu, &self.pipeline, &set, std::slice::from_ref(&(0..height)), target)?;
-        let values = space.products(&super::floats(&color.read()?));
+        let values = space.products(&color.read()?);
         Ok(Transmittance { space, object_matrix: view.object_matrix, values, gpu_ms: drawn.gpu_ms })
     }
 }

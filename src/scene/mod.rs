@@ -136,6 +136,11 @@ impl Object {
     pub fn is_formula(&self) -> bool {
         self.source == Source::Auto && FORMULAS.contains(&self.input.as_str())
     }
+
+    /// The object without what a picture does with its field: where two are equal then, they have one field.
+    pub fn without_look(&self) -> Object {
+        Object { stretch: [1.0; 3], inner_iso: 0.0, outer_iso: 0.0, ..self.clone() }
+    }
 }
 
 /// Where the distance to the object comes from, and how it is stored.

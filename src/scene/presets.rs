@@ -45,6 +45,8 @@ mod tests {
             assert!(!scene.about.is_empty(), "{name}");
         }
         assert!(EFFECTS.iter().all(|effect| preset(effect).is_ok()));
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/presets");
+        assert_eq!(std::fs::read_dir(folder).unwrap().count(), names().count(), "a file that is no preset yet");
     }
 
     #[test]

@@ -99,24 +99,11 @@ fn unopened(name: &str, reason: io::Error) -> ShapeError {
     }
 }
 
-/// The built-in name that begins with `name`, else the one with the smallest edit distance (Levenshtein 1966) to its
+/// The built-in name that begins with `name`, else the one with the smallest edit distance to its
 /// first 64 characters.
 fn nearest(name: &str) -> &'static str {
-    let name: Vec<char> = name.trim().to_lowercase().chars().take(64).collect();
-    let distance = |known: &str| {
-        let mut row: Vec<usize> = (0..=name.len()).collect();
-        for (i, a) in known.chars().enumerate() {
-            let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-            for (j, &b) in name.iter().enumerate() {
-                let changed = diagonal + usize::from(a != b);
-                diagonal = row[j + 1];
-                row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
-            }
-        }
-        row[name.len()]
-    };
-    let beginning: String = name.iter().collect();
-    let rank = |known: &&&str| (!known.starts_with(&beginning), distance(known));
+    let name: String = name.trim().to_lowercase().chars().take(64).collect();
+    let rank = |known: &&&str| (!known.starts_with(&name), strsim::levenshtein(known, &name));
     BUILT_IN.iter().min_by_key(rank).expect("the list of built-in objects is not empty")
 }
 

@@ -21,13 +21,11 @@ impl Key {
     /// The key of a scene.
     pub(super) fn of(scene: &Scene, library: &Library) -> Result<Key, VariantError> {
         let variant = Variant::of(scene, library)?;
-        // What the picture does with the field is not the field's.
-        let plain = |object: &Object| Object { stretch: [1.0; 3], inner_iso: 0.0, outer_iso: 0.0, ..object.clone() };
         let main = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
-        let mut objects = vec![(plain(&scene.object), main, variant.reads_closest())];
+        let mut objects = vec![(scene.object.without_look(), main, variant.reads_closest())];
         for (name, part) in &scene.parts {
             let outer = variant.parts[name].outer_iso().unwrap_or(part.object.outer_iso);
-            objects.push((plain(&part.object), outer, variant.part_reads_closest(name)));
+            objects.push((part.object.without_look(), outer, variant.part_reads_closest(name)));
         }
         Ok(Key(objects))
     }

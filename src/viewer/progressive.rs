@@ -1,5 +1,6 @@
 //! Pictures that get better: how coarse one may be while the scene moves, and how good a mean of many is.
 
+use crate::measure::statistics::rms_difference;
 use crate::scene::{RayPath, Scene, TargetFormat};
 
 /// Ways to save work: every so many pixels in a row, and one of so many samples. From the best.
@@ -131,13 +132,6 @@ impl Mean {
     }
 }
 
-/// Root mean square difference of two pictures of the same size, over all channels.
-pub(super) fn rms_difference(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
-    let values = a.as_flattened().iter().zip(b.as_flattened());
-    let sum: f64 = values.map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
-    (sum / (4 * a.len()).max(1) as f64).sqrt()
-}
-
 /// A picture with more pixels, each that of the nearest.
 pub(super) fn enlarge(pixels: &[[f32; 4]], from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 4]> {
     let [width, height] = to;
@@ -155,6 +149,7 @@ pub(super) fn enlarge(pixels: &[[f32; 4]], from: [u32; 2], to: [u32; 2]) -> Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::support::random::SplitMix;
     use std::collections::BTreeSet;
 
     #[test]
@@ -185,11 +180,8 @@ mod tests {
 
     #[test]
     fn the_error_of_a_mean_of_independent_pictures_is_what_it_says() {
-        let mut state = 7u64;
-        let mut noise = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((state >> 40) as f32 / (1 << 24) as f32 - 0.5) * 12f32.sqrt() * 0.1 // deviation 0.1
-        };
+        let mut random = SplitMix(7);
+        let mut noise = || (random.unit() as f32 - 0.5) * 12f32.sqrt() * 0.1; // deviation 0.1
         let mut mean = Mean::default();
         for count in 1..=64 {
             let picture: Vec<[f32; 4]> =

@@ -47,7 +47,7 @@ pub(super) fn encode_srgb(
     let apart: Vec<[f32; 3]> =
         a.par_iter().zip(b).map(|(a, b)| [0, 1, 2].map(|c| GAIN * (a[c] - b[c]).abs())).collect();
     images.push(image(&apart));
-    (images, Some(super::progressive::rms_difference(frames[0], frames[1])))
+    (images, Some(crate::measure::statistics::rms_difference(frames[0], frames[1])))
 }
 
 /// The pictures on the screen.

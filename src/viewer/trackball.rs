@@ -61,20 +61,13 @@ fn on_ball([x, y]: [f64; 2]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Numbers in [-2, 2) from a generator of Knuth's.
-    fn numbers() -> impl FnMut() -> f64 {
-        let mut state = 1u64;
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 51) as f64 - 2.0
-        }
-    }
+    use crate::support::random::SplitMix;
 
     #[test]
     fn p39_a_million_drags_leave_a_unit_quaternion() {
         let mut ball = Trackball::of(&Camera::default());
-        let mut next = numbers();
+        let mut random = SplitMix(1);
+        let mut next = || 4.0 * random.unit() - 2.0;
         let mut worst = 0.0f64;
         for _ in 0..1_000_000 {
             ball.drag([next(), next()], [next(), next()]);

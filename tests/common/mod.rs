@@ -52,7 +52,7 @@ pub fn errors(
 ) -> Vec<Level> {
     let known = rays(scene, subject).iter().filter(|ray| expected(ray).is_some()).count();
     assert!(known > 100, "only {known} rays have a known answer");
-    let levels = verify::levels(gpu, library, (scene, subject), samples, channel, expected);
+    let levels = verify::levels(gpu, library, scene, subject, samples, channel, expected);
     let levels = levels.unwrap_or_else(|error| panic!("{error}"));
     println!("{:?}\n    N  max error  mean error", scene.camera.projection);
     levels.iter().for_each(|row| println!("{:5}  {:.3e}   {:.3e}", row.samples, row.max, row.mean));

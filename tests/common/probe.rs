@@ -147,9 +147,7 @@ impl Probe {
             commands.render(target, Load::Clear([0.0; 4]), |draw| draw.triangles(&pipeline, &set, None, 0..3));
         })
         .unwrap();
-        let bytes = color.read().unwrap();
-        let floats: Vec<f32> = bytes.chunks_exact(4).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect();
-        floats.chunks_exact(4).map(|texel| [texel[0], texel[1], texel[2], texel[3]]).collect()
+        color.read().unwrap()
     }
 
     /// Axes of an image, by its name.

@@ -100,17 +100,8 @@ impl Bench<'_> {
             commands
                 .render(target, Load::Clear([0.0; 4]), |draw| draw.triangles(&pipeline, &set, None, 0..3 * run.layers));
         })?;
-        Ok((decode(&color.read()?, run.format), took))
+        Ok((color.read()?, took))
     }
-}
-
-fn decode(bytes: &[u8], format: Format) -> Vec<[f32; 4]> {
-    let channels: Vec<f32> = match format {
-        Format::Rgba8Unorm => bytes.iter().map(|&code| f32::from(code) / 255.0).collect(),
-        Format::Rgba16Float => bytes.chunks_exact(2).map(|b| half::f16::from_ne_bytes([b[0], b[1]]).to_f32()).collect(),
-        _ => bytes.chunks_exact(4).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect(),
-    };
-    channels.chunks_exact(4).map(|texel| [texel[0], texel[1], texel[2], texel[3]]).collect()
 }
 
 /// llvmpipe ends every loop of an invocation after 65 535 iterations in total, and says nothing.

@@ -1,6 +1,7 @@
 //! Meshes with holes, overlaps and bad winding.
 
 use super::*;
+use crate::support::random::SplitMix;
 
 /// The field must be continuous: no jump where a hole was closed.
 fn assert_continuous(field: &DistanceField, band: f32) {
@@ -110,11 +111,8 @@ fn a_shell_keeps_its_cavity() {
 
 #[test]
 fn any_soup_of_triangles_gives_a_continuous_field() {
-    let mut state = 1u32;
-    let mut random = || {
-        state = state.wrapping_mul(1664525).wrapping_add(1013904223);
-        (state >> 8) as f32 / (1 << 24) as f32
-    };
+    let mut numbers = SplitMix(1);
+    let mut random = || numbers.unit() as f32;
     for count in [1, 2, 30] {
         let positions = (0..3 * count).map(|_| Vec3::new(random(), random(), random())).collect();
         let triangles = (0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();

@@ -3,6 +3,7 @@
 use super::*;
 use crate::field::FieldError;
 use crate::shape::{Content, Solid, Volume};
+use crate::support::random::SplitMix;
 
 fn error(shape: Shape, request: Request) -> FieldError {
     transform(&shape, &request, &|_| {}).unwrap_err()
@@ -41,15 +42,11 @@ fn empty_and_damaged_shapes_are_refused() {
 #[test]
 fn no_finite_mesh_panics() {
     let wild = [0.0, 1.0, -1.0, 1e-30, 1e-45, 1e30, 3e38, -3e38, 1e6, 1e6 + 0.25];
-    let mut state = 7usize;
-    let mut pick = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 33) % wild.len()
-    };
+    let mut random = SplitMix(7);
     for margin in [0.0, 1.0, 1e38] {
         for round in 0..60 {
             let reach = 3 + round % (wild.len() - 2);
-            let mut coordinate = || wild[pick() % reach];
+            let mut coordinate = || wild[random.next() as usize % reach];
             let positions = (0..9).map(|_| Vec3::new(coordinate(), coordinate(), coordinate())).collect();
             let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [3, 4, 5], [6, 7, 8], [0, 3, 6], [1, 1, 2]] };
             let request = Request { resolution: 9, margin, band: 1.0, iso: 0.0 };

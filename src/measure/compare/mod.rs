@@ -19,6 +19,7 @@ pub mod timing;
 
 use crate::gpu::Gpu;
 use crate::measure::reference::{Reference, truth_of};
+use crate::measure::statistics::rms;
 use crate::measure::worker::{Painter, Worker};
 use crate::render::{Frame, RenderError, Subject};
 use crate::scene::{Color, Integration, Pass, Scene, SceneError};
@@ -281,8 +282,7 @@ fn first(
     if metrics.not_finite > 0 || !metrics.rmse.is_finite() {
         return Err(format!("{} values are not finite", metrics.not_finite.max(1)));
     }
-    let squares: f64 = truth.estimate.iter().map(|error| error * error).sum();
-    let reference_error = (squares / truth.estimate.len().max(1) as f64).sqrt();
+    let reference_error = rms(truth.estimate.iter().copied());
     let first = Frame { pixels: Vec::new(), ..first }; // many pictures would not fit into memory
     Ok(Row { candidate, truth, metrics, reference_error, normals: None, runs: Vec::new(), first })
 }

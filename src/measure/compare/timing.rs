@@ -3,6 +3,7 @@
 //! Runs of all candidates of a batch are mixed in random order, so that a machine that slows down for a while slows all
 //! of them alike. Nothing is dropped.
 
+use crate::measure::statistics::quantile;
 use crate::support::random::SplitMix;
 use serde::Serialize;
 
@@ -45,7 +46,7 @@ impl Spread {
         let n = sorted.len();
         let median = 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]);
         let low = lower_rank(n);
-        let p95 = sorted[((0.95 * n as f64).ceil() as usize).clamp(1, n) - 1];
+        let p95 = quantile(times.to_vec(), 0.95);
         Spread { median, interval: [sorted[low], sorted[n - 1 - low]], min: sorted[0], p95, runs: n }
     }
 

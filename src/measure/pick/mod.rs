@@ -15,6 +15,7 @@ pub use verify::Verified;
 use crate::measure::compare::candidates::Candidate;
 use crate::measure::compare::{CompareError, Failure, Stage};
 use crate::measure::reference::ReferenceError;
+use crate::measure::statistics::{largest, weighted_quantile, weighted_rms};
 use crate::measure::worker::Painter;
 use crate::render::RenderError;
 use crate::scene::Scene;
@@ -67,23 +68,14 @@ impl Metric {
     fn of(self, pairs: impl Iterator<Item = ([f64; 4], [f64; 4], f64)>) -> f64 {
         let differences =
             pairs.map(|(a, b, weight)| (std::array::from_fn::<f64, 4, _>(|c| (a[c] - b[c]).abs()), weight));
-        let worst = |(channels, weight): ([f64; 4], f64)| (channels.into_iter().fold(0.0, f64::max), weight);
+        let worst = |(channels, weight): ([f64; 4], f64)| (largest(channels), weight);
         match self {
-            Metric::Rmse => root_mean_square(
-                differences.flat_map(|(channels, weight)| channels.map(|difference| (difference, weight))),
-            ),
-            Metric::Opacity => root_mean_square(differences.map(|(channels, weight)| (channels[3], weight))),
-            Metric::Max => differences.map(worst).map(|(worst, _)| worst).fold(0.0, f64::max),
-            Metric::P999 => {
-                let mut all: Vec<(f64, f64)> = differences.map(worst).collect();
-                all.sort_by(|a, b| b.0.total_cmp(&a.0));
-                let mut above = 1e-3 * all.iter().map(|(_, weight)| weight).sum::<f64>();
-                let first_below = all.iter().find(|(_, weight)| {
-                    above -= weight;
-                    above < 0.0
-                });
-                first_below.map_or(0.0, |(worst, _)| *worst)
+            Metric::Rmse => {
+                weighted_rms(differences.flat_map(|(channels, weight)| channels.map(|difference| (difference, weight))))
             }
+            Metric::Opacity => weighted_rms(differences.map(|(channels, weight)| (channels[3], weight))),
+            Metric::Max => largest(differences.map(worst).map(|(worst, _)| worst)),
+            Metric::P999 => weighted_quantile(differences.map(worst).collect(), 1e-3),
         }
     }
 }
@@ -93,12 +85,6 @@ impl fmt::Display for Metric {
         let name = Metric::ALL.iter().find(|(_, metric)| metric == self).map(|(name, _)| *name);
         f.write_str(name.unwrap_or_default())
     }
-}
-
-/// Of values with weights.
-fn root_mean_square(values: impl Iterator<Item = (f64, f64)>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), (value, w)| (sum + w * value * value, count + w));
-    if count == 0.0 { 0.0 } else { (sum / count).sqrt() }
 }
 
 /// An error that a picture may have.

@@ -3,6 +3,7 @@
 use super::ErrorBound;
 use crate::measure::compare::Stage;
 use crate::measure::reference::{ReferenceError, TOLERANCE, reference_pixels, truth_of};
+use crate::measure::statistics::weighted_rms;
 use crate::render::Frame;
 use crate::render::variant::VariantError;
 use crate::scene::Scene;
@@ -57,8 +58,7 @@ pub(super) fn verify(
         Ok(_) => error.max(super::metric(bound.metric, &frame.pixels, &painter.render(&finer)?.pixels)),
         Err(_) => error,
     };
-    let estimate = reference.estimate.iter().zip(&looked_at.weights).map(|(estimate, weight)| (*estimate, *weight));
-    let estimate = super::root_mean_square(estimate);
+    let estimate = weighted_rms(reference.estimate.into_iter().zip(looked_at.weights));
     let ms = frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0);
     Ok(Verified { error, estimate, pixels: looked_at.pixels.len(), ms })
 }

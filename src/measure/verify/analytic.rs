@@ -52,7 +52,8 @@ pub struct Level {
 pub fn levels(
     gpu: &Gpu,
     library: &Library,
-    (scene, subject): (&Scene, &Subject),
+    scene: &Scene,
+    subject: &Subject,
     samples: &[u32],
     channel: usize,
     expected: impl Fn(&Ray) -> Option<f64>,
@@ -107,7 +108,7 @@ impl AnalyticCase {
     /// As [`crate::render::render`].
     pub fn levels(&self, bench: &Bench<'_>, pass: Pass) -> Result<Vec<Level>, RenderError> {
         let (scene, subject) = self.in_pass(pass);
-        levels(bench.gpu, &bench.library, (&scene, &subject), self.samples, self.channel, self.truth)
+        levels(bench.gpu, &bench.library, &scene, &subject, self.samples, self.channel, self.truth)
     }
 
     /// A row of the report: of the finest picture, or of the first one that misses its bound.

@@ -4,6 +4,7 @@
 
 use crate::field::Progress;
 use crate::gpu::Gpu;
+use crate::measure::statistics::{largest, quantile, rms};
 use crate::output::{self, Encoding, OutputError, PROGRAM, Stored};
 use crate::render::{Frame, RenderError, Subject, render};
 use crate::scene::{Scene, SceneError};
@@ -237,10 +238,6 @@ fn apart(a: [f32; 4], b: [f32; 4], encoding: Encoding) -> [f64; 4] {
     [seen * off(0), seen * off(1), seen * off(2), off(3)]
 }
 
-fn largest(channels: [f64; 4]) -> f64 {
-    channels.into_iter().fold(0.0, f64::max)
-}
-
 fn index(size: [u32; 2], [x, y]: [u32; 2]) -> usize {
     y as usize * size[0] as usize + x as usize
 }
@@ -279,25 +276,22 @@ fn compare(
 
     // The alpha of a picture over a background is 1 and tells nothing.
     let channels = if background.is_some() { 3 } else { 4 };
-    let (mut square, mut step_square, mut beyond, mut worst) = (0.0, 0.0, 0, ([0, 0], 0.0));
-    let mut errors = Vec::new();
+    let (mut beyond, mut worst) = (0, ([0, 0], 0.0));
+    let (mut errors, mut channel_errors) = (Vec::new(), Vec::new());
     for ((&at, &pixel), &estimate) in pixels.iter().zip(&truth.pixels).zip(&truth.estimate) {
         let off = off(at, pixel.map(|channel| channel as f32));
-        square += off[..channels].iter().map(|off| off * off).sum::<f64>();
-        step_square += step(at).powi(2);
+        channel_errors.extend_from_slice(&off[..channels]);
         let [x, y] = at;
         let around = (y.saturating_sub(1)..=(y + 1).min(size[1] - 1))
             .flat_map(|y| (x.saturating_sub(1)..=(x + 1).min(size[0] - 1)).map(move |x| [x, y]));
-        let most = around.map(step).fold(0.0, f64::max);
+        let most = largest(around.map(step));
         let off = largest(off);
         beyond += usize::from(off.is_nan() || off > 0.5 * quantum + STEPS * most + estimate + ROUNDING);
         worst = if off > worst.1 { (at, off) } else { worst };
         errors.push(off);
     }
-    errors.sort_by(f64::total_cmp);
-    let count = errors.len().max(1) as f64;
-    let (codes, step) = (quantum / 12f64.sqrt(), (step_square / count).sqrt());
-    let estimate = truth.estimate.iter().copied().fold(0.0, f64::max);
+    let (codes, step) = (quantum / 12f64.sqrt(), rms(pixels.iter().map(|&at| step(at))));
+    let estimate = largest(truth.estimate.iter().copied());
     Agreement {
         encoding,
         samples: scene.quality.samples,
@@ -306,8 +300,8 @@ fn compare(
         same_device,
         source: truth.source,
         pixels: errors.len(),
-        rms: (square / (count * channels as f64)).sqrt(),
-        p999: errors.get((0.999 * (count - 1.0)).round() as usize).copied().unwrap_or_default(),
+        rms: rms(channel_errors.into_iter()),
+        p999: quantile(errors, 0.999),
         worst,
         codes,
         step,

@@ -1,13 +1,12 @@
 //! The GLSL compiler in a process of its own, with limits: glslang crashes on an expression of 20 000 terms and does not
 //! end on a macro that doubles thirty times.
 //!
-//! The child is this very program with a hidden command. It reads a [`Job`] as TOML from standard input and answers on
-//! standard output: a line that says what follows, then SPIR-V or the text of the error.
+//! The child is this very program with a hidden command: it links a [`Job`] and answers ([`Trial`]).
 
 use super::arrays;
+use super::ask::{Answer, Trial, read, reply};
 use crate::render::variant::Variant;
 use crate::shader::{self, Library, Linker, Slots, Stage};
-use crate::support::child::{self, End};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
@@ -19,15 +18,10 @@ pub use crate::support::child::{Limits, limit};
 pub const COMMAND: &str = "compile";
 /// The longest text of a module that is compiled, in bytes.
 const MAX_SOURCE: usize = 256 << 10;
-/// The longest job that a child reads, in bytes: every module of a library at its longest would not fit, none needs to.
-const MAX_JOB: u64 = 16 << 20;
 /// The largest array of a program, in bytes: larger ones keep a driver busy for minutes when it makes the pipeline.
 const MAX_ARRAY: u64 = 64 << 10;
-/// First lines of an answer.
-const GOOD: &[u8] = b"spirv\n";
-const BAD: &[u8] = b"error\n";
 /// What shaderc says of an exception in glslang, for which none is left to say: its memory has come to an end.
-const NO_MEMORY: &[u8] = b"internal error";
+const NO_MEMORY: &str = "internal error";
 
 /// Programs to be linked.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -56,15 +50,7 @@ impl Job {
             |variant: &Variant| Wanted { entries: variant.entries.map(String::from), slots: variant.slots.clone() };
         Job { changed: shader::changed(library), programs: variants.into_iter().map(wanted).collect() }
     }
-
-    /// The modules that ship, with those that are not as shipped.
-    pub(super) fn library(&self) -> Library {
-        shader::shipped_with(self.changed.clone())
-    }
 }
-
-/// SPIR-V of a linked program: vertex stage, fragment stage.
-pub type Spirv = [Vec<u32>; 2];
 
 /// Why there is no program.
 #[derive(Debug, thiserror::Error)]
@@ -168,30 +154,23 @@ impl Fault {
 ///
 /// # Errors
 /// [`CompileError`]; whatever the text does to the compiler.
-pub fn compile(
-    program: &Path,
-    job: &Job,
-    limits: &Limits,
-    is_stale: &dyn Fn() -> bool,
-) -> Result<Vec<Spirv>, CompileError> {
+pub fn compile(program: &Path, job: &Job, limits: &Limits, is_stale: &dyn Fn() -> bool) -> Result<(), CompileError> {
     if let Some((path, text)) = job.changed.iter().find(|(_, text)| text.len() > MAX_SOURCE) {
         return Err(CompileError::Long { path: path.clone(), bytes: text.len() });
     }
-    let run = |reason: String| CompileError::Run { path: program.into(), reason };
-    let text = toml::to_string(job).map_err(|error| run(error.to_string()))?;
     let (seconds, memory) = (limits.time.as_secs().max(1).to_string(), limits.memory_mib.to_string());
-    let arguments = [COMMAND, "--seconds", &seconds, "--memory-mib", &memory];
-    let answer = match child::run(program, &arguments, &[], text, limits, is_stale).map_err(run)? {
-        End::Well(answer) => answer,
-        End::Badly(how) => return Err(CompileError::Crashed(how)),
-        End::Late(time) => return Err(CompileError::Late(time.as_secs_f32())),
-        End::Abandoned => return Err(CompileError::Abandoned),
+    let trial = Trial {
+        program,
+        arguments: &[COMMAND, "--seconds", &seconds, "--memory-mib", &memory],
+        device: None,
+        limits,
+        crashed: CompileError::Crashed,
+        late: CompileError::Late,
     };
-    match (answer.strip_prefix(BAD), answer.strip_prefix(GOOD)) {
-        (Some(text), _) if text == NO_MEMORY => Err(CompileError::Memory(limits.memory_mib)),
-        (Some(text), _) => Err(CompileError::Refused(String::from_utf8_lossy(text).into_owned())),
-        (_, Some(bytes)) => decode(bytes).ok_or_else(|| run("its answer is cut off".into())),
-        _ => Err(run("its answer is none".into())),
+    match trial.ask(job, is_stale)? {
+        Answer::Bad(text) if text == NO_MEMORY => Err(CompileError::Memory(limits.memory_mib)),
+        Answer::Bad(text) => Err(CompileError::Refused(text)),
+        Answer::Good(_) | Answer::Untried(_) => Ok(()),
     }
 }
 
@@ -200,37 +179,23 @@ pub fn compile(
 /// # Errors
 /// The job cannot be read or the answer not be written.
 pub fn serve(input: impl Read, output: &mut impl Write) -> io::Result<()> {
-    let mut text = String::new();
-    input.take(MAX_JOB).read_to_string(&mut text)?;
-    let job: Job =
-        toml::from_str(&text).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error.to_string()))?;
-    let linked = link(&job).map_err(|error| error.to_string()).and_then(|programs| {
-        let largest = programs.iter().flatten().map(|module| arrays::largest(module)).max().unwrap_or_default();
-        if largest <= MAX_ARRAY {
-            return Ok(programs);
-        }
-        Err(format!(
-            "an array of {largest} bytes; one may have at most {MAX_ARRAY}, since a driver makes a pipeline of more for minutes"
-        ))
-    });
-    match linked {
-        Ok(programs) => {
-            output.write_all(GOOD)?;
-            for module in programs.iter().flatten() {
-                output.write_all(&(module.len() as u32).to_le_bytes())?;
-                output.write_all(bytemuck::cast_slice(module))?;
-            }
-        }
-        Err(error) => {
-            output.write_all(BAD)?;
-            output.write_all(error.as_bytes())?;
-        }
-    }
-    output.flush()
+    let job: Job = read(input)?;
+    let answer = match link(&job) {
+        Err(error) => Answer::Bad(error.to_string()),
+        Ok(programs) => match programs.iter().flatten().map(|module| arrays::largest(module)).max() {
+            Some(largest) if largest > MAX_ARRAY => Answer::Bad(format!(
+                "an array of {largest} bytes; one may have at most {MAX_ARRAY}, since a driver makes a pipeline of more for \
+                 minutes"
+            )),
+            _ => Answer::Good(0.0),
+        },
+    };
+    reply(output, &answer)
 }
 
-fn link(job: &Job) -> Result<Vec<Spirv>, shader::LinkError> {
-    let library = job.library();
+/// Vertex stage and fragment stage of each program.
+fn link(job: &Job) -> Result<Vec<[Vec<u32>; 2]>, shader::LinkError> {
+    let library = shader::shipped_with(job.changed.clone());
     let linker = Linker::new()?;
     let program = |wanted: &Wanted| {
         let entries = wanted.entries.each_ref().map(String::as_str);
@@ -238,23 +203,6 @@ fn link(job: &Job) -> Result<Vec<Spirv>, shader::LinkError> {
         Ok([link(0, Stage::Vertex)?, link(1, Stage::Fragment)?])
     };
     job.programs.iter().map(program).collect()
-}
-
-fn decode(mut bytes: &[u8]) -> Option<Vec<Spirv>> {
-    let mut modules = Vec::new();
-    while !bytes.is_empty() {
-        let (count, rest) = bytes.split_first_chunk::<4>()?;
-        let (words, rest) = rest.split_at_checked(u32::from_le_bytes(*count) as usize * 4)?;
-        let words = words.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]));
-        modules.push(words.collect());
-        bytes = rest;
-    }
-    let mut modules = modules.into_iter();
-    let mut programs = Vec::new();
-    while let Some(vertex) = modules.next() {
-        programs.push([vertex, modules.next()?]);
-    }
-    Some(programs)
 }
 
 #[cfg(test)]
@@ -274,9 +222,15 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_that_is_cut_off_is_no_program() {
-        let whole = [2, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 1, 0, 0, 0, 3, 0, 0, 0];
-        assert_eq!(decode(&whole), Some(vec![[vec![1, 2], vec![3]]]));
-        assert!((1..whole.len()).all(|length| decode(&whole[..length]).is_none()));
+    fn a_child_links_the_same_program_as_the_window() {
+        let text =
+            "float ripples(float density, Sample s) {\n    return density * (0.5 + 0.5 * cos(9.0 * density));\n}\n";
+        let library = shader::shipped().with_module("dmf", "ripples", text);
+        let mut scene = crate::scene::preset("fur").unwrap();
+        scene.parameters.clear();
+        (scene.effect.dmf, scene.effect.medium) = (vec!["ripples".into()], "lit".into());
+        let variant = Variant::of(&scene, &library).unwrap();
+        let here = variant.program(&library, Linker::new).unwrap();
+        assert_eq!(link(&Job::new(&library, &[variant])).unwrap(), [[here.vertex, here.fragment]]);
     }
 }

@@ -57,7 +57,7 @@ impl Gate {
             return verdict.clone().map_or(Ok(()), |reason| Err(CompileError::Refused(reason)));
         }
         let device = held(&self.device).clone();
-        let tried = compile(&self.program, &job, &Limits::default(), is_stale).and_then(|_| match &device {
+        let tried = compile(&self.program, &job, &Limits::default(), is_stale).and_then(|()| match &device {
             Some(device) => rays::trial_render(&self.program, device, scene, &job, is_stale),
             None => Ok(()),
         });

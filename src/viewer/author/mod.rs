@@ -6,6 +6,7 @@
 //! program.
 
 mod arrays;
+mod ask;
 pub mod compile;
 mod gate;
 pub mod rays;

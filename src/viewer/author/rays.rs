@@ -1,42 +1,41 @@
 //! A few rays of a new program, in a process of its own: a loop that is too long, or what a driver does not survive, is a
 //! line of text before the window's own device meets it.
 //!
-//! The child is this very program with a hidden command: it reads a scene and the texts as TOML, renders a picture of 8 x 8 pixels on
-//! a device of its own, and answers with the milliseconds that it took.
+//! The child is this very program with a hidden command: it renders a picture of 8 x 8 pixels of a scene with the texts, on
+//! a device of its own, and answers ([`Trial`]).
 
+use super::ask::{Answer, Trial, read, reply};
 use super::compile::{CompileError, Job};
 use crate::gpu::{Gpu, Options};
 use crate::render::{RenderError, Renderer, Subject};
 use crate::scene::{self, Scene};
-use crate::support::child::{self, End, Limits};
+use crate::shader;
+use crate::support::child::{self, Limits};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::path::Path;
 use std::time::Duration;
 
 /// Name of the hidden command.
 pub const COMMAND: &str = "rays";
-/// Pixels along a side of the picture.
+/// Pixels along a side of the picture, and all of them.
 const SIDE: u32 = 8;
+const RAYS: u32 = SIDE * SIDE;
 /// Milliseconds that it may take. A window has some hundred times as many pixels, on a device that draws some hundred
 /// times as many at once, or in a coarser picture.
 const MOST_MS: f64 = 1000.0;
 /// Processor time for all of it: a device, a small field, a pipeline, and the rays.
 const TIME: Duration = Duration::from_secs(20);
-/// The longest text that a child reads, in bytes.
-const MAX_JOB: u64 = 16 << 20;
 /// Voxels along the longest side of the field: it is computed beside the one of the window, and must not take as long.
 const RESOLUTION: u32 = 48;
-/// First words of an answer.
-const TIMED: &str = "ms ";
-const UNTRIED: &str = "untried ";
 
 /// A scene, and the modules that are not as shipped.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TrialJob {
     scene: String,
-    changed: Job,
+    changed: BTreeMap<String, String>,
 }
 
 /// The scene in a few rays at its object.
@@ -66,29 +65,24 @@ pub(super) fn trial_render(
     job: &Job,
     is_stale: &dyn Fn() -> bool,
 ) -> Result<(), CompileError> {
-    let run = |reason: String| CompileError::Run { path: program.into(), reason };
-    let changed = Job { programs: Vec::new(), ..job.clone() };
-    let job = TrialJob { scene: scene::to_text(&small(scene)), changed };
-    let text = toml::to_string(&job).map_err(|error| run(error.to_string()))?;
+    let job = TrialJob { scene: scene::to_text(&small(scene)), changed: job.changed.clone() };
     let limits = Limits { time: TIME, answer_bytes: 1 << 16, ..Limits::default() };
-    let seconds = TIME.as_secs().to_string();
-    let variables = [("HYPERTEXTURE_DEVICE", device), ("HYPERTEXTURE_VALIDATION", "")];
-    let rays = SIDE * SIDE;
-    let arguments = [COMMAND, "--seconds", &seconds];
-    let answer = match child::run(program, &arguments, &variables, text, &limits, is_stale).map_err(run)? {
-        End::Well(answer) => String::from_utf8_lossy(&answer).into_owned(),
-        End::Badly(how) => return Err(CompileError::Driver(how)),
-        End::Late(time) => return Err(CompileError::Endless { rays, seconds: time.as_secs_f32() }),
-        End::Abandoned => return Err(CompileError::Abandoned),
+    let trial = Trial {
+        program,
+        arguments: &[COMMAND, "--seconds", &TIME.as_secs().to_string()],
+        device: Some(device),
+        limits: &limits,
+        crashed: CompileError::Driver,
+        late: |seconds| CompileError::Endless { rays: RAYS, seconds },
     };
-    if let Some(reason) = answer.strip_prefix(UNTRIED) {
-        log::warn!("new programs are not tried before the window draws them: {reason}");
-        return Ok(());
-    }
-    match answer.strip_prefix(TIMED).map(str::parse::<f64>) {
-        Some(Ok(ms)) if ms > MOST_MS => Err(CompileError::Slow { rays, ms, most: MOST_MS }),
-        Some(Ok(_)) => Ok(()),
-        _ => Err(CompileError::Refused(answer)),
+    match trial.ask(&job, is_stale)? {
+        Answer::Good(ms) if ms > MOST_MS => Err(CompileError::Slow { rays: RAYS, ms, most: MOST_MS }),
+        Answer::Good(_) => Ok(()),
+        Answer::Bad(text) => Err(CompileError::Refused(text)),
+        Answer::Untried(reason) => {
+            log::warn!("new programs are not tried before the window draws them: {reason}");
+            Ok(())
+        }
     }
 }
 
@@ -97,12 +91,9 @@ pub(super) fn trial_render(
 /// # Errors
 /// The scene cannot be read or the answer not be written.
 pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io::Result<()> {
-    let mut text = String::new();
-    input.take(MAX_JOB).read_to_string(&mut text)?;
-    let invalid = |error: String| io::Error::new(io::ErrorKind::InvalidData, error);
-    let job: TrialJob = toml::from_str(&text).map_err(|error| invalid(error.to_string()))?;
-    let scene = scene::parse(&job.scene, "scene").map_err(|error| invalid(error.to_string()))?;
-    let library = job.changed.library();
+    let job: TrialJob = read(input)?;
+    let scene = scene::parse(&job.scene, "scene").map_err(|error| io::Error::other(error.to_string()))?;
+    let library = shader::shipped_with(job.changed);
     let gpu = Gpu::new(&Options { validation: false, cache: None, ..options.clone() });
     let ready = gpu.map_err(|error| error.to_string()).and_then(|gpu| {
         let subject = Subject::load(&scene, &library, &|_| ()).map_err(|error| error.to_string())?;
@@ -110,17 +101,16 @@ pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io
     });
     let answer = match ready {
         // A device or an object that a second process does not get says nothing about the text.
-        Err(reason) => format!("{UNTRIED}{reason}"),
+        Err(reason) => Answer::Untried(reason),
         Ok((gpu, subject)) => {
             let mut renderer = Renderer::new(&gpu, &library, &subject);
             renderer
                 .render(&scene)
                 .and_then(|frame| again(&gpu, &mut renderer, &scene, frame.measurements.gpu_ms))
-                .map_or_else(|error| error.to_string(), |ms| format!("{TIMED}{ms}"))
+                .map_or_else(|error| Answer::Bad(error.to_string()), Answer::Good)
         }
     };
-    output.write_all(answer.as_bytes())?;
-    output.flush()
+    reply(output, &answer)
 }
 
 /// How long a picture takes that seems to take too long: on a device that is the processor, what it takes of that, as

@@ -13,7 +13,8 @@ use crate::support::write_whole;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 
-/// Steps that can be undone. A scene takes a few kilobytes.
+/// Steps that can be undone; a scene takes a few kilobytes. Not egui's `Undoer`, whose steps end with time and have no
+/// names, and which would give back a scene whose modules are gone.
 const HISTORY: usize = 256;
 
 /// A scene that is being edited, with the modules it is made of.

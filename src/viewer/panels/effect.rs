@@ -41,15 +41,9 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     let touch = &mut pass.touch;
     let effect = own(&mut pass.draft, part).effect;
     let doc = "Density modulation functions, applied from top to bottom; a mask says where one acts.";
-    stack(
-        ui,
-        touch,
-        &field(format!("{prefix}effect.dmf"), doc),
-        &mut effect.dmf,
-        ("dmf", "density modulation", library),
-    );
+    stack(ui, touch, &field(format!("{prefix}effect.dmf"), doc), &mut effect.dmf, "dmf", "density modulation", library);
     let doc = "Displacements of the position that is looked up, applied from top to bottom.";
-    stack(ui, touch, &field(format!("{prefix}effect.warp"), doc), &mut effect.warp, ("warp", "displacement", library));
+    stack(ui, touch, &field(format!("{prefix}effect.warp"), doc), &mut effect.warp, "warp", "displacement", library);
     ui.separator();
     ui.label(RichText::new("from distance to color").strong());
     for slot in OWN {
@@ -127,7 +121,9 @@ fn stack(
     touch: &mut Touch,
     field: &Field<'_>,
     names: &mut Vec<String>,
-    (slot, title, library): (&str, &str, &Library),
+    slot: &str,
+    title: &str,
+    library: &Library,
 ) {
     ui.label(RichText::new(title).strong()).on_hover_text(format!("{}\n{}", field.doc, field.name));
     let options = modules(library, slot);

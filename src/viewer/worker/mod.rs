@@ -50,6 +50,7 @@ pub(super) enum Task {
 }
 
 /// A picture, ready to be shown, and what is known about it.
+#[derive(Default)]
 pub(super) struct Picture {
     /// That of its job.
     pub(super) number: u64,

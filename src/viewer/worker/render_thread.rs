@@ -2,12 +2,13 @@
 
 use super::{Event, Job, Picture, Shared};
 use crate::gpu::Gpu;
+use crate::measure::statistics::rms_difference;
 use crate::render::{Frame, RenderError, Renderer, ignored};
 use crate::scene::{Scene, nearest_preset};
 use crate::shader::{Library, shipped};
 use crate::viewer::author::Gate;
 use crate::viewer::author::compile::CompileError;
-use crate::viewer::progressive::{FEWEST, Level, MOST, Mean, enlarge, number, reference, rms_difference};
+use crate::viewer::progressive::{FEWEST, Level, MOST, Mean, enlarge, number, reference};
 use crate::viewer::screen::encode_srgb;
 use crate::viewer::status::Stage;
 use std::sync::Arc;
@@ -186,7 +187,8 @@ impl RenderThread {
         let frames: Vec<&[[f32; 4]]> = still.coarse.iter().map(|frame| frame.pixels.as_slice()).collect();
         let error = self.coarse_error.filter(|(_, of)| *of == level).map(|(error, _)| error);
         let (size, samples) = (still.coarse[0].size, still.coarse[0].measurements.slices);
-        self.tell_picture(job, &frames, (size, samples), (Stage::Coarse, still.gpu_ms), (error, None));
+        let picture = Picture { size, samples, error, ..Picture::of(job, Stage::Coarse, still.gpu_ms) };
+        self.tell_picture(job, &frames, picture);
         Ok(still)
     }
 
@@ -252,7 +254,7 @@ impl RenderThread {
                     shown = Instant::now();
                     let of = |other: usize| if other == index { pixels } else { others[other].as_slice() };
                     let frames: Vec<&[[f32; 4]]> = (0..others.len()).map(of).collect();
-                    self.tell_picture(job, &frames, whole(job), (Stage::Partial, still.gpu_ms), (None, None));
+                    self.tell_picture(job, &frames, Picture::of(job, Stage::Partial, still.gpu_ms));
                 }
             };
             let made = self.in_bands(job, &variant.scene, &mut pairs[index], None, &mut pixels, &mut show)?;
@@ -262,7 +264,8 @@ impl RenderThread {
         }
         still.gpu_ms = gpu_ms;
         let frames: Vec<&[[f32; 4]]> = all.iter().map(Vec::as_slice).collect();
-        self.tell_picture(job, &frames, whole(job), (Stage::Scene, gpu_ms), (self.own_error, None));
+        let picture = Picture { error: self.own_error, ..Picture::of(job, Stage::Scene, gpu_ms) };
+        self.tell_picture(job, &frames, picture);
         still.own = Some(all);
         Ok(true)
     }
@@ -322,30 +325,24 @@ impl RenderThread {
         let frames: Vec<&[[f32; 4]]> = means.iter().map(Vec::as_slice).collect();
         let stage = if done { Stage::Converged(count) } else { Stage::Refined(count) };
         let worst = |of: fn(&Mean) -> Option<f64>| still.means.iter().filter_map(of).reduce(f64::max);
-        let errors = (worst(Mean::error), worst(Mean::standard_error));
-        self.tell_picture(job, &frames, whole(job), (stage, still.gpu_ms), errors);
+        let (error, standard_error) = (worst(Mean::error), worst(Mean::standard_error));
+        self.tell_picture(job, &frames, Picture { error, standard_error, ..Picture::of(job, stage, still.gpu_ms) });
     }
 
-    fn tell_picture(
-        &self,
-        job: &Job,
-        frames: &[&[[f32; 4]]],
-        (size, samples): ([u32; 2], u32),
-        (stage, gpu_ms): (Stage, f64),
-        (error, standard_error): (Option<f64>, Option<f64>),
-    ) {
+    fn tell_picture(&self, job: &Job, frames: &[&[[f32; 4]]], mut picture: Picture) {
         let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
-        let (images, difference) = encode_srgb(frames, &backgrounds, size);
-        let number = job.number;
-        let picture = Picture { number, images, difference, size, samples, stage, gpu_ms, error, standard_error };
+        (picture.images, picture.difference) = encode_srgb(frames, &backgrounds, picture.size);
         (self.tell)(Event::Picture(picture));
     }
 }
 
-/// Size and samples of the scene's own picture.
-fn whole(job: &Job) -> ([u32; 2], u32) {
-    let scene = &job.variants[0].scene;
-    (scene.image.size, scene.quality.samples)
+impl Picture {
+    /// As large as the scene asks, with its samples; no images yet, and nothing known of its error.
+    fn of(job: &Job, stage: Stage, gpu_ms: f64) -> Picture {
+        let scene = &job.variants[0].scene;
+        let (size, samples) = (scene.image.size, scene.quality.samples);
+        Picture { number: job.number, size, samples, stage, gpu_ms, ..Picture::default() }
+    }
 }
 
 /// Whether the means are good enough. Two doublings are the least that says something.

@@ -1,0 +1,60 @@
+//! Means, root mean squares and quantiles of errors.
+
+/// The mean; NaN of nothing.
+pub fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
+}
+
+/// The largest of values that are not negative; 0 of nothing.
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, f64::max)
+}
+
+/// Root of the mean square; 0 of nothing.
+pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    weighted_rms(values.map(|value| (value, 1.0)))
+}
+
+/// The same of values with weights.
+pub fn weighted_rms(values: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), (value, w)| (sum + w * value * value, count + w));
+    if count == 0.0 { 0.0 } else { (sum / count).sqrt() }
+}
+
+/// Root mean square difference of two pictures of the same size, over all channels.
+pub fn rms_difference(a: &[[f32; 4]], b: &[[f32; 4]]) -> f64 {
+    rms(a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| f64::from(*a) - f64::from(*b)))
+}
+
+/// The smallest value that this share of all does not exceed; 0 of nothing.
+pub fn quantile(mut values: Vec<f64>, share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let rank = (share * values.len() as f64).ceil() as usize;
+    values.get(rank.saturating_sub(1)).copied().unwrap_or_default()
+}
+
+/// Of values with weights, the smallest that no more than this share of the weight exceeds; 0 of nothing.
+pub fn weighted_quantile(mut values: Vec<(f64, f64)>, above: f64) -> f64 {
+    values.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut above = above * values.iter().map(|(_, weight)| weight).sum::<f64>();
+    let first_below = values.iter().find(|(_, weight)| {
+        above -= weight;
+        above < 0.0
+    });
+    first_below.map_or(0.0, |(value, _)| *value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quantile_is_one_of_the_values() {
+        let values: Vec<f64> = (1..=1000).rev().map(f64::from).collect();
+        assert_eq!(quantile(values.clone(), 0.999), 999.0);
+        assert_eq!(weighted_quantile(values.iter().map(|value| (*value, 1.0)).collect(), 1e-3), 999.0);
+        assert_eq!(quantile(values, 1.0), 1000.0);
+        assert_eq!((quantile(vec![3.0], 0.5), quantile(Vec::new(), 0.5)), (3.0, 0.0));
+    }
+}
