@@ -583,3 +583,19 @@ fn help_and_version_succeed() {
     }
     assert_eq!(desk.good("--version"), format!("hypertexture {}\n", env!("CARGO_PKG_VERSION")));
 }
+
+#[test]
+fn completions_and_manual_pages_know_commands_and_arguments() {
+    let desk = Desk::new();
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = desk.good(&format!("completions {shell}"));
+        assert!(["gallery", "max-error"].iter().all(|word| script.contains(word)), "{shell}");
+        assert!(!script.contains("rays"), "{shell} completes a hidden command");
+    }
+    let program = desk.good("man");
+    assert!(program.contains(".TH hypertexture 1") && program.contains("hypertexture\\-render(1)"), "{program}");
+    let render = desk.good("man render");
+    assert!(render.contains(".TH hypertexture-render 1") && render.contains("\\-\\-turntable"), "{render}");
+    let hidden = ["draw", "rays"].map(|name| format!("hypertexture\\-{name}(1)"));
+    assert!(hidden.iter().all(|name| !program.contains(name)), "{program}");
+}

@@ -37,14 +37,18 @@ pub enum Command {
     Field(Field),
     /// Render every example scene, or the six effects on one object, with a page that explains them.
     Gallery(Gallery),
-    /// Measure error against run time: strategies, samples, blocks, formats and integrations, with a report.
+    /// Measure error against run time: noise implementations, samples, blocks, formats and integrations, with a report.
     Compare(Box<Compare>),
     /// List the effects and their parameters.
     Effects,
-    /// Hold the device against closed forms in both passes, or a picture against the scene in it.
+    /// Check the device against analytic reference scenes in both passes, or a picture against the scene in it.
     Verify(Verify),
     /// Say which device was found, what is missing, and test what the renderer relies on.
     Doctor,
+    /// Write completions for a shell to standard output.
+    Completions(Completions),
+    /// Write a manual page, for `man`, to standard output.
+    Man(Man),
     /// Draw the pictures that standard input asks for: what `compare`, `gallery` and `--max-error` draw with.
     #[command(hide = true)]
     Draw,
@@ -171,6 +175,20 @@ pub struct Verify {
 
 fn bound(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|bound| (0.0..=1.0).contains(bound)).ok_or_else(|| "must be from 0 to 1".into())
+}
+
+/// Arguments of `completions`.
+#[derive(Args)]
+pub struct Completions {
+    /// The shell that reads them.
+    pub shell: clap_complete::Shell,
+}
+
+/// Arguments of `man`.
+#[derive(Args)]
+pub struct Man {
+    /// The command that the page is about, such as render; without one, the program.
+    pub command: Option<String>,
 }
 
 /// Arguments of `compile`: the limits of the process.

@@ -2,12 +2,15 @@
 
 mod args;
 mod compare;
+#[cfg(all(test, feature = "viewer"))]
+mod docs_tests;
 pub mod doctor;
 pub mod gallery;
 mod ignored;
 #[cfg(all(test, feature = "viewer"))]
 mod line_tests;
 mod log;
+mod manual;
 mod modules;
 mod paper;
 mod scene_arguments;
@@ -127,6 +130,14 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
             let report = doctor::examine(&options);
             say(&report.text);
             if report.healthy { Ok(()) } else { Err("the tests above did not all pass".into()) }
+        }
+        Command::Completions(command) => {
+            say(&manual::completions(command.shell));
+            Ok(())
+        }
+        Command::Man(command) => {
+            say(&manual::page(command.command.as_deref())?);
+            Ok(())
         }
         Command::Draw => Ok(worker::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), &options)?),
         #[cfg(feature = "viewer")]
