@@ -16,15 +16,29 @@ build="g++ libshaderc-dev spirv-tools"
 run="libvulkan1 mesa-vulkan-drivers vulkan-validationlayers"
 # The window on X11 (Wayland's library comes with Mesa), and a display that nobody sees, for its tests.
 window="libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 xvfb"
-if ! command -v cargo >/dev/null; then
-    # Debian 12's own Rust is too old; rustup is packaged from Debian 13 and Ubuntu 24.04 on.
-    $sudo apt-get update -q
-    if ! apt-cache show rustup >/dev/null 2>&1; then
-        echo "setup.sh: Rust 1.90 or later is needed; install it as https://rustup.rs says, then run this again" >&2
+# Rust: what Cargo.toml asks for.
+needed=$(sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
+found() { rustc --version 2>/dev/null | sed -n 's/^rustc \([0-9.]*\).*/\1/p'; }
+new_enough() {
+    command -v cargo >/dev/null && [ "$(printf '%s\n%s\n' "$needed" "$(found)" | sort -V | head -n 1)" = "$needed" ]
+}
+if ! new_enough; then
+    # rustup is packaged from Debian 13 and Ubuntu 24.04 on. An older Rust from packages stays: rustup cannot be beside it.
+    if ! command -v rustup >/dev/null; then
+        $sudo apt-get update -q >/dev/null 2>&1 || true
+        if apt-cache show rustup >/dev/null 2>&1 && apt-get install -sq --no-remove rustup >/dev/null 2>&1; then
+            install rustup ca-certificates gcc libc6-dev
+        fi
+    fi
+    if command -v rustup >/dev/null; then
+        rustup update stable || true
+        rustup default >/dev/null 2>&1 || rustup default stable || true
+    fi
+    if ! new_enough; then
+        found=$(found)
+        echo "setup.sh: Rust $needed or later is needed and ${found:-none} was found; install it as https://rustup.rs says, then run this again" >&2
         exit 1
     fi
-    install rustup gcc libc6-dev
-    rustup default stable
 fi
 
 # shellcheck disable=SC2086
@@ -35,6 +49,7 @@ if ! present $build $run $window; then
     install $build $run $window
 fi
 if [ "${1-}" = --backports ]; then
+    # shellcheck source=/dev/null
     $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -yq -t "$(. /etc/os-release; echo "$VERSION_CODENAME")-backports" mesa-vulkan-drivers
 fi
 

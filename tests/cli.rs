@@ -116,6 +116,8 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
         |_| {},
         &[
             ("", &["error:", "command", "hypertexture --help"]),
+            ("completions tcsh", &["'tcsh'", "zsh", "hypertexture --help"]),
+            ("man rendr", &["man rendr", "unknown command", "render, "]),
             ("frobnicate", &["unrecognized subcommand 'frobnicate'", "hypertexture --help"]),
             ("render", &["<INPUT>"]),
             ("render torus --wrong", &["unexpected argument '--wrong'"]),
@@ -582,4 +584,20 @@ fn help_and_version_succeed() {
         assert!(desk.good(arguments).contains("Usage: hypertexture"), "{arguments}");
     }
     assert_eq!(desk.good("--version"), format!("hypertexture {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn completions_and_manual_pages_know_commands_and_arguments() {
+    let desk = Desk::new();
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = desk.good(&format!("completions {shell}"));
+        assert!(["gallery", "max-error"].iter().all(|word| script.contains(word)), "{shell}");
+        assert!(!script.contains("memory-mib"), "{shell} completes a hidden command");
+    }
+    let program = desk.good("man");
+    assert!(program.contains(".TH hypertexture 1") && program.contains("hypertexture\\-render(1)"), "{program}");
+    let render = desk.good("man render");
+    assert!(render.contains(".TH hypertexture-render 1") && render.contains("\\-\\-turntable"), "{render}");
+    let hidden = ["draw", "rays"].map(|name| format!("hypertexture\\-{name}(1)"));
+    assert!(hidden.iter().all(|name| !program.contains(name)), "{program}");
 }

@@ -163,7 +163,7 @@ fn brightest(t: DVec3, l: DVec3, v: DVec3) -> f64 {
 }
 
 #[test]
-fn p40_the_highlight_of_hair_is_the_cone_that_a_cylinder_mirrors() {
+fn p56_the_highlight_of_hair_is_the_cone_that_a_cylinder_mirrors() {
     let text = format!(
         "{HEAD}layout(location = 1) in vec4 tangent;\nvec3 position_eye;\nvec4 color = vec4(0.0);\n#include <projection>\n\
          #include \"sample_point.glsl\"\n#include <medium>\nvoid main() {{\n    \

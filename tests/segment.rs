@@ -57,7 +57,7 @@ fn p45_a_soft_medium_is_of_second_order_by_segments() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m31_a_hard_surface_is_found_within_the_step() {
+fn m30_a_hard_surface_is_found_within_the_step() {
     let place = "// Depth.\n// Source: -\n// Result: 0.5 + 0.5 z.\nvec3 surface(Sample s) { return vec3(0.5 + 0.5 * s.x.z); }\n";
     let library = shader::shipped().with_module("surface", "place", place);
     with_gpu(|gpu| {
@@ -86,7 +86,7 @@ fn m31_a_hard_surface_is_found_within_the_step() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn m31_a_cut_is_where_its_plane_is() {
+fn m30_a_cut_is_where_its_plane_is() {
     let place = "// Depth.\n// Source: -\n// Result: 0.5 + 0.5 z.\nvec3 surface(Sample s) { return vec3(0.5 + 0.5 * s.x.z); }\n";
     let library = shader::shipped().with_module("surface", "place", place);
     with_gpu(|gpu| {
@@ -140,7 +140,7 @@ fn m61_segments_give_one_picture_in_both_passes_leaping_or_not() {
 }
 
 #[test]
-fn m31_what_has_no_segments_is_refused() {
+fn m30_what_has_no_segments_is_refused() {
     let mut scene = preset("shells").expect("a shipped preset");
     scene.effect.classify = "post".into();
     scene.quality.integration = Integration::Segment;

@@ -151,20 +151,21 @@ fn the_identity_of_a_scene_is_its_content_and_not_its_path() {
     assert_ne!(identity(&scene, &library, &changed).unwrap(), own);
 }
 
-/// The first `render` and the first `merge` of the README after these words.
+/// What the guide passes to `render`, from these words on, and the first `merge` after it.
 fn commands(words: &str) -> [Vec<String>; 2] {
-    let rest = include_str!("../README.md").split_once(words).unwrap().1;
+    let rest = include_str!("../docs/guide.md").split_once(words).unwrap().1;
     ["render", "merge"].map(|name| {
-        let line = rest.split_once(&format!("hypertexture {name}")).unwrap().1.lines().next().unwrap();
-        let line = line.split_once('#').map_or(line, |(line, _)| line).trim().trim_end_matches(['"', ']']);
-        std::iter::once(name).chain(line.split_whitespace()).map(String::from).collect()
+        let start = rest.find(name).unwrap();
+        let line = rest[start..].lines().next().unwrap();
+        let line = line.split_once('#').map_or(line, |(line, _)| line).trim().trim_end_matches(']');
+        line.split_whitespace().map(|word| word.trim_end_matches(',').to_owned()).collect()
     })
 }
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p53_the_scripts_of_the_readme_give_the_file_of_one_process() {
-    for (words, index) in [("scheduler. Slurm:", "SLURM_ARRAY_TASK_ID"), ("Kubernetes:", "JOB_COMPLETION_INDEX")] {
+fn p53_the_scripts_of_the_guide_give_the_file_of_one_process() {
+    for (words, index) in [("#SBATCH", "SLURM_ARRAY_TASK_ID"), ("args: [", "JOB_COMPLETION_INDEX")] {
         let folder = tempfile::tempdir().unwrap();
         let run = |arguments: &[String], variables: &[(&str, &str)]| {
             let mut command = Command::new(env!("CARGO_BIN_EXE_hypertexture"));

@@ -8,9 +8,7 @@ use super::render::Render;
 use super::verify::Verify;
 #[cfg(feature = "viewer")]
 use super::view::ViewArguments;
-#[cfg(feature = "viewer")]
-use clap::Args;
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand};
 
 /// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
 #[derive(Parser)]
@@ -41,14 +39,18 @@ pub enum Command {
     Field(Field),
     /// Render every example scene, or the six effects on one object, with a page that explains them.
     Gallery(GalleryArguments),
-    /// Measure error against run time: strategies, samples, blocks, formats and integrations, with a report.
+    /// Measure error against run time: noise implementations, samples, blocks, formats and integrations, with a report.
     Compare(Box<Compare>),
     /// List the effects and their parameters.
     Effects,
-    /// Hold the device against closed forms in both passes, or a picture against the scene in it.
+    /// Check the device against analytic reference scenes in both passes, or a picture against the scene in it.
     Verify(Verify),
     /// Say which device was found, what is missing, and test what the renderer relies on.
     Doctor,
+    /// Write completions for a shell to standard output.
+    Completions(Completions),
+    /// Write a manual page, for `man`, to standard output.
+    Man(Man),
     /// Draw the pictures that standard input asks for: what `compare`, `gallery` and `--max-error` draw with.
     #[command(hide = true)]
     Draw,
@@ -60,6 +62,20 @@ pub enum Command {
     #[cfg(feature = "viewer")]
     #[command(hide = true)]
     Rays(Rays),
+}
+
+/// Arguments of `completions`.
+#[derive(Args)]
+pub struct Completions {
+    /// The shell that reads them.
+    pub shell: clap_complete::Shell,
+}
+
+/// Arguments of `man`.
+#[derive(Args)]
+pub struct Man {
+    /// The command that the page is about, such as render; without one, the program.
+    pub command: Option<String>,
 }
 
 /// Arguments of `compile`: the limits of the process.

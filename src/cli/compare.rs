@@ -45,7 +45,7 @@ pub struct Compare {
     /// Where the report goes: a folder.
     #[arg(long, short, default_value = "compare", value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Few candidates and few runs: about a minute; with --paper, the window of 300 x 300 without smoothing alone.
+    /// Few candidates and few runs: a few minutes on two cores; with --paper, the window of 300 x 300 without smoothing alone.
     #[arg(long)]
     pub quick: bool,
     /// Timed runs of each candidate, at most, 1 to 1000 [default: 31; quick: 7].

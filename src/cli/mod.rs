@@ -2,6 +2,8 @@
 
 mod args;
 mod compare;
+#[cfg(all(test, feature = "viewer"))]
+mod docs_tests;
 pub mod doctor;
 mod effects;
 mod field;
@@ -9,6 +11,7 @@ pub mod gallery;
 #[cfg(all(test, feature = "viewer"))]
 mod line_tests;
 mod log;
+mod manual;
 mod merge;
 mod modules;
 mod paper;
@@ -120,6 +123,14 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
             let report = doctor::examine(&options);
             say(&report.text);
             if report.healthy { Ok(()) } else { Err("the tests above did not all pass".into()) }
+        }
+        Command::Completions(command) => {
+            say(&manual::completions(command.shell));
+            Ok(())
+        }
+        Command::Man(command) => {
+            say(&manual::page(command.command.as_deref())?);
+            Ok(())
         }
         Command::Draw => Ok(worker::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), &options)?),
         #[cfg(feature = "viewer")]

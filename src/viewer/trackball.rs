@@ -64,7 +64,7 @@ mod tests {
     use crate::support::random::SplitMix;
 
     #[test]
-    fn p39_a_million_drags_leave_a_unit_quaternion() {
+    fn m26_a_million_drags_leave_a_unit_quaternion() {
         let mut ball = Trackball::of(&Camera::default());
         let mut random = SplitMix(1);
         let mut next = || 4.0 * random.unit() - 2.0;
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn p39_a_drag_of_no_length_turns_nothing() {
+    fn m26_a_drag_of_no_length_turns_nothing() {
         let mut ball = Trackball::of(&Camera::default());
         let before = ball.turn();
         for place in [[0.0, 0.0], [0.3, -0.2], [5.0, 1.0], [-1e9, 0.0]] {
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn p39_from_rim_to_rim_it_turns_half_around() {
+    fn m26_from_rim_to_rim_it_turns_half_around() {
         // Through the middle, in steps; and in one, where both ends are almost opposite.
         let far = 1e6;
         for places in [vec![-far, -0.5, 0.0, 0.5, far], vec![-far, far]] {
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn p39_a_place_on_the_ball_stays_under_the_pointer() {
+    fn m26_a_place_on_the_ball_stays_under_the_pointer() {
         let mut ball = Trackball { turn: DQuat::IDENTITY };
         let (from, to) = ([0.2, 0.1], [-0.3, 0.4]);
         ball.drag(from, to);
