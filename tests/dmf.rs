@@ -14,6 +14,7 @@ use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
 use hypertexture::shader;
 use lattice::noise;
 use seen::{seen, seen_with, set, worst};
+use std::sync::Arc;
 
 fn bias(b: f64, t: f64) -> f64 {
     t.clamp(0.0, 1.0).powf(b.ln() / 0.5f64.ln())
@@ -410,7 +411,8 @@ fn g05_a_perturbed_lookup_gives_a_coarse_field_detail_that_it_cannot_hold() {
         let n = resolution;
         let places = (0..n).flat_map(|k| (0..n).flat_map(move |j| (0..n).map(move |i| (i, j, k))));
         let values = places.map(|(i, j, k)| grid.position(i, j, k).length() - 1.0).collect();
-        let subject = Subject { field: Some(DistanceField { grid, values }), radius: 1.0, ..box_subject(Vec3::ONE) };
+        let subject =
+            Subject { field: Some(Arc::new(DistanceField { grid, values })), radius: 1.0, ..box_subject(Vec3::ONE) };
         let frame = picture(gpu, &library, &scene, &subject);
         let rays = rays(&scene, &subject);
         let pixel = rays[1].from.x - rays[0].from.x;

@@ -10,6 +10,7 @@ use hypertexture::noise::{Lattice, Period, Weights};
 use hypertexture::render::{Frame, Subject};
 use hypertexture::scene::{Projection, Scene, Source};
 use hypertexture::shader::{self, Library};
+use std::sync::Arc;
 
 /// An opaque cube seen along -z in parallel projection, its face colored by a module.
 fn probe(module: &str, text: &str) -> (Scene, Library) {
@@ -134,7 +135,7 @@ fn a_linear_field_is_reproduced_at_any_size_because_texels_are_centered() {
                 (0..size[2]).flat_map(|k| (0..size[1]).flat_map(move |j| (0..size[0]).map(move |i| (i, j, k))));
             let values = places.map(|(i, j, k)| linear(grid.position(i, j, k))).collect();
             let subject = Subject {
-                field: Some(DistanceField { grid, values }),
+                field: Some(Arc::new(DistanceField { grid, values })),
                 ..formula(&homogeneous("cube", 1.0, Projection::Parallel))
             };
             let seen = face(gpu, &library, &scene, &subject);

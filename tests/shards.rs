@@ -147,7 +147,7 @@ fn the_identity_of_a_scene_is_its_content_and_not_its_path() {
     moved.camera.azimuth += 1.0;
     assert_ne!(of(&moved), own);
     let mut changed = subject.clone();
-    changed.field.as_mut().unwrap().values[0] += 1.0;
+    std::sync::Arc::make_mut(changed.field.as_mut().unwrap()).values[0] += 1.0;
     assert_ne!(identity(&scene, &library, &changed).unwrap(), own);
 }
 

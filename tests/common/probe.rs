@@ -12,6 +12,7 @@ use hypertexture::render::variant::{self, Use, Variant};
 use hypertexture::scene::{self, Parameters};
 use hypertexture::shader::{Library, Linker, Parameter, ParameterKind, Slots};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Points of the device, from the coordinates of a fragment: exact in f32 too.
 const HASHED: &str = "vec4 point() {\n    uvec3 a = hash(uvec3(uvec2(gl_FragCoord.xy), 7u)) >> 14u;\n    \
@@ -117,8 +118,10 @@ impl Probe {
         };
         let pipeline = Pipeline::new(gpu, &description).unwrap();
         let blocks = self.inputs.blocks.iter();
-        let blocks: Vec<(u32, Buffer)> =
-            blocks.map(|(at, bytes)| (*at, Buffer::new(gpu, "probe", BufferUse::Uniform, bytes).unwrap())).collect();
+        let blocks = blocks.map(|(at, bytes)| {
+            let block = Buffer::new(gpu, "probe", BufferUse::Uniform, bytes).unwrap();
+            (*at, Resource::Uniform(Arc::new(block)))
+        });
         let images = self.inputs.images.iter().map(|(at, texture)| {
             let [x, y, z] = texture.size;
             let size = match self.dimension(*at) {
@@ -127,19 +130,14 @@ impl Probe {
                 _ => Dimension::Volume(x, y, z),
             };
             let bytes: Vec<u8> = texture.texels.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
-            (*at, Image::sampled(gpu, "probe", size, Format::Rgba32Float, &bytes).unwrap())
+            let image = Image::sampled(gpu, "probe", size, Format::Rgba32Float, &bytes).unwrap();
+            (*at, Resource::Image(Arc::new(image)))
         });
-        let images: Vec<(u32, Image)> = images.collect();
         let samplers = self.inputs.samplers.iter().map(|(at, wrap)| {
             let address = if *wrap == Wrap::Repeat { Address::Repeat } else { Address::Clamp };
-            (*at, Sampler::new(gpu, address, 1.0).unwrap())
+            (*at, Resource::Sampler(Arc::new(Sampler::new(gpu, address, 1.0).unwrap())))
         });
-        let samplers: Vec<(u32, Sampler)> = samplers.collect();
-        let mut resources: Vec<(u32, Resource<'_>)> = Vec::new();
-        resources.extend(blocks.iter().map(|(at, block)| (*at, Resource::Uniform(block))));
-        resources.extend(images.iter().map(|(at, image)| (*at, Resource::Image(image))));
-        resources.extend(samplers.iter().map(|(at, sampler)| (*at, Resource::Sampler(sampler))));
-        let set = pipeline.bind(&resources).unwrap();
+        let set = pipeline.bind(&blocks.chain(images).chain(samplers).collect::<Vec<_>>()).unwrap();
         let plane = Dimension::Plane(side, side);
         let color = Image::new(gpu, "probe", plane, Format::Rgba32Float, ImageUse::Target(1)).unwrap();
         let target = Target { color: &color, resolved: None };
