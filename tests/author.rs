@@ -145,9 +145,9 @@ fn n0_10_a_new_text_is_tried_in_a_few_rays() {
 fn a_long_text_a_long_answer_and_a_missing_program_are_errors() {
     let long = format!("// {}\n", "x".repeat(300_000));
     assert!(matches!(try_body(&long, "return density;", &Limits::default()), Err(CompileError::Long { .. })));
-    let limits = Limits { answer_bytes: 100, ..Limits::default() };
+    let limits = Limits { answer_bytes: 10, ..Limits::default() };
     let error = try_body("", "return density;", &limits).unwrap_err().to_string();
-    assert!(error.contains("longer than 100 bytes"), "{error}");
+    assert!(error.contains("longer than 10 bytes"), "{error}");
     let job = job(&shader::shipped(), "biased");
     let error = compile(Path::new("/nowhere/hypertexture"), &job, &Limits::default(), &|| false).unwrap_err();
     assert!(error.to_string().starts_with("the GLSL compiler cannot be run as `/nowhere/hypertexture`"), "{error}");
