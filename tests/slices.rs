@@ -301,7 +301,7 @@ fn m57_samples_that_the_device_lacks_are_refused_with_those_it_has() {
                     let error = error.to_string();
                     assert!(!counts.contains(&msaa), "{error}");
                     assert!(error.contains(&format!("cannot do {msaa} samples per pixel in Rgba32Float")), "{error}");
-                    assert!(error.ends_with(&format!("use --msaa with one of {counts:?}")), "{error}");
+                    assert!(error.ends_with(&format!("use quality.msaa = one of {counts:?}")), "{error}");
                 }
             }
         }

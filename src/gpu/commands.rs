@@ -277,7 +277,7 @@ impl Commands<'_> {
         self.transition(image, Layout::SHADER_READ_ONLY_OPTIMAL, drawn, written, read, access);
     }
 
-    fn transition(
+    pub(super) fn transition(
         &mut self,
         image: &Image,
         layout: vk::ImageLayout,

@@ -67,7 +67,7 @@ pub(super) struct Shared {
     pub(super) device: Device,
     pub(super) info: DeviceInfo,
     /// Family of the queue: what egui draws with is made for it.
-    #[cfg(feature = "viewer")]
+    #[cfg(any(feature = "viewer", test))]
     pub(super) family: u32,
     pub(super) physical: vk::PhysicalDevice,
     pub(super) instance: Instance,
@@ -201,7 +201,7 @@ impl Gpu {
             next,
             device,
             info: device_info,
-            #[cfg(feature = "viewer")]
+            #[cfg(any(feature = "viewer", test))]
             family,
             physical,
             instance,

@@ -142,3 +142,96 @@ pub struct Recording {
     _set: BindSet,
     _vertices: Option<Buffer>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{Dimension, Image, ImageUse, Load, Options, Target};
+    use crate::render::{Renderer, Subject, render};
+    use crate::scene::{Order, Pass, preset};
+    use crate::shader;
+
+    const SIZE: [u32; 2] = [48, 40];
+    const BEHIND: [f32; 4] = [0.1, 0.3, 0.2, 1.0];
+
+    /// What a host sees of a picture that is recorded over a color.
+    fn recorded(own: &Gpu, gpu: &Gpu, renderer: &mut Renderer, scene: &crate::scene::Scene) -> Vec<[f32; 4]> {
+        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
+        let [width, height] = SIZE;
+        let format = Format::Rgba32Float;
+        let image = Image::new(gpu, "host", Dimension::Plane(width, height), format, ImageUse::Target(1)).unwrap();
+        let device = &own.0.device;
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(own.0.pool.handle).command_buffer_count(1);
+        // SAFETY: the test is the only user of the device, and waits for what it submits.
+        unsafe {
+            let buffer = device.allocate_command_buffers(&info).unwrap()[0];
+            device.begin_command_buffer(buffer, &vk::CommandBufferBeginInfo::default()).unwrap();
+            let mut commands = Commands { gpu, buffer };
+            commands.render(Target { color: &image, resolved: None }, Load::Clear(BEHIND), |_| ());
+            let (output, write) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
+            let blend = write | Access::COLOR_ATTACHMENT_READ;
+            commands.transition(&image, Layout::COLOR_ATTACHMENT_OPTIMAL, output, write, output, blend);
+            let target = HostTarget { view: image.view, format: format.vk(), size: SIZE };
+            let recording = renderer.record(&mut gpu.host_commands(buffer, target).unwrap(), scene).unwrap();
+            device.end_command_buffer(buffer).unwrap();
+            let buffers = [buffer];
+            let submits = [vk::SubmitInfo::default().command_buffers(&buffers)];
+            let queue = own.queue();
+            device.queue_submit(*queue, &submits, vk::Fence::null()).unwrap();
+            device.queue_wait_idle(*queue).unwrap();
+            drop(recording);
+            device.free_command_buffers(own.0.pool.handle, &buffers);
+        }
+        image.read().unwrap()
+    }
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+    fn a_recorded_picture_is_that_of_render_over_what_the_host_has_drawn() {
+        let own = Gpu::new(&Options { validation: true, ..Options::default() }).unwrap();
+        let messages = own.messages();
+        let host = HostDevice {
+            entry: own.0.instance.entry.clone(),
+            instance: own.0.instance.raw.clone(),
+            physical_device: own.0.physical,
+            device: own.0.device.raw.clone(),
+            features: vk::PhysicalDeviceFeatures::default(),
+            queue: *own.queue(),
+            queue_family: own.0.family,
+        };
+        // SAFETY: the handles are those of an open device, which is closed last.
+        let gpu = unsafe { Gpu::from_raw(host, None) }.unwrap();
+        let library = shader::shipped();
+        for name in ["fire_ball", "fur"] {
+            let mut scene = preset(name).unwrap();
+            scene.object.input = "sphere".into();
+            (scene.image.size, scene.quality.samples, scene.quality.order) = (SIZE, 48, Order::BackToFront);
+            scene.light.shadow_resolution = 16;
+            let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+            let mut renderer = Renderer::new(&gpu, &library, &subject);
+            for pass in [Pass::Slices, Pass::March] {
+                scene.quality.pass = pass;
+                let frame = render(&own, &library, &scene, &subject).unwrap();
+                let over = frame.pixels.iter().map(|pixel| {
+                    std::array::from_fn::<f32, 4, _>(|channel| pixel[channel] + (1.0 - pixel[3]) * BEHIND[channel])
+                });
+                // Twice: the second picture is made of what the first has left.
+                for found in [(); 2].map(|()| recorded(&own, &gpu, &mut renderer, &scene)) {
+                    let off = |(a, b): ([f32; 4], &[f32; 4])| (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f32::max);
+                    let worst = over.clone().zip(&found).map(off).fold(0.0, f32::max);
+                    assert!(worst < 1e-5, "{name}, {pass:?}: {worst}");
+                    assert!(frame.pixels.iter().any(|pixel| pixel[3] > 0.5), "{name}: nothing is drawn");
+                }
+            }
+            scene.quality.msaa = 4;
+            let target = HostTarget { view: vk::ImageView::null(), format: Format::Rgba32Float.vk(), size: SIZE };
+            // SAFETY: nothing is recorded.
+            let mut commands = unsafe { gpu.host_commands(vk::CommandBuffer::null(), target) }.unwrap();
+            let refused = renderer.record(&mut commands, &scene).map(drop).unwrap_err().to_string();
+            assert!(refused.ends_with("use quality.msaa = 1"), "{refused}");
+        }
+        drop(gpu);
+        drop(own);
+        assert_eq!(messages.take(), Vec::<String>::new());
+    }
+}

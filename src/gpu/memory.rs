@@ -329,7 +329,7 @@ impl Sampler {
             return Err(GpuError::Unsupported {
                 device: info.name.clone(),
                 what: format!("anisotropy {anisotropy}"),
-                remedy: format!("use --anisotropy 1 to {}", info.max_anisotropy),
+                remedy: format!("use quality.anisotropy = 1 to {}", info.max_anisotropy),
             });
         }
         let mode = match address {

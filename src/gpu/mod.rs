@@ -62,7 +62,7 @@ pub enum GpuError {
         found: String,
     },
     /// No device can draw into a window.
-    #[error("no Vulkan driver here can draw into a window; use `hypertexture render`, which needs none")]
+    #[error("no Vulkan driver here can draw into a window; rendering to a file needs none")]
     NoPresent,
     /// The window system gives no handle.
     #[error("the window cannot be drawn into: {0}")]
@@ -108,7 +108,7 @@ pub enum GpuError {
         reason: String,
     },
     /// The device did not finish in time.
-    #[error("the device did not finish `{what}` within {seconds} s; lower --samples or --size")]
+    #[error("the device did not finish `{what}` within {seconds} s; lower quality.samples or image.size")]
     Timeout {
         /// Name of the work.
         what: String,

@@ -253,15 +253,15 @@ fn check(gpu: &Gpu, description: &PipelineDescription<'_>) -> Result<(), GpuErro
     let unsupported =
         |what: String, remedy: String| Err(GpuError::Unsupported { device: gpu.info().name.clone(), what, remedy });
     if description.blend != Blend::Replace && !gpu.can_blend(description.format) {
-        return unsupported(format!("blending into {:?}", description.format), "choose another --target".into());
+        return unsupported(format!("blending into {:?}", description.format), "use another quality.target".into());
     }
     let counts = gpu.sample_counts(description.format);
     if !counts.contains(&description.samples) {
         let what = format!("{} samples per pixel in {:?}", description.samples, description.format);
-        return unsupported(what, format!("use --msaa with one of {counts:?}"));
+        return unsupported(what, format!("use quality.msaa = one of {counts:?}"));
     }
     if description.samples > 1 && !gpu.info().sample_shading {
-        return unsupported("shading every sample of a pixel".into(), "use --msaa 1".into());
+        return unsupported("shading every sample of a pixel".into(), "use quality.msaa = 1".into());
     }
     Ok(())
 }

@@ -4,6 +4,7 @@
 //! [`Frame`]. Invariant: every picture that a person sees comes through [`render`].
 
 mod bind;
+#[cfg(feature = "measure")]
 mod cpu_inputs;
 mod encoded;
 mod half_angle;
@@ -25,7 +26,9 @@ mod values;
 pub mod variant;
 mod view;
 
+#[cfg(feature = "measure")]
 pub(crate) use cpu_inputs::{Blocks, CpuInputs};
+#[cfg(feature = "measure")]
 pub(crate) use encoded::Encoded;
 pub use ignored::ignored;
 pub use renderer::{Renderer, render};

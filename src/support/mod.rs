@@ -1,8 +1,11 @@
 //! What every layer may use: random numbers, files that appear whole, a cache on disk, child processes under limits.
 
+#[cfg(feature = "viewer")]
 pub(crate) mod child;
 pub(crate) mod disk_cache;
 pub(crate) mod random;
+#[cfg(feature = "measure")]
+pub(crate) mod watch;
 
 use std::fs::{self, File};
 use std::io::{self, Write};

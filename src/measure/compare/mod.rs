@@ -68,7 +68,7 @@ pub enum CompareError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// Every candidate is refused.
-    #[error("no candidate is left; lower --sweep")]
+    #[error("no candidate is left; sweep fewer samples")]
     Nothing,
     /// A picture of the report cannot be made.
     #[error(transparent)]

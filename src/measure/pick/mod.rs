@@ -138,7 +138,7 @@ pub struct Pick {
 #[derive(Debug, thiserror::Error)]
 pub enum PickError {
     /// No error that a picture can have.
-    #[error("--max-error {0}: must be above 0, such as 1e-3")]
+    #[error("a largest error of {0}: it must be above 0, such as 1e-3")]
     Value(f64),
     /// The scene cannot be drawn.
     #[error(transparent)]

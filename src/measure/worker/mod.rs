@@ -13,7 +13,7 @@ use crate::gpu::Gpu;
 use crate::render::{Frame, Measurements, RenderError, Renderer, Subject};
 use crate::scene::{Object, Scene, to_text};
 use crate::shader::{self, Library};
-use crate::support::child::{self, Watch};
+use crate::support::watch::{Watch, end};
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -209,7 +209,7 @@ impl Process {
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => {
-                    let how = self.child.wait().map_or_else(|error| error.to_string(), child::end);
+                    let how = self.child.wait().map_or_else(|error| error.to_string(), end);
                     return Err(format!("the driver crashed ({how})"));
                 }
             }

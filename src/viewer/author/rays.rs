@@ -10,7 +10,8 @@ use crate::gpu::{Gpu, Options};
 use crate::render::{RenderError, Renderer, Subject};
 use crate::scene::{self, Scene};
 use crate::shader;
-use crate::support::child::{self, Limits};
+use crate::support::child::Limits;
+use crate::support::watch::processor_time;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
@@ -116,7 +117,7 @@ pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io
 /// How long a picture takes that seems to take too long: on a device that is the processor, what it takes of that, as
 /// other programs may use it too.
 fn again(gpu: &Gpu, renderer: &mut Renderer, scene: &Scene, ms: f64) -> Result<f64, RenderError> {
-    let taken = || child::processor_time(std::process::id());
+    let taken = || processor_time(std::process::id());
     let Some(before) = taken().filter(|_| ms > MOST_MS && gpu.info().cpu) else { return Ok(ms) };
     renderer.render(scene)?;
     Ok(taken().map_or(ms, |after| ms.min(1e3 * (after - before).as_secs_f64())))

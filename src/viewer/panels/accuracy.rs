@@ -114,8 +114,13 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
     let doc = "Anisotropy of the filter of volumes; 1 is off.";
     number(ui, touch, &field("quality.anisotropy", doc), &mut quality.anisotropy, 1.0..=16.0);
     let doc = "Texels along a side of the noise and turbulence blocks.";
-    number(ui, touch, &field("quality.block_size", doc), &mut quality.block_size, 8..=256);
+    let sides = [16, 32, 64, 128, 256].map(|side| (side, side.to_string(), format!("{side} texels.")));
+    let sides: Vec<_> = sides.iter().map(|(side, name, doc)| (*side, name.as_str(), doc.clone())).collect();
+    choice(ui, touch, &field("quality.block_size", doc), &mut quality.block_size, &sides);
     let doc = "Cells of the first octave across the turbulence block: with half as many it holds one octave more, and \
         repeats after half the distance.";
-    number(ui, touch, &field("quality.turbulence_cells", doc), &mut quality.turbulence_cells, 1..=64);
+    let cells = [1, 2, 4, 8, 16, 32, 64].into_iter().filter(|cells| 2 * cells <= quality.block_size);
+    let cells: Vec<_> = cells.map(|cells: u32| (cells, cells.to_string(), format!("{cells} cells."))).collect();
+    let cells: Vec<_> = cells.iter().map(|(cells, name, doc)| (*cells, name.as_str(), doc.clone())).collect();
+    choice(ui, touch, &field("quality.turbulence_cells", doc), &mut quality.turbulence_cells, &cells);
 }

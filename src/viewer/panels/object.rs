@@ -64,7 +64,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     switch(ui, touch, &field(at("has_iso"), doc), &mut has_iso);
     object.iso = has_iso.then(|| object.iso.unwrap_or(0.5));
     if let Some(iso) = &mut object.iso {
-        number(ui, touch, &field(at("iso"), "Iso-value of the surface of a scalar volume."), iso, -1.0..=1.0);
+        widgets::unbounded(ui, touch, &field(at("iso"), "Iso-value of the surface of a scalar volume."), iso);
     }
     let axes = [
         (Axis::X, "x"),

@@ -90,6 +90,14 @@ pub fn number<N: egui::emath::Numeric>(
     }
 }
 
+/// A number of any size, changed in proportion to itself.
+pub fn unbounded(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut f32) {
+    let speed = 0.01 * f64::from(value.abs()).max(0.1);
+    if row(ui, field, |ui| ui.add(DragValue::new(value).speed(speed).max_decimals(DECIMALS))).changed() {
+        *touch = Some(field.name.clone());
+    }
+}
+
 /// Numbers beside each other: `name.x`, `name.y`, ...
 pub fn numbers(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, values: &mut [f32], speed: f64) {
     const AXES: [&str; 4] = ["x", "y", "z", "w"];

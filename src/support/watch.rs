@@ -1,0 +1,105 @@
+//! What a child process takes.
+//!
+//! Invariant: what a child may take is time of the processor, so that a machine with much else to do refuses nothing.
+
+use std::process::{Child, ExitStatus};
+use std::time::{Duration, Instant};
+
+/// How many times as long as its processor time a child may rest, such as in a deadlock or for another program's sake.
+const PATIENT: u32 = 3;
+
+/// Watches over the processor time of a child, from now on.
+pub(crate) struct Watch {
+    id: u32,
+    limit: Duration,
+    /// Processor time of the child when the watch began, where the system says it.
+    before: Option<Duration>,
+    /// The processor time last seen, and when it was first seen.
+    seen: (Option<Duration>, Instant),
+}
+
+impl Watch {
+    pub(crate) fn new(child: &Child, limit: Duration) -> Watch {
+        let before = processor_time(child.id());
+        Watch { id: child.id(), limit, before, seen: (before, Instant::now()) }
+    }
+
+    /// Whether the child has taken more than it may, or rests for three times as long. Where the system does not say what
+    /// it has taken, all of its time is rest.
+    pub(crate) fn is_late(&mut self) -> bool {
+        let now = processor_time(self.id);
+        if now != self.seen.0 {
+            self.seen = (now, Instant::now());
+        }
+        let taken = now.zip(self.before).map_or(Duration::ZERO, |(now, before)| now.saturating_sub(before));
+        taken > self.limit || self.seen.1.elapsed() > self.limit * PATIENT
+    }
+}
+
+/// Time of the processor that a process has taken, in steps of 10 ms.
+pub(crate) fn processor_time(id: u32) -> Option<Duration> {
+    // The name of the program comes first, in parentheses, and may hold anything. The times are in 1/100 s on Linux,
+    // whatever the clock of the kernel; other systems have no such file.
+    let text = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+    let mut fields = text.rsplit_once(')')?.1.split_whitespace().skip(11);
+    let mut ticks = || fields.next()?.parse::<u64>().ok();
+    Some(Duration::from_millis(10 * (ticks()? + ticks()?)))
+}
+
+/// How a process ended.
+pub(crate) fn end(status: ExitStatus) -> String {
+    #[cfg(unix)]
+    if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
+        return format!("signal {signal}");
+    }
+    status.to_string()
+}
+
+#[cfg(test)]
+#[cfg(target_os = "linux")]
+mod tests {
+    use super::*;
+    use std::process::{Command, Stdio};
+    use std::thread;
+
+    fn shell(script: &str) -> Child {
+        Command::new("sh").args(["-c", script]).stdin(Stdio::null()).spawn().unwrap()
+    }
+
+    /// Whether a child is late before it has taken so much processor time, or has rested for the wall time.
+    fn late_before(child: &mut Child, watch: &mut Watch, done: impl Fn(Duration) -> bool) -> bool {
+        loop {
+            if watch.is_late() {
+                return true;
+            }
+            if done(processor_time(child.id()).unwrap()) {
+                return false;
+            }
+            thread::sleep(Duration::from_millis(4));
+        }
+    }
+
+    #[test]
+    fn a_child_is_late_by_the_time_of_the_processor_and_not_of_the_wall() {
+        let mut busy = shell("while :; do :; done");
+        let second = Duration::from_secs(1);
+        // However long it waits for the processor: before a second of it is taken, it is not late; soon after, it is.
+        let mut watch = Watch::new(&busy, second);
+        let nearly = Duration::from_millis(900);
+        let early = late_before(&mut busy, &mut watch, |taken| taken >= nearly);
+        let late = late_before(&mut busy, &mut watch, |taken| taken > 2 * second);
+        busy.kill().unwrap();
+        busy.wait().unwrap();
+        assert!(!early && late, "early {early}, late {late}");
+    }
+
+    #[test]
+    fn a_child_that_rests_for_ever_is_late() {
+        let mut resting = shell("exec sleep 1000");
+        let mut watch = Watch::new(&resting, Duration::from_millis(50));
+        let late = late_before(&mut resting, &mut watch, |_| false);
+        resting.kill().unwrap();
+        resting.wait().unwrap();
+        assert!(late);
+    }
+}
