@@ -22,26 +22,35 @@
 //! # Ok(())
 //! # }
 //! ```
-//! An effect of your own is one GLSL file in a slot: [`shader::Library::with_module`].
+//! A custom effect is one GLSL file in a slot: [`shader::Library::with_module`].
 //!
-//! # Map
-//! ```text
-//! mesh | scalar volume | formula                      shape
-//!    -> signed distance field (world units)           field
-//! preset, file, command line -> scene                 scene
-//!    -> the GLSL modules it needs, linked             glsl, variant
-//! field, transfer map, noise -> texels                texture, noise
-//! proxy slices, or rays through the same samples      pass
-//!    -> device                                        gpu
-//! all of it, top to bottom -> picture, measurements   render
-//!    -> PNG, EXR; a page                              output, gallery
-//! the same program in f64 and in intervals            exact
-//! its cost beforehand; many pictures; many processes  predict, sequence, shard
-//! pictures in a process that may end by one           worker
-//! its error against its cost; the fastest settings     reference, compare, pick
-//! analytic references; a picture and its own scene      verify
-//! all of it, live in a window                         view
-//! ```
+//! # Terms
+//! - *Object*: what is textured: a mesh, a scalar volume or a formula; with its field it is a [`render::Subject`].
+//! - *Hard region*, *soft region*: where the signed distance is below the inner iso-value; from there to the outer one.
+//! - *Effect*: the modules that fill the *slots* of a program, such as `dmf`, `surface`, `medium`; each declares its
+//!   *parameters* (`// @param`).
+//! - *Scene*: object, effect, parameters, light, camera, image and quality: a [`scene::Scene`], as TOML or as a value.
+//! - *Variant*: the program of a scene, linked from the modules that it needs: [`render::variant::Variant`].
+//! - *Slices*, *rays*: the two passes through the same samples, at equal distances from the camera.
+//!
+//! # Units and axes
+//! Object space is centered on the object, whose longest side spans -1 to 1; x points right, y up, z to the viewer, and
+//! lengths are *object units*. In eye space the camera is at the origin and looks along -z; a light is placed there, around
+//! the center of the object. Colors of a scene are sRGB codes, those of a [`render::Frame`] linear and premultiplied.
+//! Angles are degrees, times are seconds.
+//!
+//! # Devices and threads
+//! Vulkan 1.3 with [`gpu::required_features`], all of them mandatory in 1.3, and no extension. [`gpu::Gpu`] is shared by its
+//! clones and by threads, whose submissions take turns; a [`render::Renderer`] belongs to one thread at a time. Another
+//! program's device serves as well: [`gpu::Gpu::from_raw`], and [`render::Renderer::record`] draws into its image.
+//! Everything but `gpu` and `render` works without a Vulkan loader.
+//!
+//! # Examples
+//! In the folder `examples`: `headless` (a picture in a few lines), `embed` (a scene in a host's own image), `custom_effect`.
+//!
+//! # Features
+//! `measure` (references, comparisons, fastest settings), `viewer` (the window, with `measure`), `cli` (the program, with
+//! `measure`); all by default. Without any: fields, scenes, programs, pictures and files.
 
 #[cfg(feature = "cli")]
 pub mod cli;

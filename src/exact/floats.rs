@@ -2,6 +2,7 @@
 
 use super::number::{IntBinary, IntUnary, Integer, Number, Truth, Unary};
 use super::texture::Image;
+use super::{BoundProgram, ExactError, Lanes, Measured};
 
 /// A truth value as a mask of bits, so that many are handled at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,6 +132,10 @@ impl Number for f64 {
     type Int = u32;
     type Truth = Mask;
     const DECIDED: bool = true;
+
+    fn measure(program: &BoundProgram<'_>, lanes: &Lanes<Self>) -> Result<Measured<Self>, ExactError> {
+        program.evaluate(lanes)
+    }
 
     #[inline(always)]
     fn new(x: f64) -> f64 {

@@ -7,6 +7,7 @@
 use super::number::{Integer, Number, Unary};
 use super::range::{Range, Tri};
 use super::texture::{Image, Wrap};
+use super::{BoundProgram, ExactError, Lanes, Measured};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// All numbers from `lo` to `hi`; from -infinity to infinity: anything, NaN included.
@@ -130,6 +131,10 @@ impl Number for Interval {
     type Int = Range;
     type Truth = Tri;
     const DECIDED: bool = false;
+
+    fn measure(program: &BoundProgram<'_>, lanes: &Lanes<Self>) -> Result<Measured<Self>, ExactError> {
+        program.evaluate(lanes)
+    }
 
     fn new(x: f64) -> Interval {
         Interval::of(x, x)

@@ -256,6 +256,11 @@ impl BoundProgram<'_> {
     /// # Errors
     /// [`ExactError::Lanes`] and [`ExactError::Endless`].
     pub fn measure<N: Number>(&self, lanes: &Lanes<N>) -> Result<Measured<N>, ExactError> {
+        N::measure(self, lanes)
+    }
+
+    /// [`BoundProgram::measure`], compiled here for each kind of number, and not in every crate that calls it.
+    fn evaluate<N: Number>(&self, lanes: &Lanes<N>) -> Result<Measured<N>, ExactError> {
         let count = self.check(lanes)?;
         let mut machine = Machine::new(self.code, &self.images, self.uniforms());
         let mut outputs: BTreeMap<u32, Vec<[N; 4]>> =

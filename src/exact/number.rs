@@ -2,6 +2,7 @@
 //!
 //! Invariant: every function here is total. Integers have 32 bits and wrap, as on the GPU.
 
+use super::{BoundProgram, ExactError, Lanes, Measured};
 use std::fmt::Debug;
 
 /// A type that stands for the floats of a program.
@@ -13,6 +14,11 @@ pub trait Number: Copy + Debug + Send + Sync + 'static {
     /// Whether every comparison has one answer: then a lane takes one way through the program.
     const DECIDED: bool;
 
+    /// Evaluates a program: [`BoundProgram::measure`].
+    ///
+    /// # Errors
+    /// As there.
+    fn measure(program: &BoundProgram<'_>, lanes: &Lanes<Self>) -> Result<Measured<Self>, ExactError>;
     /// The number that is `x`.
     fn new(x: f64) -> Self;
     /// Any number at all, NaN included.
