@@ -5,7 +5,7 @@ use super::{GpuError, Named};
 use ash::vk;
 use std::ffi::c_char;
 
-/// The Vulkan instance, with the registration of its messages, and of the surface of its window if it has one.
+/// The Vulkan instance, with the registration of its messages, and the surface of its window if it has one.
 pub(super) struct Instance {
     #[cfg(feature = "viewer")]
     pub(super) surface: Option<super::window::WindowSurface>,

@@ -1,7 +1,7 @@
 //! The GLSL compiler in a process of its own, with limits: glslang crashes on an expression of 20 000 terms and does not
 //! end on a macro that doubles thirty times.
 //!
-//! The child is this very program with a hidden command: it links a [`Job`] and answers ([`Trial`]).
+//! The child is this very program with a hidden command: it links a [`Job`] and answers (a `Trial`).
 
 use super::arrays;
 use super::ask::{Answer, Trial, read, reply};

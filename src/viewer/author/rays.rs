@@ -2,7 +2,7 @@
 //! line of text before the window's own device meets it.
 //!
 //! The child is this very program with a hidden command: it renders a picture of 8 x 8 pixels of a scene with the texts, on
-//! a device of its own, and answers ([`Trial`]).
+//! a device of its own, and answers (a `Trial`).
 
 use super::ask::{Answer, Trial, read, reply};
 use super::compile::{CompileError, Job};
