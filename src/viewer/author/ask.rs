@@ -1,6 +1,6 @@
 //! Asking a child process about a text: a job on its standard input, an [`Answer`] on its standard output, both JSON.
 
-use super::compile::CompileError;
+use super::error::CompileError;
 use crate::support::child::{self, End, Limits};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};

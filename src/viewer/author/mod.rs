@@ -8,11 +8,12 @@
 mod arrays;
 mod ask;
 pub mod compile;
+mod error;
 mod gate;
 pub mod rays;
 mod source;
 mod trial;
 
-pub use compile::Fault;
+pub use error::Fault;
 pub use gate::Gate;
 pub use source::{Author, State, WATCH};
