@@ -1,7 +1,7 @@
 //! A host with its own Vulkan device and image: it clears the image, has a scene drawn over that, and draws something of its
 //! own over the scene, all in one command buffer. Writes `embed.png` or the file that is named.
 
-#![allow(unsafe_code, reason = "the host calls Vulkan")]
+#![allow(unsafe_code, unsafe_op_in_unsafe_fn, reason = "the host calls Vulkan")]
 
 use hypertexture::gpu::ash::{self, vk};
 use hypertexture::gpu::{Gpu, HostDevice, HostTarget, optional_features, required_features};
@@ -32,28 +32,27 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// The texels of the host's image.
 unsafe fn draw() -> Result<Vec<u8>, Box<dyn Error>> {
     // The host's own device.
-    let entry = unsafe { ash::Entry::load()? };
+    let entry = ash::Entry::load()?;
     let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_3);
-    let instance =
-        unsafe { entry.create_instance(&vk::InstanceCreateInfo::default().application_info(&application), None)? };
-    let physical = unsafe { instance.enumerate_physical_devices()?[0] };
-    let features = optional_features(&unsafe { instance.get_physical_device_features(physical) });
+    let instance = entry.create_instance(&vk::InstanceCreateInfo::default().application_info(&application), None)?;
+    let physical = instance.enumerate_physical_devices()?[0];
+    let features = optional_features(&instance.get_physical_device_features(physical));
     let mut required = required_features();
     let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(0).queue_priorities(&[1.0])];
     let info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_features(&features)
         .push_next(&mut required);
-    let device = unsafe { instance.create_device(physical, &info, None)? };
-    let queue = unsafe { device.get_device_queue(0, 0) };
-    let memory = unsafe { instance.get_physical_device_memory_properties(physical) };
+    let device = instance.create_device(physical, &info, None)?;
+    let queue = device.get_device_queue(0, 0);
+    let memory = instance.get_physical_device_memory_properties(physical);
     let allocate = |needs: vk::MemoryRequirements, wanted: vk::MemoryPropertyFlags| {
         let fits = |index: &usize| {
             needs.memory_type_bits >> index & 1 == 1 && memory.memory_types[*index].property_flags.contains(wanted)
         };
         let index = (0..memory.memory_type_count as usize).find(fits).unwrap_or_default() as u32;
         let info = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(index);
-        unsafe { device.allocate_memory(&info, None) }
+        device.allocate_memory(&info, None)
     };
 
     // The host's own image, and a buffer to read it from.
@@ -67,23 +66,23 @@ unsafe fn draw() -> Result<Vec<u8>, Box<dyn Error>> {
         .array_layers(1)
         .samples(vk::SampleCountFlags::TYPE_1)
         .usage(usage);
-    let image = unsafe { device.create_image(&info, None)? };
-    let needs = unsafe { device.get_image_memory_requirements(image) };
+    let image = device.create_image(&info, None)?;
+    let needs = device.get_image_memory_requirements(image);
     let image_memory = allocate(needs, vk::MemoryPropertyFlags::DEVICE_LOCAL)?;
-    unsafe { device.bind_image_memory(image, image_memory, 0)? };
+    device.bind_image_memory(image, image_memory, 0)?;
     let info = vk::ImageViewCreateInfo::default()
         .image(image)
         .view_type(vk::ImageViewType::TYPE_2D)
         .format(FORMAT)
         .subresource_range(COLOR);
-    let view = unsafe { device.create_image_view(&info, None)? };
+    let view = device.create_image_view(&info, None)?;
     let bytes = u64::from(4 * SIZE[0] * SIZE[1]);
     let info = vk::BufferCreateInfo::default().size(bytes).usage(vk::BufferUsageFlags::TRANSFER_DST);
-    let buffer = unsafe { device.create_buffer(&info, None)? };
-    let needs = unsafe { device.get_buffer_memory_requirements(buffer) };
+    let buffer = device.create_buffer(&info, None)?;
+    let needs = device.get_buffer_memory_requirements(buffer);
     let host_memory = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
     let buffer_memory = allocate(needs, host_memory)?;
-    unsafe { device.bind_buffer_memory(buffer, buffer_memory, 0)? };
+    device.bind_buffer_memory(buffer, buffer_memory, 0)?;
 
     // The renderer, on the host's device.
     let library = shader::shipped();
@@ -98,14 +97,14 @@ unsafe fn draw() -> Result<Vec<u8>, Box<dyn Error>> {
         queue,
         queue_family: 0,
     };
-    let gpu = unsafe { Gpu::from_raw(host, None)? };
+    let gpu = Gpu::from_raw(host, None)?;
     let mut renderer = Renderer::new(&gpu, &library, &subject);
 
     // One command buffer: the host clears, the scene is drawn over that, the host draws over the scene.
-    let pool = unsafe { device.create_command_pool(&vk::CommandPoolCreateInfo::default(), None)? };
+    let pool = device.create_command_pool(&vk::CommandPoolCreateInfo::default(), None)?;
     let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
-    let commands = unsafe { device.allocate_command_buffers(&info)?[0] };
-    unsafe { device.begin_command_buffer(commands, &vk::CommandBufferBeginInfo::default())? };
+    let commands = device.allocate_command_buffers(&info)?[0];
+    device.begin_command_buffer(commands, &vk::CommandBufferBeginInfo::default())?;
     let barrier = |old, new, stages: [vk::PipelineStageFlags2; 2], access: [vk::AccessFlags2; 2]| {
         let barriers = [vk::ImageMemoryBarrier2::default()
             .image(image)
@@ -117,7 +116,7 @@ unsafe fn draw() -> Result<Vec<u8>, Box<dyn Error>> {
             .dst_stage_mask(stages[1])
             .dst_access_mask(access[1])];
         let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
-        unsafe { device.cmd_pipeline_barrier2(commands, &dependency) };
+        device.cmd_pipeline_barrier2(commands, &dependency);
     };
     use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
     let output = Stage::COLOR_ATTACHMENT_OUTPUT;
@@ -138,13 +137,11 @@ unsafe fn draw() -> Result<Vec<u8>, Box<dyn Error>> {
             color_attachment: 0,
             clear_value: value(color),
         };
-        unsafe {
-            device.cmd_begin_rendering(commands, &info);
-            if !rects.is_empty() {
-                device.cmd_clear_attachments(commands, &[clear], rects);
-            }
-            device.cmd_end_rendering(commands);
+        device.cmd_begin_rendering(commands, &info);
+        if !rects.is_empty() {
+            device.cmd_clear_attachments(commands, &[clear], rects);
         }
+        device.cmd_end_rendering(commands);
     };
     let again = || {
         let both = Layout::COLOR_ATTACHMENT_OPTIMAL;
@@ -154,7 +151,7 @@ unsafe fn draw() -> Result<Vec<u8>, Box<dyn Error>> {
     fill(vk::AttachmentLoadOp::CLEAR, [0.02, 0.05, 0.12, 1.0], &[]);
     again();
     let target = HostTarget { view, format: FORMAT, size: SIZE };
-    let recording = renderer.record(&mut unsafe { gpu.host_commands(commands, target)? }, &scene)?;
+    let recording = renderer.record(&mut gpu.host_commands(commands, target)?, &scene)?;
     again();
     let rect = |x, y, width, height| vk::ClearRect {
         rect: vk::Rect2D { offset: vk::Offset2D { x, y }, extent: vk::Extent2D { width, height } },
@@ -172,30 +169,26 @@ unsafe fn draw() -> Result<Vec<u8>, Box<dyn Error>> {
         .src_access_mask(Access::TRANSFER_WRITE)
         .dst_stage_mask(Stage::HOST)
         .dst_access_mask(Access::HOST_READ)];
-    unsafe {
-        device.cmd_copy_image_to_buffer(commands, image, Layout::TRANSFER_SRC_OPTIMAL, buffer, &[region]);
-        device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&visible));
-        device.end_command_buffer(commands)?;
-        let buffers = [commands];
-        device.queue_submit(queue, &[vk::SubmitInfo::default().command_buffers(&buffers)], vk::Fence::null())?;
-        device.queue_wait_idle(queue)?;
-    }
+    device.cmd_copy_image_to_buffer(commands, image, Layout::TRANSFER_SRC_OPTIMAL, buffer, &[region]);
+    device.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&visible));
+    device.end_command_buffer(commands)?;
+    let buffers = [commands];
+    device.queue_submit(queue, &[vk::SubmitInfo::default().command_buffers(&buffers)], vk::Fence::null())?;
+    device.queue_wait_idle(queue)?;
 
     // What the commands used may go, then what the renderer made, then the host's own.
     drop(recording);
     drop(renderer);
     drop(gpu);
-    unsafe {
-        let mapped = device.map_memory(buffer_memory, 0, bytes, vk::MemoryMapFlags::empty())?;
-        let pixels = std::slice::from_raw_parts(mapped.cast::<u8>(), bytes as usize).to_vec();
-        device.destroy_command_pool(pool, None);
-        device.destroy_buffer(buffer, None);
-        device.free_memory(buffer_memory, None);
-        device.destroy_image_view(view, None);
-        device.destroy_image(image, None);
-        device.free_memory(image_memory, None);
-        device.destroy_device(None);
-        instance.destroy_instance(None);
-        Ok(pixels)
-    }
+    let mapped = device.map_memory(buffer_memory, 0, bytes, vk::MemoryMapFlags::empty())?;
+    let pixels = std::slice::from_raw_parts(mapped.cast::<u8>(), bytes as usize).to_vec();
+    device.destroy_command_pool(pool, None);
+    device.destroy_buffer(buffer, None);
+    device.free_memory(buffer_memory, None);
+    device.destroy_image_view(view, None);
+    device.destroy_image(image, None);
+    device.free_memory(image_memory, None);
+    device.destroy_device(None);
+    instance.destroy_instance(None);
+    Ok(pixels)
 }

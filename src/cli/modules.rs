@@ -1,6 +1,6 @@
 //! Modules from the command line, and the debug views.
 
-use crate::scene::{Projection, RayPath, Scene, SceneError};
+use crate::scene::{MODULE_SLOTS, Projection, RayPath, Scene, SceneError};
 
 /// Puts the modules of one slot, separated by `+`, into the scene. One that ends in `.glsl` is a custom module.
 pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
@@ -33,27 +33,7 @@ pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
             *if stack == "warp" { &mut effect.warp } else { &mut effect.dmf } = modules;
             return Ok(());
         }
-        other => {
-            let known = [
-                "classify",
-                "softness",
-                "warp",
-                "dmf",
-                "surface",
-                "medium",
-                "noise",
-                "weights",
-                "turbulence",
-                "bandlimit",
-                "gradient",
-                "opacity",
-                "index",
-                "absorption",
-                "environment",
-                "project",
-            ];
-            return Err(SceneError::unknown("slot", other, &known));
-        }
+        other => return Err(SceneError::unknown("slot", other, &MODULE_SLOTS)),
     };
     *single = modules.join("+");
     Ok(())

@@ -1,12 +1,13 @@
 //! What a program reads, on the device: blocks written, images uploaded.
 
-use super::RenderError;
 use super::inputs::{Inputs, SHADOW, Shot, StoredObjects};
 use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
 use super::values::{Values, blocks};
+use super::{OCTAVES_ID, RenderError};
 use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler};
 use crate::render::variant::{Program, Resource, Use};
+use crate::scene::Scene;
 use std::sync::Arc;
 
 /// The resources of one program.
@@ -99,8 +100,33 @@ impl BoundInputs {
     }
 }
 
+/// The pipeline of a program with the octaves of a scene, for targets of a format with so many samples.
+pub(super) fn pipeline(
+    gpu: &Gpu,
+    program: &Program,
+    scene: &Scene,
+    attributes: &[u32],
+    format: gpu::Format,
+    samples: u32,
+    blend: gpu::Blend,
+) -> Result<gpu::Pipeline, gpu::GpuError> {
+    let bindings: Vec<gpu::Binding> = program.resources.iter().map(binding).collect();
+    let (vertex, fragment, constants) = (&program.vertex, &program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]);
+    let description = gpu::PipelineDescription {
+        vertex,
+        fragment,
+        constants,
+        bindings: &bindings,
+        attributes,
+        format,
+        samples,
+        blend,
+    };
+    gpu::Pipeline::new(gpu, &description)
+}
+
 /// The layout entry of a resource.
-pub(super) fn binding(resource: &Resource) -> gpu::Binding {
+fn binding(resource: &Resource) -> gpu::Binding {
     let kind = match resource.holds {
         Use::Block(_) => gpu::BindingKind::Uniform,
         Use::Image => gpu::BindingKind::Image,

@@ -59,18 +59,7 @@ impl HalfAngle {
         variant: &Variant,
     ) -> Result<HalfAngle, RenderError> {
         let program = variant.light(scene, library)?.program(library, Linker::new)?;
-        let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
-        let description = gpu::PipelineDescription {
-            vertex: &program.vertex,
-            fragment: &program.fragment,
-            constants: &[(super::OCTAVES_ID, scene.effect.octaves)],
-            bindings: &bindings,
-            attributes: &[3],
-            format: BUFFER,
-            samples: 1,
-            blend: Blend::Replace,
-        };
-        let pipeline = Pipeline::new(gpu, &description)?;
+        let pipeline = bind::pipeline(gpu, &program, scene, &[3], BUFFER, 1, Blend::Replace)?;
         let side = scene.light.shadow_resolution;
         let buffer = || {
             let plane = Dimension::Plane(side, side);

@@ -1,6 +1,6 @@
 //! What the pictures of a scene share, and the frame pipeline, read top to bottom.
 
-use super::bind::{BoundInputs, binding};
+use super::bind::{self, BoundInputs};
 use super::half_angle::{HalfAngle, blend as light_blend};
 use super::inputs::{Inputs, SHADOW, Shot};
 use super::light_space::LightSpace;
@@ -81,21 +81,9 @@ impl Prepared {
             (Pass::Slices, Order::FrontToBack) => gpu::Blend::Under,
             (Pass::Slices, Order::BackToFront) => gpu::Blend::Over,
         };
-        let bindings: Vec<gpu::Binding> = program.resources.iter().map(binding).collect();
         let pipeline_start = Instant::now();
-        let pipeline = gpu::Pipeline::new(
-            gpu,
-            &gpu::PipelineDescription {
-                vertex: &program.vertex,
-                fragment: &program.fragment,
-                constants: &[(super::OCTAVES_ID, scene.effect.octaves)],
-                bindings: &bindings,
-                attributes: if quality.pass == Pass::Slices { pass::attributes(quality.proxy) } else { &[] },
-                format,
-                samples: quality.msaa,
-                blend,
-            },
-        )?;
+        let attributes = if quality.pass == Pass::Slices { pass::attributes(quality.proxy) } else { &[] };
+        let pipeline = bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, blend)?;
         let casts = program.reads(SHADOW);
         let caster = casts.then(|| Caster::new(gpu, library, scene, variant)).transpose()?;
         let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, variant));

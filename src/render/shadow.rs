@@ -101,20 +101,7 @@ pub(super) struct Caster {
 impl Caster {
     pub(super) fn new(gpu: &Gpu, library: &Library, scene: &Scene, variant: &Variant) -> Result<Caster, RenderError> {
         let program = variant.shadow(scene, library)?.program(library, Linker::new)?;
-        let bindings: Vec<gpu::Binding> = program.resources.iter().map(bind::binding).collect();
-        let pipeline = Pipeline::new(
-            gpu,
-            &gpu::PipelineDescription {
-                vertex: &program.vertex,
-                fragment: &program.fragment,
-                constants: &[(super::OCTAVES_ID, scene.effect.octaves)],
-                bindings: &bindings,
-                attributes: &[],
-                format: SEGMENTS,
-                samples: 1,
-                blend: gpu::Blend::Replace,
-            },
-        )?;
+        let pipeline = bind::pipeline(gpu, &program, scene, &[], SEGMENTS, 1, gpu::Blend::Replace)?;
         Ok(Caster { program, pipeline })
     }
 

@@ -28,6 +28,7 @@ pub use error::{SceneError, nearest};
 pub use field::parse_value;
 pub use file::{load, parse, to_text};
 pub use light::{Light, LightMethod};
+pub use modules::MODULE_SLOTS;
 pub use parameters::{Parameters, Spread};
 pub use part::{Boolean, Part, Transform};
 pub use preset_texts::names;

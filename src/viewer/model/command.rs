@@ -3,29 +3,11 @@
 //! It starts from the preset, or the preset over an input, that leaves the least to say, and says the rest with the option
 //! that a person would use, else with `--set FIELD=VALUE`.
 
-use crate::scene::{self, Scene, parse_value};
+use crate::scene::{self, MODULE_SLOTS, Scene, parse_value};
 use crate::shader::Library;
 use std::path::Path;
 use toml::Value;
 
-/// What goes before the other options, since it decides which parameters are kept: the slots of `--module`.
-const MODULES: [&str; 15] = [
-    "classify",
-    "softness",
-    "warp",
-    "dmf",
-    "surface",
-    "medium",
-    "noise",
-    "weights",
-    "turbulence",
-    "bandlimit",
-    "opacity",
-    "index",
-    "absorption",
-    "environment",
-    "project",
-];
 /// Fields with an option of their own that takes the value as a scene file has it.
 const PLAIN: [(&str, &str); 20] = [
     ("object.iso", "--iso"),
@@ -191,9 +173,10 @@ fn valued(flag: &str, value: &str) -> Vec<String> {
     if value.starts_with('-') { vec![format!("{flag}={value}")] } else { vec![flag.into(), value.into()] }
 }
 
-/// The slot of a field of the scene's own effect that `--module` fills.
+/// The slot of a field of the scene's own effect that `--module` fills: before the other options, since it decides which
+/// parameters are kept. `--gradient` is an option of its own.
 fn module_slot(name: &str) -> Option<&str> {
-    name.strip_prefix("effect.").filter(|slot| MODULES.contains(slot))
+    name.strip_prefix("effect.").filter(|slot| *slot != "gradient" && MODULE_SLOTS.contains(slot))
 }
 
 /// Fields that are not the same, with the new value; none where the field is gone.

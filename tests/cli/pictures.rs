@@ -1,0 +1,282 @@
+//! What each command writes and says.
+
+use crate::desk::{Desk, SMALL, refused, text};
+use hypertexture::scene::ParameterValue;
+use std::fs;
+use std::path::Path;
+use std::process::Stdio;
+
+fn size_of(path: &Path) -> (u32, u32) {
+    image::image_dimensions(path).unwrap()
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_render_writes_the_picture_and_says_what_it_took() {
+    let desk = Desk::new();
+    let said = desk.good(&format!("render torus --effect fur -o x.png {SMALL}"));
+    for start in ["device ", "program ", "left out ", "slices ", "time ", "memory ", "wrote "] {
+        assert!(said.lines().any(|line| line.starts_with(start)), "no line `{start}`: {said}");
+    }
+    assert!(said.contains("dmf=fur") && said.contains("x.png"), "{said}");
+    assert_eq!(size_of(&desk.file("x.png")), (64, 64));
+    let bytes = fs::read(desk.file("x.png")).unwrap();
+    assert!(bytes.windows(4).any(|window| window == b"sRGB"), "no sRGB chunk");
+    assert_eq!(desk.files().len(), 1, "a render writes its picture and nothing else");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn what_changes_nothing_is_said_in_one_line() {
+    let desk = Desk::new();
+    let ignored = |arguments: &str| {
+        let out = desk.good(&format!("render {arguments} --size 24x24 --samples 16"));
+        let line = out.lines().find(|line| line.starts_with("ignored ")).unwrap_or_default();
+        line.trim_start_matches("ignored").split(": the picture").next().unwrap_or_default().trim().to_string()
+    };
+    assert_eq!(ignored("torus --gradient central --seed 3"), "effect.gradient = \"central\", quality.seed = 3");
+    assert_eq!(ignored("torus --effect fire --set effect.octaves=6 --time 2"), "effect.octaves = 6");
+    assert_eq!(
+        ignored("torus --pass march --order back_to_front --target unorm8"),
+        "quality.order = \"back_to_front\""
+    );
+    assert_eq!(ignored("torus --effect shells --shadows"), "light.shadows = true");
+    assert_eq!(ignored("fire_ball"), "", "what a preset sets is not said");
+    assert_eq!(ignored("torus --depth 16 -o a.exr"), "--depth 16");
+    let out = desk.good("render torus --module dmf=biased --set density_bias=0.7 --size 24x24 --samples 16");
+    assert!(out.contains("dmf=biased") && !out.contains("ignored"), "a DMF makes a hard object soft: {out}");
+    fs::write(desk.file("scene.toml"), "preset = \"fire\"\nobject.input = \"torus\"\nquality.seed = 4\n").unwrap();
+    assert_eq!(ignored("scene.toml"), "quality.seed = 4");
+    let out = desk.good("render torus --effect fire --size 24x24 --samples 16");
+    assert!(out.contains("octaves    4 of 8: a block of 64 texels and 4 cells along a side holds no more"), "{out}");
+    let out = desk.good("render torus --effect fire --set quality.turbulence_cells=1 --size 24x24 --samples 16");
+    assert!(out.contains("octaves    6 of 8: "), "{out}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_quiet_render_says_nothing() {
+    let desk = Desk::new();
+    assert_eq!(desk.good(&format!("render torus --quiet -o x.png {SMALL}")), "");
+    assert_eq!(size_of(&desk.file("x.png")), (64, 64));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_closed_standard_output_is_no_error() {
+    let desk = Desk::new();
+    for arguments in ["effects", "--help", &format!("render torus -o x.png {SMALL}")] {
+        let mut child = desk.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.success(), "`{arguments}`: {}", output.status);
+        assert_eq!(text(&output.stderr), "", "`{arguments}`");
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_saved_scene_gives_the_same_picture() {
+    let desk = Desk::new();
+    let look = "--effect fire --set fury=1.5 --camera 10,20,1.2 --clip 0,0,1,0.4 --background #203040";
+    desk.good(&format!("render torus {look} {SMALL} -o first.png --save-scene s.toml"));
+    desk.good("render s.toml -o second.png");
+    assert_eq!(fs::read(desk.file("first.png")).unwrap(), fs::read(desk.file("second.png")).unwrap());
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_module_of_a_preset_can_be_exchanged_although_the_preset_sets_its_parameters() {
+    let said = Desk::new().good(&format!("render torus --effect fire --module medium=lit --set fury=1 {SMALL}"));
+    assert!(said.contains("medium=lit"), "{said}");
+}
+
+const SWELL: &str = "// A power of the density.
+// Source: none.
+// density: in [0, 1]; result in [0, 1].
+// @outer swell_width
+// @param swell_width = 0.3 in [0.01, 1]: Width of the soft region, object units.
+// @param swell_power = 0.5 in [0.1, 4]: The power.
+float swell(float density, Sample s) { return pow(density, swell_power); }
+";
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_module_of_ones_own_is_used_as_one_that_ships() {
+    let desk = Desk::new();
+    desk.write("swell.glsl", SWELL);
+    let look = SMALL;
+    desk.good(&format!("render sphere {look} -o plain.png"));
+    let said =
+        desk.good(&format!("render sphere --dmf swell.glsl --set swell_power=3 {look} -o own.png --save-scene s.toml"));
+    assert!(said.contains("dmf=swell") && said.contains("linked now"), "{said}");
+    desk.good("render s.toml -o again.png");
+    let [plain, own, again] = ["plain.png", "own.png", "again.png"].map(|name| fs::read(desk.file(name)).unwrap());
+    assert!(plain != own && own == again);
+    let said = desk.good(&format!("render sphere --dmf swell.glsl {look} -o bound.png --max-error 0.05"));
+    assert!(said.contains("dmf=swell") && said.contains("f64 reference"), "{said}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_module_of_ones_own_that_is_wrong_is_refused_at_its_line() {
+    let broken = |desk: &Desk| {
+        desk.write("swell.glsl", SWELL.replace("pow(density, swell_power)", "pow(density, swell_powr)"));
+        desk.write("other.glsl", SWELL);
+    };
+    refused(
+        broken,
+        &[
+            ("render sphere -o out.png --dmf swell.glsl", &["swell", "7", "swell_powr"]),
+            ("render sphere -o out.png --dmf other.glsl", &["other"]),
+            ("render sphere -o out.png --dmf absent.glsl", &["absent.glsl"]),
+        ],
+    );
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn the_fastest_settings_within_an_error_is_drawn_and_remembered() {
+    let desk = Desk::new();
+    let first = desk.good(&format!("render lit -o a.png --max-error 0.03 --metric p999 {SMALL}"));
+    assert!(first.contains("asked for 3.0e-2") && !first.contains("remembered"), "{first}");
+    let second = desk.good(&format!("render lit -o b.png --max-error 0.03 --metric p999 {SMALL}"));
+    assert!(second.contains("remembered"), "{second}");
+    assert_eq!(fs::read(desk.file("a.png")).unwrap(), fs::read(desk.file("b.png")).unwrap());
+    let rows: [(&str, &[&str]); 3] = [
+        ("render lit -o out.png --max-error 1e-12 --size 16x16", &["no settings", "1e-12", "the nearest"]),
+        ("render lit -o out.png --max-error 0", &["must be above 0"]),
+        ("render lit -o out.png --max-error 0.1 --metric beauty", &["beauty", "rmse"]),
+    ];
+    refused(|_| (), &rows);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_parameter_of_one_object_is_set_by_its_name() {
+    let desk = Desk::new();
+    let small = "--size 32x32 --samples 32";
+    for (set, name) in [("", "as_is.png"), ("--set parts.stone.distortion=4", "stone.png")] {
+        desk.good(&format!("render ensemble {set} {small} -o {name}"));
+    }
+    assert!(fs::read(desk.file("as_is.png")).unwrap() != fs::read(desk.file("stone.png")).unwrap());
+    refused(
+        |_| (),
+        &[
+            ("render ensemble -o out.png --set parts.ston.distortion=4", &["ston", "stone"]),
+            ("render ensemble -o out.png --set parts.stone.distorsion=4", &["distorsion", "distortion"]),
+        ],
+    );
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn an_exr_and_a_png_of_16_bits_are_written_by_their_names() {
+    let desk = Desk::new();
+    desk.good(&format!("render sphere -o x.exr {SMALL}"));
+    desk.good(&format!("render sphere -o x.png --depth 16 {SMALL}"));
+    let exr = image::open(desk.file("x.exr")).unwrap();
+    assert_eq!((exr.width(), exr.height(), exr.color()), (64, 64, image::ColorType::Rgba32F));
+    assert_eq!(image::open(desk.file("x.png")).unwrap().color(), image::ColorType::Rgba16);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn the_field_of_a_torus_renders_as_the_torus() {
+    let desk = Desk::new();
+    desk.good("field torus -o f.nrrd --resolution 64");
+    desk.good(&format!("render f.nrrd -o field.png {SMALL}"));
+    desk.good(&format!("render torus -o formula.png {SMALL}"));
+    let [field, formula] = ["field.png", "formula.png"].map(|name| image::open(desk.file(name)).unwrap().to_rgba8());
+    let differs = |(a, b): &(&image::Rgba<u8>, &image::Rgba<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 40);
+    let different = field.pixels().zip(formula.pixels()).filter(differs).count();
+    // The outline is found to half a voxel, 1/64 of the object: at most the pixels along it differ.
+    assert!(different < 64 * 64 / 10, "{different} pixels differ");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_gallery_has_six_pictures_and_a_page_that_names_them() {
+    let desk = Desk::new();
+    desk.good(&format!("gallery torus -o dir {SMALL}"));
+    let page = fs::read_to_string(desk.file("dir/index.html")).unwrap();
+    for effect in ["lit", "solid", "bump", "fur", "melting", "fire"] {
+        assert_eq!(size_of(&desk.file(&format!("dir/{effect}.png"))), (64, 64));
+        assert!(page.contains(&format!("{effect}.png")), "the page does not show {effect}");
+    }
+    assert_eq!(desk.files().len(), 7);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn p58_a_gallery_without_an_object_has_every_figure_under_its_paper() {
+    let desk = Desk::new();
+    desk.good("gallery -o dir --size 16x16 --samples 16 --resolution 24");
+    let page = fs::read_to_string(desk.file("dir/index.html")).unwrap();
+    for name in hypertexture::scene::names() {
+        assert_eq!(size_of(&desk.file(&format!("dir/{name}.png"))), (16, 16));
+        assert!(page.contains(&format!("hypertexture render {name} -o {name}.png")), "no command for {name}");
+    }
+    let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("`{text}` is not on the page"));
+    assert!(place("<h2>Miller and Jones 2005") < place("id=\"fur\""));
+    assert!(place("id=\"fur\"") < place("<h2>Perlin and Hoffert 1989"));
+    assert!(place("<h2>Perlin and Hoffert 1989") < place("id=\"noisy_sphere\""));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn the_name_of_a_figure_renders_it_whole_and_an_effect_goes_over_it() {
+    let desk = Desk::new();
+    desk.good(&format!("render noisy_sphere -o x.png --save-scene s.toml {SMALL}"));
+    let saved = hypertexture::scene::load(&desk.file("s.toml")).unwrap();
+    let preset = hypertexture::scene::preset("noisy_sphere").unwrap();
+    assert_eq!((saved.object, saved.effect, saved.camera), (preset.object, preset.effect, preset.camera));
+    desk.good(&format!("render furry_donut --effect lit -o y.png --save-scene t.toml {SMALL}"));
+    let saved = hypertexture::scene::load(&desk.file("t.toml")).unwrap();
+    assert_eq!((saved.object.input.as_str(), saved.effect.surface.as_str()), ("torus", "lit"));
+    assert!(saved.effect.dmf.is_empty());
+}
+
+#[test]
+fn every_effect_is_listed_with_its_parameters() {
+    let said = Desk::new().good("effects");
+    for name in hypertexture::scene::names() {
+        let scene = hypertexture::scene::preset(name).unwrap();
+        assert!(said.contains(&format!("{name}: {}", scene.about)), "{name} is not listed");
+        let about = said.split_once(&format!("{name}: ")).unwrap_or_default().1;
+        for (parameter, value) in scene.check(&hypertexture::shader::shipped()).unwrap().iter() {
+            let line = about.lines().find(|line| line.trim_start().starts_with(&format!("{} ", parameter.name)));
+            let line = line.unwrap_or_else(|| panic!("{} of {name} is not listed", parameter.name));
+            let value = match value {
+                ParameterValue::Number(number) => number.to_string(),
+                ParameterValue::Color(color) => String::from(*color),
+            };
+            assert!(line.contains(&format!(" {value} ")) && line.ends_with(&parameter.doc), "{line}: expected {value}");
+        }
+    }
+}
+
+#[test]
+fn help_and_version_succeed() {
+    let desk = Desk::new();
+    for arguments in ["--help", "render --help", "field --help", "gallery --help", "help"] {
+        assert!(desk.good(arguments).contains("Usage: hypertexture"), "{arguments}");
+    }
+    assert_eq!(desk.good("--version"), format!("hypertexture {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn completions_and_manual_pages_know_commands_and_arguments() {
+    let desk = Desk::new();
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = desk.good(&format!("completions {shell}"));
+        assert!(["gallery", "max-error"].iter().all(|word| script.contains(word)), "{shell}");
+        assert!(!script.contains("memory-mib"), "{shell} completes a hidden command");
+    }
+    let program = desk.good("man");
+    assert!(program.contains(".TH hypertexture 1") && program.contains("hypertexture\\-render(1)"), "{program}");
+    let render = desk.good("man render");
+    assert!(render.contains(".TH hypertexture-render 1") && render.contains("\\-\\-turntable"), "{render}");
+    let hidden = ["draw", "rays"].map(|name| format!("hypertexture\\-{name}(1)"));
+    assert!(hidden.iter().all(|name| !program.contains(name)), "{program}");
+}

@@ -1,0 +1,221 @@
+//! What is wrong is refused in one line, and nothing is written.
+
+use crate::desk::refused;
+use std::fs;
+
+#[test]
+fn arguments_that_make_no_sense_are_refused_in_one_line() {
+    refused(
+        |_| {},
+        &[
+            ("", &["error:", "command", "hypertexture --help"]),
+            ("completions tcsh", &["'tcsh'", "zsh", "hypertexture --help"]),
+            ("man rendr", &["man rendr", "unknown command", "render, "]),
+            ("frobnicate", &["unrecognized subcommand 'frobnicate'", "hypertexture --help"]),
+            ("render", &["<INPUT>"]),
+            ("render torus --wrong", &["unexpected argument '--wrong'"]),
+            ("render torus --effect furr", &["no effect `furr`", "did you mean `fur`?", "melting"]),
+            ("render torus --effect fur --set finenes=60", &["no parameter `finenes`", "did you mean `fineness`?"]),
+            ("render torus --effect fur --set fineness=1e9", &["parameters.fineness = 1000000000", "from 2 to 200"]),
+            ("render torus --effect fur --set fineness=nan", &["parameters.fineness = NaN", "from 2 to 200"]),
+            ("render torus --effect fur --set fineness=#102030", &["parameters.fineness", "must be a number"]),
+            ("render torus --effect fur --set fineness", &["--set = fineness", "PARAMETER=NUMBER"]),
+            ("render torus --set fineness=60", &["no parameter `fineness`", "this effect has none"]),
+            ("render torus --size 0x5", &["image.size = 0", "from 1 to 16384"]),
+            ("render torus --size axb", &["'axb'", "--size", "640x480"]),
+            ("render torus --size 64", &["'64'", "--size", "640x480"]),
+            ("render torus --samples 0", &["quality.samples = 0", "from 1 to 100000"]),
+            ("render torus --samples -3", &["'-3'"]),
+            ("render torus --msaa 3", &["quality.msaa = 3", "1, 2, 4 or 8"]),
+            ("render torus --anisotropy 99", &["quality.anisotropy = 99", "from 1 to 16"]),
+            ("render torus --clip 1,0,0", &["--clip = 3 numbers", "4 numbers: a,b,c,d"]),
+            ("render torus --clip 0,0,0,1", &["camera.clip", "normal of the plane"]),
+            ("render torus --clip 1,x,0,0", &["'1,x,0,0'", "--clip", "numbers with commas"]),
+            ("render torus --camera 30", &["--camera = 1 numbers", "azimuth,elevation[,zoom]"]),
+            ("render torus --camera 30,100", &["camera.elevation = 100", "from -90 to 90"]),
+            ("render torus --camera 30,20,nan", &["camera.zoom = NaN"]),
+            ("render torus --light 1,2", &["--light = 2 numbers", "3 numbers: x,y,z"]),
+            ("render torus --time inf", &["camera.time = inf"]),
+            ("render torus --background blue", &["--background = blue", "#rrggbb"]),
+            ("render torus --target float23", &["--target = float23", "float32"]),
+            ("render torus --module classify=sof", &["effect.classify `sof`", "did you mean `soft`?"]),
+            ("render torus --module clasify=soft", &["clasify", "classify"]),
+            ("render torus --module soft", &["--module = soft", "SLOT=MODULE"]),
+            ("render torus --debug-view outline", &["'outline'", "slice-stack"]),
+            ("render torus --depth 12", &["'12'", "16"]),
+            ("render torus --iso nan", &["object.iso = NaN"]),
+            ("render torus --resolution 4", &["object.resolution = 4", "from 8 to 1024"]),
+            ("render torus -o picture.jpg", &["picture.jpg", ".png or .exr"]),
+            ("render torus -o picture", &["picture", ".png or .exr"]),
+            ("render torus -o missing/x.png", &["missing/x.png", "there is no folder missing"]),
+            ("render torus --save-scene missing/s.toml", &["missing/s.toml", "there is no folder missing"]),
+            ("render torus --frames 9..3", &["'9..3'", "--frames", "A..B", "such as 1..100"]),
+            ("render torus --frames 5", &["'5'", "--frames", "A..B"]),
+            ("render torus --frames 0..9 --fps 0", &["--fps 0", "from 0.001 to 1000"]),
+            ("render torus --frames 0..9 --fps nan", &["--fps NaN", "from 0.001 to 1000"]),
+            ("render torus --frames 0..9 -o frames.gif", &["frames.gif", ".png or .exr"]),
+            ("render torus --fps 10", &["--frames <A..B>"]),
+            ("render torus --turntable", &["--frames <A..B>"]),
+            ("render torus --shard 3/3", &["3/3", "K from 0 to N - 1", "such as 0/4"]),
+            ("render torus --shard half", &["half", "write K/N"]),
+            ("render torus --shard", &["--shard auto", "SLURM_ARRAY_TASK_ID", "JOB_COMPLETION_INDEX", "--shard K/N"]),
+            ("render torus --predict --shard 0/2", &["--predict", "--shard"]),
+            ("merge out.png", &["<SHARD>"]),
+            ("merge new.png out.png", &["out.png", "no shard of hypertexture", "render this shard again"]),
+            ("merge new.png gone.shard-0-of-2", &["gone.shard-0-of-2"]),
+            ("merge new.jpg out.png", &["new.jpg", ".png or .exr"]),
+            ("field torus -o missing/f.nrrd", &["missing/f.nrrd", "there is no folder missing"]),
+            ("field torus -o field.stl", &["field.stl", ".nrrd"]),
+            ("field torus --margin -1", &["--margin", "-1"]),
+            ("field torus --margin nan", &["--margin NaN", "from 0 to 4"]),
+            ("field torus --resolution 2", &["resolution 2", "8 to 1024"]),
+            ("gallery torus --size 0x0", &["image.size = 0"]),
+            ("compare", &["<SCENE>"]),
+            ("compare fire --strategies lokups8", &["no strategy `lokups8`", "choose one of: "]),
+            ("compare fire --samples 0", &["quality.samples = 0", "from 1 to"]),
+            ("compare fire --sweep 16,x", &["'x'", "--sweep"]),
+            ("compare fire --samples 2000000", &["quality.samples = 2000000", "from 1 to"]),
+            ("compare fire --repeat 0", &["--repeat 0", "from 1 to 1000"]),
+            ("compare fire --repeat many", &["'many'", "--repeat"]),
+            ("compare fire --size 0x5", &["image.size = 0", "from 1 to 16384"]),
+            ("compare fir", &["fir"]),
+            ("compare torus --effect fir", &["no effect `fir`", "did you mean `fire`?"]),
+            ("compare sphere --effect fire -o out.png", &["out.png", "nothing was written"]),
+            ("compare sphere --effect fire -o /proc/none", &["/proc/none", "nothing was written"]),
+        ],
+    );
+}
+
+#[test]
+fn scene_files_that_are_wrong_are_refused_with_their_line() {
+    let scenes: &[(&str, &str)] = &[
+        ("broken.toml", "[quality]\nsamples = 64\n[image\n"),
+        ("field.toml", "[quality]\nsample = 64\n"),
+        ("table.toml", "[qualities]\nsamples = 64\n"),
+        ("type.toml", "[quality]\n\nsamples = \"many\"\n"),
+        ("name.toml", "[object]\ninput = \"torus\"\nsource = \"normals17\"\n"),
+        ("color.toml", "[material]\ncolor = \"red\"\n"),
+        ("preset.toml", "preset = \"fire_bal\"\n"),
+        ("parameter.toml", "preset = \"fur\"\n[parameters]\nfinenes = 60\n"),
+        ("range.toml", "[quality]\nsamples = 0\n"),
+        ("module.toml", "[effect]\nsurface = \"litt\"\n"),
+        ("stops.toml", "[transfer]\nstops = []\n"),
+        ("object.toml", "[object]\ninput = \"missing.obj\"\n"),
+    ];
+    refused(
+        |desk| {
+            scenes.iter().for_each(|(name, content)| desk.write(name, content));
+            desk.write("binary.toml", [0xff, 0xfe, 0x00]);
+            fs::create_dir(desk.file("folder.toml")).unwrap();
+        },
+        &[
+            ("render broken.toml", &["broken.toml:3:"]),
+            ("render field.toml", &["field.toml:2:", "unknown field `sample`", "did you mean `samples`?"]),
+            ("render table.toml", &["table.toml:1:", "unknown field `qualities`", "did you mean `quality`?"]),
+            ("render type.toml", &["type.toml:3:", "many"]),
+            ("render name.toml", &["name.toml:3:", "normals17", "did you mean `normals16`?"]),
+            ("render color.toml", &["color.toml:2:", "`red` is not a color"]),
+            ("render preset.toml", &["no effect `fire_bal`", "did you mean `fire_ball`?"]),
+            ("render parameter.toml", &["no parameter `finenes`", "did you mean `fineness`?"]),
+            ("render range.toml", &["quality.samples = 0", "from 1 to 100000"]),
+            ("render module.toml", &["effect.surface `litt`", "did you mean `lit`?"]),
+            ("render stops.toml", &["transfer.stops = 0 stops"]),
+            ("render object.toml", &["missing.obj"]),
+            ("render missing.toml", &["missing.toml"]),
+            ("render folder.toml", &["folder.toml"]),
+            ("render binary.toml", &["binary.toml"]),
+        ],
+    );
+}
+
+/// A binary STL that declares `declared` triangles and holds one.
+fn stl(declared: u32, x: f32) -> Vec<u8> {
+    let mut bytes = vec![0; 80];
+    bytes.extend(declared.to_le_bytes());
+    for number in [0.0, 0.0, 1.0, x, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0f32] {
+        bytes.extend(number.to_le_bytes());
+    }
+    bytes.extend([0; 2]);
+    bytes
+}
+
+/// A raw NRRD volume of `side`^3 floats as declared, with `values` in it.
+fn nrrd(side: u32, values: &[f32]) -> Vec<u8> {
+    let header = format!(
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: {side} {side} {side}\nspacings: 1 1 1\n\
+         encoding: raw\nendian: little\n\n"
+    );
+    let mut bytes = header.into_bytes();
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    bytes
+}
+
+#[test]
+fn object_files_that_are_wrong_are_refused_in_one_line() {
+    let ramp: Vec<f32> = (0..512u16).map(f32::from).collect();
+    let mut hole = ramp.clone();
+    hole[77] = f32::NAN;
+    let files: &[(&str, Vec<u8>)] = &[
+        ("empty.stl", vec![]),
+        ("empty.obj", vec![]),
+        ("empty.nrrd", vec![]),
+        ("points.xyz", b"0 0 0\n1 1 1\n".to_vec()),
+        ("cut.stl", stl(12, 0.0)),
+        ("cut.obj", b"v 0 0 0\nv 1 0 0\nv 0 1".to_vec()),
+        ("cut.nrrd", nrrd(8, &ramp[..100])),
+        ("huge.stl", stl(u32::MAX, 0.0)),
+        ("huge.nrrd", nrrd(4_000_000_000, &ramp)),
+        ("nan.stl", stl(1, f32::NAN)),
+        ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec()),
+        ("nan.nrrd", nrrd(8, &hole)),
+        ("corner.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n".to_vec()),
+        ("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_vec()),
+        ("line.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n".to_vec()),
+        ("flat.nrrd", nrrd(8, &[3.0; 512])),
+        ("ramp.nrrd", nrrd(8, &ramp)),
+    ];
+    refused(
+        |desk| {
+            files.iter().for_each(|(name, content)| desk.write(name, content));
+            fs::create_dir(desk.file("folder.stl")).unwrap();
+        },
+        &[
+            ("render tors", &["`tors`", "did you mean `torus`?"]),
+            ("render missing.stl", &["missing.stl"]),
+            ("field missing.stl", &["missing.stl"]),
+            ("render folder.stl", &["folder.stl"]),
+            ("render empty.stl", &["empty.stl", "empty"]),
+            ("render empty.obj", &["empty.obj", "empty"]),
+            ("render empty.nrrd", &["empty.nrrd", "empty"]),
+            ("render points.xyz", &["points.xyz", "format", "obj"]),
+            ("render cut.stl", &["cut.stl", "byte", "declares"]),
+            ("render cut.obj", &["cut.obj", "line 3"]),
+            ("render cut.nrrd", &["cut.nrrd", "2048", "400"]),
+            ("render huge.stl", &["huge.stl"]),
+            ("render huge.nrrd", &["huge.nrrd"]),
+            ("render nan.stl", &["nan.stl", "NaN"]),
+            ("render nan.obj", &["nan.obj", "NaN"]),
+            ("render nan.nrrd", &["nan.nrrd", "NaN", "77"]),
+            ("render corner.obj", &["corner.obj", "line 4", "9"]),
+            ("render points.obj", &["points.obj", "no triangles"]),
+            ("render line.obj", &["line.obj", "no triangles"]),
+            ("render flat.nrrd", &["no surface at iso-value 3"]),
+            ("render ramp.nrrd --iso 1000", &["no surface at iso-value 1000", "range from 0 to 511"]),
+            ("field ramp.nrrd --iso nan", &["iso", "NaN"]),
+        ],
+    );
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn an_unknown_device_is_refused_with_the_known_ones() {
+    let found: &[&str] = &["`nonsense`", "found: ", "HYPERTEXTURE_DEVICE"];
+    refused(
+        |_| {},
+        &[
+            ("DEVICE=nonsense render torus", found),
+            ("render torus --device nonsense", found),
+            ("gallery torus --device nonsense", found),
+        ],
+    );
+}
