@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let slots = library.needed(&entries, choice).map_err(|error| fail(&error))?;
             let name = format!("program_{:03}", programs.len());
             for (entry, stage, end) in [(entries[0], Stage::Vertex, "vert"), (entries[1], Stage::Fragment, "frag")] {
-                let spirv = linker.link(&library, (entry, stage), &entries, &slots).map_err(|error| fail(&error))?;
+                let spirv = linker.link(&library, entry, stage, &entries, &slots).map_err(|error| fail(&error))?;
                 let bytes: Vec<u8> = spirv.iter().flat_map(|word| word.to_le_bytes()).collect();
                 fs::write(out.join(format!("{name}.{end}")), bytes)?;
             }

@@ -18,7 +18,7 @@ fn read(before: &str, body: &str) -> Result<Program, hypertexture::exact::ExactE
     );
     let library = Library::new([("test.frag".to_string(), text)]);
     let linker = Linker::new().unwrap_or_else(|error| panic!("{error}"));
-    let spirv = linker.link(&library, ("test.frag", Stage::Fragment), &["test.frag"], &Slots::new());
+    let spirv = linker.link(&library, "test.frag", Stage::Fragment, &["test.frag"], &Slots::new());
     Program::read(&spirv.unwrap_or_else(|error| panic!("{error}")), &[])
 }
 
@@ -415,7 +415,7 @@ fn specialization_constants_get_their_values() {
                 layout(location = 0) out vec4 result;\nvoid main() { result = vec4(0.0); for (int i = 0; i < N; ++i) result += x; }";
     let library = Library::new([("test.frag".to_string(), text.to_string())]);
     let spirv =
-        Linker::new().unwrap().link(&library, ("test.frag", Stage::Fragment), &["test.frag"], &Slots::new()).unwrap();
+        Linker::new().unwrap().link(&library, "test.frag", Stage::Fragment, &["test.frag"], &Slots::new()).unwrap();
     for (constants, turns) in [(&[][..], 4.0), (&[(3, 7)][..], 7.0), (&[(2, 7)][..], 4.0)] {
         let program = Program::read(&spirv, constants).unwrap();
         let inputs = Inputs::default();
@@ -430,7 +430,7 @@ fn derivatives_are_differences_in_a_quad() {
                 void main() { vec2 p = gl_FragCoord.xy; float f = p.x * p.x + 3.0 * p.y; result = vec4(dFdx(f), dFdy(f), fwidth(f), 0.0); }";
     let library = Library::new([("test.frag".to_string(), text.to_string())]);
     let spirv =
-        Linker::new().unwrap().link(&library, ("test.frag", Stage::Fragment), &["test.frag"], &Slots::new()).unwrap();
+        Linker::new().unwrap().link(&library, "test.frag", Stage::Fragment, &["test.frag"], &Slots::new()).unwrap();
     let program = Program::read(&spirv, &[]).unwrap();
     let inputs = Inputs::default();
     let bound = program.bind(&inputs).unwrap();

@@ -12,7 +12,7 @@ use hypertexture::shader;
 /// Every field that a hand may set, with a value that no scene here has.
 const FIELDS: [(&str, &str); 58] = [
     ("quality.seed", "7"),
-    ("quality.jitter", "true"),
+    ("quality.jitter", "hash"),
     ("quality.order", "back_to_front"),
     ("quality.target", "unorm8"),
     ("quality.integration", "segment"),

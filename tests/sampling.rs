@@ -4,7 +4,7 @@ mod common;
 
 use common::{difference, formula, homogeneous, picture, subject, with_gpu};
 use hypertexture::render::{Frame, Renderer};
-use hypertexture::scene::{EmptySpace, Integration, Order, Pass, Phases, Projection, Scene, TargetFormat, preset};
+use hypertexture::scene::{EmptySpace, Integration, Jitter, Order, Pass, Projection, Scene, TargetFormat, preset};
 use hypertexture::shader;
 
 /// The front face of the cube in turbulence that is clamped by the step.
@@ -126,7 +126,8 @@ fn p48_phases_are_the_same_in_both_passes() {
                 let mut scene = preset(effect).expect("a shipped preset");
                 scene.object.input = "torus".into();
                 scene.image.size = [64, 64];
-                (scene.quality.samples, scene.quality.early_termination, scene.quality.jitter) = (96, 0.0, true);
+                (scene.quality.samples, scene.quality.early_termination, scene.quality.jitter) =
+                    (96, 0.0, Jitter::Hash);
                 scene.quality.integration = if effect == "shells" { Integration::Point } else { integration };
                 let subject = subject(&scene, &library);
                 let [slices, fixed, skip] = [
@@ -171,7 +172,7 @@ fn p48_the_mean_over_seeds_converges_to_the_integral() {
         let even: Vec<f64> = even.pixels.iter().map(|pixel| f64::from(pixel[3])).collect();
         let mut sum = vec![0.0; even.len()];
         let mut errors = Vec::new();
-        scene.quality.jitter = true;
+        scene.quality.jitter = Jitter::Hash;
         for seed in 0..64 {
             scene.quality.seed = seed;
             for (sum, pixel) in sum.iter_mut().zip(&picture(gpu, &library, &scene, &subject).pixels) {
@@ -319,9 +320,9 @@ fn p48_blue_phases_leave_as_large_an_error_and_less_of_it_after_a_filter() {
         let (subject, library) = (formula(&scene), shader::shipped());
         scene.quality.samples = 2048;
         let truth = picture(gpu, &library, &scene, &subject);
-        (scene.quality.samples, scene.quality.jitter) = (12, true);
-        let mut of = |phases: Phases, pass: Pass| {
-            (scene.quality.phases, scene.quality.pass) = (phases, pass);
+        scene.quality.samples = 12;
+        let mut of = |jitter: Jitter, pass: Pass| {
+            (scene.quality.jitter, scene.quality.pass) = (jitter, pass);
             let frame = picture(gpu, &library, &scene, &subject);
             let off: Vec<f64> =
                 frame.pixels.iter().zip(&truth.pixels).map(|(a, b)| f64::from(a[3]) - f64::from(b[3])).collect();
@@ -335,7 +336,7 @@ fn p48_blue_phases_leave_as_large_an_error_and_less_of_it_after_a_filter() {
             [rms(&off), rms(&blurred), blurred.iter().sum::<f64>() / blurred.len() as f64]
         };
         for pass in [Pass::Slices, Pass::March] {
-            let [hash, blue] = [Phases::Hash, Phases::Blue].map(|phases| of(phases, pass));
+            let [hash, blue] = [Jitter::Hash, Jitter::Blue].map(|jitter| of(jitter, pass));
             println!("{pass:?}: rms, after a filter, and mean: hash {hash:.5?}, blue {blue:.5?}");
             assert!((0.8..1.25).contains(&(blue[0] / hash[0])), "{blue:?} {hash:?}");
             assert!(blue[1] < 0.6 * hash[1] && blue[2].abs() < 0.1 * blue[0], "{blue:?} {hash:?}");

@@ -43,6 +43,8 @@ pub enum Command {
     Compare(Box<Compare>),
     /// List the effects and their parameters.
     Effects,
+    /// List every setting of a scene: its default, what it may be, its flag.
+    Settings,
     /// Check the device against analytic reference scenes in both passes, or a picture against the scene in it.
     Verify(Verify),
     /// Say which device was found, what is missing, and test what the renderer relies on.

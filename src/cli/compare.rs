@@ -1,6 +1,6 @@
 //! Error against run time, from the command line.
 
-use super::scene_arguments::{ObjectArguments, SceneArguments};
+use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, say, start, with_progress};
 use crate::gpu::{Gpu, Options};
@@ -59,7 +59,7 @@ pub struct Compare {
     pub strategies: Option<Vec<String>>,
     /// The object.
     #[command(flatten)]
-    pub object: ObjectArguments,
+    pub object: ObjectFlags,
     /// What is drawn, 128 x 128 pixels unless said otherwise.
     #[command(flatten)]
     pub arguments: SceneArguments,
@@ -130,7 +130,7 @@ fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
         return Err(format!("--repeat {repeat}: must be from 1 to 1000").into());
     }
     let mut scene = command.arguments.scene(command.input(), &command.object)?;
-    if command.arguments.size.is_none() {
+    if !command.arguments.settings.has("image.size") {
         scene.image.size = SIZE;
     }
     let (samples, strategies) = (command.sweep.clone(), command.strategies.clone());

@@ -1,9 +1,9 @@
 //! `field`: the distance field of an object, as a file.
 
-use super::scene_arguments::ObjectArguments;
+use super::scene_arguments::ObjectFlags;
 use super::{absolute, say, with_progress};
 use crate::render::{open, request};
-use crate::scene::Object;
+use crate::scene::{Object, Scene};
 use crate::support::write_whole;
 use crate::{field, output, shape};
 use clap::Args;
@@ -20,7 +20,7 @@ pub struct Field {
     pub output: PathBuf,
     /// The object.
     #[command(flatten)]
-    pub object: ObjectArguments,
+    pub object: ObjectFlags,
     /// How far the field reaches beyond the object; 1 is half of its longest side.
     #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
     pub margin: f32,
@@ -32,8 +32,9 @@ pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
         return Err(format!("{}: a field is written as NRRD; end the name in .nrrd", command.output.display()).into());
     }
     output::check_folder(&command.output)?;
-    let mut object = Object { input: command.input.clone(), ..Object::default() };
-    command.object.apply(&mut object)?;
+    let mut scene = Scene { object: Object { input: command.input.clone(), ..Object::default() }, ..Scene::default() };
+    command.object.apply(&mut scene)?;
+    let object = scene.object;
     if !(0.0..=4.0).contains(&command.margin) {
         return Err(format!(
             "--margin {}: must be from 0 to 4 (1 is half of the object's longest side)",

@@ -1,7 +1,7 @@
 //! The gallery: every example scene on its own object, or the effects of MJ Fig. 7 on one, and a page that explains them.
 
 use super::compare::Failed;
-use super::scene_arguments::{ObjectArguments, size};
+use super::scene_arguments::{ObjectFlags, size};
 use super::{absolute, say, start, with_progress};
 use crate::field::Progress;
 use crate::gpu::{Format, Gpu, Options};
@@ -34,7 +34,7 @@ pub(super) struct GalleryArguments {
     pub samples: Option<u32>,
     /// The object.
     #[command(flatten)]
-    pub object: ObjectArguments,
+    pub object: ObjectFlags,
 }
 
 /// Why there is no gallery.
@@ -74,7 +74,7 @@ pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) ->
         let quick = scene.effect.softness == "hard" && scene.effect.warp.is_empty();
         let smooth = smooth && (command.input.is_some() || quick);
         scene.quality.msaa = if smooth { 4 } else { 1 };
-        command.object.apply(&mut scene.object)?;
+        command.object.apply(scene)?;
     }
     let (began, start) = (Instant::now(), start(options)?);
     let Gallery { page, failures } = with_progress(quiet, "gallery", |progress| {

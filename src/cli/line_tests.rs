@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a line is not as described")]
 
 use super::args::{Arguments, Command};
-use crate::scene::{self, Color, ParameterValue, Scene, preset};
+use crate::scene::{self, Color, Jitter, ParameterValue, Scene, preset};
 use crate::shader;
 use crate::support::random::SplitMix;
 use crate::viewer::model::Model;
@@ -77,7 +77,10 @@ fn edit(model: &mut Model, dice: &mut Dice) -> bool {
     let number = dice.roll();
     match dice.below(16) {
         0 => model.edit("a", |s| s.quality.samples = 1 + (number * 300.0) as u32),
-        1 => model.edit("a", |s| (s.quality.early_termination, s.quality.jitter) = (number * 0.5, number > 0.5)),
+        1 => model.edit("a", |s| {
+            s.quality.early_termination = number * 0.5;
+            s.quality.jitter = [Jitter::None, Jitter::Hash, Jitter::Blue][dice.below(3)];
+        }),
         2 => model.edit("a", |s| (s.camera.azimuth, s.camera.zoom) = (number * 90.0 - 45.0, 0.5 + number)),
         3 => model.edit("a", |s| s.camera.clip = (number > 0.3).then_some([number, -0.5, 0.0, 0.125])),
         4 => model.edit("a", |s| (s.light.color, s.light.position[0]) = (dice.color(), -number)),

@@ -7,6 +7,7 @@ mod docs_tests;
 pub mod doctor;
 mod effects;
 mod field;
+mod flags;
 pub mod gallery;
 #[cfg(all(test, feature = "viewer"))]
 mod line_tests;
@@ -19,6 +20,7 @@ mod picture;
 mod render;
 mod scene_arguments;
 mod sequence;
+mod settings;
 mod verify;
 #[cfg(feature = "viewer")]
 mod view;
@@ -33,6 +35,8 @@ use view::NoWindow;
 use crate::field::Progress;
 use crate::gpu::Options;
 use crate::measure::worker::{self, PATIENCE, Start};
+use crate::scene::SceneError;
+use crate::scene::schema::SETTINGS;
 #[cfg(feature = "viewer")]
 use crate::viewer::author::{compile, rays};
 use clap::Parser;
@@ -93,10 +97,17 @@ pub fn main() -> ExitCode {
             ExitCode::from(DISAGREES)
         }
         Err(error) => {
-            eprintln!("error: {}", error.to_string().replace('\n', " "));
+            eprintln!("error: {}{}", error.to_string().replace('\n', " "), flag_of(&*error));
             ExitCode::from(if error.is::<Failed>() { FAILED } else { BAD_INPUT })
         }
     }
+}
+
+/// The flag that sets the field which an error names, for the end of its line.
+fn flag_of(error: &(dyn Error + 'static)) -> String {
+    let Some(SceneError::Value { field, .. }) = error.downcast_ref() else { return String::new() };
+    let flag = SETTINGS.iter().find(|setting| setting.name == field).and_then(|setting| setting.flag);
+    flag.map(|flag| format!(" (--{})", flag.name)).unwrap_or_default()
 }
 
 /// Runs the command that was asked for.
@@ -118,6 +129,10 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         Command::Compare(command) if command.paper => paper::run(&command, &options, quiet),
         Command::Compare(command) => compare::run(&command, &options, quiet),
         Command::Effects => effects::run(),
+        Command::Settings => {
+            say(&settings::page());
+            Ok(())
+        }
         Command::Verify(command) => verify::run(&command, &options, quiet),
         Command::Doctor => {
             let report = doctor::examine(&options);

@@ -1,6 +1,7 @@
 //! Modules from the command line, and the debug views.
 
-use crate::scene::{MODULE_SLOTS, Projection, RayPath, Scene, SceneError};
+use crate::scene::schema;
+use crate::scene::{Projection, RayPath, Scene, SceneError};
 
 /// Puts the modules of one slot, separated by `+`, into the scene. One that ends in `.glsl` is a custom module.
 pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
@@ -13,30 +14,19 @@ pub(super) fn module(text: &str, scene: &mut Scene) -> Result<(), SceneError> {
         let is_file = name.ends_with(".glsl");
         modules.push(if is_file { scene.add_module(slot, name)? } else { name.to_string() });
     }
-    let effect = &mut scene.effect;
-    let single = match slot {
-        "classify" => &mut effect.classify,
-        "softness" => &mut effect.softness,
-        "surface" => &mut effect.surface,
-        "medium" => &mut effect.medium,
-        "noise" => &mut effect.noise,
-        "weights" => &mut effect.weights,
-        "turbulence" => &mut effect.turbulence,
-        "bandlimit" => &mut effect.bandlimit,
-        "gradient" => &mut effect.gradient,
-        "opacity" => &mut effect.opacity,
-        "index" => &mut effect.index,
-        "absorption" => &mut effect.absorption,
-        "environment" => &mut effect.environment,
-        "project" => &mut effect.project,
-        stack @ ("warp" | "dmf") => {
-            *if stack == "warp" { &mut effect.warp } else { &mut effect.dmf } = modules;
-            return Ok(());
+    match schema::slots().find(|(known, _)| *known == slot) {
+        None => Err(SceneError::unknown("slot", slot, &schema::slots().map(|(slot, _)| slot).collect::<Vec<_>>())),
+        Some(_) if ["dmf", "warp"].contains(&slot) => {
+            let stack = if slot == "warp" { &mut scene.effect.warp } else { &mut scene.effect.dmf };
+            *stack = modules;
+            Ok(())
         }
-        other => return Err(SceneError::unknown("slot", other, &MODULE_SLOTS)),
-    };
-    *single = modules.join("+");
-    Ok(())
+        Some(_) => {
+            let single = scene.effect.modules_mut().into_iter().find(|(own, _)| *own == slot);
+            single.into_iter().for_each(|(_, module)| *module = modules.join("+"));
+            Ok(())
+        }
+    }
 }
 
 /// A plain effect without modulation on the scene's own object, to look at one thing.

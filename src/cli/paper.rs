@@ -82,11 +82,13 @@ fn plan(command: &Compare) -> Result<Plan, Box<dyn Error>> {
         let asked = scene.quality.clone();
         scene.quality = paper_quality(&asked);
         let quality = &mut scene.quality;
-        quality.samples = if arguments.samples.is_some() { asked.samples } else { SLICES };
-        quality.target = if arguments.target.is_some() { asked.target } else { quality.target };
-        quality.proxy = if arguments.proxy.is_some() { asked.proxy } else { quality.proxy };
+        let has = |name: &str| arguments.settings.has(name);
+        quality.samples = if has("quality.samples") { asked.samples } else { SLICES };
+        quality.target = if has("quality.target") { asked.target } else { quality.target };
+        quality.proxy = if has("quality.proxy") { asked.proxy } else { quality.proxy };
         Ok(scene)
     };
     let effects = EFFECTS.iter().map(effect).collect::<Result<Vec<_>, _>>()?;
-    Ok(Plan { effects, scale, quick: command.quick, repeat, error_size: arguments.size.unwrap_or(ERROR_SIZE) })
+    let asked = effects.first().filter(|_| arguments.settings.has("image.size")).map(|scene| scene.image.size);
+    Ok(Plan { effects, scale, quick: command.quick, repeat, error_size: asked.unwrap_or(ERROR_SIZE) })
 }

@@ -4,12 +4,17 @@ use super::{absolute, say, with_progress};
 use crate::gpu::Gpu;
 use crate::output::shard::{self, Shard};
 use crate::output::{Depth, Provenance, write};
-use crate::render::{Frame, Renderer, Subject};
+use crate::render::variant::Variant;
+use crate::render::{Frame, Renderer, Subject, half_height};
 use crate::scene::Scene;
+use crate::scene::schema::{Kind, setting};
 use crate::shader::Library;
 use crate::support::write_whole;
 use std::error::Error;
 use std::path::Path;
+
+/// Pixels of a voxel that a sharp edge of the object shows.
+const SEEN_VOXEL: f32 = 6.0;
 
 /// All that a picture is made of, and where it goes.
 #[derive(Clone, Copy)]
@@ -42,7 +47,7 @@ pub(super) fn render_picture(picture: &Picture<'_>) -> Result<(), Box<dyn Error>
     let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements.modules)?;
     write(&frame, scene.image.background, picture.depth(), &provenance, output)?;
     if !quiet {
-        say(&summary(gpu, scene, subject, &frame));
+        say(&summary(picture, &frame)?);
         say(&format!("wrote {}\n", absolute(output)));
     }
     Ok(())
@@ -68,14 +73,16 @@ pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<(), Bo
     write_whole(&path, &shard::encode(&whole, shard, &frame))
         .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
-        say(&summary(gpu, scene, subject, &frame));
+        say(&summary(picture, &frame)?);
         say(&format!("wrote {}\n", absolute(&path)));
     }
     Ok(())
 }
 
 /// What a render took, and what it left out.
-fn summary(gpu: &Gpu, scene: &Scene, subject: &Subject, frame: &Frame) -> String {
+fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error>> {
+    let Picture { gpu, library, scene, subject, .. } = *picture;
+    let half_height = half_height(scene, subject, &Variant::of(scene, library)?);
     let info = gpu.info();
     let m = &frame.measurements;
     let mut lines = vec![
@@ -91,6 +98,7 @@ fn summary(gpu: &Gpu, scene: &Scene, subject: &Subject, frame: &Frame) -> String
             report.ms, report.triangles, report.open_edges, report.closing_triangles, m.quantization
         ));
     }
+    lines.extend(coarse(scene, subject, half_height));
     if let Some([held, asked]) = m.octaves.filter(|[held, asked]| held < asked) {
         lines.push(format!("octaves    {held} of {asked}: {}", scene.octaves_limit()));
     }
@@ -114,5 +122,18 @@ fn summary(gpu: &Gpu, scene: &Scene, subject: &Subject, frame: &Frame) -> String
         lines.push(format!("bricks     {stored} of {bricks} stored: {bytes:.1} MiB in place of {dense:.1} MiB"));
     }
     lines.push(format!("memory     {:.1} MiB of images on the device\n", m.device_bytes as f64 / f64::from(1 << 20)));
-    lines.join("\n")
+    Ok(lines.join("\n"))
+}
+
+/// What is said of voxels that are seen, in a picture of that half height at the middle of the scene, object units.
+fn coarse(scene: &Scene, subject: &Subject, half_height: f32) -> Option<String> {
+    let field = subject.field.as_ref()?;
+    let pixel = 2.0 * half_height / scene.image.size[1] as f32;
+    let pixels = field.grid.spacing.max_element() * subject.scale / pixel;
+    let Kind::Whole(range) = setting("object.resolution")?.kind else { return None };
+    let finer = (2 * scene.object.resolution).min(range.high as u32);
+    let is_seen = pixels > SEEN_VOXEL && scene.object.resolution < finer;
+    is_seen.then(|| {
+        format!("voxels     {pixels:.0} pixels wide: sharp edges of the object show them; --resolution {finer} has finer ones")
+    })
 }

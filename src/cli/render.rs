@@ -1,7 +1,7 @@
 //! `render`: a picture, its frames or a shard of them, with the fastest settings or with its cost in advance.
 
 use super::picture::{Picture, render_picture, render_shard};
-use super::scene_arguments::{ObjectArguments, SceneArguments, metric};
+use super::scene_arguments::{ObjectFlags, SceneArguments, metric};
 use super::sequence::{Motion, ShardChoice, render_frames, shard};
 use super::{say, start, with_progress};
 use crate::gpu::{Gpu, Options};
@@ -51,7 +51,7 @@ pub struct Render {
     pub motion: Motion,
     /// The object.
     #[command(flatten)]
-    pub object: ObjectArguments,
+    pub object: ObjectFlags,
     /// What the picture shows.
     #[command(flatten)]
     pub arguments: SceneArguments,

@@ -1,51 +1,17 @@
 //! What a picture shows, as the command line says it, and how it goes over a scene.
 
+use super::flags::Flags;
 use super::modules::{module, show, show_plane};
 use crate::measure::pick::Metric;
 use crate::output::{self, OutputError};
-use crate::scene::{self, Color, Object, ParameterValue, Scene, SceneError};
+use crate::scene::{self, Color, ParameterValue, Scene, SceneError};
 use crate::shader::declare::hex_color;
 use clap::{Args, ValueEnum};
 use std::error::Error;
 use std::path::Path;
 
 /// How an input becomes an object.
-#[derive(Args)]
-pub struct ObjectArguments {
-    /// Iso-value of the surface of a scalar volume; the middle of its range without one.
-    #[arg(long, allow_negative_numbers = true)]
-    iso: Option<f32>,
-    /// The axis of the file that points up: x, y, z, -x, -y, -z.
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
-    up: Option<String>,
-    /// Factors by which the object is stretched along x, y and z.
-    #[arg(long, value_parser = numbers, value_name = "X,Y,Z")]
-    stretch: Option<Numbers>,
-    /// The volume holds signed distances, positive outside, although its file does not say so.
-    #[arg(long)]
-    distance: bool,
-    /// Voxels along the longest side of the distance field.
-    #[arg(long)]
-    resolution: Option<u32>,
-    /// How the distance is stored: auto, normals16, normals8, distance16, distance32.
-    #[arg(long, value_name = "KIND")]
-    source: Option<String>,
-}
-
-impl ObjectArguments {
-    /// Puts what was given over an object.
-    pub fn apply(&self, object: &mut Object) -> Result<(), SceneError> {
-        object.iso = self.iso.or(object.iso);
-        object.distance |= self.distance;
-        put(&mut object.resolution, self.resolution);
-        if let Some(Numbers(stretch)) = &self.stretch {
-            let wrong = |_| count("--stretch", stretch, "3 numbers: x,y,z");
-            object.stretch = stretch.as_slice().try_into().map_err(wrong)?;
-        }
-        name_into("--up", &self.up, &mut object.up)?;
-        name_into("--source", &self.source, &mut object.source)
-    }
-}
+pub type ObjectFlags = Flags<true>;
 
 /// A debug view: how a picture is made.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -83,72 +49,12 @@ pub struct SceneArguments {
     /// The module of a slot, such as noise=procedural or surface=my_marble.glsl; may be given again.
     #[arg(long = "module", value_name = "SLOT=NAME")]
     pub modules: Vec<String>,
-    /// Width and height in pixels.
-    #[arg(long, value_parser = size, value_name = "WxH")]
-    pub size: Option<[u32; 2]>,
-    /// How the samples are taken: slices, march.
-    #[arg(long)]
-    pub pass: Option<String>,
-    /// Where a ray meets no matter: skip, as far as the distance shows it, or sample all the same.
-    #[arg(long)]
-    pub empty_space: Option<String>,
-    /// Slices through the object, or samples of a ray through it.
-    #[arg(long)]
-    pub samples: Option<u32>,
-    /// What a sample stands for: point, segment (second order at surfaces and in opaque matter).
-    #[arg(long)]
-    pub integration: Option<String>,
-    /// The normal that soft matter is lit by: analytic, central, three.
-    #[arg(long, value_name = "MODULE")]
-    pub gradient: Option<String>,
-    /// Each pixel has its own phase of the steps, noise in place of contours: hash (white noise) or blue (fine grain).
-    #[arg(long, value_name = "PHASES", num_args = 0..=1, require_equals = true)]
-    pub jitter: Option<Option<String>>,
-    /// Which phases the pixels have.
-    #[arg(long, value_name = "NUMBER")]
-    pub seed: Option<u32>,
-    /// Pictures of which the mean is taken, 1 to 256.
-    #[arg(long, value_name = "PICTURES")]
-    pub supersampling: Option<u32>,
-    /// Format that the slices are blended in: unorm8, float16, float32.
-    #[arg(long, value_name = "FORMAT")]
-    pub target: Option<String>,
-    /// Order of the slices: front_to_back, back_to_front.
-    #[arg(long)]
-    pub order: Option<String>,
-    /// Shape of the slices: polygons, quads.
-    #[arg(long)]
-    pub proxy: Option<String>,
-    /// Samples per pixel: 1, 2, 4, 8.
-    #[arg(long)]
-    pub msaa: Option<u32>,
-    /// Anisotropy of the filter of volumes, 1 to 16.
-    #[arg(long)]
-    pub anisotropy: Option<f32>,
     /// Degrees around the object, degrees above the horizon, and how close.
     #[arg(long, value_parser = numbers, value_name = "AZIMUTH,ELEVATION[,ZOOM]", allow_hyphen_values = true)]
     pub camera: Option<Numbers>,
-    /// How rays leave the eye: perspective, parallel.
-    #[arg(long)]
-    pub projection: Option<String>,
-    /// Position of the light from the center of the object: right, up, toward the eye.
-    #[arg(long, value_parser = numbers, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    pub light: Option<Numbers>,
-    /// Whether matter casts shadows.
-    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
-    pub shadows: Option<bool>,
-    /// Time in seconds.
-    #[arg(long, allow_negative_numbers = true)]
-    pub time: Option<f32>,
-    /// Seconds that the shutter stays open; needs --supersampling.
-    #[arg(long)]
-    pub shutter: Option<f32>,
-    /// Keeps the points with a x + b y + c z <= d; the object spans -1 to 1.
-    #[arg(long, value_parser = numbers, value_name = "A,B,C,D", allow_hyphen_values = true)]
-    pub clip: Option<Numbers>,
-    /// Color behind the object, #rrggbb, or `none` for transparent.
-    #[arg(long, value_name = "COLOR")]
-    pub background: Option<String>,
+    /// The settings that have a flag.
+    #[command(flatten)]
+    pub settings: Flags<false>,
 }
 
 /// Comma-separated numbers.
@@ -173,13 +79,13 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
 impl SceneArguments {
     /// The scene of an input: its file, that of a picture, the example scene of that name, or the preset of the effect, with the
     /// arguments over it.
-    pub fn scene(&self, input: &str, object: &ObjectArguments) -> Result<Scene, Box<dyn Error>> {
+    pub fn scene(&self, input: &str, object: &ObjectFlags) -> Result<Scene, Box<dyn Error>> {
         Ok(self.scene_and_base(input, object)?.0)
     }
 
     /// That scene, and the one that what was set in it is told from: the preset, that which a file is nearest to, or the
     /// scene of a picture.
-    pub fn scene_and_base(&self, input: &str, object: &ObjectArguments) -> Result<(Scene, Scene), Box<dyn Error>> {
+    pub fn scene_and_base(&self, input: &str, object: &ObjectFlags) -> Result<(Scene, Scene), Box<dyn Error>> {
         let mut scene = self.start(input)?;
         let is_file = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
         let mut base = match (is_file, &self.effect) {
@@ -188,7 +94,7 @@ impl SceneArguments {
             _ => scene.clone(),
         };
         self.apply_look(&mut base);
-        object.apply(&mut scene.object)?;
+        object.apply(&mut scene)?;
         self.apply(&mut scene)?;
         Ok((scene, base))
     }
@@ -248,49 +154,22 @@ impl SceneArguments {
             };
             parameters.insert(name, value);
         }
-        put(&mut scene.effect.gradient, self.gradient.clone());
-        let quality = &mut scene.quality;
-        quality.jitter |= self.jitter.is_some();
-        name_into("--jitter", &self.jitter.clone().flatten(), &mut quality.phases)?;
-        put(&mut quality.seed, self.seed);
-        put(&mut quality.supersampling, self.supersampling);
-        name_into("--integration", &self.integration, &mut quality.integration)?;
-        put(&mut quality.samples, self.samples);
-        put(&mut quality.msaa, self.msaa);
-        put(&mut quality.anisotropy, self.anisotropy);
-        name_into("--pass", &self.pass, &mut quality.pass)?;
-        name_into("--empty-space", &self.empty_space, &mut quality.empty_space)?;
-        name_into("--target", &self.target, &mut quality.target)?;
-        name_into("--order", &self.order, &mut quality.order)?;
-        name_into("--proxy", &self.proxy, &mut quality.proxy)?;
-        put(&mut scene.image.size, self.size);
         let camera = &mut scene.camera;
-        name_into("--projection", &self.projection, &mut camera.projection)?;
-        put(&mut camera.time, self.time);
-        put(&mut camera.shutter, self.shutter);
         match self.camera.as_ref().map(|numbers| numbers.0.as_slice()) {
             None => {}
             Some(&[azimuth, elevation]) => (camera.azimuth, camera.elevation) = (azimuth, elevation),
             Some(&[azimuth, elevation, zoom]) => {
                 (camera.azimuth, camera.elevation, camera.zoom) = (azimuth, elevation, zoom);
             }
-            Some(other) => return Err(count("--camera", other, "2 or 3 numbers: azimuth,elevation[,zoom]")),
+            Some(other) => {
+                return Err(SceneError::Value {
+                    field: "--camera".into(),
+                    value: format!("{} numbers", other.len()),
+                    limit: "2 or 3 numbers: azimuth,elevation[,zoom]".into(),
+                });
+            }
         }
-        if let Some(Numbers(light)) = &self.light {
-            let wrong = |_| count("--light", light, "3 numbers: x,y,z");
-            scene.light.position = light.as_slice().try_into().map_err(wrong)?;
-        }
-        put(&mut scene.light.shadows, self.shadows);
-        if let Some(Numbers(clip)) = &self.clip {
-            let wrong = |_| count("--clip", clip, "4 numbers: a,b,c,d");
-            camera.clip = Some(clip.as_slice().try_into().map_err(wrong)?);
-        }
-        match self.background.as_deref() {
-            None => {}
-            Some("none") => scene.image.background = None,
-            Some(text) => scene.image.background = Some(color("--background", text)?),
-        }
-        Ok(())
+        self.settings.apply(scene)
     }
 
     fn apply_look(&self, scene: &mut Scene) {
@@ -347,28 +226,6 @@ fn scene_of_picture(path: &Path) -> Result<Scene, OutputError> {
     Ok(scene)
 }
 
-fn put<T>(field: &mut T, value: Option<T>) {
-    if let Some(value) = value {
-        *field = value;
-    }
-}
-
-/// A name as scene files spell it.
-fn name_into<T: serde::de::DeserializeOwned>(
-    flag: &str,
-    text: &Option<String>,
-    field: &mut T,
-) -> Result<(), SceneError> {
-    let Some(text) = text else { return Ok(()) };
-    let value = toml::Value::String(text.clone());
-    *field = value.try_into().map_err(|error: toml::de::Error| SceneError::Value {
-        field: flag.into(),
-        value: text.clone(),
-        limit: error.message().replace('\n', " "),
-    })?;
-    Ok(())
-}
-
 /// Whether `--set` means a field of the scene: one in a table, or one of the three that are in none.
 fn is_field(name: &str) -> bool {
     let is_parameter_of_part = name.starts_with("parts.") && name.split('.').count() == 3;
@@ -387,14 +244,4 @@ fn parameter(text: &str) -> Result<(String, ParameterValue), SceneError> {
         Err(_) => ParameterValue::Color(Color(hex_color(value.trim()).ok_or_else(wrong)?)),
     };
     Ok((name.trim().into(), value))
-}
-
-fn color(flag: &str, text: &str) -> Result<Color, SceneError> {
-    let limit = "write #rrggbb, such as #203040, or none".to_string();
-    let wrong = || SceneError::Value { field: flag.into(), value: text.into(), limit };
-    hex_color(text).map(Color).ok_or_else(wrong)
-}
-
-fn count(flag: &str, found: &[f32], limit: &str) -> SceneError {
-    SceneError::Value { field: flag.into(), value: format!("{} numbers", found.len()), limit: limit.into() }
 }

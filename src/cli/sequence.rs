@@ -47,7 +47,7 @@ pub struct Motion {
     /// Frames per second [default: 25].
     #[arg(long, requires = "frames", allow_negative_numbers = true)]
     pub fps: Option<f64>,
-    /// Turn the eye once around the object, from the first frame to the one after the last.
+    /// Turn the camera once around the object, from the first frame to the one after the last.
     #[arg(long, requires = "frames")]
     pub turntable: bool,
     /// Render frames again that are finished.

@@ -1,6 +1,6 @@
 //! The window, by the arguments of `view`.
 
-use super::scene_arguments::{ObjectArguments, SceneArguments, size};
+use super::scene_arguments::{ObjectFlags, SceneArguments, size};
 use crate::gpu::Options;
 use crate::viewer::{self, Start, ViewError};
 use clap::Args;
@@ -35,7 +35,7 @@ pub struct ViewArguments {
     pub script: Option<PathBuf>,
     /// The object.
     #[command(flatten)]
-    pub object: ObjectArguments,
+    pub object: ObjectFlags,
     /// What the picture shows.
     #[command(flatten)]
     pub arguments: SceneArguments,

@@ -73,6 +73,16 @@ pub(super) struct Shared {
     pub(super) instance: Instance,
 }
 
+/// An open device, and what it was opened with.
+pub(super) struct Opened {
+    pub(super) instance: Instance,
+    pub(super) physical: vk::PhysicalDevice,
+    pub(super) info: DeviceInfo,
+    pub(super) device: Device,
+    pub(super) queue: vk::Queue,
+    pub(super) family: u32,
+}
+
 /// The logical device.
 pub(super) struct Device {
     pub(super) raw: ash::Device,
@@ -156,17 +166,13 @@ impl Gpu {
         // SAFETY: the device was just made with one queue of this family.
         let queue = unsafe { raw.get_device_queue(family, 0) };
         let device = Device { raw, hosted: false };
-        Gpu::with_device(instance, (physical, device_info), device, (queue, family), options.cache.as_deref())
+        let opened = Opened { instance, physical, info: device_info, device, queue, family };
+        Gpu::with_device(opened, options.cache.as_deref())
     }
 
     /// A device with what every picture needs.
-    pub(super) fn with_device(
-        instance: Instance,
-        (physical, device_info): (vk::PhysicalDevice, DeviceInfo),
-        device: Device,
-        (queue, family): (vk::Queue, u32),
-        cache: Option<&Path>,
-    ) -> Result<Gpu, GpuError> {
+    pub(super) fn with_device(opened: Opened, cache: Option<&Path>) -> Result<Gpu, GpuError> {
+        let Opened { instance, physical, info: device_info, device, queue, family } = opened;
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.raw.clone(),
             device: device.raw.clone(),

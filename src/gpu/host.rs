@@ -1,6 +1,6 @@
 //! A host's own device, and pictures in its own command buffers.
 
-use super::device::{Device, device_info};
+use super::device::{Device, Opened, device_info};
 use super::instance::Instance;
 use super::{BindSet, Buffer, Commands, Format, Gpu, GpuError, Pipeline};
 use ash::vk;
@@ -45,7 +45,8 @@ impl Gpu {
         }
         let instance = Instance::of_host(host.entry, host.instance);
         let device = Device { raw: host.device, hosted: true };
-        Gpu::with_device(instance, (host.physical_device, info), device, (host.queue, host.queue_family), cache)
+        let HostDevice { physical_device: physical, queue, queue_family: family, .. } = host;
+        Gpu::with_device(Opened { instance, physical, info, device, queue, family }, cache)
     }
 
     /// A command buffer of a host, to record a picture into.

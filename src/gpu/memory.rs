@@ -127,7 +127,7 @@ impl Image {
         format: Format,
         purpose: ImageUse,
     ) -> Result<Image, GpuError> {
-        Image::with_texels(gpu, name, dimension, format, (purpose, 0))
+        Image::with_texels(gpu, name, dimension, format, purpose, 0)
     }
 
     /// An image without content, with as many levels as so many texels fill.
@@ -136,7 +136,8 @@ impl Image {
         name: &str,
         dimension: Dimension,
         format: Format,
-        (purpose, texels): (ImageUse, u64),
+        purpose: ImageUse,
+        texels: u64,
     ) -> Result<Image, GpuError> {
         use vk::{ImageType as Type, ImageViewType as View};
         let info = gpu.info();
@@ -215,8 +216,8 @@ impl Image {
         format: Format,
         texels: &[u8],
     ) -> Result<Image, GpuError> {
-        let purpose = (ImageUse::Sampled, texels.len() as u64 / format.bytes());
-        let image = Image::with_texels(gpu, name, dimension, format, purpose)?;
+        let count = texels.len() as u64 / format.bytes();
+        let image = Image::with_texels(gpu, name, dimension, format, ImageUse::Sampled, count)?;
         let bytes = image.levels.iter().map(|level| image.level_bytes(*level)).sum::<u64>();
         assert_eq!(texels.len() as u64, bytes, "`{name}`: texels and size agree");
         let staging = Buffer::new(gpu, "upload", BufferUse::Upload, texels)?;

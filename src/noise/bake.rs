@@ -98,11 +98,11 @@ impl Plane {
     }
 }
 
-/// Some planes of a block: the first and how many, and where their values and slopes go.
+/// Some planes of a block, and where their values and slopes go.
 struct Task<'a, const GRADIENT: bool> {
     bake: &'a Bake,
     places: &'a [Places],
-    planes: (usize, usize),
+    planes: std::ops::Range<usize>,
     out: [&'a mut [f32]; 4],
 }
 
@@ -114,7 +114,7 @@ impl<const GRADIENT: bool> pulp::NullaryFnOnce for Task<'_, GRADIENT> {
         let side = self.bake.size as usize;
         for rows in (0..side).step_by(ROWS.min(side)) {
             for (octave, places) in (0..).zip(self.places) {
-                self.bake.add::<GRADIENT>(octave, places, self.planes, rows, &mut self.out);
+                self.bake.add::<GRADIENT>(octave, places, self.planes.clone(), rows, &mut self.out);
             }
         }
     }
@@ -156,7 +156,12 @@ impl Bake {
         }
         let (arch, done, all) = (pulp::Arch::new(), AtomicUsize::new(0), side / planes);
         parts.into_par_iter().enumerate().for_each(|(index, out)| {
-            arch.dispatch(Task::<GRADIENT> { bake: self, places: &places, planes: (index * planes, planes), out });
+            arch.dispatch(Task::<GRADIENT> {
+                bake: self,
+                places: &places,
+                planes: index * planes..(index + 1) * planes,
+                out,
+            });
             progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f32 / all as f32);
         });
         Block { values, gradient }
@@ -168,7 +173,7 @@ impl Bake {
         &self,
         octave: u32,
         places: &Places,
-        (first_plane, planes): (usize, usize),
+        planes: std::ops::Range<usize>,
         first_row: usize,
         out: &mut [&mut [f32]; 4],
     ) {
@@ -179,8 +184,7 @@ impl Bake {
         let amplitude = 1.0 / (1u32 << octave) as f32;
         let mut lines = Lines::new(side, rows.div_ceil(texels) + 2);
         let mut cell = usize::MAX;
-        for plane in 0..planes {
-            let z = first_plane + plane;
+        for (plane, z) in planes.enumerate() {
             if z / texels != cell {
                 if cell.wrapping_add(1) == z / texels && plane > 0 {
                     std::mem::swap(&mut near, &mut far);

@@ -76,7 +76,7 @@ pub struct Sequence {
     pub frames: Frames,
     /// Frames per second, 0.001 to 1000.
     pub fps: f64,
-    /// Whether the eye goes once around the object, in equal steps: the frame after the last would show the first view
+    /// Whether the camera goes once around the object, in equal steps: the frame after the last would show the first view
     /// again.
     pub turntable: bool,
 }

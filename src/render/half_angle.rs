@@ -1,6 +1,6 @@
-//! Half-angle slicing: the light goes through the slices of the picture with the eye, slice by slice.
+//! Half-angle slicing: the light goes through the slices of the picture with the camera, slice by slice.
 //!
-//! Role: the slices face half way between the eye and the light, or the eye's other side where the light is behind the
+//! Role: the slices face half way between the camera and the light, or the camera's other side where the light is behind the
 //! object, so that both cross them in one order. Before a slice is blended into the picture, the light behind it is drawn
 //! from the light before it; matter is lit from both buffers. Invariant: light and eye are fixed in eye space, so the
 //! slices stay still while the trackball turns (MJ 3.3).
@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// The light's buffer: scattered light in RGB, direct light in A. Fewer bits: thin matter does not darken it at all.
 const BUFFER: Format = Format::Rgba32Float;
 
-/// How the slices meet the target: the light comes first, and the eye may look from the other side.
+/// How the slices meet the target: the light comes first, and the camera may look from the other side.
 pub(super) fn blend(scene: &Scene) -> Blend {
     if axis(scene).z >= 0.0 { Blend::Under } else { Blend::Over }
 }

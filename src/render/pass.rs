@@ -2,7 +2,7 @@
 //!
 //! Role: cut the space around the object by view-aligned planes that stay where they are in eye space, and draw
 //! slices in them or march rays from one to the next: the samples are the same.
-//! Invariant: the vertices depend on the eye's distance and on the size of the scene, never on the rotation (MJ 3.3).
+//! Invariant: the vertices depend on the camera's distance and on the size of the scene, never on the rotation (MJ 3.3).
 //! Source: MJ 2, 3.3, 3.6 and Fig. 1; GG 39.6.1.
 
 use crate::gpu::{BindSet, Buffer, Commands, Gpu, GpuError, Image, Load, Pipeline, Submitted, Target};
@@ -21,30 +21,30 @@ const GROWTH: f64 = 1.5;
 /// The sphere that the slices cut, in eye space: its center lies on the axis of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extent {
-    /// Distance of the center from the eye.
+    /// Distance of the center from the camera.
     pub distance: f32,
     /// Radius.
     pub radius: f32,
-    /// Nothing nearer to the eye than this is drawn.
+    /// Nothing nearer to the camera than this is drawn.
     pub near: f32,
 }
 
 /// Where the samples of a picture are: view-aligned planes, at equal distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Planes {
-    /// Depth of the plane nearest to the eye.
+    /// Depth of the plane nearest to the camera.
     pub first_depth: f32,
     /// Distance between two planes.
     pub step: f32,
     /// Number of planes.
     pub count: u32,
-    /// Planes in front of the first, left out because they are behind the eye.
+    /// Planes in front of the first, left out because they are behind the camera.
     pub skipped: u32,
 }
 
 impl Planes {
     /// Cuts the sphere of `extent` into `samples` parts of equal thickness, each with a plane through its middle. Planes
-    /// nearer than `extent.near` are left out, so that the eye may be inside.
+    /// nearer than `extent.near` are left out, so that the camera may be inside.
     pub fn new(extent: Extent, samples: u32) -> Planes {
         let step = 2.0 * extent.radius / samples as f32;
         let depth = |plane: u32| extent.distance - extent.radius + (plane as f32 + 0.5) * step;
@@ -70,7 +70,7 @@ pub struct Stack {
 }
 
 /// A slice in each plane: quads as wide as the sphere of this radius, or polygons cut to the box in the vertex stage.
-/// `tint` colors a slice by its place in the stack, 0 at the eye to 1: linear RGBA.
+/// `tint` colors a slice by its place in the stack, 0 at the camera to 1: linear RGBA.
 pub fn stack(planes: &Planes, radius: f32, proxy: Proxy, order: Order, tint: impl Fn(f32) -> [f32; 4]) -> Stack {
     let mut drawn: Vec<u32> = (0..planes.count).collect();
     if order == Order::BackToFront {

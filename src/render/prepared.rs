@@ -13,6 +13,7 @@ use super::view::View;
 use super::{Frame, Measurements, RenderError, Subject};
 use crate::field::Progress;
 use crate::gpu::{self, Buffer, Gpu, HostCommands, Recording};
+use crate::scene::schema::Changes;
 use crate::scene::{Order, Pass, Scene, TargetFormat};
 use crate::shader::{Library, Linker};
 use std::ops::Range;
@@ -119,39 +120,26 @@ impl Prepared {
 
     /// Whether all of this serves another scene as well: it differs in what a picture is drawn with alone.
     pub(super) fn fits(&self, scene: &Scene, variant: &Variant, destination: Destination) -> bool {
-        let target = |scene: &Scene, destination| match destination {
-            Destination::Host(_) => (destination, None),
-            Destination::Frame => (destination, Some((scene.image.size, scene.quality.target, scene.quality.msaa))),
-        };
-        let (own, other) = (target(&self.scene, self.destination), target(scene, destination));
-        let blends = |scene: &Scene| (scene.quality.order, scene.quality.proxy);
-        own == other && blends(&self.scene) == blends(scene) && self.reads_the_same(scene, variant)
+        self.destination == destination
+            && !scene.changes(&self.scene).contains(&Changes::Targets)
+            && self.reads_the_same(scene, variant)
     }
 
     /// Whether another scene has the same program and images: it differs in camera, time, parameters, samples and targets
     /// alone, and its matter reaches as far.
     pub(super) fn reads_the_same(&self, scene: &Scene, variant: &Variant) -> bool {
-        let mut same = self.scene.clone();
-        same.camera.clone_from(&scene.camera);
-        same.image.clone_from(&scene.image);
-        same.parameters.clone_from(&scene.parameters);
-        for (part, other) in same.parts.values_mut().zip(scene.parts.values()) {
-            part.parameters.clone_from(&other.parameters);
-        }
-        let (quality, other) = (&mut same.quality, &scene.quality);
-        (quality.target, quality.msaa) = (other.target, other.msaa);
-        (quality.order, quality.proxy) = (other.order, other.proxy);
-        (quality.early_termination, quality.seed, quality.supersampling) =
-            (other.early_termination, other.seed, other.supersampling);
-        // These depend on the length of a step.
-        if !["segment_image", "brick_image"].iter().any(|name| self.program.reads(name)) {
-            quality.samples = other.samples;
-        }
+        // Some images depend on the length of a step.
+        let by_step = ["segment_image", "brick_image"].iter().any(|name| self.program.reads(name));
+        let samples = [scene, &self.scene].map(|scene| scene.quality.samples);
         let reach = |variant: &Variant| {
             let all = [&variant.parameters].into_iter().chain(variant.parts.values());
             all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0))).collect::<Vec<_>>()
         };
-        same == *scene && self.runs(variant) && reach(variant) == reach(&self.variant)
+        let anew = [Changes::Field, Changes::Images];
+        !scene.changes(&self.scene).iter().any(|change| anew.contains(change))
+            && !(by_step && samples[0] != samples[1])
+            && self.runs(variant)
+            && reach(variant) == reach(&self.variant)
     }
 
     /// Whether its program is that of a variant.

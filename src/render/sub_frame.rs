@@ -2,7 +2,7 @@
 //!
 //! Source: PH 3.1 suggests jittered rays and motion blur by rays over time.
 
-use crate::scene::{Phases, Scene};
+use crate::scene::{Jitter, Scene};
 use crate::support::random::SplitMix;
 
 /// Multiples of it leave no large gap in [0, 1], however many they are.
@@ -31,9 +31,11 @@ impl SubFrame {
             SubFrame {
                 offset: offset(index, count),
                 time: (f64::from(time) + f64::from(shutter) * moment) as f32,
-                jitter_seed: match scene.quality.phases {
-                    Phases::Hash => (SplitMix(u64::from(seed) << 32 | u64::from(index)).next() >> 40) as f32,
-                    Phases::Blue => {
+                jitter_seed: match scene.quality.jitter {
+                    Jitter::None | Jitter::Hash => {
+                        (SplitMix(u64::from(seed) << 32 | u64::from(index)).next() >> 40) as f32
+                    }
+                    Jitter::Blue => {
                         let place = SplitMix(u64::from(seed)).unit() + f64::from(index) * GOLDEN_RATIO;
                         (place.fract() * f64::from(1 << 24)).floor() as f32
                     }
@@ -75,7 +77,7 @@ mod tests {
     #[test]
     fn p48_blue_phases_cover_the_step_evenly_however_many_they_are() {
         let mut scene = Scene::default();
-        (scene.quality.supersampling, scene.quality.phases, scene.quality.seed) = (55, Phases::Blue, 3);
+        (scene.quality.supersampling, scene.quality.jitter, scene.quality.seed) = (55, Jitter::Blue, 3);
         let all: Vec<f32> = SubFrame::all(&scene).map(|sub| sub.jitter_seed / 16_777_216.0).collect();
         for count in [5, 8, 20, 55] {
             let mut phases = all[..count].to_vec();

@@ -6,7 +6,7 @@ use super::sub_frame::SubFrame;
 use super::view::{View, slant};
 use crate::render::pass::Planes;
 use crate::render::variant::{Program, Resource, Use};
-use crate::scene::{Integration, ParameterValue, Scene};
+use crate::scene::{Integration, Jitter, ParameterValue, Scene};
 use std::collections::HashMap;
 
 /// The values of the members of all blocks, by name.
@@ -54,7 +54,7 @@ pub(super) fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Pl
     set("slice_count", &[planes.count as f32]);
     set("full_opacity", &[1.0 - scene.quality.early_termination]);
     let half_path = half_path(scene, view, planes);
-    let reaches = [scene.quality.integration == Integration::Segment, scene.quality.jitter]
+    let reaches = [scene.quality.integration == Integration::Segment, scene.quality.jitter != Jitter::None]
         .map(|reaches| f32::from(u8::from(reaches)));
     set("slice_axis", &view.axis.extend(0.0).to_array());
     let transport = scene.light.transport.linear();

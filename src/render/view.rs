@@ -1,6 +1,6 @@
 //! Where eye, object and slices are: the matrices of a scene.
 //!
-//! Eye space: the eye at the origin, looking along -z, y up; one unit is one object unit. The slices live there, and the
+//! Eye space: the camera at the origin, looking along -z, y up; one unit is one object unit. The slices live there, and the
 //! rotation of the object reaches them through the texture matrix alone (MJ 3.3).
 
 use super::Subject;
@@ -15,7 +15,7 @@ use glam::{Mat4, Vec2, Vec3};
 const FILL: f32 = 0.8;
 /// The most that the soft region fills at zoom 1: the rest is a margin.
 const SOFT_FILL: f32 = 0.97;
-/// Nothing nearer to the eye than this is drawn, object units. Smaller: the perspective division loses its digits.
+/// Nothing nearer to the camera than this is drawn, object units. Smaller: the perspective division loses its digits.
 const NEAR: f32 = 1e-3;
 /// How far the stack of slices is turned to be looked at from the side, degrees: MJ Fig. 1.
 const STACK_TURN: f32 = 62.0;
@@ -37,7 +37,7 @@ pub(super) struct View {
     /// No matter is farther from the origin of object space than this.
     pub(super) soft_radius: f32,
     pub(super) extent: Extent,
-    /// Unit vector across the slices, eye space: toward the eye, or half way to the light.
+    /// Unit vector across the slices, eye space: toward the camera, or half way to the light.
     pub(super) axis: Vec3,
     /// Half width and height of the view: at depth 1 in perspective, at any depth in parallel projection.
     pub(super) ray_scale: [f32; 2],
@@ -179,7 +179,7 @@ impl View {
             objects.push(Own::of(name, part.transform, &scene.alone(name), &subject.parts[name], &variant.parts[name]));
         }
         let (box_min, box_max) = box_of(scene, &objects, Own::soft_box);
-        // What the eye looks at does not move with what drips.
+        // What the camera looks at does not move with what drips.
         let (core_min, core_max) = box_of(scene, &objects, Own::unwarped_box);
         let center = 0.5 * (core_min + core_max);
         let ball = |from: Vec3| whole(scene, &objects, |own| own.farthest(from), f32::min, f32::max);
@@ -249,7 +249,7 @@ impl View {
         }
     }
 
-    /// The planes of the slices. Of those that do not face the eye none is left out: the light goes through all.
+    /// The planes of the slices. Of those that do not face the camera none is left out: the light goes through all.
     pub(super) fn planes(&self, samples: u32) -> Planes {
         match self.axis == Vec3::Z {
             true => Planes::new(self.extent, samples),

@@ -53,7 +53,39 @@ pub struct Effect {
     pub opacity_rate: f32,
 }
 
+/// The slots of an effect that take one module: their names, and references of either kind to their modules.
+macro_rules! slots {
+    ($effect:ident, $($reference:tt)+) => {
+        [
+            ("classify", $($reference)+ $effect.classify),
+            ("softness", $($reference)+ $effect.softness),
+            ("surface", $($reference)+ $effect.surface),
+            ("medium", $($reference)+ $effect.medium),
+            ("project", $($reference)+ $effect.project),
+            ("noise", $($reference)+ $effect.noise),
+            ("weights", $($reference)+ $effect.weights),
+            ("turbulence", $($reference)+ $effect.turbulence),
+            ("bandlimit", $($reference)+ $effect.bandlimit),
+            ("gradient", $($reference)+ $effect.gradient),
+            ("opacity", $($reference)+ $effect.opacity),
+            ("index", $($reference)+ $effect.index),
+            ("absorption", $($reference)+ $effect.absorption),
+            ("environment", $($reference)+ $effect.environment),
+        ]
+    };
+}
+
 impl Effect {
+    /// The modules of the slots that take one, with the names of the slots.
+    pub fn modules(&self) -> [(&'static str, &String); 14] {
+        slots!(self, &)
+    }
+
+    /// The same, to be changed.
+    pub fn modules_mut(&mut self) -> [(&'static str, &mut String); 14] {
+        slots!(self, &mut)
+    }
+
     /// Makes a hard object soft, for DMFs: it has no density to modulate.
     pub fn soften(&mut self) {
         for (slot, hard, soft) in [(&mut self.softness, "hard", "linear"), (&mut self.classify, "surface", "soft")] {

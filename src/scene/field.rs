@@ -1,5 +1,6 @@
 //! Fields of a scene by name, as `--set` writes them.
 
+use super::schema::{Changes, setting};
 use super::{Scene, SceneError};
 use toml::{Table, Value};
 
@@ -8,7 +9,7 @@ impl Scene {
     /// in a scene file, where the quotes of a text may be left out. An empty value takes the field back to its default.
     ///
     /// # Errors
-    /// There is no such field, or it cannot have that value. The range is not checked yet: see [`Scene::check`].
+    /// There is no such field, or it cannot have that value. How it goes with the others is for [`Scene::check`].
     pub fn set_field(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
         let wrong = |limit: String| SceneError::Value {
             field: name.into(),
@@ -24,7 +25,11 @@ impl Scene {
         }
         match value {
             "" => drop(table.remove(field)),
-            _ => drop(table.insert(field.into(), parse_value(value))),
+            _ => {
+                let value = parse_value(value);
+                setting(name).map_or(Ok(()), |setting| setting.check(name, &value))?;
+                table.insert(field.into(), value);
+            }
         }
         *self = whole.try_into().map_err(|error: toml::de::Error| wrong(error.message().into()))?;
         Ok(())
@@ -36,6 +41,27 @@ impl Scene {
         let mut fields = Vec::new();
         flatten("", whole, &mut fields);
         fields
+    }
+
+    /// The fields that are not as in `base`, with their values; `None` where the field is gone.
+    pub fn difference(&self, base: &Scene) -> Vec<(String, Option<Value>)> {
+        let (before, after) = (base.fields(), self.fields());
+        let find = |fields: &[(String, Value)], name: &str| {
+            fields.iter().find(|(other, _)| other == name).map(|(_, value)| value.clone())
+        };
+        let gone = before.iter().filter(|(name, _)| find(&after, name).is_none()).map(|(name, _)| (name.clone(), None));
+        let new = after.iter().filter(|(name, value)| find(&before, name).as_ref() != Some(value));
+        gone.chain(new.map(|(name, value)| (name.clone(), Some(value.clone())))).collect()
+    }
+
+    /// What is made anew for this scene where that of `base` is there; values of parameters change the picture alone.
+    pub fn changes(&self, base: &Scene) -> Vec<Changes> {
+        let of = |name: &str| match setting(name) {
+            Some(setting) => setting.changes,
+            None if name.split('.').rev().nth(1) == Some("parameters") => Changes::Picture,
+            None => Changes::Images,
+        };
+        self.difference(base).iter().map(|(name, _)| of(name)).collect()
     }
 }
 

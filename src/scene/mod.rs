@@ -18,6 +18,7 @@ mod part;
 mod preset_texts;
 mod presets;
 mod quality;
+pub mod schema;
 mod strategy;
 mod transfer;
 
@@ -28,13 +29,12 @@ pub use error::{SceneError, nearest};
 pub use field::parse_value;
 pub use file::{load, parse, to_text};
 pub use light::{Light, LightMethod};
-pub use modules::MODULE_SLOTS;
 pub use parameters::{Parameters, Spread};
 pub use part::{Boolean, Part, Transform};
 pub use preset_texts::names;
 pub use presets::{EFFECTS, nearest_preset, preset};
 pub use quality::{
-    BlockFormat, EmptySpace, Integration, Order, Pass, Phases, Proxy, Quality, Reject, TargetFormat, Wrap,
+    BlockFormat, EmptySpace, Integration, Jitter, Order, Pass, Proxy, Quality, Reject, TargetFormat, Wrap,
 };
 pub use strategy::Repeat;
 pub use transfer::{Curve, Stop, Transfer};
@@ -67,7 +67,7 @@ pub struct Scene {
     pub transfer: Transfer,
     /// The light.
     pub light: Light,
-    /// The eye.
+    /// The camera.
     pub camera: Camera,
     /// The picture.
     pub image: Picture,
@@ -81,7 +81,6 @@ pub struct Scene {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub combine: Option<String>,
     /// What the signs of that formula mean.
-    #[serde(skip_serializing_if = "is_default")]
     pub boolean: Boolean,
 }
 
@@ -108,7 +107,6 @@ pub struct Object {
     /// Where the distance comes from.
     pub source: Source,
     /// Which part of a volume is on the device.
-    #[serde(skip_serializing_if = "is_default")]
     pub storage: Storage,
 }
 
@@ -140,7 +138,11 @@ impl Object {
 
     /// The object without what a picture does with its field: where two are equal then, they have one field.
     pub fn without_look(&self) -> Object {
-        Object { stretch: [1.0; 3], inner_iso: 0.0, outer_iso: 0.0, ..self.clone() }
+        let mut fields = toml::Table::try_from(self).expect("an object holds nothing that TOML cannot hold");
+        fields.retain(|field, _| {
+            schema::setting(&format!("object.{field}")).is_some_and(|setting| setting.changes == schema::Changes::Field)
+        });
+        fields.try_into().expect("every field of an object has a default")
     }
 }
 
@@ -201,7 +203,7 @@ impl std::default::Default for Material {
     }
 }
 
-/// The eye.
+/// The camera.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Camera {
@@ -211,7 +213,7 @@ pub struct Camera {
     pub azimuth: f32,
     /// Degrees above the horizon, -90 to 90.
     pub elevation: f32,
-    /// The turn from object space to that of the eye, a unit quaternion x, y, z, w, in place of azimuth and elevation:
+    /// The turn from object space to that of the camera, a unit quaternion x, y, z, w, in place of azimuth and elevation:
     /// what a free trackball leaves behind.
     pub rotation: Option<[f32; 4]>,
     /// How far the picture is moved to the right and up, object units at the middle of the scene: a shift of the lens.
@@ -249,7 +251,7 @@ impl std::default::Default for Camera {
 }
 
 impl Camera {
-    /// The turn from object space to that of the eye: the rotation, or azimuth around the object's vertical axis and then
+    /// The turn from object space to that of the camera: the rotation, or azimuth around the object's vertical axis and then
     /// elevation.
     pub fn turn(&self) -> glam::Quat {
         match self.rotation {
@@ -262,7 +264,7 @@ impl Camera {
     }
 }
 
-/// How rays leave the eye.
+/// How rays leave the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Projection {
@@ -327,19 +329,7 @@ impl Scene {
         let mut fill = |slot: &str, modules: Vec<String>| {
             slots.insert(slot.to_string(), modules);
         };
-        for (slot, module) in [
-            ("softness", &effect.softness),
-            ("surface", &effect.surface),
-            ("noise", &effect.noise),
-            ("weights", &effect.weights),
-            ("turbulence", &effect.turbulence),
-            ("bandlimit", &effect.bandlimit),
-            ("gradient", &effect.gradient),
-            ("opacity", &effect.opacity),
-            ("index", &effect.index),
-            ("absorption", &effect.absorption),
-            ("environment", &effect.environment),
-        ] {
+        for (slot, module) in effect.modules() {
             fill(slot, vec![module.clone()]);
         }
         let classify = match (self.quality.integration, effect.classify.as_str()) {
@@ -381,10 +371,10 @@ impl Scene {
             _ => "sample",
         };
         fill("empty_space", vec![empty_space.into()]);
-        let jitter = match self.quality.phases {
-            _ if !self.quality.jitter => "none",
-            Phases::Hash => "hash",
-            Phases::Blue => "blue",
+        let jitter = match self.quality.jitter {
+            Jitter::None => "none",
+            Jitter::Hash => "hash",
+            Jitter::Blue => "blue",
         };
         fill("jitter", vec![jitter.into()]);
         let jumps = effect.index == "transfer" && self.transfer.curve == Curve::Steps;
@@ -406,8 +396,4 @@ impl Scene {
         }
         slots
     }
-}
-
-fn is_default<T: std::default::Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
 }

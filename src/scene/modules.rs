@@ -7,26 +7,6 @@ use std::path::Path;
 /// The largest file of a module, bytes: more is no module.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Slots of an effect that modules are chosen for by name.
-pub const MODULE_SLOTS: [&str; 16] = [
-    "classify",
-    "softness",
-    "warp",
-    "dmf",
-    "surface",
-    "medium",
-    "noise",
-    "weights",
-    "turbulence",
-    "bandlimit",
-    "gradient",
-    "opacity",
-    "index",
-    "absorption",
-    "environment",
-    "project",
-];
-
 impl Scene {
     /// Takes a module from a file for a slot, under the name of the file without its end; returns that name.
     ///

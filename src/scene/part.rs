@@ -1,5 +1,6 @@
 //! Further objects of a scene, each with its own effect, and how they make one.
 
+use super::schema::{self, Filled};
 use super::{Effect, Integration, Material, Object, ParameterValue, Scene, SceneError, Storage, Transfer};
 use crate::shader::library::COMBINE;
 use crate::shader::{Formula, FormulaError, Slots, link::MAIN};
@@ -9,8 +10,6 @@ use std::collections::BTreeMap;
 
 /// Further objects than this need more images than every device can bind.
 const MAX_PARTS: usize = 4;
-/// Slots that each object fills for itself; the others are the scene's.
-const OWN_SLOTS: [&str; 6] = ["softness", "warp", "dmf", "surface", "medium", "project"];
 
 /// An additional object of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -124,7 +123,9 @@ impl Scene {
         slots.insert(COMBINE.into(), vec![self.formula_text()]);
         for name in self.parts.keys() {
             let own = self.alone(name).slots();
-            let own = own.into_iter().filter(|(slot, _)| OWN_SLOTS.contains(&slot.as_str()));
+            let own = own
+                .into_iter()
+                .filter(|(slot, _)| slot != "classify" && schema::slots().any(|own| own == (slot, Filled::ByObject)));
             slots.extend(own.map(|(slot, modules)| (format!("{name}.{slot}"), modules)));
         }
     }
@@ -161,14 +162,6 @@ impl Scene {
                 let limit = format!("must be lower-case letters and digits, at most 32, and not `{MAIN}`");
                 return wrong("name in parts".into(), name, limit);
             }
-            let Transform { at, turn, scale } = part.transform;
-            at.iter().try_for_each(|&value| {
-                super::check::within(&format!("parts.{name}.transform.at"), value, -100.0, 100.0)
-            })?;
-            turn.iter().try_for_each(|&value| {
-                super::check::within(&format!("parts.{name}.transform.turn"), value, -1e6, 1e6)
-            })?;
-            super::check::within(&format!("parts.{name}.transform.scale"), scale, 0.01, 100.0)?;
             if part.object.stretch != [1.0; 3] {
                 let value = format!("{:?}", part.object.stretch);
                 return wrong(
@@ -189,14 +182,9 @@ impl Scene {
                 let limit = "analytic: the normal of several objects is that of their formula".to_string();
                 return wrong(format!("effect.gradient of {name}"), &effect.gradient, limit);
             }
-            let scene_wide = [
-                ("noise", &effect.noise, &self.effect.noise),
-                ("weights", &effect.weights, &self.effect.weights),
-                ("turbulence", &effect.turbulence, &self.effect.turbulence),
-                ("opacity", &effect.opacity, &self.effect.opacity),
-                ("bandlimit", &effect.bandlimit, &self.effect.bandlimit),
-            ];
-            if let Some((slot, own, scene)) = scene_wide.into_iter().find(|(_, own, scene)| own != scene) {
+            let shared = effect.modules().into_iter().zip(self.effect.modules());
+            let shared = shared.filter(|((slot, _), _)| schema::is_shared(slot));
+            if let Some(((slot, own), (_, scene))) = shared.into_iter().find(|((_, own), (_, scene))| own != scene) {
                 let limit = format!("{scene}, as effect.{slot} of the scene: all objects share it");
                 return wrong(format!("parts.{name}.effect.{slot}"), own, limit);
             }

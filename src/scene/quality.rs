@@ -27,10 +27,8 @@ pub struct Quality {
     pub reject: Reject,
     /// Samples per pixel, each shaded: 1, 2, 4, 8.
     pub msaa: u32,
-    /// Whether each pixel has its own phase of the steps along its ray: noise in place of contours.
-    pub jitter: bool,
-    /// Where those phases come from.
-    pub phases: Phases,
+    /// Whether each pixel has its own phase of the steps along its ray, and where it comes from.
+    pub jitter: Jitter,
     /// Which phases the pixels have, up to 16 777 215.
     pub seed: u32,
     /// Pictures of which the mean is taken, 1 to 256: each with its own place in the pixel, phase and time.
@@ -63,8 +61,7 @@ impl std::default::Default for Quality {
             proxy: Proxy::Polygons,
             reject: Reject::Discard,
             msaa: 1,
-            jitter: false,
-            phases: Phases::Hash,
+            jitter: Jitter::None,
             seed: 0,
             supersampling: 1,
             anisotropy: 1.0,
@@ -99,12 +96,14 @@ pub enum Integration {
     Segment,
 }
 
-/// Where the phases of the pixels come from.
+/// Where the phases of the pixels come from: noise in place of banding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Phases {
-    /// A hash of the pixel: white noise.
+pub enum Jitter {
+    /// All have the same.
     #[default]
+    None,
+    /// A hash of the pixel: white noise.
     Hash,
     /// A tile of blue noise: the same error, but fine grain alone.
     Blue,

@@ -77,7 +77,8 @@ impl Linker {
     pub fn link(
         &self,
         library: &Library,
-        (entry, stage): (&str, Stage),
+        entry: &str,
+        stage: Stage,
         parameters_of: &[&str],
         slots: &Slots,
     ) -> Result<Vec<u32>, LinkError> {
@@ -290,8 +291,7 @@ mod tests {
     }
 
     fn link(library: &Library, names: &[&str]) -> Result<Vec<u32>, LinkError> {
-        let entry = ("a.frag", Stage::Fragment);
-        Linker::new().unwrap().link(library, entry, &["a.frag"], &slots(&[("dmf", names)]))
+        Linker::new().unwrap().link(library, "a.frag", Stage::Fragment, &["a.frag"], &slots(&[("dmf", names)]))
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Pictures that get better: how coarse one may be while the scene moves, and how good a mean of many is.
 
 use crate::measure::statistics::rms_difference;
-use crate::scene::{RayPath, Scene, TargetFormat};
+use crate::scene::{Jitter, RayPath, Scene, TargetFormat};
 
 /// Ways to save work: every so many pixels in a row, and one of so many samples. From the best.
 const LEVELS: [[u32; 2]; 9] = [[1, 1], [1, 2], [2, 1], [2, 2], [3, 2], [4, 2], [4, 4], [6, 4], [8, 4]];
@@ -64,7 +64,9 @@ pub(super) fn reference(scene: &Scene) -> Scene {
     let mut fine = scene.clone();
     let quality = &mut fine.quality;
     (quality.supersampling, quality.msaa, quality.target) = (MOST, 1, TargetFormat::Float32);
-    quality.jitter |= scene.effect.ray_path == RayPath::Straight; // rays that bend have no phase
+    if quality.jitter == Jitter::None && scene.effect.ray_path == RayPath::Straight {
+        quality.jitter = Jitter::Hash; // rays that bend have no phase
+    }
     fine
 }
 

@@ -7,7 +7,7 @@
 use crate::scene::Camera;
 use glam::{DQuat, DVec3};
 
-/// A turn from object space to that of the eye.
+/// A turn from object space to that of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trackball {
     turn: DQuat,

@@ -207,7 +207,7 @@ fn lists_switches_and_texts_set_their_fields() {
     hand.choose("quality.empty_space", "sample");
     hand.choose("quality.target", "float16");
     hand.choose("effect.turbulence", "procedural");
-    hand.click("quality.jitter");
+    hand.choose("quality.jitter", "hash");
     hand.click("image.has_background");
     hand.click("camera.has_clip");
     hand.set("camera.clip.w", 0.25);
@@ -222,7 +222,7 @@ fn lists_switches_and_texts_set_their_fields() {
         (scene::EmptySpace::Sample, scene::TargetFormat::Float16)
     );
     assert_eq!((scene.effect.turbulence.as_str(), scene.object.input.as_str()), ("procedural", "torus"));
-    assert_eq!((scene.quality.jitter, scene.light.position[0]), (true, 2.5));
+    assert_eq!((scene.quality.jitter, scene.light.position[0]), (scene::Jitter::Hash, 2.5));
     assert_ne!(scene.light.shadows, preset("fur").unwrap().light.shadows);
     assert_eq!((scene.image.background, scene.camera.clip), (Some(Color([16, 32, 48])), Some([0.0, 0.0, 1.0, 0.25])));
     assert_eq!(scene.parameters["tip_color"], ParameterValue::Color(Color([255, 0, 0])));

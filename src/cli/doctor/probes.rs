@@ -71,8 +71,7 @@ impl Bench<'_> {
     /// Draws layers over a cleared target, each behind the ones before it, and returns the target's texels.
     fn draw(&self, run: &Run<'_>) -> Result<(Vec<[f32; 4]>, Submitted), ProbeError> {
         const VERTEX: &str = "doctor/cover.vert";
-        let link =
-            |entry, stage| self.linker.link(&self.library, (entry, stage), &[VERTEX, run.fragment], &Slots::new());
+        let link = |entry, stage| self.linker.link(&self.library, entry, stage, &[VERTEX, run.fragment], &Slots::new());
         let binding = |index, kind| Binding { index, kind, vertex: false, fragment: true };
         let volume = [binding(VOLUME, BindingKind::Image), binding(CLAMP_SAMPLER, BindingKind::Sampler)];
         let pipeline = Pipeline::new(

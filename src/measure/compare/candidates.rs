@@ -1,4 +1,4 @@
-//! Candidates: the ways to draw a scene that are held against each other.
+//! Candidates: the settings of a scene that are compared.
 //!
 //! Invariant: no two candidates run the same program over the same values. A way that the scene's check refuses is left
 //! out, and so is one that differs only in what its program does not read.
@@ -152,7 +152,7 @@ pub fn candidates(scene: &Scene, library: &Library, sweep: &Sweep) -> Result<Vec
     let mut found: Vec<(String, Candidate)> = Vec::new();
     for strategy in chosen(strategies(scene, library, sweep.quick && sweep.strategies.is_none()), sweep)? {
         let brief = sweep.quick && !strategy.is_own(scene);
-        for ((pass, integration), (target, block), aside) in ways(scene, sweep.quick) {
+        for Method { pass, integration, target, block_size, aside } in methods(scene, sweep.quick) {
             if brief && !aside && (pass, integration) != (Pass::March, Integration::Point) {
                 continue;
             }
@@ -160,7 +160,7 @@ pub fn candidates(scene: &Scene, library: &Library, sweep: &Sweep) -> Result<Vec
                 let mut scene = strategy.scene.clone();
                 let quality = &mut scene.quality;
                 (quality.pass, quality.integration, quality.samples) = (pass, integration, samples);
-                (quality.target, quality.block_size) = (target, block);
+                (quality.target, quality.block_size) = (target, block_size);
                 let Ok(variant) = Variant::of(&scene, library) else { continue };
                 let (strategy, reads_block) = (strategy.name.clone(), reads_block(library, &variant));
                 let candidate = Candidate { strategy, reads_block, aside, scene };
@@ -183,30 +183,39 @@ fn samples(sweep: &Sweep) -> &[u32] {
     sweep.samples.as_deref().unwrap_or(&SAMPLES[..count])
 }
 
-/// Pass and integration, target and block, and whether that differs in the latter two alone: passes and integrations are crossed; for
-/// targets and blocks, one of them moves at a time.
-type Way = ((Pass, Integration), (TargetFormat, u32), bool);
+/// How a candidate is drawn.
+#[derive(Clone, Copy)]
+struct Method {
+    pass: Pass,
+    integration: Integration,
+    target: TargetFormat,
+    block_size: u32,
+    /// Whether it differs in target or block alone: passes and integrations are crossed, of those two one moves at a time.
+    aside: bool,
+}
 
-fn ways(scene: &Scene, quick: bool) -> Vec<Way> {
-    let own = scene.quality.block_size;
-    let mut ways = Vec::new();
-    for pass in [Pass::March, Pass::Slices] {
-        let integrations: &[Integration] = if quick && pass == Pass::Slices {
-            &[Integration::Point]
-        } else {
-            &[Integration::Point, Integration::Segment]
-        };
-        ways.extend(integrations.iter().map(|&integration| ((pass, integration), (TargetFormat::Float32, own), false)));
-    }
-    ways.push(((Pass::Slices, Integration::Point), (TargetFormat::Unorm8, own), true)); // the paper's
+fn methods(scene: &Scene, quick: bool) -> Vec<Method> {
+    let (target, block_size) = (TargetFormat::Float32, scene.quality.block_size);
+    let of = |pass, integration| Method { pass, integration, target, block_size, aside: false };
+    let mut methods = vec![
+        of(Pass::March, Integration::Point),
+        of(Pass::March, Integration::Segment),
+        of(Pass::Slices, Integration::Point),
+    ];
     if !quick {
-        ways.push(((Pass::Slices, Integration::Point), (TargetFormat::Float16, own), true));
-        let blocks = BLOCKS.into_iter().filter(|&block| block != own);
+        methods.push(of(Pass::Slices, Integration::Segment));
+    }
+    let slices = Method { aside: true, ..of(Pass::Slices, Integration::Point) };
+    methods.push(Method { target: TargetFormat::Unorm8, ..slices }); // the paper's
+    if !quick {
+        methods.push(Method { target: TargetFormat::Float16, ..slices });
+        let blocks = BLOCKS.into_iter().filter(|&block| block != block_size);
         for integration in [Integration::Segment, Integration::Point] {
-            ways.extend(blocks.clone().map(|block| ((Pass::March, integration), (TargetFormat::Float32, block), true)));
+            let of = |block_size| Method { block_size, aside: true, ..of(Pass::March, integration) };
+            methods.extend(blocks.clone().map(of));
         }
     }
-    ways
+    methods
 }
 
 /// A choice of modules for turbulence and noise.

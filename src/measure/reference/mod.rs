@@ -13,8 +13,8 @@ use crate::exact::{self, ExactError};
 use crate::render::variant::{Variant, VariantError};
 use crate::render::{Blocks, CpuInputs, OCTAVES_ID, RenderError, Subject};
 use crate::scene::{
-    BlockFormat, Effect, EmptySpace, Integration, LightMethod, Order, Pass, Proxy, Quality, RayPath, Reject, Scene,
-    Storage, TargetFormat,
+    BlockFormat, Effect, EmptySpace, Integration, Jitter, LightMethod, Order, Pass, Proxy, Quality, RayPath, Reject,
+    Scene, Storage, TargetFormat,
 };
 use crate::shader::{Library, LibraryError, Linker};
 use integral::{Limits, Matter, RayIntegral};
@@ -119,7 +119,7 @@ pub fn converged_settings(scene: &Scene) -> Scene {
     quality.order = Order::FrontToBack;
     (quality.proxy, quality.reject) = (Proxy::Polygons, Reject::Discard);
     quality.msaa = 1;
-    (quality.jitter, quality.seed) = (false, 0);
+    (quality.jitter, quality.seed) = (Jitter::None, 0);
     quality.anisotropy = 1.0;
     limit.object.storage = Storage::Dense;
     if limit.light.translucency <= 0.0 {

@@ -15,7 +15,7 @@ const ABOVE_ROUNDING: f64 = 2e-6;
 pub struct AnalyticCase {
     /// What of the truth it shows, such as the integration of its samples; empty where it is the only one.
     pub variant: &'static str,
-    /// How its rays leave the eye.
+    /// How its rays leave the camera.
     pub projection: Projection,
     /// The scene, but for pass, projection and samples, and its subject.
     pub scene: fn() -> (Scene, Subject),

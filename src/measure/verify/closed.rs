@@ -37,14 +37,14 @@ impl SoftBall {
         self.outer.powi(2) - self.inner.powi(2)
     }
 
-    /// Half the way of a ray within the soft region and the core, and within the core.
-    fn ways(&self, b: f64) -> [f64; 2] {
+    /// Half the chords of a ray in the soft region with the core, and in the core.
+    fn half_chords(&self, b: f64) -> [f64; 2] {
         [self.outer, self.inner].map(|radius| (radius * radius - b * b).max(0.0).sqrt())
     }
 
     /// Truth 3: the opacity where the extinction is `rate` times the density.
     pub fn beer(&self, b: f64) -> f64 {
-        let [l0, l1] = self.ways(b);
+        let [l0, l1] = self.half_chords(b);
         let soft = (self.outer.powi(2) - b * b) * (l0 - l1) - (l0.powi(3) - l1.powi(3)) / 3.0;
         1.0 - (-2.0 * self.rate * (soft / self.width() + l1)).exp()
     }
@@ -52,7 +52,7 @@ impl SoftBall {
     /// Truths 4 and 5: what light the soft region leaves, in front of the core or beside it, where the opacity is that of
     /// PH 3.1.
     pub fn perlin(&self, b: f64) -> f64 {
-        let [l0, l1] = self.ways(b);
+        let [l0, l1] = self.half_chords(b);
         if b < self.inner {
             let xlnx = |x: f64| if x > 0.0 { x * x.ln() } else { 0.0 };
             let f = |x: f64| xlnx(x + l1) + xlnx(x - l1) - 2.0 * x;
@@ -103,7 +103,7 @@ mod tests {
         let ball = SoftBall { inner: 0.75, outer: 1.25, rate: 3.0 };
         let density = |r2: f64| ((ball.outer.powi(2) - r2) / ball.width()).clamp(0.0, 1.0);
         for b in [0.1, 0.5, 0.7, 0.8, 1.1] {
-            let [l0, l1] = ball.ways(b);
+            let [l0, l1] = ball.half_chords(b);
             let depth = 2.0 * ball.rate * (integral(l1, l0, |l| density(b * b + l * l)) + l1);
             assert!((ball.beer(b) - (1.0 - (-depth).exp())).abs() < 1e-9, "{b}");
             // Away from the core, where the logarithm is infinite.

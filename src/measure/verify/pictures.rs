@@ -181,7 +181,7 @@ const PANE: AnalyticCase = AnalyticCase {
         let mut scene = homogeneous("cube", PANE_RATE as f32, Projection::Perspective);
         scene.effect.dmf = vec!["pane".into()];
         scene.camera.field_of_view = 90.0;
-        // The eye is 0.7 from the middle of the pane, and the whole view ends on it.
+        // The camera is 0.7 from the middle of the pane, and the whole view ends on it.
         scene.camera.zoom = (1.0 / 0.8 / 0.7 / 45f64.to_radians().sin()) as f32;
         scene.camera.zoom *= 1.5; // the pane fills the view
         (scene, box_subject(Vec3::new(1.0, 1.0, 0.5)))

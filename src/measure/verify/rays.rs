@@ -10,7 +10,7 @@ const FILL: [f64; 2] = [0.8, 0.97];
 /// The ray through the center of a pixel: a point, and a unit vector. Object space of azimuth 0 and elevation 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// The eye; in parallel projection where the ray crosses the plane z = 0.
+    /// The camera; in parallel projection where the ray crosses the plane z = 0.
     pub from: DVec3,
     /// Unit vector.
     pub along: DVec3,

@@ -204,7 +204,7 @@ impl Variant {
             None => {
                 let linker = linker()?;
                 let entries = self.entries;
-                let link = |entry, stage| linker.link(library, (entry, stage), &entries, &self.slots);
+                let link = |entry, stage| linker.link(library, entry, stage, &entries, &self.slots);
                 (link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?)
             }
         };

@@ -117,7 +117,7 @@ impl App {
         self.task(|library, variant| Task::Turntable { library, variant, path, frames: TURN, edited });
     }
 
-    /// Looks for the fastest settings for the scene within the error that was asked for, once the hand lets go.
+    /// Looks for the fastest settings for the scene within the error that was asked for, once the mouse is let go.
     pub(super) fn pick(&mut self, ui: &Ui, now: Instant) {
         let Some(error) = self.pick else { return };
         let rests = self.clock.is_some() || now.duration_since(self.changed) >= CALM;

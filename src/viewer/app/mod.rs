@@ -48,7 +48,7 @@ pub struct Start {
     pub began: Instant,
 }
 
-/// Good enough for the eye: half a code of an 8-bit picture in its mid tones, without the option.
+/// Good enough for the camera: half a code of an 8-bit picture in its mid tones, without the option.
 const GOOD: f64 = 1e-3;
 /// A scene that has not changed for so long stands still.
 const REST: Duration = Duration::from_millis(200);
@@ -358,7 +358,7 @@ impl App {
         if changed && self.posted.is_some() {
             self.changed = now;
             if self.figures.picking.is_some() && self.clock.is_none() {
-                // The hand comes first: what is looked for is looked for again once the scene rests.
+                // Input comes first: what is looked for is looked for again once the scene rests.
                 self.stop();
                 self.pick = self.max_error;
             }

@@ -54,8 +54,9 @@ mod tests {
         let bytes = |body: &str| {
             let text = format!("#version 450\nlayout(location = 0) out vec4 o;\n{body}");
             let library = Library::new([("a.frag".to_string(), text)]);
-            let entry = ("a.frag", Stage::Fragment);
-            largest(&Linker::new().unwrap().link(&library, entry, &["a.frag"], &Slots::new()).unwrap())
+            largest(
+                &Linker::new().unwrap().link(&library, "a.frag", Stage::Fragment, &["a.frag"], &Slots::new()).unwrap(),
+            )
         };
         assert_eq!(bytes("void main() { o = vec4(1.0); }"), 0);
         let loops = "{ S s; for (int i = 0; i < 30; i++) s.t[i][int(gl_FragCoord.x)] = vec3(gl_FragCoord.y); o = s.t[2][int(gl_FragCoord.y)].xyzz; }";

@@ -102,7 +102,7 @@ fn link(job: &Job) -> Result<Vec<[Vec<u32>; 2]>, shader::LinkError> {
     let linker = Linker::new()?;
     let program = |wanted: &Wanted| {
         let entries = wanted.entries.each_ref().map(String::as_str);
-        let link = |index: usize, stage| linker.link(&library, (entries[index], stage), &entries, &wanted.slots);
+        let link = |index: usize, stage| linker.link(&library, entries[index], stage, &entries, &wanted.slots);
         Ok([link(0, Stage::Vertex)?, link(1, Stage::Fragment)?])
     };
     job.programs.iter().map(program).collect()

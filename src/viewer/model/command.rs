@@ -3,34 +3,11 @@
 //! It starts from the preset, or the preset over an input, that leaves the least to say, and says the rest with the option
 //! that a person would use, else with `--set FIELD=VALUE`.
 
-use crate::scene::{self, MODULE_SLOTS, Scene, parse_value};
+use crate::scene::schema::{self, Kind, SETTINGS};
+use crate::scene::{self, Scene, parse_value};
 use crate::shader::Library;
 use std::path::Path;
 use toml::Value;
-
-/// Fields with an option of their own that takes the value as a scene file has it.
-const PLAIN: [(&str, &str); 20] = [
-    ("object.iso", "--iso"),
-    ("object.up", "--up"),
-    ("object.stretch", "--stretch"),
-    ("object.resolution", "--resolution"),
-    ("object.source", "--source"),
-    ("effect.gradient", "--gradient"),
-    ("quality.pass", "--pass"),
-    ("quality.empty_space", "--empty-space"),
-    ("quality.samples", "--samples"),
-    ("quality.integration", "--integration"),
-    ("quality.seed", "--seed"),
-    ("quality.supersampling", "--supersampling"),
-    ("quality.target", "--target"),
-    ("quality.order", "--order"),
-    ("quality.proxy", "--proxy"),
-    ("quality.msaa", "--msaa"),
-    ("quality.anisotropy", "--anisotropy"),
-    ("camera.projection", "--projection"),
-    ("camera.time", "--time"),
-    ("camera.shutter", "--shutter"),
-];
 
 /// The shortest of the command lines that give this scene, for `sh`.
 pub(super) fn line(scene: &Scene, library: &Library) -> String {
@@ -61,8 +38,7 @@ fn is_plain_input(input: &str) -> bool {
 fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
     let mut words = Vec::new();
     let mut base = base.clone();
-    let (before, after) = (base.fields(), scene.fields());
-    let changed = difference(&before, &after);
+    let changed = scene.difference(&base);
     let slots = changed.iter().filter_map(|(name, value)| Some((module_slot(name)?, value.as_ref()?)));
     let slots: Vec<_> = slots.collect();
     // `--module` checks the scene before, and drops the parameters of modules that are gone.
@@ -107,10 +83,10 @@ fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
         base.parts.remove(&part);
     }
     let mut camera = false;
-    for (name, value) in difference(&base.fields(), &after) {
+    for (name, value) in scene.difference(&base) {
         match name.as_str() {
             "camera.azimuth" | "camera.elevation" | "camera.zoom" => camera = true,
-            _ => words.extend(option(&name, value.as_ref(), scene)),
+            _ => words.extend(option(&name, value.as_ref())),
         }
     }
     if camera {
@@ -146,25 +122,26 @@ fn own_file<'a>(scene: &'a Scene, slot: &str, name: &str) -> Option<&'a str> {
 }
 
 /// The option for one field.
-fn option(name: &str, value: Option<&Value>, scene: &Scene) -> Vec<String> {
+fn option(name: &str, value: Option<&Value>) -> Vec<String> {
     let set = |name: &str| vec!["--set".into(), format!("{name}={}", value.map(text).unwrap_or_default())];
-    let plain = PLAIN.iter().find(|(field, _)| *field == name).map(|(_, flag)| *flag);
-    match (name, plain, value) {
-        (_, Some(flag), Some(Value::Array(numbers))) => valued(flag, &list(numbers)),
-        (_, Some(flag), Some(value)) => valued(flag, &text(value)),
-        ("quality.jitter", _, Some(Value::Boolean(true))) => vec!["--jitter".into()],
-        ("object.distance", _, Some(Value::Boolean(true))) => vec!["--distance".into()],
-        ("light.shadows", _, Some(Value::Boolean(true))) => vec!["--shadows".into()],
-        ("light.shadows", _, _) => vec!["--shadows=false".into()],
-        ("light.position", _, Some(Value::Array(numbers))) => valued("--light", &list(numbers)),
-        ("camera.clip", _, Some(Value::Array(numbers))) => valued("--clip", &list(numbers)),
-        ("image.size", ..) => valued("--size", &format!("{}x{}", scene.image.size[0], scene.image.size[1])),
-        ("image.background", ..) => valued("--background", &value.map_or("none".into(), text)),
-        _ => match (name.strip_prefix("parameters."), name.split_once(".parameters."), value) {
-            (Some(parameter), _, Some(_)) => set(parameter),
-            (None, Some((part, parameter)), Some(_)) => set(&format!("{part}.{parameter}")),
-            _ => set(name),
-        },
+    if let Some((setting, flag)) = SETTINGS.iter().find(|own| own.name == name).and_then(|own| Some((own, own.flag?))) {
+        let dashed = format!("--{}", flag.name);
+        let text = match (setting.kind, value) {
+            (Kind::Numbers(..), Some(Value::Array(numbers))) => list(numbers, ","),
+            (Kind::Wholes(..), Some(Value::Array(numbers))) => list(numbers, "x"),
+            (_, Some(value)) => text(value),
+            (_, None) => "none".into(),
+        };
+        return match flag.alone {
+            Some(alone) if alone == text => vec![dashed],
+            Some(_) => vec![format!("{dashed}={text}")],
+            None => valued(&dashed, &text),
+        };
+    }
+    match (name.strip_prefix("parameters."), name.split_once(".parameters."), value) {
+        (Some(parameter), _, Some(_)) => set(parameter),
+        (None, Some((part, parameter)), Some(_)) => set(&format!("{part}.{parameter}")),
+        _ => set(name),
     }
 }
 
@@ -176,21 +153,11 @@ fn valued(flag: &str, value: &str) -> Vec<String> {
 /// The slot of a field of the scene's own effect that `--module` fills: before the other options, since it decides which
 /// parameters are kept. `--gradient` is an option of its own.
 fn module_slot(name: &str) -> Option<&str> {
-    name.strip_prefix("effect.").filter(|slot| *slot != "gradient" && MODULE_SLOTS.contains(slot))
+    name.strip_prefix("effect.").filter(|slot| *slot != "gradient" && schema::slots().any(|(own, _)| own == *slot))
 }
 
-/// Fields that are not the same, with the new value; none where the field is gone.
-fn difference(before: &[(String, Value)], after: &[(String, Value)]) -> Vec<(String, Option<Value>)> {
-    let find = |fields: &[(String, Value)], name: &str| {
-        fields.iter().find(|(other, _)| other == name).map(|(_, value)| value.clone())
-    };
-    let gone = before.iter().filter(|(name, _)| find(after, name).is_none()).map(|(name, _)| (name.clone(), None));
-    let new = after.iter().filter(|(name, value)| find(before, name).as_ref() != Some(value));
-    gone.chain(new.map(|(name, value)| (name.clone(), Some(value.clone())))).collect()
-}
-
-fn list(numbers: &[Value]) -> String {
-    numbers.iter().map(text).collect::<Vec<_>>().join(",")
+fn list(numbers: &[Value], between: &str) -> String {
+    numbers.iter().map(text).collect::<Vec<_>>().join(between)
 }
 
 /// A value as `--set` reads it.

@@ -6,7 +6,7 @@
 mod command;
 
 use super::programs::{programs, reaches};
-use crate::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError};
+use crate::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError, schema};
 use crate::shader::ParameterKind;
 use crate::shader::{self, Library, Slots};
 use crate::support::write_whole;
@@ -349,12 +349,11 @@ fn checked(scene: &Scene, library: &Library) -> Result<(Parameters, BTreeMap<Str
 fn normalize(scene: &mut Scene, library: &Library) -> Result<(), SceneError> {
     let shared = scene.effect.clone();
     for part in scene.parts.values_mut() {
-        let effect = &mut part.effect;
-        effect.noise.clone_from(&shared.noise);
-        effect.weights.clone_from(&shared.weights);
-        effect.turbulence.clone_from(&shared.turbulence);
-        effect.opacity.clone_from(&shared.opacity);
-        effect.bandlimit.clone_from(&shared.bandlimit);
+        for ((slot, own), (_, scene)) in part.effect.modules_mut().into_iter().zip(shared.modules()) {
+            if schema::is_shared(slot) {
+                own.clone_from(scene);
+            }
+        }
     }
     let mut slots: Slots = scene.slots();
     let objects = scene.parts.keys().map(|name| format!("{name}.object")).chain(["object".into()]);

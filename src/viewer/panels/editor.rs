@@ -43,7 +43,7 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &mut Model) {
     verdict(ui, author);
     ui.separator();
     text(ui, author);
-    // A compiler that answers and a file that changes are seen without a hand on the mouse.
+    // A compiler that answers and a file that changes are seen without a move of the mouse.
     let wait = if *author.state() == State::Compiling { 30 } else { WATCH.as_millis() as u64 };
     ui.ctx().request_repaint_after(std::time::Duration::from_millis(wait));
 }

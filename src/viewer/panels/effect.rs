@@ -1,103 +1,54 @@
 //! The modules of an effect.
 
-use super::widgets::{Field, Touch, choice, field, named, number};
+use super::settings::{self, modules};
+use super::widgets::{Field, Touch, choice, field, named};
 use super::{Pass, own, prefix};
-use crate::scene::{Effect, RayPath};
+use crate::scene::schema::{self, Filled, Kind, SETTINGS, Setting};
 use crate::shader::Library;
 use egui::{Button, ComboBox, RichText, Ui};
 
-/// A slot with one module, and what it is for.
-type Slot = (&'static str, &'static str, fn(&mut Effect) -> &mut String);
-
-/// Slots that each object fills for itself.
-const OWN: [Slot; 5] = [
-    ("classify", "How a sample becomes a color.", |effect| &mut effect.classify),
-    ("softness", "How the distance becomes a density.", |effect| &mut effect.softness),
-    ("surface", "Color of the hard region.", |effect| &mut effect.surface),
-    ("medium", "Color of the soft region.", |effect| &mut effect.medium),
-    ("project", "How a point finds the surface under it.", |effect| &mut effect.project),
-];
-/// Slots of the scene: all objects share what fills them.
-const SHARED: [Slot; 9] = [
-    ("noise", "Where noise comes from.", |effect| &mut effect.noise),
-    ("weights", "Weights of the noise: cubic is of 1989, quintic of 2002.", |effect| &mut effect.weights),
-    ("turbulence", "Where turbulence comes from: the turbulence strategy.", |effect| &mut effect.turbulence),
-    ("bandlimit", "What becomes of octaves that are finer than a sample.", |effect| &mut effect.bandlimit),
-    ("gradient", "The normal that soft matter is lit by.", |effect| &mut effect.gradient),
-    ("opacity", "How density becomes opacity.", |effect| &mut effect.opacity),
-    ("index", "Where the index of refraction comes from.", |effect| &mut effect.index),
-    ("absorption", "What takes light from a ray that bends.", |effect| &mut effect.absorption),
-    ("environment", "What a ray that bends meets behind the object.", |effect| &mut effect.environment),
-];
-/// Modules of `classify` that a scene takes by its integration or its objects, never by name.
-const NOT_CHOSEN: [&str; 4] = ["objects", "stack", "surface_segment", "soft_segment"];
-/// A stack longer than this is a slip of the hand: every module costs at every sample.
+/// A stack longer than this is a slip: every module costs at every sample.
 const MAX_STACK: usize = 16;
 
 /// Stacks, then every slot.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
-    let library = pass.model.library();
-    let prefix = prefix(part);
-    let touch = &mut pass.touch;
-    let effect = own(&mut pass.draft, part).effect;
-    let doc = "Density modulation functions, applied from top to bottom; a mask says where one acts.";
-    stack(ui, touch, &field(format!("{prefix}effect.dmf"), doc), &mut effect.dmf, "dmf", "density modulation", library);
-    let doc = "Displacements of the position that is looked up, applied from top to bottom.";
-    stack(ui, touch, &field(format!("{prefix}effect.warp"), doc), &mut effect.warp, "warp", "displacement", library);
+    let (library, prefix) = (pass.model.library(), prefix(part));
+    for (slot, title) in [("dmf", "density modulation"), ("warp", "displacement")] {
+        let name = format!("{prefix}effect.{slot}");
+        let doc = schema::setting(&name).map_or("", |setting| setting.doc);
+        let effect = own(&mut pass.draft, part).effect;
+        let names = if slot == "dmf" { &mut effect.dmf } else { &mut effect.warp };
+        stack(ui, &mut pass.touch, &field(name, doc), names, slot, title, library);
+    }
+    let (shared, own): (Vec<&Setting>, Vec<&Setting>) = SETTINGS
+        .iter()
+        .filter(|setting| setting.table() == "effect")
+        .partition(|setting| setting.field() != "opacity_rate" && !is_own(setting.kind));
     ui.separator();
     ui.label(RichText::new("from distance to color").strong());
-    for slot in OWN {
-        match slot.0 {
-            "medium" => media(ui, touch, &prefix, effect, slot.1, library),
-            _ => single(ui, touch, &prefix, effect, slot, library),
+    for setting in own {
+        match setting.name {
+            "effect.medium" => media(ui, pass, part, setting.doc),
+            name => settings::show(ui, pass, &prefix, name),
         }
     }
-    let doc = "How fast soft matter becomes opaque, per object unit: c of Perlin and Hoffert 3.1.";
-    number(ui, touch, &field(format!("{prefix}effect.opacity_rate"), doc), &mut effect.opacity_rate, 0.1..=1000.0);
-    if part.is_some() {
-        return;
+    if part.is_none() {
+        ui.separator();
+        let title = RichText::new("noise, light and rays").strong();
+        ui.label(title).on_hover_text("All objects of the scene share these.");
+        shared.iter().for_each(|setting| settings::show(ui, pass, "", setting.name));
     }
-    ui.separator();
-    ui.label(RichText::new("noise, light and rays").strong()).on_hover_text("All objects of the scene share these.");
-    for slot in SHARED {
-        single(ui, touch, "", effect, slot, library);
-    }
-    let doc = "Octaves of turbulence; an encoded block holds as many as it has texels for.";
-    number(ui, touch, &field("effect.octaves", doc), &mut effect.octaves, 1..=10);
-    let rays = [
-        (RayPath::Straight, "straight", "Rays are straight lines.".into()),
-        (RayPath::Refracted, "refracted", "Rays bend where the index of refraction changes; needs pass march.".into()),
-    ];
-    choice(ui, touch, &field("effect.ray_path", "The path of a ray through the object."), &mut effect.ray_path, &rays);
 }
 
-/// The first line of a module: what it computes.
-fn about(library: &Library, slot: &str, name: &str) -> String {
-    let text = library.source(&format!("{slot}/{name}.glsl")).unwrap_or_default();
-    let line = text.lines().next().unwrap_or_default().trim_start_matches("//").trim();
-    if line.is_empty() { format!("{slot}/{name}.glsl") } else { line.into() }
-}
-
-/// Every module of a slot with its first line.
-fn modules<'a>(library: &'a Library, slot: &str) -> Vec<(String, &'a str, String)> {
-    let names = library.modules(slot).into_iter().filter(|name| slot != "classify" || !NOT_CHOSEN.contains(name));
-    names.map(|name| (name.to_string(), name, about(library, slot, name))).collect()
-}
-
-fn single(ui: &mut Ui, touch: &mut Touch, prefix: &str, effect: &mut Effect, slot: Slot, library: &Library) {
-    let (name, doc, module) = slot;
-    let mut options = modules(library, name);
-    if name == "project" {
-        options.insert(
-            0,
-            ("auto".into(), "auto", "The formula of an object that is one, else its closest points.".into()),
-        );
-    }
-    choice(ui, touch, &field(format!("{prefix}effect.{name}"), doc), module(effect), &options);
+/// Whether each object has a value of its own.
+fn is_own(kind: Kind) -> bool {
+    matches!(kind, Kind::Module(Filled::ByObject) | Kind::Stack)
 }
 
 /// A medium for each layer of the DMFs; where all are the same, that one.
-fn media(ui: &mut Ui, touch: &mut Touch, prefix: &str, effect: &mut Effect, doc: &str, library: &Library) {
+fn media(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, doc: &str) {
+    let (library, prefix, touch) = (pass.model.library(), prefix(part), &mut pass.touch);
+    let effect = own(&mut pass.draft, part).effect;
     let options = modules(library, "medium");
     let mut media: Vec<String> = effect.medium.split('+').map(String::from).collect();
     let layers = library.layers(&effect.dmf).unwrap_or(1).max(1);

@@ -11,13 +11,14 @@ mod figures;
 mod object;
 mod parameters;
 mod session;
+mod settings;
 mod stage;
 mod transfer;
 pub mod widgets;
 
 use super::author::Author;
 use super::model::Model;
-use crate::scene::{Effect, Material, Object, ParameterValue, Scene, Transfer};
+use crate::scene::{Effect, ParameterValue, Scene, Transfer};
 use egui::{CollapsingHeader, Panel, RichText, ScrollArea, Ui};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -100,6 +101,10 @@ enum Act {
 struct Pass<'a> {
     /// The scene as the controls leave it.
     draft: Scene,
+    /// The fields of the scene as it was before.
+    values: BTreeMap<String, toml::Value>,
+    /// Why a value was not taken.
+    refused: Option<String>,
     touch: Touch,
     acts: Vec<Act>,
     requests: Vec<Request>,
@@ -107,12 +112,20 @@ struct Pass<'a> {
     status: &'a Status,
 }
 
+impl Pass<'_> {
+    /// Gives a setting its value, as a scene file has it; empty takes it back.
+    fn set(&mut self, name: &str, value: &str) {
+        match self.draft.set_field(name, value) {
+            Ok(()) => self.touch = Some(name.into()),
+            Err(error) => self.refused = Some(error.to_string()),
+        }
+    }
+}
+
 /// The fields that each object has of its own.
 struct Own<'a> {
-    object: &'a mut Object,
     effect: &'a mut Effect,
     parameters: &'a mut BTreeMap<String, ParameterValue>,
-    material: &'a mut Material,
     transfer: &'a mut Transfer,
 }
 
@@ -164,15 +177,17 @@ impl Panels {
     fn controls(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
         self.selected = self.selected.take().filter(|name| model.scene().parts.contains_key(name));
         let (draft, acts, requests) = (model.scene().clone(), Vec::new(), Vec::new());
-        let mut pass = Pass { draft, touch: None, acts, requests, model, status };
+        let values = draft.fields().into_iter().collect();
+        let mut pass = Pass { draft, values, refused: None, touch: None, acts, requests, model, status };
         ui.add_space(4.0);
         session::history(ui, &mut pass, &mut self.author_is_open);
         ui.separator();
         ScrollArea::vertical().id_salt("controls").auto_shrink(false).show(ui, |ui| self.sections(ui, &mut pass));
-        let Pass { draft, touch, acts, requests, .. } = pass;
+        let Pass { draft, touch, refused, acts, requests, .. } = pass;
         if let Some(what) = touch {
             model.propose(&what, draft);
         }
+        refused.into_iter().for_each(|line| model.say(line));
         acts.into_iter().for_each(|act| self.act(act, model));
         // A drag is one step of the history, and a pair of keys is two.
         if !ui.ctx().input(|input| input.pointer.any_down()) {
@@ -191,7 +206,7 @@ impl Panels {
         section(ui, "Parameters", true, |ui| parameters::show(ui, pass, part));
         section(ui, "Effect", true, |ui| effect::show(ui, pass, part));
         section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.stop));
-        section(ui, "Material", false, |ui| stage::material(ui, pass, part));
+        section(ui, "Material", false, |ui| settings::table(ui, pass, &prefix(part), "material"));
         section(ui, "Light and background", false, |ui| stage::light(ui, pass));
         section(ui, "Camera", false, |ui| stage::camera(ui, pass));
         section(ui, "Accuracy", false, |ui| accuracy::show(ui, pass));
@@ -213,20 +228,8 @@ impl Panels {
 /// The fields of the scene's own object, or of a further one.
 fn own<'a>(scene: &'a mut Scene, part: Option<&str>) -> Own<'a> {
     match part.and_then(|part| scene.parts.get_mut(part)) {
-        Some(part) => Own {
-            object: &mut part.object,
-            effect: &mut part.effect,
-            parameters: &mut part.parameters,
-            material: &mut part.material,
-            transfer: &mut part.transfer,
-        },
-        None => Own {
-            object: &mut scene.object,
-            effect: &mut scene.effect,
-            parameters: &mut scene.parameters,
-            material: &mut scene.material,
-            transfer: &mut scene.transfer,
-        },
+        Some(part) => Own { effect: &mut part.effect, parameters: &mut part.parameters, transfer: &mut part.transfer },
+        None => Own { effect: &mut scene.effect, parameters: &mut scene.parameters, transfer: &mut scene.transfer },
     }
 }
 

@@ -2,10 +2,10 @@
 //!
 //! A click selects a stop, a drag moves it, a double click adds one or takes one away.
 
-use super::widgets::{button, choice, color, field, named, number, painted};
-use super::{Pass, own, prefix};
+use super::widgets::{button, color, field, named, number, painted};
+use super::{Pass, own, prefix, settings};
 use crate::render::texture::evaluate;
-use crate::scene::{Color, Curve, Stop, Transfer, linear_to_srgb};
+use crate::scene::{Color, Stop, Transfer, linear_to_srgb};
 use egui::{Color32, CornerRadius, Pos2, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 
 /// Height of the curve and of the bar, points.
@@ -22,19 +22,14 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
     let at = |name: &str| format!("{}transfer.{name}", prefix(part));
     let read = reads_map(pass, part);
     let refracts = pass.draft.effect.ray_path == crate::scene::RayPath::Refracted;
-    let touch = &mut pass.touch;
-    let transfer = own(&mut pass.draft, part).transfer;
     if !read {
         ui.weak(
             "no module of this effect reads it; medium transfer and classify post, pre, preintegrated and clear do",
         );
     }
-    let curves = [
-        (Curve::Steps, "steps", "The value of the lower stop.".into()),
-        (Curve::Linear, "linear", "A straight line.".into()),
-        (Curve::Spline, "spline", "A smooth curve that never goes beyond the stops.".into()),
-    ];
-    choice(ui, touch, &field(at("curve"), "What lies between two stops."), &mut transfer.curve, &curves);
+    settings::show(ui, pass, &prefix(part), "transfer.curve");
+    let touch = &mut pass.touch;
+    let transfer = own(&mut pass.draft, part).transfer;
     let before = transfer.clone();
     curve(ui, transfer, selected, &at("curve_editor"));
     bar(ui, transfer, selected, &at("bar"));

@@ -1,0 +1,81 @@
+//! Values against the schema.
+
+use super::{Kind, Range, Setting};
+use crate::scene::{SceneError, nearest};
+use toml::Value;
+
+impl Setting {
+    /// Checks a value as a scene file has it; `name` is what an error calls the setting.
+    ///
+    /// # Errors
+    /// [`SceneError::Value`]: it is no such value, or out of its range. NaN lies in no range.
+    pub fn check(&self, name: &str, value: &Value) -> Result<(), SceneError> {
+        let wrong = |shown: String, limit: String| Err(SceneError::Value { field: name.into(), value: shown, limit });
+        let one = |value: &Value, range: Range| match number(value) {
+            Some(number) if (range.low..=range.high).contains(&number) => Ok(()),
+            _ => wrong(text(value), format!("must be {}", range.must())),
+        };
+        let whole = |value: &Value, range: Range| match value {
+            Value::Integer(_) => one(value, range),
+            _ => wrong(text(value), format!("must be a whole number {}", range.must())),
+        };
+        let all = |count: usize, check: &dyn Fn(&Value) -> Result<(), SceneError>| match value {
+            Value::Array(values) if values.len() == count => values.iter().try_for_each(check),
+            Value::Array(values) => wrong(format!("{} numbers", values.len()), format!("must be {count} numbers")),
+            other => wrong(text(other), format!("must be {count} numbers, such as {}", self.example())),
+        };
+        match self.kind {
+            Kind::Number(range) => one(value, range),
+            Kind::Whole(range) => whole(value, range),
+            Kind::Numbers(count, range) => all(count, &|value| one(value, range)),
+            Kind::Wholes(count, range) => all(count, &|value| whole(value, range)),
+            Kind::OneOf(numbers) => match number(value) {
+                Some(found) if numbers.iter().any(|&number| number as f32 == found) => Ok(()),
+                _ => wrong(text(value), self.limits()),
+            },
+            Kind::Choice(choices) => match value.as_str() {
+                Some(found) if choices.iter().any(|(name, _)| *name == found) => Ok(()),
+                found => {
+                    let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
+                    let near = found.and_then(|found| nearest(found, &names));
+                    let near = near.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
+                    wrong(text(value), format!("must be {}{near}", self.limits()))
+                }
+            },
+            Kind::Switch if !value.is_bool() => wrong(text(value), "must be true or false".into()),
+            _ => Ok(()), // their types are checked where they are read
+        }
+    }
+
+    /// A value as it may be written.
+    pub fn example(&self) -> String {
+        match self.kind {
+            Kind::Numbers(count, _) | Kind::Wholes(count, _) => format!("[{}]", vec!["1"; count].join(", ")),
+            _ => self.limits(),
+        }
+    }
+}
+
+impl Range {
+    fn must(self) -> String {
+        if self.is_all() { "finite".into() } else { format!("from {} to {}", self.low, self.high) }
+    }
+}
+
+/// A number, as a scene holds it.
+pub fn number(value: &Value) -> Option<f32> {
+    match value {
+        Value::Integer(whole) => Some(*whole as f32),
+        Value::Float(number) => Some(*number as f32),
+        _ => None,
+    }
+}
+
+/// A value as an error shows it.
+fn text(value: &Value) -> String {
+    match value {
+        Value::Float(number) => (*number as f32).to_string(),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
