@@ -42,7 +42,7 @@ pub(super) fn render_picture(picture: &Picture<'_>) -> Result<(), Box<dyn Error>
     let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements.modules)?;
     write(&frame, scene.image.background, picture.depth(), &provenance, output)?;
     if !quiet {
-        say(&summary(gpu, scene, subject, &frame));
+        say(&summary(picture, &frame));
         say(&format!("wrote {}\n", absolute(output)));
     }
     Ok(())
@@ -68,14 +68,15 @@ pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<(), Bo
     write_whole(&path, &shard::encode(&whole, shard, &frame))
         .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
-        say(&summary(gpu, scene, subject, &frame));
+        say(&summary(picture, &frame));
         say(&format!("wrote {}\n", absolute(&path)));
     }
     Ok(())
 }
 
 /// What a render took, and what it left out.
-fn summary(gpu: &Gpu, scene: &Scene, subject: &Subject, frame: &Frame) -> String {
+fn summary(picture: &Picture<'_>, frame: &Frame) -> String {
+    let Picture { gpu, library, scene, subject, .. } = *picture;
     let info = gpu.info();
     let m = &frame.measurements;
     let mut lines = vec![
@@ -92,7 +93,7 @@ fn summary(gpu: &Gpu, scene: &Scene, subject: &Subject, frame: &Frame) -> String
         ));
     }
     if let Some([held, asked]) = m.octaves.filter(|[held, asked]| held < asked) {
-        lines.push(format!("octaves    {held} of {asked}: {}", scene.octaves_limit()));
+        lines.push(format!("octaves    {held} of {asked}: {}", scene.octaves_limit(library)));
     }
     let fragments = m.fragments.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
     lines.push(format!("slices     {} of thickness {:.5} object units{fragments}", m.slices, m.step));
