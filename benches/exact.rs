@@ -44,7 +44,7 @@ fn main() {
     println!("{:<14} {:>16} {:>28} {:>28}", "", "per point", "f64, M operations / s", "interval 0.01, M / s");
     for name in ["lit", "solid", "fur", "fire", "melting", "noisy_sphere", "smoke", "woven", "ensemble"] {
         let scene = scene::preset(name).unwrap();
-        let mut slots = scene.slots();
+        let mut slots = scene.slots(&library);
         slots.extend(Variant::of(&scene, &library).unwrap().slots);
         let text = include_str!("../tests/glsl/exact_point.glsl");
         let probe = Probe::new(&library, text, &slots, "classify", true).unwrap();

@@ -204,7 +204,7 @@ fn p39_the_levels_of_a_block_fade_its_octaves_as_computed_ones_fade() {
                     let (mut scene, library) = face(strategy, width, slope);
                     let subject = subject(&scene, &library);
                     let found = picture(gpu, &library, &scene, &subject);
-                    let held = scene.octaves_held();
+                    let held = scene.octaves_held(&library);
                     scene = scene.unbaked(&library).unwrap();
                     scene.effect.octaves = held;
                     let twin = picture(gpu, &library, &scene, &subject);

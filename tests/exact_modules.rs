@@ -62,7 +62,7 @@ fn each(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
         .map(|name| {
             let scene = scene::preset(name).unwrap();
             let reached = Variant::of(&scene, library).unwrap().slots;
-            let mut all = scene.slots();
+            let mut all = scene.slots(library);
             all.extend(reached.clone());
             (name, all, reached)
         })

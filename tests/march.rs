@@ -187,7 +187,7 @@ fn m61_skipping_changes_no_bit_of_any_picture() {
 
 #[test]
 fn a_ray_does_not_skip_where_matter_fills_the_space_around_the_object() {
-    let empty_space = |scene: &Scene| scene.slots()["empty_space"][0].clone();
+    let empty_space = |scene: &Scene| scene.slots(&shader::shipped())["empty_space"][0].clone();
     let mut scene = preset("shells").expect("a shipped preset");
     assert_eq!(empty_space(&scene), "skip");
     scene.transfer.stops[0].density = 0.1;

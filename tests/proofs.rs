@@ -96,7 +96,7 @@ fn p24_no_warp_moves_a_lookup_or_lets_matter_grow_further_than_it_declares() {
                     }
                 })
                 .collect();
-            let mut probe = Probe::new(&library, &text, &scene.slots(), "warp", true).unwrap();
+            let mut probe = Probe::new(&library, &text, &scene.slots(&library), "warp", true).unwrap();
             for resource in &probe.linked.resources {
                 let Use::Block(block) = &resource.holds else { continue };
                 let values: BTreeMap<String, Vec<f32>> = (block.members.iter())
@@ -174,7 +174,7 @@ fn p56_the_highlight_of_hair_is_the_cone_that_a_cylinder_mirrors() {
     let mut scene = preset("furry_donut").unwrap();
     scene.camera.projection = Projection::Parallel;
     scene.light.shadows = false;
-    let probe = Probe::new(&shader::shipped(), &text, &scene.slots(), "medium", true).unwrap();
+    let probe = Probe::new(&shader::shipped(), &text, &scene.slots(&shader::shipped()), "medium", true).unwrap();
     let mut random = SplitMix(5);
     let (lights, tangents): (Vec<DVec3>, Vec<DVec3>) =
         (0..10_000).map(|_| (direction(&mut random), direction(&mut random))).unzip();

@@ -50,7 +50,7 @@ fn truth(scene: &Scene, octaves: u32) -> impl Fn(DVec3) -> f64 {
     let twin = scene.unbaked(&shader::shipped()).unwrap();
     let tables = Noise::new(1989, Weights::Quintic);
     move |p: DVec3| match twin.effect.turbulence.as_str() {
-        "procedural" => Lattice::default().turbulence(p.to_array(), twin.periods()[1], octaves).1,
+        "procedural" => Lattice::default().turbulence(p.to_array(), twin.periods(&shader::shipped())[1], octaves).1,
         "arrays" => tables.turbulence(p.to_array(), 256, octaves).1,
         other => panic!("{other} is no truth"),
     }
@@ -73,7 +73,7 @@ fn m33_each_strategy_is_its_twin_to_what_its_block_loses() {
         ] {
             scene.effect.turbulence = strategy.into();
             let seen = seen(gpu, &library, &scene);
-            let off = [scene.octaves_held(), 8].map(|octaves| {
+            let off = [scene.octaves_held(&library), 8].map(|octaves| {
                 let truth = truth(&scene, octaves);
                 rms(seen.iter().map(|(p, value)| value[1] - truth(*p)))
             });
@@ -234,7 +234,7 @@ fn m43_the_fetches_of_each_strategy() {
         let rounds = match strategy {
             "encoded" | "hybrid" => 1,
             "channels" => scene.effect.octaves / 4,
-            _ => scene.octaves_held(),
+            _ => scene.octaves_held(&library),
         };
         assert_eq!(samples * rounds, fetches, "{strategy}: {samples} in each of {rounds} rounds");
     }

@@ -1,6 +1,7 @@
 // Post-classification: the density is interpolated, then looked up in the transfer map.
 // Source: MJ 2.
 // x: object space; path: object units; result premultiplied linear RGBA.
+// @outside transfer
 #include "sample.glsl"
 #include "distance_bound.glsl"
 #include "transfer.glsl"

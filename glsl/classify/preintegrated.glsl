@@ -2,6 +2,8 @@
 // Source: Engel, Kraus and Ertl 2001 (cited by MJ 2); GG 39.6.1.
 // x: object space, middle of the segment; path: object units; result premultiplied linear RGBA.
 // The table holds the segment of one slice spacing; a longer path under perspective scales its optical depth.
+// @outside transfer
+// @segments preintegrated
 #include "sample.glsl"
 #include "distance_bound.glsl"
 #include <dmf>

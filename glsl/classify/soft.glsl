@@ -2,6 +2,8 @@
 // Source: MJ 6; the opacity is PH 3.1, and so is that a gradient is asked for only where 0 < density < 1. Where the hard
 // region begins within the step is ours.
 // x: object space; path: object units; result premultiplied linear RGBA.
+// @outside empty
+// @segments soft_segment
 #include "sample.glsl"
 #include "distance_bound.glsl"
 #include "located.glsl"

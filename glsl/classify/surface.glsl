@@ -1,6 +1,8 @@
 // A hard object: the iso-surface alone, located between the first sample behind it and the one before.
 // Source: MJ 3.5; where it is within the step is ours.
 // x: object space; path: object units; result premultiplied linear RGBA, alpha 0 or 1.
+// @outside empty
+// @segments surface_segment
 #include "sample.glsl"
 #include "distance_bound.glsl"
 #include "located.glsl"

@@ -2,6 +2,7 @@
 // to a ray that has just been there, and to two places beside the ray. One-sided: an error of the order of the step.
 // Source: PH 3.1: f(x) - f(x - dx_mu), f(x + dx_nu) - f(x), f(x + dx_omega) - f(x).
 // s: a sample with 0 < density < 1; path: of the step, object units; result: unit normal, object space.
+// @places 3
 #include "modulated.glsl"
 float density_before = -1.0;    // of the sample before on this ray; less than 0 where it is not known
 

@@ -5,6 +5,7 @@
 // @color shade_color = #6a7486: Color in the shade.
 // @param shade_distance = 0.15 in [0.01, 1]: How far towards the light the matter is looked at, object units.
 // @param shade_depth = 1.5 in [0, 10]: How dark the shade is.
+// @places 1
 vec3 medium(Sample s, float density) {
     vec3 towards = safe_normalize(mat3(texture_matrix) * (light_position.xyz - position_eye), vec3(0.0, 1.0, 0.0));
     Sample nearer = sample_object(s.x + shade_distance * towards);

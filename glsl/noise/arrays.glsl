@@ -1,6 +1,8 @@
 // Noise of Perlin's tables of 1989, in constant arrays.
 // Source: PH 2.3, MJ 4.2.
 // p: lattice cells; result: gradient per cell in xyz, noise in w, |noise| <= 0.87.
+// @loops 1
+// @period memory
 #include "array_noise.glsl"
 vec4 noise_gradient(vec3 p) { return array_noise(p); }
 float noise(vec3 p) { return array_noise(p).w; }

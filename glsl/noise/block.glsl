@@ -2,6 +2,8 @@
 // Source: MJ 4.1.
 // p: lattice cells; result: gradient per cell in xyz, noise in w, |noise| <= 1.
 // @exact procedural noise_block
+// @loops 1
+// @period memory
 #include "noise_fetch.glsl"
 vec4 noise_gradient(vec3 p) { return fetched_noise_gradient(p); }
 float noise(vec3 p) { return fetched_noise(p); }

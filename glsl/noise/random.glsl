@@ -3,6 +3,8 @@
 // p: texels; result: gradient per texel in xyz, by differences over one; noise in w, |noise| <= 1.
 // @bound 1
 // One fetch gives four noises, which vector_noise.glsl and four_noises.glsl take: for them there is no noise at other places.
+// @loops 1
+// @period memory
 #define FOUR_NOISES
 vec4 four_noises(vec3 p) { return 2.0 * textureLod(random_block, p / vec3(textureSize(random_block, 0)), 0.0) - 1.0; }
 float noise(vec3 p) { return four_noises(p).a; }

@@ -1,6 +1,7 @@
 // Noise whose knots are constants instead of gradients: a wavelet at each lattice point, cheaper and worse.
 // Source: PH 2.3, footnote: constant Gamma, with visible artifacts at the lattice points, where the gradient becomes 0.
 // p: lattice cells; result: gradient per cell in xyz, noise in w, |noise| <= 0.866 as of the other modules.
+// @loops 9
 #include "hash.glsl"
 #include <weights>
 

@@ -3,6 +3,8 @@
 // p, width, enough and results: as octave_gradient.glsl has them; the channels are full, so that the gradient is that of
 // differences over a texel: seven times the fetches.
 // @exact procedural channel_block
+// @loops 5
+// @period memory
 #include "octave_constants.glsl"
 
 float turbulence(vec3 p, float width, float enough) {

@@ -2,6 +2,9 @@
 // Source: MJ 4.1: best quality and speed. There is no end before all is summed. Octaves fade by the levels of the block.
 // p, width, enough and results: as octave_gradient.glsl has them, but the sum is in [0, 2].
 // @exact procedural turbulence_block
+// @loops 0
+// @octaves turbulence_block
+// @period memory
 #include "octave_constants.glsl"
 #include "octave_levels.glsl"
 #include <wrap>

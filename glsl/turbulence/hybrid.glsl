@@ -3,6 +3,8 @@
 // Source: ours, of MJ 4.1 (pre-compute) and 4.2 (compute).
 // p, width, enough and results: as octave_gradient.glsl has them; a gradient is computed in all octaves.
 // @exact procedural turbulence_block
+// @loops 1
+// @period turbulence_block
 #include "octave_gradient.glsl"
 #include "octave_lattice.glsl"
 #include "octave_levels.glsl"

@@ -2,6 +2,9 @@
 // Source: MJ 4.1 and Table 3 (4 noise lookups).
 // p, width, enough and results: as octave_gradient.glsl has them.
 // @exact procedural noise_block
+// @loops 1
+// @period memory
+// @octaves 4
 #include "octave_sum.glsl"
 #include "noise_fetch.glsl"
 int octaves_held() { return min(OCTAVES, 4); }

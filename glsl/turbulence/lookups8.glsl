@@ -2,6 +2,8 @@
 // Source: MJ 4.1 and Table 3 (8 noise lookups).
 // p, width, enough and results: as octave_gradient.glsl has them.
 // @exact procedural noise_block
+// @loops 1
+// @period memory
 #include "octave_sum.glsl"
 #include "noise_fetch.glsl"
 int octaves_held() { return OCTAVES; }

@@ -2,6 +2,8 @@
 // Source: MJ 4.2.
 // p, width, enough and results: as octave_gradient.glsl has them.
 // @exact arrays
+// @loops 1
+// @period memory
 #include "octave_sum.glsl"
 #include "table_noise.glsl"
 int octaves_held() { return OCTAVES; }

@@ -100,7 +100,7 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
     }
     lines.extend(coarse(scene, subject, half_height));
     if let Some([held, asked]) = m.octaves.filter(|[held, asked]| held < asked) {
-        lines.push(format!("octaves    {held} of {asked}: {}", scene.octaves_limit()));
+        lines.push(format!("octaves    {held} of {asked}: {}", scene.octaves_limit(library)));
     }
     let fragments = m.fragments.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
     lines.push(format!("slices     {} of thickness {:.5} object units{fragments}", m.slices, m.step));

@@ -102,7 +102,7 @@ impl Judge<'_> {
         let mut read = self.read(scene, &variant)?;
         // What neither is a block nor repeats as one has no border.
         if !read.program.reads("block_sampler")
-            && scene.periods().iter().all(|period| *period == Period::ENDLESS)
+            && variant.periods.iter().all(|period| *period == Period::ENDLESS)
             && let Some(wrap) = variant.slots.get_mut("wrap")
         {
             *wrap = vec!["repeat".into()];

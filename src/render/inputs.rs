@@ -131,7 +131,7 @@ impl StoredObjects {
         let objects = view.objects.iter().zip(&self.0);
         let items: Vec<Item<'_>> =
             objects.map(|(own, stored)| Item::of(own, scene, subject, variant, *stored)).collect();
-        let mut values = values(scene, view, &items, planes);
+        let mut values = values(scene, variant, view, &items, planes);
         values.extend(moment(scene, view, sub_frame));
         values.extend(space.values().map(|(name, floats)| (name.to_string(), floats)));
         values

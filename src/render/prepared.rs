@@ -248,7 +248,7 @@ impl Prepared {
             modules: variant.key(),
             shipped: self.program.shipped,
             left_out: self.program.left_out(),
-            octaves: variant.reads("turbulence").then(|| [scene.octaves_held(), scene.effect.octaves]),
+            octaves: variant.reads("turbulence").then_some([variant.octaves, scene.effect.octaves]),
             slices: planes.count,
             step: planes.step,
             fragments: drawn.fragments,

@@ -3,7 +3,7 @@
 use super::item::Item;
 use crate::render::pass::Planes;
 use crate::render::texture::{Bricks, Texels};
-use crate::scene::Integration;
+use crate::scene::{Integration, RayPath};
 use serde::{Deserialize, Serialize};
 
 /// A volume of which the device has bricks alone.
@@ -50,7 +50,9 @@ impl Item<'_> {
             Integration::Segment => self.reach(),
         };
         let effect = &scene.effect;
-        let opaque = effect.classify == "surface" || (effect.dmf.is_empty() && effect.opacity == "perlin");
+        let straight = effect.ray_path == RayPath::Straight; // one that bends may go through clear matter
+        let opaque =
+            straight && (effect.classify == "surface" || (effect.dmf.is_empty() && effect.opacity == "perlin"));
         let step = planes.step / glam::Vec3::from(scene.object.stretch).min_element();
         let depth = MOST_SLANTED * step + self.own.spread.moves.span() + voxels;
         let inner = if opaque { scene.object.inner_iso - depth } else { f32::NEG_INFINITY };

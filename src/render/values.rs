@@ -5,7 +5,7 @@ use super::item::Item;
 use super::sub_frame::SubFrame;
 use super::view::{View, slant};
 use crate::render::pass::Planes;
-use crate::render::variant::{Program, Resource, Use};
+use crate::render::variant::{Program, Resource, Use, Variant};
 use crate::scene::{Integration, Jitter, ParameterValue, Scene};
 use std::collections::HashMap;
 
@@ -37,7 +37,7 @@ pub(super) fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(Stri
 }
 
 /// Every other member of the blocks of `interface.glsl` and `part.glsl`, and every parameter, by name.
-pub(super) fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Planes) -> Values {
+pub(super) fn values(scene: &Scene, variant: &Variant, view: &View, items: &[Item<'_>], planes: &Planes) -> Values {
     let mut values = HashMap::new();
     let mut set = |name: &str, floats: &[f32]| drop(values.insert(name.to_string(), floats.to_vec()));
     set("texture_matrix", &view.texture_matrix.to_cols_array());
@@ -71,7 +71,7 @@ pub(super) fn values(scene: &Scene, view: &View, items: &[Item<'_>], planes: &Pl
     let [turbulence_octaves, low_octaves] = scene.block_octaves().map(|octaves| octaves as f32);
     set("turbulence_octaves", &[turbulence_octaves]);
     set("low_octaves", &[low_octaves]);
-    let [noise, turbulence] = scene.periods();
+    let [noise, turbulence] = variant.periods;
     set("noise_period", &[noise.cells as f32]);
     set("turbulence_period", &[turbulence.cells as f32]);
     set("turbulence_growth", &[f32::from(u8::from(turbulence.growing))]);

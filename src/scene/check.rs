@@ -1,10 +1,12 @@
 //! The checks that make a scene valid.
 
+use super::header::{declaring, header};
 use super::loops::{BENDING_LOOPS, BENDING_STEPS, LOOP_BUDGET, SHADOW_SAMPLES};
 use super::schema::setting;
 use super::{Integration, Jitter, Parameters, RayPath, Repeat, Scene, SceneError, Storage};
-use crate::shader::Slots;
+use crate::shader::declare::Outside;
 use crate::shader::library::{COMBINE, Library};
+use crate::shader::{Declarations, Slots};
 
 impl Scene {
     /// Checks every value, module and parameter, and gives the parameters their values.
@@ -14,14 +16,14 @@ impl Scene {
     pub fn check(&self, library: &Library) -> Result<Parameters, SceneError> {
         self.check_values()?;
         self.check_object()?;
-        self.check_look()?;
         self.check_transfer()?;
-        self.check_quality()?;
-        self.check_ray()?;
         self.check_half_angle()?;
         self.check_parts()?;
-        let slots = self.slots_with_objects();
+        let slots = self.slots_with_objects(library);
         self.check_modules(library, &slots)?;
+        self.check_look(library)?;
+        self.check_quality(library)?;
+        self.check_ray(library)?;
         self.check_layers(library)?;
         self.parameters(&library.declarations(&self.entries(), &slots)?)
     }
@@ -33,20 +35,20 @@ impl Scene {
     pub fn check_part(&self, name: &str, library: &Library) -> Result<Parameters, SceneError> {
         let within = |error: SceneError| SceneError::Part(name.to_string(), error.into());
         let own = self.alone(name);
-        own.check_values()
-            .and_then(|()| own.check_object())
-            .and_then(|()| own.check_look())
+        own.check_values().map_err(within)?;
+        let slots = self.slots_with_objects(library);
+        self.check_modules(library, &slots).map_err(within)?;
+        own.check_object()
+            .and_then(|()| own.check_look(library))
             .and_then(|()| own.check_transfer())
             .map_err(within)?;
-        let slots = self.slots_with_objects();
-        self.check_modules(library, &slots).map_err(within)?;
         own.check_layers(library).map_err(within)?;
         own.parameters(&library.object_declarations(name, &slots)?).map_err(within)
     }
 
     /// The modules of the scene with one for each object: any, since all declare the same.
-    fn slots_with_objects(&self) -> Slots {
-        let mut slots = self.slots();
+    fn slots_with_objects(&self, library: &Library) -> Slots {
+        let mut slots = self.slots(library);
         let own = self.parts.keys().map(|name| format!("{name}.object"));
         slots.extend(own.chain(["object".into()]).map(|slot| (slot, vec!["normals".into()])));
         slots
@@ -57,7 +59,7 @@ impl Scene {
     /// # Errors
     /// An unknown module.
     pub fn drop_foreign_parameters(&mut self, library: &Library) -> Result<(), SceneError> {
-        let slots = self.slots_with_objects();
+        let slots = self.slots_with_objects(library);
         self.check_modules(library, &slots)?;
         let declared = library.declarations(&self.entries(), &slots)?.parameters;
         self.parameters.retain(|name, _| declared.iter().any(|parameter| parameter.name == *name));
@@ -87,7 +89,7 @@ impl Scene {
         Ok(())
     }
 
-    fn check_look(&self) -> Result<(), SceneError> {
+    fn check_look(&self, library: &Library) -> Result<(), SceneError> {
         let limit = match (self.effect.project.as_str(), self.object.is_formula()) {
             ("closest", true) => "needs a volume; object.source = \"normals16\" makes one of a formula",
             ("formula", false) => "needs an object that is a formula: sphere, cube or torus, without object.source",
@@ -101,16 +103,16 @@ impl Scene {
             let (field, value) = ("object.storage".into(), "\"sparse\"".into());
             Err(SceneError::Value { field, value, limit: limit.into() })
         };
-        match (self.object.storage, self.effect.classify.as_str()) {
-            (Storage::Dense, _) => {}
-            _ if self.object.is_formula() => {
+        if self.object.storage == Storage::Sparse {
+            if self.object.is_formula() {
                 return sparse("needs a volume; object.source = \"normals16\" makes one of a formula");
             }
-            (_, "surface" | "soft") => {}
-            _ => {
-                return sparse(
-                    "needs effect.classify = \"surface\" or \"soft\": others color what is beyond the soft region",
-                );
+            let empty = |declared: &Declarations| declared.outside == Outside::Empty;
+            if !empty(&header(library, "classify", &self.effect.classify)) {
+                let empty = declaring(library, "classify", empty);
+                return sparse(&format!(
+                    "needs effect.classify = {empty}: others color what is beyond the soft region"
+                ));
             }
         }
         self.check_light()?;
@@ -175,15 +177,15 @@ impl Scene {
         }
     }
 
-    fn check_quality(&self) -> Result<(), SceneError> {
+    fn check_quality(&self, library: &Library) -> Result<(), SceneError> {
         let quality = &self.quality;
         let effect = &self.effect;
-        let procedural = self.noise_loops() > 1.0 || effect.turbulence != "encoded";
+        let procedural = self.has_noise_loops(library);
         if quality.pass == super::Pass::March {
-            let each = if procedural { self.procedural_loops() } else { 1.0 };
+            let each = if procedural { self.procedural_loops(library) } else { 1.0 };
             within("quality.samples", quality.samples as f32, 1.0, (LOOP_BUDGET / each).floor())?;
         }
-        if self.light.shadows && procedural && SHADOW_SAMPLES * self.procedural_loops() > LOOP_BUDGET {
+        if self.light.shadows && procedural && SHADOW_SAMPLES * self.procedural_loops(library) > LOOP_BUDGET {
             return Err(SceneError::Value {
                 field: "light.shadows".into(),
                 value: "true".into(),
@@ -193,15 +195,16 @@ impl Scene {
                         .into(),
             });
         }
-        if quality.integration == Integration::Segment
-            && !["surface", "soft", "preintegrated"].contains(&self.effect.classify.as_str())
+        let has_segments = |declared: &Declarations| declared.segments.is_some();
+        if quality.integration == Integration::Segment && !has_segments(&header(library, "classify", &effect.classify))
         {
             return Err(SceneError::Value {
                 field: "quality.integration".into(),
                 value: "segment".into(),
                 limit: format!(
-                    "effect.classify = \"{}\" has points only; use surface, soft or preintegrated, or integration = \"point\"",
-                    self.effect.classify
+                    "effect.classify = \"{}\" has points only; use {}, or integration = \"point\"",
+                    effect.classify,
+                    declaring(library, "classify", has_segments)
                 ),
             });
         }
@@ -211,22 +214,21 @@ impl Scene {
             let (field, value) = ("quality.turbulence_cells".into(), cells.to_string());
             return Err(SceneError::Value { field, value, limit });
         }
-        for (field, repeat, module) in [
-            ("effect.noise_repeat", effect.noise_repeat, &effect.noise),
-            ("effect.turbulence_repeat", effect.turbulence_repeat, &effect.turbulence),
+        for (slot, repeat, module) in [
+            ("noise", effect.noise_repeat, &effect.noise),
+            ("turbulence", effect.turbulence_repeat, &effect.turbulence),
         ] {
-            const FIXED: [&str; 9] =
-                ["block", "lookups8", "lookups4", "channels", "encoded", "hybrid", "tables", "arrays", "random"];
-            if repeat != Repeat::Own && FIXED.contains(&module.as_str()) {
+            if repeat != Repeat::Own && header(library, slot, module).period.is_some() {
                 let limit = format!("must be \"own\" with {module}, which repeats as its memory does; use procedural");
-                return Err(SceneError::Value { field: field.into(), value: format!("{repeat:?}"), limit });
+                let field = format!("effect.{slot}_repeat");
+                return Err(SceneError::Value { field, value: format!("{repeat:?}"), limit });
             }
         }
         Ok(())
     }
 
     /// What bends needs rays, and what only bent rays read needs rays that bend.
-    fn check_ray(&self) -> Result<(), SceneError> {
+    fn check_ray(&self, library: &Library) -> Result<(), SceneError> {
         let effect = &self.effect;
         let refuse = |field: &str, value: &str, limit: String| {
             Err(SceneError::Value { field: field.into(), value: format!("\"{value}\""), limit })
@@ -246,8 +248,8 @@ impl Scene {
             let limit = "needs quality.pass = \"march\": light does not bend from slice to slice".into();
             return refuse("effect.ray_path", "refracted", limit);
         }
-        if self.noise_loops() > 1.0 || effect.turbulence != "encoded" {
-            let limit = "needs turbulence = \"encoded\" and a noise that ships and is no wavelet: a ray that bends reads too much of a sum";
+        if self.has_noise_loops(library) {
+            let limit = "needs turbulence = \"encoded\", and a noise whose header has `@loops 1`: a ray that bends reads too much of a sum";
             return refuse("effect.ray_path", "refracted", limit.into());
         }
         let straight_only = [
@@ -294,6 +296,7 @@ impl Scene {
                 if let Some(mask) = mask.filter(|mask| !masks.contains(mask)) {
                     return Err(SceneError::unknown(&format!("mask in {field}"), mask, &masks));
                 }
+                library.header(slot, module)?;
             }
         }
         Ok(())

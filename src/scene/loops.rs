@@ -1,6 +1,8 @@
 //! How long a fragment may loop, and how long a scene makes it.
 
+use super::header::header;
 use super::{Integration, Scene};
+use crate::shader::Library;
 
 /// Loop iterations of one fragment that every device bears: lavapipe ends a fragment in silence after 65 535.
 pub(super) const LOOP_BUDGET: f32 = 60_000.0;
@@ -12,41 +14,45 @@ pub(super) const BENDING_LOOPS: f32 = 1.0 + 3.0 * 3.0;
 pub(super) const BENDING_STEPS: [f32; 2] = [3.0, 24.0 * (14.0 + 1.0)];
 
 impl Scene {
-    /// Iterations of one noise: of those that ship, the wavelets alone loop, over the corners of a cell.
-    pub(super) fn noise_loops(&self) -> f32 {
-        match self.effect.noise.as_str() {
-            "block" | "procedural" | "tables" | "arrays" | "random" => 1.0,
-            _ => 9.0,
-        }
+    /// Iterations of one noise; of a module that does not say, those of a loop over the corners of a cell.
+    fn noise_loops(&self, library: &Library) -> f32 {
+        header(library, "noise", &self.effect.noise).loops.unwrap_or(9) as f32
+    }
+
+    /// Iterations of one octave of turbulence; of a module that does not say, those of a loop over the noise.
+    fn octave_loops(&self, library: &Library) -> f32 {
+        let own = header(library, "turbulence", &self.effect.turbulence).loops;
+        own.map_or_else(|| 1.0 + self.noise_loops(library), |loops| loops as f32)
+    }
+
+    /// Whether noise or turbulence is computed in a loop.
+    pub(super) fn has_noise_loops(&self, library: &Library) -> bool {
+        self.noise_loops(library) > 1.0 || self.octave_loops(library) > 0.0
     }
 
     /// Iterations of the noise at one sample of a ray, at most, for all objects.
-    pub(super) fn procedural_loops(&self) -> f32 {
-        self.own_loops() + self.parts.keys().map(|name| self.alone(name).own_loops()).sum::<f32>()
+    pub(super) fn procedural_loops(&self, library: &Library) -> f32 {
+        self.own_loops(library) + self.parts.keys().map(|name| self.alone(name).own_loops(library)).sum::<f32>()
     }
 
     /// Those of one object: a sum of octaves for every module that changes the density, one for the color and three more
     /// noises, at each place where the density is asked for.
-    fn own_loops(&self) -> f32 {
+    fn own_loops(&self, library: &Library) -> f32 {
+        let effect = &self.effect;
         let places = match self.quality.integration {
             Integration::Point => 1.0,
             Integration::Segment => 3.0,
         };
-        let more = match self.effect.gradient.as_str() {
-            "central" => 6.0,
-            "three" => 3.0,
-            _ => 0.0,
-        };
-        let vapor = f32::from(u8::from(self.effect.medium == "vapor")); // it asks once more, towards the light
-        let layers = if self.effect.medium.contains('+') { 2.0 } else { 0.0 }; // each medium asks again for its own
-        let sums = (self.effect.warp.len() + self.effect.dmf.len() + 1).max(2) as f32;
-        let octave = match self.effect.turbulence.as_str() {
-            "channels" => 5.0, // and the six differences of its gradient
-            "lookups8" | "lookups4" | "encoded" | "tables" | "arrays" | "procedural" | "hybrid" => 1.0,
-            _ => 1.0 + self.noise_loops(),
-        };
-        let sum = self.effect.octaves as f32 * octave.max(self.noise_loops());
-        (places + more + vapor + layers) * (sums * sum + 3.0 * self.noise_loops())
+        let media = effect.medium.split('+').map(|medium| ("medium", medium.trim()));
+        let more: f32 = media
+            .chain([("gradient", effect.gradient.as_str())])
+            .map(|(slot, name)| header(library, slot, name).places as f32)
+            .sum();
+        let layers = if effect.medium.contains('+') { 2.0 } else { 0.0 }; // each medium asks again for its own
+        let sums = (effect.warp.len() + effect.dmf.len() + 1).max(2) as f32;
+        let noise = self.noise_loops(library);
+        let sum = effect.octaves as f32 * self.octave_loops(library).max(noise);
+        (places + more + layers) * (sums * sum + 3.0 * noise)
     }
 }
 
@@ -55,6 +61,69 @@ mod tests {
     use super::*;
     use crate::scene::check::tests::refusal;
     use crate::scene::{Part, Pass};
+    use crate::shader;
+
+    #[test]
+    fn what_a_module_costs_stands_in_its_header() {
+        let shipped = shader::shipped();
+        let loops = |change: &dyn Fn(&mut Scene)| {
+            let mut scene = Scene::default();
+            (scene.effect.octaves, scene.effect.turbulence) = (1, "encoded".into());
+            change(&mut scene);
+            scene.own_loops(&shipped)
+        };
+        // One octave of two sums, and three noises more.
+        let noises =
+            [("arrays", 5.0), ("block", 5.0), ("procedural", 5.0), ("random", 5.0), ("tables", 5.0), ("wavelet", 45.0)];
+        assert_eq!(shipped.modules("noise"), noises.map(|(name, _)| name));
+        for (name, expected) in noises {
+            assert_eq!(loops(&|s| s.effect.noise = name.into()), expected, "{name}");
+        }
+        let turbulences = [
+            ("arrays", 5.0),
+            ("channels", 13.0),
+            ("encoded", 5.0),
+            ("hybrid", 5.0),
+            ("lookups4", 5.0),
+            ("lookups8", 5.0),
+            ("octaves", 7.0),
+            ("procedural", 5.0),
+            ("tables", 5.0),
+        ];
+        assert_eq!(shipped.modules("turbulence"), turbulences.map(|(name, _)| name));
+        for (name, expected) in turbulences {
+            assert_eq!(loops(&|s| s.effect.turbulence = name.into()), expected, "{name}");
+            let mut scene = Scene::default();
+            scene.effect.turbulence = name.into();
+            assert_eq!(scene.has_noise_loops(&shipped), name != "encoded", "{name}");
+        }
+        for name in shipped.modules("gradient") {
+            let places = match name {
+                "central" => 7.0,
+                "three" => 4.0,
+                _ => 1.0,
+            };
+            assert_eq!(loops(&|s| s.effect.gradient = name.into()), 5.0 * places, "{name}");
+        }
+        for name in shipped.modules("medium") {
+            let places = if name == "vapor" { 2.0 } else { 1.0 };
+            assert_eq!(loops(&|s| s.effect.medium = name.into()), 5.0 * places, "{name}");
+        }
+        assert_eq!(loops(&|s| s.effect.medium = "hair + vapor".into()), 5.0 * 4.0);
+    }
+
+    #[test]
+    fn a_module_that_does_not_say_what_it_costs_costs_the_most() {
+        let library = shader::shipped().with_module("noise", "mine", "").with_module("turbulence", "mine", "");
+        let mut scene = Scene::default();
+        (scene.effect.octaves, scene.effect.noise) = (1, "mine".into());
+        assert_eq!(scene.own_loops(&library), 2.0 * 9.0 + 3.0 * 9.0);
+        scene.effect.turbulence = "mine".into();
+        assert_eq!(scene.own_loops(&library), 2.0 * 10.0 + 3.0 * 9.0);
+        scene.effect.noise = "block".into();
+        assert_eq!(scene.own_loops(&library), 2.0 * 2.0 + 3.0);
+        assert_eq!(scene.own_loops(&library.with_module("turbulence", "mine", "// @loops 4\n")), 2.0 * 4.0 + 3.0);
+    }
 
     #[test]
     fn a_ray_may_not_loop_longer_than_every_device_bears() {

@@ -10,6 +10,7 @@ mod effect;
 mod error;
 mod field;
 mod file;
+mod header;
 mod light;
 mod loops;
 mod modules;
@@ -39,7 +40,8 @@ pub use quality::{
 pub use strategy::Repeat;
 pub use transfer::{Curve, Stop, Transfer};
 
-use crate::shader::Slots;
+use crate::shader::{Library, Slots};
+use header::header;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -292,18 +294,6 @@ impl std::default::Default for Picture {
 }
 
 impl Scene {
-    /// Whether nothing is drawn beyond the soft region, so that a ray may skip there.
-    fn is_empty_outside(&self) -> bool {
-        let stops = &self.transfer.stops;
-        let outside = stops.iter().rfind(|stop| stop.at <= 0.0).or(stops.first());
-        match self.effect.classify.as_str() {
-            _ if self.has_several() => true, // the soft booleans say how far it is to matter
-            "surface" | "soft" | "clear" => true,
-            "post" | "preintegrated" => self.effect.dmf.is_empty() && outside.is_some_and(|stop| stop.density <= 0.0),
-            _ => false,
-        }
-    }
-
     /// The entry files of the scene's program in the folder `glsl`: vertex stage, fragment stage.
     pub fn entries(&self) -> [&'static str; 2] {
         match (self.quality.pass, self.effect.ray_path) {
@@ -322,8 +312,8 @@ impl Scene {
         }
     }
 
-    /// The module that the scene chooses for each slot but `object`, which depends on what the input is.
-    pub fn slots(&self) -> Slots {
+    /// The module of `library` that the scene chooses for each slot but `object`, which depends on what the input is.
+    pub fn slots(&self, library: &Library) -> Slots {
         let effect = &self.effect;
         let mut slots = Slots::new();
         let mut fill = |slot: &str, modules: Vec<String>| {
@@ -332,11 +322,11 @@ impl Scene {
         for (slot, module) in effect.modules() {
             fill(slot, vec![module.clone()]);
         }
-        let classify = match (self.quality.integration, effect.classify.as_str()) {
-            (Integration::Segment, whole @ ("surface" | "soft")) => format!("{whole}_segment"),
-            (_, module) => module.into(),
+        let segments = match self.quality.integration {
+            Integration::Segment => header(library, "classify", &effect.classify).segments,
+            Integration::Point => None,
         };
-        fill("classify", vec![classify]);
+        fill("classify", vec![segments.unwrap_or_else(|| effect.classify.clone())]);
         fill("project", vec![self.project().into()]);
         fill("medium", effect.medium.split('+').map(|name| name.trim().to_string()).collect());
         fill("warp", effect.warp.clone());
@@ -367,7 +357,7 @@ impl Scene {
         fill("scatter", vec![if self.light.translucency > 0.0 { "cone" } else { "none" }.into()]);
         fill("clip", vec![if self.camera.clip.is_some() { "plane" } else { "none" }.into()]);
         let empty_space = match self.quality.empty_space {
-            EmptySpace::Skip if self.is_empty_outside() && effect.index == "transfer" => "skip",
+            EmptySpace::Skip if self.is_empty_outside(library) && effect.index == "transfer" => "skip",
             _ => "sample",
         };
         fill("empty_space", vec![empty_space.into()]);
@@ -392,7 +382,7 @@ impl Scene {
         fill("storage", vec![storage.into()]);
         fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
         if self.has_several() {
-            self.fill_parts(&mut slots);
+            self.fill_parts(library, &mut slots);
         }
         slots
     }

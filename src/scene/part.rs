@@ -3,7 +3,7 @@
 use super::schema::{self, Filled};
 use super::{Effect, Integration, Material, Object, ParameterValue, Scene, SceneError, Storage, Transfer};
 use crate::shader::library::COMBINE;
-use crate::shader::{Formula, FormulaError, Slots, link::MAIN};
+use crate::shader::{Formula, FormulaError, Library, Slots, link::MAIN};
 use glam::{EulerRot, Mat4, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -113,7 +113,7 @@ impl Scene {
         Formula::parse(&self.formula_text())
     }
 
-    pub(super) fn fill_parts(&self, slots: &mut Slots) {
+    pub(super) fn fill_parts(&self, library: &Library, slots: &mut Slots) {
         let boolean = match self.boolean {
             Boolean::Algebraic => "algebraic",
             Boolean::Minmax => "minmax",
@@ -122,7 +122,7 @@ impl Scene {
         slots.insert("boolean".into(), vec![boolean.into()]);
         slots.insert(COMBINE.into(), vec![self.formula_text()]);
         for name in self.parts.keys() {
-            let own = self.alone(name).slots();
+            let own = self.alone(name).slots(library);
             let own = own
                 .into_iter()
                 .filter(|(slot, _)| slot != "classify" && schema::slots().any(|own| own == (slot, Filled::ByObject)));

@@ -2,7 +2,9 @@
 //! whose noise nothing discretizes.
 
 use super::Scene;
+use super::header::header;
 use crate::noise::{Bake, Period};
+use crate::shader::declare::Octaves;
 use crate::shader::{Library, LibraryError};
 use serde::{Deserialize, Serialize};
 
@@ -60,37 +62,44 @@ impl Scene {
     }
 
     /// Octaves that the turbulence of the scene really has: a block cannot hold them all, and four lookups are four.
-    pub fn octaves_held(&self) -> u32 {
-        match self.effect.turbulence.as_str() {
-            "encoded" => self.block_octaves()[0],
-            "lookups4" => self.effect.octaves.min(4),
-            _ => self.effect.octaves,
+    pub fn octaves_held(&self, library: &Library) -> u32 {
+        match header(library, "turbulence", &self.effect.turbulence).octaves {
+            Octaves::All => self.effect.octaves,
+            Octaves::TurbulenceBlock => self.block_octaves()[0],
+            Octaves::Most(most) => self.effect.octaves.min(most),
         }
     }
 
     /// Why the turbulence has no more octaves than [`Scene::octaves_held`], in words.
-    pub fn octaves_limit(&self) -> String {
+    pub fn octaves_limit(&self, library: &Library) -> String {
         let (size, cells) = (self.quality.block_size, self.quality.turbulence_cells);
-        match self.effect.turbulence.as_str() {
-            "encoded" => format!(
+        let module = &self.effect.turbulence;
+        match header(library, "turbulence", module).octaves {
+            Octaves::TurbulenceBlock => format!(
                 "a block of {size} texels and {cells} cells along a side holds no more; see quality.block_size and \
                  quality.turbulence_cells"
             ),
-            module => format!("turbulence = \"{module}\" has no more"),
+            _ => format!("turbulence = \"{module}\" has no more"),
         }
     }
 
     /// After how many cells procedural noise repeats, and the octaves of procedural turbulence.
-    pub fn periods(&self) -> [Period; 2] {
+    pub fn periods(&self, library: &Library) -> [Period; 2] {
         let [noise, turbulence, channels] = self.block_cells();
-        let period = |repeat: Repeat, own: Repeat| match if repeat == Repeat::Own { own } else { repeat } {
-            Repeat::Own | Repeat::Never => Period::ENDLESS,
-            Repeat::NoiseBlock => Period::same(noise),
-            Repeat::TurbulenceBlock => Period::growing(turbulence),
-            Repeat::ChannelBlock => Period { cycle: CHANNELS, ..Period::growing(channels) },
+        let period = |repeat: Repeat, slot, module| {
+            let own = || header(library, slot, module).period.as_deref().and_then(Repeat::named).unwrap_or_default();
+            match if repeat == Repeat::Own { own() } else { repeat } {
+                Repeat::Own | Repeat::Never => Period::ENDLESS,
+                Repeat::NoiseBlock => Period::same(noise),
+                Repeat::TurbulenceBlock => Period::growing(turbulence),
+                Repeat::ChannelBlock => Period { cycle: CHANNELS, ..Period::growing(channels) },
+            }
         };
-        let own = if self.effect.turbulence == "hybrid" { Repeat::TurbulenceBlock } else { Repeat::Never };
-        [period(self.effect.noise_repeat, Repeat::Never), period(self.effect.turbulence_repeat, own)]
+        let effect = &self.effect;
+        [
+            period(effect.noise_repeat, "noise", &effect.noise),
+            period(effect.turbulence_repeat, "turbulence", &effect.turbulence),
+        ]
     }
 
     /// The scene whose noise and turbulence are those of this one without what a block does to them, the same pattern
@@ -110,7 +119,7 @@ impl Scene {
             ("turbulence", &mut effect.turbulence, &mut effect.turbulence_repeat),
         ];
         for (slot, module, repeat) in slots {
-            if let Some(exact) = library.exact(slot, module)? {
+            if let Some(exact) = library.header(slot, module)?.exact {
                 library.path(slot, &exact.module)?;
                 *module = exact.module;
                 if *repeat == Repeat::Own {
@@ -144,7 +153,7 @@ mod tests {
             for noise in library.modules("noise") {
                 let twin = twin(noise, turbulence);
                 for (slot, module) in [("noise", &twin.effect.noise), ("turbulence", &twin.effect.turbulence)] {
-                    assert_eq!(library.exact(slot, module).unwrap(), None, "{slot}: {module}");
+                    assert_eq!(library.header(slot, module).unwrap().exact, None, "{slot}: {module}");
                     assert!(["procedural", "arrays", "wavelet", "random", "octaves"].contains(&module.as_str()));
                 }
                 assert_eq!(twin.unbaked(&library).unwrap(), twin);
@@ -155,10 +164,11 @@ mod tests {
 
     #[test]
     fn a_twin_repeats_as_the_block_does() {
-        assert_eq!(twin("block", "encoded").periods(), [Period::same(16), Period::growing(4)]);
-        assert_eq!(twin("tables", "channels").periods(), [Period::ENDLESS, Period { cycle: 4, ..Period::growing(4) }]);
-        assert_eq!(twin("procedural", "hybrid").periods(), [Period::ENDLESS, Period::growing(4)]);
-        assert_eq!(twin("block", "lookups8").periods(), [Period::same(16); 2]);
+        let periods = |noise, turbulence| twin(noise, turbulence).periods(&shader::shipped());
+        assert_eq!(periods("block", "encoded"), [Period::same(16), Period::growing(4)]);
+        assert_eq!(periods("tables", "channels"), [Period::ENDLESS, Period { cycle: 4, ..Period::growing(4) }]);
+        assert_eq!(periods("procedural", "hybrid"), [Period::ENDLESS, Period::growing(4)]);
+        assert_eq!(periods("block", "lookups8"), [Period::same(16); 2]);
         assert_eq!(twin("tables", "tables").effect.turbulence, "arrays");
     }
 
@@ -178,21 +188,55 @@ mod tests {
 
     #[test]
     fn the_octaves_that_a_strategy_has() {
+        let library = shader::shipped();
         let held = |turbulence: &str, size: u32| {
             let mut scene = Scene::default();
             (scene.effect.turbulence, scene.quality.block_size) = (turbulence.into(), size);
-            scene.octaves_held()
+            scene.octaves_held(&library)
         };
         assert_eq!([16, 64, 256].map(|size| held("encoded", size)), [2, 4, 6]);
         let mut scene = Scene::default();
         let cells = [1, 2, 8, 32].map(|cells| {
             scene.quality.turbulence_cells = cells;
-            (scene.octaves_held(), scene.block_cells()[1], scene.periods()[1])
+            (scene.octaves_held(&library), scene.block_cells()[1], scene.periods(&library)[1])
         });
         assert_eq!(cells.map(|(held, ..)| held), [6, 5, 3, 1]);
         assert!(cells.iter().all(|(_, cells, _)| [1, 2, 8, 32].contains(cells)));
         scene.effect.turbulence = "hybrid".into();
-        assert_eq!((scene.periods()[1], scene.octaves_held()), (Period::growing(32), 8));
+        assert_eq!((scene.periods(&library)[1], scene.octaves_held(&library)), (Period::growing(32), 8));
         assert_eq!([held("lookups4", 64), held("lookups8", 64), held("hybrid", 64)], [4, 8, 8]);
+        for module in library.modules("turbulence") {
+            let (mut expected, mut limit) = (8, "has no more");
+            if let "encoded" | "lookups4" = module {
+                expected = 4;
+            }
+            if module == "encoded" {
+                limit = "a block of 64 texels and 4 cells along a side holds no more";
+            }
+            assert_eq!(held(module, 64), expected, "{module}");
+            let mut scene = Scene::default();
+            scene.effect.turbulence = module.into();
+            assert!(scene.octaves_limit(&library).contains(limit), "{module}");
+        }
+    }
+
+    #[test]
+    fn the_lattice_of_what_is_in_memory_repeats_as_that_does() {
+        let library = shader::shipped();
+        for slot in ["noise", "turbulence"] {
+            for module in library.modules(slot) {
+                let mut scene = Scene::default();
+                let (effect, other) = (&mut scene.effect, Repeat::ChannelBlock);
+                match slot {
+                    "noise" => (effect.noise, effect.noise_repeat) = (module.into(), other),
+                    _ => (effect.turbulence, effect.turbulence_repeat) = (module.into(), other),
+                }
+                let free = ["procedural", "wavelet", "octaves"].contains(&module);
+                assert_eq!(scene.check(&library).is_ok(), free, "{slot}: {module}");
+                (scene.effect.noise_repeat, scene.effect.turbulence_repeat) = (Repeat::Own, Repeat::Own);
+                let own = if module == "hybrid" { Period::growing(4) } else { Period::ENDLESS };
+                assert_eq!(scene.periods(&library), [Period::ENDLESS, own], "{slot}: {module}");
+            }
+        }
     }
 }

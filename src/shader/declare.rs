@@ -10,8 +10,15 @@
 //! // @bound 1                the largest value of this noise
 //! // @needs normal           the module reads the normal of a sample
 //! // @exact procedural noise_block   what the module holds samples of: a module of its slot, and the lattice's repetition
+//! // @loops 1                loop iterations of one noise, or of one octave of turbulence
+//! // @places 6               the density is asked for at so many more places
+//! // @octaves 4              turbulence has no more octaves: a number, or what its `turbulence_block` holds
+//! // @period memory          the lattice repeats as the module has it, and a scene says `own`
+//! // @outside empty          a classification draws nothing beyond the soft region
+//! // @segments soft_segment  the classification that integrates segments in place of this one
 //! ```
-//! The same lines feed the uniform block, the checks of a scene file and the documentation.
+//! The same lines feed the uniform block, the checks of a scene file and the documentation. What a module leaves out has
+//! the value that is safe: most loops, all octaves, matter everywhere.
 
 use super::error::LibraryError;
 use super::names::identifier;
@@ -30,8 +37,46 @@ pub struct Declarations {
     pub noise_bound: Option<f32>,
     /// Whether the normal of a sample is read.
     pub needs_normal: bool,
-    /// The module of the same slot that computes what this one holds samples of.
+    /// The module of the same slot that computes what this one holds samples of; this and what follows are of one module,
+    /// not of a program.
     pub exact: Option<Exact>,
+    /// Loop iterations of one noise, 1 where it has no loop; or of one octave of turbulence, 0 where no sum is computed.
+    pub loops: Option<u32>,
+    /// At how many more places the module asks for the density.
+    pub places: u32,
+    /// The most octaves of turbulence.
+    pub octaves: Octaves,
+    /// How the lattice repeats where the scene has no say in it: `memory`, or one of the values of
+    /// `effect.turbulence_repeat`.
+    pub period: Option<String>,
+    /// What a classification draws beyond the soft region.
+    pub outside: Outside,
+    /// The module that classifies segments in place of this one; itself, where it does.
+    pub segments: Option<String>,
+}
+
+/// How many octaves a module of turbulence has at most.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Octaves {
+    /// As many as are asked for.
+    #[default]
+    All,
+    /// As many as its block holds.
+    TurbulenceBlock,
+    /// A number of them.
+    Most(u32),
+}
+
+/// What a classification draws beyond the soft region.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Outside {
+    /// Anything.
+    #[default]
+    Matter,
+    /// What the transfer map has at the density 0.
+    Transfer,
+    /// Nothing.
+    Empty,
 }
 
 /// The module that a module approximates.
@@ -64,6 +109,26 @@ pub enum ParameterKind {
     Color([u8; 3]),
 }
 
+/// How each declaration is written.
+const FORMS: [(&str, &str); 14] = [
+    ("param", "`// @param name = 0.5 in [0, 1]: What it does.`"),
+    ("color", "`// @color name = #ff8000: What it is.`"),
+    ("outer", "`// @outer parameter`"),
+    ("move", "`// @move parameter` or, of one axis, `// @move +y 0.5 * parameter`"),
+    ("grow", "`// @grow parameter` or, of one axis, `// @grow +y 0.5 * parameter`"),
+    ("bound", "`// @bound 0.87`"),
+    ("needs", "`// @needs normal`"),
+    ("exact", "`// @exact module`, and never, noise_block, turbulence_block or channel_block behind it"),
+    ("loops", "`// @loops` and a whole number, 0 or more"),
+    ("places", "`// @places` and a whole number, 0 or more"),
+    ("octaves", "`// @octaves` and a whole number, 1 or more, or turbulence_block"),
+    ("period", "`// @period` and memory, never, noise_block, turbulence_block or channel_block"),
+    ("outside", "`// @outside empty` or `// @outside transfer`"),
+    ("segments", "`// @segments module`"),
+];
+/// How a lattice may repeat: values of `effect.turbulence_repeat`.
+const PERIODS: [&str; 4] = ["never", "noise_block", "turbulence_block", "channel_block"];
+
 impl Declarations {
     pub(super) fn add_suffix(&mut self, suffix: &str) {
         let parameters = self.parameters.iter_mut().map(|parameter| &mut parameter.name);
@@ -76,21 +141,36 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
     let (mut found, mut reach) = (Declarations::default(), Reach::default());
     for (index, line) in text.lines().enumerate() {
         let Some(declaration) = line.trim_start().strip_prefix("// @") else { continue };
-        let wrong =
-            || LibraryError::Declaration { path: path.into(), line: index + 1, text: line.trim_start().to_string() };
-        let (kind, rest) = declaration.split_once(' ').ok_or_else(wrong)?;
+        let (kind, rest) = declaration.split_once(' ').unwrap_or((declaration, ""));
+        let wrong = || {
+            let (path, text) = (path.to_string(), line.trim_start().to_string());
+            LibraryError::Declaration { path, line: index + 1, text, allowed: allowed(kind) }
+        };
+        let word = rest.trim();
+        let number = || word.parse::<u32>().map_err(|_| wrong());
+        let name = || identifier(word).ok_or_else(wrong);
+        let period = |name: &str| PERIODS.contains(&name).then(|| name.to_string()).ok_or_else(wrong);
         match kind {
-            "param" => found.parameters.push(number(rest).ok_or_else(wrong)?),
+            "param" => found.parameters.push(parameter(rest).ok_or_else(wrong)?),
             "color" => found.parameters.push(color(rest).ok_or_else(wrong)?),
-            "outer" => found.outer = vec![identifier(rest).ok_or_else(wrong)?],
+            "outer" => found.outer = vec![name()?],
             "exact" => {
-                let (module, repeat) = rest.trim().split_once(' ').map_or((rest, None), |(a, b)| (a, Some(b)));
-                let repeat = repeat.map(|name| identifier(name).ok_or_else(wrong)).transpose()?;
+                let (module, repeat) = word.split_once(' ').map_or((word, None), |(a, b)| (a, Some(b.trim())));
+                let repeat = repeat.map(period).transpose()?;
                 found.exact = Some(Exact { module: identifier(module).ok_or_else(wrong)?, repeat });
             }
-            "needs" if rest.trim() == "normal" => found.needs_normal = true,
-            "bound" => found.noise_bound = Some(rest.trim().parse().map_err(|_| wrong())?),
+            "needs" if word == "normal" => found.needs_normal = true,
+            "bound" => found.noise_bound = Some(word.parse().map_err(|_| wrong())?),
             "move" | "grow" => reach.add(kind == "grow", rest).ok_or_else(wrong)?,
+            "loops" => found.loops = Some(number()?),
+            "places" => found.places = number()?,
+            "octaves" if word == "turbulence_block" => found.octaves = Octaves::TurbulenceBlock,
+            "octaves" if word != "0" => found.octaves = Octaves::Most(number()?),
+            "period" if word == "memory" => found.period = Some(word.into()),
+            "period" => found.period = Some(period(word)?),
+            "outside" if word == "empty" => found.outside = Outside::Empty,
+            "outside" if word == "transfer" => found.outside = Outside::Transfer,
+            "segments" => found.segments = Some(name()?),
             _ => return Err(wrong()),
         }
     }
@@ -98,7 +178,14 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
     Ok(found)
 }
 
-fn number(text: &str) -> Option<Parameter> {
+/// How a declaration is written, or which there are.
+fn allowed(kind: &str) -> String {
+    let form = FORMS.iter().find(|(known, _)| *known == kind).map(|(_, form)| form.to_string());
+    let known = || FORMS.map(|(known, _)| format!("@{known}")).join(", ");
+    form.unwrap_or_else(|| format!("one of: {}", known()))
+}
+
+fn parameter(text: &str) -> Option<Parameter> {
     let (name, rest) = text.split_once('=')?;
     let (value, rest) = rest.split_once(" in [")?;
     let (range, doc) = rest.split_once("]:")?;
@@ -156,5 +243,38 @@ mod tests {
             let error = declarations(&format!("\n{text}")).unwrap_err().to_string();
             assert!(error.starts_with("a.frag:2:"), "{error}");
         }
+    }
+
+    #[test]
+    fn a_bad_declaration_is_answered_with_what_is_allowed() {
+        for (text, allowed) in [
+            ("@loops many", "`// @loops` and a whole number, 0 or more"),
+            ("@places -1", "`// @places` and a whole number, 0 or more"),
+            ("@octaves 0", "`// @octaves` and a whole number, 1 or more, or turbulence_block"),
+            ("@period", "`// @period` and memory, never, noise_block, turbulence_block or channel_block"),
+            (
+                "@exact procedural ever",
+                "`// @exact module`, and never, noise_block, turbulence_block or channel_block behind it",
+            ),
+            ("@outside air", "`// @outside empty` or `// @outside transfer`"),
+            ("@segments A", "`// @segments module`"),
+            ("@needs time", "`// @needs normal`"),
+        ] {
+            let expected = format!("a.frag:1: `// {text}` is not a declaration; write {allowed}");
+            assert_eq!(declarations(&format!("// {text}")).unwrap_err().to_string(), expected);
+        }
+        assert!(declarations("// @what x").unwrap_err().to_string().ends_with("@outside, @segments"));
+    }
+
+    #[test]
+    fn what_a_module_costs_and_allows_is_read_from_its_header() {
+        let text =
+            "// @loops 5\n// @places 6\n// @octaves 4\n// @period noise_block\n// @outside empty\n// @segments fine";
+        let header = |text: &str| Library::new([("a/b.glsl".to_string(), text.to_string())]).header("a", "b").unwrap();
+        let found = header(text);
+        assert_eq!((found.loops, found.places, found.octaves), (Some(5), 6, Octaves::Most(4)));
+        assert_eq!((found.period.as_deref(), found.segments.as_deref()), (Some("noise_block"), Some("fine")));
+        assert_eq!(found.outside, Outside::Empty);
+        assert_eq!(header("// Nothing."), Declarations::default());
     }
 }

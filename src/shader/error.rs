@@ -14,7 +14,7 @@ pub enum LibraryError {
         known: String,
     },
     /// A declaration cannot be read.
-    #[error("{path}:{line}: `{text}` is not a declaration; write `// @param name = 0.5 in [0, 1]: What it does.`")]
+    #[error("{path}:{line}: `{text}` is not a declaration; write {allowed}")]
     Declaration {
         /// The module.
         path: String,
@@ -22,6 +22,8 @@ pub enum LibraryError {
         line: usize,
         /// The comment.
         text: String,
+        /// How it is written.
+        allowed: String,
     },
     /// A DMF reads more or less than its header says.
     #[error("{path} says that it is {claimed}, and reads what makes it {found}")]

@@ -1,6 +1,6 @@
 //! The modules by path.
 
-use super::declare::{Declarations, Exact, parse};
+use super::declare::{Declarations, parse};
 use super::error::LibraryError;
 use super::names::{definitions, rename};
 use super::reach::Reach;
@@ -41,13 +41,13 @@ impl Library {
         self.sources.get(path).map(String::as_str)
     }
 
-    /// What a module declares to hold samples of; `None` where it is its own truth.
+    /// What the header of one module declares.
     ///
     /// # Errors
     /// The module does not exist or has a declaration that cannot be read.
-    pub fn exact(&self, slot: &str, name: &str) -> Result<Option<Exact>, LibraryError> {
+    pub fn header(&self, slot: &str, name: &str) -> Result<Declarations, LibraryError> {
         let path = self.path(slot, name)?;
-        Ok(parse(&path, self.source(&path).unwrap_or_default())?.exact)
+        parse(&path, self.source(&path).unwrap_or_default())
     }
 
     /// Names of the modules of a slot, sorted.

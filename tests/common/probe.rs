@@ -9,7 +9,7 @@ use hypertexture::gpu::{
 use hypertexture::noise::{Bake, Noise, Weights, random_block};
 use hypertexture::render::texture::{Depth, block_channels, block_gradients, block_values, table_rows};
 use hypertexture::render::variant::{self, Use, Variant};
-use hypertexture::scene::{self, Parameters};
+use hypertexture::scene;
 use hypertexture::shader::{Library, Linker, Parameter, ParameterKind, Slots};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -46,7 +46,8 @@ impl Probe {
         }
         let parameters =
             parameters.into_iter().map(|(name, parameter)| (name, parameter.kind)).collect::<BTreeMap<_, _>>();
-        let variant = Variant { entries, slots, parameters: no_parameters(&library), parts: BTreeMap::new() };
+        let any = Variant::of(&scene::preset("lit").unwrap(), &library).unwrap();
+        let variant = Variant { entries, slots, ..any };
         let linked = variant.program(&library, Linker::new).unwrap_or_else(|error| panic!("{error}"));
         let bare = |name: &str| {
             let part = parts.iter().find_map(|part| name.strip_suffix(&format!("_{part}")));
@@ -159,11 +160,6 @@ impl Probe {
             _ => 3,
         }
     }
-}
-
-/// What fills a field that linking does not read.
-fn no_parameters(library: &Library) -> Parameters {
-    Variant::of(&scene::preset("lit").unwrap(), library).unwrap().parameters
 }
 
 /// A member of a block: an object of unit size four units before the eye, and a light beside it.

@@ -138,9 +138,8 @@ impl Check {
                     .map(|parameter| shader::Parameter { name: format!("{}_{part}", parameter.name), ..parameter }),
             );
         }
-        let scene = preset("lit").unwrap();
-        let own = Variant::of(&scene, &shader::shipped()).unwrap().parameters;
-        let variant = Variant { entries, slots, parameters: own, parts: BTreeMap::new() };
+        let any = Variant::of(&preset("lit").unwrap(), &shader::shipped()).unwrap();
+        let variant = Variant { entries, slots, ..any };
         let linked = variant.program(&library, Linker::new).unwrap_or_else(|error| panic!("{error}"));
         let images = linked.resources.iter().filter(|resource| resource.holds == Use::Image);
         let textures = images.map(|image| (image.name.clone(), crate::values::texture(&image.name))).collect();
@@ -163,7 +162,7 @@ impl Check {
     /// A check of a scene: its modules, its parameters and its soft region.
     pub fn of_scene(library: &Library, scene: &Scene, text: &str) -> Check {
         let variant = Variant::of(scene, library).unwrap();
-        let mut slots = scene.slots();
+        let mut slots = scene.slots(library);
         slots.extend(variant.slots.clone());
         let joined = |modules: &[String]| if modules.is_empty() { "-".into() } else { modules.join("+") };
         let slots: Vec<(String, String)> = slots.into_iter().map(|(slot, modules)| (slot, joined(&modules))).collect();

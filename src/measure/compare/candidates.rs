@@ -38,6 +38,8 @@ pub struct Candidate {
     pub strategy: String,
     /// Whether its program reads a block of noise.
     pub reads_block: bool,
+    /// Octaves that its turbulence has.
+    pub octaves_held: u32,
     /// Whether it differs from the others of its samples in block or target alone.
     pub aside: bool,
     /// The scene.
@@ -81,7 +83,7 @@ impl Candidate {
     pub fn octaves(&self) -> Option<[u32; 2]> {
         let effect = &self.scene.effect;
         let reads = self.strategy.split('+').next() == Some(effect.turbulence.as_str());
-        reads.then(|| [self.scene.octaves_held(), effect.octaves])
+        reads.then_some([self.octaves_held, effect.octaves])
     }
 
     /// The candidate in words.
@@ -163,7 +165,7 @@ pub fn candidates(scene: &Scene, library: &Library, sweep: &Sweep) -> Result<Vec
                 (quality.target, quality.block_size) = (target, block_size);
                 let Ok(variant) = Variant::of(&scene, library) else { continue };
                 let (strategy, reads_block) = (strategy.name.clone(), reads_block(library, &variant));
-                let candidate = Candidate { strategy, reads_block, aside, scene };
+                let candidate = Candidate { strategy, reads_block, octaves_held: variant.octaves, aside, scene };
                 let key = format!("{} {:?} {samples}", variant.key(), candidate.curve());
                 if found.iter().all(|(other, _)| *other != key) {
                     found.push((key, candidate));

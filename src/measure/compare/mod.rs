@@ -291,7 +291,7 @@ fn first(
 /// for. `Some(None)` where there is no such scene: a sum of noise of all octaves is read beside it.
 #[expect(clippy::option_option, reason = "none is needed, or none can be had")]
 fn own_octaves(library: &Library, candidate: &Candidate) -> Result<Option<Option<Scene>>, String> {
-    let (scene, held) = (&candidate.scene, candidate.scene.octaves_held());
+    let (scene, held) = (&candidate.scene, candidate.scene.octaves_held(library));
     let variant = crate::render::variant::Variant::of(scene, library).map_err(|error| error.to_string())?;
     if held == scene.effect.octaves || !variant.reads("turbulence") {
         return Ok(None);

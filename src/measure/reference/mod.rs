@@ -98,7 +98,7 @@ pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError>
     for size in sizes {
         let (mut other, mut default) = (truth.clone(), default.clone());
         *size(&mut other.quality) = *size(&mut default);
-        if other.periods() == truth.periods() {
+        if other.periods(library) == truth.periods(library) {
             truth = other;
         }
     }
@@ -247,7 +247,7 @@ impl Probe {
             Some((binding, caster)) => Some((binding, exact::Program::read(&caster.fragment, &octaves)?)),
         };
         let program = exact::Program::read(&program.fragment, &octaves)?;
-        let skips = truth.slots().get("empty_space").is_some_and(|names| names == &["skip"]);
+        let skips = truth.slots(library).get("empty_space").is_some_and(|names| names == &["skip"]);
         Ok((Probe { program, cpu_inputs, moments, caster, skips }, inputs))
     }
 

@@ -8,7 +8,8 @@ mod reflect;
 pub use crate::scene::FORMULAS;
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
-use crate::scene::{ParameterValue, Parameters, Scene, SceneError, Source};
+use crate::noise::Period;
+use crate::scene::{Integration, ParameterValue, Parameters, Scene, SceneError, Source};
 use crate::shader::{Library, LibraryError, LinkError, Linker, Parameter, Slots, Stage};
 use std::collections::BTreeMap;
 
@@ -35,6 +36,10 @@ pub struct Variant {
     pub parameters: Parameters,
     /// The parameters of each additional object, by its name.
     pub parts: BTreeMap<String, Parameters>,
+    /// Octaves that its turbulence has.
+    pub octaves: u32,
+    /// After how many cells its procedural noise repeats, and the octaves of its procedural turbulence.
+    pub periods: [Period; 2],
 }
 
 /// A linked program and what it reads.
@@ -75,7 +80,7 @@ impl Variant {
     pub fn of(scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
         let parameters = scene.check(library)?;
         let entries = scene.entries();
-        let mut choice = scene.slots();
+        let mut choice = scene.slots(library);
         let parts: BTreeMap<String, Parameters> = scene
             .parts
             .keys()
@@ -93,7 +98,8 @@ impl Variant {
             // A boolean may turn the normal of any of its operands into that of the whole.
             choice.insert(slot(name), vec![object_module(&own, needs_normal || scene.has_several()).into()]);
         }
-        Ok(Variant { entries, slots: library.needed(&entries, &choice)?, parameters, parts })
+        let (octaves, periods) = (scene.octaves_held(library), scene.periods(library));
+        Ok(Variant { entries, slots: library.needed(&entries, &choice)?, parameters, parts, octaves, periods })
     }
 
     /// The modules that give the shadow volume of the same scene: those of its matter, without what colors it. Such a
@@ -114,7 +120,9 @@ impl Variant {
     }
 
     fn of_light(&self, scene: &Scene, library: &Library, entries: [&'static str; 2]) -> Result<Variant, VariantError> {
-        let mut choice = scene.slots();
+        let mut scene = scene.clone();
+        scene.quality.integration = Integration::Point; // a segment of the light holds many samples
+        let mut choice = scene.slots(library);
         choice.extend(self.objects());
         for (key, names) in &mut choice {
             let slot = key.rsplit('.').next().unwrap_or_default();
@@ -123,14 +131,11 @@ impl Variant {
             }
             if let Some((_, module)) = SHADOW_SLOTS.iter().find(|(other, _)| *other == slot) {
                 *names = vec![module.to_string()];
-            } else if let Some(points) = names.first().and_then(|name| name.strip_suffix("_segment")) {
-                *names = vec![points.to_string()]; // a segment of the light holds many samples
             } else if slot == "storage" && names == &["anisotropic"] {
                 *names = vec!["dense".into()]; // a sample of the light is wider than a pixel
             }
         }
-        let slots = library.needed(&entries, &choice)?;
-        Ok(Variant { entries, slots, parameters: self.parameters.clone(), parts: self.parts.clone() })
+        Ok(Variant { entries, slots: library.needed(&entries, &choice)?, ..self.clone() })
     }
 
     /// The modules that give one sample of a ray of the same scene, anywhere on it: what a picture is the integral of.
@@ -138,10 +143,9 @@ impl Variant {
     /// # Errors
     /// A module is missing, which [`Variant::of`] excludes.
     pub fn probe(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
-        let mut choice = scene.slots();
+        let mut choice = scene.slots(library);
         choice.extend(self.objects());
-        let slots = library.needed(&PROBE_ENTRIES, &choice)?;
-        Ok(Variant { entries: PROBE_ENTRIES, slots, parameters: self.parameters.clone(), parts: self.parts.clone() })
+        Ok(Variant { entries: PROBE_ENTRIES, slots: library.needed(&PROBE_ENTRIES, &choice)?, ..self.clone() })
     }
 
     /// The modules that sample the objects, by slot.

@@ -355,7 +355,7 @@ fn normalize(scene: &mut Scene, library: &Library) -> Result<(), SceneError> {
             }
         }
     }
-    let mut slots: Slots = scene.slots();
+    let mut slots: Slots = scene.slots(library);
     let objects = scene.parts.keys().map(|name| format!("{name}.object")).chain(["object".into()]);
     slots.extend(objects.collect::<Vec<_>>().into_iter().map(|slot| (slot, vec!["normals".into()])));
     let declared = library.declarations(&scene.entries(), &slots)?.parameters;

@@ -25,7 +25,7 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &mut Model) {
         let (slot, name) = author.module();
         let used = model
             .scene()
-            .slots()
+            .slots(model.library())
             .get(slot)
             .is_some_and(|names| names.iter().any(|filled| filled.split('@').any(|part| part == name)));
         let is_there = model.library().source(&author.path()).is_some();

@@ -209,8 +209,8 @@ pub fn figure(stage: Stage<'_>, comparison: &Comparison, failures: &mut Vec<Fail
         scene.camera.zoom *= CLOSER;
         scene.quality.target = TargetFormat::Float32; // as it looks, not as 8 bits lose it
         scene.quality.samples = comparison.scene.quality.samples;
-        let drawn = match scene.octaves_held() {
-            held if held < octaves => format!("{module}, {held} octaves: {}", scene.octaves_limit()),
+        let drawn = match scene.octaves_held(stage.library) {
+            held if held < octaves => format!("{module}, {held} octaves: {}", scene.octaves_limit(stage.library)),
             _ => module.into(),
         };
         match stage.painter().render(&scene) {

@@ -1,0 +1,73 @@
+//! What a scene asks the headers of its modules.
+
+use super::Scene;
+use crate::shader::declare::Outside;
+use crate::shader::{Declarations, Library};
+
+/// What the module of a slot declares; nothing where it cannot be read, which a check of the scene finds.
+pub(super) fn header(library: &Library, slot: &str, module: &str) -> Declarations {
+    library.header(slot, module).unwrap_or_default()
+}
+
+/// The modules of a slot that declare something, in words.
+pub(super) fn declaring(library: &Library, slot: &str, what: impl Fn(&Declarations) -> bool) -> String {
+    let modules = library.modules(slot);
+    modules.into_iter().filter(|module| what(&header(library, slot, module))).collect::<Vec<_>>().join(" or ")
+}
+
+impl Scene {
+    /// Whether nothing is drawn beyond the soft region, so that a ray may skip there.
+    pub(super) fn is_empty_outside(&self, library: &Library) -> bool {
+        let stops = &self.transfer.stops;
+        let outside = stops.iter().rfind(|stop| stop.at <= 0.0).or(stops.first());
+        match header(library, "classify", &self.effect.classify).outside {
+            _ if self.has_several() => true, // the soft booleans say how far it is to matter
+            Outside::Empty => true,
+            Outside::Transfer => self.effect.dmf.is_empty() && outside.is_some_and(|stop| stop.density <= 0.0),
+            Outside::Matter => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Integration, preset};
+    use crate::shader;
+
+    #[test]
+    fn a_classification_says_what_it_draws_outside_and_what_has_segments() {
+        let library = shader::shipped();
+        for name in library.modules("classify") {
+            let scene = |change: &dyn Fn(&mut Scene)| {
+                let mut scene = preset("lit").unwrap();
+                (scene.object.input, scene.effect.classify) = ("teapot".into(), name.into());
+                scene.transfer.stops[0].density = 0.0;
+                change(&mut scene);
+                scene
+            };
+            let skips = |change| scene(change).slots(&library)["empty_space"] == ["skip"];
+            assert_eq!(skips(&|_| ()), ["surface", "soft", "clear", "post", "preintegrated"].contains(&name), "{name}");
+            let dense = skips(&|s| s.transfer.stops[0].density = 0.1);
+            assert_eq!(dense, ["surface", "soft", "clear"].contains(&name), "{name}");
+            let fine = scene(&|s| s.quality.integration = Integration::Segment);
+            assert_eq!(fine.check(&library).is_ok(), ["surface", "soft", "preintegrated"].contains(&name), "{name}");
+            let module = match name {
+                "surface" => "surface_segment",
+                "soft" => "soft_segment",
+                other => other,
+            };
+            assert_eq!(fine.slots(&library)["classify"], [module]);
+        }
+        let mut scene = preset("lit").unwrap();
+        (scene.effect.classify, scene.quality.integration) = ("mine".into(), Integration::Segment);
+        let with = |text: &str| scene.check(&library.clone().with_module("classify", "mine", text)).map(drop);
+        let refused = with("").unwrap_err().to_string();
+        assert!(refused.contains("has points only; use preintegrated or soft or surface, or"), "{refused}");
+        assert_eq!(with("// @segments soft_segment"), Ok(()));
+        assert!(with("// @segments none").unwrap_err().to_string().starts_with("no module of effect.classify `none`"));
+        assert!(
+            with("\n// @segments").unwrap_err().to_string().starts_with("classify/mine.glsl:2: `// @segments` is not")
+        );
+    }
+}
