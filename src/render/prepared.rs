@@ -63,7 +63,7 @@ impl Prepared {
             || {
                 let view = View::of(scene, subject, variant);
                 let planes = view.planes(quality.samples);
-                let inputs = Inputs::new(scene, subject, variant, &program, (&view, &planes), progress)?;
+                let inputs = Inputs::new(library, scene, subject, (variant, &program), (&view, &planes), progress)?;
                 BoundInputs::new(gpu, &inputs)
             },
             Ok,
@@ -151,7 +151,8 @@ impl Prepared {
             let all = [&variant.parameters].into_iter().chain(variant.parts.values());
             all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0))).collect::<Vec<_>>()
         };
-        same == *scene && self.runs(variant) && reach(variant) == reach(&self.variant)
+        let images = !self.bound.holds_parameters || self.scene.parameters == scene.parameters;
+        images && same == *scene && self.runs(variant) && reach(variant) == reach(&self.variant)
     }
 
     /// Whether its program is that of a variant.
