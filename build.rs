@@ -23,8 +23,12 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 const PASSES: [[&str; 2]; 2] = [["slice.vert", "slice.frag"], ["march.vert", "march.frag"]];
-/// The pass of the lines of the table that are called `shadow`.
-const SHADOW: [[&str; 2]; 1] = [["march.vert", "shadow.frag"]];
+/// The passes of the lines of the table with these names.
+const NAMED: [(&str, [[&str; 2]; 1]); 3] = [
+    ("shadow", [["march.vert", "shadow.frag"]]),
+    ("opacity_table", [["march.vert", "opacity_table.frag"]]),
+    ("density_table", [["march.vert", "density_table.frag"]]),
+];
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=glsl");
@@ -52,7 +56,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         if line.starts_with('#') || line.trim().is_empty() {
             continue;
         }
-        let passes: &[[&str; 2]] = if line.starts_with("shadow ") { &SHADOW } else { &PASSES };
+        let named = NAMED.iter().find(|(name, _)| line.split(' ').next() == Some(name));
+        let passes: &[[&str; 2]] = named.map_or(&PASSES, |(_, passes)| passes);
         let choices = expand(line, &library);
         for (choice, &entries) in choices.iter().flat_map(|choice| passes.iter().map(move |pass| (choice, pass))) {
             let fail = |error: &dyn Error| format!("glsl/variants:{}: {error}", number + 1);

@@ -3,7 +3,8 @@
 mod common;
 
 use common::{difference, homogeneous, picture, subject, with_gpu};
-use hypertexture::scene::{Color, Curve, Projection, Scene, Source, Stop};
+use hypertexture::render::Renderer;
+use hypertexture::scene::{Color, Curve, ParameterValue, Projection, Scene, Source, Stop};
 use hypertexture::shader;
 
 /// A soft sphere in a coarse volume, under a transfer map that goes up and down twelve times across the soft region.
@@ -74,5 +75,52 @@ fn m05_the_three_agree_where_the_transfer_map_is_smooth() {
         }
         // The two interpolations differ at the kinks of the soft region, by the square of a voxel.
         assert!(pres[0] < 3e-2 && pres[0] / pres[1] > 2.8, "{pres:?}");
+    });
+}
+
+/// What tables hold is what the modules say, a person's own among them.
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m05_tables_hold_what_modules_of_opacity_and_softness_say() {
+    let thin = "// @param thinness = 1 in [0, 10]: Factor of the optical depth.\n\
+                float opacity(float density, float amount) { return 1.0 - exp(-thinness * amount * density); }\n\
+                float segment_opacity(float d0, float d1, float amount) { return opacity(0.5 * (d0 + d1), amount); }\n";
+    let ramp = shader::shipped().source("softness/linear.glsl").expect("a module that ships").to_string();
+    let library = shader::shipped().with_module("opacity", "thin", thin).with_module("softness", "ramp", &ramp);
+    with_gpu(|gpu| {
+        let mut scene = high_frequency("preintegrated", 64);
+        let subject = subject(&scene, &library);
+        let mut renderer = Renderer::new(gpu, &library, &subject);
+        let mut draw = |scene: &Scene| renderer.render(scene).expect("a picture");
+        let own = |scene: &Scene, thinness: f32| {
+            let mut own = scene.clone();
+            own.effect.opacity = "thin".into();
+            own.parameters.insert("thinness".into(), ParameterValue::Number(thinness));
+            own
+        };
+        scene.effect.opacity = "beer".into();
+        let rate = scene.effect.opacity_rate;
+        for factor in [1.0, 0.25] {
+            scene.effect.opacity_rate = factor * rate;
+            let shipped = draw(&scene);
+            let mut own = own(&scene, factor);
+            own.effect.opacity_rate = rate;
+            let off = difference(&shipped, &draw(&own)).0;
+            println!("opacity, {factor} of the rate: {off:.1e}");
+            assert!(off < 1e-5, "{factor}: {off:e}");
+        }
+        let mut scene = high_frequency("pre", 64);
+        let linear = draw(&scene);
+        scene.effect.softness = "ramp".into();
+        assert_eq!(difference(&linear, &draw(&scene)).0, 0.0);
+        scene.effect.softness = "quadratic".into();
+        assert!(difference(&linear, &draw(&scene)).0 > 0.01, "another softness");
+        // A table is made once: it does not follow what changes from moment to moment.
+        let moving = "float soften(float distance, float outer) { return time; }\n\
+                      float soften(float distance) { return time; }\n";
+        let library = library.clone().with_module("softness", "moving", moving);
+        scene.effect.softness = "moving".into();
+        let refused = Renderer::new(gpu, &library, &subject).render(&scene).expect_err("it moves").to_string();
+        assert!(refused.starts_with("modules of opacity and softness"), "{refused}");
     });
 }

@@ -3,6 +3,7 @@
 // x: object space; path: object units; result premultiplied linear RGBA.
 #include "distance_bound.glsl"
 #include <opacity>
+#include <softness>           // of the voxels: density_table.frag
 
 vec4 classify(vec3 x, float path) {
     vec4 matter = textureLod(classified_volume, volume_scale.xyz * x + volume_offset.xyz, 0.0);

@@ -7,6 +7,7 @@
 #include "sample.glsl"
 #include "distance_bound.glsl"
 #include <dmf>
+#include <opacity>            // of the entries of the table: opacity_table.frag
 #include "exponential.glsl"
 
 float far_density = 0.0;        // at the end of the step before, along a ray

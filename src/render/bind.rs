@@ -16,6 +16,8 @@ pub(super) struct BoundInputs {
     images: Vec<(u32, Arc<Image>)>,
     samplers: Vec<(u32, Arc<Sampler>)>,
     sparse: Option<Sparse>,
+    /// Whether an image depends on parameters of modules.
+    pub(super) holds_parameters: bool,
     stored: StoredObjects,
     /// What was written into the blocks last.
     values: Values,
@@ -37,6 +39,7 @@ impl BoundInputs {
             images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
             samplers: inputs.samplers.iter().map(sampler).collect::<Result<_, RenderError>>()?,
             sparse: inputs.sparse,
+            holds_parameters: inputs.holds_parameters,
             stored: inputs.stored().clone(),
             values: Values::new(),
         })

@@ -9,6 +9,7 @@ use super::view::View;
 use super::{RenderError, Subject};
 use crate::render::variant::{Program, Variant};
 use crate::scene::Scene;
+use crate::shader::Library;
 use std::collections::BTreeMap;
 
 /// The blocks of a program, by binding.
@@ -26,6 +27,7 @@ pub(crate) struct CpuInputs {
 impl CpuInputs {
     /// What `program`, of the same scene as `variant`, reads.
     pub(crate) fn new(
+        library: &Library,
         scene: &Scene,
         subject: &Subject,
         variant: &Variant,
@@ -34,7 +36,7 @@ impl CpuInputs {
         let view = View::of(scene, subject, variant);
         let planes = view.planes(scene.quality.samples);
         let space = LightSpace::of(scene, &view, &planes);
-        let inputs = Inputs::new(scene, subject, variant, program, (&view, &planes), &|_| ())?;
+        let inputs = Inputs::new(library, scene, subject, (variant, program), (&view, &planes), &|_| ())?;
         let shot = Shot { scene, subject, variant, view: &view, planes: &planes, space: &space };
         let values = |moment: SubFrame| inputs.stored().values(&shot, &moment);
         let moments = SubFrame::all(scene).map(values).collect();

@@ -7,6 +7,7 @@ use super::light_space::LightSpace;
 use super::noise_blocks::{block, block_key};
 use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
+use super::table::{self, Function};
 use super::values::{Values, moment, values};
 use super::view::View;
 use super::{RenderError, Subject};
@@ -16,6 +17,8 @@ use crate::render::pass::Planes;
 use crate::render::texture::{self, Bricks, Encoding, Texels};
 use crate::render::variant::{Program, Resource, Use, Variant};
 use crate::scene::Scene;
+use crate::shader::Library;
+use std::cell::Cell;
 
 /// The volumes of one object, as far as its program reads them.
 struct Volumes {
@@ -33,6 +36,8 @@ pub(crate) struct Inputs {
     pub(crate) samplers: Vec<(u32, Filter)>,
     /// What bricks save.
     pub(super) sparse: Option<Sparse>,
+    /// Whether a table holds what parameters of modules say.
+    pub(super) holds_parameters: bool,
     stored: StoredObjects,
 }
 
@@ -54,10 +59,10 @@ pub(super) struct StoredObjects(Vec<Stored>);
 impl Inputs {
     /// Encodes every image that a program reads; `progress` is told of each block of noise.
     pub(crate) fn new(
+        library: &Library,
         scene: &Scene,
         subject: &Subject,
-        variant: &Variant,
-        program: &Program,
+        (variant, program): (&Variant, &Program),
         (view, planes): (&View, &Planes),
         progress: Progress<'_>,
     ) -> Result<Inputs, RenderError> {
@@ -86,6 +91,13 @@ impl Inputs {
             }
             volumes.push(Volumes { texels, offsets, bricks });
         }
+        let holds_parameters = Cell::new(false);
+        let function = |entry| {
+            let values = values(scene, variant, view, &items, planes);
+            let function = Function::new(entry, variant, library, &values)?;
+            holds_parameters.set(holds_parameters.get() || function.reads_parameters);
+            Ok(function)
+        };
         let (mut images, mut samplers) = (Vec::new(), Vec::new());
         for Resource { name, binding, holds, .. } in &program.resources {
             match holds {
@@ -93,7 +105,7 @@ impl Inputs {
                 Use::Image => {
                     let made = match block(scene, name, progress) {
                         Some(block) => block,
-                        None => image(scene, &items, &mut volumes, planes, name)?,
+                        None => image(scene, &items, &mut volumes, planes, &function, name)?,
                     };
                     images.push((*binding, made));
                 }
@@ -102,7 +114,7 @@ impl Inputs {
             }
         }
         let stored = StoredObjects(items.iter().map(|item| item.stored).collect());
-        Ok(Inputs { images, samplers, sparse, stored })
+        Ok(Inputs { images, samplers, sparse, holds_parameters: holds_parameters.get(), stored })
     }
 
     /// How the distances of the objects are stored.
@@ -163,9 +175,14 @@ pub(super) fn image_key(
     match name.strip_suffix(item.suffix.as_str()).unwrap_or(name) {
         "transfer_image" => format!("{:?}", texture::transfer_map(transfer)),
         "index_image" => format!("{:?}", texture::index_map(transfer)),
-        "segment_image" => format!("{transfer:?} {} {}", effect.opacity_rate * planes.step, effect.opacity),
+        "segment_image" => {
+            format!("{transfer:?} {} {} {:?}", effect.opacity_rate * planes.step, effect.opacity, item.parameters)
+        }
         "classified_image" => {
-            format!("{transfer:?} {} {densities:?} {:?}{:?}", effect.softness, effect.dmf, effect.warp)
+            format!(
+                "{transfer:?} {} {densities:?} {:?}{:?} {:?}",
+                effect.softness, effect.dmf, effect.warp, item.parameters
+            )
         }
         "closest_image" => format!("{}", object.inner_iso),
         "brick_image" => format!("{densities:?} {:?} {}", scene.quality.integration, planes.step),
@@ -179,6 +196,7 @@ fn image(
     items: &[Item<'_>],
     volumes: &mut [Volumes],
     planes: &Planes,
+    function: &dyn Fn(&'static str) -> Result<Function, RenderError>,
     name: &str,
 ) -> Result<Encoded, RenderError> {
     let base = |item: &Item<'_>| name.strip_suffix(item.suffix.as_str()).filter(|base| base.ends_with("_image"));
@@ -211,13 +229,10 @@ fn image(
         }
         "segment_image" => {
             let exponent = scene.effect.opacity_rate * planes.step;
-            let perlin = scene.effect.opacity == "perlin";
-            let opacity = |density: f32, path: f32| match perlin {
-                true if density >= 1.0 => 1.0,
-                true => -(exponent * path * (-density).ln_1p()).exp_m1(),
-                false => -(-exponent * path * density).exp_m1(),
-            };
-            let texels = texture::segment_table(&scene.transfer, opacity);
+            let opacity = function(table::OPACITY)?;
+            let opacities =
+                |paths: &[[f32; 2]]| opacity.at(paths.iter().map(|[density, path]| [*density, exponent * path]));
+            let texels = texture::segment_table(&scene.transfer, opacities)?;
             let size = Dimension::Plane(texture::SEGMENT_SIZE as u32, texture::SEGMENT_SIZE as u32);
             encoded("segment table", size, Format::Rgba32Float, Content::Floats(texels))
         }
@@ -226,16 +241,13 @@ fn image(
                 scene.effect.classify.clone(),
                 "voxels, and this object is a formula (object.source = \"normals16\" makes a volume of it)",
             ))?;
-            if scene.effect.softness != "linear" || !scene.effect.dmf.is_empty() || !scene.effect.warp.is_empty() {
-                let what = "softness = \"linear\" and no DMF or warp: colors are given to voxels";
+            if !scene.effect.dmf.is_empty() || !scene.effect.warp.is_empty() {
+                let what = "no DMF or warp: colors are given to voxels";
                 return Err(RenderError::Classification(scene.effect.classify.clone(), what));
             }
-            let (inner, outer) = (scene.object.inner_iso, item.own.outer_iso);
-            let density = |distance: f32| match outer > inner {
-                true => ((outer - distance * subject.scale) / (outer - inner)).clamp(0.0, 1.0),
-                false => f32::from(u8::from(distance * subject.scale <= inner)),
-            };
-            let texels = texture::classify(field, &scene.transfer, density);
+            let density = function(table::DENSITY)?;
+            let densities = |distances: &[f32]| density.at(distances.iter().map(|d| [d * subject.scale, 0.0]));
+            let texels = texture::classify(field, &scene.transfer, densities)?;
             let [x, y, z] = field.grid.size;
             let (size, format) = (Dimension::Volume(x, y, z), Format::Rgba16Unorm);
             encoded("classified volume", size, format, Content::Codes(texels))

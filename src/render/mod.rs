@@ -21,6 +21,7 @@ mod shadow;
 mod sparse;
 mod sub_frame;
 mod subject;
+mod table;
 pub mod texture;
 mod values;
 pub mod variant;
@@ -110,6 +111,14 @@ pub enum RenderError {
     /// A scene asks for what pre-classification cannot do.
     #[error("effect.classify = {0}: needs {1}; use classify = \"post\"")]
     Classification(String, &'static str),
+    /// A table holds what changes from moment to moment.
+    #[error(
+        "modules of opacity and softness whose values a table holds read parameters and iso-values alone; use effect.classify = \"post\""
+    )]
+    Table,
+    /// A module of a table cannot be evaluated.
+    #[error("a table of opacity or softness: {0}")]
+    Exact(#[from] crate::exact::ExactError),
     /// Eye and light do not look through the slices in one order.
     #[error("light.method = \"half_angle\": {0}; {1}, or use light.method = \"volume\"")]
     HalfAngle(&'static str, &'static str),

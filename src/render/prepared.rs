@@ -64,7 +64,7 @@ impl Prepared {
             || {
                 let view = View::of(scene, subject, variant);
                 let planes = view.planes(quality.samples);
-                let inputs = Inputs::new(scene, subject, variant, &program, (&view, &planes), progress)?;
+                let inputs = Inputs::new(library, scene, subject, (variant, &program), (&view, &planes), progress)?;
                 BoundInputs::new(gpu, &inputs)
             },
             Ok,
@@ -138,6 +138,7 @@ impl Prepared {
         let anew = [Changes::Field, Changes::Images];
         !scene.changes(&self.scene).iter().any(|change| anew.contains(change))
             && !(by_step && samples[0] != samples[1])
+            && !(self.bound.holds_parameters && scene.parameters != self.scene.parameters)
             && self.runs(variant)
             && reach(variant) == reach(&self.variant)
     }

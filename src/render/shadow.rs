@@ -83,7 +83,7 @@ pub fn transmittance(
     let view = View::of(scene, subject, &variant);
     let planes = view.planes(scene.quality.samples);
     let space = LightSpace::of(scene, &view, &planes);
-    let inputs = Inputs::new(scene, subject, &variant, &program, (&view, &planes), &|_| ())?;
+    let inputs = Inputs::new(library, scene, subject, (&variant, &program), (&view, &planes), &|_| ())?;
     let mut bound = BoundInputs::new(gpu, &inputs)?;
     for sub_frame in SubFrame::all(scene).take(1) {
         let shot = Shot { scene, subject, variant: &variant, view: &view, planes: &planes, space: &space };

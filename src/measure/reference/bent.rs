@@ -67,7 +67,7 @@ fn light(
 ) -> Result<Vec<[f64; 4]>, ReferenceError> {
     let variant = Variant::of(scene, library)?;
     let linked = variant.program(library, Linker::new)?;
-    let cpu_inputs = CpuInputs::new(scene, subject, &variant, &linked)?;
+    let cpu_inputs = CpuInputs::new(library, scene, subject, &variant, &linked)?;
     let program = exact::Program::read(&linked.fragment, &[(OCTAVES_ID, scene.effect.octaves)])?;
     let moments = cpu_inputs.moments(&linked)?;
     let mut inputs = images::inputs(&cpu_inputs);

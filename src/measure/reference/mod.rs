@@ -228,7 +228,7 @@ impl Probe {
         let own = Variant::of(truth, library)?;
         let variant = own.probe(truth, library)?;
         let program = variant.program(library, Linker::new)?;
-        let cpu_inputs = CpuInputs::new(truth, subject, &variant, &program)?;
+        let cpu_inputs = CpuInputs::new(library, truth, subject, &variant, &program)?;
         let octaves = [(OCTAVES_ID, truth.effect.octaves)];
         let shadow = match CpuInputs::shadow_binding(&program) {
             None => None,

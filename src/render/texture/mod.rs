@@ -7,9 +7,11 @@
 
 mod blocks;
 mod bricks;
+mod tables;
 
 pub use blocks::{Depth, block_channels, block_gradients, block_values, table_rows, texels_of};
 pub use bricks::{BRICK, Bricks};
+pub use tables::{SEGMENT_SIZE, classify, segment_table};
 
 use crate::field::{ClosestPoints, DistanceField};
 use crate::scene::{Curve, Stop, Transfer};
@@ -217,50 +219,12 @@ fn tangent(stops: &[Stop], index: usize, value: impl Fn(&Stop) -> Vec4) -> Vec4 
     Vec4::new(mean(left.x, right.x), mean(left.y, right.y), mean(left.z, right.z), mean(left.w, right.w))
 }
 
-/// Entries along each side of the segment table.
-pub const SEGMENT_SIZE: usize = 256;
-
-/// The transfer map integrated over one segment, for every pair of densities at its front (x) and back (y): premultiplied
-/// linear RGBA floats, x fastest. `opacity` gives the opacity of a path as a fraction of the segment through a density.
-///
-/// The density is taken as linear along the segment, and cut into at least as many parts as it crosses entries.
-/// Source: Engel, Kraus and Ertl 2001.
-pub fn segment_table(transfer: &Transfer, opacity: impl Fn(f32, f32) -> f32 + Sync) -> Vec<f32> {
-    let mut table = vec![0.0; SEGMENT_SIZE * SEGMENT_SIZE * 4];
-    let last = (SEGMENT_SIZE - 1) as f32;
-    table.par_chunks_mut(SEGMENT_SIZE * 4).enumerate().for_each(|(back, row)| {
-        for (front, out) in row.chunks_exact_mut(4).enumerate() {
-            let parts = 4 * front.abs_diff(back).max(1);
-            let mut sum = Vec4::ZERO;
-            for part in 0..parts {
-                let t = (part as f32 + 0.5) / parts as f32;
-                let matter = evaluate(transfer, (front as f32 + t * (back as f32 - front as f32)) / last);
-                let alpha = opacity(matter.w, 1.0 / parts as f32);
-                sum += (matter.truncate() * alpha).extend(alpha) * (1.0 - sum.w);
-            }
-            out.copy_from_slice(&sum.to_array());
-        }
-    });
-    table
-}
-
-/// The transfer map applied to the voxels: RGBA, 16 bits each, color weighted by density, for pre-classification.
-/// `density` gives the density of a signed distance in the units of the field.
-pub fn classify(field: &DistanceField, transfer: &Transfer, density: impl Fn(f32) -> f32 + Sync) -> Vec<u16> {
-    let mut texels = vec![0; field.values.len() * 4];
-    texels.par_chunks_mut(4).zip(&field.values).for_each(|(out, &distance)| {
-        let matter = evaluate(transfer, density(distance));
-        out.copy_from_slice(&(matter.truncate() * matter.w).extend(matter.w).to_array().map(code16));
-    });
-    texels
-}
-
 fn code16(value: f32) -> u16 {
     (value * 65535.0).round() as u16
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::field::Grid;
     use crate::scene::Color;
@@ -338,7 +302,7 @@ mod tests {
         }
     }
 
-    fn ramp(curve: Curve) -> Transfer {
+    pub(super) fn ramp(curve: Curve) -> Transfer {
         let stop = |at, density| Stop { at, color: Color([255; 3]), density, index: 1.0 };
         Transfer { curve, stops: vec![stop(0.2, 0.0), stop(0.4, 1.0), stop(0.8, 0.25)] }
     }
@@ -374,16 +338,5 @@ mod tests {
         }
         assert_eq!(entry(&linear, 512)[..2], [1.4, 0.0]);
         assert!(row(Curve::Spline, &[stop(0.0, 1.0), stop(1.0, 1.0)]).chunks(4).all(|e| e[..3] == [1.0, 0.0, 0.0]));
-    }
-
-    #[test]
-    fn m05_a_segment_of_constant_density_has_the_opacity_of_its_path() {
-        let opacity = |density: f32, path: f32| 1.0 - (1.0 - 0.9 * density).powf(path);
-        let map = ramp(Curve::Linear);
-        let table = segment_table(&map, opacity);
-        for index in [0, 60, 102, 200, 255] {
-            let expected = opacity(evaluate(&map, index as f32 / 255.0).w, 1.0);
-            assert!((table[4 * (index * SEGMENT_SIZE + index) + 3] - expected).abs() < 1e-5);
-        }
     }
 }

@@ -148,6 +148,15 @@ impl Variant {
         Ok(Variant { entries: PROBE_ENTRIES, slots: library.needed(&PROBE_ENTRIES, &choice)?, ..self.clone() })
     }
 
+    /// The modules of the same scene that give the entries of a table: `entry` is the fragment stage.
+    ///
+    /// # Errors
+    /// A module is missing, which [`Variant::of`] excludes.
+    pub fn table(&self, entry: &'static str, library: &Library) -> Result<Variant, VariantError> {
+        let entries = ["march.vert", entry];
+        Ok(Variant { entries, slots: library.needed(&entries, &self.slots)?, ..self.clone() })
+    }
+
     /// The modules that sample the objects, by slot.
     fn objects(&self) -> impl Iterator<Item = (String, Vec<String>)> {
         let of_object = |key: &String| key == "object" || key.ends_with(".object");

@@ -1,0 +1,98 @@
+//! Tables of what the transfer map makes of densities.
+
+use super::{code16, evaluate};
+use crate::field::DistanceField;
+use crate::scene::Transfer;
+use glam::Vec4;
+use rayon::prelude::*;
+use std::cmp::Ordering;
+
+/// Entries along each side of the segment table.
+pub const SEGMENT_SIZE: usize = 256;
+
+/// The transfer map integrated over one segment, for every pair of densities at its front (x) and back (y): premultiplied
+/// linear RGBA floats, x fastest. `opacities` gives those of paths: a density, and the part of the segment that a path is.
+///
+/// The density is taken as linear along the segment, and cut into four parts for each entry that it crosses.
+/// Source: Engel, Kraus and Ertl 2001.
+///
+/// # Errors
+/// What `opacities` says.
+pub fn segment_table<E: Send>(
+    transfer: &Transfer,
+    opacities: impl Fn(&[[f32; 2]]) -> Result<Vec<f32>, E> + Sync,
+) -> Result<Vec<f32>, E> {
+    const PARTS: usize = 4;
+    let last = SEGMENT_SIZE - 1;
+    let matter = |entry: f32| evaluate(transfer, entry / last as f32);
+    let entries: Vec<Vec4> = (0..=last).map(|entry| matter(entry as f32)).collect();
+    let middles: Vec<Vec4> = (0..PARTS * last).map(|part| matter((part as f32 + 0.5) / PARTS as f32)).collect();
+    // By the number of entries that a segment crosses: where it crosses none, all of its parts are one entry.
+    let alphas = (0..=last).into_par_iter().map(|crossed| {
+        let (matter, part) = (if crossed == 0 { &entries } else { &middles }, 1.0 / (PARTS * crossed.max(1)) as f32);
+        opacities(&matter.iter().map(|matter| [matter.w, part]).collect::<Vec<_>>())
+    });
+    let alphas: Vec<Vec<f32>> = alphas.collect::<Result<_, E>>()?;
+    let mut table = vec![0.0; SEGMENT_SIZE * SEGMENT_SIZE * 4];
+    table.par_chunks_mut(SEGMENT_SIZE * 4).enumerate().for_each(|(back, row)| {
+        for (front, out) in row.chunks_exact_mut(4).enumerate() {
+            let alphas = &alphas[front.abs_diff(back)];
+            let mut sum = Vec4::ZERO;
+            let mut add = |matter: Vec4, alpha: f32| {
+                sum += (matter.truncate() * alpha).extend(alpha) * (1.0 - sum.w);
+            };
+            match front.cmp(&back) {
+                Ordering::Equal => (0..PARTS).for_each(|_| add(entries[front], alphas[front])),
+                Ordering::Less => (PARTS * front..PARTS * back).for_each(|part| add(middles[part], alphas[part])),
+                Ordering::Greater => {
+                    (PARTS * back..PARTS * front).rev().for_each(|part| add(middles[part], alphas[part]));
+                }
+            }
+            out.copy_from_slice(&sum.to_array());
+        }
+    });
+    Ok(table)
+}
+
+/// The transfer map applied to the voxels: RGBA, 16 bits each, color weighted by density, for pre-classification.
+/// `densities` gives those of signed distances in the units of the field.
+///
+/// # Errors
+/// What `densities` says.
+pub fn classify<E: Send>(
+    field: &DistanceField,
+    transfer: &Transfer,
+    densities: impl Fn(&[f32]) -> Result<Vec<f32>, E> + Sync,
+) -> Result<Vec<u16>, E> {
+    const TOGETHER: usize = 4096;
+    let mut texels = vec![0; field.values.len() * 4];
+    let parts = texels.par_chunks_mut(4 * TOGETHER).zip(field.values.par_chunks(TOGETHER));
+    parts.try_for_each(|(out, distances)| {
+        for (out, density) in out.chunks_exact_mut(4).zip(densities(distances)?) {
+            let matter = evaluate(transfer, density);
+            out.copy_from_slice(&(matter.truncate() * matter.w).extend(matter.w).to_array().map(code16));
+        }
+        Ok(())
+    })?;
+    Ok(texels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::texture::tests::ramp;
+    use crate::scene::Curve;
+
+    #[test]
+    fn m05_a_segment_of_constant_density_has_the_opacity_of_its_path() {
+        let opacity = |density: f32, path: f32| 1.0 - (1.0 - 0.9 * density).powf(path);
+        let map = ramp(Curve::Linear);
+        let opacities =
+            |paths: &[[f32; 2]]| Ok::<_, ()>(paths.iter().map(|[density, path]| opacity(*density, *path)).collect());
+        let table = segment_table(&map, opacities).unwrap();
+        for index in [0, 60, 102, 200, 255] {
+            let expected = opacity(evaluate(&map, index as f32 / 255.0).w, 1.0);
+            assert!((table[4 * (index * SEGMENT_SIZE + index) + 3] - expected).abs() < 1e-5);
+        }
+    }
+}
