@@ -61,8 +61,9 @@ fn every_picture_says_which_scene_it_shows_and_is_verified_by_it() {
 
         let said = good(desk, &format!("verify {file} --pixels 200"));
         println!("{said}");
-        assert!(said.contains("all 1920 pixels agree") && said.contains("truth      200 pixels"), "{said}");
-        assert!(said.contains("unchanged: body.obj") && said.ends_with("is what its scene gives\n"), "{said}");
+        assert!(said.contains("none of 1920 pixels differ: the same device and driver"), "{said}");
+        assert!(said.contains("truth      200 pixels") && said.contains("unchanged: body.obj"), "{said}");
+        assert!(said.contains("the picture is what its scene gives, and off by RMS "), "{said}");
 
         // A picture is its own scene file.
         let end = &file[file.len() - 4..];
@@ -135,6 +136,57 @@ fn a_picture_that_was_altered_is_found_out() {
         assert_eq!(output.status.code(), Some(1), "{out}{err}");
         assert!(out.contains("pixels are off by more than") && !out.contains("\nbeyond     0 of"), "{out}");
     }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_picture_of_another_device_may_round_another_way_and_no_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let desk = folder.path();
+    good(desk, "render torus --effect fur --size 96x80 --samples 96 --background #102030 -o a.png");
+    let path = desk.join("a.png");
+    let (codes, own) = (image::open(&path).unwrap().to_rgba8(), read_provenance(&path).unwrap());
+    let elsewhere = Provenance { device: "another device".into(), ..own.clone() };
+    let linear = |code: u8| scene::srgb_to_linear(f32::from(code) / 255.0);
+    let write = |provenance: &Provenance, alter: &dyn Fn(u32, u32, [u8; 4]) -> [u8; 4]| {
+        let pixels = codes.enumerate_pixels().map(|(x, y, pixel)| {
+            let [r, g, b, _] = alter(x, y, pixel.0);
+            [linear(r), linear(g), linear(b), 1.0]
+        });
+        let frame = Frame { size: [96, 80], pixels: pixels.collect(), measurements: Default::default() };
+        output::write(&frame, None, Depth::Eight, provenance, &path).unwrap();
+    };
+    let moved = |pixel: [u8; 4], by: i16| pixel.map(|code| (i16::from(code) + by).clamp(0, 255) as u8);
+    let patch = |x: u32, y: u32| (44..52).contains(&x) && (36..42).contains(&y);
+    let noise = |x: u32, y: u32| if (x * 7 + y * 13) % 5 < 2 { 6 } else { -6 };
+    write(&elsewhere, &|_, _, pixel| moved(pixel, 1));
+    assert!(good(desk, "verify a.png --pixels 50").contains("another device, driver or version"));
+    write(&own, &|_, _, pixel| moved(pixel, 1));
+    assert!(bad(desk, "verify a.png --pixels 50 -q", 1).contains("this is not what its scene gives"));
+    write(&elsewhere, &|x, y, pixel| if patch(x, y) { pixel.map(|code| 255 - code) } else { pixel });
+    assert!(bad(desk, "verify a.png --pixels 50 -q", 1).contains("to what is not around them"));
+    write(&elsewhere, &|x, y, pixel| moved(pixel, noise(x, y)));
+    assert!(bad(desk, "verify a.png --pixels 50 -q", 1).contains("this is not what its scene gives"));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_coarse_picture_is_what_its_scene_gives_and_its_error_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let desk = folder.path();
+    for arguments in [
+        "torus --effect fur --target unorm8",
+        "torus --effect fire --set quality.early_termination=0.5 --pass march",
+        "blue_glass",
+    ] {
+        good(desk, &format!("render {arguments} --size 48x40 -o a.png"));
+        let said = good(desk, "verify a.png --pixels 100");
+        println!("{said}");
+        assert!(said.contains("the picture is what its scene gives, and off by RMS "), "{arguments}: {said}");
+    }
+    good(desk, "render torus --effect fur --size 48x40 --samples 4 -o a.png");
+    let said = bad(desk, "verify a.png --pixels 100 --bound 1e-3 -q", 1);
+    assert!(said.contains("this is what its scene gives, and that is not accurate: off by RMS "), "{said}");
 }
 
 #[test]

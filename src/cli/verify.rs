@@ -26,7 +26,7 @@ pub struct Verify {
     /// Which pixels.
     #[arg(long, default_value_t = 0, requires = "image")]
     pub seed: u64,
-    /// The root mean square error that is allowed; without it, what the codes of the file and its step explain.
+    /// The root mean square error that is allowed; without it, 0.1, and what `quality.early_termination` leaves out.
     #[arg(long, requires = "image", value_parser = bound)]
     pub bound: Option<f64>,
 }
@@ -92,19 +92,23 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
             agreement.text()
         ));
     }
-    if !agreement.holds() {
-        let verify::Agreement { redrawn: [changed, all], rms, bound, beyond, .. } = agreement;
-        return Err(Disagreement(format!(
-            "{}: this is not what its scene gives: {changed} of {all} pixels changed, RMS {rms:.1e} where {bound:.1e} is \
-             allowed, {beyond} pixels beyond what is explained",
-            image.display()
-        ))
-        .into());
-    }
-    if !quiet {
-        say("the picture is what its scene gives\n");
-    }
-    Ok(())
+    let verify::Agreement { redrawn: [changed, all], foreign, rms, bound, .. } = agreement;
+    let wrong = match (agreement.is_of_scene(), agreement.is_accurate()) {
+        (true, true) => {
+            if !quiet {
+                say(&format!("the picture is what its scene gives, and off by RMS {rms:.1e} from the truth\n"));
+            }
+            return Ok(());
+        }
+        (false, _) => format!(
+            "this is not what its scene gives: {changed} of {all} pixels changed, {foreign} of them to what is not around them"
+        ),
+        (true, false) => format!(
+            "this is what its scene gives, and that is not accurate: off by RMS {rms:.1e} from the truth where {bound:.1e} is \
+             allowed"
+        ),
+    };
+    Err(Disagreement(format!("{}: {wrong}", image.display())).into())
 }
 
 /// What knows the pixels of a scene: the f64 reference; where there is none, a second rendering.

@@ -40,6 +40,14 @@ impl Encoding {
         }
     }
 
+    /// A pixel in this encoding as it is stored: rounded to codes.
+    pub fn rounded(self, pixel: [f32; 4]) -> [f32; 4] {
+        match self {
+            Encoding::Codes(most) => pixel.map(|part| (part * f32::from(most)).round() / f32::from(most)),
+            Encoding::Linear => pixel,
+        }
+    }
+
     /// The distance between two codes; 0 for floats.
     pub fn quantum(self) -> f64 {
         match self {
