@@ -1,6 +1,7 @@
 //! What a program reads, on the device: blocks written, images uploaded.
 
-use super::inputs::{Inputs, SHADOW, Shot, StoredObjects};
+use super::inputs::{Inputs, SHADOW, StoredObjects};
+use super::shot::Shot;
 use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
 use super::values::{Values, blocks};

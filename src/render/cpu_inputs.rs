@@ -1,11 +1,11 @@
 //! All that a picture is computed from, for a processor to compute it.
 
 use super::encoded::{Encoded, Filter};
-use super::inputs::{Inputs, SHADOW, Shot};
+use super::inputs::{Inputs, SHADOW};
 use super::light_space::LightSpace;
+use super::shot::Shot;
 use super::sub_frame::SubFrame;
 use super::values::{Values, blocks};
-use super::view::View;
 use super::{RenderError, Subject};
 use crate::render::variant::{Program, Variant};
 use crate::scene::Scene;
@@ -33,14 +33,11 @@ impl CpuInputs {
         variant: &Variant,
         program: &Program,
     ) -> Result<CpuInputs, RenderError> {
-        let view = View::of(scene, subject, variant);
-        let planes = view.planes(scene.quality.samples);
-        let space = LightSpace::of(scene, &view, &planes);
-        let inputs = Inputs::new(library, scene, subject, (variant, program), (&view, &planes), &|_| ())?;
-        let shot = Shot { scene, subject, variant, view: &view, planes: &planes, space: &space };
+        let shot = Shot::of(scene, subject, variant);
+        let inputs = Inputs::new(library, &shot, program, &|_| ())?;
         let values = |moment: SubFrame| inputs.stored().values(&shot, &moment);
         let moments = SubFrame::all(scene).map(values).collect();
-        let extent = view.extent;
+        let (extent, space) = (shot.view.extent, shot.space);
         let near = (extent.distance - extent.radius).max(extent.near);
         let depths = [near, extent.distance + extent.radius].map(f64::from);
         Ok(CpuInputs { inputs, moments, space, depths })

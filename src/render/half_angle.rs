@@ -9,9 +9,10 @@
 use super::RenderError;
 use super::bind::{self, BoundInputs};
 use super::inputs::{BEFORE, BEHIND};
+use super::shot::Shot;
 use super::view::{FLATTEST, View, axis, slant};
 use crate::gpu::{self, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
-use crate::render::pass::{self, Planes};
+use crate::render::pass;
 use crate::render::variant::{Program, Variant};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
@@ -44,6 +45,16 @@ fn check(scene: &Scene, view: &View) -> Result<(), RenderError> {
     }
 }
 
+/// The slices of a picture, and what they are drawn with.
+#[derive(Clone, Copy)]
+pub(super) struct Slices<'a> {
+    pub(super) pipeline: &'a Pipeline,
+    pub(super) program: &'a Program,
+    pub(super) bound: &'a BoundInputs,
+    pub(super) vertices: &'a Buffer,
+    pub(super) stack: &'a pass::Stack,
+}
+
 /// What hands the light from slice to slice, made once for the pictures of a scene.
 pub(super) struct HalfAngle {
     program: Program,
@@ -72,13 +83,14 @@ impl HalfAngle {
     pub(super) fn draw(
         &self,
         gpu: &Gpu,
-        (scene, view, planes): (&Scene, &View, &Planes),
-        (pipeline, program, bound): (&Pipeline, &Program, &BoundInputs),
-        (vertices, stack): (&Buffer, &pass::Stack),
+        shot: &Shot<'_>,
+        slices: &Slices<'_>,
         bands: &[std::ops::Range<u32>],
         target: gpu::Target<'_>,
     ) -> Result<pass::Drawn, RenderError> {
-        check(scene, view)?;
+        let Slices { pipeline, program, bound, vertices, stack } = *slices;
+        let planes = &shot.planes;
+        check(shot.scene, &shot.view)?;
         let corners = (0..planes.count).flat_map(|plane| {
             let depth = planes.depth(plane);
             [[-1.0, -1.0, depth], [3.0, -1.0, depth], [-1.0, 3.0, depth]]

@@ -6,11 +6,10 @@
 //! sooner is not named.
 
 use super::encoded::Filter;
-use super::inputs::{SHADOW, Shot, StoredObjects, image_key};
-use super::light_space::LightSpace;
+use super::inputs::{SHADOW, StoredObjects, image_key};
+use super::shot::Shot;
 use super::sub_frame::SubFrame;
 use super::values::blocks;
-use super::view::View;
 use super::{OCTAVES_ID, RenderError, Subject};
 use crate::exact::{self, Outline};
 use crate::noise::Period;
@@ -108,12 +107,8 @@ impl Judge<'_> {
             *wrap = vec!["repeat".into()];
             read = self.read(scene, &variant)?;
         }
-        let view = View::of(scene, self.subject, &variant);
-        let planes = view.planes(scene.quality.samples);
-        let space = LightSpace::of(scene, &view, &planes);
-        let (subject, quality) = (self.subject, &scene.quality);
-        let stored = StoredObjects::none(&view);
-        let shot = Shot { scene, subject, variant: &variant, view: &view, planes: &planes, space: &space };
+        let shot = Shot::of(scene, self.subject, &variant);
+        let (quality, stored) = (&scene.quality, StoredObjects::none(&shot.view));
         let values = |frame: SubFrame| stored.values(&shot, &frame);
         let moments: Vec<_> = SubFrame::all(scene).map(values).collect();
         let mut all = Hasher::new();
@@ -122,7 +117,7 @@ impl Judge<'_> {
         };
         add(format!("{:?} {:?} {} {:?}", scene.entries(), scene.image.size, quality.msaa, quality.target));
         if quality.pass == Pass::Slices {
-            add(format!("{:?} {:?} {planes:?} {:?}", quality.order, quality.proxy, view.extent));
+            add(format!("{:?} {:?} {:?} {:?}", quality.order, quality.proxy, shot.planes, shot.view.extent));
             add(format!("{:?} {}", read.program.vertex, scene.camera.slice_stack));
             for values in &moments {
                 add(format!("{:?}", VERTEX_VALUES.map(|name| values.get(name))));
@@ -134,7 +129,7 @@ impl Judge<'_> {
         };
         for (index, read) in [Some(read), caster].into_iter().flatten().enumerate() {
             if index > 0 {
-                add(format!("{:?}", space.target()));
+                add(format!("{:?}", shot.space.target()));
             }
             let names: HashMap<u32, &str> =
                 read.program.resources.iter().map(|resource| (resource.binding, resource.name.as_str())).collect();
@@ -146,7 +141,7 @@ impl Judge<'_> {
                 }
             };
             for (image, sampler) in pairs.into_iter().filter(|(image, _)| name(*image).contains("_image")) {
-                let key = image_key(scene, subject, &variant, (&view, &planes), name(image));
+                let key = image_key(&shot, name(image));
                 add(format!("{} {key}", name(image)));
                 if let Some(sampler) = sampler {
                     add(format!("{:?}", Filter::of(name(sampler), quality)));

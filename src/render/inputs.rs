@@ -1,21 +1,21 @@
 //! What a program reads, made without a device: the values of its blocks, its images encoded, and nothing that it does
 //! not read.
 
+use super::RenderError;
 use super::encoded::{Content, Encoded, Filter};
 use super::item::{CLOSEST, Item, Stored};
-use super::light_space::LightSpace;
 use super::noise_blocks::{block, block_key};
+use super::shot::Shot;
 use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
 use super::table::{self, Function};
 use super::values::{Values, moment, values};
 use super::view::View;
-use super::{RenderError, Subject};
 use crate::field::Progress;
 use crate::gpu::{Dimension, Format};
 use crate::render::pass::Planes;
 use crate::render::texture::{self, Bricks, Encoding, Texels};
-use crate::render::variant::{Program, Resource, Use, Variant};
+use crate::render::variant::{Program, Resource, Use};
 use crate::scene::Scene;
 use crate::shader::Library;
 use std::cell::Cell;
@@ -41,17 +41,6 @@ pub(crate) struct Inputs {
     stored: StoredObjects,
 }
 
-/// A picture about to be drawn: a scene, and where all of it is.
-#[derive(Clone, Copy)]
-pub(super) struct Shot<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) subject: &'a Subject,
-    pub(super) variant: &'a Variant,
-    pub(super) view: &'a View,
-    pub(super) planes: &'a Planes,
-    pub(super) space: &'a LightSpace,
-}
-
 /// How the distance of each object is stored, in the order of the view's objects.
 #[derive(Clone)]
 pub(super) struct StoredObjects(Vec<Stored>);
@@ -60,12 +49,11 @@ impl Inputs {
     /// Encodes every image that a program reads; `progress` is told of each block of noise.
     pub(crate) fn new(
         library: &Library,
-        scene: &Scene,
-        subject: &Subject,
-        (variant, program): (&Variant, &Program),
-        (view, planes): (&View, &Planes),
+        shot: &Shot<'_>,
+        program: &Program,
         progress: Progress<'_>,
     ) -> Result<Inputs, RenderError> {
+        let Shot { scene, subject, variant, view, planes, .. } = shot;
         let mut items: Vec<Item<'_>> =
             view.objects.iter().map(|own| Item::of(own, scene, subject, variant, Stored::default())).collect();
         let mut volumes = Vec::new();
@@ -135,11 +123,8 @@ impl StoredObjects {
     }
 
     /// The values of every member of the blocks for one picture.
-    pub(super) fn values(
-        &self,
-        &Shot { scene, subject, variant, view, planes, space }: &Shot<'_>,
-        sub_frame: &SubFrame,
-    ) -> Values {
+    pub(super) fn values(&self, shot: &Shot<'_>, sub_frame: &SubFrame) -> Values {
+        let Shot { scene, subject, variant, view, planes, space } = shot;
         let objects = view.objects.iter().zip(&self.0);
         let items: Vec<Item<'_>> =
             objects.map(|(own, stored)| Item::of(own, scene, subject, variant, *stored)).collect();
@@ -156,13 +141,8 @@ pub(super) const SHADOW: &str = "shadow_image";
 pub(super) const BEFORE: &str = "light_before_image";
 pub(super) const BEHIND: &str = "light_behind_image";
 /// What an image depends on, in words, for objects that are loaded.
-pub(super) fn image_key(
-    scene: &Scene,
-    subject: &Subject,
-    variant: &Variant,
-    (view, planes): (&View, &Planes),
-    name: &str,
-) -> String {
+pub(super) fn image_key(shot: &Shot<'_>, name: &str) -> String {
+    let Shot { scene, subject, variant, view, planes, .. } = shot;
     if let Some(key) = block_key(scene, name) {
         return key;
     }

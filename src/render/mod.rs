@@ -18,6 +18,7 @@ mod pixels;
 mod prepared;
 mod renderer;
 mod shadow;
+mod shot;
 mod sparse;
 mod sub_frame;
 mod subject;

@@ -1,15 +1,14 @@
 //! What the pictures of a scene share, and the frame pipeline, read top to bottom.
 
 use super::bind::{self, BoundInputs};
-use super::half_angle::{HalfAngle, blend as light_blend};
-use super::inputs::{Inputs, SHADOW, Shot};
-use super::light_space::LightSpace;
+use super::half_angle::{HalfAngle, Slices, blend as light_blend};
+use super::inputs::{Inputs, SHADOW};
 use super::pass;
 use super::pixels::{add, check_finite, mean};
 use super::shadow::Caster;
+use super::shot::Shot;
 use super::sub_frame::SubFrame;
 use super::variant::{Program, Variant};
-use super::view::View;
 use super::{Frame, Measurements, RenderError, Subject};
 use crate::field::Progress;
 use crate::gpu::{self, Buffer, Gpu, HostCommands, Recording};
@@ -27,6 +26,13 @@ pub(super) enum Destination {
     Frame,
     /// Into a host's image of this format.
     Host(gpu::Format),
+}
+
+/// What of a scene was made before.
+#[derive(Default)]
+pub(super) struct Made {
+    pub(super) program: Option<Program>,
+    pub(super) bound: Option<BoundInputs>,
 }
 
 /// A scene with all that its pictures share, made once: program, pipeline, images and targets.
@@ -48,27 +54,21 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// Makes what the pictures of a scene share; its program and what that reads may be `made` already.
+    /// Makes what the pictures of a scene share; its program, and what that reads, may be `made` already.
     pub(super) fn new(
-        (gpu, library, subject): (&Gpu, &Library, &Subject),
-        (scene, variant): (&Scene, &Variant),
+        gpu: &Gpu,
+        library: &Library,
+        shot: &Shot<'_>,
         destination: Destination,
-        (linked, bound): (Option<Program>, Option<BoundInputs>),
+        made: Made,
         progress: Progress<'_>,
     ) -> Result<Prepared, RenderError> {
-        let start = Instant::now();
-        let program = linked.map_or_else(|| variant.program(library, Linker::new), Ok)?;
+        let (start, &Shot { scene, variant, .. }) = (Instant::now(), shot);
+        let program = made.program.map_or_else(|| variant.program(library, Linker::new), Ok)?;
         let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
         let quality = &scene.quality;
-        let bound = bound.map_or_else(
-            || {
-                let view = View::of(scene, subject, variant);
-                let planes = view.planes(quality.samples);
-                let inputs = Inputs::new(library, scene, subject, (variant, &program), (&view, &planes), progress)?;
-                BoundInputs::new(gpu, &inputs)
-            },
-            Ok,
-        )?;
+        let bound =
+            made.bound.map_or_else(|| BoundInputs::new(gpu, &Inputs::new(library, shot, &program, progress)?), Ok)?;
         let format = match (destination, quality.target) {
             (Destination::Host(format), _) => format,
             (_, TargetFormat::Unorm8) => gpu::Format::Rgba8Unorm,
@@ -150,7 +150,7 @@ impl Prepared {
 
     /// The slices of a picture, or none for rays.
     fn slices(&self, shot: &Shot<'_>) -> Result<Option<(Buffer, pass::Stack)>, RenderError> {
-        let (quality, view, planes) = (&shot.scene.quality, shot.view, shot.planes);
+        let (quality, view, planes) = (&shot.scene.quality, &shot.view, &shot.planes);
         if quality.pass == Pass::March {
             return Ok(None);
         }
@@ -165,7 +165,7 @@ impl Prepared {
     /// Makes the shadow volume of a picture, and waits for it; milliseconds on the device.
     fn cast(&mut self, shot: &Shot<'_>) -> Result<Option<f64>, RenderError> {
         let Some(caster) = &self.caster else { return Ok(None) };
-        let light = caster.cast(&self.gpu, shot.view, &self.bound, *shot.space)?;
+        let light = caster.cast(&self.gpu, shot, &self.bound)?;
         self.bound.replace_shadow(&self.program, light.image(&self.gpu)?);
         Ok(Some(light.gpu_ms))
     }
@@ -178,10 +178,7 @@ impl Prepared {
         subject: &Subject,
         variant: &Variant,
     ) -> Result<Recording, RenderError> {
-        let view = View::of(scene, subject, variant);
-        let planes = view.planes(scene.quality.samples);
-        let space = LightSpace::of(scene, &view, &planes);
-        let shot = Shot { scene, subject, variant, view: &view, planes: &planes, space: &space };
+        let shot = Shot::of(scene, subject, variant);
         let mut all = SubFrame::all(scene);
         let (Some(sub_frame), None) = (all.next(), all.next()) else {
             return Err(RenderError::Recorded("quality.supersampling = 1"));
@@ -205,10 +202,7 @@ impl Prepared {
         bands: &[Range<u32>],
         wanted: impl Fn(u32) -> bool,
     ) -> Result<Frame, RenderError> {
-        let view = View::of(scene, subject, variant);
-        let planes = view.planes(scene.quality.samples);
-        let space = LightSpace::of(scene, &view, &planes);
-        let shot = Shot { scene, subject, variant, view: &view, planes: &planes, space: &space };
+        let shot = Shot::of(scene, subject, variant);
         let slices = self.slices(&shot)?;
         let [width, height] = scene.image.size;
         let mut sum = vec![[0.0; 4]; width as usize * height as usize];
@@ -229,8 +223,8 @@ impl Prepared {
             let (gpu, pipeline) = (&self.gpu, &*self.pipeline);
             drawn.append(&match (&slices, &self.half_angle) {
                 (Some((vertices, stack)), Some(light)) => {
-                    let own = (pipeline, &self.program, &self.bound);
-                    light.draw(gpu, (scene, &view, &planes), own, (vertices, stack), bands, target)?
+                    let slices = Slices { pipeline, program: &self.program, bound: &self.bound, vertices, stack };
+                    light.draw(gpu, &shot, &slices, bands, target)?
                 }
                 (Some((vertices, stack)), None) => {
                     let set = pipeline.bind(&self.bound.resources())?;
@@ -250,8 +244,8 @@ impl Prepared {
             shipped: self.program.shipped,
             left_out: self.program.left_out(),
             octaves: variant.reads("turbulence").then_some([variant.octaves, scene.effect.octaves]),
-            slices: planes.count,
-            step: planes.step,
+            slices: shot.planes.count,
+            step: shot.planes.step,
             fragments: drawn.fragments,
             compile_ms: std::mem::take(&mut self.compile_ms) + drawn.first_use_ms,
             gpu_ms: drawn.gpu_ms,
@@ -261,7 +255,8 @@ impl Prepared {
             device_bytes: self.bound.bytes() + targets + self.half_angle.as_ref().map_or(0, HalfAngle::bytes),
             sparse: self.bound.sparse(),
             quantization: self.bound.quantization(),
-            held_beyond: view
+            held_beyond: shot
+                .view
                 .objects
                 .iter()
                 .filter(|own| own.spread.held)

@@ -1,6 +1,7 @@
 //! From a scene to its picture: what users of the crate call.
 
-use super::prepared::{Destination, Prepared};
+use super::prepared::{Destination, Made, Prepared};
+use super::shot::Shot;
 use super::{Frame, RenderError, Subject};
 use crate::field::Progress;
 use crate::gpu::{Gpu, HostCommands, Recording};
@@ -129,12 +130,14 @@ impl Renderer {
             Some(prepared) if prepared.fits(scene, variant, destination) => prepared,
             other => {
                 let made = match other {
-                    Some(other) if other.reads_the_same(scene, variant) => (Some(other.program), Some(other.bound)),
-                    Some(other) if other.runs(variant) => (Some(other.program), None),
-                    _ => (None, None),
+                    Some(other) if other.reads_the_same(scene, variant) => {
+                        Made { program: Some(other.program), bound: Some(other.bound) }
+                    }
+                    Some(other) if other.runs(variant) => Made { program: Some(other.program), bound: None },
+                    _ => Made::default(),
                 };
-                let inputs = (&self.gpu, &self.library, &self.subject);
-                Prepared::new(inputs, (scene, variant), destination, made, progress)?
+                let shot = Shot::of(scene, &self.subject, variant);
+                Prepared::new(&self.gpu, &self.library, &shot, destination, made, progress)?
             }
         };
         Ok(self.prepared.insert(prepared))

@@ -9,10 +9,10 @@
 //! follow the rays needs no more either, but mixes neighbors in each layer, and knows no light inside of the scene.
 
 use super::bind::{self, BoundInputs};
-use super::inputs::{Inputs, Shot};
+use super::inputs::Inputs;
 use super::light_space::LightSpace;
+use super::shot::Shot;
 use super::sub_frame::SubFrame;
-use super::view::View;
 use super::{RenderError, Subject};
 use crate::gpu::{self, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
 use crate::render::pass;
@@ -80,16 +80,13 @@ pub fn transmittance(
 ) -> Result<Transmittance, RenderError> {
     let variant = Variant::of(scene, library)?;
     let program = variant.program(library, Linker::new)?;
-    let view = View::of(scene, subject, &variant);
-    let planes = view.planes(scene.quality.samples);
-    let space = LightSpace::of(scene, &view, &planes);
-    let inputs = Inputs::new(library, scene, subject, (&variant, &program), (&view, &planes), &|_| ())?;
+    let shot = Shot::of(scene, subject, &variant);
+    let inputs = Inputs::new(library, &shot, &program, &|_| ())?;
     let mut bound = BoundInputs::new(gpu, &inputs)?;
     for sub_frame in SubFrame::all(scene).take(1) {
-        let shot = Shot { scene, subject, variant: &variant, view: &view, planes: &planes, space: &space };
         bound.fill(gpu, &program, &shot, &sub_frame)?;
     }
-    Caster::new(gpu, library, scene, &variant)?.cast(gpu, &view, &bound, space)
+    Caster::new(gpu, library, scene, &variant)?.cast(gpu, &shot, &bound)
 }
 
 /// The program of the shadow volumes of a scene, made once.
@@ -106,13 +103,8 @@ impl Caster {
     }
 
     /// Draws the segments with the images of the picture's own program, and takes their products.
-    pub(super) fn cast(
-        &self,
-        gpu: &Gpu,
-        view: &View,
-        bound: &BoundInputs,
-        space: LightSpace,
-    ) -> Result<Transmittance, RenderError> {
+    pub(super) fn cast(&self, gpu: &Gpu, shot: &Shot<'_>, bound: &BoundInputs) -> Result<Transmittance, RenderError> {
+        let space = shot.space;
         let [width, height] = space.target();
         let blocks = bound.blocks_of(gpu, &self.program)?;
         let set = self.pipeline.bind(&bound.with(&blocks))?;
@@ -121,6 +113,6 @@ impl Caster {
         let target = gpu::Target { color: &color, resolved: None };
         let drawn = pass::march(gpu, &self.pipeline, &set, std::slice::from_ref(&(0..height)), target)?;
         let values = space.products(&color.read()?);
-        Ok(Transmittance { space, object_matrix: view.object_matrix, values, gpu_ms: drawn.gpu_ms })
+        Ok(Transmittance { space, object_matrix: shot.view.object_matrix, values, gpu_ms: drawn.gpu_ms })
     }
 }
