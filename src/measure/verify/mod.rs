@@ -10,6 +10,7 @@ mod lens;
 mod picture;
 mod pictures;
 mod rays;
+mod redrawn;
 mod unchanged;
 mod volumes;
 

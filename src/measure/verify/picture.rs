@@ -5,6 +5,7 @@
 //! sees them: colors of a PNG count as much as their alpha. Invariant: on the device that drew the picture no code differs;
 //! elsewhere a pixel may round another way, or be of the other side of an edge, but has no value that is not around it.
 
+use super::redrawn::{CODES, FLOATS, Redrawn, apart, around, index, redraw};
 use crate::field::Progress;
 use crate::gpu::Gpu;
 use crate::measure::statistics::{largest, quantile, rms};
@@ -22,9 +23,6 @@ use std::path::Path;
 const STEPS: f64 = 4.0;
 /// The part of the pixels that another device may put to the other side of a hard edge.
 const AT_EDGES: f64 = 0.005;
-/// What another device's rounding may make of a pixel: so many codes, or so much in a float.
-const CODES: f64 = 2.0;
-const FLOATS: f64 = 1e-3;
 /// No step and no end of a ray explains a larger root mean square than this: a picture beyond it is not of its scene.
 const MOST: f64 = 0.1;
 /// What the rounding of f32 may add up to.
@@ -251,66 +249,10 @@ fn other_samples(scene: &Scene, library: &Library) -> (Scene, f64) {
     }
 }
 
-/// How far two pixels in an encoding are apart, channel by channel. A color that is not seen does not count.
-fn apart(a: [f32; 4], b: [f32; 4], encoding: Encoding) -> [f64; 4] {
-    let seen = match encoding {
-        Encoding::Codes(_) => f64::from(a[3].max(b[3])),
-        Encoding::Linear => 1.0,
-    };
-    let off = |c: usize| f64::from(a[c] - b[c]).abs();
-    [seen * off(0), seen * off(1), seen * off(2), off(3)]
-}
-
-fn index(size: [u32; 2], [x, y]: [u32; 2]) -> usize {
-    y as usize * size[0] as usize + x as usize
-}
-
 /// How far two renderings are apart at a pixel, in the encoding of a picture.
 fn apart_all(stored: &Stored, scene: &Scene, a: &Frame, b: &Frame, at: [u32; 2]) -> f64 {
     let code = |frame: &Frame| stored.encoding.of(frame.pixels[index(stored.size, at)], scene.image.background);
     largest(apart(code(a), code(b), stored.encoding))
-}
-
-/// A picture beside what is drawn again.
-struct Redrawn {
-    same_device: bool,
-    differs: usize,
-    foreign: usize,
-    worst: ([u32; 2], f64),
-}
-
-fn redraw(stored: &Stored, scene: &Scene, drawn: &Frame, same_device: bool) -> Redrawn {
-    let Stored { size, encoding, .. } = *stored;
-    let codes = |at| encoding.rounded(encoding.of(drawn.pixels[index(size, at)], scene.image.background));
-    let allowed = match (same_device, encoding) {
-        (true, _) => 0.0,
-        (_, Encoding::Codes(_)) => (CODES + 0.5) * encoding.quantum(),
-        (_, Encoding::Linear) => FLOATS,
-    };
-    let mut redrawn = Redrawn { same_device, differs: 0, foreign: 0, worst: ([0, 0], 0.0) };
-    for at in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y])) {
-        let own = stored.pixels[index(size, at)];
-        let off = largest(apart(own, codes(at), encoding));
-        if !off.is_nan() && off <= allowed {
-            continue;
-        }
-        redrawn.differs += 1;
-        let [mut low, mut high] = [codes(at); 2];
-        for code in around(size, at).map(codes) {
-            low = std::array::from_fn(|c| low[c].min(code[c]));
-            high = std::array::from_fn(|c| high[c].max(code[c]));
-        }
-        let within = std::array::from_fn(|c| own[c].clamp(low[c], high[c]));
-        redrawn.foreign += usize::from(off.is_nan() || largest(apart(own, within, encoding)) > allowed);
-        redrawn.worst = if off > redrawn.worst.1 { (at, off) } else { redrawn.worst };
-    }
-    redrawn
-}
-
-/// A pixel and those around it.
-fn around(size: [u32; 2], [x, y]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
-    let columns = x.saturating_sub(1)..=(x + 1).min(size[0] - 1);
-    (y.saturating_sub(1)..=(y + 1).min(size[1] - 1)).flat_map(move |y| columns.clone().map(move |x| [x, y]))
 }
 
 /// The agreement of a picture with the truth; `step` says how far the step may have moved a pixel.
