@@ -53,6 +53,7 @@
 //! `measure`); all by default. Without any: fields, scenes, programs, pictures and files.
 
 #[cfg(feature = "cli")]
+#[doc(hidden)] // what `main` calls
 pub mod cli;
 pub mod exact;
 pub mod field;

@@ -13,6 +13,7 @@ mod inputs;
 mod item;
 mod light_space;
 mod noise_blocks;
+#[doc(hidden)] // for the tests of this crate
 pub mod pass;
 mod pixels;
 mod prepared;
@@ -23,6 +24,7 @@ mod sparse;
 mod sub_frame;
 mod subject;
 mod table;
+#[doc(hidden)] // for the tests of this crate
 pub mod texture;
 mod values;
 pub mod variant;

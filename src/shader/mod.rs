@@ -5,6 +5,7 @@
 //! pure function of the library, the entry file and the chosen modules.
 //! `build.rs` compiles the shipped programs through the very same files.
 
+#[doc(hidden)] // for the tests of this crate
 pub mod combine;
 pub mod declare;
 mod error;
@@ -12,8 +13,10 @@ mod instance;
 mod kind;
 mod layers;
 pub mod library;
+#[doc(hidden)] // for the tests of this crate
 pub mod link;
 mod names;
+#[doc(hidden)] // for the tests of this crate
 pub mod reach;
 
 pub use combine::{Formula, FormulaError};

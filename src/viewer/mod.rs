@@ -8,12 +8,15 @@
 //! window submits nothing but what egui draws, and computes no field.
 
 mod app;
+#[doc(hidden)] // for the tests of this crate
 pub mod author;
 mod error;
 mod host;
 mod keys;
 mod load;
+#[doc(hidden)] // for the tests of this crate
 pub mod model;
+#[doc(hidden)] // for the tests of this crate
 pub mod panels;
 mod programs;
 mod progressive;
@@ -21,6 +24,7 @@ mod screen;
 mod script;
 mod status;
 mod trackball;
+#[doc(hidden)] // for the tests of this crate
 pub mod unsaved;
 mod worker;
 

@@ -9,12 +9,16 @@
 //! made of, so its truth is that noise, summed exactly, and what the block lost is part of its error. Another strategy
 //! has another noise, and a truth of its own.
 
+#[doc(hidden)] // for the tests of this crate
 pub mod candidates;
+#[doc(hidden)] // for the tests of this crate
 pub mod front;
 pub mod metrics;
+#[doc(hidden)] // for the tests of this crate
 pub mod paper;
 pub mod report;
 mod ssim;
+#[doc(hidden)] // for the tests of this crate
 pub mod timing;
 
 use crate::gpu::Gpu;
