@@ -136,11 +136,10 @@ impl Prepared {
             all.map(|parameters| (parameters.outer_iso(), parameters.spread(1.0))).collect::<Vec<_>>()
         };
         let anew = [Changes::Field, Changes::Images];
-        !scene.changes(&self.scene).iter().any(|change| anew.contains(change))
-            && !(by_step && samples[0] != samples[1])
-            && !(self.bound.holds_parameters && scene.parameters != self.scene.parameters)
-            && self.runs(variant)
-            && reach(variant) == reach(&self.variant)
+        let same_settings = scene.changes(&self.scene).iter().all(|change| !anew.contains(change));
+        let same_step = !by_step || samples[0] == samples[1];
+        let same_tables = !self.bound.holds_parameters || scene.parameters == self.scene.parameters;
+        same_settings && same_step && same_tables && self.runs(variant) && reach(variant) == reach(&self.variant)
     }
 
     /// Whether its program is that of a variant.

@@ -141,14 +141,14 @@ impl Scene {
                 limit: "needs quality.pass = \"slices\": rays have no stack to look at".into(),
             });
         }
-        if let Some(plane) = camera.clip {
-            if plane[..3].iter().all(|&value| value.abs() < 1e-6) {
-                return Err(SceneError::Value {
-                    field: "camera.clip".into(),
-                    value: format!("{plane:?}"),
-                    limit: "the first three numbers are the normal of the plane and must not all be 0".into(),
-                });
-            }
+        if let Some(plane) = camera.clip
+            && plane[..3].iter().all(|&value| value.abs() < 1e-6)
+        {
+            return Err(SceneError::Value {
+                field: "camera.clip".into(),
+                value: format!("{plane:?}"),
+                limit: "the first three numbers are the normal of the plane and must not all be 0".into(),
+            });
         }
         Ok(())
     }
