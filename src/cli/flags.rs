@@ -5,6 +5,9 @@ use crate::scene::{Scene, SceneError};
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 
+/// A range up to here is too wide to say anything.
+const WIDE: f32 = 1e6;
+
 /// The settings that were given, as they were written: those of objects, or all others.
 #[derive(Clone, Default)]
 pub struct Flags<const OBJECT: bool>(Vec<(&'static Setting, String)>);
@@ -56,10 +59,11 @@ fn argument(setting: &'static Setting, flag: Flag) -> Arg {
         _ => setting.field().to_uppercase(),
     };
     let none = if setting.optional.is_some() { ", or none" } else { "" };
+    let doc = setting.doc.trim_end_matches('.');
     let help = match (setting.kind, setting.limits()) {
-        (Kind::Choice(_) | Kind::Switch | Kind::Module(_), _) => setting.doc.into(),
-        (_, limits) if limits.is_empty() => setting.doc.into(),
-        (_, limits) => format!("{} [{limits}{none}]", setting.doc),
+        (Kind::Choice(_) | Kind::Switch | Kind::Module(_), _) => doc.into(),
+        (Kind::Number(range) | Kind::Numbers(_, range), _) if range.high >= WIDE => doc.into(),
+        (_, limits) => format!("{doc} [{limits}{none}]"),
     };
     let mut argument = Arg::new(flag.name).long(flag.name).value_name(name).help(help);
     argument = match setting.kind {
