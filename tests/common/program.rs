@@ -27,7 +27,7 @@ pub fn interrupt(folder: &Path, arguments: &str) {
         std::thread::sleep(Duration::from_millis(20));
     }
     std::thread::sleep(Duration::from_secs(1));
-    Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("a signal");
+    Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().expect("a signal");
     let output = child.wait_with_output().expect("a child");
     let said = String::from_utf8(output.stderr).expect("a text");
     assert_eq!((output.status.code(), said.lines().count()), (Some(130), 1), "{said}");
