@@ -392,7 +392,8 @@ fn a_linear_field_is_reproduced_and_images_wrap_as_they_are_told() {
 fn what_is_missing_or_not_covered_is_said_with_its_place() {
     let fails = |before: &str, body: &str| read(before, body).err().map(|error| error.to_string()).unwrap_or_default();
     let error = fails("", "float whole;\nresult = vec4(modf(x.x, whole), whole, 0.0, 0.0);");
-    assert_eq!(error, "the exact evaluator does not cover the function modf (test.frag:7)");
+    // Compilers write it as one of two instructions, of which naga reads one and calls it Modf.
+    assert_eq!(error.to_lowercase(), "the exact evaluator does not cover the function modf (test.frag:7)");
     let error = fails("", "result = vec4(\nunpackHalf2x16(uint(x.x)), 0.0, 0.0);");
     assert_eq!(error, "the exact evaluator does not cover the function Unpack2x16float (test.frag:7)");
     let before = "layout(set = 0, binding = 4) uniform B { float k; };";
