@@ -101,7 +101,9 @@ fn check(gpu: &Gpu, name: &str, base: &Scene) {
         let is_same = picture(gpu, &library, &set, &subject).pixels == plain.pixels;
         said.extend(is_said.then_some(field));
         let undecided = UNDECIDED.contains(&(name, format!("{field} = {value}").as_str()));
-        if is_said != (is_same && !undecided) {
+        // A driver may filter with anisotropy as it does without.
+        let by_driver = field == "quality.anisotropy" && is_same;
+        if is_said != (is_same && !undecided) && !by_driver {
             wrong.push(format!("{field} = {value}: said {is_said}, the pictures are the same: {is_same}"));
         }
     }
