@@ -3,7 +3,7 @@
 use super::messages::{Messages, Messenger, create_info};
 use super::{GpuError, Named};
 use ash::vk;
-use std::ffi::c_char;
+use std::ffi::{CStr, c_char};
 
 /// The Vulkan instance, with the registration of its messages, and the surface of its window if it has one.
 pub(super) struct Instance {
@@ -69,17 +69,33 @@ impl Drop for Instance {
     }
 }
 
+const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
+
+/// Newer layers look at what shaders read and write only where a setting asks for it; older ones always do.
+fn layer_has_settings(entry: &ash::Entry) -> Result<bool, GpuError> {
+    // SAFETY: the loader is alive; the layer is there.
+    let extensions = unsafe { entry.enumerate_instance_extension_properties(Some(LAYER)) }
+        .named("vkEnumerateInstanceExtensionProperties")?;
+    Ok(extensions.iter().any(|of| of.extension_name_as_c_str() == Ok(ash::ext::layer_settings::NAME)))
+}
+
 fn create_instance(
     entry: &ash::Entry,
     validation: bool,
     extensions: &[*const c_char],
     messages: &Messages,
 ) -> Result<ash::Instance, GpuError> {
-    const LAYER: &std::ffi::CStr = c"VK_LAYER_KHRONOS_validation";
     let application = vk::ApplicationInfo::default().application_name(c"hypertexture").api_version(vk::API_VERSION_1_3);
     let mut info = vk::InstanceCreateInfo::default().application_info(&application);
     let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+    let yes = vk::TRUE;
+    let mut accesses = [vk::LayerSettingEXT::default()
+        .layer_name(LAYER)
+        .setting_name(c"syncval_shader_accesses_heuristic")
+        .ty(vk::LayerSettingTypeEXT::BOOL32)];
+    (accesses[0].value_count, accesses[0].p_values) = (1, (&raw const yes).cast()); // `values` counts bytes
+    let mut settings = vk::LayerSettingsCreateInfoEXT::default().settings(&accesses);
     let mut messenger = create_info(messages);
     let layers = [LAYER.as_ptr()];
     let mut extensions = extensions.to_vec();
@@ -93,6 +109,10 @@ fn create_instance(
         extensions.push(ash::ext::debug_utils::NAME.as_ptr());
         info = info.enabled_layer_names(&layers);
         info = info.push_next(&mut features).push_next(&mut messenger);
+        if layer_has_settings(entry)? {
+            extensions.push(ash::ext::layer_settings::NAME.as_ptr());
+            info = info.push_next(&mut settings);
+        }
     }
     info = info.enabled_extension_names(&extensions);
     // SAFETY: every pointer in `info` outlives the call; the names of the extensions are those of ash.
