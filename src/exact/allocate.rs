@@ -2,7 +2,7 @@
 //! stays in the cache.
 //! Source: linear scan, Poletto and Sarkar 1999.
 
-use super::code::{Code, Node, Reg};
+use super::code::{Code, Instr, Node, Op, Reg};
 use super::lower::Class;
 use super::optimizer::{Occurrences, each_condition, parts};
 use std::cmp::Reverse;
@@ -41,7 +41,32 @@ pub(super) fn allocate(code: &mut Code, classes: &[Vec<Class>; 3]) {
         written.sort_unstable();
         written.dedup();
     });
+    compare(&mut body, &code.instrs);
     code.body = body;
+}
+
+/// Says what conditions compare, where the numbers are still there when the branch is entered.
+fn compare(nodes: &mut [Node], instrs: &[Instr]) {
+    let mut before = 0..0;
+    for node in nodes {
+        if let Node::If { condition, compared, .. } = node {
+            let last = before.clone().rev().find(|&at| instrs[at].dst == *condition && instrs[at].single());
+            *compared = last.and_then(|at| {
+                let [a, b, _] = instrs[at].sources;
+                let kept = |reg: Reg| {
+                    !instrs[at..before.end]
+                        .iter()
+                        .any(|instr| instr.dst == reg || matches!(instr.op, Op::Sample | Op::Fetch))
+                };
+                (matches!(instrs[at].op, Op::Less | Op::LessEqual) && kept(a) && kept(b)).then_some([a, b])
+            });
+        }
+        before = match node {
+            Node::Run(start, end) => *start..*end,
+            _ => 0..0,
+        };
+        parts(node).into_iter().for_each(|part| compare(part, instrs));
+    }
 }
 
 fn span(reg: Reg, found: &Occurrences, classes: &[Vec<Class>; 3], input: bool) -> (usize, usize) {

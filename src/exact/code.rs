@@ -136,6 +136,9 @@ pub(super) enum Node {
         accept: Vec<Node>,
         reject: Vec<Node>,
         written: Written,
+        /// What the condition compares, where it is one comparison: it holds only if the first is at most the second, and
+        /// fails only if the second is at most the first.
+        compared: Option<[Reg; 2]>,
     },
     Loop(Box<Loop>),
     Switch {

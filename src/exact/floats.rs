@@ -8,6 +8,8 @@ use super::{BoundProgram, ExactError, Lanes, Measured};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mask(u64);
 
+super::number::packed_as_they_are!(f64 u32 Mask);
+
 impl Truth for Mask {
     #[inline(always)]
     fn new(truth: bool) -> Mask {
@@ -134,7 +136,7 @@ impl Number for f64 {
     const DECIDED: bool = true;
 
     fn measure(program: &BoundProgram<'_>, lanes: &Lanes<Self>) -> Result<Measured<Self>, ExactError> {
-        program.evaluate(lanes)
+        program.evaluate(lanes, &mut [])
     }
 
     #[inline(always)]

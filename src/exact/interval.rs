@@ -4,7 +4,7 @@
 //! operation that gives NaN for a point of its box gives the whole line, which alone stands for NaN as well.
 //! Source: Moore 1966; the containment tests follow fidget (M. Keeter).
 
-use super::number::{Integer, Number, Unary};
+use super::number::{GROUP, Integer, Number, Packed, Unary};
 use super::range::{Range, Tri};
 use super::texture::{Image, Wrap};
 use super::{BoundProgram, ExactError, Lanes, Measured};
@@ -25,6 +25,18 @@ const LIBRARY: f64 = 1e-15;
 /// Beyond it, where extremes of sine and cosine are is not decided.
 const FAR: f64 = 1e6;
 
+/// The lesser of two that are not NaN, in one instruction.
+#[inline(always)]
+pub(super) fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The greater, as [`lesser`].
+#[inline(always)]
+pub(super) fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
 impl Interval {
     /// The whole line.
     pub const WHOLE: Interval = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
@@ -39,21 +51,45 @@ impl Interval {
         if x.is_nan() { self == Interval::WHOLE } else { self.lo <= x && x <= self.hi }
     }
 
-    /// Bounds that are the ends of correctly rounded operations.
-    fn rounded(lo: f64, hi: f64) -> Interval {
-        if lo.is_nan() || hi.is_nan() {
-            return Interval::WHOLE;
-        }
-        Interval { lo: lo.next_down(), hi: hi.next_up() }
+    /// Bounds that are the ends of correctly rounded operations: an ulp or two outward, without a jump.
+    #[inline(always)]
+    pub(super) fn rounded(lo: f64, hi: f64) -> Interval {
+        // Sums and products that are 0 are so exactly, but for what is too small for a normal number.
+        let tiny = |x: f64| if x == 0.0 { 0.0 } else { f64::MIN_POSITIVE };
+        let down = |x: f64| x - (x.abs() * f64::EPSILON + tiny(x));
+        Interval::known(down(lo), -down(-hi))
+    }
+
+    /// These bounds; the whole line, where one is NaN.
+    #[inline(always)]
+    fn known(lo: f64, hi: f64) -> Interval {
+        Interval::WHOLE.unless(lo <= hi, Interval { lo, hi })
+    }
+
+    /// The other one, if that is so.
+    #[inline(always)]
+    pub(super) fn unless(self, so: bool, other: Interval) -> Interval {
+        Interval { lo: if so { other.lo } else { self.lo }, hi: if so { other.hi } else { self.hi } }
+    }
+
+    /// With an ulp or two more.
+    #[inline(always)]
+    pub(super) fn wider(self) -> Interval {
+        Interval::rounded(self.lo, self.hi)
+    }
+
+    /// Its middle, and how far from there its ends are at most.
+    #[inline(always)]
+    pub(super) fn center(self) -> (f64, f64) {
+        let middle = 0.5 * (self.lo + self.hi);
+        (middle, greater(self.hi - middle, middle - self.lo) * (1.0 + f64::EPSILON) + f64::MIN_POSITIVE)
     }
 
     /// Bounds that come from the standard library.
+    #[inline(always)]
     fn library(lo: f64, hi: f64) -> Interval {
-        if lo.is_nan() || hi.is_nan() {
-            return Interval::WHOLE;
-        }
-        let down = |x: f64| if x.is_finite() { x - x.abs() * LIBRARY - f64::MIN_POSITIVE } else { x.next_down() };
-        Interval { lo: down(lo), hi: -down(-hi) }
+        let down = |x: f64| x - (x.abs() * LIBRARY + f64::MIN_POSITIVE);
+        Interval::known(down(lo), -down(-hi))
     }
 
     /// Of a function that rises.
@@ -66,32 +102,35 @@ impl Interval {
         if self.lo < low || self.hi > high { Interval::WHOLE } else { self.rising(f) }
     }
 
+    #[inline(always)]
     fn meet(self, lo: f64, hi: f64) -> Interval {
         Interval { lo: self.lo.clamp(lo, hi), hi: self.hi.clamp(lo, hi) }
     }
 
+    #[inline(always)]
     fn abs(self) -> Interval {
-        match self {
-            Interval { lo, .. } if lo >= 0.0 => self,
-            Interval { hi, .. } if hi <= 0.0 => self.negate(),
-            Interval { lo, hi } => Interval { lo: 0.0, hi: hi.max(-lo) },
-        }
+        let Interval { lo, hi } = self;
+        Interval { lo: greater(greater(lo, -hi), 0.0), hi: greater(hi, -lo) }
     }
 
-    fn negate(self) -> Interval {
+    #[inline(always)]
+    pub(super) fn negate(self) -> Interval {
         Interval { lo: -self.hi, hi: -self.lo }
     }
 
+    #[inline(always)]
     fn is_whole(self) -> bool {
         self == Interval::WHOLE
     }
 
-    /// `f` at every combination of the ends: of a function whose extremes are at corners.
+    /// `f` at every combination of the ends, NaN where one is: of a function whose extremes are at corners.
+    #[inline(always)]
     fn corners(self, b: Interval, f: impl Fn(f64, f64) -> f64) -> (f64, f64) {
-        let values = [f(self.lo, b.lo), f(self.lo, b.hi), f(self.hi, b.lo), f(self.hi, b.hi)];
-        let nan = values.iter().any(|value| value.is_nan());
-        let (lo, hi) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (v.min(lo), v.max(hi)));
-        if nan { (f64::NAN, f64::NAN) } else { (lo, hi) }
+        let [p, q, r, s] = [f(self.lo, b.lo), f(self.lo, b.hi), f(self.hi, b.lo), f(self.hi, b.hi)];
+        let (lo, hi) = (lesser(lesser(p, q), lesser(r, s)), greater(greater(p, q), greater(r, s)));
+        // Also NaN where both infinities are among them, and the bounds are the whole line anyway.
+        let nan = (p + q + (r + s)).is_nan();
+        (if nan { f64::NAN } else { lo }, if nan { f64::NAN } else { hi })
     }
 
     /// Cosine; `shift` is added to the angle.
@@ -127,60 +166,77 @@ impl Interval {
     }
 }
 
+impl Packed for Interval {
+    type Group = [[f64; GROUP]; 2];
+
+    #[inline(always)]
+    fn splat(self) -> Self::Group {
+        [self.lo, self.hi].map(|end| [end; GROUP])
+    }
+    #[inline(always)]
+    fn get([lo, hi]: &Self::Group, place: usize) -> Interval {
+        Interval { lo: lo[place], hi: hi[place] }
+    }
+    #[inline(always)]
+    fn put(self, [lo, hi]: &mut Self::Group, place: usize) {
+        (lo[place], hi[place]) = (self.lo, self.hi);
+    }
+}
+
 impl Number for Interval {
     type Int = Range;
     type Truth = Tri;
     const DECIDED: bool = false;
 
     fn measure(program: &BoundProgram<'_>, lanes: &Lanes<Self>) -> Result<Measured<Self>, ExactError> {
-        program.evaluate(lanes)
+        program.evaluate(lanes, &mut [])
     }
 
+    #[inline(always)]
     fn new(x: f64) -> Interval {
         Interval::of(x, x)
     }
     fn whole() -> Interval {
         Interval::WHOLE
     }
+    #[inline(always)]
     fn join(self, other: Interval) -> Interval {
-        Interval { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+        Interval { lo: lesser(self.lo, other.lo), hi: greater(self.hi, other.hi) }
     }
     fn within(self, other: Interval) -> bool {
         other.lo <= self.lo && self.hi <= other.hi
     }
+    #[inline(always)]
     fn select(truth: Tri, a: Interval, b: Interval) -> Interval {
-        match (truth.may_hold, truth.may_fail) {
-            (true, false) => a,
-            (false, true) => b,
-            _ => a.join(b),
-        }
+        a.join(b).unless(!truth.may_hold, b).unless(!truth.may_fail, a)
     }
-    #[inline(never)]
+    #[inline(always)] // of those functions that are known before the loop over lanes
     fn unary(self, function: Unary) -> Interval {
         let Interval { lo, hi } = self;
-        let exact = |f: fn(f64) -> f64| Interval { lo: f(lo), hi: f(hi) };
         match function {
-            _ if self.is_whole() && !matches!(function, Unary::Saturate | Unary::Sign) => Interval::WHOLE,
             Unary::Negate => self.negate(),
-            Unary::Abs => self.abs(),
-            Unary::Sign => exact(|x| x.unary(Unary::Sign)),
-            Unary::Floor => exact(f64::floor),
-            Unary::Ceil => exact(f64::ceil),
-            Unary::Trunc => exact(f64::trunc),
-            Unary::Round => exact(f64::round_ties_even),
-            Unary::Fract if lo.floor() == hi.floor() => {
-                Interval::rounded(lo - lo.floor(), hi - hi.floor()).meet(0.0, 1.0)
+            Unary::Abs => self.abs().unless(self.is_whole(), self),
+            Unary::Sign | Unary::Floor | Unary::Ceil | Unary::Trunc | Unary::Round => {
+                Interval { lo: lo.unary(function), hi: hi.unary(function) }
             }
-            Unary::Fract if lo.is_infinite() || hi.is_infinite() => Interval::WHOLE,
-            Unary::Fract => Interval { lo: 0.0, hi: 1.0 },
-            Unary::Saturate => exact(|x| x.clamp(0.0, 1.0)),
+            Unary::Fract => {
+                let [low, high] = [lo, hi].map(|x| x.unary(Unary::Floor));
+                let within = Interval::rounded(lo - low, hi - high).meet(0.0, 1.0);
+                let finite = lo > f64::NEG_INFINITY && hi < f64::INFINITY;
+                let any = Interval::WHOLE.unless(finite, Interval { lo: 0.0, hi: 1.0 });
+                any.unless(finite & (low == high), within)
+            }
+            Unary::Saturate => Interval { lo: lesser(greater(lo, 0.0), 1.0), hi: lesser(greater(hi, 0.0), 1.0) },
             Unary::Square => {
                 let Interval { lo, hi } = self.abs();
                 let squared = Interval::rounded(lo * lo, hi * hi);
-                Interval { lo: squared.lo.max(0.0), hi: squared.hi }
+                Interval { lo: greater(squared.lo, 0.0), hi: squared.hi }.unless(self.is_whole(), self)
             }
-            Unary::Sqrt if lo < 0.0 => Interval::WHOLE,
-            Unary::Sqrt => Interval { lo: lo.sqrt().next_down().max(0.0), hi: hi.sqrt().next_up() },
+            Unary::Sqrt => {
+                let Interval { lo, hi } = Interval::rounded(lo.sqrt(), hi.sqrt()); // NaN below 0
+                Interval { lo: greater(lo, 0.0), hi }.unless(self.lo < 0.0, Interval::WHOLE)
+            }
+            _ if self.is_whole() => Interval::WHOLE,
             Unary::InverseSqrt if lo < 0.0 => Interval::WHOLE,
             // Of a rounded root: two roundings.
             Unary::InverseSqrt => Interval::library(1.0 / hi.sqrt(), 1.0 / lo.abs().sqrt()).meet(0.0, f64::INFINITY),
@@ -206,29 +262,30 @@ impl Number for Interval {
             Unary::Atanh => self.rising_within(-1.0, 1.0, f64::atanh),
         }
     }
+    #[inline(always)]
     fn add(self, b: Interval) -> Interval {
         Interval::rounded(self.lo + b.lo, self.hi + b.hi)
     }
+    #[inline(always)]
     fn sub(self, b: Interval) -> Interval {
         Interval::rounded(self.lo - b.hi, self.hi - b.lo)
     }
-    #[inline(never)]
+    #[inline(always)]
     fn mul(self, b: Interval) -> Interval {
         let (lo, hi) = self.corners(b, |x, y| x * y);
         Interval::rounded(lo, hi)
     }
-    #[inline(never)]
+    #[inline(always)]
     fn div(self, b: Interval) -> Interval {
-        if b.contains(0.0) {
-            return Interval::WHOLE;
-        }
         let (lo, hi) = self.corners(b, |x, y| x / y);
-        Interval::rounded(lo, hi)
+        Interval::rounded(lo, hi).unless((b.lo <= 0.0) & (b.hi >= 0.0), Interval::WHOLE)
     }
+    #[inline(always)]
     fn min(self, b: Interval) -> Interval {
         // Also where one of them may be NaN: then the other, which is not above its own end.
-        Interval { lo: self.lo.min(b.lo), hi: self.hi.min(b.hi) }
+        Interval { lo: lesser(self.lo, b.lo), hi: lesser(self.hi, b.hi) }
     }
+    #[inline(always)]
     fn max(self, b: Interval) -> Interval {
         self.negate().min(b.negate()).negate()
     }
@@ -264,34 +321,35 @@ impl Number for Interval {
         let found = self.sub(b.mul(whole));
         Interval { lo: found.lo.max(bound.lo), hi: found.hi.min(bound.hi) }.ordered(bound)
     }
-    #[inline(never)]
+    #[inline(always)]
     fn unit(self, length: Interval) -> Interval {
-        if self.is_whole() || length.contains(0.0) || length.hi.is_infinite() {
-            return Interval::WHOLE; // 0 / 0 is NaN
-        }
         let margin = 1.0 + 4.0 * f64::EPSILON;
-        self.div(length).meet(-margin, margin)
+        // 0 / 0 is NaN.
+        let unknown = self.is_whole() | (length.lo <= 0.0) & (length.hi >= 0.0) | (length.hi == f64::INFINITY);
+        self.div(length).meet(-margin, margin).unless(unknown, Interval::WHOLE)
     }
-    #[inline(never)]
+    #[inline(always)]
     fn mix(self, b: Interval, t: Interval) -> Interval {
         // Linear in each: the extremes are at corners.
         let [(a, c), (d, e)] = [t.lo, t.hi].map(|t| self.corners(b, |x, y| x * (1.0 - t) + y * t));
-        let (lo, hi) = (a.min(d), c.max(e));
-        if [a, c, d, e].iter().any(|value| value.is_nan()) {
-            return Interval::WHOLE;
-        }
-        let largest = |x: Interval| x.abs().hi;
+        let largest = |x: Interval| greater(x.hi, -x.lo);
         let size = (largest(self) + largest(b)) * (1.0 + largest(t));
         let margin = 4.0 * f64::EPSILON * size + f64::MIN_POSITIVE;
-        if margin.is_finite() { Interval { lo: lo - margin, hi: hi + margin } } else { Interval::WHOLE }
+        // Of NaN and of infinite ends nothing is known.
+        let known = (margin < f64::INFINITY) & !(a + d).is_nan();
+        let found = Interval { lo: lesser(a, d) - margin, hi: greater(c, e) + margin };
+        Interval::WHOLE.unless(known, found)
     }
+    #[inline(always)]
     fn less(self, b: Interval) -> Tri {
         Tri { may_hold: self.lo < b.hi, may_fail: self.hi >= b.lo }
     }
+    #[inline(always)]
     fn less_equal(self, b: Interval) -> Tri {
         // The whole line may be NaN, which is not less even than infinity.
         Tri { may_hold: self.lo <= b.hi, may_fail: self.hi > b.lo || self.is_whole() || b.is_whole() }
     }
+    #[inline(always)]
     fn equal(self, b: Interval) -> Tri {
         let same = self.lo == self.hi && self == b;
         Tri { may_hold: self.lo <= b.hi && b.lo <= self.hi, may_fail: !same }

@@ -1,28 +1,47 @@
 //! Blocks of lanes: registers, loops over them, and what is left of lanes that took several ways.
 
+use super::cases::Case;
 use super::code::{File, Reg};
-use super::number::{Integer, Number, Truth};
+use super::number::{GROUP, Integer, Number, Packed, Truth};
 
-/// Lanes of a block: one bit each of a mask.
+/// Lanes of a block: one bit each of a mask. Those of a group are computed together as soon as one of them is active.
 pub(super) const LANES: usize = 64;
-/// Lanes that are computed together as soon as one of them is active.
-const GROUP: usize = 8;
 
 /// One value for each lane.
-pub(super) type Row<T> = [T; LANES];
+pub(super) type Row<T> = [<T as Packed>::Group; LANES / GROUP];
+
+/// The value of a lane.
+#[inline(always)]
+pub(super) fn get<T: Packed>(row: &Row<T>, lane: usize) -> T {
+    T::get(&row[lane / GROUP], lane % GROUP)
+}
+
+/// Sets the value of a lane.
+#[inline(always)]
+pub(super) fn put<T: Packed>(row: &mut Row<T>, lane: usize, value: T) {
+    value.put(&mut row[lane / GROUP], lane % GROUP);
+}
 
 /// What an instruction reads.
 #[derive(Clone, Copy)]
-pub(super) enum Operand<'a, T> {
+pub(super) enum Operand<'a, T: Packed> {
     Lanes(&'a Row<T>),
     One(T),
 }
 
-impl<T: Copy> Operand<'_, T> {
+impl<T: Packed> Operand<'_, T> {
     pub(super) fn at(&self, lane: usize) -> T {
         match self {
-            Operand::Lanes(row) => row[lane],
+            Operand::Lanes(row) => get(row, lane),
             Operand::One(value) => *value,
+        }
+    }
+
+    /// All lanes.
+    pub(super) fn row(&self) -> Row<T> {
+        match self {
+            Operand::Lanes(row) => **row,
+            Operand::One(value) => [value.splat(); LANES / GROUP],
         }
     }
 }
@@ -36,17 +55,18 @@ pub(super) fn each(mut mask: u64, mut on: impl FnMut(usize)) {
     }
 }
 
+// Groups are copied before they are computed with: what may overlap in memory would be computed lane by lane.
+
 /// Calls `on` with each group of lanes of which one is in the mask, and its number.
 #[inline(always)]
-fn groups<T>(out: &mut Row<T>, mask: u64, mut on: impl FnMut(usize, &mut [T; GROUP])) {
-    let groups = out.as_chunks_mut::<GROUP>().0.iter_mut().enumerate();
+fn groups<G>(out: &mut [G; LANES / GROUP], mask: u64, mut on: impl FnMut(usize, &mut G)) {
     if mask == u64::MAX {
         // Most often, and without a jump for each group.
-        for (group, out) in groups {
+        for (group, out) in out.iter_mut().enumerate() {
             on(group, out);
         }
     } else {
-        for (group, out) in groups {
+        for (group, out) in out.iter_mut().enumerate() {
             if (mask >> (GROUP * group)) & 0xff != 0 {
                 on(group, out);
             }
@@ -55,46 +75,44 @@ fn groups<T>(out: &mut Row<T>, mask: u64, mut on: impl FnMut(usize, &mut [T; GRO
 }
 
 #[inline(always)]
-pub(super) fn map1<A: Copy, D: Copy>(out: &mut Row<D>, mask: u64, a: Operand<'_, A>, f: impl Fn(A) -> D) {
+pub(super) fn map1<A: Packed, D: Packed>(out: &mut Row<D>, mask: u64, a: Operand<'_, A>, f: impl Fn(A) -> D) {
     match a {
-        Operand::Lanes(a) => {
-            let a = a.as_chunks::<GROUP>().0;
-            groups(
-                out,
-                mask,
-                #[inline(always)]
-                |group, out| {
-                    for lane in 0..GROUP {
-                        out[lane] = f(a[group][lane]);
-                    }
-                },
-            );
-        }
-        Operand::One(a) => out.fill(f(a)),
+        Operand::Lanes(a) => groups(
+            out,
+            mask,
+            #[inline(always)]
+            |group, out| {
+                let (a, mut values) = (a[group], *out);
+                for place in 0..GROUP {
+                    f(A::get(&a, place)).put(&mut values, place);
+                }
+                *out = values;
+            },
+        ),
+        Operand::One(a) => out.fill(f(a).splat()),
     }
 }
 
 #[inline(always)]
-pub(super) fn map2<A: Copy, B: Copy, D: Copy>(
+pub(super) fn map2<A: Packed, B: Packed, D: Packed>(
     out: &mut Row<D>,
     mask: u64,
     (a, b): (Operand<'_, A>, Operand<'_, B>),
     f: impl Fn(A, B) -> D,
 ) {
     match (a, b) {
-        (Operand::Lanes(a), Operand::Lanes(b)) => {
-            let (a, b) = (a.as_chunks::<GROUP>().0, b.as_chunks::<GROUP>().0);
-            groups(
-                out,
-                mask,
-                #[inline(always)]
-                |group, out| {
-                    for lane in 0..GROUP {
-                        out[lane] = f(a[group][lane], b[group][lane]);
-                    }
-                },
-            );
-        }
+        (Operand::Lanes(a), Operand::Lanes(b)) => groups(
+            out,
+            mask,
+            #[inline(always)]
+            |group, out| {
+                let (a, b, mut values) = (a[group], b[group], *out);
+                for place in 0..GROUP {
+                    f(A::get(&a, place), B::get(&b, place)).put(&mut values, place);
+                }
+                *out = values;
+            },
+        ),
         (a, Operand::One(b)) => map1(
             out,
             mask,
@@ -113,26 +131,25 @@ pub(super) fn map2<A: Copy, B: Copy, D: Copy>(
 }
 
 #[inline(always)]
-pub(super) fn map3<A: Copy, B: Copy, C: Copy, D: Copy>(
+pub(super) fn map3<A: Packed, B: Packed, C: Packed, D: Packed>(
     out: &mut Row<D>,
     mask: u64,
     (a, b, c): (Operand<'_, A>, Operand<'_, B>, Operand<'_, C>),
     f: impl Fn(A, B, C) -> D,
 ) {
     match (a, b, c) {
-        (Operand::Lanes(a), Operand::Lanes(b), Operand::Lanes(c)) => {
-            let (a, b, c) = (a.as_chunks::<GROUP>().0, b.as_chunks::<GROUP>().0, c.as_chunks::<GROUP>().0);
-            groups(
-                out,
-                mask,
-                #[inline(always)]
-                |group, out| {
-                    for lane in 0..GROUP {
-                        out[lane] = f(a[group][lane], b[group][lane], c[group][lane]);
-                    }
-                },
-            );
-        }
+        (Operand::Lanes(a), Operand::Lanes(b), Operand::Lanes(c)) => groups(
+            out,
+            mask,
+            #[inline(always)]
+            |group, out| {
+                let (a, b, c, mut values) = (a[group], b[group], c[group], *out);
+                for place in 0..GROUP {
+                    f(A::get(&a, place), B::get(&b, place), C::get(&c, place)).put(&mut values, place);
+                }
+                *out = values;
+            },
+        ),
         (a, b, Operand::One(c)) => map2(
             out,
             mask,
@@ -158,8 +175,8 @@ pub(super) fn map3<A: Copy, B: Copy, C: Copy, D: Copy>(
 }
 
 /// The same for what is too long to be worth doing in lanes that are not active.
-pub(super) fn slow<A: Copy, D: Copy, O: Lane<A>>(out: &mut Row<D>, mask: u64, a: O, f: impl Fn(A) -> D) {
-    each(mask, |lane| out[lane] = f(a.lane(lane)));
+pub(super) fn slow<A: Copy, D: Packed, O: Lane<A>>(out: &mut Row<D>, mask: u64, a: O, f: impl Fn(A) -> D) {
+    each(mask, |lane| put(out, lane, f(a.lane(lane))));
 }
 
 /// What has a value for each lane.
@@ -167,31 +184,31 @@ pub(super) trait Lane<T> {
     fn lane(&self, lane: usize) -> T;
 }
 
-impl<T: Copy> Lane<T> for Operand<'_, T> {
+impl<T: Packed> Lane<T> for Operand<'_, T> {
     fn lane(&self, lane: usize) -> T {
         self.at(lane)
     }
 }
 
-impl<'a, 'b, A: Copy, B: Copy> Lane<(A, B)> for (Operand<'a, A>, Operand<'b, B>) {
+impl<'a, 'b, A: Packed, B: Packed> Lane<(A, B)> for (Operand<'a, A>, Operand<'b, B>) {
     fn lane(&self, lane: usize) -> (A, B) {
         (self.0.at(lane), self.1.at(lane))
     }
 }
 
 /// The registers of one file: with a value for each lane, and with one for all.
-pub(super) struct Rows<T> {
+pub(super) struct Rows<T: Packed> {
     rows: Vec<Box<Row<T>>>,
     ones: Vec<T>,
 }
 
 /// The registers of one file, and where results are computed before they change places with a register.
-pub(super) struct Bank<T> {
+pub(super) struct Bank<T: Packed> {
     pub(super) rows: Rows<T>,
     pub(super) spare: Box<Row<T>>,
 }
 
-impl<T: Copy> Rows<T> {
+impl<T: Packed> Rows<T> {
     #[inline(always)]
     pub(super) fn read(&self, reg: Reg) -> Operand<'_, T> {
         // While uniform registers are computed, they have rows.
@@ -202,9 +219,9 @@ impl<T: Copy> Rows<T> {
     }
 }
 
-impl<T: Copy> Bank<T> {
+impl<T: Packed> Bank<T> {
     pub(super) fn new(registers: u32, ones: Vec<T>, zero: T) -> Bank<T> {
-        let row = || Box::new([zero; LANES]);
+        let row = || Box::new([zero.splat(); LANES / GROUP]);
         Bank { rows: Rows { rows: (0..registers).map(|_| row()).collect(), ones }, spare: row() }
     }
 
@@ -219,14 +236,14 @@ impl<T: Copy> Bank<T> {
         if all {
             std::mem::swap(row, &mut self.spare);
         } else {
-            let from = self.spare.as_chunks::<GROUP>().0;
+            let from = &self.spare;
             groups(
                 row,
                 mask,
                 #[inline(always)]
                 |group, out| match (mask >> (GROUP * group)) & 0xff {
                     0xff => *out = from[group],
-                    bits => each(bits, |lane| out[lane] = from[group][lane]),
+                    bits => each(bits, |place| T::get(&from[group], place).put(out, place)),
                 },
             );
         }
@@ -246,6 +263,8 @@ pub(super) struct Banks<N: Number> {
     pub(super) floats: Bank<N>,
     pub(super) ints: Bank<N::Int>,
     pub(super) truths: Bank<N::Truth>,
+    /// One for each lane, or none where cases are not told apart.
+    pub(super) cases: Vec<Case>,
 }
 
 /// How values of all three files are made one, and compared.
@@ -259,7 +278,7 @@ fn of_file(written: &[Reg], file: File) -> impl Iterator<Item = usize> + '_ {
 }
 
 /// Adds lanes to rows that hold those of `before`.
-fn add<T: Copy>(
+fn add<T: Packed>(
     rows: &mut Vec<Row<T>>,
     bank: &Bank<T>,
     of: impl Iterator<Item = usize>,
@@ -271,13 +290,14 @@ fn add<T: Copy>(
         if slot == rows.len() {
             rows.push(**now);
         }
-        each(lanes & before, |lane| rows[slot][lane] = (joins.join)(rows[slot][lane], now[lane]));
-        each(lanes & !before, |lane| rows[slot][lane] = now[lane]);
+        let row = &mut rows[slot];
+        each(lanes & before, |lane| put(row, lane, (joins.join)(get(row, lane), get(now, lane))));
+        each(lanes & !before, |lane| put(row, lane, get::<T>(now, lane)));
     }
 }
 
 /// Brings lanes back: those of `here` have come another way as well.
-fn take<T: Copy>(
+fn take<T: Packed>(
     rows: &[Row<T>],
     bank: &mut Bank<T>,
     of: impl Iterator<Item = usize>,
@@ -286,13 +306,13 @@ fn take<T: Copy>(
 ) {
     for (row, index) in rows.iter().zip(of) {
         let now = &mut bank.rows.rows[index];
-        each(lanes & here, |lane| now[lane] = (joins.join)(now[lane], row[lane]));
-        each(lanes & !here, |lane| now[lane] = row[lane]);
+        each(lanes & here, |lane| put(now, lane, (joins.join)(get(now, lane), get(row, lane))));
+        each(lanes & !here, |lane| put(now, lane, get::<T>(row, lane)));
     }
 }
 
 /// The lanes in which nothing is new.
-fn old<T: Copy>(
+fn old<T: Packed>(
     rows: &[Row<T>],
     bank: &Bank<T>,
     of: impl Iterator<Item = usize>,
@@ -301,7 +321,7 @@ fn old<T: Copy>(
 ) -> u64 {
     for (row, index) in rows.iter().zip(of) {
         let now = &bank.rows.rows[index];
-        each(lanes, |lane| lanes &= !(u64::from(!(joins.within)(now[lane], row[lane])) << lane));
+        each(lanes, |lane| lanes &= !(u64::from(!(joins.within)(get(now, lane), get(row, lane))) << lane));
         if lanes == 0 {
             break;
         }
@@ -356,9 +376,9 @@ impl<N: Number> Banks<N> {
     pub(super) fn forget(&mut self, written: &[Reg], lanes: u64) {
         for reg in written {
             each(lanes, |lane| match reg.file {
-                File::Float => self.floats.row(*reg)[lane] = N::whole(),
-                File::Int => self.ints.row(*reg)[lane] = N::Int::whole(),
-                File::Truth => self.truths.row(*reg)[lane] = N::Truth::whole(),
+                File::Float => put(self.floats.row(*reg), lane, N::whole()),
+                File::Int => put(self.ints.row(*reg), lane, N::Int::whole()),
+                File::Truth => put(self.truths.row(*reg), lane, N::Truth::whole()),
             });
         }
     }

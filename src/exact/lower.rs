@@ -333,7 +333,7 @@ impl<'m> Lower<'m> {
                     let condition = self.scalar(frame, *condition)?;
                     let accept = self.nested(frame, accept)?;
                     let reject = self.nested(frame, reject)?;
-                    self.nodes.push(Node::If { condition, accept, reject, written: Vec::new() });
+                    self.nodes.push(Node::If { condition, accept, reject, written: Vec::new(), compared: None });
                 }
                 Statement::Switch { selector, cases } => {
                     let selector = self.scalar(frame, *selector)?;

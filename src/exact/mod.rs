@@ -6,7 +6,9 @@
 //! Invariant: pure; an [`Interval`] holds everything that any point of its box gives. A comparison that is not decided
 //! goes both ways, a loop without a bound gives the whole line. What is not covered is an error that names it.
 
+mod affine;
 mod allocate;
+mod cases;
 mod code;
 mod express;
 mod floats;
@@ -26,6 +28,7 @@ mod step;
 pub mod texture;
 mod value;
 
+pub use affine::Affine;
 pub use interval::Interval;
 pub use number::Number;
 pub use outline::Outline;
@@ -33,8 +36,9 @@ pub use texture::{Texture, Wrap};
 
 use naga::front::spv::Error as SpirvError;
 
+use cases::Case;
 use code::{Code, File, Input, Source};
-use number::{Integer, Truth};
+use number::{Integer, Packed, Truth};
 use run::Machine;
 use std::collections::BTreeMap;
 use texture::Image;
@@ -145,6 +149,29 @@ impl Program {
     /// [`ExactError::Spirv`] and [`ExactError::Uncovered`], which names the construct, and file and line if the SPIR-V
     /// has them.
     pub fn read(spirv: &[u32], constants: &[(u32, u32)]) -> Result<Program, ExactError> {
+        Program::read_with(spirv, constants, |_| ())
+    }
+
+    /// The part of a program that one channel of an output depends on: the others are 0, and it is the first one.
+    ///
+    /// # Errors
+    /// As [`Program::read`].
+    pub fn read_channel(
+        spirv: &[u32],
+        constants: &[(u32, u32)],
+        (output, channel): (u32, usize),
+    ) -> Result<Program, ExactError> {
+        Program::read_with(spirv, constants, |code| {
+            code.outputs.retain(|(location, _)| *location == output);
+            code.outputs.iter_mut().for_each(|(_, regs)| *regs = regs.get(channel).copied().into_iter().collect());
+        })
+    }
+
+    fn read_with(
+        spirv: &[u32],
+        constants: &[(u32, u32)],
+        change: impl FnOnce(&mut Code),
+    ) -> Result<Program, ExactError> {
         let words = prepass::Words::read(spirv, constants)?;
         let options = naga::front::spv::Options {
             adjust_coordinate_space: false,
@@ -166,6 +193,7 @@ impl Program {
             other => ExactError::Spirv(other.to_string()),
         })?;
         let (mut code, classes) = lower::lower(&module, &words)?;
+        change(&mut code);
         optimizer::tidy(&mut code, &classes);
         allocate::allocate(&mut code, &classes);
         Ok(Program { code })
@@ -260,7 +288,7 @@ impl BoundProgram<'_> {
     }
 
     /// [`BoundProgram::measure`], compiled here for each kind of number, and not in every crate that calls it.
-    fn evaluate<N: Number>(&self, lanes: &Lanes<N>) -> Result<Measured<N>, ExactError> {
+    fn evaluate<N: Number>(&self, lanes: &Lanes<N>, cases: &mut [Case]) -> Result<Measured<N>, ExactError> {
         let count = self.check(lanes)?;
         let mut machine = Machine::new(self.code, &self.images, self.uniforms());
         let mut outputs: BTreeMap<u32, Vec<[N; 4]>> =
@@ -274,10 +302,17 @@ impl BoundProgram<'_> {
                 };
                 let row = machine.banks.floats.row(*reg);
                 for lane in 0..here {
-                    row[lane] = values[first + lane][*component];
+                    lanes::put(row, lane, values[first + lane][*component]);
                 }
             }
+            if let Some(cases) = cases.get(first..first + here) {
+                machine.banks.cases = cases.to_vec();
+                machine.banks.cases.resize(lanes::LANES, Case::default());
+            }
             let (ended, killed) = machine.run(u64::MAX >> (lanes::LANES - here))?;
+            if let Some(cases) = cases.get_mut(first..first + here) {
+                cases.copy_from_slice(&machine.banks.cases[..here]);
+            }
             for (location, regs) in &self.code.outputs {
                 let Some(out) = outputs.get_mut(location) else { continue };
                 out.extend((0..here).map(|lane| {
@@ -335,9 +370,9 @@ impl BoundProgram<'_> {
         let mut machine = Machine::<N>::new(&prelude, &[], (Vec::new(), Vec::new(), Vec::new()));
         for ((reg, _), value) in self.code.sources.iter().zip(&self.values) {
             match *value {
-                Start::Float(x) => machine.banks.floats.row(*reg).fill(N::new(x)),
-                Start::Int(bits, signed) => machine.banks.ints.row(*reg).fill(N::Int::new(bits, signed)),
-                Start::Truth(truth) => machine.banks.truths.row(*reg).fill(N::Truth::new(truth)),
+                Start::Float(x) => machine.banks.floats.row(*reg).fill(N::new(x).splat()),
+                Start::Int(bits, signed) => machine.banks.ints.row(*reg).fill(N::Int::new(bits, signed).splat()),
+                Start::Truth(truth) => machine.banks.truths.row(*reg).fill(N::Truth::new(truth).splat()),
             }
         }
         // Straight code does not fail.
@@ -345,9 +380,9 @@ impl BoundProgram<'_> {
         let row = |file, index| code::Reg { file, uniform: true, index };
         let counts = self.code.uniforms;
         (
-            (0..counts[0]).map(|index| machine.banks.floats.row(row(File::Float, index))[0]).collect(),
-            (0..counts[1]).map(|index| machine.banks.ints.row(row(File::Int, index))[0]).collect(),
-            (0..counts[2]).map(|index| machine.banks.truths.row(row(File::Truth, index))[0]).collect(),
+            (0..counts[0]).map(|index| lanes::get(machine.banks.floats.row(row(File::Float, index)), 0)).collect(),
+            (0..counts[1]).map(|index| lanes::get(machine.banks.ints.row(row(File::Int, index)), 0)).collect(),
+            (0..counts[2]).map(|index| lanes::get(machine.banks.truths.row(row(File::Truth, index)), 0)).collect(),
         )
     }
 }

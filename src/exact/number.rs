@@ -2,11 +2,51 @@
 //!
 //! Invariant: every function here is total. Integers have 32 bits and wrap, as on the GPU.
 
+use super::cases::Case;
 use super::{BoundProgram, ExactError, Lanes, Measured};
 use std::fmt::Debug;
 
+/// Values that lie together in memory, part by part: so many make the vectors of a processor.
+pub const GROUP: usize = 8;
+
+/// A value of which each lane has one.
+pub trait Packed: Copy {
+    /// [`GROUP`] of them.
+    type Group: Copy;
+
+    /// The same in every place.
+    fn splat(self) -> Self::Group;
+    /// The one in a place.
+    fn get(group: &Self::Group, place: usize) -> Self;
+    /// Puts it in its place.
+    fn put(self, group: &mut Self::Group, place: usize);
+}
+
+/// Values of one part.
+macro_rules! packed_as_they_are {
+    ($($value:ty)*) => {$(
+        impl $crate::exact::number::Packed for $value {
+            type Group = [$value; $crate::exact::number::GROUP];
+
+            #[inline(always)]
+            fn splat(self) -> Self::Group {
+                [self; $crate::exact::number::GROUP]
+            }
+            #[inline(always)]
+            fn get(group: &Self::Group, place: usize) -> Self {
+                group[place]
+            }
+            #[inline(always)]
+            fn put(self, group: &mut Self::Group, place: usize) {
+                group[place] = self;
+            }
+        }
+    )*};
+}
+pub(super) use packed_as_they_are;
+
 /// A type that stands for the floats of a program.
-pub trait Number: Copy + Debug + Send + Sync + 'static {
+pub trait Number: Packed + Debug + Send + Sync + 'static {
     /// What stands for its integers.
     type Int: Integer<Truth = Self::Truth>;
     /// What stands for its truth values.
@@ -29,8 +69,20 @@ pub trait Number: Copy + Debug + Send + Sync + 'static {
     fn within(self, other: Self) -> bool;
     /// `a` where the truth holds, else `b`.
     fn select(truth: Self::Truth, a: Self, b: Self) -> Self;
+    /// What is left of it where it is at most another.
+    fn at_most(self, _: Self) -> Self {
+        self
+    }
+    /// What is left of it where it is at least another.
+    fn at_least(self, _: Self) -> Self {
+        self
+    }
     /// A function of one number.
     fn unary(self, function: Unary) -> Self;
+    /// The same in a case of which it is known on which side of an integer a number lies.
+    fn in_case(self, function: Unary, _: &mut Case) -> Self {
+        self.unary(function)
+    }
     /// `self + b`.
     fn add(self, b: Self) -> Self;
     /// `self - b`.
@@ -118,7 +170,7 @@ pub enum Unary {
 }
 
 /// A type that stands for the 32-bit integers of a program; operations that differ say whether they are `signed`.
-pub trait Integer: Copy + Debug + Send + Sync + 'static {
+pub trait Integer: Packed + Debug + Send + Sync + 'static {
     /// What stands for truth values.
     type Truth: Truth;
 
@@ -199,7 +251,7 @@ impl IntUnary {
 }
 
 /// A type that stands for truth values.
-pub trait Truth: Copy + Debug + Send + Sync + 'static {
+pub trait Truth: Packed + Debug + Send + Sync + 'static {
     /// The truth value that is `truth`.
     fn new(truth: bool) -> Self;
     /// True or false.

@@ -11,34 +11,44 @@ pub struct Tri {
     pub(super) may_fail: bool,
 }
 
+super::number::packed_as_they_are!(Tri Range);
+
 impl Truth for Tri {
+    #[inline(always)]
     fn new(truth: bool) -> Tri {
         Tri { may_hold: truth, may_fail: !truth }
     }
     fn whole() -> Tri {
         Tri { may_hold: true, may_fail: true }
     }
+    #[inline(always)]
     fn join(self, b: Tri) -> Tri {
         Tri { may_hold: self.may_hold || b.may_hold, may_fail: self.may_fail || b.may_fail }
     }
     fn within(self, other: Tri) -> bool {
         self.join(other) == other
     }
+    #[inline(always)]
     fn may_hold(self) -> bool {
         self.may_hold
     }
+    #[inline(always)]
     fn may_fail(self) -> bool {
         self.may_fail
     }
+    #[inline(always)]
     fn and(self, b: Tri) -> Tri {
-        Tri { may_hold: self.may_hold && b.may_hold, may_fail: self.may_fail || b.may_fail }
+        Tri { may_hold: self.may_hold & b.may_hold, may_fail: self.may_fail | b.may_fail }
     }
+    #[inline(always)]
     fn or(self, b: Tri) -> Tri {
         self.not().and(b.not()).not()
     }
+    #[inline(always)]
     fn not(self) -> Tri {
         Tri { may_hold: self.may_fail, may_fail: self.may_hold }
     }
+    #[inline(always)]
     fn equal(self, b: Tri) -> Tri {
         self.and(b).or(self.not().and(b.not()))
     }

@@ -5,8 +5,8 @@
 
 use super::ExactError;
 use super::code::{Case, Code, Instr, Loop, Node, Op, Reg};
-use super::lanes::{Bank, Banks, Operand, Row, State, each};
-use super::number::{Integer, Number, Truth};
+use super::lanes::{Bank, Banks, Operand, Row, State, each, get, put};
+use super::number::{GROUP, Integer, Number, Packed, Truth};
 use super::texture::Image;
 
 /// Turns of a loop after which a program does not end.
@@ -54,7 +54,7 @@ impl<N: Number> pulp::NullaryFnOnce for Straight<'_, '_, N> {
 }
 
 /// The lanes in which a truth may hold, and those in which it may fail.
-struct Answers<'a, T>(&'a Row<T>);
+struct Answers<'a, T: Packed>(&'a Row<T>);
 
 impl<T: Truth> pulp::NullaryFnOnce for Answers<'_, T> {
     type Output = (u64, u64);
@@ -62,9 +62,14 @@ impl<T: Truth> pulp::NullaryFnOnce for Answers<'_, T> {
     #[inline(always)] // as above
     fn call(self) -> (u64, u64) {
         let (mut holds, mut fails) = (0, 0);
-        for (lane, truth) in self.0.iter().enumerate() {
-            holds |= u64::from(truth.may_hold()) << lane;
-            fails |= u64::from(truth.may_fail()) << lane;
+        for group in self.0.iter().rev() {
+            let (mut hold, mut fail) = (0, 0);
+            for place in 0..GROUP {
+                let truth = T::get(group, place);
+                hold |= u64::from(truth.may_hold()) << place;
+                fail |= u64::from(truth.may_fail()) << place;
+            }
+            (holds, fails) = (holds << GROUP | hold, fails << GROUP | fail);
         }
         (holds, fails)
     }
@@ -94,6 +99,7 @@ impl<'a, N: Number> Machine<'a, N> {
             floats: Bank::new(counts[0], ones.0, N::new(0.0)),
             ints: Bank::new(counts[1], ones.1, N::Int::new(0, true)),
             truths: Bank::new(counts[2], ones.2, N::Truth::new(false)),
+            cases: Vec::new(),
         };
         let mut work = vec![0];
         for instr in &code.instrs {
@@ -134,9 +140,9 @@ impl<'a, N: Number> Machine<'a, N> {
                     self.operations += u64::from(mask.count_ones()) * (self.work[*end] - self.work[*start]);
                     mask
                 }
-                Node::If { condition, accept, reject, written } => {
+                Node::If { condition, accept, reject, written, compared } => {
                     let (holds, fails) = self.split(*condition, mask);
-                    self.branch((accept, reject), (holds, fails), written)?
+                    self.branch((accept, reject), (holds, fails), written, *compared)?
                 }
                 Node::Loop(node) => self.turns(node, mask)?,
                 Node::Switch { selector, cases, written } => self.switch(*selector, cases, written, mask)?,
@@ -170,7 +176,7 @@ impl<'a, N: Number> Machine<'a, N> {
         match self.banks.truths.rows.read(condition) {
             Operand::One(truth) => (if truth.may_hold() { mask } else { 0 }, if truth.may_fail() { mask } else { 0 }),
             Operand::Lanes(row) => {
-                let (holds, fails) = self.arch.dispatch(Answers(row));
+                let (holds, fails) = self.arch.dispatch(Answers::<N::Truth>(row));
                 (holds & mask, fails & mask)
             }
         }
@@ -181,6 +187,7 @@ impl<'a, N: Number> Machine<'a, N> {
         (accept, reject): (&'a [Node], &'a [Node]),
         (holds, fails): (u64, u64),
         written: &'a [Reg],
+        compared: Option<[Reg; 2]>,
     ) -> Result<u64, ExactError> {
         let both = holds & fails;
         if both == 0 {
@@ -188,12 +195,43 @@ impl<'a, N: Number> Machine<'a, N> {
         }
         let (mut before, mut after) = (State::new(), State::new());
         before.add(&self.banks, written, both);
+        let held = self.narrow(compared, written, both);
         let accepted = self.block(accept, holds)?;
         after.add(&self.banks, written, accepted & both);
         before.take(&mut self.banks, written, both, 0);
+        self.widen(&held, both);
+        self.narrow(compared.map(|[a, b]| [b, a]), written, both);
         let rejected = self.block(reject, fails)?;
         after.take(&mut self.banks, written, both, rejected);
+        // Where only the rejected come on, what was compared stays as narrow.
+        self.widen(&held, both & accepted);
         Ok(accepted | rejected)
+    }
+
+    /// Makes two numbers narrower, in lanes in which the first is at most the second; what they were. Numbers that a
+    /// branch writes are left alone.
+    fn narrow(&mut self, compared: Option<[Reg; 2]>, written: &[Reg], lanes: u64) -> Vec<(Reg, Row<N>)> {
+        let Some([a, b]) = compared else { return Vec::new() };
+        let floats = &mut self.banks.floats;
+        let [old_a, old_b] = [a, b].map(|reg| floats.rows.read(reg).row());
+        let free = |reg: Reg| !reg.uniform && !written.contains(&reg);
+        if free(a) {
+            let row = floats.row(a);
+            each(lanes, |lane| put(row, lane, get::<N>(&old_a, lane).at_most(get(&old_b, lane))));
+        }
+        if free(b) {
+            let row = floats.row(b);
+            each(lanes, |lane| put(row, lane, get::<N>(&old_b, lane).at_least(get(&old_a, lane))));
+        }
+        [(a, old_a), (b, old_b)].into_iter().filter(|(reg, _)| free(*reg)).collect()
+    }
+
+    /// Makes numbers what they were.
+    fn widen(&mut self, held: &[(Reg, Row<N>)], lanes: u64) {
+        for (reg, old) in held {
+            let row = self.banks.floats.row(*reg);
+            each(lanes, |lane| put(row, lane, get::<N>(old, lane)));
+        }
     }
 
     fn enter(&mut self, kind: Kind, written: &'a [Reg]) {

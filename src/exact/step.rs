@@ -1,8 +1,8 @@
 //! Instructions: each is one loop over the lanes of a block.
 
 use super::code::{Code, File, Instr, Lookup, Op};
-use super::lanes::{Bank, Banks, LANES, Operand, each, map1, map2, map3, slow};
-use super::number::{IntBinary, Integer, Number, Truth, Unary};
+use super::lanes::{Bank, Banks, LANES, Operand, Row, each, map1, map2, map3, put, slow};
+use super::number::{IntBinary, Integer, Number, Packed, Truth, Unary};
 use super::texture::Image;
 
 /// A choice among functions, made before the loop over lanes for those that are worth it.
@@ -18,6 +18,19 @@ macro_rules! known {
     };
 }
 
+/// A loop over lanes whose function becomes a part of it, and so of the code for the vectors of this processor.
+macro_rules! inlined {
+    ($map:ident($out:expr, $mask:expr, $from:expr), $function:expr) => {
+        $map(
+            $out,
+            $mask,
+            $from,
+            #[inline(always)]
+            $function,
+        )
+    };
+}
+
 impl<N: Number> Banks<N> {
     /// Runs an instruction for the lanes of a mask, of those that there are.
     #[inline(always)] // into code for the vectors of this processor
@@ -28,6 +41,7 @@ impl<N: Number> Banks<N> {
             floats: Bank { rows: f, spare: float },
             ints: Bank { rows: i, spare: int },
             truths: Bank { rows: t, spare: truth },
+            cases,
         } = self;
         match instr.op {
             Op::Nop => {}
@@ -36,28 +50,32 @@ impl<N: Number> Banks<N> {
                 File::Int => map1(int, mask, i.read(a), |x| x),
                 File::Truth => map1(truth, mask, t.read(a), |x| x),
             },
+            Op::Unary(function @ (Unary::Floor | Unary::Fract)) if !N::DECIDED && !cases.is_empty() => {
+                let a = f.read(a);
+                each(mask, |lane| put(float, lane, a.at(lane).in_case(function, &mut cases[lane])));
+            }
             Op::Unary(function) => known!(
                 Unary,
                 function,
                 [Negate Abs Sign Floor Ceil Trunc Fract Saturate Square Sqrt InverseSqrt Hermite],
-                |KNOWN| map1(float, mask, f.read(a), |x| x.unary(KNOWN)),
+                |KNOWN| inlined!(map1(float, mask, f.read(a)), |x| x.unary(KNOWN)),
                 slow(float, mask, f.read(a), |x| x.unary(function))
             ),
-            Op::Add => map2(float, mask, (f.read(a), f.read(b)), N::add),
-            Op::Sub => map2(float, mask, (f.read(a), f.read(b)), N::sub),
-            Op::Mul => map2(float, mask, (f.read(a), f.read(b)), N::mul),
-            Op::Div => map2(float, mask, (f.read(a), f.read(b)), N::div),
-            Op::Min => map2(float, mask, (f.read(a), f.read(b)), N::min),
-            Op::Max => map2(float, mask, (f.read(a), f.read(b)), N::max),
-            Op::Unit => map2(float, mask, (f.read(a), f.read(b)), N::unit),
+            Op::Add => inlined!(map2(float, mask, (f.read(a), f.read(b))), |a, b| a.add(b)),
+            Op::Sub => inlined!(map2(float, mask, (f.read(a), f.read(b))), |a, b| a.sub(b)),
+            Op::Mul => inlined!(map2(float, mask, (f.read(a), f.read(b))), |a, b| a.mul(b)),
+            Op::Div => inlined!(map2(float, mask, (f.read(a), f.read(b))), |a, b| a.div(b)),
+            Op::Min => inlined!(map2(float, mask, (f.read(a), f.read(b))), |a, b| a.min(b)),
+            Op::Max => inlined!(map2(float, mask, (f.read(a), f.read(b))), |a, b| a.max(b)),
+            Op::Unit => inlined!(map2(float, mask, (f.read(a), f.read(b))), |a, b| a.unit(b)),
             Op::Pow => slow(float, mask, (f.read(a), f.read(b)), |(a, b)| a.pow(b)),
             Op::Atan2 => slow(float, mask, (f.read(a), f.read(b)), |(a, b)| a.atan2(b)),
             Op::Rem => slow(float, mask, (f.read(a), f.read(b)), |(a, b)| a.rem(b)),
-            Op::MulAdd => map3(float, mask, (f.read(a), f.read(b), f.read(c)), |a, b, c| a.mul(b).add(c)),
-            Op::Mix => map3(float, mask, (f.read(a), f.read(b), f.read(c)), N::mix),
-            Op::Less => map2(truth, mask, (f.read(a), f.read(b)), N::less),
-            Op::LessEqual => map2(truth, mask, (f.read(a), f.read(b)), N::less_equal),
-            Op::Equal => map2(truth, mask, (f.read(a), f.read(b)), N::equal),
+            Op::MulAdd => inlined!(map3(float, mask, (f.read(a), f.read(b), f.read(c))), |a, b, c| a.mul(b).add(c)),
+            Op::Mix => inlined!(map3(float, mask, (f.read(a), f.read(b), f.read(c))), |a, b, c| a.mix(b, c)),
+            Op::Less => inlined!(map2(truth, mask, (f.read(a), f.read(b))), |a: N, b| a.less(b)),
+            Op::LessEqual => inlined!(map2(truth, mask, (f.read(a), f.read(b))), |a: N, b| a.less_equal(b)),
+            Op::Equal => inlined!(map2(truth, mask, (f.read(a), f.read(b))), |a: N, b| a.equal(b)),
             Op::IsNan => map1(truth, mask, f.read(a), N::is_nan),
             Op::IsInfinite => map1(truth, mask, f.read(a), N::is_infinite),
             Op::ToInt => map1(int, mask, f.read(a), |x| x.to_int(signed)),
@@ -66,7 +84,9 @@ impl<N: Number> Banks<N> {
             Op::FromBits => map1(float, mask, i.read(a), N::from_bits),
             Op::Ldexp => slow(float, mask, (f.read(a), i.read(b)), |(a, b)| a.ldexp(b)),
             Op::Select => match instr.dst.file {
-                File::Float => map3(float, mask, (t.read(a), f.read(b), f.read(c)), N::select),
+                File::Float => {
+                    inlined!(map3(float, mask, (t.read(a), f.read(b), f.read(c))), |t, a, b| N::select(t, a, b))
+                }
                 File::Int => map3(int, mask, (t.read(a), i.read(b), i.read(c)), N::Int::select),
                 File::Truth => map3(truth, mask, (t.read(a), t.read(b), t.read(c)), N::Truth::select),
             },
@@ -104,8 +124,8 @@ impl<N: Number> Banks<N> {
             Op::Fetch => return self.fetch(&code.lookups[instr.table as usize], images, mask),
             Op::Derivative(along_y) => {
                 let (a, step) = (f.read(a), if along_y { 2 } else { 1 });
-                for (lane, out) in float.iter_mut().enumerate() {
-                    *out = a.at(lane | step).sub(a.at(lane & !step));
+                for lane in 0..LANES {
+                    put(float, lane, a.at(lane | step).sub(a.at(lane & !step)));
                 }
             }
         }
@@ -146,15 +166,15 @@ impl<N: Number> Banks<N> {
         for (channel, reg) in lookup.channels.iter().enumerate() {
             if let Some(reg) = reg {
                 let row = self.floats.row(*reg);
-                each(mask, |lane| row[lane] = found[lane][channel]);
+                each(mask, |lane| put(row, lane, found[lane][channel]));
             }
         }
     }
 }
 
 /// One of a table, or what is any of those that an undecided index may mean.
-fn pick<I: Integer, T: Copy>(
-    out: &mut [T; LANES],
+fn pick<I: Integer, T: Packed>(
+    out: &mut Row<T>,
     mask: u64,
     index: Operand<'_, I>,
     count: usize,
@@ -163,6 +183,6 @@ fn pick<I: Integer, T: Copy>(
 ) {
     each(mask, |lane| {
         let (first, last) = index.at(lane).index(count);
-        out[lane] = (first + 1..=last).fold(value(first, lane), |all, at| join(all, value(at, lane)));
+        put(out, lane, (first + 1..=last).fold(value(first, lane), |all, at| join(all, value(at, lane))));
     });
 }

@@ -137,35 +137,20 @@ impl<'a> Image<'a> {
 
     /// Lower and upper bounds of the channels over a box of coordinates.
     pub(super) fn range(&self, low: [f64; 3], high: [f64; 3]) -> [[f64; 2]; 4] {
+        let axes = [0, 1, 2].map(|axis| {
+            if axis < self.axes { Crossed::of(low[axis], high[axis], self.size[axis], self.wrap) } else { Some(POINT) }
+        });
+        if let [Some(x), Some(y), Some(z)] = axes {
+            return self.extremes([x, y, z]);
+        }
         let mut ranges = [[[0, 0]; 2]; 3];
         let mut counts = [1; 3];
-        let mut one_cell = true;
         for axis in 0..self.axes {
             let count = self.size[axis];
-            let n = f64::from(count);
-            // Twice the rounding of a product of this size.
-            let margin = (low[axis].abs().max(high[axis].abs()) * n + 1.0) * 4.0 * f64::EPSILON;
-            let [from, to] = [low[axis] * n - 0.5 - margin, high[axis] * n - 0.5 + margin].map(f64::floor);
-            one_cell &= from == to;
+            let [from, to] = scaled(low[axis], high[axis], count).map(f64::floor);
             (ranges[axis], counts[axis]) = self.indices(from, to + 1.0, count);
         }
         let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
-        if one_cell {
-            // Multilinear within a cell: the extremes are at corners of the box.
-            for corner in 0..1 << self.axes {
-                let at = [0, 1, 2].map(|axis| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] });
-                include(&mut all, self.sample(at, [true; 4]).map(|value| [value; 2]));
-            }
-            // A coordinate is rounded as well: a part of a cell, times what the channel changes across it.
-            let texels = places([0, 1, 2].map(|axis| {
-                let ends = place(low[axis], self.size[axis], self.wrap).0;
-                if axis < self.axes { [ends[0].min(ends[1]), ends[0].max(ends[1])] } else { [0, 0] }
-            }));
-            let largest = texels.flat_map(|at| self.texel(at)).fold(0f32, |largest, value| largest.max(value.abs()));
-            let longest = self.size.into_iter().max().unwrap_or(1);
-            let margin = (16.0 + 8.0 * f64::from(longest)) * f64::EPSILON * f64::from(largest);
-            return all.map(|[low, high]| [low - margin, high + margin]);
-        }
         for choice in 0..counts.iter().product() {
             let pick = [choice % counts[0], choice / counts[0] % counts[1], choice / counts[0] / counts[1]];
             let of = [0, 1, 2].map(|axis| ranges[axis][pick[axis]]);
@@ -176,6 +161,59 @@ impl<'a> Image<'a> {
             let margin = 16.0 * f64::EPSILON * low.abs().max(high.abs());
             [low - margin, high + margin]
         })
+    }
+
+    /// The cell that a box of coordinates lies in, if it is one: places of its first texel, and the texels at its corners,
+    /// x fastest.
+    pub(super) fn cell(&self, within: [[f64; 2]; 3]) -> Option<([f64; 3], [[f32; 4]; 8])> {
+        let mut base = [0.0; 3];
+        let mut ends = [[0; 2]; 3];
+        for axis in 0..self.axes {
+            let [low, high] = within[axis];
+            let [from, to] = scaled(low, high, self.size[axis]).map(f64::floor);
+            if from != to || from.abs() >= 1e15 {
+                return None;
+            }
+            base[axis] = from;
+            ends[axis] = [0, 1].map(|step| wrapped(from as i64 + step, self.size[axis], self.wrap));
+        }
+        let corner = |corner: usize| self.texel([0, 1, 2].map(|axis| ends[axis][corner >> axis & 1]));
+        Some((base, [0, 1, 2, 3, 4, 5, 6, 7].map(corner)))
+    }
+
+    /// The range over a box of few cells: multilinear within each, so that the extremes are at corners of their parts.
+    fn extremes(&self, [x, y, z]: [Crossed; 3]) -> [[f64; 2]; 4] {
+        let mix = |a: [f64; 4], b: [f64; 4], part: f64| [0, 1, 2, 3].map(|c| a[c] + part * (b[c] - a[c]));
+        let mut rows = [[[0.0; 4]; MOST_POINTS]; MOST_POINTS]; // by y of texels and x of points
+        let mut layers = [[[[0.0; 4]; MOST_POINTS]; MOST_POINTS]; MOST_POINTS]; // by z of texels, y and x of points
+        let mut largest = 0f64;
+        for (layer, &k) in layers.iter_mut().zip(z.texels()) {
+            for (row, &j) in rows.iter_mut().zip(y.texels()) {
+                let mut texels = [[0.0; 4]; MOST_POINTS];
+                for (texel, &i) in texels.iter_mut().zip(x.texels()) {
+                    *texel = self.texel([i, j, k]).map(f64::from);
+                    largest = texel.iter().fold(largest, |largest, value| largest.max(value.abs()));
+                }
+                for (value, (first, part)) in row.iter_mut().zip(x.points()) {
+                    *value = mix(texels[first], texels[first + 1], part);
+                }
+            }
+            for (row, (first, part)) in layer.iter_mut().zip(y.points()) {
+                for at in 0..x.count {
+                    row[at] = mix(rows[first][at], rows[first + 1][at], part);
+                }
+            }
+        }
+        let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
+        for (first, part) in z.points() {
+            for (near, far) in layers[first].iter().zip(&layers[first + 1]).take(y.count) {
+                for (near, far) in near.iter().zip(far).take(x.count) {
+                    include(&mut all, mix(*near, *far, part).map(|value| [value; 2]));
+                }
+            }
+        }
+        let margin = 32.0 * f64::EPSILON * largest;
+        all.map(|[low, high]| [low - margin, high + margin])
     }
 
     /// Lower and upper bounds of the channels over a box of texels.
@@ -208,6 +246,59 @@ impl<'a> Image<'a> {
             }
             _ => ([[first, last]; 2], 1),
         }
+    }
+}
+
+/// Places between texels, of a range of coordinates: with twice the rounding of a product of this size.
+fn scaled(low: f64, high: f64, count: u32) -> [f64; 2] {
+    let n = f64::from(count);
+    let margin = (low.abs().max(high.abs()) * n + 1.0) * 4.0 * f64::EPSILON;
+    [low * n - 0.5 - margin, high * n - 0.5 + margin]
+}
+
+/// Ends of a range of coordinates and the texels between them, at most.
+const MOST_POINTS: usize = 4;
+
+/// A range of coordinates that crosses few texels.
+struct Crossed {
+    /// From the one before the range to the one behind it.
+    texels: [usize; MOST_POINTS],
+    /// Its ends and the texels in it: how far behind the first texel.
+    points: [f64; MOST_POINTS],
+    count: usize,
+}
+
+/// Along an axis that an image has not.
+const POINT: Crossed = Crossed { texels: [0; MOST_POINTS], points: [0.0; MOST_POINTS], count: 1 };
+
+impl Crossed {
+    /// `None`, where it crosses many.
+    fn of(low: f64, high: f64, count: u32, wrap: Wrap) -> Option<Crossed> {
+        let mut ends = scaled(low, high, count);
+        if wrap == Wrap::Clamp {
+            ends = ends.map(|x| x.clamp(-1.0, f64::from(count)));
+        }
+        let [from, to] = ends.map(f64::floor);
+        if !(to - from < (MOST_POINTS - 1) as f64 && from.abs() < 1e15) {
+            return None;
+        }
+        let (first, crossed) = (from as i64, (to - from) as usize);
+        let texels = [0, 1, 2, 3].map(|k| wrapped(first + k, count, wrap));
+        let mut points = [0.0, 1.0, 2.0, 3.0];
+        (points[0], points[crossed + 1]) = (ends[0] - from, ends[1] - from);
+        Some(Crossed { texels, points, count: crossed + 2 })
+    }
+
+    fn texels(&self) -> &[usize] {
+        &self.texels[..self.count]
+    }
+
+    /// The texel before each point, and how far from it.
+    fn points(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.points[..self.count].iter().map(|&point| {
+            let first = (point as usize).min(self.count.saturating_sub(2));
+            (first, point - first as f64)
+        })
     }
 }
 
