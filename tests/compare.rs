@@ -103,7 +103,12 @@ fn dark(scene: &Scene) -> Reference {
 
 fn plain(scene: &Scene, light: f64) -> Reference {
     let count = (scene.image.size[0] * scene.image.size[1]) as usize;
-    Reference { size: scene.image.size, pixels: vec![[light; 4]; count], estimate: vec![0.0; count] }
+    Reference {
+        size: scene.image.size,
+        pixels: vec![[light; 4]; count],
+        estimate: vec![0.0; count],
+        open: vec![0.0; count],
+    }
 }
 
 #[test]

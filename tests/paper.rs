@@ -110,7 +110,12 @@ fn m54_m55_m56_the_tables_of_the_paper_stand_beside_ours_with_their_errors() {
 /// A picture of no light at all: wrong, and quick.
 fn dark(scene: &Scene) -> Reference {
     let count = (scene.image.size[0] * scene.image.size[1]) as usize;
-    Reference { size: scene.image.size, pixels: vec![[0.0; 4]; count], estimate: vec![0.0; count] }
+    Reference {
+        size: scene.image.size,
+        pixels: vec![[0.0; 4]; count],
+        estimate: vec![0.0; count],
+        open: vec![0.0; count],
+    }
 }
 
 #[test]

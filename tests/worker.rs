@@ -88,7 +88,12 @@ fn a_worker_draws_the_picture_of_this_process_and_says_what_it_says() {
 /// A picture of no light at all: wrong, and quick.
 fn dark(scene: &Scene) -> Result<Arc<Reference>, String> {
     let count = (scene.image.size[0] * scene.image.size[1]) as usize;
-    Ok(Arc::new(Reference { size: scene.image.size, pixels: vec![[0.0; 4]; count], estimate: vec![0.0; count] }))
+    Ok(Arc::new(Reference {
+        size: scene.image.size,
+        pixels: vec![[0.0; 4]; count],
+        estimate: vec![0.0; count],
+        open: vec![0.0; count],
+    }))
 }
 
 #[test]

@@ -121,12 +121,16 @@ fn truth(
     progress: Progress<'_>,
 ) -> Result<PixelTruth, Box<dyn Error>> {
     match reference_pixels(library, &converged_settings(scene), subject, pixels, TOLERANCE, progress) {
-        Ok(Reference { pixels, estimate, .. }) => Ok(PixelTruth { pixels, estimate, source: "the f64 reference" }),
+        Ok(found) => {
+            let proven = found.proven();
+            let Reference { pixels, estimate, .. } = found;
+            Ok(PixelTruth { pixels, estimate, proven, source: "the f64 reference" })
+        }
         Err(ReferenceError::NoLimit(_) | ReferenceError::Exact(_)) => {
             let frame = render(gpu, library, scene, subject)?;
             let at = |[x, y]: &[u32; 2]| frame.pixels[(y * frame.size[0] + x) as usize].map(f64::from);
             let pixels: Vec<[f64; 4]> = pixels.iter().map(at).collect();
-            Ok(PixelTruth { estimate: vec![0.0; pixels.len()], pixels, source: "a second rendering" })
+            Ok(PixelTruth { estimate: vec![0.0; pixels.len()], proven: 0, pixels, source: "a second rendering" })
         }
         Err(error) => Err(error.into()),
     }

@@ -139,7 +139,7 @@ mod tests {
 
     fn reference(size: [u32; 2], pixel: impl Fn(u32) -> [f64; 4]) -> Reference {
         let pixels: Vec<_> = (0..size[0] * size[1]).map(pixel).collect();
-        Reference { size, estimate: vec![0.0; pixels.len()], pixels }
+        Reference { size, estimate: vec![0.0; pixels.len()], open: vec![0.0; pixels.len()], pixels }
     }
 
     fn single(pixels: &[[f64; 4]]) -> Vec<[f32; 4]> {

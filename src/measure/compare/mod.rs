@@ -409,8 +409,8 @@ mod tests {
             asked += 1;
             let [width, height] = scene.image.size;
             let count = (width * height) as usize;
-            let (pixels, estimate) = (vec![[0.0; 4]; count], vec![0.0; count]);
-            Ok(Arc::new(Reference { size: scene.image.size, pixels, estimate }))
+            let (pixels, estimate, open) = (vec![[0.0; 4]; count], vec![0.0; count], vec![0.0; count]);
+            Ok(Arc::new(Reference { size: scene.image.size, pixels, estimate, open }))
         };
         let (library, mut truths) = (crate::shader::shipped(), Truths::default());
         let mut scene = preset("fire").unwrap();

@@ -55,7 +55,8 @@ pub(super) fn reference(
         }
     }
     progress(1.0);
-    Ok(Reference { size: truth.image.size, pixels: found, estimate })
+    let open = vec![1.0; pixels.len()]; // no bounds follow a ray that bends
+    Ok(Reference { size: truth.image.size, pixels: found, estimate, open })
 }
 
 /// The light of some pixels, by the steps of the scene.

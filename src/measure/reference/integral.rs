@@ -3,8 +3,10 @@
 //! Role: emission and absorption, `dC = (1 - A) c e dt`, `dA = (1 - A) e dt`, from samples of the color c and the
 //! extinction e alone. Each piece of a ray has five samples: Simpson's rule over the whole and over its halves; their
 //! difference is its error, and pieces whose error shows are halved until it does not. A piece in which matter becomes
-//! opaque is halved until it is too short to be seen: that is where the surface is.
-//! Invariant: colors of a piece are mixed with positive weights and an opacity in [0, 1], so stiff matter stays stable.
+//! opaque is halved until it is too short to be seen: that is where the surface is. A piece whose samples find nothing
+//! is left alone only where bounds of the extinction say that nothing in it can be seen.
+//! Invariants: colors of a piece are mixed with positive weights and an opacity in [0, 1], so stiff matter stays stable.
+//! What bounds leave open is a part of the stated error.
 
 /// What a sample of a ray says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -83,12 +85,16 @@ struct Piece {
     from: f64,
     length: f64,
     samples: [Matter; 5],
+    /// Bounds of the extinction in it.
+    extinction: [f64; 2],
+    /// Its halves get bounds of their own.
+    asks: bool,
     fine: Transport,
     error: f64,
 }
 
 impl Piece {
-    fn new(from: f64, length: f64, samples: [Matter; 5]) -> Piece {
+    fn new(from: f64, length: f64, samples: [Matter; 5], extinction: [f64; 2]) -> Piece {
         let [a, b, c, d, e] = samples;
         let coarse = Transport::of([a, c, e], length);
         let fine = Transport::of([a, b, c], 0.5 * length).then(Transport::of([c, d, e], 0.5 * length));
@@ -96,21 +102,85 @@ impl Piece {
         // Where it becomes opaque within, Simpson's rule says nothing about its error.
         let hit = !opaque(&a) && samples.iter().any(opaque);
         let error = if hit { 1.0 } else { coarse.differs(fine) };
-        Piece { from, length, samples, fine, error }
+        Piece { from, length, samples, extinction, asks: false, fine, error }
     }
+
+    /// No sample found anything.
+    fn looks_empty(&self) -> bool {
+        self.samples.iter().all(|matter| matter.extinction <= 0.0)
+    }
+
+    /// The opacity that samples may have overlooked: all that there may be where they found nothing, and elsewhere what
+    /// bounds leave open.
+    fn overlooked(&self) -> f64 {
+        let Piece { from, length, extinction, .. } = *self;
+        let [most, least] = Part { from, length, extinction }.transmittance();
+        if self.looks_empty() { 1.0 - least } else { most - least }
+    }
+
+    /// It becomes opaque within.
+    fn is_hit(&self) -> bool {
+        self.samples.iter().any(|matter| matter.extinction.is_infinite())
+    }
+}
+
+/// A part of a ray, and bounds of the extinction in it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    pub(super) from: f64,
+    pub(super) length: f64,
+    pub(super) extinction: [f64; 2],
+}
+
+impl Part {
+    /// The same in pieces of equal length, none longer than that if it is open.
+    pub(super) fn cut(&self, longest: f64) -> impl Iterator<Item = Part> + use<> {
+        let whole = *self;
+        let open = whole.extinction[0] < whole.extinction[1];
+        let count = if open { (whole.length / longest).ceil().max(1.0) as u32 } else { 1 };
+        let length = whole.length / f64::from(count);
+        (0..count).map(move |index| Part { from: whole.from + f64::from(index) * length, length, ..whole })
+    }
+
+    /// The most and the least light that it lets through.
+    fn transmittance(&self) -> [f64; 2] {
+        // Infinitely thick matter of no length is opaque all the same.
+        self.extinction.map(|extinction| if extinction > 0.0 { (-extinction * self.length).exp() } else { 1.0 })
+    }
+}
+
+/// Which of these parts, front to back, bounds have to be made narrower for: those of which samples might see nothing
+/// like what is there. What is empty, or behind opaque matter, is dropped.
+pub(super) fn undecided(parts: &mut Vec<Part>, shortest: f64) -> Vec<usize> {
+    let (mut left, mut found) = (1.0, Vec::new());
+    parts.retain(|part| part.extinction[1] > 0.0);
+    let mut seen = 0;
+    for (index, part) in parts.iter().enumerate() {
+        seen = index + 1;
+        let [most, least] = part.transmittance();
+        if left * (most - least) > OPEN && part.length > shortest {
+            found.push(index);
+        }
+        left *= most;
+        if left < DARK {
+            break;
+        }
+    }
+    parts.truncate(seen);
+    found
 }
 
 /// A ray cut into pieces, front to back.
 pub(super) struct RayIntegral {
     pieces: Vec<Piece>,
-    /// Light that the pieces let through, as they were added.
-    left: f64,
+    /// So many bounds more may be asked for.
+    bounds: usize,
 }
 
 /// How far pieces are halved.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Pieces whose error is less than this, behind what hides them, stay whole.
+    /// Pieces whose error, and what may be overlooked in them, is less than this, behind what hides them, stay whole.
     pub(super) error: f64,
     /// Pieces shorter than this stay whole.
     pub(super) shortest: f64,
@@ -118,6 +188,11 @@ pub(super) struct Limits {
     pub(super) pieces: usize,
 }
 
+/// Bounds are made narrower until no part of a ray can hide or show more than this; then samples are enough. Less: more
+/// bounds. More: samples of thin matter agree by chance.
+pub(super) const OPEN: f64 = 0.05;
+/// The same of a piece in which samples find nothing.
+const FAINT: f64 = 1e-4;
 /// Light that is fainter than this is not followed.
 const DARK: f64 = 1e-8;
 
@@ -126,33 +201,32 @@ const DARK: f64 = 1e-8;
 const BY_CHANCE: f64 = 4.0;
 
 impl RayIntegral {
-    /// A ray through nothing yet.
-    pub(super) fn new() -> RayIntegral {
-        RayIntegral { pieces: Vec::new(), left: 1.0 }
+    /// A ray through nothing yet, and how many bounds it may ask for.
+    pub(super) fn new(bounds: usize) -> RayIntegral {
+        RayIntegral { pieces: Vec::new(), bounds }
     }
 
     /// Adds a piece behind the others, by its five samples at equal distances.
-    pub(super) fn push(&mut self, from: f64, length: f64, samples: [Matter; 5]) {
-        if samples.iter().any(|matter| matter.extinction > 0.0) {
-            let piece = Piece::new(from, length, samples);
-            self.left *= piece.fine.transmittance;
-            self.pieces.push(piece);
-        }
-    }
-
-    /// Whether nothing behind the last piece can be seen.
-    pub(super) fn is_dark(&self) -> bool {
-        self.left < DARK
+    pub(super) fn push(&mut self, part: &Part, samples: [Matter; 5]) {
+        self.pieces.push(Piece::new(part.from, part.length, samples, part.extinction));
     }
 
     /// The pieces to be halved, as indices from the front; what is behind opaque matter is dropped.
     pub(super) fn coarse(&mut self, limits: &Limits) -> Vec<usize> {
         let mut left = 1.0;
-        let (mut coarse, mut seen) = (Vec::new(), 0);
+        let (mut coarse, mut asking, mut seen) = (Vec::new(), Vec::new(), 0);
         for (index, piece) in self.pieces.iter().enumerate() {
             seen = index + 1;
-            if left * self.error(index, limits) > limits.error && piece.length > limits.shortest {
-                coarse.push(index);
+            if piece.length > limits.shortest {
+                let allowed = if piece.looks_empty() { FAINT } else { OPEN };
+                let asks = left * piece.overlooked() > allowed && self.bounds >= 2;
+                if asks {
+                    self.bounds -= 2;
+                    asking.push(index);
+                }
+                if asks || left * self.error(index, limits) > limits.error {
+                    coarse.push(index);
+                }
             }
             left *= piece.fine.transmittance;
             if left < DARK {
@@ -162,6 +236,8 @@ impl RayIntegral {
         self.pieces.truncate(seen);
         if self.pieces.len() + coarse.len() > limits.pieces {
             coarse.clear();
+        } else {
+            asking.into_iter().for_each(|index| self.pieces[index].asks = true);
         }
         coarse
     }
@@ -183,8 +259,14 @@ impl RayIntegral {
         })
     }
 
-    /// Halves these pieces with the samples that were wanted.
-    pub(super) fn halve(&mut self, coarse: &[usize], samples: &[Matter]) {
+    /// The halves of these pieces that get bounds of their own, front to back: from where on and how long.
+    pub(super) fn asking(&self, coarse: &[usize]) -> impl Iterator<Item = [f64; 2]> {
+        let asking = coarse.iter().map(|&index| &self.pieces[index]).filter(|piece| piece.asks);
+        asking.flat_map(|piece| [0.0, 0.5].map(|part| [piece.from + part * piece.length, 0.5 * piece.length]))
+    }
+
+    /// Halves these pieces with the samples that were wanted, and the bounds of those that ask for them.
+    pub(super) fn halve(&mut self, coarse: &[usize], samples: &[Matter], bounds: &mut impl Iterator<Item = [f64; 2]>) {
         let mut halved = Vec::with_capacity(self.pieces.len() + coarse.len());
         let mut next = coarse.iter().zip(samples.as_chunks::<4>().0).peekable();
         for (index, piece) in self.pieces.iter().enumerate() {
@@ -193,26 +275,50 @@ impl RayIntegral {
                 Some((_, [p, q, r, s])) => {
                     let [a, b, c, d, e] = piece.samples;
                     let half = 0.5 * piece.length;
-                    halved.push(Piece::new(piece.from, half, [a, *p, b, *q, c]));
-                    halved.push(Piece::new(piece.from + half, half, [c, *r, d, *s, e]));
+                    let [least, most] = piece.extinction;
+                    let mut within = || match piece.asks.then(|| bounds.next()).flatten() {
+                        Some([low, high]) => [low.max(least), high.min(most)],
+                        None => piece.extinction,
+                    };
+                    let halves = [
+                        Piece::new(piece.from, half, [a, *p, b, *q, c], within()),
+                        Piece::new(piece.from + half, half, [c, *r, d, *s, e], within()),
+                    ];
+                    halved.extend(halves.into_iter().filter(|half| half.extinction[1] > 0.0));
                 }
             }
         }
         self.pieces = halved;
     }
 
-    /// Light of the ray, and how wrong it may be: three times the root of the sum of the squared errors of its pieces,
-    /// behind what hides them. They have no common sign, and each is that of the coarser rule, while the light is by the
-    /// finer one. Of a piece that was halved down to `shortest` because a surface is in it, nothing is left to be wrong.
-    pub(super) fn light(&self, limits: &Limits) -> (Transport, f64) {
-        let (mut whole, mut error) = (Transport::CLEAR, 0.0);
+    /// Light of the ray, how wrong it may be, and how much more opacity there may be that no sample found. The error is
+    /// three times the root of the sum of the squared errors of its pieces, behind what hides them: they have no common
+    /// sign, and each is that of the coarser rule, while the light is by the finer one. Of a piece that was halved down to
+    /// `shortest` because a surface is in it, nothing is left to be wrong; nor of what is open right before it.
+    pub(super) fn light(&self, limits: &Limits) -> (Transport, f64, f64) {
+        let (mut whole, mut error, mut overlooked) = (Transport::CLEAR, 0.0, 0.0);
+        let (mut open, mut end) = (0.0, f64::NEG_INFINITY);
         for (index, piece) in self.pieces.iter().enumerate() {
-            if piece.length > limits.shortest {
+            let is_floor = piece.length <= limits.shortest;
+            if !is_floor {
                 error += (whole.transmittance * self.error(index, limits)).powi(2);
             }
+            // Open pieces of the shortest length in a row, up to a surface or not.
+            if piece.from > end + 0.5 * limits.shortest || !is_floor {
+                overlooked += std::mem::take(&mut open);
+            }
+            match whole.transmittance * piece.overlooked() {
+                hidden if is_floor => open += hidden,
+                hidden if hidden > OPEN || piece.looks_empty() => overlooked += hidden,
+                _ => {}
+            }
+            if is_floor && piece.is_hit() {
+                open = 0.0;
+            }
+            end = piece.from + piece.length;
             whole = whole.then(piece.fine);
         }
-        (whole, 3.0 * error.sqrt())
+        (whole, 3.0 * error.sqrt(), (overlooked + open).min(1.0))
     }
 }
 
@@ -223,19 +329,21 @@ mod tests {
     const LIMITS: Limits = Limits { error: 1e-9, shortest: 1e-9, pieces: 20_000 };
 
     fn integrate(length: f64, pieces: u32, matter: impl Fn(f64) -> Matter) -> (Transport, f64) {
-        let mut ray = RayIntegral::new();
+        let mut ray = RayIntegral::new(0);
         let step = length / f64::from(pieces);
         for k in 0..pieces {
             let from = f64::from(k) * step;
-            ray.push(from, step, [0.0, 0.25, 0.5, 0.75, 1.0].map(|part| matter(from + part * step)));
+            let part = Part { from, length: step, extinction: [0.0, 1.0] };
+            ray.push(&part, [0.0, 0.25, 0.5, 0.75, 1.0].map(|part| matter(from + part * step)));
         }
         loop {
             let coarse = ray.coarse(&LIMITS);
             if coarse.is_empty() {
-                return ray.light(&LIMITS);
+                let (light, error, _) = ray.light(&LIMITS);
+                return (light, error);
             }
             let samples: Vec<Matter> = ray.wanted(&coarse).map(&matter).collect();
-            ray.halve(&coarse, &samples);
+            ray.halve(&coarse, &samples, &mut std::iter::empty());
         }
     }
 

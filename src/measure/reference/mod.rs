@@ -7,6 +7,7 @@
 mod bent;
 mod images;
 mod integral;
+mod parts;
 mod store;
 
 use crate::exact::{self, ExactError};
@@ -25,9 +26,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Error that a pixel is allowed, unless asked otherwise: a tenth of what pictures are told apart by. Ten times less takes
 /// two to three times as long where noise has a kink at every octave's zeros.
 pub const TOLERANCE: f64 = 1e-4;
-/// Pieces that a ray through all of the scene starts from, four samples each. Fewer: thin matter is overlooked, such as a
-/// drip that 512 samples of a device find. More: empty matter costs.
-const PIECES: u32 = 192;
+/// Bounds that are computed of a ray before it is sampled, and after that, at most. Fewer: less is proven. More: rays of
+/// which nothing can be proven take longer.
+const BOUNDS: [usize; 2] = [64, 96];
 /// A ray is not cut into more pieces than this; its error says so then.
 const MOST_PIECES: usize = 8000;
 /// The shortest piece, in depths of the scene: where the surface is, is known to this.
@@ -46,8 +47,20 @@ pub struct Reference {
     pub size: [u32; 2],
     /// Premultiplied linear RGBA, row by row from the top, or in the order of the pixels that were asked for.
     pub pixels: Vec<[f64; 4]>,
-    /// For each, how far off its worst channel may be.
+    /// For each, how far off its worst channel may be, as far as samples say.
     pub estimate: Vec<f64>,
+    /// For each, the most opacity that samples may have overlooked: bounds of the extinction leave no more open.
+    pub open: Vec<f64>,
+}
+
+/// Less opacity than this cannot be seen: a pixel that leaves no more open is proven.
+pub const UNSEEN: f64 = 1e-3;
+
+impl Reference {
+    /// How many pixels bounds prove that samples have overlooked nothing in that can be seen.
+    pub fn proven(&self) -> usize {
+        self.open.iter().filter(|open| **open <= UNSEEN).count()
+    }
 }
 
 /// Why there is no truth.
@@ -178,35 +191,39 @@ pub fn reference_pixels(
     }
     let (probe, mut inputs) = Probe::new(library, truth, subject)?;
     let (count, done) = (probe.moments.len(), AtomicUsize::new(0));
-    let mut sum = vec![([0.0; 4], 0.0); pixels.len()];
+    let mut sum = vec![([0.0; 4], 0.0, 0.0); pixels.len()];
     for moment in &probe.moments {
         probe.set(moment, &mut inputs)?;
-        let bound = probe.program.bind(&inputs)?;
+        let (bound, bounds) = (probe.program.bind(&inputs)?, probe.opacity.bind(&inputs)?);
         let chunks = pixels.par_chunks(TOGETHER).map(|chunk| {
-            let found = probe.integrate(&bound, chunk, tolerance)?;
+            let found = probe.integrate((&bound, &bounds), chunk, tolerance)?;
             let all = (pixels.len() * count) as f32;
             progress((done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len()) as f32 / all);
             Ok(found)
         });
-        let found: Vec<Vec<([f64; 4], f64)>> = chunks.collect::<Result<_, ReferenceError>>()?;
-        for (sum, (pixel, error)) in sum.iter_mut().zip(found.into_iter().flatten()) {
+        let found: Vec<Vec<Light>> = chunks.collect::<Result<_, ReferenceError>>()?;
+        for (sum, (pixel, error, open)) in sum.iter_mut().zip(found.into_iter().flatten()) {
             sum.0 = std::array::from_fn(|c| sum.0[c] + pixel[c] / count as f64);
             sum.1 += error / count as f64;
+            sum.2 += open / count as f64;
         }
     }
-    let (pixels, estimate) = sum.into_iter().unzip();
-    Ok(Reference { size: truth.image.size, pixels, estimate })
+    let (pixels, (estimate, open)) = sum.into_iter().map(|(pixel, error, open)| (pixel, (error, open))).unzip();
+    Ok(Reference { size: truth.image.size, pixels, estimate, open })
 }
+
+/// A pixel, how far off it may be, and the opacity that may be overlooked in it.
+type Light = ([f64; 4], f64, f64);
 
 /// The program of a scene that gives one sample of a ray, ready to be evaluated.
 struct Probe {
     program: exact::Program,
+    /// What its opacity depends on.
+    opacity: exact::Program,
     cpu_inputs: CpuInputs,
     moments: Vec<Moment>,
     /// The binding of the shadow volume and the program that makes it, where one is read.
     caster: Option<(u32, exact::Program)>,
-    /// Whether nothing is there where a sample says that matter is farther.
-    skips: bool,
 }
 
 /// The blocks of one sub-frame, by binding.
@@ -246,9 +263,9 @@ impl Probe {
             None => None,
             Some((binding, caster)) => Some((binding, exact::Program::read(&caster.fragment, &octaves)?)),
         };
+        let opacity = exact::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
         let program = exact::Program::read(&program.fragment, &octaves)?;
-        let skips = truth.slots(library).get("empty_space").is_some_and(|names| names == &["skip"]);
-        Ok((Probe { program, cpu_inputs, moments, caster, skips }, inputs))
+        Ok((Probe { program, opacity, cpu_inputs, moments, caster }, inputs))
     }
 
     /// Makes the inputs those of a sub-frame.
@@ -277,57 +294,33 @@ impl Probe {
     /// Light and error of some pixels.
     fn integrate(
         &self,
-        bound: &exact::BoundProgram<'_>,
+        (bound, bounds): (&exact::BoundProgram<'_>, &exact::BoundProgram<'_>),
         pixels: &[[u32; 2]],
         tolerance: f64,
-    ) -> Result<Vec<([f64; 4], f64)>, ReferenceError> {
+    ) -> Result<Vec<Light>, ReferenceError> {
         let [near, far] = self.cpu_inputs.depths;
-        let step = (far - near) / f64::from(PIECES);
-        let limits = Limits { error: tolerance / 16.0, shortest: (far - near) * SHORTEST, pieces: MOST_PIECES };
+        let depth = far - near;
+        let limits = Limits { error: tolerance / 16.0, shortest: depth * SHORTEST, pieces: MOST_PIECES };
         let sample = |wanted: &[(usize, f64)]| self.sample(bound, pixels, wanted);
 
         // Where each ray is inside the box: the depth of that sample does not matter.
         let spans: Vec<(usize, f64)> = (0..pixels.len()).map(|ray| (ray, near)).collect();
-        let spans: Vec<[f64; 2]> =
-            sample(&spans)?.iter().map(|sample| [sample.span[0].max(near), sample.span[1].min(far)]).collect();
-        let mut rays: Vec<RayIntegral> = pixels.iter().map(|_| RayIntegral::new()).collect();
+        let spans = sample(&spans)?.into_iter().map(|sample| [sample.span[0].max(near), sample.span[1].min(far)]);
+        let parts = self.parts(bounds, pixels, spans.collect())?;
 
-        // Pieces of equal length, skipping over what is empty: all rays take their next one together.
-        let mut heads: Vec<(usize, f64)> =
-            spans.iter().enumerate().filter(|(_, span)| span[0] < span[1]).map(|(ray, span)| (ray, span[0])).collect();
-        let mut firsts = sample(&heads)?;
-        while !heads.is_empty() {
-            let length = |ray: usize, from: f64| step.min(spans[ray][1] - from);
-            let clear = |first: &Sampled| if self.skips { first.distance_bound } else { 0.0 };
-            let wanted: Vec<(usize, f64)> = (heads.iter().zip(&firsts))
-                .flat_map(|(&(ray, from), first)| {
-                    let (length, skip) = (length(ray, from), clear(first));
-                    let places = if skip > length {
-                        vec![(from + skip).min(spans[ray][1])]
-                    } else {
-                        [0.25, 0.5, 0.75, 1.0].map(|part| from + part * length).to_vec()
-                    };
-                    places.into_iter().map(move |depth| (ray, depth))
-                })
-                .collect();
-            let samples = sample(&wanted)?;
-            let (mut next, mut next_firsts, mut at) = (Vec::new(), Vec::new(), 0);
-            for (&(ray, from), first) in heads.iter().zip(&firsts) {
-                let length = length(ray, from);
-                let used = if clear(first) > length { 1 } else { 4 };
-                if used == 4 {
-                    let [q, r, s, t] = [0, 1, 2, 3].map(|k| samples[at + k].matter);
-                    rays[ray].push(from, length, [first.matter, q, r, s, t]);
-                }
-                let last = at + used - 1;
-                let depth = wanted[last].1;
-                if depth < spans[ray][1] && !rays[ray].is_dark() {
-                    next.push((ray, depth));
-                    next_firsts.push(samples[last]);
-                }
-                at += used;
+        let wanted: Vec<(usize, f64)> = (parts.iter().enumerate())
+            .flat_map(|(index, ray)| ray.parts.iter().map(move |part| (index, part)))
+            .flat_map(|(ray, part)| [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (ray, part.from + share * part.length)))
+            .collect();
+        let samples = sample(&wanted)?;
+        let mut samples = samples.as_chunks::<5>().0.iter();
+        let mut rays: Vec<RayIntegral> = Vec::with_capacity(pixels.len());
+        for parts::Ray { parts, is_vain, .. } in &parts {
+            let mut ray = RayIntegral::new(if *is_vain { 0 } else { BOUNDS[1] });
+            for (part, samples) in parts.iter().zip(&mut samples) {
+                ray.push(part, samples.map(|sample| sample.matter));
             }
-            (heads, firsts) = (next, next_firsts);
+            rays.push(ray);
         }
 
         loop {
@@ -339,18 +332,44 @@ impl Probe {
                 break;
             }
             let samples: Vec<Matter> = sample(&wanted)?.iter().map(|sample| sample.matter).collect();
+            let asking: Vec<(usize, [f64; 2])> = (rays.iter().zip(&coarse).enumerate())
+                .flat_map(|(index, (ray, coarse))| ray.asking(coarse).map(move |part| (index, part)))
+                .collect();
+            let mut narrower = self.bounds(bounds, pixels, &asking)?.into_iter();
             let mut at = 0;
             for (ray, coarse) in rays.iter_mut().zip(&coarse) {
-                ray.halve(coarse, &samples[at..at + 4 * coarse.len()]);
+                ray.halve(coarse, &samples[at..at + 4 * coarse.len()], &mut narrower);
                 at += 4 * coarse.len();
             }
         }
         let light = |ray: &RayIntegral| {
-            let (light, error) = ray.light(&limits);
+            let (light, error, open) = ray.light(&limits);
             let [r, g, b] = light.color;
-            ([r, g, b, 1.0 - light.transmittance], error)
+            ([r, g, b, 1.0 - light.transmittance], error, open)
         };
         Ok(rays.iter().map(light).collect())
+    }
+
+    /// The path of a sample.
+    fn path(&self) -> f64 {
+        PROBE * (self.cpu_inputs.depths[1] - self.cpu_inputs.depths[0])
+    }
+
+    /// What the program reads at depths of rays.
+    fn lanes<N>(
+        &self,
+        pixels: &[[u32; 2]],
+        wanted: impl Iterator<Item = (usize, N)>,
+        number: impl Fn(f64) -> N,
+    ) -> exact::Lanes<N> {
+        let (fragment_coordinates, places) = wanted
+            .map(|(ray, depth)| {
+                let [x, y] = pixels[ray].map(|at| number(f64::from(at) + 0.5));
+                let zero = || number(0.0);
+                ([x, y, number(0.5), number(1.0)], [depth, number(self.path()), zero(), zero()])
+            })
+            .unzip();
+        exact::Lanes { fragment_coordinates, varyings: [(0, places)].into() }
     }
 
     /// Samples of rays at depths.
@@ -363,12 +382,8 @@ impl Probe {
         if wanted.is_empty() {
             return Ok(Vec::new());
         }
-        let path = PROBE * (self.cpu_inputs.depths[1] - self.cpu_inputs.depths[0]);
-        let center = |ray: usize| pixels[ray].map(|at| f64::from(at) + 0.5);
-        let lanes = exact::Lanes {
-            fragment_coordinates: wanted.iter().map(|&(ray, _)| [center(ray)[0], center(ray)[1], 0.5, 1.0]).collect(),
-            varyings: [(0, wanted.iter().map(|&(_, depth)| [depth, path, 0.0, 0.0]).collect())].into(),
-        };
+        let path = self.path();
+        let lanes = self.lanes(pixels, wanted.iter().copied(), |number| number);
         let outputs = bound.run::<f64>(&lanes)?;
         let (fragments, spaces) = (&outputs[&0], &outputs[&1]);
         Ok(fragments.iter().zip(spaces).map(|(fragment, space)| Sampled::new(*fragment, *space, path)).collect())
@@ -381,20 +396,21 @@ struct Sampled {
     matter: Matter,
     /// Depths at which the ray enters and leaves the box and the ball around the soft region.
     span: [f64; 2],
-    /// So much deeper there is nothing.
-    distance_bound: f64,
 }
 
 impl Sampled {
-    fn new([r, g, b, alpha]: [f64; 4], [enters, leaves, distance_bound, _]: [f64; 4], path: f64) -> Sampled {
-        let matter = match alpha {
-            alpha if alpha >= 1.0 => Matter { color: [r, g, b], extinction: f64::INFINITY },
-            alpha if alpha > 0.0 => {
-                Matter { color: [r, g, b].map(|channel| channel / alpha), extinction: -(-alpha).ln_1p() / path }
-            }
-            _ => Matter::default(),
-        };
-        Sampled { matter, span: [enters, leaves], distance_bound }
+    fn new([r, g, b, alpha]: [f64; 4], [enters, leaves, ..]: [f64; 4], path: f64) -> Sampled {
+        let color = if alpha > 0.0 { [r, g, b].map(|channel| channel / alpha.min(1.0)) } else { [0.0; 3] };
+        Sampled { matter: Matter { color, extinction: extinction(alpha, path) }, span: [enters, leaves] }
+    }
+}
+
+/// Extinction per depth by the opacity of a path.
+fn extinction(alpha: f64, path: f64) -> f64 {
+    match alpha {
+        alpha if alpha >= 1.0 => f64::INFINITY,
+        alpha if alpha > 0.0 => -(-alpha).ln_1p() / path,
+        _ => 0.0,
     }
 }
 

@@ -8,7 +8,7 @@ use crate::shader::Library;
 use crate::support::disk_cache::{self, Kind};
 
 /// Raise it when the same scene gives another reference.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Less: those of a report push each other out. More: a person finds a full disk.
 const KIND: Kind = Kind { ends: &["reference"], limit: 256 << 20 };
 
@@ -36,19 +36,20 @@ pub(super) fn save(key: blake3::Hash, reference: &Reference) {
 }
 
 fn bytes(reference: &Reference) -> Vec<u8> {
-    let rows = reference.pixels.iter().zip(&reference.estimate);
-    rows.flat_map(|(pixel, estimate)| pixel.iter().chain([estimate]).flat_map(|value| value.to_le_bytes())).collect()
+    let rows = reference.pixels.iter().zip(&reference.estimate).zip(&reference.open);
+    let values = rows.flat_map(|((pixel, estimate), open)| pixel.iter().chain([estimate, open]));
+    values.flat_map(|value| value.to_le_bytes()).collect()
 }
 
 fn parse(bytes: &[u8], size: [u32; 2]) -> Option<Reference> {
     let count = size[0] as usize * size[1] as usize;
     let numbers = bytes.as_chunks::<8>();
-    if numbers.0.len() != 5 * count || !numbers.1.is_empty() {
+    if numbers.0.len() != 6 * count || !numbers.1.is_empty() {
         return None;
     }
-    let rows = numbers.0.as_chunks::<5>().0.iter().map(|row| row.map(f64::from_le_bytes));
-    let (pixels, estimate) = rows.map(|[r, g, b, a, estimate]| ([r, g, b, a], estimate)).unzip();
-    Some(Reference { size, pixels, estimate })
+    let rows = numbers.0.as_chunks::<6>().0.iter().map(|row| row.map(f64::from_le_bytes));
+    let (pixels, (estimate, open)) = rows.map(|[r, g, b, a, estimate, open]| ([r, g, b, a], (estimate, open))).unzip();
+    Some(Reference { size, pixels, estimate, open })
 }
 
 #[cfg(test)]
@@ -58,7 +59,7 @@ mod tests {
     #[test]
     fn a_reference_comes_back_as_it_was() {
         let pixels = vec![[0.1, 0.2, 0.3, 0.4], [1.0, 0.0, 1e-9, 0.5]];
-        let reference = Reference { size: [2, 1], pixels, estimate: vec![1e-7, 2e-6] };
+        let reference = Reference { size: [2, 1], pixels, estimate: vec![1e-7, 2e-6], open: vec![0.0, 1.0] };
         let written = bytes(&reference);
         assert_eq!(parse(&written, [1, 1]), None);
         assert_eq!(parse(&written[..written.len() - 1], [2, 1]), None);

@@ -44,8 +44,10 @@ pub struct CheckOptions {
 pub struct Truth {
     /// Premultiplied linear RGBA without the background, for each pixel that was asked for.
     pub pixels: Vec<[f64; 4]>,
-    /// How far each of them may be off itself.
+    /// How far each of them may be off itself, as far as samples say.
     pub estimate: Vec<f64>,
+    /// In how many of them bounds prove that samples have overlooked nothing.
+    pub proven: usize,
     /// What knows it.
     pub source: &'static str,
 }
@@ -117,6 +119,8 @@ pub struct Agreement {
     pub step: f64,
     /// Largest error of the truth itself, as it estimates.
     pub estimate: f64,
+    /// Pixels in which bounds prove that the truth has overlooked nothing.
+    pub proven: usize,
     /// Pixels whose error neither codes nor the step explain.
     pub beyond: usize,
     /// The root mean square that is allowed.
@@ -165,7 +169,8 @@ impl Agreement {
         format!(
             "redrawn    {redrawn}\n\
              truth      {pixels} pixels by {}: RMS {:.1e}, 99.9 % within {:.1e}, max {worst:.1e} at {} {}\n\
-             explained  {codes}; the step ({} samples) {:.1e}, as measured; the truth itself is known to {:.0e}\n\
+             explained  {codes}; the step ({} samples) {:.1e}, as measured; the truth itself is known to {:.0e}, and has \
+             overlooked nothing in {} of {pixels} pixels by proof, in the others as far as samples say\n\
              beyond     {} of {pixels} pixels are off by more than codes and 4 times the step around them\n\
              bound      RMS {:.1e} ({decided})\n",
             self.source,
@@ -176,6 +181,7 @@ impl Agreement {
             self.samples,
             self.step,
             self.estimate,
+            self.proven,
             self.beyond,
             self.bound,
         )
@@ -300,6 +306,7 @@ fn compare(
         codes,
         step,
         estimate,
+        proven: truth.proven,
         beyond,
         bound: bound.unwrap_or(MOST + f64::from(scene.quality.early_termination)),
         asked: bound.is_some(),
@@ -338,6 +345,7 @@ mod tests {
         let truth = |off: f64| Truth {
             pixels: pixels.iter().map(|at| linear[index([64, 64], *at)].map(|c| f64::from(c) + off)).collect(),
             estimate: vec![0.0; 4096],
+            proven: 4096,
             source: "the test",
         };
         let agree = |stored: &Stored, off: f64, bound, same| {

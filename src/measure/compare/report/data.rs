@@ -11,9 +11,9 @@ use std::fmt::Write;
 
 /// The columns of [`candidates`].
 const COLUMNS: &str = "candidate,strategy,block,pass,integration,target,samples,octaves,rmse,own_rmse,relative_mse,max,p999,psnr_db,ssim,flip,\
-    flip_p99,opacity_rmse,opacity_max,normal_mean_deg,normal_p99_deg,reference_rmse,blend_bound,gpu_ms,gpu_low_ms,\
-    gpu_high_ms,gpu_min_ms,gpu_p95_ms,wall_ms,wall_low_ms,wall_high_ms,runs,unsteady,compile_ms,device_bytes,fragments,\
-    efficiency,front";
+    flip_p99,opacity_rmse,opacity_max,normal_mean_deg,normal_p99_deg,reference_rmse,reference_proven,blend_bound,\
+    gpu_ms,gpu_low_ms,gpu_high_ms,gpu_min_ms,gpu_p95_ms,wall_ms,wall_low_ms,wall_high_ms,runs,unsteady,compile_ms,\
+    device_bytes,fragments,efficiency,front";
 
 /// One row for each candidate.
 pub fn candidates(report: &Report) -> String {
@@ -48,6 +48,7 @@ pub fn candidates(report: &Report) -> String {
             angle(row.normals.map(|angles| angles.mean)),
             angle(row.normals.map(|angles| angles.p99)),
             number(row.reference_error),
+            number(row.truth.proven() as f64 / row.truth.pixels.len().max(1) as f64),
             number(candidate.blend_bound()),
             number(gpu.median),
             number(gpu.interval[0]),

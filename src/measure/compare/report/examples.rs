@@ -35,7 +35,8 @@ pub fn report() -> Report {
         };
         let run = |index: u32| Run { gpu_ms: samples + 0.01 * f64::from(index), wall_ms: samples + 2.0 };
         let first = Frame { size: [8, 8], pixels: Vec::new(), measurements: Default::default() };
-        let truth = Reference { size: [8, 8], pixels: vec![[0.0; 4]; 64], estimate: vec![0.0; 64] };
+        let truth =
+            Reference { size: [8, 8], pixels: vec![[0.0; 4]; 64], estimate: vec![0.0; 64], open: vec![0.0; 64] };
         Row {
             candidate,
             truth: truth.into(),
