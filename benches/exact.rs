@@ -11,7 +11,7 @@ mod bench;
 mod probe;
 
 use bench::Spread;
-use hypertexture::exact::{BoundProgram, Interval, Lanes, Number};
+use hypertexture::exact::{Affine, BoundProgram, Interval, Lanes, Number};
 use hypertexture::render::variant::Variant;
 use hypertexture::scene;
 use hypertexture::shader;
@@ -41,7 +41,8 @@ fn measure<N: Number>(bound: &BoundProgram<'_>, width: f64, of: impl Fn(f64, f64
 
 fn main() {
     let library = shader::shipped();
-    println!("{:<14} {:>16} {:>28} {:>28}", "", "per point", "f64, M operations / s", "interval 0.01, M / s");
+    let titles = ["f64, M operations / s", "interval 0.01, M / s", "affine 0.01, M / s"];
+    println!("{:<14} {:>16} {:>28} {:>28} {:>28}", "", "per point", titles[0], titles[1], titles[2]);
     for name in ["lit", "solid", "fur", "fire", "melting", "noisy_sphere", "smoke", "woven", "ensemble"] {
         let scene = scene::preset(name).unwrap();
         let mut slots = scene.slots(&library);
@@ -52,6 +53,7 @@ fn main() {
         let bound = program.bind(&probe.inputs).unwrap();
         let (f64s, operations) = measure(&bound, 0.0, |low, _| low);
         let (intervals, _) = measure(&bound, 0.01, Interval::of);
-        println!("{name:<14} {operations:>16.0} {f64s:>28} {intervals:>28}");
+        let (forms, _) = measure(&bound, 0.01, Affine::between);
+        println!("{name:<14} {operations:>16.0} {f64s:>28} {intervals:>28} {forms:>28}");
     }
 }

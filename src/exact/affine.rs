@@ -6,7 +6,7 @@
 //! Invariant: as for [`Interval`], which holds as well and cuts off what the form gains nothing in.
 //! Source: Comba and Stolfi 1993; rests as in Berz and Makino's Taylor models, of order 1.
 
-use super::cases::Case;
+use super::case::Case;
 use super::interval::{Interval, greater, lesser};
 use super::number::{GROUP, Number, Packed, Unary};
 use super::range::{Range, Tri};

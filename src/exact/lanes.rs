@@ -1,6 +1,6 @@
 //! Blocks of lanes: registers, loops over them, and what is left of lanes that took several ways.
 
-use super::cases::Case;
+use super::case::Case;
 use super::code::{File, Reg};
 use super::number::{GROUP, Integer, Number, Packed, Truth};
 

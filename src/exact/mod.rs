@@ -1,13 +1,15 @@
-//! Exact evaluation: the SPIR-V of a linked program, run on the CPU in f64 or in intervals.
+//! Exact evaluation: the SPIR-V of a linked program, run on the CPU in f64, in intervals or in affine forms.
 //!
 //! Role: SPIR-V and the bytes and texels that it reads -> its outputs, for many points at once. The program is the very
 //! one that the GPU runs, so nothing about a module is written a second time. naga reads the SPIR-V; it is lowered to
 //! scalar instructions, each of which is one loop over a block of lanes.
-//! Invariant: pure; an [`Interval`] holds everything that any point of its box gives. A comparison that is not decided
+//! Invariant: pure; an [`Interval`] holds everything that any point of its box gives, and an [`Affine`] form everything
+//! that any place of its segment gives, but for numbers too small for normal ones. A comparison that is not decided
 //! goes both ways, a loop without a bound gives the whole line. What is not covered is an error that names it.
 
 mod affine;
 mod allocate;
+mod case;
 mod cases;
 mod code;
 mod express;
@@ -36,7 +38,7 @@ pub use texture::{Texture, Wrap};
 
 use naga::front::spv::Error as SpirvError;
 
-use cases::Case;
+use case::Case;
 use code::{Code, File, Input, Source};
 use number::{Integer, Packed, Truth};
 use run::Machine;

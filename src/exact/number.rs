@@ -2,7 +2,7 @@
 //!
 //! Invariant: every function here is total. Integers have 32 bits and wrap, as on the GPU.
 
-use super::cases::Case;
+use super::case::Case;
 use super::{BoundProgram, ExactError, Lanes, Measured};
 use std::fmt::Debug;
 
