@@ -8,8 +8,11 @@ const CUTS: u32 = 2;
 const WIDEST: f64 = 1.0 / 16.0;
 /// Rounding of places.
 const NEAR: f64 = 1e-9;
+/// Before the segment and behind it, less the rounding that [`Case::is_end`] allows.
+const OUTSIDE: [[f64; 2]; 2] = [[f64::NEG_INFINITY, -1.0 - NEAR], [1.0 + NEAR, f64::INFINITY]];
 
-/// Where on its segment the numbers of a lane pass integers.
+/// Where on its segment the numbers of a lane pass integers. Numbers that pass within some billionths of the segment pass
+/// together: what is between them is shorter than rounding.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     /// From where to where, as many as `count`.
@@ -25,8 +28,7 @@ pub struct Case {
 
 impl Default for Case {
     fn default() -> Case {
-        let never = f64::INFINITY;
-        Case { passed: [[0.0; 2]; MOST], count: 0, more: false, ends: [[-never, -1.0], [1.0, never]], cuts: 0 }
+        Case { passed: [[0.0; 2]; MOST], count: 0, more: false, ends: OUTSIDE, cuts: 0 }
     }
 }
 
@@ -37,7 +39,9 @@ impl Case {
             return true;
         }
         let known = &self.passed[..self.count];
-        let same = |[low, high]: &[f64; 2]| (low - from).abs().max((high - to).abs()) < NEAR;
+        // The same number again, as noise reads it for each of its components: it passes where it did. Of two that pass
+        // somewhere in a wider range, one may be beyond its integer and the other not.
+        let same = |[low, high]: &[f64; 2]| high - low < 4.0 * NEAR && low - NEAR <= from && to <= high + NEAR;
         if known.iter().any(same) {
             return false;
         }
@@ -63,9 +67,8 @@ impl Case {
         }
         let mut passed = self.passed[..self.count].to_vec();
         passed.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let never = f64::INFINITY;
-        passed.insert(0, [-never, -1.0]);
-        passed.push([1.0, never]);
+        passed.insert(0, OUTSIDE[0]);
+        passed.push(OUTSIDE[1]);
         let parts = passed.windows(2).map(|ends| {
             let [from, to] = [ends[0][0].max(-1.0), ends[1][1].min(1.0)];
             let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
