@@ -63,7 +63,7 @@ fn every_picture_says_which_scene_it_shows_and_is_verified_by_it() {
         println!("{said}");
         assert!(said.contains("none of 1920 pixels differ: the same device and driver"), "{said}");
         assert!(said.contains("truth      200 pixels") && said.contains("unchanged: body.obj"), "{said}");
-        assert!(said.contains("the picture is what its scene gives, and off by RMS "), "{said}");
+        assert!(said.contains("the picture is what its scene gives, and off by rmse "), "{said}");
 
         // A picture is its own scene file.
         let end = &file[file.len() - 4..];
@@ -182,11 +182,11 @@ fn a_coarse_picture_is_what_its_scene_gives_and_its_error_is_said() {
         good(desk, &format!("render {arguments} --size 48x40 -o a.png"));
         let said = good(desk, "verify a.png --pixels 100");
         println!("{said}");
-        assert!(said.contains("the picture is what its scene gives, and off by RMS "), "{arguments}: {said}");
+        assert!(said.contains("the picture is what its scene gives, and off by rmse "), "{arguments}: {said}");
     }
     good(desk, "render torus --effect fur --size 48x40 --samples 4 -o a.png");
     let said = bad(desk, "verify a.png --pixels 100 --bound 1e-3 -q", 1);
-    assert!(said.contains("this is what its scene gives, and that is not accurate: off by RMS "), "{said}");
+    assert!(said.contains("this is what its scene gives, and that is not accurate: off by rmse "), "{said}");
 }
 
 #[test]

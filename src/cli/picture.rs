@@ -87,7 +87,7 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
     let m = &frame.measurements;
     let mut lines = vec![
         format!("device     {} ({}, Vulkan {})", info.name, info.driver, info.api),
-        format!("program    {}{}", m.modules, if m.shipped { "" } else { " (linked now)" }),
+        format!("program    {}{}", m.modules, if m.shipped { "" } else { " (linked for it)" }),
         format!("left out   {}", if m.left_out.is_empty() { "nothing".into() } else { m.left_out.join(", ") }),
     ];
     if let (Some(field), Some(report)) = (&subject.field, &subject.report) {

@@ -6,7 +6,8 @@ use super::sequence::{Motion, ShardChoice, render_frames, shard};
 use super::{say, start, with_progress};
 use crate::gpu::{Gpu, Options};
 use crate::measure::compare::{Failure, Stage};
-use crate::measure::pick::{ErrorBound, Metric, Pick, remembered};
+use crate::measure::metric::Metric;
+use crate::measure::pick::{ErrorBound, Pick, Verified, remembered};
 use crate::measure::predict::{Estimate, Prediction, predict};
 use crate::measure::worker::{Load, Worker};
 use crate::output;
@@ -39,7 +40,7 @@ pub struct Render {
     /// Draw it with the fastest settings whose error is below this, such as 1e-3; the scene says what is drawn, and no longer how.
     #[arg(long, value_name = "ERROR", conflicts_with = "shard")]
     pub max_error: Option<f64>,
-    /// How that error is measured: rmse, max, p999, opacity.
+    /// How that error is measured: rmse (linear RGBA), covered (the same where there is something), rgb, opacity, max, p999.
     #[arg(long, default_value = "rmse", value_parser = metric, requires = "max_error")]
     pub metric: Metric,
     /// Render part K, from 0 to N - 1, of a picture or of the frames; without a value, the part that Slurm or
@@ -133,25 +134,18 @@ fn explain(pick: &Pick, bound: ErrorBound) -> String {
     let [left_out, drawn, kept] = pick.counts;
     let remembered = if pick.remembered { ", remembered" } else { "" };
     let mut text = format!("settings   {}{remembered}\n", pick.settings);
-    text += &match (&pick.verified, &pick.unverified) {
-        (Some(found), _) => format!(
-            "error      {} {:.1e}, asked for {:.1e}; by the f64 reference (own error {:.0e}) in {} pixels\n",
-            bound.metric, found.error, bound.error, found.estimate, found.pixels
+    let Verified { error, estimate, pixels: [pixels, proven], ms } = pick.verified;
+    let by = match &pick.unverified {
+        None => format!(
+            "by the f64 reference (own error {estimate:.0e}) in {pixels} pixels, {proven} of them proven to have all that is there"
         ),
-        (None, why) => format!(
-            "error      {} {:.1e}, asked for {:.1e}; by a finer picture: {}\n",
-            bound.metric,
-            pick.error,
-            bound.error,
-            why.as_deref().unwrap_or_default()
-        ),
+        Some(why) => format!("by a finer picture (own error {estimate:.0e}): {why}"),
     };
+    text += &format!("error      {} {error:.1e}, asked for {:.1e}; {by}\n", bound.metric, bound.error);
     text += &format!(
-        "why        the fastest of {kept} that fit, of {drawn} drawn small ({:.2} ms); {left_out} could not fit",
-        pick.small_ms
+        "why        {ms:.1} ms; the fastest of {kept} that should fit, of {drawn} drawn small; {left_out} could not fit"
     );
-    let other =
-        pick.other.as_ref().map(|(settings, ms)| format!("; {settings} takes {:.1}x", ms / pick.small_ms.max(1e-6)));
+    let other = pick.other.as_ref().map(|(settings, times)| format!("; {settings} takes {times:.1}x"));
     text = text + &other.unwrap_or_default() + "\n";
     for Failure { label, message } in &pick.failures {
         text += &format!("failed     {label}: {message}\n");

@@ -2,7 +2,7 @@
 
 use super::flags::Flags;
 use super::modules::{module, show, show_plane};
-use crate::measure::pick::Metric;
+use crate::measure::metric::Metric;
 use crate::output::{self, OutputError};
 use crate::scene::{self, Color, ParameterValue, Scene, SceneError};
 use crate::shader::declare::hex_color;
@@ -68,7 +68,10 @@ fn numbers(text: &str) -> Result<Numbers, String> {
 
 pub(super) fn metric(text: &str) -> Result<Metric, String> {
     let found = Metric::ALL.into_iter().find(|(name, _)| *name == text);
-    found.map(|(_, metric)| metric).ok_or_else(|| "write rmse, max, p999 or opacity".into())
+    found.map(|(_, metric)| metric).ok_or_else(|| {
+        let names: Vec<&str> = Metric::ALL.iter().map(|(name, _)| *name).collect();
+        format!("write one of {}", names.join(", "))
+    })
 }
 
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {

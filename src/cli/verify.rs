@@ -26,7 +26,7 @@ pub struct Verify {
     /// Which pixels.
     #[arg(long, default_value_t = 0, requires = "image")]
     pub seed: u64,
-    /// The root mean square error that is allowed; without it, 0.1, and what `quality.early_termination` leaves out.
+    /// The error of linear light that is allowed: rmse, or rgb over a background; without it, 0.1, and what `quality.early_termination` leaves out.
     #[arg(long, requires = "image", value_parser = bound)]
     pub bound: Option<f64>,
 }
@@ -92,11 +92,12 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
             agreement.text()
         ));
     }
-    let verify::Agreement { redrawn: [changed, all], foreign, rms, bound, .. } = agreement;
+    let verify::Agreement { redrawn: [changed, all], foreign, metric, bound, .. } = agreement;
+    let error = agreement.error();
     let wrong = match (agreement.is_of_scene(), agreement.is_accurate()) {
         (true, true) => {
             if !quiet {
-                say(&format!("the picture is what its scene gives, and off by RMS {rms:.1e} from the truth\n"));
+                say(&format!("the picture is what its scene gives, and off by {metric} {error:.1e} from the truth\n"));
             }
             return Ok(());
         }
@@ -104,7 +105,7 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
             "this is not what its scene gives: {changed} of {all} pixels changed, {foreign} of them to what is not around them"
         ),
         (true, false) => format!(
-            "this is what its scene gives, and that is not accurate: off by RMS {rms:.1e} from the truth where {bound:.1e} is \
+            "this is what its scene gives, and that is not accurate: off by {metric} {error:.1e} from the truth where {bound:.1e} is \
              allowed"
         ),
     };
@@ -122,15 +123,15 @@ fn truth(
 ) -> Result<PixelTruth, Box<dyn Error>> {
     match reference_pixels(library, &converged_settings(scene), subject, pixels, TOLERANCE, progress) {
         Ok(found) => {
-            let proven = found.proven();
-            let Reference { pixels, estimate, .. } = found;
-            Ok(PixelTruth { pixels, estimate, proven, source: "the f64 reference" })
+            let Reference { pixels, estimate, open, .. } = found;
+            Ok(PixelTruth { pixels, estimate, open, source: "the f64 reference" })
         }
         Err(ReferenceError::NoLimit(_) | ReferenceError::Exact(_)) => {
             let frame = render(gpu, library, scene, subject)?;
             let at = |[x, y]: &[u32; 2]| frame.pixels[(y * frame.size[0] + x) as usize].map(f64::from);
             let pixels: Vec<[f64; 4]> = pixels.iter().map(at).collect();
-            Ok(PixelTruth { estimate: vec![0.0; pixels.len()], proven: 0, pixels, source: "a second rendering" })
+            let (estimate, open) = (vec![0.0; pixels.len()], vec![1.0; pixels.len()]);
+            Ok(PixelTruth { pixels, estimate, open, source: "a second rendering" })
         }
         Err(error) => Err(error.into()),
     }

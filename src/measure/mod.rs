@@ -1,6 +1,7 @@
 //! Error against run time: references, metrics, comparisons, the fastest settings within an error, checks, predictions.
 
 pub mod compare;
+pub mod metric;
 pub mod pick;
 pub mod predict;
 pub mod reference;

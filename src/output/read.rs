@@ -2,7 +2,7 @@
 
 use super::provenance::{KEY, Provenance, ProvenanceError};
 use super::{Kind, OutputError, kind, over, straight};
-use crate::scene::Color;
+use crate::scene::{Color, srgb_to_linear};
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
 use image::DynamicImage;
@@ -45,6 +45,17 @@ impl Encoding {
         match self {
             Encoding::Codes(most) => pixel.map(|part| (part * f32::from(most)).round() / f32::from(most)),
             Encoding::Linear => pixel,
+        }
+    }
+
+    /// The premultiplied linear pixel that a stored one shows.
+    pub fn linear(self, [r, g, b, alpha]: [f32; 4]) -> [f32; 4] {
+        match self {
+            Encoding::Codes(_) => {
+                let [r, g, b] = [r, g, b].map(|part| alpha * srgb_to_linear(part));
+                [r, g, b, alpha]
+            }
+            Encoding::Linear => [r, g, b, alpha],
         }
     }
 

@@ -109,7 +109,7 @@ fn a_module_of_ones_own_is_used_as_one_that_ships() {
     desk.good(&format!("render sphere {look} -o plain.png"));
     let said =
         desk.good(&format!("render sphere --dmf swell.glsl --set swell_power=3 {look} -o own.png --save-scene s.toml"));
-    assert!(said.contains("dmf=swell") && said.contains("linked now"), "{said}");
+    assert!(said.contains("dmf=swell") && said.contains("linked for it"), "{said}");
     desk.good("render s.toml -o again.png");
     let [plain, own, again] = ["plain.png", "own.png", "again.png"].map(|name| fs::read(desk.file(name)).unwrap());
     assert!(plain != own && own == again);

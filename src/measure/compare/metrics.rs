@@ -3,8 +3,9 @@
 //! Linear light where errors add up, the encoded picture (sRGB over the background) where a person looks at it.
 
 use super::ssim::ssim;
+use crate::measure::metric::Errors;
 use crate::measure::reference::Reference;
-use crate::measure::statistics::{largest, mean, quantile, rms};
+use crate::measure::statistics::{mean, quantile};
 use crate::scene::{Color, linear_to_srgb};
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, flip};
 use serde::Serialize;
@@ -17,17 +18,14 @@ const RELATIVE_EPSILON: f64 = 1e-2;
 /// How far a picture is from its reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Metrics {
-    /// Root mean square error of premultiplied linear RGB.
-    pub rmse: f64,
-    /// The same against a reference of the octaves alone that the candidate's turbulence has, as far as it can hold them;
-    /// `None` where there is no such reference.
+    /// Of premultiplied linear RGBA.
+    #[serde(flatten)]
+    pub errors: Errors,
+    /// Its root mean square against a reference of the octaves alone that the candidate's turbulence has, as far as it can
+    /// hold them; `None` where there is no such reference.
     pub own_rmse: Option<f64>,
-    /// Mean of d^2 / (t^2 + 0.01) over the same, d the error and t the truth.
+    /// Mean of d^2 / (t^2 + 0.01) over R, G and B, d the error and t the truth.
     pub relative_mse: f64,
-    /// Largest absolute error of the same.
-    pub max: f64,
-    /// The absolute error that 99.9 % of the channels do not exceed.
-    pub p999: f64,
     /// Peak signal-to-noise ratio of the encoded picture, dB; infinite for equal pictures.
     pub psnr: f64,
     /// Structural similarity of the lightness of the encoded picture; 1 for equal pictures.
@@ -36,10 +34,6 @@ pub struct Metrics {
     pub flip: f64,
     /// The FLIP that 99 % of the pixels do not exceed.
     pub flip_p99: f64,
-    /// Root mean square error of the opacity.
-    pub opacity_rmse: f64,
-    /// Largest absolute error of the opacity.
-    pub opacity_max: f64,
     /// Channels that are not finite: must be 0.
     pub not_finite: usize,
 }
@@ -48,39 +42,27 @@ impl Metrics {
     /// Holds a picture (premultiplied linear RGBA) against a reference of the same size; `background` is what a person
     /// would see it over.
     pub fn of(pixels: &[[f32; 4]], reference: &Reference, background: Color) -> Metrics {
-        let pixels: Vec<[f64; 4]> = pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
         let truth = &reference.pixels;
+        let errors = Errors::between(pixels, truth);
+        let pixels: Vec<[f64; 4]> = pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
         let not_finite = pixels.as_flattened().iter().filter(|value| !value.is_finite()).count();
-        let pairs = || pixels.iter().zip(truth);
-        let colors = || pairs().flat_map(|(found, truth)| (0..3).map(|c| (found[c] - truth[c], truth[c])));
-        let opacities = || pairs().map(|(found, truth)| found[3] - truth[3]);
+        let colors = pixels.iter().zip(truth).flat_map(|(a, b)| (0..3).map(|c| (a[c] - b[c], b[c])));
         let encoded = [&pixels, truth].map(|pixels| encode(pixels, background));
         let [found_codes, truth_codes] = &encoded;
         let mse = mean(found_codes.as_flattened().iter().zip(truth_codes.as_flattened()).map(|(a, b)| (a - b).powi(2)));
         let [found_luma, truth_luma] = encoded.each_ref().map(|codes| luma(codes));
         let flips = flips(truth_codes, found_codes, reference.size);
-        let rmse = rms(colors().map(|(d, _)| d));
         Metrics {
-            rmse,
-            own_rmse: Some(rmse),
-            relative_mse: mean(colors().map(|(d, t)| d * d / (t * t + RELATIVE_EPSILON))),
-            max: largest(colors().map(|(d, _)| d.abs())),
-            p999: quantile(colors().map(|(d, _)| d.abs()).collect(), 0.999),
+            errors,
+            own_rmse: Some(errors.rmse),
+            relative_mse: mean(colors.map(|(d, t)| d * d / (t * t + RELATIVE_EPSILON))),
             psnr: -10.0 * mse.log10(),
             ssim: ssim(&found_luma, &truth_luma, reference.size[0] as usize),
             flip: mean(flips.iter().copied()),
             flip_p99: quantile(flips, 0.99),
-            opacity_rmse: rms(opacities()),
-            opacity_max: largest(opacities().map(f64::abs)),
             not_finite,
         }
     }
-}
-
-/// Root mean square error of premultiplied linear RGB.
-pub fn rmse(pixels: &[[f32; 4]], reference: &Reference) -> f64 {
-    let pairs = pixels.iter().zip(&reference.pixels);
-    rms(pairs.flat_map(|(found, truth)| (0..3).map(|c| f64::from(found[c]) - truth[c])))
 }
 
 /// Largest and typical angle between the normals of two pictures.
@@ -152,7 +134,7 @@ mod tests {
     fn a_picture_is_not_far_from_itself() {
         let truth = reference([16, 16], |i| [f64::from(i) / 512.0, 0.25, 0.5, 1.0]);
         let m = Metrics::of(&single(&truth.pixels), &truth, BLACK);
-        assert!(m.rmse == 0.0 && m.max == 0.0 && m.opacity_max == 0.0 && m.flip == 0.0 && m.not_finite == 0);
+        assert_eq!((m.errors, m.flip, m.not_finite), (Errors::default(), 0.0, 0));
         assert!(m.psnr.is_infinite() && (m.ssim - 1.0).abs() < 1e-12);
     }
 
@@ -161,8 +143,7 @@ mod tests {
         let truth = reference([20, 20], |_| [0.25, 0.25, 0.25, 0.5]);
         let shifted: Vec<_> = truth.pixels.iter().map(|_| [0.375, 0.375, 0.375, 0.75]).collect();
         let m = Metrics::of(&single(&shifted), &truth, BLACK);
-        assert_eq!((m.rmse, m.max, m.p999), (0.125, 0.125, 0.125));
-        assert_eq!((m.opacity_rmse, m.opacity_max), (0.25, 0.25));
+        assert_eq!((m.errors.rgb_rmse, m.errors.opacity_rmse, m.errors.max, m.errors.p999), (0.125, 0.25, 0.25, 0.25));
         assert!((m.relative_mse - 0.125f64.powi(2) / (0.0625 + 1e-2)).abs() < 1e-12);
         let codes = [0.25, 0.375].map(|linear| f64::from(linear_to_srgb(linear)));
         assert!((m.psnr + 20.0 * (codes[1] - codes[0]).log10()).abs() < 1e-9);
@@ -177,8 +158,8 @@ mod tests {
         let mut pixels = single(&truth.pixels);
         pixels[77] = [1.0, 0.0, 0.0, 1.0];
         let m = Metrics::of(&pixels, &truth, BLACK);
-        assert_eq!((m.max, m.p999), (1.0, 0.0)); // one channel of 4800
-        assert!((m.rmse - (1.0f64 / 4800.0).sqrt()).abs() < 1e-12);
+        assert_eq!((m.errors.max, m.errors.p999), (1.0, 0.0)); // one pixel of 1600
+        assert!((m.errors.rgb_rmse - (1.0f64 / 4800.0).sqrt()).abs() < 1e-12);
         pixels[78][1] = f32::NAN;
         assert_eq!(Metrics::of(&pixels, &truth, BLACK).not_finite, 1);
     }

@@ -22,6 +22,7 @@ mod ssim;
 pub mod timing;
 
 use crate::gpu::Gpu;
+use crate::measure::metric::Errors;
 use crate::measure::reference::{Reference, truth_of};
 use crate::measure::statistics::rms;
 use crate::measure::worker::{Painter, Worker};
@@ -114,12 +115,12 @@ impl Row {
 
     /// Time on the device and linear error: the axes of the report.
     pub fn point(&self) -> (f64, f64) {
-        (self.gpu().median, self.metrics.rmse)
+        (self.gpu().median, self.metrics.errors.rmse)
     }
 
     /// 1 / (mean square error x seconds): how much is had for the time.
     pub fn efficiency(&self) -> f64 {
-        1.0 / (self.metrics.rmse.powi(2) * self.gpu().median * 1e-3)
+        1.0 / (self.metrics.errors.rmse.powi(2) * self.gpu().median * 1e-3)
     }
 }
 
@@ -281,9 +282,9 @@ fn first(
     if let Some(own) = own_octaves(library, &candidate)? {
         let own = own.map(|own| truths.of(library, &own, refer)).transpose();
         let own = own.map_err(|reason| format!("no reference of its octaves: {reason}"))?;
-        metrics.own_rmse = own.map(|own| metrics::rmse(&first.pixels, &own));
+        metrics.own_rmse = own.map(|own| Errors::between(&first.pixels, &own.pixels).rmse);
     }
-    if metrics.not_finite > 0 || !metrics.rmse.is_finite() {
+    if metrics.not_finite > 0 || !metrics.errors.rmse.is_finite() {
         return Err(format!("{} values are not finite", metrics.not_finite.max(1)));
     }
     let reference_error = rms(truth.estimate.iter().copied());

@@ -20,8 +20,16 @@ pub(super) fn families(scene: &Scene, library: &Library, error: f64) -> Result<F
     let sweep = Sweep { samples: Some(vec![super::SAMPLES[0]]), ..Sweep::default() };
     let mut families = Families { kept: Vec::new(), left_out: 0 };
     let mut known = BTreeSet::new();
+    let mut refused = None;
     for base in bases(scene, &truth) {
-        for mut candidate in candidates(&base, library, &sweep)? {
+        let found = match candidates(&base, library, &sweep) {
+            Ok(found) => found,
+            Err(error) => {
+                refused.get_or_insert(error); // such as objects that would have different noises
+                continue;
+            }
+        };
+        for mut candidate in found {
             if truth_of(&candidate.scene, library)? != truth || !known.insert(candidate.curve().label()) {
                 continue;
             }
@@ -36,7 +44,10 @@ pub(super) fn families(scene: &Scene, library: &Library, error: f64) -> Result<F
             families.kept.push(candidate);
         }
     }
-    Ok(families)
+    match families.kept.is_empty() && families.left_out == 0 {
+        true => Err(refused.unwrap_or(CompareError::Nothing)),
+        false => Ok(families),
+    }
 }
 
 /// The scene with its noise and turbulence as they are, and each of them computed where it is looked up: what computes

@@ -8,7 +8,7 @@ use crate::support::disk_cache::{self, Kind};
 use serde::{Deserialize, Serialize};
 
 /// Raise it when the same scene may give another pick.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// A few thousand picks.
 const KIND: Kind = Kind { ends: &["pick"], limit: 16 << 20 };
 
@@ -27,9 +27,7 @@ pub(super) fn key(stage: Stage<'_>, scene: &Scene, bound: ErrorBound) -> Result<
 #[serde(deny_unknown_fields)]
 struct Stored {
     settings: String,
-    error: f64,
-    small_ms: f64,
-    verified: Option<Verified>,
+    verified: Verified,
     unverified: Option<String>,
     counts: [usize; 3],
     other: Option<(String, f64)>,
@@ -42,8 +40,6 @@ pub(super) fn load(key: blake3::Hash) -> Option<Pick> {
     Some(Pick {
         scene: scene::parse(&stored.scene, "remembered").ok()?,
         settings: stored.settings,
-        error: stored.error,
-        small_ms: stored.small_ms,
         verified: stored.verified,
         unverified: stored.unverified,
         counts: stored.counts,
@@ -57,8 +53,6 @@ pub(super) fn load(key: blake3::Hash) -> Option<Pick> {
 pub(super) fn save(key: blake3::Hash, pick: &Pick) {
     let stored = Stored {
         settings: pick.settings.clone(),
-        error: pick.error,
-        small_ms: pick.small_ms,
         verified: pick.verified,
         unverified: pick.unverified.clone(),
         counts: pick.counts,

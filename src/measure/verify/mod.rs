@@ -4,6 +4,7 @@
 //! [`run`] renders them in both passes and tells error, observed order, floor and bound; [`check`] holds a picture on
 //! disk against its own scene. Invariant: an answer shares nothing with the GLSL, and a row that could not fail is no row.
 
+mod agreement;
 mod analytic;
 mod closed;
 mod lens;
@@ -14,10 +15,11 @@ mod redrawn;
 mod unchanged;
 mod volumes;
 
+pub use agreement::Agreement;
 pub use analytic::{AnalyticCase, Level, levels, order};
 pub use closed::{SoftBall, fish_eye, luneburg_miss};
 pub use lens::{clear, probed};
-pub use picture::{Agreement, CheckError, CheckOptions, Knows, Truth as PixelTruth, check, draw_pixels};
+pub use picture::{CheckError, CheckOptions, Knows, Truth as PixelTruth, check, draw_pixels};
 pub use pictures::{
     COLOR_BY_DEPTH, HOMOGENEOUS, PERLIN_BALLS, SLAB, SLANTED, SOFT_BALLS, TWO_TONE, TWO_TONES, box_subject,
     homogeneous, library, two_tone,

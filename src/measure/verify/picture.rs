@@ -5,11 +5,14 @@
 //! sees them: colors of a PNG count as much as their alpha. Invariant: on the device that drew the picture no code differs;
 //! elsewhere a pixel may round another way, or be of the other side of an edge, but has no value that is not around it.
 
-use super::redrawn::{CODES, FLOATS, Redrawn, apart, around, index, redraw};
+use super::agreement::Agreement;
+use super::redrawn::{Redrawn, apart, around, index, redraw};
 use crate::field::Progress;
 use crate::gpu::Gpu;
-use crate::measure::statistics::{largest, quantile, rms};
-use crate::output::{self, Encoding, OutputError, PROGRAM, Stored};
+use crate::measure::metric::{Errors, Metric};
+use crate::measure::reference::UNSEEN;
+use crate::measure::statistics::{largest, rms};
+use crate::output::{self, OutputError, PROGRAM, Stored};
 use crate::render::{Frame, RenderError, Subject, render};
 use crate::scene::{Scene, SceneError};
 use crate::shader::Library;
@@ -21,8 +24,6 @@ use std::path::Path;
 /// A pixel may be off by so many times what the step explains around it, and a picture by so many times what it explains
 /// on the mean. Fewer: a kink that the step happens to meet looks like an error. More: an error looks like a kink.
 const STEPS: f64 = 4.0;
-/// The part of the pixels that another device may put to the other side of a hard edge.
-const AT_EDGES: f64 = 0.005;
 /// No step and no end of a ray explains a larger root mean square than this: a picture beyond it is not of its scene.
 const MOST: f64 = 0.1;
 /// What the rounding of f32 may add up to.
@@ -46,8 +47,8 @@ pub struct Truth {
     pub pixels: Vec<[f64; 4]>,
     /// How far each of them may be off itself, as far as samples say.
     pub estimate: Vec<f64>,
-    /// In how many of them bounds prove that samples have overlooked nothing.
-    pub proven: usize,
+    /// The most opacity that samples may have overlooked in each.
+    pub open: Vec<f64>,
     /// What knows it.
     pub source: &'static str,
 }
@@ -85,107 +86,6 @@ pub enum CheckError {
     /// The truth is not to be had.
     #[error("no truth for this picture: {0}")]
     Truth(Box<dyn Error>),
-}
-
-/// How a picture agrees with its scene.
-#[derive(Clone, Debug)]
-pub struct Agreement {
-    /// What the numbers of the file mean.
-    pub encoding: Encoding,
-    /// Samples in depth of the scene.
-    pub samples: u32,
-    /// Pixels that differ where the scene is drawn again, by a code or a bit on the same device, by more than rounding on
-    /// another; of how many.
-    pub redrawn: [usize; 2],
-    /// Those of them that no pixel around them explains.
-    pub foreign: usize,
-    /// Where the picture is furthest from what is rendered again, and by how much.
-    pub redrawn_worst: ([u32; 2], f64),
-    /// Whether it was rendered by this program on this device, so that none may be off.
-    pub same_device: bool,
-    /// What knows the truth.
-    pub source: &'static str,
-    /// Pixels held against the truth.
-    pub pixels: usize,
-    /// Root mean square of their error, over channels.
-    pub rms: f64,
-    /// Largest error of 99.9 % of them.
-    pub p999: f64,
-    /// Largest error, and where.
-    pub worst: ([u32; 2], f64),
-    /// Root mean square that the rounding to codes explains.
-    pub codes: f64,
-    /// Root mean square that the step explains, as measured against other numbers of samples.
-    pub step: f64,
-    /// Largest error of the truth itself, as it estimates.
-    pub estimate: f64,
-    /// Pixels in which bounds prove that the truth has overlooked nothing.
-    pub proven: usize,
-    /// Pixels whose error neither codes nor the step explain.
-    pub beyond: usize,
-    /// The root mean square that is allowed.
-    pub bound: f64,
-    /// Whether that was asked for.
-    pub asked: bool,
-}
-
-impl Agreement {
-    /// Whether the picture is what its scene gives on this device.
-    pub fn is_of_scene(&self) -> bool {
-        let [off, all] = self.redrawn;
-        match self.same_device {
-            true => off == 0,
-            false => self.foreign == 0 && off as f64 <= AT_EDGES * all as f64,
-        }
-    }
-
-    /// Whether it is as accurate as was asked, or as its settings can be.
-    pub fn is_accurate(&self) -> bool {
-        self.rms <= self.bound
-    }
-
-    /// The agreement in words, line by line.
-    pub fn text(&self) -> String {
-        let Agreement { redrawn: [off, all], redrawn_worst: (place, most), pixels, .. } = self;
-        let codes = match self.encoding {
-            Encoding::Codes(most) => format!("{}-bit codes explain {:.1e}", most.count_ones(), self.codes),
-            Encoding::Linear => "floats explain nothing".into(),
-        };
-        let unit = match (self.same_device, self.encoding) {
-            (true, _) => "differ".into(),
-            (_, Encoding::Codes(_)) => format!("differ by more than {CODES} codes"),
-            (_, Encoding::Linear) => format!("differ by more than {FLOATS:.0e}"),
-        };
-        let here = if self.same_device { "the same device and driver" } else { "another device, driver or version" };
-        let redrawn = match off {
-            0 => format!("none of {all} pixels {unit}: {here}"),
-            _ => format!(
-                "{off} of {all} pixels {unit}, {} of them from all around them, the worst, {} {}, by {most:.2e}: {here}",
-                self.foreign, place[0], place[1]
-            ),
-        };
-        let (at, worst) = self.worst;
-        let decided = if self.asked { "as asked" } else { "no setting explains more" };
-        format!(
-            "redrawn    {redrawn}\n\
-             truth      {pixels} pixels by {}: RMS {:.1e}, 99.9 % within {:.1e}, max {worst:.1e} at {} {}\n\
-             explained  {codes}; the step ({} samples) {:.1e}, as measured; the truth itself is known to {:.0e}, and has \
-             overlooked nothing in {} of {pixels} pixels by proof, in the others as far as samples say\n\
-             beyond     {} of {pixels} pixels are off by more than codes and 4 times the step around them\n\
-             bound      RMS {:.1e} ({decided})\n",
-            self.source,
-            self.rms,
-            self.p999,
-            at[0],
-            at[1],
-            self.samples,
-            self.step,
-            self.estimate,
-            self.proven,
-            self.beyond,
-            self.bound,
-        )
-    }
 }
 
 /// Pixels of a picture, each once: as many as asked for, or all of them.
@@ -235,7 +135,7 @@ pub fn check(
     let pixels = draw_pixels(scene.image.size, asked.pixels, asked.seed);
     let truth = truth(&scene, &subject, &pixels, &|done| progress(0.5 + 0.5 * done)).map_err(CheckError::Truth)?;
     let same_device = provenance.program == PROGRAM && provenance.device == gpu.info().title();
-    let step = |at| share * apart_all(&stored, &scene, &drawn, &other, at);
+    let step = Step { drawn: &drawn, other: &other, share };
     let redrawn = redraw(&stored, &scene, &drawn, same_device);
     Ok(compare(&stored, &scene, &redrawn, &step, (&pixels, &truth), asked.bound))
 }
@@ -255,42 +155,48 @@ fn other_samples(scene: &Scene, library: &Library) -> (Scene, f64) {
     }
 }
 
-/// How far two renderings are apart at a pixel, in the encoding of a picture.
-fn apart_all(stored: &Stored, scene: &Scene, a: &Frame, b: &Frame, at: [u32; 2]) -> f64 {
-    let code = |frame: &Frame| stored.encoding.of(frame.pixels[index(stored.size, at)], scene.image.background);
-    largest(apart(code(a), code(b), stored.encoding))
+/// Two drawings of a scene that differ in their step.
+struct Step<'a> {
+    drawn: &'a Frame,
+    other: &'a Frame,
+    /// What their difference is to be multiplied by to give the error of the first.
+    share: f64,
 }
 
-/// The agreement of a picture with the truth; `step` says how far the step may have moved a pixel.
+/// The agreement of a picture with the truth.
 fn compare(
     stored: &Stored,
     scene: &Scene,
     redrawn: &Redrawn,
-    step: &dyn Fn([u32; 2]) -> f64,
+    step: &Step<'_>,
     (pixels, truth): (&[[u32; 2]], &Truth),
     bound: Option<f64>,
 ) -> Agreement {
     let Stored { size, encoding, .. } = *stored;
     let background = scene.image.background;
-    let quantum = encoding.quantum();
-    let off =
-        |at: [u32; 2], pixel: [f32; 4]| apart(stored.pixels[index(size, at)], encoding.of(pixel, background), encoding);
+    let seen = |pixel: [f32; 4]| encoding.of(pixel, background);
+    let shown = |pixel: [f32; 4]| encoding.linear(pixel).map(f64::from);
+    let exact: Vec<[f32; 4]> = truth.pixels.iter().map(|pixel| seen(pixel.map(|channel| channel as f32))).collect();
+    let found: Vec<[f32; 4]> = pixels.iter().map(|&at| stored.pixels[index(size, at)]).collect();
+    let [drawn, other] = [step.drawn, step.other].map(|frame| |at| seen(frame.pixels[index(size, at)]));
 
-    // The alpha of a picture over a background is 1 and tells nothing.
-    let channels = if background.is_some() { 3 } else { 4 };
-    let (mut beyond, mut worst) = (0, ([0, 0], 0.0));
-    let (mut errors, mut channel_errors) = (Vec::new(), Vec::new());
-    for ((&at, &pixel), &estimate) in pixels.iter().zip(&truth.pixels).zip(&truth.estimate) {
-        let off = off(at, pixel.map(|channel| channel as f32));
-        channel_errors.extend_from_slice(&off[..channels]);
-        let most = largest(around(size, at).map(step));
-        let off = largest(off);
-        beyond += usize::from(off.is_nan() || off > 0.5 * quantum + STEPS * most + estimate + ROUNDING);
-        worst = if off > worst.1 { (at, off) } else { worst };
-        errors.push(off);
-    }
-    let (codes, step) = (quantum / 12f64.sqrt(), rms(pixels.iter().map(|&at| step(at))));
-    let estimate = largest(truth.estimate.iter().copied());
+    let explained = |at: [u32; 2]| step.share * largest(apart(drawn(at), other(at), encoding));
+    let is_beyond = |(index, &at): (usize, &[u32; 2])| {
+        let off = largest(apart(found[index], exact[index], encoding));
+        let most = STEPS * largest(around(size, at).map(explained));
+        off.is_nan() || off > 0.5 * encoding.quantum() + most + truth.estimate[index] + ROUNDING
+    };
+    let beyond = pixels.iter().enumerate().filter(|pixel| is_beyond(*pixel)).count();
+
+    let between =
+        |a: &[[f32; 4]], b: &[[f32; 4]]| Errors::of(a.iter().zip(b).map(|(a, b)| (shown(*a), shown(*b), 1.0)));
+    let metric = if background.is_some() { Metric::Rgb } else { Metric::Rmse };
+    let rounded: Vec<[f32; 4]> = exact.iter().map(|pixel| encoding.rounded(*pixel)).collect();
+    let [drawn, other]: [Vec<[f32; 4]>; 2] =
+        [pixels.iter().map(|&at| drawn(at)).collect(), pixels.iter().map(|&at| other(at)).collect()];
+    let off = |index: usize| largest((0..4).map(|c| (shown(found[index])[c] - shown(exact[index])[c]).abs()));
+    let worst = (0..pixels.len()).max_by(|&a, &b| off(a).total_cmp(&off(b)));
+    let in_all = rms(truth.estimate.iter().zip(&truth.open).map(|(estimate, open)| (estimate + open).min(1.0)));
     Agreement {
         encoding,
         samples: scene.quality.samples,
@@ -299,14 +205,14 @@ fn compare(
         redrawn_worst: redrawn.worst,
         same_device: redrawn.same_device,
         source: truth.source,
-        pixels: errors.len(),
-        rms: rms(channel_errors.into_iter()),
-        p999: quantile(errors, 0.999),
-        worst,
-        codes,
-        step,
-        estimate,
-        proven: truth.proven,
+        pixels: pixels.len(),
+        errors: between(&found, &exact),
+        metric,
+        worst: worst.map_or([0, 0], |index| pixels[index]),
+        codes: between(&rounded, &exact).by(metric),
+        step: step.share * between(&drawn, &other).by(metric),
+        own: [rms(truth.estimate.iter().copied()), in_all],
+        proven: truth.open.iter().filter(|open| **open <= UNSEEN).count(),
         beyond,
         bound: bound.unwrap_or(MOST + f64::from(scene.quality.early_termination)),
         asked: bound.is_some(),
@@ -316,6 +222,7 @@ fn compare(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::Encoding;
 
     #[test]
     fn pixels_are_drawn_once_each_and_again_by_their_seed() {
@@ -345,17 +252,19 @@ mod tests {
         let truth = |off: f64| Truth {
             pixels: pixels.iter().map(|at| linear[index([64, 64], *at)].map(|c| f64::from(c) + off)).collect(),
             estimate: vec![0.0; 4096],
-            proven: 4096,
+            open: vec![0.0; 4096],
             source: "the test",
         };
+        let step = Step { drawn: &drawn, other: &drawn, share: 1.0 };
         let agree = |stored: &Stored, off: f64, bound, same| {
             let redrawn = redraw(stored, &scene, &drawn, same);
-            compare(stored, &scene, &redrawn, &|_| 0.0, (&pixels, &truth(off)), bound)
+            compare(stored, &scene, &redrawn, &step, (&pixels, &truth(off)), bound)
         };
         let exact = agree(&stored, 0.0, None, true);
         assert!(exact.is_of_scene() && exact.is_accurate() && exact.redrawn == [0, 4096], "{exact:?}");
-        assert!(exact.rms < exact.codes && exact.rms > 0.3 * exact.codes && exact.beyond == 0, "{exact:?}");
-        assert!(exact.worst.1 <= 0.502 / 255.0, "{exact:?}");
+        assert!((exact.error() / exact.codes - 1.0).abs() < 1e-6 && exact.beyond == 0, "{exact:?}");
+        // Half a code at white, where sRGB is steepest: 2.4 / 1.055 of the linear light.
+        assert!(exact.errors.max <= 0.502 / 255.0 * 2.4 / 1.055 && exact.errors.max > 0.4 / 255.0, "{exact:?}");
         assert!(!agree(&stored, 5e-3, Some(4e-3), true).is_accurate());
         assert!(!agree(&stored, 0.3, None, true).is_accurate() && agree(&stored, 5e-3, None, true).is_accurate());
         // One altered pixel is enough, wherever it is; another device may round it so.

@@ -3,6 +3,7 @@
 //! Role: scene -> chosen modules -> SPIR-V with its live bindings. Invariant: [`Variant::of`] is pure, and what the
 //! scene does not reach is neither in the program nor in its layout; [`Program::left_out`] says so.
 
+mod linked;
 mod reflect;
 
 pub use crate::scene::FORMULAS;
@@ -199,8 +200,8 @@ impl Variant {
         self.slots.iter().map(|(slot, names)| format!("{slot}={}", names.join("+"))).collect::<Vec<_>>().join(" ")
     }
 
-    /// The linked program: the one that ships, if `library` is the shipped one and has it, else linked here.
-    /// `linker` is called only for a program that does not ship.
+    /// The linked program: the one that ships, if `library` is the shipped one and has it, else one from the disk, else
+    /// linked here. `linker` is called only for that.
     ///
     /// # Errors
     /// What glslang says about a module.
@@ -215,10 +216,18 @@ impl Variant {
         let (vertex, fragment) = match shipped {
             Some((_, vertex, fragment)) => (words(vertex), words(fragment)),
             None => {
-                let linker = linker()?;
                 let entries = self.entries;
-                let link = |entry, stage| linker.link(library, entry, stage, &entries, &self.slots);
-                (link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?)
+                let key = linked::key(library, entries, &self.slots);
+                match linked::load(key) {
+                    Some([vertex, fragment]) => (vertex, fragment),
+                    None => {
+                        let linker = linker()?;
+                        let link = |entry, stage| linker.link(library, entry, stage, &entries, &self.slots);
+                        let (vertex, fragment) = (link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?);
+                        linked::save(key, [&vertex, &fragment]);
+                        (vertex, fragment)
+                    }
+                }
             }
         };
         let resources = reflect::resources(&vertex, &fragment)?;
@@ -310,6 +319,28 @@ mod tests {
             assert!(!linked.shipped);
             assert_eq!((shipped.vertex, shipped.fragment), (linked.vertex, linked.fragment), "{effect}");
         }
+    }
+
+    #[test]
+    fn a_program_comes_back_from_the_disk_and_another_module_is_another_program() {
+        let library = shader::shipped().with_module(
+            "dmf",
+            "own",
+            "// Own.\nfloat own(float density, Sample s) { return density; }\n",
+        );
+        let mut scene = preset("lit").unwrap();
+        scene.effect.dmf = vec!["own".into()];
+        let variant = Variant::of(&scene, &library).unwrap();
+        let first = variant.program(&library, Linker::new).unwrap();
+        if crate::support::disk_cache::default_folder().is_some() {
+            assert_eq!(variant.program(&library, || unreachable!("it is on the disk")).unwrap(), first);
+        }
+        let other = library.with_module(
+            "dmf",
+            "own",
+            "// Own.\nfloat own(float density, Sample s) { return 0.5 * density; }\n",
+        );
+        assert_ne!(variant.program(&other, Linker::new).unwrap().fragment, first.fragment);
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! What is asked of the window: by keys, by the panels, by a file that is dropped.
 
 use super::App;
-use crate::measure::pick::{ErrorBound, Metric, Pick};
+use crate::measure::metric::Metric;
+use crate::measure::pick::{ErrorBound, Pick};
 use crate::scene::{self, Camera, Scene};
 use crate::shader::Library;
 use crate::viewer::keys::Action;
@@ -151,8 +152,8 @@ impl App {
         });
         self.model.end_undo_group();
         if good {
-            let by = if pick.verified.is_some() { "the f64 reference" } else { "a finer picture" };
-            let error = pick.verified.map_or(pick.error, |verified| verified.error);
+            let by = if pick.unverified.is_none() { "the f64 reference" } else { "a finer picture" };
+            let error = pick.verified.error;
             self.say(format!("drawn with {}: error {error:.1e} by {by}", pick.settings));
         }
     }

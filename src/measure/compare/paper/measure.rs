@@ -119,7 +119,7 @@ fn errors(
     let mut renderer = stage.painter();
     let frame = renderer.render(&scene).map_err(|error| error.to_string())?;
     let metrics = Metrics::of(&frame.pixels, &truth, scene.image.background.unwrap_or(BACKGROUND));
-    Ok(Errors { rmse: metrics.rmse, flip: metrics.flip })
+    Ok(Errors { rmse: metrics.errors.rmse, flip: metrics.flip })
 }
 
 /// Bump mapping by rising k, with the angles that it turns the normals by.

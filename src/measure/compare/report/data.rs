@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 
 /// The columns of [`candidates`].
-const COLUMNS: &str = "candidate,strategy,block,pass,integration,target,samples,octaves,rmse,own_rmse,relative_mse,max,p999,psnr_db,ssim,flip,\
-    flip_p99,opacity_rmse,opacity_max,normal_mean_deg,normal_p99_deg,reference_rmse,reference_proven,blend_bound,\
+const COLUMNS: &str = "candidate,strategy,block,pass,integration,target,samples,octaves,rmse,covered_rmse,rgb_rmse,opacity_rmse,max,p999,\
+    own_rmse,relative_mse,psnr_db,ssim,flip,flip_p99,normal_mean_deg,normal_p99_deg,reference_rmse,reference_proven,blend_bound,\
     gpu_ms,gpu_low_ms,gpu_high_ms,gpu_min_ms,gpu_p95_ms,wall_ms,wall_low_ms,wall_high_ms,runs,unsteady,compile_ms,\
     device_bytes,fragments,efficiency,front";
 
@@ -34,17 +34,18 @@ pub fn candidates(report: &Report) -> String {
             target_name(curve.target).into(),
             candidate.samples().to_string(),
             candidate.octaves().map_or(String::new(), |[held, _]| held.to_string()),
-            number(m.rmse),
+            number(m.errors.rmse),
+            number(m.errors.covered_rmse),
+            number(m.errors.rgb_rmse),
+            number(m.errors.opacity_rmse),
+            number(m.errors.max),
+            number(m.errors.p999),
             m.own_rmse.map_or(String::new(), number),
             number(m.relative_mse),
-            number(m.max),
-            number(m.p999),
             number(m.psnr),
             number(m.ssim),
             number(m.flip),
             number(m.flip_p99),
-            number(m.opacity_rmse),
-            number(m.opacity_max),
             angle(row.normals.map(|angles| angles.mean)),
             angle(row.normals.map(|angles| angles.p99)),
             number(row.reference_error),
@@ -135,7 +136,7 @@ pub fn curves(report: &Report) -> Vec<(Curve, Vec<usize>, Option<Order>)> {
         indices.sort_by_key(|&index| rows[index].candidate.samples());
         let points: Vec<(f64, f64)> = indices
             .iter()
-            .map(|&index| (f64::from(rows[index].candidate.samples()), rows[index].metrics.rmse))
+            .map(|&index| (f64::from(rows[index].candidate.samples()), rows[index].metrics.errors.rmse))
             .collect();
         (curve, indices, order(&points))
     };

@@ -5,6 +5,7 @@ use crate::measure::compare::candidates::{Sweep, candidates};
 use crate::measure::compare::metrics::Metrics;
 use crate::measure::compare::timing::Run;
 use crate::measure::compare::{Comparison, Row};
+use crate::measure::metric::Errors;
 use crate::measure::reference::Reference;
 use crate::render::Frame;
 use crate::scene::preset;
@@ -20,17 +21,20 @@ pub fn report() -> Report {
         let second = candidate.curve().label().contains("segment");
         let rmse = samples.powf(if second { -2.0 } else { -1.0 });
         let metrics = Metrics {
-            rmse,
+            errors: Errors {
+                rmse,
+                covered_rmse: 2.0 * rmse,
+                rgb_rmse: rmse,
+                opacity_rmse: rmse,
+                max: 4.0 * rmse,
+                p999: 3.0 * rmse,
+            },
             own_rmse: Some(0.5 * rmse),
             relative_mse: rmse,
-            max: 4.0 * rmse,
-            p999: 3.0 * rmse,
             psnr: -20.0 * rmse.log10(),
             ssim: 1.0 - rmse,
             flip: rmse,
             flip_p99: 2.0 * rmse,
-            opacity_rmse: rmse,
-            opacity_max: 2.0 * rmse,
             not_finite: 0,
         };
         let run = |index: u32| Run { gpu_ms: samples + 0.01 * f64::from(index), wall_ms: samples + 2.0 };

@@ -77,7 +77,8 @@ fn answers(report: &Report) -> String {
     let words = match picks.iter().rev().find_map(|(bound, row)| Some((bound, (*row)?))) {
         None => format!("<p class=\"answer\">No candidate comes within an error of {}.</p>\n", BOUNDS[0]),
         Some((bound, row)) => {
-            let slowest = rows.iter().filter(|other| other.metrics.rmse <= *bound).map(|other| other.gpu().median);
+            let slowest =
+                rows.iter().filter(|other| other.metrics.errors.rmse <= *bound).map(|other| other.gpu().median);
             let ratio = slowest.fold(0.0, f64::max) / row.gpu().median;
             format!(
                 "<p class=\"answer\">The cheapest candidate within an error of {bound} is <b>{}</b>: {} ms, {} times faster than the \
@@ -94,7 +95,7 @@ fn answers(report: &Report) -> String {
             "<tr><td class=\"n\">{bound}<td>{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}",
             escape(&row.candidate.label()),
             spread(&row.gpu()),
-            short(row.metrics.rmse),
+            short(row.metrics.errors.rmse),
             short(row.metrics.flip),
             short(row.metrics.psnr),
         ),
@@ -141,7 +142,7 @@ fn front_pictures(report: &Report) -> String {
             "<figure><div>{}</div><figcaption><b>{label}</b><br><span>{} ms, RMSE {}, FLIP {}</span></figcaption></figure>",
             images.concat(),
             short(row.gpu().median),
-            short(row.metrics.rmse),
+            short(row.metrics.errors.rmse),
             short(row.metrics.flip),
         ));
     }
@@ -203,11 +204,11 @@ fn all_candidates(report: &Report) -> String {
         let cells = [
             spread(&row.gpu()),
             spread(&row.wall()),
-            short(m.rmse),
+            short(m.errors.rmse),
             m.own_rmse.map_or("–".into(), short),
-            short(m.max),
-            short(m.p999),
-            short(m.opacity_rmse),
+            short(m.errors.max),
+            short(m.errors.p999),
+            short(m.errors.opacity_rmse),
             short(m.psnr),
             format!("{:.5}", m.ssim),
             short(m.flip),

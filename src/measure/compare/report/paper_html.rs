@@ -63,7 +63,7 @@ fn line(report: &Report, table: &Table, row: usize) -> String {
             let best = cheapest(&report.comparison.points(), error).map_or(time, |best| rows[best].point().0);
             format!(
                 "<td class=\"n\">{}<br><small>{}</small><td class=\"n\">{}<td class=\"n\">{} times faster",
-                short(row.metrics.rmse),
+                short(row.metrics.errors.rmse),
                 row.metrics.own_rmse.map_or("–".into(), short),
                 short(row.metrics.flip),
                 short(time / best)
@@ -100,7 +100,7 @@ pub fn blocks(report: &Report) -> String {
     });
     let mut tried: BTreeMap<(u32, bool), Vec<Block>> = BTreeMap::new();
     for row in rows {
-        let (curve, error) = (row.candidate.curve(), row.metrics.rmse);
+        let (curve, error) = (row.candidate.curve(), row.metrics.errors.rmse);
         let key = (row.candidate.samples(), curve.integration == Integration::Segment);
         tried.entry(key).or_default().extend(curve.block.map(|side| Block { side, time: row.gpu(), error }));
     }
@@ -176,7 +176,7 @@ mod tests {
         for (side, factor) in [(32, 3.0), (128, 0.5)] {
             let mut row = known.clone();
             row.candidate.scene.quality.block_size = side;
-            row.metrics.rmse *= factor;
+            row.metrics.errors.rmse *= factor;
             report.comparison.rows.push(row);
         }
         let text = blocks(&report);

@@ -1,0 +1,141 @@
+//! How far a picture is from its truth: the one definition of every error that is stated.
+//!
+//! All of premultiplied linear RGBA, in which light adds up: 1 is white, or opaque. Each pixel counts as often as its
+//! weight says, so that some of them may stand for all.
+
+use super::statistics::{largest, weighted_quantile, weighted_rms};
+use serde::Serialize;
+use std::fmt;
+
+/// The part of the pixels that [`Errors::p999`] leaves out.
+const ABOVE: f64 = 1e-3;
+
+/// One of the [`Errors`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Metric {
+    /// [`Errors::rmse`].
+    #[default]
+    Rmse,
+    /// [`Errors::covered_rmse`].
+    Covered,
+    /// [`Errors::rgb_rmse`].
+    Rgb,
+    /// [`Errors::opacity_rmse`].
+    Opacity,
+    /// [`Errors::max`].
+    Max,
+    /// [`Errors::p999`].
+    P999,
+}
+
+impl Metric {
+    /// Every metric with its name.
+    pub const ALL: [(&str, Metric); 6] = [
+        ("rmse", Metric::Rmse),
+        ("covered", Metric::Covered),
+        ("rgb", Metric::Rgb),
+        ("opacity", Metric::Opacity),
+        ("max", Metric::Max),
+        ("p999", Metric::P999),
+    ];
+}
+
+impl fmt::Display for Metric {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = Metric::ALL.iter().find(|(_, metric)| metric == self).map(|(name, _)| *name);
+        f.write_str(name.unwrap_or_default())
+    }
+}
+
+/// How far a picture is from its truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Errors {
+    /// Root mean square over the four channels of all pixels.
+    pub rmse: f64,
+    /// The same over the pixels alone in which the picture or its truth is not clear: no background dilutes it.
+    pub covered_rmse: f64,
+    /// Root mean square over R, G and B of all pixels.
+    pub rgb_rmse: f64,
+    /// Root mean square over the opacity of all pixels.
+    pub opacity_rmse: f64,
+    /// The largest difference of any channel.
+    pub max: f64,
+    /// What 99.9 % of the pixels stay below in their worst channel.
+    pub p999: f64,
+}
+
+impl Errors {
+    /// Of pixels, each as found, as it is in truth, and with its weight.
+    pub fn of(pixels: impl Iterator<Item = ([f64; 4], [f64; 4], f64)>) -> Errors {
+        let pixels: Vec<([f64; 4], bool, f64)> = pixels
+            .map(|(found, truth, weight)| {
+                let off = std::array::from_fn(|c| (found[c] - truth[c]).abs());
+                (off, found[3] > 0.0 || truth[3] > 0.0, weight)
+            })
+            .collect();
+        let rms = |channels: std::ops::Range<usize>, all: bool| {
+            let counted = pixels.iter().filter(|(_, covered, _)| all || *covered);
+            weighted_rms(counted.flat_map(|(off, _, weight)| off[channels.clone()].iter().map(|off| (*off, *weight))))
+        };
+        let worst: Vec<(f64, f64)> = pixels.iter().map(|(off, _, weight)| (largest(*off), *weight)).collect();
+        Errors {
+            rmse: rms(0..4, true),
+            covered_rmse: rms(0..4, false),
+            rgb_rmse: rms(0..3, true),
+            opacity_rmse: rms(3..4, true),
+            max: largest(worst.iter().map(|(off, _)| *off)),
+            p999: weighted_quantile(worst, ABOVE),
+        }
+    }
+
+    /// Of all pixels of a picture.
+    pub fn between(found: &[[f32; 4]], truth: &[[f64; 4]]) -> Errors {
+        Errors::of(found.iter().zip(truth).map(|(found, truth)| (found.map(f64::from), *truth, 1.0)))
+    }
+
+    /// The one that a metric names.
+    pub fn by(&self, metric: Metric) -> f64 {
+        match metric {
+            Metric::Rmse => self.rmse,
+            Metric::Covered => self.covered_rmse,
+            Metric::Rgb => self.rgb_rmse,
+            Metric::Opacity => self.opacity_rmse,
+            Metric::Max => self.max,
+            Metric::P999 => self.p999,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_error_is_that_of_its_channels_and_pixels() {
+        // One pixel of four is covered, and off by 0.1 in red, 0.2 in green and 0.3 in opacity.
+        let pixel = ([0.1, 0.2, 0.0, 0.3], [0.0; 4], 1.0);
+        let errors = Errors::of([pixel, ([0.0; 4], [0.0; 4], 3.0)].into_iter());
+        let near =
+            |metric, expected: f64| assert!((errors.by(metric) - expected).abs() < 1e-15, "{metric}: {errors:?}");
+        near(Metric::Rmse, (0.14f64 / 16.0).sqrt());
+        near(Metric::Covered, (0.14f64 / 4.0).sqrt());
+        near(Metric::Rgb, (0.05f64 / 12.0).sqrt());
+        near(Metric::Opacity, (0.09f64 / 4.0).sqrt());
+        near(Metric::Max, 0.3);
+        near(Metric::P999, 0.3);
+    }
+
+    #[test]
+    fn one_bad_pixel_of_many_shows_in_the_largest_error_alone() {
+        let mut found = vec![[0.5f32; 4]; 2000];
+        found[7] = [1.0, 0.5, 0.5, 0.5];
+        let errors = Errors::between(&found, &vec![[0.5; 4]; 2000]);
+        assert_eq!((errors.max, errors.p999), (0.5, 0.0));
+        assert!((errors.rmse - (0.25f64 / 8000.0).sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_name_is_that_of_its_metric() {
+        assert!(Metric::ALL.iter().all(|(name, metric)| *name == metric.to_string()));
+    }
+}

@@ -1,0 +1,196 @@
+//! What is known of some pixels of a picture, and pictures held against it.
+
+use super::candidates;
+use crate::measure::compare::{CompareError, Stage};
+use crate::measure::metric::{Errors, Metric};
+use crate::measure::reference::{ReferenceError, TOLERANCE, reference_pixels, truth_of};
+use crate::measure::statistics::weighted_rms;
+use crate::measure::worker::Painter;
+use crate::render::variant::VariantError;
+use crate::render::{Frame, RenderError};
+use crate::scene::Scene;
+use crate::support::random::SplitMix;
+
+/// The reference may be wrong by this part of the bound.
+const OWN: f64 = 0.02;
+/// A pixel that differs from a neighbor by more than this is at an edge, where few pixels have most of the error: half of
+/// those that are looked at are such. Less: all of a furry object is an edge. More: a dim outline is none.
+const EDGE: f32 = 0.1;
+/// A finer picture that stands for a reference should be wrong by less than this part of the bound.
+const FINER: f64 = 0.25;
+/// Samples of the finer picture to begin with, and at most.
+const FINEST: [u32; 2] = [1024, 16_384];
+
+/// Pixels of pictures of one size, and what they are in truth.
+pub(super) struct Known {
+    sample: Sample,
+    truth: Vec<[f64; 4]>,
+    /// Root mean square of what the truth may be wrong by itself.
+    pub(super) own: f64,
+    /// Pixels that bounds prove to be so.
+    pub(super) proven: usize,
+}
+
+impl Known {
+    /// By the f64 reference, in `count` pixels of the picture of `scene`, of which `frame` is a drawing.
+    pub(super) fn by_reference(
+        stage: Stage<'_>,
+        scene: &Scene,
+        frame: &Frame,
+        count: usize,
+        error: f64,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<Known, ReferenceError> {
+        let sample = Sample::of(frame, count);
+        let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
+        let tolerance = (OWN * error).clamp(1e-7, TOLERANCE);
+        let found = reference_pixels(stage.library, &truth, stage.subject, &sample.pixels, tolerance, progress)?;
+        let own = weighted_rms(found.estimate.iter().copied().zip(sample.weights.iter().copied()));
+        Ok(Known { sample, own, proven: found.proven(), truth: found.pixels })
+    }
+
+    /// By the scene drawn with ever more samples, where it has no reference: in every pixel.
+    pub(super) fn by_finer_picture(
+        painter: &mut Painter<'_>,
+        stage: Stage<'_>,
+        scene: &Scene,
+        (metric, error): (Metric, f64),
+    ) -> Result<Known, CompareError> {
+        let mut draw = |samples| -> Result<Frame, CompareError> {
+            let mut drawn = Err(CompareError::Nothing);
+            for finest in candidates::finest(scene, stage.library, samples)? {
+                drawn = painter.render(&finest).map_err(CompareError::from);
+                if drawn.is_ok() {
+                    break;
+                }
+            }
+            drawn
+        };
+        let [mut samples, most] = FINEST;
+        let mut before = draw(samples / 2)?;
+        loop {
+            let finer = draw(samples)?;
+            let truth: Vec<[f64; 4]> = finer.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
+            // Richardson's estimate for the lowest order that pictures show, 0.8: the difference / (2^0.8 - 1).
+            let own = Errors::between(&before.pixels, &truth).by(metric) / (2f64.powf(0.8) - 1.0);
+            if own <= FINER * error || 2 * samples > most {
+                return Ok(Known { sample: Sample::of(&finer, usize::MAX), truth, own, proven: 0 });
+            }
+            (samples, before) = (2 * samples, finer);
+        }
+    }
+
+    /// How far a picture is from the truth in these pixels.
+    pub(super) fn errors(&self, frame: &Frame) -> Errors {
+        self.sample.errors(frame, |index, _| self.truth[index])
+    }
+
+    /// How far two pictures are apart in these pixels.
+    pub(super) fn difference(&self, frame: &Frame, other: &Frame) -> Errors {
+        self.sample.errors(frame, |_, at| other.pixels[at].map(f64::from))
+    }
+
+    /// Pixels that are looked at.
+    pub(super) fn count(&self) -> usize {
+        self.truth.len()
+    }
+}
+
+/// Draws a scene with a painter, and gives its time on the device.
+pub(super) fn draw(painter: &mut Painter<'_>, scene: &Scene) -> Result<(Frame, f64), RenderError> {
+    let frame = painter.render(scene)?;
+    let ms = frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0);
+    Ok((frame, ms))
+}
+
+/// Pixels that stand for a picture, each for as many as its weight says.
+struct Sample {
+    pixels: Vec<[u32; 2]>,
+    weights: Vec<f64>,
+}
+
+impl Sample {
+    /// Some pixels at edges and some elsewhere, the same for the same picture; all of it where that has no more.
+    fn of(frame: &Frame, wanted: usize) -> Sample {
+        let [width, height] = frame.size.map(|side| side as usize);
+        let all = width * height;
+        let wanted = wanted.min(all);
+        let differs = |a: usize, b: usize| (0..4).any(|c| (frame.pixels[a][c] - frame.pixels[b][c]).abs() > EDGE);
+        let at_edge = |&index: &usize| {
+            let (x, y) = (index % width, index / width);
+            (x > 0 && differs(index, index - 1))
+                || (x + 1 < width && differs(index, index + 1))
+                || (y > 0 && differs(index, index - width))
+                || (y + 1 < height && differs(index, index + width))
+        };
+        let mut sample = Sample { pixels: Vec::new(), weights: Vec::new() };
+        let mut take = |indices: &[usize], weight: f64| {
+            sample.pixels.extend(indices.iter().map(|index| [(index % width) as u32, (index / width) as u32]));
+            sample.weights.extend(std::iter::repeat_n(weight, indices.len()));
+        };
+        if wanted == all {
+            take(&(0..all).collect::<Vec<_>>(), 1.0);
+            return sample;
+        }
+        let (mut edges, mut others): (Vec<usize>, Vec<usize>) = (0..all).partition(at_edge);
+        let of_edges = edges.len().min((wanted / 2).max(wanted.saturating_sub(others.len())));
+        let of_others = others.len().min(wanted - of_edges);
+        let mut random = SplitMix(1);
+        for (stratum, count) in [(&mut edges, of_edges), (&mut others, of_others)] {
+            random.shuffle(stratum);
+            take(&stratum[..count], stratum.len() as f64 / count.max(1) as f64);
+        }
+        sample
+    }
+
+    /// How far a picture is in these pixels from what they are said to be, by their index here and in the picture.
+    fn errors(&self, frame: &Frame, truth: impl Fn(usize, usize) -> [f64; 4]) -> Errors {
+        let width = frame.size[0] as usize;
+        let pixels = self.pixels.iter().zip(&self.weights).enumerate().map(|(index, ([x, y], weight))| {
+            let at = *y as usize * width + *x as usize;
+            (frame.pixels[at].map(f64::from), truth(index, at), *weight)
+        });
+        Errors::of(pixels)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Measurements;
+    use std::collections::BTreeSet;
+
+    fn disk(side: u32) -> Frame {
+        let half = f64::from(side) / 2.0;
+        let lit = |index: u32| (f64::from(index % side) - half).hypot(f64::from(index / side) - half) < 0.7 * half;
+        let pixels = (0..side * side).map(|index| [f32::from(u8::from(lit(index))); 4]).collect();
+        Frame { size: [side, side], pixels, measurements: Measurements::default() }
+    }
+
+    #[test]
+    fn a_sample_stands_for_all_pixels_and_looks_at_edges() {
+        for side in [1, 4, 16, 97, 256, 512] {
+            let frame = disk(side);
+            let sample = Sample::of(&frame, 1024);
+            let all = (side * side) as usize;
+            let distinct: BTreeSet<_> = sample.pixels.iter().collect();
+            assert_eq!(distinct.len(), sample.pixels.len(), "{side}");
+            assert_eq!(sample.pixels.len(), all.min(1024), "{side}");
+            let stands_for: f64 = sample.weights.iter().sum();
+            assert!((stands_for - all as f64).abs() < 1e-6 * all as f64, "{side}: {stands_for}");
+        }
+        let sample = Sample::of(&disk(256), 1024);
+        let at_edges = sample.weights.iter().filter(|weight| **weight < 4.0).count();
+        assert!(at_edges >= 512, "{at_edges} at edges, which have much of the error");
+    }
+
+    #[test]
+    fn a_sample_finds_the_error_of_a_moved_edge() {
+        let (a, mut b) = (disk(128), disk(128));
+        b.pixels.rotate_left(1); // one pixel to the left
+        let truth: Vec<[f64; 4]> = b.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
+        let whole = Errors::between(&a.pixels, &truth).rmse;
+        let found = Sample::of(&a, 1024).errors(&a, |_, at| truth[at]).rmse;
+        assert!((found / whole - 1.0).abs() < 0.15, "{found} of {whole}");
+    }
+}

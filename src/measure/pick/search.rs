@@ -1,0 +1,308 @@
+//! Small pictures of candidates, and which of them is worth a whole one.
+
+use super::known::{Known, draw};
+use super::{CARE, ErrorBound, PickError, SAMPLES, candidates, error_of};
+use crate::measure::compare::candidates::{Candidate, Curve};
+use crate::measure::compare::{CompareError, Stage};
+use crate::measure::reference::ReferenceError;
+use crate::measure::worker::Painter;
+use crate::render::RenderError;
+use crate::scene::Scene;
+use crate::shader::Library;
+
+/// Longest side of the small pictures, pixels. Smaller: few pixels meet an edge. Larger: they take longer than the
+/// picture that is asked for.
+const SMALL: u32 = 64;
+/// Pixels of the small picture that are held against the reference.
+const PIXELS: usize = 512;
+/// Samples of the picture that these are chosen in.
+const LOOK: u32 = 64;
+/// Runs of a small picture, of which the fastest counts.
+const RUNS: usize = 3;
+/// The highest order in the step that a picture has: so many fewer samples are not tried.
+const ORDER: f64 = 2.0;
+/// An error that twice the samples leave at this part of what it was is one that no samples remove; fewer samples than
+/// [`FLAT_FROM`] say nothing about it.
+const STAYS: f64 = 0.85;
+const FLAT_FROM: u32 = 128;
+/// Curves that take longer than this times the fastest that fits are not drawn on.
+const SLOWER: f64 = 1.5;
+/// What is to replace the best must be so much faster, or have so many fewer samples.
+const FASTER: f64 = 0.95;
+/// Where nothing fits, so many curves are drawn to their limit.
+const TO_LIMIT: usize = 3;
+/// Where nothing fits, the nearest are drawn whole if they are not farther off than this times the bound.
+const HOPE: f64 = 4.0;
+
+/// A candidate that was drawn small.
+#[derive(Clone, Debug)]
+pub(super) struct Drawn {
+    pub(super) candidate: Candidate,
+    pub(super) error: f64,
+    pub(super) ms: f64,
+}
+
+/// What a whole picture has taught.
+struct Lesson {
+    curve: Curve,
+    scene: Scene,
+    /// Its error, and that over the one of the small picture.
+    error: f64,
+    factor: f64,
+}
+
+/// Small pictures and what they are held against.
+pub(super) struct Search<'a> {
+    painter: Painter<'a>,
+    library: &'a Library,
+    bound: ErrorBound,
+    families: Vec<Candidate>,
+    known: Known,
+    drawn: Vec<Drawn>,
+    lessons: Vec<Lesson>,
+    /// Candidates that could not be drawn; no other of their curves is tried.
+    pub(super) failed: Vec<(Candidate, RenderError)>,
+    /// Why there is no reference, where there is none.
+    pub(super) unverified: Option<String>,
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(
+        stage: Stage<'a>,
+        scene: &Scene,
+        bound: ErrorBound,
+        families: Vec<Candidate>,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<Search<'a>, PickError> {
+        let (mut painter, mut failed) = (stage.painter(), Vec::new());
+        let mut first = None;
+        for family in &families {
+            let candidate = candidates::with_samples(family, LOOK);
+            match painter.render(&small(&candidate.scene)) {
+                Ok(frame) => first = Some((small(&candidate.scene), frame)),
+                Err(error) => failed.push((candidate, error)),
+            }
+            if first.is_some() {
+                break;
+            }
+        }
+        let Some((look, frame)) = first else {
+            return Err(failed.into_iter().next().map_or(CompareError::Nothing.into(), |(_, error)| error.into()));
+        };
+        let (known, unverified) = match Known::by_reference(stage, &look, &frame, PIXELS, bound.error, progress) {
+            Ok(known) => (known, None),
+            Err(ReferenceError::Render(error)) => return Err(error.into()),
+            Err(why) => {
+                let own = (bound.metric, bound.error);
+                (Known::by_finer_picture(&mut painter, stage, &small(scene), own)?, Some(why.to_string()))
+            }
+        };
+        let (library, drawn, lessons) = (stage.library, Vec::new(), Vec::new());
+        Ok(Search { painter, library, bound, families, known, drawn, lessons, failed, unverified })
+    }
+
+    /// What is worth a whole picture: the fastest that should keep the bound, if it should be faster than the best so far;
+    /// where there is none yet, at last the nearest.
+    pub(super) fn next(&mut self, best: Option<&Drawn>, progress: &dyn Fn(f32)) -> Option<Drawn> {
+        let families = self.families.clone();
+        for (index, family) in families.iter().enumerate() {
+            self.follow(family);
+            progress((index + 1) as f32 / families.len() as f32 * 0.5);
+        }
+        let fitting = self.drawn.iter().filter(|drawn| self.fits(drawn));
+        let next = match fitting.min_by(|a, b| a.ms.total_cmp(&b.ms)).cloned() {
+            Some(fastest) => Some(self.fewer(fastest)),
+            None => self.nearest(&families),
+        };
+        let is_faster = |next: &Drawn, best: &Drawn| {
+            next.ms < FASTER * best.ms || next.candidate.curve() == best.candidate.curve() // of which it has fewer samples
+        };
+        next.filter(|next| self.lesson(next).is_none() && best.is_none_or(|best| is_faster(next, best)))
+    }
+
+    /// What a whole picture of a candidate has shown.
+    pub(super) fn learn(&mut self, drawn: &Drawn, error: f64) {
+        let factor = error / drawn.error.max(f64::MIN_POSITIVE);
+        let Candidate { scene, .. } = &drawn.candidate;
+        self.lessons.push(Lesson { curve: drawn.candidate.curve(), scene: scene.clone(), error, factor });
+    }
+
+    /// A candidate cannot be drawn.
+    pub(super) fn fail(&mut self, candidate: Candidate, error: RenderError) {
+        self.drawn.retain(|drawn| drawn.candidate.curve() != candidate.curve());
+        self.failed.push((candidate, error));
+    }
+
+    /// How many candidates were drawn.
+    pub(super) fn count(&self) -> usize {
+        self.drawn.len()
+    }
+
+    /// How many of them should keep the bound.
+    pub(super) fn fitting(&self) -> usize {
+        self.drawn.iter().filter(|drawn| self.fits(drawn)).count()
+    }
+
+    /// The fastest of another pass than the best that should keep the bound, and how many times longer it takes.
+    pub(super) fn other_pass(&self, best: &Drawn) -> Option<(String, f64)> {
+        let pass = best.candidate.scene.quality.pass;
+        let others = self.drawn.iter().filter(|drawn| drawn.candidate.scene.quality.pass != pass && self.fits(drawn));
+        let other = others.min_by(|a, b| a.ms.total_cmp(&b.ms))?;
+        Some((other.candidate.label(), other.ms / best.ms.max(1e-6)))
+    }
+
+    /// Why nothing was picked; `nearest` is the whole picture with the least error.
+    pub(super) fn refusal(&mut self, bound: ErrorBound, nearest: Option<(String, f64)>) -> PickError {
+        if self.drawn.is_empty() && !self.failed.is_empty() {
+            return self.failed.swap_remove(0).1.into();
+        }
+        let least = || self.drawn.iter().min_by(|a, b| a.error.total_cmp(&b.error));
+        let nearest = nearest.or_else(|| least().map(|near| (near.candidate.label(), near.error)));
+        let (nearest, found) = nearest.unwrap_or(("none".into(), f64::INFINITY));
+        PickError::Bound { metric: bound.metric, asked: bound.error, nearest, found }
+    }
+
+    /// What the error of a small picture of a curve is to be multiplied by to get that of the whole.
+    fn factor(&self, curve: &Curve) -> f64 {
+        if let Some(own) = self.lessons.iter().rev().find(|lesson| lesson.curve == *curve) {
+            return own.factor;
+        }
+        let sum: f64 = self.lessons.iter().map(|lesson| lesson.factor.ln()).sum();
+        (sum / self.lessons.len().max(1) as f64).exp()
+    }
+
+    /// The error that the small picture of a curve may have.
+    fn target(&self, curve: &Curve) -> f64 {
+        CARE * self.bound.error / self.factor(curve)
+    }
+
+    /// The error of the whole picture, as known or as it should be.
+    fn error(&self, drawn: &Drawn) -> f64 {
+        self.lesson(drawn).map_or_else(|| drawn.error * self.factor(&drawn.candidate.curve()), |lesson| lesson.error)
+    }
+
+    fn fits(&self, drawn: &Drawn) -> bool {
+        self.error(drawn) <= CARE * self.bound.error
+    }
+
+    fn lesson(&self, drawn: &Drawn) -> Option<&Lesson> {
+        self.lessons.iter().find(|lesson| lesson.scene == drawn.candidate.scene)
+    }
+
+    /// The candidate drawn small, now or before; `None` where that cannot be.
+    fn small(&mut self, candidate: Candidate) -> Option<Drawn> {
+        if let Some(known) = self.drawn.iter().find(|drawn| drawn.candidate.scene == candidate.scene) {
+            return Some(known.clone());
+        }
+        let is_of_failed = |(failed, _): &(Candidate, RenderError)| failed.curve() == candidate.curve();
+        let is_refused = candidate.blend_bound() > self.bound.error || candidate.scene.check(self.library).is_err();
+        if is_refused || self.failed.iter().any(is_of_failed) {
+            return None;
+        }
+        match self.measure(&candidate) {
+            Ok((error, ms)) => {
+                self.drawn.push(Drawn { candidate, error, ms });
+                self.drawn.last().cloned()
+            }
+            Err(error) => {
+                self.failed.push((candidate, error));
+                None
+            }
+        }
+    }
+
+    /// Error and time of a candidate; again for its time, if it fits.
+    fn measure(&mut self, candidate: &Candidate) -> Result<(f64, f64), RenderError> {
+        let scene = small(&candidate.scene);
+        let (frame, mut ms) = draw(&mut self.painter, &scene)?;
+        let error = error_of(&self.known, &frame, self.bound);
+        if error <= self.target(&candidate.curve()) {
+            for _ in 1..RUNS {
+                ms = ms.min(draw(&mut self.painter, &scene)?.1);
+            }
+        }
+        Ok((error, ms))
+    }
+
+    /// Draws a curve with more and more samples until it fits, or takes longer than one that fits.
+    fn follow(&mut self, family: &Candidate) {
+        let target = self.target(&family.curve());
+        let [fewest, most] = SAMPLES;
+        let steps = (0..).map(|step| (f64::from(fewest) * 2f64.powf(f64::from(step) / 2.0)).round() as u32);
+        let mut least = 0.0;
+        let mut before: Option<(u32, f64)> = None;
+        for samples in steps.take_while(|samples| *samples <= most).collect::<Vec<_>>() {
+            if f64::from(samples) < least {
+                continue;
+            }
+            let Some(Drawn { error, ms, .. }) = self.small(candidates::with_samples(family, samples)) else { return };
+            let fitting = self.drawn.iter().filter(|drawn| self.fits(drawn)).map(|drawn| drawn.ms);
+            if error <= target || ms > SLOWER * fitting.fold(f64::INFINITY, f64::min) {
+                return;
+            }
+            // Its noise is what it has for error, and more samples show no other.
+            let stays = |(fewer, larger): (u32, f64)| samples >= 2 * fewer && error > STAYS * larger;
+            if samples >= FLAT_FROM && before.is_some_and(stays) {
+                return;
+            }
+            if before.is_none_or(|(fewer, _)| samples >= 2 * fewer) {
+                before = Some((samples, error));
+            }
+            least = f64::from(samples) * (error / target).powf(1.0 / ORDER); // fewer would not do
+        }
+    }
+
+    /// The same curve with fewer samples, if they do: between those that fit and those before that do not.
+    fn fewer(&mut self, fits: Drawn) -> Drawn {
+        let (curve, samples) = (fits.candidate.curve(), fits.candidate.samples());
+        let before = self.drawn.iter().filter(|drawn| drawn.candidate.curve() == curve && !self.fits(drawn));
+        let Some(before) =
+            before.filter(|drawn| drawn.candidate.samples() < samples).max_by_key(|drawn| drawn.candidate.samples())
+        else {
+            return fits;
+        };
+        let [n, m] = [before.candidate.samples(), samples].map(f64::from);
+        let errors = [self.error(before), self.error(&fits)];
+        let share = (errors[0] / (CARE * self.bound.error)).ln() / (errors[0] / errors[1]).ln();
+        let fewer = (n * (m / n).powf(share)).ceil();
+        if !(fewer < FASTER * m) {
+            return fits;
+        }
+        let fewer = self.small(candidates::with_samples(&fits.candidate, fewer as u32));
+        fewer.filter(|fewer| self.fits(fewer)).unwrap_or(fits)
+    }
+
+    /// Of curves that do not fit, drawn to their limit, the nearest that was not drawn whole.
+    fn nearest(&mut self, families: &[Candidate]) -> Option<Drawn> {
+        let last = |family: &Candidate| {
+            let own = self.drawn.iter().filter(|drawn| drawn.candidate.curve() == family.curve());
+            own.max_by_key(|drawn| drawn.candidate.samples()).map(|last| {
+                let more = f64::from(SAMPLES[1]) / f64::from(last.candidate.samples());
+                (last.error / more.powf(ORDER), family.clone())
+            })
+        };
+        let mut hopeful: Vec<(f64, Candidate)> = families.iter().filter_map(last).collect();
+        hopeful.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, family) in hopeful.into_iter().take(TO_LIMIT) {
+            let mut samples = SAMPLES[1];
+            while samples > SAMPLES[0] && self.small(candidates::with_samples(&family, samples)).is_none() {
+                samples /= 2;
+            }
+        }
+        let hope = |drawn: &&Drawn| {
+            self.lesson(drawn).is_none() && (self.lessons.is_empty() || self.error(drawn) <= HOPE * self.bound.error)
+        };
+        self.drawn.iter().filter(hope).min_by(|a, b| a.error.total_cmp(&b.error)).cloned()
+    }
+}
+
+/// The scene, smaller.
+fn small(scene: &Scene) -> Scene {
+    let mut small = scene.clone();
+    let longest = scene.image.size[0].max(scene.image.size[1]);
+    if longest > SMALL {
+        let scale = f64::from(SMALL) / f64::from(longest);
+        small.image.size = scene.image.size.map(|side| ((f64::from(side) * scale).round() as u32).max(1));
+    }
+    small
+}

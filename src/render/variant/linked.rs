@@ -1,0 +1,38 @@
+//! Linked programs kept on disk: glslang takes up to a second for one, and the same one is asked for again and again.
+
+use super::SHIPPED_PROGRAMS;
+use crate::shader::{Library, Slots};
+use crate::support::disk_cache::{self, Kind};
+
+/// A few thousand programs.
+const KIND: Kind = Kind { ends: &["program"], limit: 256 << 20 };
+
+/// The key of a program: the hash of all that decides its words. A program that this build's compiler made stands for
+/// the compiler.
+pub(super) fn key(library: &Library, entries: [&str; 2], slots: &Slots) -> blake3::Hash {
+    let mut hash = blake3::Hasher::new();
+    for part in SHIPPED_PROGRAMS.iter().take(1).flat_map(|(_, vertex, fragment)| [vertex, fragment]) {
+        hash.update(part);
+    }
+    for (path, text) in library.sources() {
+        hash.update(format!("{path} {}\n", text.len()).as_bytes()).update(text.as_bytes());
+    }
+    hash.update(format!("{entries:?} {slots:?}").as_bytes());
+    hash.finalize()
+}
+
+/// The words of both stages that were saved under a key.
+pub(super) fn load(key: blake3::Hash) -> Option<[Vec<u32>; 2]> {
+    let bytes = disk_cache::load(KIND, key)?;
+    let (words, rest) = bytes.as_chunks::<4>();
+    let words: Vec<u32> = words.iter().map(|word| u32::from_le_bytes(*word)).collect();
+    let (&first, stages) = words.split_first()?;
+    let (vertex, fragment) = stages.split_at_checked(first as usize)?;
+    rest.is_empty().then(|| [vertex.to_vec(), fragment.to_vec()])
+}
+
+/// Saves the words of both stages.
+pub(super) fn save(key: blake3::Hash, [vertex, fragment]: [&[u32]; 2]) {
+    let words = [vertex.len() as u32].into_iter().chain(vertex.iter().chain(fragment).copied());
+    disk_cache::save(KIND, key, &words.flat_map(u32::to_le_bytes).collect::<Vec<u8>>());
+}
