@@ -134,6 +134,32 @@ impl DistanceField {
         }))
     }
 
+    /// [`DistanceField::gradient`] at every sample of the row (j, k), bit for bit.
+    ///
+    /// # Panics
+    /// Where an index is not below `grid.size`.
+    pub fn gradients(&self, j: u32, k: u32) -> Vec<Vec3> {
+        let [nx, ny, nz] = self.grid.size;
+        let row = |j: u32, k: u32| &self.values[self.index([0, j, k])..][..nx as usize];
+        // From one row to another: the rise is divided by so much, and 0 where there is one row alone.
+        let rise = |low: &[f32], high: &[f32], length: f32| -> Vec<f32> {
+            let rise = |(low, high): (&f32, &f32)| if length > 0.0 { (high - low) / length } else { 0.0 };
+            low.iter().zip(high).map(rise).collect()
+        };
+        let sides = |at: u32, count: u32| [at.saturating_sub(1), (at + 1).min(count - 1)];
+        let length = |[low, high]: [u32; 2], axis: usize| (high - low) as f32 * self.grid.spacing[axis];
+        let (ys, zs, own) = (sides(j, ny), sides(k, nz), row(j, k));
+        let [dy, dz] =
+            [rise(row(ys[0], k), row(ys[1], k), length(ys, 1)), rise(row(j, zs[0]), row(j, zs[1]), length(zs, 2))];
+        let inner = rise(&own[..own.len().saturating_sub(2)], &own[2.min(own.len())..], length([0, 2], 0));
+        let dx = |i: u32| match sides(i, nx) {
+            [low, high] if high - low == 2 => inner[low as usize],
+            [low, high] if high > low => (own[high as usize] - own[low as usize]) / length([low, high], 0),
+            _ => 0.0,
+        };
+        (0..nx).map(|i| Vec3::new(dx(i), dy[i as usize], dz[i as usize])).collect()
+    }
+
     /// The same field in a space with other axes: for each new axis the old one, and whether it is reversed.
     ///
     /// Each of the three old axes must be named once. No value changes.

@@ -93,6 +93,14 @@ impl Errors {
         Errors::of(found.iter().zip(truth).map(|(found, truth)| (found.map(f64::from), *truth, 1.0)))
     }
 
+    /// Each so many times as large.
+    pub fn scaled(&self, times: f64) -> Errors {
+        let Errors { rmse, covered_rmse, rgb_rmse, opacity_rmse, max, p999 } = *self;
+        let [rmse, covered_rmse, rgb_rmse] = [rmse, covered_rmse, rgb_rmse].map(|error| times * error);
+        let [opacity_rmse, max, p999] = [opacity_rmse, max, p999].map(|error| times * error);
+        Errors { rmse, covered_rmse, rgb_rmse, opacity_rmse, max, p999 }
+    }
+
     /// The one that a metric names.
     pub fn by(&self, metric: Metric) -> f64 {
         match metric {

@@ -4,7 +4,6 @@ use super::candidates;
 use crate::measure::compare::{CompareError, Stage};
 use crate::measure::metric::{Errors, Metric};
 use crate::measure::reference::{ReferenceError, TOLERANCE, reference_pixels, truth_of};
-use crate::measure::statistics::weighted_rms;
 use crate::measure::worker::Painter;
 use crate::render::variant::VariantError;
 use crate::render::{Frame, RenderError};
@@ -25,8 +24,8 @@ const FINEST: [u32; 2] = [1024, 16_384];
 pub(super) struct Known {
     sample: Sample,
     truth: Vec<[f64; 4]>,
-    /// Root mean square of what the truth may be wrong by itself.
-    pub(super) own: f64,
+    /// What the truth may be wrong by itself.
+    pub(super) own: Errors,
     /// Pixels that bounds prove to be so.
     pub(super) proven: usize,
 }
@@ -45,7 +44,8 @@ impl Known {
         let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
         let tolerance = (OWN * error).clamp(1e-7, TOLERANCE);
         let found = reference_pixels(stage.library, &truth, stage.subject, &sample.pixels, tolerance, progress)?;
-        let own = weighted_rms(found.estimate.iter().copied().zip(sample.weights.iter().copied()));
+        let estimates = found.estimate.iter().zip(&sample.weights);
+        let own = Errors::of(estimates.map(|(estimate, weight)| ([*estimate; 4], [0.0; 4], *weight)));
         Ok(Known { sample, own, proven: found.proven(), truth: found.pixels })
     }
 
@@ -72,17 +72,18 @@ impl Known {
             let finer = draw(samples)?;
             let truth: Vec<[f64; 4]> = finer.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
             // Richardson's estimate for the lowest order that pictures show, 0.8: the difference / (2^0.8 - 1).
-            let own = Errors::between(&before.pixels, &truth).by(metric) / (2f64.powf(0.8) - 1.0);
-            if own <= FINER * error || 2 * samples > most {
+            let difference = Errors::between(&before.pixels, &truth);
+            let own = difference.scaled(1.0 / (2f64.powf(0.8) - 1.0));
+            if own.by(metric) <= FINER * error || 2 * samples > most {
                 return Ok(Known { sample: Sample::of(&finer, usize::MAX), truth, own, proven: 0 });
             }
             (samples, before) = (2 * samples, finer);
         }
     }
 
-    /// How far a picture is from the truth in these pixels.
-    pub(super) fn errors(&self, frame: &Frame) -> Errors {
-        self.sample.errors(frame, |index, _| self.truth[index])
+    /// How far a picture is from the truth in these pixels, with what that may be wrong by itself.
+    pub(super) fn error(&self, frame: &Frame, metric: Metric) -> f64 {
+        self.sample.errors(frame, |index, _| self.truth[index]).by(metric) + self.own.by(metric)
     }
 
     /// How far two pictures are apart in these pixels.

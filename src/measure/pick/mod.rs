@@ -16,7 +16,7 @@ use crate::measure::compare::{CompareError, Failure, Stage};
 use crate::measure::metric::{Errors, Metric};
 use crate::measure::reference::ReferenceError;
 use crate::measure::worker::Painter;
-use crate::render::{Frame, RenderError};
+use crate::render::RenderError;
 use crate::scene::Scene;
 use known::{Known, draw};
 use search::{Drawn, Search};
@@ -59,10 +59,10 @@ impl ErrorBound {
 /// What was found of a whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verified {
-    /// Its error: that over the pixels that were looked at, or, if it is larger, what they say of the difference from
-    /// other samples over all pixels.
+    /// Its error: that over the pixels that were looked at, with what the truth may be wrong by itself; or, if it is larger,
+    /// what they say of the difference from other samples over all pixels.
     pub error: f64,
-    /// Root mean square of what the truth says of its own error.
+    /// What the truth may be wrong by itself, as far as samples say; a part of the error.
     pub estimate: f64,
     /// Pixels that were looked at, and in how many of them it is proven that the truth has overlooked nothing.
     pub pixels: [usize; 2],
@@ -220,9 +220,9 @@ impl Whole<'_> {
             }),
         };
         let of = |errors: Errors| errors.by(bound.metric);
-        let own = if no_reference { known.own } else { 0.0 };
-        let found = of(known.errors(&frame)) + own;
-        let (estimate, pixels) = (known.own, [known.count(), known.proven]);
+        let estimate = of(known.own);
+        let found = known.error(&frame, bound.metric);
+        let pixels = [known.count(), known.proven];
         if found > CARE * bound.error {
             return Ok(Verified { error: found, estimate, pixels, ms });
         }
@@ -247,9 +247,4 @@ fn ended(error: ReferenceError) -> RenderError {
         ReferenceError::Render(error) => error,
         other => RenderError::Worker(other.to_string()),
     }
-}
-
-/// A frame's error by the bound's metric.
-fn error_of(known: &Known, frame: &Frame, bound: ErrorBound) -> f64 {
-    known.errors(frame).by(bound.metric)
 }

@@ -1,7 +1,7 @@
 //! Small pictures of candidates, and which of them is worth a whole one.
 
 use super::known::{Known, draw};
-use super::{CARE, ErrorBound, PickError, SAMPLES, candidates, error_of};
+use super::{CARE, ErrorBound, PickError, SAMPLES, candidates};
 use crate::measure::compare::candidates::{Candidate, Curve};
 use crate::measure::compare::{CompareError, Stage};
 use crate::measure::reference::ReferenceError;
@@ -215,7 +215,7 @@ impl<'a> Search<'a> {
     fn measure(&mut self, candidate: &Candidate) -> Result<(f64, f64), RenderError> {
         let scene = small(&candidate.scene);
         let (frame, mut ms) = draw(&mut self.painter, &scene)?;
-        let error = error_of(&self.known, &frame, self.bound);
+        let error = self.known.error(&frame, self.bound.metric);
         if error <= self.target(&candidate.curve()) {
             for _ in 1..RUNS {
                 ms = ms.min(draw(&mut self.painter, &scene)?.1);

@@ -72,40 +72,27 @@ pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Tex
     let low = range[0].max(lowest);
     let high = range[1].min(highest).max(low + f32::EPSILON * low.abs().max(1.0));
     let stored = |distance: f32| ((high - distance) / (high - low)).clamp(0.0, 1.0);
-    let [nx, ny, _] = field.grid.size;
-    let texel = |index: usize, out: &mut [u8]| {
-        let s = stored(field.values[index]);
-        let at = [index as u32 % nx, index as u32 / nx % ny, index as u32 / (nx * ny)];
-        let normal = || {
-            let gradient = field.gradient(at[0], at[1], at[2]);
-            0.5 + 0.5 * gradient.normalize_or_zero()
-        };
-        match encoding {
-            Encoding::Distance32 => out.copy_from_slice(&s.to_ne_bytes()),
-            Encoding::Distance16 => out.copy_from_slice(&code16(s).to_ne_bytes()),
-            Encoding::Normals16 => {
-                for (channel, out) in normal().extend(s).to_array().into_iter().zip(out.chunks_exact_mut(2)) {
-                    out.copy_from_slice(&code16(channel).to_ne_bytes());
-                }
-            }
-            Encoding::Normals8 => {
-                for (channel, out) in normal().extend(s).to_array().into_iter().zip(out) {
-                    *out = (channel * 255.0).round() as u8;
-                }
-            }
-        }
-    };
     let (bytes_per_texel, codes) = match encoding {
         Encoding::Normals16 => (8, 65535.0),
         Encoding::Normals8 => (4, 255.0),
         Encoding::Distance16 => (2, 65535.0),
         Encoding::Distance32 => (4, f32::INFINITY),
     };
+    let [nx, ny, _] = field.grid.size.map(|side| side as usize);
     let mut bytes = vec![0; field.values.len() * bytes_per_texel];
-    let slice = (nx * ny) as usize;
-    bytes.par_chunks_mut(slice * bytes_per_texel).enumerate().for_each(|(z, out)| {
-        for (index, out) in out.chunks_exact_mut(bytes_per_texel).enumerate() {
-            texel(z * slice + index, out);
+    bytes.par_chunks_mut(nx * bytes_per_texel).enumerate().for_each(|(row, out)| {
+        let values = field.values[row * nx..][..nx].iter().map(|value| stored(*value));
+        let normals = || field.gradients((row % ny) as u32, (row / ny) as u32).into_iter().map(normal_code);
+        match encoding {
+            Encoding::Distance32 => fill(out, values.map(f32::to_ne_bytes)),
+            Encoding::Distance16 => fill(out, values.map(|s| code16(s).to_ne_bytes())),
+            Encoding::Normals16 => {
+                let codes = normals().zip(values).map(|([x, y, z], s)| [x, y, z, s].map(code16));
+                fill::<8>(out, codes.map(bytemuck::cast));
+            }
+            Encoding::Normals8 => {
+                fill(out, normals().zip(values).map(|([x, y, z], s)| [x, y, z, s].map(|part| code(part, 255.0) as u8)));
+            }
         }
     });
     let rounding = f32::EPSILON * low.abs().max(high.abs());
@@ -134,8 +121,10 @@ pub fn encode_closest(closest: &ClosestPoints, field: &DistanceField, iso: f32) 
     let range =
         samples.into_par_iter().map(|index| way(index).abs().max_element()).reduce(|| f32::MIN_POSITIVE, f32::max);
     let mut texels = vec![0; closest.points.len() * 4];
-    texels.par_chunks_mut(4).enumerate().for_each(|(index, out)| {
-        out.copy_from_slice(&(0.5 + 0.5 * way(index) / range).extend(0.0).to_array().map(code16));
+    texels.par_chunks_mut(4 * nx as usize).enumerate().for_each(|(row, out)| {
+        for (i, out) in out.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+            *out = (0.5 + 0.5 * way(row * nx as usize + i) / range).extend(0.0).to_array().map(code16);
+        }
     });
     (texels, range)
 }
@@ -219,8 +208,25 @@ fn tangent(stops: &[Stop], index: usize, value: impl Fn(&Stop) -> Vec4) -> Vec4 
     Vec4::new(mean(left.x, right.x), mean(left.y, right.y), mean(left.z, right.z), mean(left.w, right.w))
 }
 
-fn code16(value: f32) -> u16 {
-    (value * 65535.0).round() as u16
+/// The normal of a gradient as it is stored: `0.5 + 0.5 c`, and 0.5 where there is none.
+fn normal_code(gradient: Vec3) -> [f32; 3] {
+    (0.5 + 0.5 * gradient.normalize_or_zero()).to_array()
+}
+
+/// Texels one after the other.
+fn fill<const BYTES: usize>(out: &mut [u8], texels: impl Iterator<Item = [u8; BYTES]>) {
+    for (out, texel) in out.as_chunks_mut::<BYTES>().0.iter_mut().zip(texels) {
+        *out = texel;
+    }
+}
+
+/// The nearest of so many codes to a part of them in \[0, 1\]: by cutting off, as `round` is a call for each texel.
+fn code(part: f32, most: f32) -> i32 {
+    (part * most + 0.5) as i32
+}
+
+fn code16(part: f32) -> u16 {
+    code(part, 65535.0) as u16
 }
 
 #[cfg(test)]
