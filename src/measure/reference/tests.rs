@@ -43,9 +43,59 @@ const THIN: [(&str, &[(&str, &str)]); 6] = [
 /// Samples of a ray that know better.
 const MANY: usize = 20_000;
 
+/// What so many samples of a ray see, and how far every other one of them is from that: premultiplied RGBA.
+fn many(probe: &Probe, bound: &BoundProgram<'_>, at: [u32; 2], count: usize, random: &mut SplitMix) -> ([f64; 4], f64) {
+    let [near, far] = probe.cpu_inputs.depths;
+    let step = (far - near) / count as f64;
+    let places: Vec<(usize, f64)> = (0..count).map(|k| (0, near + (k as f64 + random.unit()) * step)).collect();
+    let samples: Vec<Sampled> =
+        places.chunks(1 << 14).flat_map(|places| probe.sample(bound, &[at], places).unwrap()).collect();
+    let seen = |every: usize| {
+        let (mut light, mut left) = ([0.0; 4], 1.0);
+        for Matter { color, extinction } in samples.iter().step_by(every).map(|sample| sample.matter) {
+            let alpha = if extinction > 0.0 { -(-extinction * step * every as f64).exp_m1() } else { 0.0 };
+            let [r, g, b] = color;
+            [r, g, b, 1.0].iter().zip(&mut light).for_each(|(channel, light)| *light += left * alpha * channel);
+            left *= 1.0 - alpha;
+        }
+        light
+    };
+    let (all, half) = (seen(1), seen(2));
+    (all, apart(all, half))
+}
+
+fn apart(a: [f64; 4], b: [f64; 4]) -> f64 {
+    (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max)
+}
+
+/// Rays of a scene on which many samples find another light than what is stated, with what is stated; and how many rays are
+/// proven.
+fn wrong(scene: &Scene, rays: usize, count: usize, random: &mut SplitMix) -> (Vec<String>, usize) {
+    let library = shader::shipped();
+    let truth = truth_of(scene, &library).unwrap();
+    let subject = Subject::load(&truth, &library, &|_| ()).unwrap();
+    let (probe, mut inputs) = Probe::new(&library, &truth, &subject).unwrap();
+    probe.set(&probe.moments[0], &mut inputs).unwrap();
+    let (bound, bounds) = (probe.program.bind(&inputs).unwrap(), probe.opacity.bind(&inputs).unwrap());
+    let size = scene.image.size;
+    let pixels: Vec<[u32; 2]> = (0..rays).map(|_| size.map(|side| (random.next() % u64::from(side)) as u32)).collect();
+    let found = probe.integrate((&bound, &bounds), &pixels, TOLERANCE).unwrap();
+    let mut wrong = Vec::new();
+    for (at, (light, error, open)) in pixels.iter().zip(&found) {
+        let (known, own) = many(&probe, &bound, *at, count, random);
+        let off = apart(*light, known);
+        // The many samples see a surface where the first of them is in it: colors change within a step.
+        if off > error + open + 2.0 * own + 2e-3 {
+            wrong.push(format!(
+                "{at:?}: {light:?} where {known:?} is; says {error:.1e}, open {open:.1e}, own {own:.1e}"
+            ));
+        }
+    }
+    (wrong, found.iter().filter(|(.., open)| *open <= UNSEEN).count())
+}
+
 #[test]
 fn what_many_samples_find_is_found_or_said_to_be_open() {
-    let library = shader::shipped();
     let mut random = SplitMix(11);
     for (name, values) in THIN {
         let mut scene = preset(name).unwrap();
@@ -53,36 +103,82 @@ fn what_many_samples_find_is_found_or_said_to_be_open() {
             scene.set_field(field, value).unwrap();
         }
         scene.image.size = [64, 64];
-        let truth = truth_of(&scene, &library).unwrap();
-        let subject = Subject::load(&truth, &library, &|_| ()).unwrap();
-        let (probe, mut inputs) = Probe::new(&library, &truth, &subject).unwrap();
-        probe.set(&probe.moments[0], &mut inputs).unwrap();
-        let (bound, bounds) = (probe.program.bind(&inputs).unwrap(), probe.opacity.bind(&inputs).unwrap());
-        let pixels: Vec<[u32; 2]> = (0..48).map(|_| [0, 1].map(|_| (random.next() % 64) as u32)).collect();
-        let found = probe.integrate((&bound, &bounds), &pixels, TOLERANCE).unwrap();
-        let [near, far] = probe.cpu_inputs.depths;
-        let step = (far - near) / MANY as f64;
-        let (mut proven, mut wrong) = (0, Vec::new());
-        for (index, (light, error, open)) in found.iter().enumerate() {
-            let places: Vec<(usize, f64)> =
-                (0..MANY).map(|k| (index, near + (k as f64 + random.unit()) * step)).collect();
-            let samples = probe.sample(&bound, &pixels, &places).unwrap();
-            let depth: f64 = samples.iter().map(|sample| sample.matter.extinction * step).sum();
-            let opacity = -(-depth).exp_m1();
-            let off = (light[3] - opacity).abs();
-            proven += usize::from(*open <= UNSEEN);
-            // One sample of many stands for a step, so that the sum is known to some thousandths.
-            if off > error + open + 0.02 {
-                wrong.push(format!(
-                    "{:?}: {} where {opacity} is there; says {error:.1e}, open {open:.1e}",
-                    pixels[index], light[3]
-                ));
-            }
-        }
-        println!("{name} {values:?}: {proven} of {} pixels are proven", pixels.len());
-        assert!(name != "melting" || proven == pixels.len(), "bounds of one octave are narrow: {proven}");
+        let (wrong, proven) = wrong(&scene, 48, MANY, &mut random);
+        println!("{name} {values:?}: {proven} of 48 pixels are proven");
+        assert!(name != "melting" || proven == 48, "bounds of one octave are narrow: {proven}");
         assert!(wrong.is_empty(), "{name} {values:?}:\n{}", wrong.join("\n"));
     }
+}
+
+/// A preset with every parameter anywhere in its range, on a formula of an object, seen from anywhere.
+fn random_scene(random: &mut SplitMix) -> (String, Scene) {
+    const PRESETS: [&str; 17] = [
+        "bump",
+        "clouds",
+        "dripping_sphere",
+        "eroded_cube",
+        "fire",
+        "fire_ball",
+        "flow",
+        "fractal_sphere",
+        "fur",
+        "glow",
+        "lit",
+        "melting",
+        "nebula",
+        "noisy_sphere",
+        "smoke",
+        "solid",
+        "woven",
+    ];
+    let library = shader::shipped();
+    let within = |random: &mut SplitMix, [low, high]: [f32; 2]| low + (high - low) * random.unit() as f32;
+    let name = PRESETS[(random.next() % PRESETS.len() as u64) as usize];
+    let mut scene = preset(name).unwrap();
+    if !scene.has_several() {
+        scene.object.input = ["sphere", "cube", "torus"][(random.next() % 3) as usize].into();
+    }
+    scene.image.size = [64, 64];
+    (scene.camera.azimuth, scene.camera.elevation) = (within(random, [-180.0, 180.0]), within(random, [-80.0, 80.0]));
+    scene.light.shadows = false;
+    let names: Vec<(String, [f32; 2])> = Variant::of(&scene, &library)
+        .unwrap()
+        .all_parameters()
+        .filter_map(|(name, parameter, _)| match parameter.kind {
+            shader::ParameterKind::Number(_, range) => Some((name, range)),
+            _ => None,
+        })
+        .collect();
+    for (name, range) in names {
+        let mut other = scene.clone();
+        let key = match name.rsplit_once('.') {
+            Some((part, own)) => format!("{part}.parameters.{own}"),
+            None => format!("parameters.{name}"),
+        };
+        let value = within(random, range).to_string();
+        if other.set_field(&key, &value).is_ok() && other.check(&library).is_ok() {
+            scene = other;
+        }
+    }
+    (name.into(), scene)
+}
+
+#[test]
+fn random_scenes_are_no_worse_than_they_say() {
+    // HYPERTEXTURE_SCENES=200 asks for as many, with ten times the samples.
+    let asked: Option<usize> = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok());
+    let (count, samples) = asked.map_or((4, MANY), |count| (count, 10 * MANY));
+    let mut random = SplitMix(2005);
+    let (mut all, mut proven, mut failed) = (0, 0, Vec::new());
+    for index in 0..count {
+        let (name, scene) = random_scene(&mut random);
+        let (wrong, own) = wrong(&scene, 8, samples, &mut random);
+        println!("{index} {name}: {own} of 8 rays proven, {} wrong", wrong.len());
+        (all, proven) = (all + 8, proven + own);
+        failed.extend(wrong.iter().map(|line| format!("{index} {name} {:?}: {line}", scene.parameters)));
+    }
+    println!("{proven} of {all} rays proven");
+    assert!(failed.is_empty(), "{} of {all} rays:\n{}", failed.len(), failed.join("\n"));
 }
 
 #[test]
