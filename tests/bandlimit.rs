@@ -227,7 +227,8 @@ fn p39_the_evaluator_reads_the_levels_that_the_device_reads() {
             let found = picture(gpu, &library, &scene, &subject);
             let pixels: Vec<[u32; 2]> = (10..30).map(|at| [at, 40 - at]).collect();
             let truth =
-                reference_pixels(&library, &converged_settings(&scene), &subject, &pixels, 1e-3, &|_| ()).unwrap();
+                reference_pixels(&library, &converged_settings(&scene), &subject, &pixels, 1e-3, &|_| (), &|| false)
+                    .unwrap();
             for ([x, y], truth) in pixels.iter().zip(&truth.pixels) {
                 let off = (f64::from(found.pixels[(y * 40 + x) as usize][0]) - truth[0]).abs();
                 assert!(off < 5e-3, "width {width}, pixel {x}, {y}: {off}"); // weights of 8 bits in the filter

@@ -57,7 +57,7 @@ fn rmse(gpu: &hypertexture::gpu::Gpu, scene: &Scene) -> f64 {
     let [width, height] = scene.image.size;
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
     let truth = truth_of(scene, &library).expect("modules");
-    let truth = reference_pixels(&library, &truth, &subject, &pixels, 1e-4, &|_| ()).expect("a reference");
+    let truth = reference_pixels(&library, &truth, &subject, &pixels, 1e-4, &|_| (), &|| false).expect("a reference");
     let squares = frame
         .pixels
         .iter()

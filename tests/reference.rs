@@ -15,7 +15,8 @@ fn found(library: &Library, scene: &Scene, subject: &Subject, tolerance: f64) ->
     let [width, height] = scene.image.size;
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
     let truth = truth_of(scene, library).expect("modules");
-    let reference = reference_pixels(library, &truth, subject, &pixels, tolerance, &|_| ()).expect("a reference");
+    let reference =
+        reference_pixels(library, &truth, subject, &pixels, tolerance, &|_| (), &|| false).expect("a reference");
     reference.pixels.into_iter().zip(reference.estimate).collect()
 }
 
@@ -110,7 +111,7 @@ fn every_preset_has_a_reference() {
         let subject = subject(&scene, &library);
         let pixels: Vec<[u32; 2]> = (0..6).map(|x| [x, 3]).collect();
         let truth = truth_of(&scene, &library).unwrap();
-        let found = reference_pixels(&library, &truth, &subject, &pixels, 1e-2, &|_| ());
+        let found = reference_pixels(&library, &truth, &subject, &pixels, 1e-2, &|_| (), &|| false);
         if scene.light.translucency > 0.0 {
             let error = found.unwrap_err().to_string();
             assert!(error.contains("light.translucency is blurred from slice to slice"), "{name}: {error}");

@@ -179,6 +179,6 @@ fn conclude(report: &Report, page: &Path, quiet: bool) -> Result<(), Box<dyn Err
 
 /// The exact picture of a scene.
 pub(super) fn truth(stage: Stage<'_>, scene: &Scene) -> Result<Arc<Reference>, String> {
-    let found = reference(stage.library, scene, stage.subject, TOLERANCE, &|_| ());
+    let found = reference(stage.library, scene, stage.subject, TOLERANCE, &|_| (), stage.stop);
     found.map(Arc::new).map_err(|error| error.to_string())
 }

@@ -121,7 +121,7 @@ fn truth(
     pixels: &[[u32; 2]],
     progress: Progress<'_>,
 ) -> Result<PixelTruth, Box<dyn Error>> {
-    match reference_pixels(library, &converged_settings(scene), subject, pixels, TOLERANCE, progress) {
+    match reference_pixels(library, &converged_settings(scene), subject, pixels, TOLERANCE, progress, &|| false) {
         Ok(found) => {
             let Reference { pixels, estimate, open, .. } = found;
             Ok(PixelTruth { pixels, estimate, open, source: "the f64 reference" })

@@ -203,7 +203,7 @@ pub struct Stage<'a> {
     /// Who draws the candidates, so that one by which the driver ends costs no other; `None`: this process.
     pub worker: Option<&'a Worker>,
     /// Whether the person or the scheduler wants an end.
-    pub stop: &'a dyn Fn() -> bool,
+    pub stop: &'a (dyn Fn() -> bool + Sync),
 }
 
 impl<'a> Stage<'a> {
@@ -248,6 +248,7 @@ pub fn compare(
                     row.normals = normals.angles(&row.candidate.scene);
                     batch.push((index, row, renderer));
                 }
+                Err(_) if (stage.stop)() => {} // whatever it was in the middle of
                 Err(message) => comparison.failures.push(Failure { label, message }),
             }
             progress((planned - waiting.len()) as f32 / planned as f32 - 0.5 * batch.len() as f32 / planned as f32);

@@ -43,7 +43,8 @@ impl Known {
         let sample = Sample::of(frame, count);
         let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
         let tolerance = (OWN * error).clamp(1e-7, TOLERANCE);
-        let found = reference_pixels(stage.library, &truth, stage.subject, &sample.pixels, tolerance, progress)?;
+        let found =
+            reference_pixels(stage.library, &truth, stage.subject, &sample.pixels, tolerance, progress, stage.stop)?;
         let estimates = found.estimate.iter().zip(&sample.weights);
         let own = Errors::of(estimates.map(|(estimate, weight)| ([*estimate; 4], [0.0; 4], *weight)));
         Ok(Known { sample, own, proven: found.proven(), truth: found.pixels })

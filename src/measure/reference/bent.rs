@@ -4,7 +4,7 @@
 //! can be sampled along it beforehand: the program of the picture itself runs in f64, four pixels of a quad together,
 //! with ever more steps. Invariant: what two numbers of steps differ by is the error that is stated.
 
-use super::{Reference, ReferenceError, images};
+use super::{Reference, ReferenceError, Stop, go_on, images};
 use crate::exact;
 use crate::render::variant::Variant;
 use crate::render::{CpuInputs, OCTAVES_ID, Subject};
@@ -28,6 +28,7 @@ pub(super) fn reference(
     pixels: &[[u32; 2]],
     tolerance: f64,
     progress: &(dyn Fn(f32) + Sync),
+    stop: Stop<'_>,
 ) -> Result<Reference, ReferenceError> {
     let with = |steps| {
         let mut scene = truth.clone();
@@ -40,7 +41,7 @@ pub(super) fn reference(
         .take_while(|scene| scene.check(library).is_ok())
         .collect();
     let [first, finer @ ..] = &steps[..] else { return Err(ReferenceError::NoLimit("a ray may not have 256 steps")) };
-    let mut found = light(library, first, subject, pixels)?;
+    let mut found = light(library, first, subject, pixels, stop)?;
     let mut estimate = vec![f64::INFINITY; pixels.len()];
     for (level, scene) in finer.iter().enumerate() {
         progress((level + 1) as f32 / steps.len() as f32);
@@ -49,7 +50,7 @@ pub(super) fn reference(
             break;
         }
         let asked: Vec<[u32; 2]> = coarse.iter().map(|&index| pixels[index]).collect();
-        for (&index, finer) in coarse.iter().zip(light(library, scene, subject, &asked)?) {
+        for (&index, finer) in coarse.iter().zip(light(library, scene, subject, &asked, stop)?) {
             estimate[index] = (0..4).map(|c| (finer[c] - found[index][c]).abs()).fold(0.0, f64::max);
             found[index] = finer;
         }
@@ -65,6 +66,7 @@ fn light(
     scene: &Scene,
     subject: &Subject,
     pixels: &[[u32; 2]],
+    stop: Stop<'_>,
 ) -> Result<Vec<[f64; 4]>, ReferenceError> {
     let variant = Variant::of(scene, library)?;
     let linked = variant.program(library, Linker::new)?;
@@ -79,6 +81,7 @@ fn light(
         let bound = program.bind(&inputs)?;
         let mut all: Vec<(&[u32; 2], &mut [[f64; 4]; 4])> = quads.iter_mut().collect();
         all.par_chunks_mut(TOGETHER).try_for_each(|quads| -> Result<(), ReferenceError> {
+            go_on(stop)?;
             let place = |quad: [u32; 2], k: u32| [2 * quad[0] + k % 2, 2 * quad[1] + k / 2].map(|c| f64::from(c) + 0.5);
             let at = quads.iter().flat_map(|(quad, _)| [0, 1, 2, 3].map(|k| place(**quad, k)));
             let fragment_coordinates = at.map(|[x, y]| [x, y, 0.5, 1.0]).collect();

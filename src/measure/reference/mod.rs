@@ -63,6 +63,13 @@ impl Reference {
     }
 }
 
+/// Asked whether nobody waits any more.
+pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
+
+fn go_on(stop: Stop<'_>) -> Result<(), ReferenceError> {
+    if stop() { Err(ReferenceError::Stopped) } else { Ok(()) }
+}
+
 /// Why there is no truth.
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
@@ -75,6 +82,9 @@ pub enum ReferenceError {
     /// The picture has no limit.
     #[error("no reference for this scene: {0}")]
     NoLimit(&'static str),
+    /// Nobody waits for it any more.
+    #[error("stopped")]
+    Stopped,
 }
 
 impl From<VariantError> for ReferenceError {
@@ -151,16 +161,18 @@ pub fn converged_settings(scene: &Scene) -> Scene {
 
 /// The truth of a picture, from the cache or computed.
 ///
-/// Each pixel has an error of about `tolerance`. `progress` is called with the part that is done, from any thread.
+/// Each pixel has an error of about `tolerance`. `progress` is called with the part that is done, and `stop` is asked every
+/// few milliseconds, from any thread.
 ///
 /// # Errors
-/// The scene has no program, one that [`exact`] does not cover, or no limit.
+/// The scene has no program, one that [`exact`] does not cover, or no limit; or `stop` was true.
 pub fn reference(
     library: &Library,
     scene: &Scene,
     subject: &Subject,
     tolerance: f64,
     progress: &(dyn Fn(f32) + Sync),
+    stop: Stop<'_>,
 ) -> Result<Reference, ReferenceError> {
     let truth = truth_of(scene, library).map_err(VariantError::from)?;
     let key = store::key(&truth, library, subject, tolerance)?;
@@ -169,7 +181,7 @@ pub fn reference(
     }
     let [width, height] = truth.image.size;
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
-    let found = reference_pixels(library, &truth, subject, &pixels, tolerance, progress)?;
+    let found = reference_pixels(library, &truth, subject, &pixels, tolerance, progress, stop)?;
     store::save(key, &found);
     Ok(found)
 }
@@ -185,9 +197,10 @@ pub fn reference_pixels(
     pixels: &[[u32; 2]],
     tolerance: f64,
     progress: &(dyn Fn(f32) + Sync),
+    stop: Stop<'_>,
 ) -> Result<Reference, ReferenceError> {
     if truth.effect.ray_path == RayPath::Refracted {
-        return bent::reference(library, truth, subject, pixels, tolerance, progress);
+        return bent::reference(library, truth, subject, pixels, tolerance, progress, stop);
     }
     let (probe, mut inputs) = Probe::new(library, truth, subject)?;
     let (count, done) = (probe.moments.len(), AtomicUsize::new(0));
@@ -196,7 +209,7 @@ pub fn reference_pixels(
         probe.set(moment, &mut inputs)?;
         let (bound, bounds) = (probe.program.bind(&inputs)?, probe.opacity.bind(&inputs)?);
         let chunks = pixels.par_chunks(TOGETHER).map(|chunk| {
-            let found = probe.integrate((&bound, &bounds), chunk, tolerance)?;
+            let found = probe.integrate((&bound, &bounds), chunk, tolerance, stop)?;
             let all = (pixels.len() * count) as f32;
             progress((done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len()) as f32 / all);
             Ok(found)
@@ -297,6 +310,7 @@ impl Probe {
         (bound, bounds): (&exact::BoundProgram<'_>, &exact::BoundProgram<'_>),
         pixels: &[[u32; 2]],
         tolerance: f64,
+        stop: Stop<'_>,
     ) -> Result<Vec<Light>, ReferenceError> {
         let [near, far] = self.cpu_inputs.depths;
         let depth = far - near;
@@ -306,7 +320,7 @@ impl Probe {
         // Where each ray is inside the box: the depth of that sample does not matter.
         let spans: Vec<(usize, f64)> = (0..pixels.len()).map(|ray| (ray, near)).collect();
         let spans = sample(&spans)?.into_iter().map(|sample| [sample.span[0].max(near), sample.span[1].min(far)]);
-        let parts = self.parts(bounds, pixels, spans.collect())?;
+        let parts = self.parts(bounds, pixels, spans.collect(), stop)?;
 
         let wanted: Vec<(usize, f64)> = (parts.iter().enumerate())
             .flat_map(|(index, ray)| ray.parts.iter().map(move |part| (index, part)))
@@ -324,6 +338,7 @@ impl Probe {
         }
 
         loop {
+            go_on(stop)?;
             let coarse: Vec<Vec<usize>> = rays.iter_mut().map(|ray| ray.coarse(&limits)).collect();
             let wanted: Vec<(usize, f64)> = (rays.iter().zip(&coarse).enumerate())
                 .flat_map(|(index, (ray, coarse))| ray.wanted(coarse).map(move |depth| (index, depth)))

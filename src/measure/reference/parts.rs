@@ -1,7 +1,7 @@
 //! Where along rays matter may be: bounds of the extinction over parts of them, halved until they say enough.
 
 use super::integral::{self, OPEN, Part};
-use super::{BOUNDS, Probe, ReferenceError, extinction};
+use super::{BOUNDS, Probe, ReferenceError, Stop, extinction, go_on};
 use crate::exact::{self, Affine, Interval};
 
 /// Parts of a ray that bounds are computed of first. Fewer: bounds of what is empty say nothing. More: more of them.
@@ -64,6 +64,7 @@ impl Probe {
         bounds: &exact::BoundProgram<'_>,
         pixels: &[[u32; 2]],
         spans: Vec<[f64; 2]>,
+        stop: Stop<'_>,
     ) -> Result<Vec<Ray>, ReferenceError> {
         let [near, far] = self.cpu_inputs.depths;
         let [shortest, longest] = [NARROW, LONGEST].map(|part| part * (far - near));
@@ -74,6 +75,7 @@ impl Probe {
             wanted.extend((0..PARTS).map(|part| (ray, [from + part as f64 * length, length])));
         }
         while !wanted.is_empty() {
+            go_on(stop)?;
             let mut found = (wanted.iter().zip(self.bounds(bounds, pixels, &wanted)?))
                 .map(|(&(ray, [from, length]), extinction)| (ray, Part { from, length, extinction }))
                 .peekable();

@@ -43,16 +43,16 @@ const THIN: [(&str, &[(&str, &str)]); 6] = [
 /// Samples of a ray that know better.
 const MANY: usize = 20_000;
 
-/// What so many samples of a ray see, and how far every other one of them is from that: premultiplied RGBA.
+/// What so many samples of a ray see, and how far half of them, the even or the odd ones, are from that: premultiplied RGBA.
 fn many(probe: &Probe, bound: &BoundProgram<'_>, at: [u32; 2], count: usize, random: &mut SplitMix) -> ([f64; 4], f64) {
     let [near, far] = probe.cpu_inputs.depths;
     let step = (far - near) / count as f64;
     let places: Vec<(usize, f64)> = (0..count).map(|k| (0, near + (k as f64 + random.unit()) * step)).collect();
     let samples: Vec<Sampled> =
         places.chunks(1 << 14).flat_map(|places| probe.sample(bound, &[at], places).unwrap()).collect();
-    let seen = |every: usize| {
+    let seen = |first: usize, every: usize| {
         let (mut light, mut left) = ([0.0; 4], 1.0);
-        for Matter { color, extinction } in samples.iter().step_by(every).map(|sample| sample.matter) {
+        for Matter { color, extinction } in samples.iter().skip(first).step_by(every).map(|sample| sample.matter) {
             let alpha = if extinction > 0.0 { -(-extinction * step * every as f64).exp_m1() } else { 0.0 };
             let [r, g, b] = color;
             [r, g, b, 1.0].iter().zip(&mut light).for_each(|(channel, light)| *light += left * alpha * channel);
@@ -60,8 +60,8 @@ fn many(probe: &Probe, bound: &BoundProgram<'_>, at: [u32; 2], count: usize, ran
         }
         light
     };
-    let (all, half) = (seen(1), seen(2));
-    (all, apart(all, half))
+    let all = seen(0, 1);
+    (all, apart(all, seen(0, 2)).max(apart(all, seen(1, 2))))
 }
 
 fn apart(a: [f64; 4], b: [f64; 4]) -> f64 {
@@ -79,12 +79,11 @@ fn wrong(scene: &Scene, rays: usize, count: usize, random: &mut SplitMix) -> (Ve
     let (bound, bounds) = (probe.program.bind(&inputs).unwrap(), probe.opacity.bind(&inputs).unwrap());
     let size = scene.image.size;
     let pixels: Vec<[u32; 2]> = (0..rays).map(|_| size.map(|side| (random.next() % u64::from(side)) as u32)).collect();
-    let found = probe.integrate((&bound, &bounds), &pixels, TOLERANCE).unwrap();
+    let found = probe.integrate((&bound, &bounds), &pixels, TOLERANCE, &|| false).unwrap();
     let mut wrong = Vec::new();
     for (at, (light, error, open)) in pixels.iter().zip(&found) {
         let (known, own) = many(&probe, &bound, *at, count, random);
         let off = apart(*light, known);
-        // The many samples see a surface where the first of them is in it: colors change within a step.
         if off > error + open + 2.0 * own + 2e-3 {
             wrong.push(format!(
                 "{at:?}: {light:?} where {known:?} is; says {error:.1e}, open {open:.1e}, own {own:.1e}"
@@ -165,9 +164,9 @@ fn random_scene(random: &mut SplitMix) -> (String, Scene) {
 
 #[test]
 fn random_scenes_are_no_worse_than_they_say() {
-    // HYPERTEXTURE_SCENES=200 asks for as many, with ten times the samples.
+    // HYPERTEXTURE_SCENES=200 asks for as many, with a million samples a ray.
     let asked: Option<usize> = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok());
-    let (count, samples) = asked.map_or((4, MANY), |count| (count, 10 * MANY));
+    let (count, samples) = asked.map_or((4, MANY), |count| (count, 50 * MANY));
     let mut random = SplitMix(2005);
     let (mut all, mut proven, mut failed) = (0, 0, Vec::new());
     for index in 0..count {
