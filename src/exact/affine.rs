@@ -143,7 +143,7 @@ impl Number for Affine {
     const DECIDED: bool = false;
 
     fn measure(program: &BoundProgram<'_>, lanes: &Lanes<Self>) -> Result<Measured<Self>, ExactError> {
-        program.evaluate(lanes, &mut [])
+        program.evaluate(lanes, &mut [], None)
     }
 
     #[inline(always)]

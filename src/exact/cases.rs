@@ -26,7 +26,7 @@ impl BoundProgram<'_> {
         let mut found: Vec<Option<Interval>> = vec![None; of.len()];
         let (mut lanes, mut cases) = (lanes.clone(), vec![Case::default(); of.len()]);
         while !of.is_empty() {
-            let mut outputs = self.evaluate(&lanes, &mut cases)?.0;
+            let mut outputs = self.evaluate(&lanes, &mut cases, None)?.0;
             let values = outputs.pop_first().map(|(_, values)| values).unwrap_or_default();
             let mut next: Vec<(usize, usize, [f64; 2], Case)> = Vec::new();
             for (at, [Affine { all, .. }, ..]) in values.into_iter().enumerate() {

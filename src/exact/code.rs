@@ -166,6 +166,17 @@ pub(super) struct Loop {
     pub(super) written: Written,
     pub(super) returns: bool,
     pub(super) kills: bool,
+    pub(super) place: Place,
+}
+
+/// File and line, for errors. Two programs are the same wherever their lines stand, so an outline prints none.
+#[derive(Clone)]
+pub(super) struct Place(pub(super) String);
+
+impl std::fmt::Debug for Place {
+    fn fmt(&self, _: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        Ok(())
+    }
 }
 
 /// A case of a switch: it is entered with one of `values`, or with any that no case has if it is the default.

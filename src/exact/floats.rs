@@ -136,7 +136,7 @@ impl Number for f64 {
     const DECIDED: bool = true;
 
     fn measure(program: &BoundProgram<'_>, lanes: &Lanes<Self>) -> Result<Measured<Self>, ExactError> {
-        program.evaluate(lanes, &mut [])
+        program.evaluate(lanes, &mut [], None)
     }
 
     #[inline(always)]
@@ -219,7 +219,8 @@ impl Number for f64 {
         f64::max(self, b)
     }
     fn pow(self, b: f64) -> f64 {
-        self.powf(b)
+        // GLSL leaves it open, and drivers take a logarithm.
+        if self < 0.0 { f64::NAN } else { self.powf(b) }
     }
     fn atan2(self, b: f64) -> f64 {
         f64::atan2(self, b)

@@ -189,7 +189,7 @@ impl Number for Interval {
     const DECIDED: bool = false;
 
     fn measure(program: &BoundProgram<'_>, lanes: &Lanes<Self>) -> Result<Measured<Self>, ExactError> {
-        program.evaluate(lanes, &mut [])
+        program.evaluate(lanes, &mut [], None)
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Lowering: a module of naga becomes registers and instructions. Functions are inlined, pointers become registers.
 
 use super::ExactError;
-use super::code::{Case, Code, File, Instr, Loop, Node, Op, Reg, Source};
+use super::code::{Case, Code, File, Instr, Loop, Node, Op, Place, Reg, Source};
 use super::prepass::{Words, unknown};
 use super::value::{Lowered, Ty, Value, Variable, is_private};
 use naga::{Block, Expression, Function, GlobalVariable, Handle, LocalVariable, Module, Statement, SwitchValue};
@@ -118,6 +118,16 @@ fn blocks(statement: &Statement) -> Vec<&Block> {
     }
 }
 
+/// Calls `on` with every expression that a block computes, in order.
+fn emitted(block: &Block, on: &mut dyn FnMut(Handle<Expression>)) {
+    for statement in block.iter() {
+        if let Statement::Emit(range) = statement {
+            range.clone().for_each(&mut *on);
+        }
+        blocks(statement).into_iter().for_each(|block| emitted(block, on));
+    }
+}
+
 fn any(block: &Block, is: &dyn Fn(&Statement) -> bool) -> bool {
     block.iter().any(|statement| is(statement) || blocks(statement).into_iter().any(|block| any(block, is)))
 }
@@ -125,7 +135,7 @@ fn any(block: &Block, is: &dyn Fn(&Statement) -> bool) -> bool {
 impl<'m> Lower<'m> {
     /// An error about what is being lowered.
     pub(super) fn refuse(&self, construct: impl Into<String>) -> ExactError {
-        let place = self.here.and_then(|byte| self.words.place(byte));
+        let place = self.here.and_then(|byte| self.words.place_of_expression(byte));
         ExactError::Uncovered { construct: construct.into(), place: place.unwrap_or_else(unknown) }
     }
 
@@ -279,9 +289,15 @@ impl<'m> Lower<'m> {
             frame.result.map(|place| Value { ty: place.ty, regs: place.choices[0].clone() })
         } else {
             self.statements(&mut frame, before.iter())?;
-            match last {
-                Some(Statement::Return { value: Some(value) }) => Some(self.value(&mut frame, *value)?),
-                _ => None,
+            match (last, &function.result) {
+                (Some(Statement::Return { value: Some(value) }), _) => Some(self.value(&mut frame, *value)?),
+                (_, None) => None,
+                // It never returns.
+                (_, Some(result)) => {
+                    let ty = self.ty(result.ty)?;
+                    let zero = self.zero(&ty);
+                    Some(Value::new(ty, zero))
+                }
             }
         };
         self.depth -= 1;
@@ -345,6 +361,7 @@ impl<'m> Lower<'m> {
                     // A function that is called may kill as well.
                     let kills = |statement: &Statement| matches!(statement, Statement::Kill | Statement::Call { .. });
                     let (returns, kills) = (any(body, &is_return), any(body, &kills));
+                    let place = self.place_of_loop(frame.function, [continuing, body]);
                     let body = self.nested(frame, body)?;
                     self.flush();
                     let outer = std::mem::take(&mut self.nodes);
@@ -353,7 +370,7 @@ impl<'m> Lower<'m> {
                     self.flush();
                     let continuing = std::mem::replace(&mut self.nodes, outer);
                     let written = Vec::new();
-                    let node = Loop { body, continuing, break_if, written, returns, kills };
+                    let node = Loop { body, continuing, break_if, written, returns, kills, place };
                     self.nodes.push(Node::Loop(Box::new(node)));
                 }
                 Statement::Break => self.leave(Node::Break),
@@ -398,6 +415,16 @@ impl<'m> Lower<'m> {
             SwitchValue::Default => (Vec::new(), true),
         };
         Ok(Case { values, default, body, falls: case.fall_through })
+    }
+
+    /// Where a loop is: where its end counts its turns, else where its body begins.
+    fn place_of_loop(&self, function: &Function, parts: [&Block; 2]) -> Place {
+        let first = parts.into_iter().find_map(|block| {
+            let mut computed = Vec::new();
+            emitted(block, &mut |handle| computed.extend(function.expressions.get_span(handle).to_range()));
+            computed.into_iter().find_map(|range| self.words.place_of_expression(range.start))
+        });
+        Place(first.unwrap_or_else(unknown))
     }
 
     /// Remembers where an expression is.

@@ -81,10 +81,12 @@ pub enum ExactError {
     #[error("{0}")]
     Lanes(String),
     /// A loop that does not end.
-    #[error("a loop has not ended after {turns} turns")]
+    #[error("a loop has not ended after {turns} turns ({place})")]
     Endless {
-        /// Turns that it made.
+        /// Turns that it made, and those around it.
         turns: u64,
+        /// File and line.
+        place: String,
     },
 }
 
@@ -289,10 +291,24 @@ impl BoundProgram<'_> {
         N::measure(self, lanes)
     }
 
+    /// The same; all the loops of a lane together make `most_turns` at most.
+    ///
+    /// # Errors
+    /// [`ExactError::Lanes`], and [`ExactError::Endless`] where a lane needs more.
+    pub fn measure_within(&self, lanes: &Lanes<f64>, most_turns: u64) -> Result<Measured<f64>, ExactError> {
+        self.evaluate(lanes, &mut [], Some(most_turns))
+    }
+
     /// [`BoundProgram::measure`], compiled here for each kind of number, and not in every crate that calls it.
-    fn evaluate<N: Number>(&self, lanes: &Lanes<N>, cases: &mut [Case]) -> Result<Measured<N>, ExactError> {
+    fn evaluate<N: Number>(
+        &self,
+        lanes: &Lanes<N>,
+        cases: &mut [Case],
+        most_turns: Option<u64>,
+    ) -> Result<Measured<N>, ExactError> {
         let count = self.check(lanes)?;
         let mut machine = Machine::new(self.code, &self.images, self.uniforms());
+        machine.most_turns = most_turns;
         let mut outputs: BTreeMap<u32, Vec<[N; 4]>> =
             self.code.outputs.iter().map(|(location, _)| (*location, Vec::with_capacity(count))).collect();
         for first in (0..count).step_by(lanes::LANES) {

@@ -95,7 +95,7 @@ pub trait Number: Packed + Debug + Send + Sync + 'static {
     fn min(self, b: Self) -> Self;
     /// The greater; the other one, if one is NaN.
     fn max(self, b: Self) -> Self;
-    /// `self` to the power of `b`.
+    /// `self` to the power of `b`; NaN of a negative number.
     fn pow(self, b: Self) -> Self;
     /// The angle of the point (`b`, `self`).
     fn atan2(self, b: Self) -> Self;

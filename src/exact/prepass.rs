@@ -9,6 +9,9 @@ const EXTENDED: u32 = 12;
 const LINE: u32 = 8;
 const NO_LINE: u32 = 317;
 const MODULE_PROCESSED: u32 = 330;
+const ENTRY_POINT: u32 = 15;
+const EXECUTION_MODE: u32 = 16;
+const TYPE_FUNCTION: u32 = 33;
 const DECORATE: u32 = 71;
 const SPEC_ID: u32 = 1;
 const CONSTANT_TRUE: u32 = 41;
@@ -26,6 +29,8 @@ pub(super) struct Words {
     files: HashMap<u32, String>,
     /// First word, file and line of what follows; in order.
     lines: Vec<(usize, u32, u32)>,
+    /// Words before the functions that naga does not count where it says where an expression is: lists at the ends of instructions.
+    uncounted: usize,
 }
 
 impl Words {
@@ -33,7 +38,8 @@ impl Words {
         if spirv.len() < HEADER || spirv[0] != 0x0723_0203 {
             return Err(ExactError::Spirv("it does not start as SPIR-V does".into()));
         }
-        let mut found = Words { words: spirv[..HEADER].to_vec(), files: HashMap::new(), lines: Vec::new() };
+        let mut found =
+            Words { words: spirv[..HEADER].to_vec(), files: HashMap::new(), lines: Vec::new(), uncounted: 0 };
         let mut specialized = HashMap::new();
         let mut at = HEADER;
         while at < spirv.len() {
@@ -43,6 +49,14 @@ impl Words {
             at += count;
             let renamed = |op: u32| (count as u32) << 16 | op;
             let id = |index: usize| instruction.get(index).copied().unwrap_or_default();
+            found.uncounted += match op {
+                ENTRY_POINT => {
+                    let behind_name = instruction.iter().skip(3).skip_while(|word| **word >> 24 != 0);
+                    behind_name.count().saturating_sub(1)
+                }
+                EXECUTION_MODE | TYPE_FUNCTION => count.saturating_sub(3),
+                _ => 0,
+            };
             match op {
                 STRING => {
                     found.files.insert(id(1), text(&instruction[2..]));
@@ -74,10 +88,15 @@ impl Words {
     }
 
     /// File and line of a byte of the words.
-    pub(super) fn place(&self, byte: usize) -> Option<String> {
+    fn place(&self, byte: usize) -> Option<String> {
         let after = self.lines.partition_point(|(word, _, _)| 4 * word <= byte);
         let (_, file, line) = self.lines[..after].last()?;
         self.files.get(file).map(|file| format!("{file}:{line}"))
+    }
+
+    /// File and line of an expression of a function, by its first byte as naga counts.
+    pub(super) fn place_of_expression(&self, byte: usize) -> Option<String> {
+        self.place(byte + 4 * self.uncounted)
     }
 
     /// File and line of the first instruction of which this holds.

@@ -5,7 +5,7 @@
 
 use super::ExactError;
 use super::code::{Case, Code, Instr, Loop, Node, Op, Reg};
-use super::lanes::{Bank, Banks, Operand, Row, State, each, get, put};
+use super::lanes::{Bank, Banks, LANES, Operand, Row, State, each, get, put};
 use super::number::{GROUP, Integer, Number, Packed, Truth};
 use super::texture::Image;
 
@@ -90,6 +90,9 @@ pub(super) struct Machine<'a, N: Number> {
     work: Vec<u64>,
     /// Scalar operations in active lanes.
     pub(super) operations: u64,
+    /// How many turns all the loops of a lane may make together, where they are counted.
+    pub(super) most_turns: Option<u64>,
+    turns: [u64; LANES],
 }
 
 impl<'a, N: Number> Machine<'a, N> {
@@ -115,12 +118,14 @@ impl<'a, N: Number> Machine<'a, N> {
             killed: 0,
             work,
             operations: 0,
+            most_turns: None,
+            turns: [0; LANES],
         }
     }
 
     /// Runs the program; the lanes that come to its end, and those that are discarded or may be.
     pub(super) fn run(&mut self, whole: u64) -> Result<(u64, u64), ExactError> {
-        (self.whole, self.killed) = (whole, 0);
+        (self.whole, self.killed, self.turns) = (whole, 0, [0; LANES]);
         let code = self.code;
         let ended = self.block(&code.body, whole)?;
         Ok((ended, self.killed))
@@ -266,7 +271,17 @@ impl<'a, N: Number> Machine<'a, N> {
         while live != 0 {
             turn += 1;
             if N::DECIDED && turn > ENDLESS {
-                return Err(ExactError::Endless { turns: ENDLESS });
+                return Err(ExactError::Endless { turns: ENDLESS, place: node.place.0.clone() });
+            }
+            if let Some(turns) = self.most_turns {
+                let (made, mut most) = (&mut self.turns, 0);
+                each(live, |lane| {
+                    made[lane] += 1;
+                    most = most.max(made[lane]);
+                });
+                if most > turns {
+                    return Err(ExactError::Endless { turns, place: node.place.0.clone() });
+                }
             }
             if !N::DECIDED {
                 live = self.bound(node, live, turn, &mut seen);
