@@ -1,12 +1,14 @@
 //! All that a picture is computed from, for a processor to compute it.
 
-use super::encoded::{Encoded, Filter};
+use super::encoded::Encoded;
 use super::inputs::{Inputs, SHADOW};
 use super::light_space::LightSpace;
 use super::shot::Shot;
 use super::sub_frame::SubFrame;
 use super::values::{Values, blocks};
 use super::{RenderError, Subject};
+use crate::exact;
+use crate::gpu::{Address, Dimension};
 use crate::render::variant::{Program, Variant};
 use crate::scene::Scene;
 use crate::shader::Library;
@@ -43,14 +45,13 @@ impl CpuInputs {
         Ok(CpuInputs { inputs, moments, space, depths })
     }
 
-    /// The images by binding, but for the shadow volume.
-    pub(crate) fn images(&self) -> &[(u32, Encoded)] {
-        &self.inputs.images
-    }
-
-    /// The samplers by binding.
-    pub(crate) fn samplers(&self) -> &[(u32, Filter)] {
-        &self.inputs.samplers
+    /// The images but for the shadow volume, and the samplers, as [`exact`] takes them; as yet without blocks.
+    pub(crate) fn exact(&self) -> exact::Inputs {
+        exact::Inputs {
+            blocks: BTreeMap::new(),
+            images: self.inputs.images.iter().map(|(binding, image)| (*binding, texture(image))).collect(),
+            samplers: self.inputs.samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect(),
+        }
     }
 
     /// The blocks of a program that reads no value which this one does not have, for each sub-frame, by binding.
@@ -63,6 +64,7 @@ impl CpuInputs {
     }
 
     /// Binding of the shadow volume, where the program reads one.
+    #[cfg(feature = "measure")]
     pub(crate) fn shadow_binding(program: &Program) -> Option<u32> {
         program.resources.iter().find(|resource| resource.name == SHADOW).map(|resource| resource.binding)
     }
@@ -73,7 +75,26 @@ impl CpuInputs {
     }
 
     /// Size and texels of the shadow volume, from the transmittances of its segments.
+    #[cfg(feature = "measure")]
     pub(crate) fn shadow_volume(&self, segments: &[[f32; 4]]) -> ([u32; 3], Vec<f32>) {
         (self.space.texels(), self.space.products(segments))
+    }
+}
+
+/// An image as [`exact`] samples it.
+fn texture(image: &Encoded) -> exact::Texture {
+    let size = match image.dimension {
+        Dimension::Line(x) => [x, 1, 1],
+        Dimension::Plane(x, y) => [x, y, 1],
+        Dimension::Volume(x, y, z) => [x, y, z],
+    };
+    exact::Texture { size, texels: image.format.decode(image.bytes()) }
+}
+
+fn wrap(address: Address) -> exact::Wrap {
+    match address {
+        Address::Clamp => exact::Wrap::Clamp,
+        Address::Repeat => exact::Wrap::Repeat,
+        Address::Mirror => exact::Wrap::Mirror,
     }
 }

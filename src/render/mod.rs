@@ -32,8 +32,6 @@ mod view;
 
 #[cfg(feature = "measure")]
 pub(crate) use cpu_inputs::{Blocks, CpuInputs};
-#[cfg(feature = "measure")]
-pub(crate) use encoded::Encoded;
 pub use ignored::ignored;
 pub use renderer::{Renderer, render};
 pub use shadow::{Transmittance, transmittance};

@@ -4,7 +4,7 @@
 //! can be sampled along it beforehand: the program of the picture itself runs in f64, four pixels of a quad together,
 //! with ever more steps. Invariant: what two numbers of steps differ by is the error that is stated.
 
-use super::{Reference, ReferenceError, Stop, go_on, images};
+use super::{Reference, ReferenceError, Stop, go_on};
 use crate::exact;
 use crate::render::variant::Variant;
 use crate::render::{CpuInputs, OCTAVES_ID, Subject};
@@ -73,7 +73,7 @@ fn light(
     let cpu_inputs = CpuInputs::new(library, scene, subject, &variant, &linked)?;
     let program = exact::Program::read(&linked.fragment, &[(OCTAVES_ID, scene.effect.octaves)])?;
     let moments = cpu_inputs.moments(&linked)?;
-    let mut inputs = images::inputs(&cpu_inputs);
+    let mut inputs = cpu_inputs.exact();
     let mut quads: BTreeMap<[u32; 2], [[f64; 4]; 4]> =
         pixels.iter().map(|p| (p.map(|c| c / 2), [[0.0; 4]; 4])).collect();
     for blocks in &moments {

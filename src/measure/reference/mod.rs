@@ -5,7 +5,6 @@
 //! written here a second time; what the limit of a scene is, [`truth_of`] says. Rays that bend are in `bent`.
 
 mod bent;
-mod images;
 mod integral;
 mod parts;
 mod store;
@@ -271,7 +270,7 @@ impl Probe {
                 moment.caster = blocks;
             }
         }
-        let inputs = images::inputs(&cpu_inputs);
+        let inputs = cpu_inputs.exact();
         let caster = match shadow {
             None => None,
             Some((binding, caster)) => Some((binding, exact::Program::read(&caster.fragment, &octaves)?)),

@@ -175,6 +175,16 @@ impl Variant {
         self.slots.keys().any(|key| key.rsplit('.').next() == Some(slot))
     }
 
+    /// Whether the file is among those that the program is linked from.
+    pub fn reaches(&self, library: &Library, path: &str) -> bool {
+        let is_it = |file: &String| file.split('#').next() == Some(path);
+        let filled = |(key, names): (&String, &Vec<String>)| {
+            let slot = key.rsplit('.').next().unwrap_or_default();
+            library.files(slot, names).is_ok_and(|files| files.iter().any(is_it))
+        };
+        self.slots.iter().any(filled)
+    }
+
     /// Whether the program reads the closest points of the object.
     pub fn reads_closest(&self) -> bool {
         self.module("project") == Some("closest")

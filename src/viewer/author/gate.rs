@@ -5,7 +5,7 @@ use super::compile::{CompileError, Job, Limits, compile};
 use super::rays;
 use crate::scene::Scene;
 use crate::shader::{Library, shipped};
-use crate::viewer::programs::{programs, reaches};
+use crate::viewer::programs::programs;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard};
@@ -48,7 +48,7 @@ impl Gate {
         let refused = |error: &dyn ToString| CompileError::Refused(error.to_string());
         let variants = programs(scene, library).map_err(|error| refused(&error))?;
         let mut job = Job::new(library, &variants);
-        job.changed.retain(|path, _| variants.iter().any(|variant| reaches(variant, library, path)));
+        job.changed.retain(|path, _| variants.iter().any(|variant| variant.reaches(library, path)));
         if job.changed.is_empty() {
             return Ok(());
         }

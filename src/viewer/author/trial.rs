@@ -3,7 +3,7 @@
 use crate::render::variant::VariantError;
 use crate::scene::{Pass, Scene};
 use crate::shader::Library;
-use crate::viewer::programs::{programs, reaches};
+use crate::viewer::programs::programs;
 use std::collections::BTreeSet;
 
 /// The scene, if the module is in its programs, else the nearest one that has it. None where no scene can have it.
@@ -17,7 +17,7 @@ pub(super) fn scene_with(
     let mut refused = None;
     for scene in candidates(scene, library, slot, name) {
         match programs(&scene, library) {
-            Ok(variants) if variants.iter().any(|variant| reaches(variant, library, &path)) => {
+            Ok(variants) if variants.iter().any(|variant| variant.reaches(library, &path)) => {
                 return Ok(Some(scene));
             }
             Ok(_) => {}

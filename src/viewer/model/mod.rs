@@ -5,7 +5,7 @@
 
 mod command;
 
-use super::programs::{programs, reaches};
+use super::programs::programs;
 use crate::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError, schema};
 use crate::shader::ParameterKind;
 use crate::shader::{self, Library, Slots};
@@ -112,7 +112,7 @@ impl Model {
         let filed = self.scene.library().unwrap_or_else(|_| shader::shipped());
         let changed = self.library.sources().filter(|(path, text)| filed.source(path) != Some(text));
         let programs = programs(&self.scene, &self.library).unwrap_or_default();
-        let is_used = |path: &str| programs.iter().any(|program| reaches(program, &self.library, path));
+        let is_used = |path: &str| programs.iter().any(|program| program.reaches(&self.library, path));
         changed.map(|(path, _)| path.to_string()).filter(|path| is_used(path)).collect()
     }
 
