@@ -1,5 +1,6 @@
 //! Error against run time, from the command line.
 
+use super::picture::say_fault;
 use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, say, start, with_progress};
@@ -9,7 +10,7 @@ use crate::measure::compare::report::{self, Environment, Report};
 use crate::measure::compare::{Comparison, Settings, Stage, compare, paper};
 use crate::measure::reference::{Reference, TOLERANCE, reference};
 use crate::measure::worker::{Load, Worker};
-use crate::render::Subject;
+use crate::render::{Subject, watch};
 use crate::scene::{Scene, to_text};
 use crate::support::write_whole;
 use clap::Args;
@@ -97,6 +98,7 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let library = scene.library()?;
     candidates(&scene, &library, &settings.sweep)?; // what is wrong is said before the work begins
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let fault = watch(&library, &scene, &subject)?;
     let gpu = Gpu::new(options)?;
     let flag = stop_flag()?;
     make_folder(&command.output)?;
@@ -120,6 +122,7 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
         Ok(Report { title, hash: report::hash(&scene), environment, comparison, pictures, table, crops })
     })?;
     let page = report::write(&report, &command.output)?;
+    say_fault(fault.filter(|_| !quiet));
     conclude(&report, &page, quiet)
 }
 

@@ -5,7 +5,7 @@ use crate::gpu::Gpu;
 use crate::output::shard::{self, Shard};
 use crate::output::{Depth, Provenance, write};
 use crate::render::variant::Variant;
-use crate::render::{Frame, Renderer, Subject, half_height};
+use crate::render::{FINITE, Fault, Frame, Renderer, Subject, half_height};
 use crate::scene::Scene;
 use crate::scene::schema::{Kind, setting};
 use crate::shader::Library;
@@ -33,6 +33,13 @@ impl Picture<'_> {
     /// Bits of each channel of a PNG.
     pub(super) fn depth(&self) -> Depth {
         if self.depth == "16" { Depth::Sixteen } else { Depth::Eight }
+    }
+}
+
+/// Says what a custom module gives that is no number.
+pub(super) fn say_fault(fault: Option<Fault>) {
+    if let Some(fault) = fault {
+        say(&format!("module     {fault}; {FINITE}\n"));
     }
 }
 

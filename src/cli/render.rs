@@ -1,6 +1,6 @@
 //! `render`: a picture, its frames or a shard of them, with the fastest settings or with its cost in advance.
 
-use super::picture::{Picture, render_picture, render_shard};
+use super::picture::{Picture, render_picture, render_shard, say_fault};
 use super::scene_arguments::{ObjectFlags, SceneArguments, metric};
 use super::sequence::{Motion, ShardChoice, render_frames, shard};
 use super::{say, start, with_progress};
@@ -11,7 +11,7 @@ use crate::measure::pick::{ErrorBound, Pick, Verified, remembered};
 use crate::measure::predict::{Estimate, Prediction, predict};
 use crate::measure::worker::{Load, Worker};
 use crate::output;
-use crate::render::{Renderer, Subject, ignored};
+use crate::render::{Renderer, Subject, ignored, watch};
 use crate::scene::{self, Pass, Scene};
 use crate::shader::Library;
 use crate::support::write_whole;
@@ -94,6 +94,7 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
         sequence.scene(&scene, sequence.frames.last).check(&library)?;
     }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let fault = watch(&library, &scene, &subject)?;
     let gpu = Gpu::new(options)?;
     let asked = scene.clone();
     if let Some(bound) = bound {
@@ -122,6 +123,7 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     } else {
         render_picture(&picture)?;
     }
+    say_fault(fault.filter(|_| !quiet));
     if let Some(file) = &command.save_scene {
         write_whole(file, scene::to_text(&scene).as_bytes())
             .map_err(|error| format!("{}: {error}; nothing was written", file.display()))?;

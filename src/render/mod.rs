@@ -4,7 +4,6 @@
 //! [`Frame`]. Invariant: every picture that a person sees comes through [`render`].
 
 mod bind;
-#[cfg(feature = "measure")]
 mod cpu_inputs;
 mod encoded;
 mod half_angle;
@@ -29,6 +28,7 @@ pub mod texture;
 mod values;
 pub mod variant;
 mod view;
+mod watch;
 
 #[cfg(feature = "measure")]
 pub(crate) use cpu_inputs::{Blocks, CpuInputs};
@@ -38,6 +38,7 @@ pub use shadow::{Transmittance, transmittance};
 pub use sparse::Sparse;
 pub use subject::{Subject, field_margin, open, request};
 pub use view::half_height;
+pub use watch::{FINITE, Fault, watch};
 
 use crate::field::FieldError;
 use crate::gpu::GpuError;
@@ -141,9 +142,7 @@ pub enum RenderError {
     #[error("{0}; what else there is to draw goes on")]
     Ended(String),
     /// A target that the device has, and that was read back wrong.
-    #[error(
-        "the picture holds {count} values that are not finite, the first at pixel {x}, {y}; please report the scene"
-    )]
+    #[error("the picture holds {count} values that are not finite, the first at pixel {x}, {y}: {cause}")]
     NotFinite {
         /// How many.
         count: usize,
@@ -151,6 +150,23 @@ pub enum RenderError {
         x: usize,
         /// Row of the first.
         y: usize,
+        /// Where they come from, or what to do.
+        cause: String,
+    },
+    /// Loops that a device cuts.
+    #[error(
+        "{place}: the loops of one {whose} make more than {turns} turns{with}; devices cut them there, and the picture would not be that of the module; {}",
+        if *whose == "sample" { "end the loop sooner" } else { "end the loop sooner, or take fewer samples" }
+    )]
+    Loop {
+        /// File and line.
+        place: String,
+        /// What makes the turns: `sample`, `ray`, `ray of the light`.
+        whose: &'static str,
+        /// Turns after which devices cut.
+        turns: u64,
+        /// The values of the parameters of the module.
+        with: String,
     },
 }
 

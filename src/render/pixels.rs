@@ -20,7 +20,8 @@ pub(super) fn check_finite(pixels: &[[f32; 4]], width: usize) -> Result<(), Rend
     match pixels.iter().position(|pixel| bad(&pixel)) {
         None => Ok(()),
         Some(first) => {
-            Err(RenderError::NotFinite { count: pixels.iter().filter(bad).count(), x: first % width, y: first / width })
+            let (count, cause) = (pixels.iter().filter(bad).count(), "please report the scene".into());
+            Err(RenderError::NotFinite { count, x: first % width, y: first / width, cause })
         }
     }
 }

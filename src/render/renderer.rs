@@ -2,6 +2,7 @@
 
 use super::prepared::{Destination, Made, Prepared};
 use super::shot::Shot;
+use super::watch::explained;
 use super::{Frame, RenderError, Subject};
 use crate::field::Progress;
 use crate::gpu::{Gpu, HostCommands, Recording};
@@ -89,7 +90,8 @@ impl Renderer {
         let variant = Variant::of(scene, &self.library)?;
         let subject = self.subject.clone();
         let prepared = self.prepared(scene, &variant, Destination::Frame, &|_| ())?;
-        let mut frame = prepared.frame(scene, &subject, &variant, bands, wanted)?;
+        let frame = prepared.frame(scene, &subject, &variant, bands, wanted);
+        let mut frame = frame.map_err(|error| explained(error, &self.library, scene, &subject))?;
         frame.measurements.total_ms = start.elapsed().as_secs_f64() * 1e3;
         Ok(frame)
     }

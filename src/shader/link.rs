@@ -57,6 +57,7 @@ const STACKS: [(&str, &str, &str, &str); 2] = [
 /// A GLSL compiler, made once: glslang's start costs far more than a program.
 pub struct Linker {
     compiler: shaderc::Compiler,
+    level: shaderc::OptimizationLevel,
 }
 
 impl Linker {
@@ -66,7 +67,12 @@ impl Linker {
     /// [`LinkError::Compiler`] when shaderc cannot be initialized.
     pub fn new() -> Result<Linker, LinkError> {
         let compiler = shaderc::Compiler::new().map_err(|error| LinkError::Compiler(error.to_string()))?;
-        Ok(Linker { compiler })
+        Ok(Linker { compiler, level: shaderc::OptimizationLevel::Performance })
+    }
+
+    /// The same, which leaves programs as they are written: what never ends has no effect, and would be left out.
+    pub fn unoptimized(self) -> Linker {
+        Linker { level: shaderc::OptimizationLevel::Zero, ..self }
     }
 
     /// Links `entry` (a file of `library`) with the modules in `slots` to SPIR-V 1.3 with names.
@@ -92,7 +98,7 @@ impl Linker {
         let compiler = |error: shaderc::Error| LinkError::Compiler(error.to_string());
         let mut options = shaderc::CompileOptions::new().map_err(compiler)?;
         options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_1 as u32);
-        options.set_optimization_level(shaderc::OptimizationLevel::Performance);
+        options.set_optimization_level(self.level);
         options.set_generate_debug_info();
         options.set_warnings_as_errors();
         options.set_include_callback(|name, kind, _, _| {

@@ -18,6 +18,7 @@ pub mod link;
 mod names;
 #[doc(hidden)] // for the tests of this crate
 pub mod reach;
+mod watched;
 
 pub use combine::{Formula, FormulaError};
 pub use declare::{Declarations, Parameter, ParameterKind};
@@ -26,6 +27,7 @@ pub use kind::Kind;
 pub use library::{Library, Slots};
 pub use link::{LinkError, Linker, Stage};
 pub use reach::{Reach, Sides};
+pub use watched::FAULT;
 
 use std::collections::BTreeMap;
 

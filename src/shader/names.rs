@@ -41,7 +41,7 @@ pub(super) fn identifier(text: &str) -> Option<String> {
 }
 
 /// Tokens that mean something: neither white space nor comments.
-fn words(text: &str) -> Vec<&str> {
+pub(super) fn words(text: &str) -> Vec<&str> {
     let idle =
         |token: &str| token.starts_with(char::is_whitespace) || token.starts_with("//") || token.starts_with("/*");
     tokens(text).filter(|token| !idle(token)).collect()

@@ -136,6 +136,23 @@ fn a_module_of_ones_own_that_is_wrong_is_refused_at_its_line() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_module_of_ones_own_that_gives_no_number_or_does_not_end_is_named() {
+    let with =
+        |desk: &Desk, body: &str| desk.write("swell.glsl", SWELL.replace("return pow(density, swell_power);", body));
+    let desk = Desk::new();
+    with(&desk, "return density * log(s.x.x);");
+    let said = desk.good(&format!("render sphere --dmf swell.glsl {SMALL} -o own.png"));
+    let line = said.lines().find(|line| line.starts_with("module ")).unwrap();
+    assert!(line.contains("dmf/swell.glsl gives NaN with swell_width = 0.3, swell_power = 0.5, for "), "{line}");
+    let hot = |desk: &Desk| desk.write("hot.glsl", "vec3 medium(Sample s, float density) { return vec3(log(s.x.y)); }");
+    refused(hot, &[("render sphere -o out.png --effect fur --module medium=hot.glsl", &["medium/hot.glsl gives NaN"])]);
+    let endless = |desk: &Desk| with(desk, "for (;;) density = fract(1.1 * density + s.x.x); return density;");
+    let parts = ["dmf/swell.glsl:7", "more than 65535 turns with swell_width = 0.3, swell_power = 0.5", "end the loop"];
+    refused(endless, &[("render sphere -o out.png --dmf swell.glsl", &parts)]);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn the_fastest_settings_within_an_error_is_drawn_and_remembered() {
     let desk = Desk::new();
     let first = desk.good(&format!("render lit -o a.png --max-error 0.03 --metric p999 {SMALL}"));

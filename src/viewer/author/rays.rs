@@ -7,7 +7,7 @@
 use super::ask::{Answer, Trial, read, reply};
 use super::compile::{CompileError, Job};
 use crate::gpu::{Gpu, Options};
-use crate::render::{RenderError, Renderer, Subject};
+use crate::render::{RenderError, Renderer, Subject, watch};
 use crate::scene::{self, Scene};
 use crate::shader;
 use crate::support::child::Limits;
@@ -108,6 +108,7 @@ pub fn serve(input: impl Read, output: &mut impl Write, options: &Options) -> io
             renderer
                 .render(&scene)
                 .and_then(|frame| again(&gpu, &mut renderer, &scene, frame.measurements.gpu_ms))
+                .and_then(|ms| if ms > MOST_MS { Ok(ms) } else { watch(&library, &scene, &subject).map(|_| ms) })
                 .map_or_else(|error| Answer::Bad(error.to_string()), Answer::Good)
         }
     };
