@@ -9,7 +9,7 @@ use super::{OCTAVES_ID, RenderError, Subject};
 use crate::exact::{ExactError, Inputs, Lanes, Program, Texture};
 use crate::render::variant::{self, Use, Variant};
 use crate::scene::{ParameterValue, Pass, Scene};
-use crate::shader::{FAULT, Library, Linker, changed};
+use crate::shader::{FAULT, Library, changed};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -140,13 +140,12 @@ impl Trial<'_> {
         // A ray is one fragment with all its samples; of slices, each sample is one.
         let rays = scene.quality.pass == Pass::March;
         let tried = if rays { variant.clone() } else { variant.probe(scene, library)? };
-        let linker = || Linker::new().map(Linker::unoptimized);
-        let program = tried.program(library, linker)?;
+        let program = tried.unoptimized(library)?;
         let cpu_inputs = CpuInputs::new(library, scene, subject, &tried, &program)?;
         let whose = if rays { "ray" } else { "sample" };
         let (count, tried, first) = self.found(&cpu_inputs, &program, scene.image.size, whose)?;
         if scene.light.shadows {
-            let caster = variant.shadow(scene, library)?.program(library, linker)?;
+            let caster = variant.shadow(scene, library)?.unoptimized(library)?;
             self.found(&cpu_inputs, &caster, cpu_inputs.shadow_target(), "ray of the light")?;
         }
         let Some((module, is_nan, pixel)) = first else { return Ok(None) };

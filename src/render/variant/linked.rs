@@ -9,7 +9,7 @@ const KIND: Kind = Kind { ends: &["program"], limit: 256 << 20 };
 
 /// The key of a program: the hash of all that decides its words. A program that this build's compiler made stands for
 /// the compiler.
-pub(super) fn key(library: &Library, entries: [&str; 2], slots: &Slots) -> blake3::Hash {
+pub(super) fn key(library: &Library, entries: [&str; 2], slots: &Slots, is_optimized: bool) -> blake3::Hash {
     let mut hash = blake3::Hasher::new();
     for part in SHIPPED_PROGRAMS.iter().take(1).flat_map(|(_, vertex, fragment)| [vertex, fragment]) {
         hash.update(part);
@@ -17,7 +17,7 @@ pub(super) fn key(library: &Library, entries: [&str; 2], slots: &Slots) -> blake
     for (path, text) in library.sources() {
         hash.update(format!("{path} {}\n", text.len()).as_bytes()).update(text.as_bytes());
     }
-    hash.update(format!("{entries:?} {slots:?}").as_bytes());
+    hash.update(format!("{entries:?} {slots:?} {is_optimized}").as_bytes());
     hash.finalize()
 }
 
@@ -32,7 +32,7 @@ pub(super) fn load(key: blake3::Hash) -> Option<[Vec<u32>; 2]> {
 }
 
 /// Saves the words of both stages.
-pub(super) fn save(key: blake3::Hash, [vertex, fragment]: [&[u32]; 2]) {
+pub(super) fn save(key: blake3::Hash, [vertex, fragment]: &[Vec<u32>; 2]) {
     let words = [vertex.len() as u32].into_iter().chain(vertex.iter().chain(fragment).copied());
     disk_cache::save(KIND, key, &words.flat_map(u32::to_le_bytes).collect::<Vec<u8>>());
 }

@@ -223,29 +223,48 @@ impl Variant {
         let key = self.key();
         let ships = SHIPPED_PROGRAMS.binary_search_by(|program| program.0.cmp(&key)).ok();
         let shipped = ships.filter(|_| *library == crate::shader::shipped()).map(|index| SHIPPED_PROGRAMS[index]);
-        let (vertex, fragment) = match shipped {
-            Some((_, vertex, fragment)) => (words(vertex), words(fragment)),
-            None => {
-                let entries = self.entries;
-                let key = linked::key(library, entries, &self.slots);
-                match linked::load(key) {
-                    Some([vertex, fragment]) => (vertex, fragment),
-                    None => {
-                        let linker = linker()?;
-                        let link = |entry, stage| linker.link(library, entry, stage, &entries, &self.slots);
-                        let (vertex, fragment) = (link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?);
-                        linked::save(key, [&vertex, &fragment]);
-                        (vertex, fragment)
-                    }
-                }
-            }
+        let [vertex, fragment] = match shipped {
+            Some((_, vertex, fragment)) => [words(vertex), words(fragment)],
+            None => self.linked(library, true, linker)?,
         };
-        let resources = reflect::resources(&vertex, &fragment)?;
-        Ok(Program { vertex, fragment, resources, shipped: shipped.is_some() })
+        Program::of(vertex, fragment, shipped.is_some())
+    }
+
+    /// The program with all that its text says, such as loops without an end, which an optimizer may take away.
+    ///
+    /// # Errors
+    /// As [`Variant::program`].
+    pub(super) fn unoptimized(&self, library: &Library) -> Result<Program, VariantError> {
+        let [vertex, fragment] = self.linked(library, false, || Linker::new().map(Linker::unoptimized))?;
+        Program::of(vertex, fragment, false)
+    }
+
+    /// Both stages, from the disk or linked here.
+    fn linked(
+        &self,
+        library: &Library,
+        is_optimized: bool,
+        linker: impl FnOnce() -> Result<Linker, LinkError>,
+    ) -> Result<[Vec<u32>; 2], VariantError> {
+        let entries = self.entries;
+        let key = linked::key(library, entries, &self.slots, is_optimized);
+        if let Some(stages) = linked::load(key) {
+            return Ok(stages);
+        }
+        let linker = linker()?;
+        let link = |entry, stage| linker.link(library, entry, stage, &entries, &self.slots);
+        let stages = [link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?];
+        linked::save(key, &stages);
+        Ok(stages)
     }
 }
 
 impl Program {
+    fn of(vertex: Vec<u32>, fragment: Vec<u32>, shipped: bool) -> Result<Program, VariantError> {
+        let resources = reflect::resources(&vertex, &fragment)?;
+        Ok(Program { vertex, fragment, resources, shipped })
+    }
+
     /// Whether the program reads this binding.
     pub fn reads(&self, name: &str) -> bool {
         self.resources.iter().any(|resource| resource.name == name)
