@@ -6,6 +6,7 @@
 use crate::scene::schema::{self, Kind, SETTINGS};
 use crate::scene::{self, Scene, parse_value};
 use crate::shader::Library;
+use crate::support::quoted;
 use std::path::Path;
 use toml::Value;
 
@@ -179,10 +180,4 @@ fn short(value: &Value) -> Value {
         }
         other => other.clone(),
     }
-}
-
-/// A word as `sh` reads it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
 }
