@@ -11,10 +11,10 @@ use hypertexture::measure::compare::candidates::Sweep;
 use hypertexture::measure::compare::{Settings, Stage, compare};
 use hypertexture::measure::reference::Reference;
 use hypertexture::render::render;
-use hypertexture::scene::{Integration, Pass, Repeat, Scene, preset};
+use hypertexture::scene::{self, Integration, Pass, Repeat, Scene, preset};
 use hypertexture::shader;
 use program::{interrupt, run};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
@@ -48,7 +48,9 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
     let [first, second] = ["a", "b"].map(|name| rows(&desk.path().join(name).join("candidates.csv")));
     assert!(first.len() >= 18, "{} candidates", first.len());
     for (a, b) in first.iter().zip(&second) {
-        for column in ["strategy", "samples", "rmse", "max", "p999", "psnr_db", "ssim", "flip", "opacity_rmse"] {
+        for column in
+            ["strategy", "samples", "rmse", "max_rgba", "p999_rgba", "psnr_db", "ssim", "flip", "opacity_rmse"]
+        {
             assert_eq!(a[column], b[column], "{column}");
         }
         assert!(number(a, "gpu_low_ms") <= number(a, "gpu_ms") && number(a, "gpu_ms") <= number(a, "gpu_high_ms"));
@@ -61,8 +63,19 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
         let falls = errors.is_sorted_by(|a, b| a > b) || curve[0]["target"] == "unorm8" && errors[0] > errors[1];
         assert!(falls, "{}: {errors:?}", curve[0]["strategy"]);
     }
-    assert!(first.iter().any(|row| row["front"] == "true"));
+    // Each truth has a front; the scene's own, which encoded blocks have, is the first.
+    let truths: BTreeSet<&str> = first.iter().map(|row| row["truth"].as_str()).collect();
+    assert!(
+        truths.len() >= 3
+            && truths.iter().all(|truth| { first.iter().any(|row| row["truth"] == *truth && row["front"] == "true") })
+    );
     for row in &first {
+        assert!(row["strategy"] != "encoded" || row["truth"] == "0", "{row:?}");
+        assert!(row["strategy"] != "procedural" || row["truth"] != "0", "{row:?}");
+        assert!(number(row, "reference_rmse") <= number(row, "reference_bound"), "{row:?}");
+        let seconds = 1e-3 * number(row, "gpu_ms");
+        let efficiency = 1.0 / (number(row, "rmse").powi(2) * seconds);
+        assert!((number(row, "efficiency_per_mse_second") / efficiency - 1.0).abs() < 1e-9, "{row:?}");
         let all = row["octaves"] == "8";
         assert_eq!(all, row["rmse"] == row["own_rmse"], "{row:?}");
         assert_eq!(all, !["encoded", "lookups4"].contains(&row["strategy"].as_str()), "{row:?}");
@@ -74,11 +87,17 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
     let json: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
     assert_eq!((json["failed"].as_u64(), json["partial"].as_bool()), (Some(0), Some(false)));
     assert_eq!(json["scene_blake3"].as_str().unwrap().len(), 64);
+    assert_eq!(json["command"], format!("hypertexture {arguments} -o a"));
+    assert_eq!(json["truths"].as_array().unwrap().len(), truths.len());
+    fs::write(desk.path().join("same.toml"), json["scene"].as_str().unwrap()).unwrap();
+    assert_eq!(scene::load(&desk.path().join("same.toml")).unwrap().image.size, [48, 48]);
     assert!(json["environment"]["driver"].as_str().is_some_and(|driver| !driver.is_empty()));
     let page = read("index.html");
     for part in [
         "fire on sphere",
-        "cheapest",
+        "fastest candidate",
+        "Truth 0, the scene's own: procedural turbulence that repeats after 4 cells of the first octave",
+        "with a tolerance",
         "<svg",
         "Along the front",
         "Table 3",
@@ -142,6 +161,42 @@ fn errors_are_those_against_the_reference_and_a_missing_reference_is_a_failure()
             assert!((row.metrics.own_rmse.unwrap() - own).abs() < 1e-12, "{}", row.candidate.label());
             assert_eq!((row.runs.len(), row.metrics.not_finite), (2, 0));
         }
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_quick_sweep_goes_on_along_the_front_unless_its_samples_are_given() {
+    with_gpu(|gpu| {
+        let library = shader::shipped();
+        let mut scene = preset("clouds").unwrap();
+        scene.image.size = [12, 12];
+        let subject = common::subject(&scene, &library);
+        let strategies = Some(vec!["procedural".to_string()]);
+        (scene.effect.noise, scene.effect.octaves) = ("procedural".into(), 2);
+        // Dense around a core: of 128 samples the error is 0.02.
+        (scene.object.inner_iso, scene.effect.opacity_rate) = (0.0, 150.0);
+        let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        let mut refer = |scene: &Scene| {
+            let mut fine = scene.clone();
+            (fine.quality.pass, fine.quality.samples) = (Pass::Slices, 8192);
+            let frame = render(gpu, &library, &fine, &subject).map_err(|error| error.to_string())?;
+            let pixels = frame.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
+            Ok(Arc::new(Reference { pixels, ..dark(scene) }))
+        };
+        let mut most = |samples: Option<Vec<u32>>| {
+            let sweep = Sweep { quick: true, samples, strategies: strategies.clone() };
+            let found = compare(stage, &scene, &Settings { sweep, repeat: 1 }, &mut refer, &|_| ()).unwrap();
+            assert_eq!(found.rows.len(), found.planned, "{:?}", found.failures);
+            let samples = found.rows.iter().map(|row| row.candidate.samples());
+            let errors = found.rows.iter().map(|row| row.metrics.errors.rmse);
+            (samples.max().unwrap(), errors.fold(f64::INFINITY, f64::min))
+        };
+        let (samples, error) = most(None);
+        println!("{samples} samples, an error of {error:.2e}");
+        // The fixed sweep ends with 128; the first samples beyond are tried on every machine.
+        assert!(samples > 128, "an error of {error:.2e} with {samples} samples");
+        assert_eq!(most(Some(vec![16, 32])).0, 32);
     });
 }
 

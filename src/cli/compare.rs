@@ -46,7 +46,9 @@ pub struct Compare {
     /// Where the report goes: a folder.
     #[arg(long, short, default_value = "compare", value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Few candidates and few runs: a few minutes on two cores; with --paper, the window of 300 x 300 without smoothing alone.
+    /// Few candidates and few runs: a few minutes on two cores. Without --sweep, the front of the scene's own noise then gets
+    /// twice the samples, again and again, until an error of 0.001 or for 60 seconds. With --paper, the window of 300 x 300
+    /// without smoothing alone.
     #[arg(long)]
     pub quick: bool,
     /// Timed runs of each candidate, at most, 1 to 1000 [default: 31; quick: 7].
@@ -107,6 +109,7 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &stop };
     let environment = Environment::of(&gpu);
     let title = title(command);
+    let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
     let report = with_progress(quiet, "compare", |progress| -> Result<Report, Box<dyn Error>> {
         let mut refer = |scene: &Scene| truth(stage, scene);
         let part = |fraction: f32| progress(CANDIDATES * fraction);
@@ -119,7 +122,8 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
         comparison.failures.extend(failures);
         let comparison = Comparison { partial: comparison.partial || stop(), ..comparison };
         let environment = Environment { load_after: report::load(), ..environment };
-        Ok(Report { title, hash: report::hash(&scene), environment, comparison, pictures, table, crops })
+        let (command, hash) = (report::command_line(words), report::hash(&scene));
+        Ok(Report { title, command, hash, tolerance: TOLERANCE, environment, comparison, pictures, table, crops })
     })?;
     let page = report::write(&report, &command.output)?;
     say_fault(fault.filter(|_| !quiet));
@@ -157,10 +161,13 @@ fn title(command: &Compare) -> String {
 fn conclude(report: &Report, page: &Path, quiet: bool) -> Result<(), Box<dyn Error>> {
     let Comparison { rows, failures, planned, partial, .. } = &report.comparison;
     if !quiet {
-        let front = report.comparison.front();
-        for row in front.iter().map(|&index| &rows[index]) {
-            let (time, error) = row.point();
-            say(&format!("front      {time:9.3} ms  error {error:.2e}  {}\n", row.candidate.label()));
+        for (number, group) in report.comparison.groups().iter().enumerate() {
+            let own = if group.truth.is_own { ", the scene's own" } else { "" };
+            say(&format!("truth {number}    {}{own}\n", group.truth.pattern));
+            for row in group.front.iter().map(|&index| &rows[index]) {
+                let (time, error) = row.point();
+                say(&format!("front      {time:9.3} ms  error {error:.2e}  {}\n", row.candidate.label()));
+            }
         }
         say(&format!("wrote {}\n", absolute(page)));
     }

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 /// Which candidates there are.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sweep {
-    /// Few of them: about a minute for a small picture.
+    /// Few of them; without samples below, more of these where they are worth it.
     pub quick: bool,
     /// Samples; without them, 16 to 128 or 512.
     pub samples: Option<Vec<u32>>,
@@ -24,7 +24,7 @@ pub struct Sweep {
 
 /// Samples of a ray without `--sweep`: powers of two, as orders are read off them.
 const SAMPLES: [u32; 6] = [16, 32, 64, 128, 256, 512];
-/// How many of them a quick sweep has.
+/// How many of them a quick sweep begins with.
 const QUICK_SAMPLES: usize = 4;
 /// Strategies that a quick sweep leaves out, unless the scene has them: they compute what others compute sooner.
 const FULL_ONLY: [&str; 3] = ["arrays", "octaves", "tables"];

@@ -39,10 +39,19 @@ pub struct Order {
     pub floor: Option<f64>,
 }
 
+/// The order of the error between two points (samples, error) of a curve.
+fn gain(pair: &[(f64, f64)]) -> f64 {
+    (pair[0].1 / pair[1].1).ln() / (pair[1].0 / pair[0].0).ln()
+}
+
+/// Whether the last samples of a curve of (samples, error) still helped, so that more may.
+pub fn still_falls(curve: &[(f64, f64)]) -> bool {
+    curve.windows(2).next_back().is_some_and(|pair| gain(pair) >= SATURATED)
+}
+
 /// The order of a curve of (samples, error), by rising samples; of the part above its floor. `None` if that has fewer
 /// than two points.
 pub fn order(curve: &[(f64, f64)]) -> Option<Order> {
-    let gain = |pair: &[(f64, f64)]| (pair[0].1 / pair[1].1).ln() / (pair[1].0 / pair[0].0).ln();
     let falling = curve.windows(2).take_while(|pair| gain(pair) >= SATURATED).count() + 1;
     let floor = (falling < curve.len()).then(|| curve.iter().map(|point| point.1).fold(f64::INFINITY, f64::min));
     let fitted = &curve[..falling.min(curve.len())];
@@ -108,5 +117,6 @@ mod tests {
         assert_eq!((found.points, found.floor), (3, Some(0.0198)));
         assert_eq!(order(&curve[3..]), None);
         assert_eq!(order(&[]), None);
+        assert!(still_falls(&curve[..3]) && !still_falls(&curve) && !still_falls(&curve[..1]));
     }
 }

@@ -1,39 +1,48 @@
 //! Comparison: what accuracy costs, measured.
 //!
 //! Role: a scene into candidates ([`candidates`]), each rendered, held against its reference ([`metrics`]) and timed
-//! ([`timing`]); from these the front of what is worth its time ([`front`]), and a report ([`report`]). Invariants: what
-//! failed is told and fails the report; every time has its spread and every picture its error; the same scene gives the
-//! same errors, digit by digit.
+//! ([`timing`]); from these the front of what is worth its time ([`front`]), one for each truth ([`truths`]), and a report
+//! ([`report`]). Invariants: what failed is told and fails the report; every time has its spread and every picture its
+//! error; the same scene gives the same errors, digit by digit.
 //!
 //! A candidate is measured against the truth of its own scene: a block of noise repeats the lattice noise that it was
 //! made of, so its truth is that noise, summed exactly, and what the block lost is part of its error. Another strategy
 //! has another noise, and a truth of its own.
 
+mod answers;
 #[doc(hidden)] // for the tests of this crate
 pub mod candidates;
 #[doc(hidden)] // for the tests of this crate
 pub mod front;
 pub mod metrics;
+mod normals;
 #[doc(hidden)] // for the tests of this crate
 pub mod paper;
+mod refine;
 pub mod report;
 mod ssim;
+mod theory;
 #[doc(hidden)] // for the tests of this crate
 pub mod timing;
+mod truths;
+
+pub use truths::Truth;
 
 use crate::gpu::Gpu;
 use crate::measure::metric::Errors;
-use crate::measure::reference::{Reference, truth_of};
-use crate::measure::statistics::rms;
+use crate::measure::reference::Reference;
 use crate::measure::worker::{Painter, Worker};
 use crate::render::{Frame, RenderError, Subject};
-use crate::scene::{Color, Integration, Pass, Scene, SceneError};
+use crate::scene::{Color, Scene, SceneError};
 use crate::shader::{Library, LibraryError};
 use crate::support::random::SplitMix;
 use candidates::{Candidate, Sweep};
 use metrics::{Angles, Metrics};
+use normals::Normals;
 use std::sync::Arc;
+use std::time::Instant;
 use timing::{FEWEST_RUNS, Run, Spread, interleave};
+use truths::Truths;
 
 /// Background of a scene that has none, where a person looks at the picture: that of the gallery.
 pub const BACKGROUND: Color = Color([24, 26, 31]);
@@ -51,8 +60,6 @@ const REPEAT_MS: [f64; 2] = [250.0, 2000.0];
 const WARM_MS: [f64; 2] = [50.0, 300.0];
 /// Runs before those that are timed, at most.
 const WARM_UPS: usize = 5;
-/// Samples of the picture of normals that others are held against.
-const NORMAL_SAMPLES: u32 = 4096;
 
 /// What to compare.
 #[derive(Clone, Debug)]
@@ -89,11 +96,9 @@ pub struct Row {
     /// What was drawn.
     pub candidate: Candidate,
     /// The truth of its scene.
-    pub truth: Arc<Reference>,
+    pub truth: Arc<Truth>,
     /// How far it is from the truth.
     pub metrics: Metrics,
-    /// Root mean square of what the reference says of its own error.
-    pub reference_error: f64,
     /// How far its surface is turned from that of many samples, where the scene has a surface.
     pub normals: Option<Angles>,
     /// Every run, in the order in which they were made.
@@ -118,7 +123,7 @@ impl Row {
         (self.gpu().median, self.metrics.errors.rmse)
     }
 
-    /// 1 / (mean square error x seconds): how much is had for the time.
+    /// How much is had for the time, 1 / (mean square error x seconds on the device).
     pub fn efficiency(&self) -> f64 {
         1.0 / (self.metrics.errors.rmse.powi(2) * self.gpu().median * 1e-3)
     }
@@ -155,41 +160,43 @@ pub struct Comparison {
     pub partial: bool,
 }
 
+/// The rows of one truth, by their indices.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// The truth.
+    pub truth: Arc<Truth>,
+    /// Its rows.
+    pub rows: Vec<usize>,
+    /// Those that none other of them beats, by rising time.
+    pub front: Vec<usize>,
+}
+
 impl Comparison {
-    /// The indices of the rows that no other row beats, by rising time.
-    pub fn front(&self) -> Vec<usize> {
-        front::front(&self.points())
+    /// The rows by their truths, that of the scene first: pictures of different noises have no front in common.
+    pub fn groups(&self) -> Vec<Group> {
+        let mut groups: Vec<Group> = Vec::new();
+        for (index, row) in self.rows.iter().enumerate() {
+            match groups.iter_mut().find(|group| Arc::ptr_eq(&group.truth, &row.truth)) {
+                Some(group) => group.rows.push(index),
+                None => groups.push(Group { truth: row.truth.clone(), rows: vec![index], front: Vec::new() }),
+            }
+        }
+        for group in &mut groups {
+            let points: Vec<(f64, f64)> = group.rows.iter().map(|&index| self.rows[index].point()).collect();
+            group.front = front::front(&points).into_iter().map(|place| group.rows[place]).collect();
+        }
+        groups.sort_by_key(|group| !group.truth.is_own);
+        groups
     }
 
-    /// Time and error of every row.
-    pub fn points(&self) -> Vec<(f64, f64)> {
-        self.rows.iter().map(Row::point).collect()
+    /// How many rows have unsteady times.
+    pub fn unsteady(&self) -> usize {
+        self.rows.iter().filter(|row| row.gpu().is_unsteady()).count()
     }
 }
 
 /// Computes the reference of a scene.
 pub type Refer<'a> = dyn FnMut(&Scene) -> Result<Arc<Reference>, String> + 'a;
-
-/// The references that were asked for so far, each computed once.
-#[derive(Clone, Debug, Default)]
-struct Truths(Vec<(Scene, Result<Arc<Reference>, String>)>);
-
-impl Truths {
-    /// The reference of a scene, whatever its quality.
-    fn of(&mut self, library: &Library, scene: &Scene, refer: &mut Refer<'_>) -> Result<Arc<Reference>, String> {
-        let truth = truth_of(scene, library).map_err(|error| error.to_string())?;
-        if let Some(known) = self.get(&truth) {
-            return known.clone();
-        }
-        let found = refer(&truth);
-        self.0.push((truth, found.clone()));
-        found
-    }
-
-    fn get(&self, truth: &Scene) -> Option<&Result<Arc<Reference>, String>> {
-        self.0.iter().find(|(known, _)| known == truth).map(|(_, reference)| reference)
-    }
-}
 
 /// All that pictures are made with.
 #[derive(Clone, Copy)]
@@ -213,8 +220,8 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Draws, measures and times every candidate for a scene; `refer` gives the truth of a scene. Stopped, it keeps the
-/// candidates that were timed.
+/// Draws, measures and times every candidate for a scene; `refer` gives the truth of a scene. A quick sweep without
+/// samples of its own goes on with more of them along the front. Stopped, it keeps the candidates that were timed.
 ///
 /// # Errors
 /// The scene has no candidate. What goes wrong with one of several is a [`Failure`].
@@ -227,15 +234,33 @@ pub fn compare(
 ) -> Result<Comparison, CompareError> {
     let mut waiting: Vec<(usize, Candidate)> =
         candidates::candidates(scene, stage.library, &settings.sweep)?.into_iter().enumerate().collect();
-    let planned = waiting.len();
     let mut random = SplitMix(SEED);
     random.shuffle(&mut waiting); // so that a batch holds a bit of everything
     let mut normals = Normals::new(stage, scene);
     let mut rows: Vec<(usize, Row)> = Vec::new();
-    let mut comparison =
-        Comparison { scene: scene.clone(), rows: Vec::new(), failures: Vec::new(), planned, partial: false };
-    let mut truths = Truths::default();
-    while !waiting.is_empty() && !(stage.stop)() {
+    let mut comparison = Comparison {
+        scene: scene.clone(),
+        rows: Vec::new(),
+        failures: Vec::new(),
+        planned: waiting.len(),
+        partial: false,
+    };
+    let mut truths = Truths::new(scene, stage.library)?;
+    let mut swept: Option<Instant> = None;
+    while !(stage.stop)() {
+        if waiting.is_empty() {
+            let goes_on = settings.sweep.quick && settings.sweep.samples.is_none();
+            if !goes_on || swept.get_or_insert_with(Instant::now).elapsed() > refine::BUDGET {
+                break;
+            }
+            waiting = refine::finer(&rows, stage.library);
+            waiting.retain(|(_, next)| comparison.failures.iter().all(|failure| failure.label != next.label()));
+            comparison.planned += waiting.len();
+            if waiting.is_empty() {
+                break;
+            }
+        }
+        let planned = comparison.planned;
         let mut batch: Vec<(usize, Row, Painter<'_>)> = Vec::new();
         let mut bytes = 0;
         while bytes < BATCH_BYTES && batch.len() < BATCH && !(stage.stop)() {
@@ -260,7 +285,7 @@ pub fn compare(
         rows.extend(batch.into_iter().filter(|(_, row, _)| !row.runs.is_empty()).map(|(index, row, _)| (index, row)));
     }
     comparison.partial = (stage.stop)();
-    rows.sort_by_key(|(index, _)| *index);
+    rows.sort_by_key(|(index, row)| (*index, row.candidate.samples()));
     comparison.rows = rows.into_iter().map(|(_, row)| row).collect();
     Ok(comparison)
 }
@@ -274,23 +299,23 @@ fn first(
     refer: &mut Refer<'_>,
 ) -> Result<Row, String> {
     let truth = truths.of(library, &candidate.scene, refer).map_err(|reason| format!("no reference: {reason}"))?;
+    let reference = &truth.reference;
     let first = renderer.render(&candidate.scene).map_err(|error| error.to_string())?;
-    if truth.size != first.size {
-        return Err(format!("the reference is {:?} pixels and the picture {:?}", truth.size, first.size));
+    if reference.size != first.size {
+        return Err(format!("the reference is {:?} pixels and the picture {:?}", reference.size, first.size));
     }
     let background = candidate.scene.image.background.unwrap_or(BACKGROUND);
-    let mut metrics = Metrics::of(&first.pixels, &truth, background);
+    let mut metrics = Metrics::of(&first.pixels, reference, background);
     if let Some(own) = own_octaves(library, &candidate)? {
         let own = own.map(|own| truths.of(library, &own, refer)).transpose();
         let own = own.map_err(|reason| format!("no reference of its octaves: {reason}"))?;
-        metrics.own_rmse = own.map(|own| Errors::between(&first.pixels, &own.pixels).rmse);
+        metrics.own_rmse = own.map(|own| Errors::between(&first.pixels, &own.reference.pixels).rmse);
     }
     if metrics.not_finite > 0 || !metrics.errors.rmse.is_finite() {
         return Err(format!("{} values are not finite", metrics.not_finite.max(1)));
     }
-    let reference_error = rms(truth.estimate.iter().copied());
     let first = Frame { pixels: Vec::new(), ..first }; // many pictures would not fit into memory
-    Ok(Row { candidate, truth, metrics, reference_error, normals: None, runs: Vec::new(), first })
+    Ok(Row { candidate, truth, metrics, normals: None, runs: Vec::new(), first })
 }
 
 /// The scene whose truth has the octaves alone that a candidate's turbulence has; `None` where those are all that are asked
@@ -352,78 +377,4 @@ fn time(
 fn run(renderer: &mut Painter<'_>, scene: &Scene) -> Result<Run, RenderError> {
     let m = renderer.render(scene)?.measurements;
     Ok(Run { gpu_ms: m.gpu_ms + m.shadow_ms.unwrap_or(0.0), wall_ms: m.total_ms - m.compile_ms })
-}
-
-/// The normals of the hard surface, as candidates see them.
-struct Normals<'a> {
-    renderer: Painter<'a>,
-    finest: Option<Frame>,
-    /// Look and angles of every way to sample it.
-    known: Vec<(Scene, Option<Angles>)>,
-}
-
-impl<'a> Normals<'a> {
-    fn new(stage: Stage<'a>, scene: &Scene) -> Normals<'a> {
-        let mut renderer = stage.painter();
-        let mut look = look(scene);
-        let quality = &mut look.quality;
-        (quality.pass, quality.integration, quality.samples) = (Pass::March, Integration::Segment, NORMAL_SAMPLES);
-        let has_surface = scene.quality.supersampling == 1 && scene.effect.warp.is_empty() && !scene.has_several();
-        let finest = if has_surface { renderer.render(&look).ok() } else { None };
-        Normals { renderer, finest, known: Vec::new() }
-    }
-
-    /// The angles of a candidate; `None` where there is no surface of its own to look at.
-    fn angles(&mut self, scene: &Scene) -> Option<Angles> {
-        let finest = self.finest.as_ref()?;
-        let look = look(scene);
-        if let Some((_, known)) = self.known.iter().find(|(other, _)| *other == look) {
-            return *known;
-        }
-        let frame = self.renderer.render(&look).ok();
-        let angles = frame.and_then(|frame| metrics::normal_angles(&frame.pixels, &finest.pixels));
-        self.known.push((look, angles));
-        angles
-    }
-}
-
-/// The look `normals` of a scene: its bare surface, with what decides where that is found and nothing else.
-fn look(scene: &Scene) -> Scene {
-    let effect = crate::scene::Effect { surface: "normals".into(), ..Default::default() };
-    let mut look = Scene { effect, parameters: Default::default(), ..scene.clone() };
-    look.light.shadows = false;
-    let default = crate::scene::Quality::default();
-    let quality = &mut look.quality;
-    (quality.block_size, quality.turbulence_cells) = (default.block_size, default.turbulence_cells);
-    quality.target = default.target;
-    look
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::preset;
-
-    #[test]
-    fn a_truth_is_computed_once_for_all_qualities() {
-        let mut asked = 0;
-        let mut refer = |scene: &Scene| {
-            asked += 1;
-            let [width, height] = scene.image.size;
-            let count = (width * height) as usize;
-            let (pixels, estimate, open) = (vec![[0.0; 4]; count], vec![0.0; count], vec![0.0; count]);
-            Ok(Arc::new(Reference { size: scene.image.size, pixels, estimate, open }))
-        };
-        let (library, mut truths) = (crate::shader::shipped(), Truths::default());
-        let mut scene = preset("fire").unwrap();
-        for samples in [8, 16, 32] {
-            scene.quality.samples = samples;
-            truths.of(&library, &scene, &mut refer).unwrap();
-        }
-        scene.effect.turbulence = "procedural".into();
-        truths.of(&library, &scene, &mut refer).unwrap();
-        assert_eq!(asked, 2);
-        let failed = truths.of(&library, &preset("lit").unwrap(), &mut |_| Err("no such function".into()));
-        assert_eq!(failed.unwrap_err(), "no such function");
-    }
 }

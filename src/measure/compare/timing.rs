@@ -50,6 +50,11 @@ impl Spread {
         Spread { median, interval: [sorted[low], sorted[n - 1 - low]], min: sorted[0], p95, runs: n }
     }
 
+    /// Whether the intervals of both medians have a time in common: which is the faster is then not known.
+    pub fn overlaps(&self, other: &Spread) -> bool {
+        self.interval[0] <= other.interval[1] && other.interval[0] <= self.interval[1]
+    }
+
     /// Whether the machine was disturbed.
     pub fn is_unsteady(&self) -> bool {
         self.p95 > UNSTEADY * self.median
@@ -102,6 +107,8 @@ mod tests {
         assert!(spread.is_unsteady());
         assert!(!Spread::of(&[1.0, 1.1, 1.2]).is_unsteady());
         assert_eq!(Spread::of(&[2.0, 4.0]).median, 3.0);
+        let [slow, like] = [&[3.0, 4.0], &[2.0, 3.0]].map(|times| Spread::of(times));
+        assert!(slow.overlaps(&like) && like.overlaps(&slow) && !slow.overlaps(&Spread::of(&[1.0, 2.9])));
     }
 
     #[test]

@@ -118,7 +118,7 @@ fn errors(
     let truth = truths.of(stage.library, &scene, refer).map_err(|reason| format!("no reference: {reason}"))?;
     let mut renderer = stage.painter();
     let frame = renderer.render(&scene).map_err(|error| error.to_string())?;
-    let metrics = Metrics::of(&frame.pixels, &truth, scene.image.background.unwrap_or(BACKGROUND));
+    let metrics = Metrics::of(&frame.pixels, &truth.reference, scene.image.background.unwrap_or(BACKGROUND));
     Ok(Errors { rmse: metrics.errors.rmse, flip: metrics.flip })
 }
 

@@ -26,24 +26,43 @@ pub struct Line {
     pub filled: bool,
     /// Whether it stands behind the others.
     pub faint: bool,
-    /// Time, error, and what to say about it.
-    pub points: Vec<(f64, f64, String)>,
+    /// The points.
+    pub points: Vec<Point>,
+}
+
+/// A measured candidate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// Median time.
+    pub time: f64,
+    /// Its 95 % interval.
+    pub interval: [f64; 2],
+    /// Error.
+    pub error: f64,
+    /// Error of the reference: so far the error may be off.
+    pub reference: f64,
+    /// What to say about it.
+    pub about: String,
 }
 
 /// What to draw.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chart {
+    /// What it is of, in words.
+    pub title: String,
     /// Names of the groups.
     pub groups: Vec<String>,
     /// The lines, of every group.
     pub lines: Vec<Line>,
     /// Time and error along the front.
     pub front: Vec<(f64, f64)>,
-    /// Errors of the references: what lies below says nothing.
+    /// Error of the reference: what lies below says nothing.
     pub floor: Option<f64>,
 }
 
 const SIZE: [f64; 2] = [960.0, 560.0];
+/// Height of the title of a chart in a file of its own.
+const TITLE: f64 = 36.0;
 /// Left, top, right, bottom of the area of the points.
 const AREA: [f64; 4] = [78.0, 20.0, 700.0, 500.0];
 
@@ -106,18 +125,45 @@ const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷',
 
 /// The chart as an `svg` element for a page that defines `--ink`, `--muted`, `--integration` and `--paper`.
 pub fn svg(chart: &Chart) -> String {
+    format!("{}{}</svg>", head(SIZE[1]), drawn(chart))
+}
+
+/// Charts below each other, each under its title, as a file of its own.
+pub fn standalone(charts: &[Chart]) -> String {
+    let style = "<style>svg{--ink:#1c1e21;--muted:#5c6166;--integration:#e3e4e6;--paper:#fff;background:#fff}</style>";
+    let row = SIZE[1] + TITLE;
+    let one = |(place, chart): (usize, &Chart)| {
+        let (y, title) = (row * place as f64, escape(&chart.title));
+        format!(
+            "<g transform=\"translate(0 {y})\"><text x=\"{}\" y=\"26\" font-size=\"16\" fill=\"var(--ink)\">{title}</text>\n\
+             <g transform=\"translate(0 {TITLE})\">{}</g></g>\n",
+            AREA[0],
+            drawn(chart)
+        )
+    };
+    let all: String = charts.iter().enumerate().map(one).collect();
+    format!("{}{style}\n{all}</svg>", head(row * charts.len().max(1) as f64))
+}
+
+/// The start of an `svg` element as high as this.
+fn head(height: f64) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {height}\" role=\"img\" \
+         aria-label=\"Error against time on the device\" font-family=\"system-ui, sans-serif\" font-size=\"13\">\n",
+        SIZE[0]
+    )
+}
+
+/// What a chart shows.
+fn drawn(chart: &Chart) -> String {
     let [left, top, right, bottom] = AREA;
-    let [width, height] = SIZE;
     let all = || chart.lines.iter().flat_map(|line| &line.points);
-    let x = Axis::over(all().map(|point| point.0), left, right);
+    let x = Axis::over(all().flat_map(|point| point.interval.into_iter().chain([point.time])), left, right);
     // A floor far below would leave the points no room: it is then told at the lower edge.
-    let least = all().map(|point| point.1).fold(f64::INFINITY, f64::min);
+    let least = all().map(|point| point.error).fold(f64::INFINITY, f64::min);
     let near = chart.floor.filter(|floor| 30.0 * floor >= least);
-    let y = Axis::over(all().map(|point| point.1).chain(near), bottom, top);
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
-         aria-label=\"Error against time on the device\" font-family=\"system-ui, sans-serif\" font-size=\"13\">\n"
-    );
+    let y = Axis::over(all().map(|point| point.error).chain(near), bottom, top);
+    let mut out = String::new();
     let mut add = |text: String| {
         out.push_str(&text);
         out.push('\n');
@@ -157,7 +203,7 @@ pub fn svg(chart: &Chart) -> String {
     ));
     let middle = 0.5 * (top + bottom);
     add(format!(
-        "<text transform=\"translate(18 {middle}) rotate(-90)\" text-anchor=\"middle\" fill=\"var(--ink)\">error: linear RMSE against the reference</text>"
+        "<text transform=\"translate(18 {middle}) rotate(-90)\" text-anchor=\"middle\" fill=\"var(--ink)\">RMSE of linear RGBA against the reference</text>"
     ));
     if let Some(floor) = chart.floor.filter(|floor| *floor > 0.0) {
         let (py, right) = (if near.is_some() { y.place(floor) } else { bottom }, right - 6.0);
@@ -196,13 +242,7 @@ pub fn svg(chart: &Chart) -> String {
         }
     }
     add(legend(chart));
-    out + "</svg>"
-}
-
-/// The same as a file of its own.
-pub fn standalone(chart: &Chart) -> String {
-    let style = "<style>svg{--ink:#1c1e21;--muted:#5c6166;--integration:#e3e4e6;--paper:#fff;background:#fff}</style>";
-    svg(chart).replacen(">\n", &format!(">\n{style}\n"), 1)
+    out
 }
 
 fn weight(label: bool) -> f64 {
@@ -214,17 +254,34 @@ fn color(group: usize) -> &'static str {
 }
 
 fn line(line: &Line, place: &impl Fn(&(f64, f64)) -> (f64, f64)) -> String {
-    let points: Vec<(f64, f64)> = line.points.iter().map(|(time, error, _)| place(&(*time, *error))).collect();
+    let points: Vec<(f64, f64)> = line.points.iter().map(|point| place(&(point.time, point.error))).collect();
     let path: Vec<String> = points.iter().map(|(px, py)| format!("{px:.1},{py:.1}")).collect();
     let (color, dash) = (color(line.group), if line.filled { "" } else { " stroke-dasharray=\"5 3\"" });
     let opacity = if line.faint { ".35" } else { "1" };
     let mut out = format!("<g opacity=\"{opacity}\" stroke=\"{color}\" stroke-width=\"1.4\">");
     write!(out, "<polyline points=\"{}\" fill=\"none\"{dash}/>", path.join(" ")).expect("writing to a string");
-    for ((px, py), (_, _, about)) in points.iter().zip(&line.points) {
+    for (at, point) in points.iter().zip(&line.points) {
         let size = if line.faint { 2.6 } else { 4.0 };
-        out.push_str(&marker(line.marker, line.filled, color, (*px, *py), size, about));
+        out += &bars(point, *at, size, place);
+        out += &marker(line.marker, line.filled, color, *at, size, &point.about);
     }
     out + "</g>"
+}
+
+/// The interval of the time and the doubt about the error, each where it reaches beyond the mark.
+fn bars(point: &Point, (px, py): (f64, f64), size: f64, place: &impl Fn(&(f64, f64)) -> (f64, f64)) -> String {
+    let [low, high] = point.interval.map(|time| place(&(time, point.error)).0);
+    let [down, up] = [-1.0, 1.0].map(|sign| place(&(point.time, point.error + sign * point.reference)).1);
+    let mut out = String::new();
+    if px - low > size || high - px > size {
+        write!(out, "<path d=\"M{low:.1} {py:.1}H{high:.1}m0 -3v6M{low:.1} {:.1}v6\"/>", py - 3.0)
+            .expect("writing to a string");
+    }
+    if down - py > size || py - up > size {
+        write!(out, "<path d=\"M{px:.1} {down:.1}V{up:.1}m-3 0h6M{:.1} {down:.1}h6\"/>", px - 3.0)
+            .expect("writing to a string");
+    }
+    out
 }
 
 fn marker(kind: Marker, filled: bool, color: &str, (x, y): (f64, f64), size: f64, about: &str) -> String {
@@ -304,14 +361,22 @@ mod tests {
 
     #[test]
     fn a_chart_holds_every_point_with_its_words_and_closes_every_tag() {
+        let point = |time: f64, error: f64, about: &str| Point {
+            time,
+            interval: [time; 2],
+            error,
+            reference: 0.0,
+            about: about.into(),
+        };
         let line = |filled, faint| Line {
             group: 1,
             marker: Marker::Square,
             filled,
             faint,
-            points: vec![(1.0, 0.1, "a < b".into()), (4.0, 0.02, "finer".into())],
+            points: vec![point(1.0, 0.1, "a < b"), point(4.0, 0.02, "finer")],
         };
         let chart = Chart {
+            title: "x & y".into(),
             groups: vec!["encoded".into(), "procedural".into()],
             lines: vec![line(true, false), line(false, true)],
             front: vec![(1.0, 0.1), (4.0, 0.02)],
@@ -326,6 +391,22 @@ mod tests {
         }
         assert!(!text.contains("NaN") && !text.contains("rays, points"));
         assert_eq!(text.matches("<g").count(), text.matches("</g>").count());
-        assert!(standalone(&chart).contains("--paper:#fff") && svg(&Chart::default()).ends_with("</svg>"));
+        assert!(svg(&Chart::default()).ends_with("</svg>"));
+        let file = standalone(&[chart.clone(), chart]);
+        assert!(file.contains("--paper:#fff") && file.contains("viewBox=\"0 0 960 1192\""), "{file}");
+        assert_eq!((file.matches("x &amp; y").count(), file.matches("<svg").count()), (2, 1));
+        assert_eq!(file.matches("<g").count(), file.matches("</g>").count());
+    }
+
+    #[test]
+    fn bars_reach_as_far_as_the_interval_and_the_doubt_and_are_left_out_where_the_mark_hides_them() {
+        let place = |&(time, error): &(f64, f64)| (10.0 * time, 100.0 - 1000.0 * error);
+        let drawn = |interval, reference| {
+            let point = Point { time: 5.0, interval, error: 0.05, reference, about: String::new() };
+            bars(&point, place(&(5.0, 0.05)), 4.0, &place)
+        };
+        assert_eq!(drawn([4.7, 5.3], 0.003), "");
+        assert_eq!(drawn([4.0, 5.3], 0.003), "<path d=\"M40.0 50.0H53.0m0 -3v6M40.0 47.0v6\"/>");
+        assert_eq!(drawn([4.7, 5.3], 0.01), "<path d=\"M50.0 60.0V40.0m-3 0h6M47.0 60.0h6\"/>");
     }
 }

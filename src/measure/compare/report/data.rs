@@ -1,30 +1,49 @@
 //! Tables for programs: a row for each candidate, every run, and the environment.
 
-use super::Report;
-use crate::measure::compare::Row;
+use super::{Report, scene_text};
+use crate::measure::compare::answers::answers;
 use crate::measure::compare::candidates::{Curve, pass_name, rule_name};
 use crate::measure::compare::front::{Order, order};
 use crate::measure::compare::metrics::FLIP;
+use crate::measure::compare::theory::theory;
+use crate::measure::compare::{Group, Row};
 use crate::scene::TargetFormat;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// The columns of [`candidates`].
-const COLUMNS: &str = "candidate,strategy,block,pass,integration,target,samples,octaves,rmse,covered_rmse,rgb_rmse,opacity_rmse,max,p999,\
-    own_rmse,relative_mse,psnr_db,ssim,flip,flip_p99,normal_mean_deg,normal_p99_deg,reference_rmse,reference_proven,blend_bound,\
+const COLUMNS: &str = "candidate,strategy,block,pass,integration,target,samples,octaves,rmse,covered_rmse,rgb_rmse,opacity_rmse,max_rgba,p999_rgba,\
+    own_rmse,relative_mse,psnr_db,ssim,flip,flip_p99,normal_mean_deg,normal_p99_deg,reference_rmse,reference_bound,\
+    reference_proven,blend_bound,\
     gpu_ms,gpu_low_ms,gpu_high_ms,gpu_min_ms,gpu_p95_ms,wall_ms,wall_low_ms,wall_high_ms,runs,unsteady,compile_ms,\
-    device_bytes,fragments,efficiency,front";
+    device_bytes,fragments,efficiency_per_mse_second,front,truth";
+
+/// What makes times steady.
+pub const STEADIER: &str = "repeat on an idle machine, with more runs (--repeat)";
+
+/// What the numbers are of, as far as their names leave it open.
+const UNITS: [(&str, &str); 7] = [
+    ("rmse", "root mean square over R, G, B and A of premultiplied linear RGBA; 1 is white, or opaque"),
+    ("covered_rmse", "the same over the pixels in which the picture or its truth is not clear"),
+    ("rgb_rmse, opacity_rmse", "the same over R, G and B, and over A, of all pixels"),
+    ("max", "largest difference of any of the four channels"),
+    ("p999", "what 99.9 % of the pixels stay below in the worst of their four channels"),
+    ("relative_mse", "mean of d^2 / (t^2 + 0.01) over premultiplied linear R, G and B"),
+    ("efficiency_per_mse_second", "1 / (rmse^2 x seconds on the device)"),
+];
 
 /// One row for each candidate.
 pub fn candidates(report: &Report) -> String {
     let mut text = format!("{COLUMNS}\n");
-    let front = report.comparison.front();
+    let groups = report.comparison.groups();
     for (index, row) in report.comparison.rows.iter().enumerate() {
         let Row { candidate, metrics: m, .. } = row;
         let (curve, gpu, wall) = (candidate.curve(), row.gpu(), row.wall());
         let block = curve.block.map_or(String::new(), |side| side.to_string());
         let angle = |value: Option<f64>| value.map_or(String::new(), number);
         let first = &row.first.measurements;
+        let truth = groups.iter().position(|group| group.rows.contains(&index)).unwrap_or_default();
         let cells = [
             index.to_string(),
             candidate.strategy.clone(),
@@ -48,8 +67,9 @@ pub fn candidates(report: &Report) -> String {
             number(m.flip_p99),
             angle(row.normals.map(|angles| angles.mean)),
             angle(row.normals.map(|angles| angles.p99)),
-            number(row.reference_error),
-            number(row.truth.proven() as f64 / row.truth.pixels.len().max(1) as f64),
+            number(row.truth.error()),
+            number(row.truth.bound()),
+            number(row.truth.proven()),
             number(candidate.blend_bound()),
             number(gpu.median),
             number(gpu.interval[0]),
@@ -65,7 +85,8 @@ pub fn candidates(report: &Report) -> String {
             first.device_bytes.to_string(),
             first.fragments.map_or(String::new(), |count| count.to_string()),
             number(row.efficiency()),
-            front.contains(&index).to_string(),
+            groups[truth].front.contains(&index).to_string(),
+            truth.to_string(),
         ];
         writeln!(text, "{}", cells.join(",")).expect("writing to a string");
     }
@@ -88,32 +109,62 @@ pub fn summary(report: &Report) -> String {
     let comparison = &report.comparison;
     let orders: Vec<Value> = curves(report)
         .into_iter()
-        .map(|(curve, _, order)| json!({ "curve": curve.label(), "name": curve, "order": order }))
+        .map(|(curve, indices, order)| {
+            let theory = theory(&comparison.rows[indices[0]].candidate.scene);
+            json!({ "curve": curve.label(), "name": curve, "order": order, "theory": theory })
+        })
         .collect();
     let failures: Vec<Value> = comparison
         .failures
         .iter()
         .map(|failure| json!({ "candidate": failure.label, "message": failure.message }))
         .collect();
-    let front: Vec<Value> = comparison
-        .front()
-        .into_iter()
-        .map(|index| {
-            let row = &comparison.rows[index];
-            let (gpu, label) = (row.gpu(), row.candidate.label());
-            json!({ "candidate": index, "label": label, "metrics": row.metrics, "gpu_ms": gpu })
+    let groups = comparison.groups();
+    let row = |truth: usize, index: usize| {
+        let row = &comparison.rows[index];
+        let (gpu, label, efficiency) = (row.gpu(), row.candidate.label(), row.efficiency());
+        json!({
+            "truth": truth,
+            "candidate": index,
+            "label": label,
+            "metrics": row.metrics,
+            "gpu_ms": gpu,
+            "efficiency_per_mse_second": efficiency,
+        })
+    };
+    let numbered = || groups.iter().enumerate();
+    let front: Vec<Value> =
+        numbered().flat_map(|(truth, group)| group.front.iter().map(move |&index| row(truth, index))).collect();
+    let truths: Vec<Value> = numbered()
+        .map(|(number, Group { truth, rows, .. })| {
+            json!({
+                "truth": number,
+                "pattern": truth.pattern,
+                "own": truth.is_own,
+                "candidates": rows.len(),
+                "reference_rmse": truth.error(),
+                "reference_bound": truth.bound(),
+                "reference_proven": truth.proven(),
+                "answers": answers(&comparison.rows, rows),
+            })
         })
         .collect();
     let value = json!({
         "title": report.title,
+        "command": report.command,
+        "scene": scene_text(&comparison.scene),
         "failed": comparison.failures.len(),
         "partial": comparison.partial,
         "planned": comparison.planned,
         "measured": comparison.rows.len(),
+        "unsteady": { "candidates": comparison.unsteady(), "of": comparison.rows.len(), "advice": STEADIER },
         "environment": report.environment,
+        "tolerance": report.tolerance,
+        "units": UNITS.into_iter().collect::<BTreeMap<_, _>>(),
         "flip": FLIP,
         "scene_blake3": report.hash,
         "size": comparison.scene.image.size,
+        "truths": truths,
         "front": front,
         "orders": orders,
         "failures": failures,
@@ -121,8 +172,11 @@ pub fn summary(report: &Report) -> String {
     format!("{value:#}\n")
 }
 
+/// A curve, the indices of its rows by rising samples, and the order of their error.
+pub type CurveRows = (Curve, Vec<usize>, Option<Order>);
+
 /// The curves of a report, with the indices of their rows by rising samples, and the order of their error.
-pub fn curves(report: &Report) -> Vec<(Curve, Vec<usize>, Option<Order>)> {
+pub fn curves(report: &Report) -> Vec<CurveRows> {
     let rows = &report.comparison.rows;
     let mut found: Vec<(Curve, Vec<usize>)> = Vec::new();
     for (index, row) in rows.iter().enumerate() {

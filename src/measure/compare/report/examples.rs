@@ -4,18 +4,27 @@ use super::{Environment, Report};
 use crate::measure::compare::candidates::{Sweep, candidates};
 use crate::measure::compare::metrics::Metrics;
 use crate::measure::compare::timing::Run;
-use crate::measure::compare::{Comparison, Row};
+use crate::measure::compare::{Comparison, Row, Truth};
 use crate::measure::metric::Errors;
 use crate::measure::reference::Reference;
 use crate::render::Frame;
 use crate::scene::preset;
 use crate::shader;
+use std::sync::Arc;
 
-/// Fire by two strategies: the error is 1 / samples by points and 1 / samples^2 by segments, the time grows with samples.
+/// Fire by several strategies: the error is 1 / samples by points and 1 / samples^2 by segments, the time grows with
+/// samples. Those that read a block have the scene's own truth, the others one of their own.
 pub fn report() -> Report {
     let mut scene = preset("fire").unwrap();
     scene.image.size = [8, 8];
     let sweep = Sweep { samples: Some(vec![16, 32, 64]), quick: true, ..Sweep::default() };
+    let truth = |is_own: bool| {
+        let estimate = vec![1e-7; 64];
+        let reference = Reference { size: [8, 8], pixels: vec![[0.0; 4]; 64], estimate, open: vec![1e-3; 64] };
+        let pattern = if is_own { "own" } else { "other" }.to_string();
+        Arc::new(Truth { pattern, is_own, reference: reference.into() })
+    };
+    let truths = [truth(false), truth(true)];
     let row = |candidate: crate::measure::compare::candidates::Candidate| {
         let samples = f64::from(candidate.samples());
         let second = candidate.curve().label().contains("segment");
@@ -39,13 +48,10 @@ pub fn report() -> Report {
         };
         let run = |index: u32| Run { gpu_ms: samples + 0.01 * f64::from(index), wall_ms: samples + 2.0 };
         let first = Frame { size: [8, 8], pixels: Vec::new(), measurements: Default::default() };
-        let truth =
-            Reference { size: [8, 8], pixels: vec![[0.0; 4]; 64], estimate: vec![0.0; 64], open: vec![0.0; 64] };
         Row {
+            truth: truths[usize::from(candidate.reads_block)].clone(),
             candidate,
-            truth: truth.into(),
             metrics,
-            reference_error: 1e-7,
             normals: None,
             runs: (0..7).map(run).collect(),
             first,
@@ -57,5 +63,6 @@ pub fn report() -> Report {
     let environment = Environment { device: "a device".into(), ..Environment::default() };
     let hash = super::hash(&scene);
     let (pictures, crops) = (Vec::new(), Vec::new());
-    Report { title: "fire".into(), hash, environment, comparison, pictures, table: None, crops }
+    let (title, command) = ("fire".into(), "hypertexture compare fire".into());
+    Report { title, command, hash, tolerance: 1e-4, environment, comparison, pictures, table: None, crops }
 }

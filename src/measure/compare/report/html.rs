@@ -1,28 +1,30 @@
 //! The report as one page that needs nothing else: no script, no file beside it.
 
+use super::chart::{Chart, svg};
+use super::data::STEADIER;
+use super::fastest::{fastest, heading};
+use super::orders::orders;
 use super::page::{circumstances, escape, short, spread, whole};
 use super::paper_html::{blocks, crops, table_3};
-use super::{Report, data, images};
-use crate::measure::compare::candidates::{Candidate, Curve};
-use crate::measure::compare::front::cheapest;
-use crate::measure::compare::{BACKGROUND, Row};
-use crate::scene::{Integration, Pass};
+use super::{Report, images, scene_text};
+use crate::measure::compare::answers::{Answer, answers};
+use crate::measure::compare::candidates::Candidate;
+use crate::measure::compare::{BACKGROUND, Group, Row};
 
-/// Errors that the cheapest candidate is asked for.
-const BOUNDS: [f64; 3] = [1e-1, 1e-2, 1e-3];
-
-/// The page.
-pub fn page(report: &Report, chart: &str) -> String {
+/// The page, with a chart for each truth.
+pub fn page(report: &Report, charts: &[Chart]) -> String {
+    let groups = report.comparison.groups();
     let body = [
         head(report),
-        answers(report),
-        format!("<h2>Error against time</h2>\n{}\n{}\n", chart_note(report), chart),
-        front_pictures(report),
+        fastest(report, &groups),
+        truths(report, &groups),
+        charted(charts, &groups),
+        front_pictures(report, &groups),
         table_3(report),
         blocks(report),
         crops(report),
         orders(report),
-        all_candidates(report),
+        all_candidates(report, &groups),
         octaves(report),
         method(report),
     ];
@@ -56,77 +58,65 @@ fn head(report: &Report) -> String {
     if comparison.partial {
         text += "<div class=\"banner\"><b>Partial</b>: the comparison was interrupted; what was measured until then is shown.</div>\n";
     }
+    let (unsteady, measured) = (comparison.unsteady(), comparison.rows.len());
+    if unsteady > 0 {
+        text += &format!(
+            "<div class=\"banner\"><b>Unsteady times</b>: of {unsteady} of {measured} candidates the 95th percentile exceeds the median \
+             by more than a quarter (≋): {STEADIER}.</div>\n"
+        );
+    }
     text
 }
 
-/// The cheapest candidate within each bound, in words and as a table. What blending may lose must lie within the bound
-/// beforehand: drivers round in their own ways, and a measurement of one of them promises nothing.
-fn answers(report: &Report) -> String {
-    let rows = &report.comparison.rows;
-    let safe = |bound: f64| -> Option<&Row> {
-        let points: Vec<(f64, f64)> = rows
-            .iter()
-            .map(|row| {
-                let (time, error) = row.point();
-                (time, if row.candidate.blend_bound() <= bound { error } else { f64::INFINITY })
-            })
-            .collect();
-        cheapest(&points, bound).map(|index| &rows[index])
+/// What the candidates are held against, and how wrong that is itself.
+fn truths(report: &Report, groups: &[Group]) -> String {
+    let line = |(number, group): (usize, &Group)| {
+        let truth = &group.truth;
+        format!(
+            "<tr><td class=\"n\">{number}<td class=\"wrap\">{}{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{:.1} %",
+            escape(&truth.pattern),
+            if truth.is_own { " <small>(the scene's own)</small>" } else { "" },
+            group.rows.len(),
+            short(truth.error()),
+            short(truth.bound()),
+            100.0 * truth.proven(),
+        )
     };
-    let picks: Vec<(f64, Option<&Row>)> = BOUNDS.into_iter().map(|bound| (bound, safe(bound))).collect();
-    let words = match picks.iter().rev().find_map(|(bound, row)| Some((bound, (*row)?))) {
-        None => format!("<p class=\"answer\">No candidate comes within an error of {}.</p>\n", BOUNDS[0]),
-        Some((bound, row)) => {
-            let slowest =
-                rows.iter().filter(|other| other.metrics.errors.rmse <= *bound).map(|other| other.gpu().median);
-            let ratio = slowest.fold(0.0, f64::max) / row.gpu().median;
-            format!(
-                "<p class=\"answer\">The cheapest candidate within an error of {bound} is <b>{}</b>: {} ms, {} times faster than the \
-                 slowest that gets there.</p>\n",
-                escape(&row.candidate.label()),
-                short(row.gpu().median),
-                short(ratio)
-            )
-        }
-    };
-    let line = |(bound, row): &(f64, Option<&Row>)| match row {
-        None => format!("<tr><td class=\"n\">{bound}<td colspan=\"5\">none"),
-        Some(row) => format!(
-            "<tr><td class=\"n\">{bound}<td>{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}",
-            escape(&row.candidate.label()),
-            spread(&row.gpu()),
-            short(row.metrics.errors.rmse),
-            short(row.metrics.flip),
-            short(row.metrics.psnr),
-        ),
-    };
-    let lines: Vec<String> = picks.iter().map(line).collect();
+    let lines: Vec<String> = groups.iter().enumerate().map(line).collect();
     format!(
-        "{words}<div class=\"scroll\"><table><tr><th class=\"n\">error at most<th>cheapest candidate<th class=\"n\">ms on the device\
-         <th class=\"n\">RMSE<th class=\"n\">FLIP<th class=\"n\">PSNR, dB</tr>\n{}\n</table></div>\n\
-         <p class=\"note\">The error is the root mean square error of linear RGB against a reference of the candidate's own scene. \
-         Times are medians with their 95 % interval; of fewer than six runs, with all of them. A slice format that could lose more than the bound by its rounding \
-         alone is not offered here, whatever was measured.</p>\n",
+        "<h2>Truths</h2>\n<p>Another noise pattern is another picture. So each has a reference of its own, in f64 with a tolerance \
+         of {} a pixel, and its own front. What the reference itself is wrong by is told as a root mean square: as samples \
+         estimate it, and with all the opacity that bounds leave open.</p>\n\
+         <div class=\"scroll\"><table><tr><th class=\"n\">truth<th>noise pattern<th class=\"n\">candidates<th class=\"n\">estimated error\
+         <th class=\"n\">with what is open<th class=\"n\">proven pixels</tr>\n{}\n</table></div>\n",
+        short(report.tolerance),
         lines.join("\n")
     )
 }
 
-fn chart_note(report: &Report) -> String {
-    let count = report.comparison.front().len();
+/// The charts: that of the scene's own truth, and the others to be opened.
+fn charted(charts: &[Chart], groups: &[Group]) -> String {
+    let one = |(number, (chart, group)): (usize, (&Chart, &Group))| {
+        let open = if number == 0 { " open" } else { "" };
+        let (title, count) = (escape(&chart.title), group.front.len());
+        format!("<details{open}><summary>{title}: {count} on the front</summary>\n{}\n</details>\n", svg(chart))
+    };
+    let all: String = charts.iter().zip(groups).enumerate().map(one).collect();
     format!(
-        "<p>Each line is one way to draw the scene with more and more samples; lower left is better. Rings and steps mark the \
-         {count} candidates that no other beats in both error and time.</p>"
+        "<h2>Error against time</h2>\n<p>Each line is one way to draw the scene with more and more samples; lower left is better. \
+         Rings and steps mark the candidates that no other of the same truth beats in both error and time. Bars are the 95 % interval \
+         of the median time, and what the error of the reference may change in the error; where there is none, the mark hides it.</p>\n{all}"
     )
 }
 
 /// The pictures of the front beside what is wrong with them.
-fn front_pictures(report: &Report) -> String {
+fn front_pictures(report: &Report, groups: &[Group]) -> String {
     let comparison = &report.comparison;
     let background = comparison.scene.image.background.unwrap_or(BACKGROUND);
     let mut figures = Vec::new();
     for (index, frame) in &report.pictures {
         let row = &comparison.rows[*index];
-        let truth = &row.truth;
+        let truth = &row.truth.reference;
         let pixels: Vec<[f64; 4]> = frame.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
         let address = [
             images::picture(&truth.pixels, frame.size, background),
@@ -139,8 +129,9 @@ fn front_pictures(report: &Report) -> String {
             .map(|(name, address)| format!("<img src=\"{address}\" alt=\"{name} of {label}\" title=\"{name}\">"))
             .collect();
         figures.push(format!(
-            "<figure><div>{}</div><figcaption><b>{label}</b><br><span>{} ms, RMSE {}, FLIP {}</span></figcaption></figure>",
+            "<figure><div>{}</div><figcaption><b>{label}</b><br><span>truth {}; {} ms, RMSE {}, FLIP {}</span></figcaption></figure>",
             images.concat(),
+            groups.iter().position(|group| group.rows.contains(index)).unwrap_or_default(),
             short(row.gpu().median),
             short(row.metrics.errors.rmse),
             short(row.metrics.flip),
@@ -151,7 +142,7 @@ fn front_pictures(report: &Report) -> String {
     }
     let [low, high] = images::HEAT;
     format!(
-        "<h2>Along the front</h2>\n<p>Reference, candidate, and the largest difference of each pixel's linear color: {} \
+        "<h2>Along the front</h2>\n<p>Reference, candidate, and the largest difference of any channel of linear RGBA: {} \
          <img class=\"scale\" src=\"{}\" alt=\"scale of the differences\"> {}</p>\n<div class=\"pictures\">\n{}\n</div>\n",
         short(low),
         images::scale(),
@@ -160,45 +151,18 @@ fn front_pictures(report: &Report) -> String {
     )
 }
 
-fn orders(report: &Report) -> String {
-    let line = |(curve, indices, order): (Curve, Vec<usize>, Option<_>)| {
-        let order: Option<crate::measure::compare::front::Order> = order;
-        let (value, points, floor) = match order {
-            None => ("–".into(), "–".into(), "–".into()),
-            Some(order) => {
-                let doubt =
-                    order.plus_minus.map_or("<small>(two points)</small>".into(), |half| format!("± {half:.2}"));
-                let floor = order.floor.map_or("none seen".into(), short);
-                (format!("{:.2} {doubt}", order.order), order.points.to_string(), floor)
-            }
-        };
-        let expected = match (curve.integration, curve.pass) {
-            (Integration::Segment, _) => "2 where the density is smooth",
-            (Integration::Point, Pass::March | Pass::Slices) => "1",
-        };
-        format!(
-            "<tr><td>{}<td class=\"n\">{}<td class=\"n\">{value}<td class=\"n\">{points}<td class=\"n\">{floor}<td>{expected}",
-            escape(&curve.label()),
-            indices.len()
-        )
-    };
-    let lines: Vec<String> = data::curves(report).into_iter().map(line).collect();
-    format!(
-        "<h2>Observed order</h2>\n<p>The error falls like samples<sup>−order</sup>: least squares over the samples above the \
-         floor, with the 95 % interval. The floor is where more samples no longer help: what is left is the block of noise, \
-         the format or the field.</p>\n<details{}><summary>{} curves</summary><div class=\"scroll\"><table><tr><th>curve\
-         <th class=\"n\">samples<th class=\"n\">order<th class=\"n\">of points<th class=\"n\">floor, RMSE<th>in theory</tr>\n{}\n</table></div></details>\n",
-        if lines.len() <= 16 { " open" } else { "" },
-        lines.len(),
-        lines.join("\n")
-    )
-}
-
-fn all_candidates(report: &Report) -> String {
-    let front = report.comparison.front();
+fn all_candidates(report: &Report, groups: &[Group]) -> String {
+    let rows = &report.comparison.rows;
+    let answers: Vec<Answer> = groups.iter().flat_map(|group| answers(rows, &group.rows)).collect();
     let line = |(index, row): (usize, &Row)| {
         let m = &row.metrics;
-        let class = if front.contains(&index) { " class=\"front\"" } else { "" };
+        let class = if groups.iter().any(|group| group.front.contains(&index)) { " class=\"front\"" } else { "" };
+        let like = answers.iter().filter(|answer| answer.not_separable.contains(&index));
+        let like: Vec<String> = like.map(|answer| answer.error_at_most.to_string()).collect();
+        let like = match like.is_empty() {
+            true => String::new(),
+            false => format!(" <small>not separable from the fastest within {}</small>", like.join(", ")),
+        };
         let cell = |text: String| format!("<td class=\"n\">{text}");
         let angle = row.normals.map_or("–".into(), |angles| short(angles.mean));
         let cells = [
@@ -214,20 +178,29 @@ fn all_candidates(report: &Report) -> String {
             short(m.flip),
             angle,
             blend(&row.candidate),
+            short(row.efficiency()),
             row.gpu().runs.to_string(),
         ];
-        format!("<tr{class}><td>{}{}", escape(&row.candidate.label()), cells.map(cell).concat())
+        format!("<tr{class}><td>{}{like}{}", escape(&row.candidate.label()), cells.map(cell).concat())
     };
-    let lines: Vec<String> = report.comparison.rows.iter().enumerate().map(line).collect();
+    let lines: Vec<String> = groups
+        .iter()
+        .enumerate()
+        .flat_map(|(number, group)| {
+            let of = group.rows.iter().map(|&index| line((index, &rows[index])));
+            std::iter::once(heading(number, group, 15)).chain(of)
+        })
+        .collect();
     format!(
-        "<h2>Every candidate</h2>\n<p class=\"note\">Bold: on the front. ≋: the 95th percentile of the times exceeds the median by more \
+        "<h2>Every candidate</h2>\n<p class=\"note\">Bold: on the front of its truth. ≋: the 95th percentile of the times exceeds the median by more \
          than a quarter, so the machine was disturbed. <i>Blending</i> is what rounding between slices may add to the error, \
-         known beforehand. Every run is in <code>runs.csv</code>, every digit in <code>candidates.csv</code>.</p>\n\
+         known beforehand. RMSE, max and p99.9 are of all four channels of premultiplied linear RGBA; max and p99.9 of the worst \
+         channel of a pixel. Efficiency is 1 / (RMSE² × seconds on the device). Every run is in <code>runs.csv</code>, every digit in <code>candidates.csv</code>.</p>\n\
          <details><summary>{} rows</summary><div class=\"scroll\"><table><tr><th>candidate<th class=\"n\">ms on the device\
          <th class=\"n\">ms in all<th class=\"n\">RMSE<th class=\"n\">of its octaves<th class=\"n\">max<th class=\"n\">p99.9<th class=\"n\">opacity RMSE\
          <th class=\"n\">PSNR, dB<th class=\"n\">SSIM<th class=\"n\">FLIP<th class=\"n\">normals, °<th class=\"n\">blending\
-         <th class=\"n\">runs</tr>\n{}\n</table></div></details>\n",
-        lines.len(),
+         <th class=\"n\">efficiency, 1/(MSE s)<th class=\"n\">runs</tr>\n{}\n</table></div></details>\n",
+        rows.len(),
         lines.join("\n")
     )
 }
@@ -267,53 +240,71 @@ fn method(report: &Report) -> String {
          a slow moment of the machine slows all alike; no run is dropped. <i>On the device</i> is what timestamps of the device \
          say, <i>in all</i> is wall clock from the scene to pixels in memory, without compiling. A strategy that reads a block \
          is held against the noise that the block was made of, and a computed one against its own noise: they are different \
-         noises, and each error is that of the candidate's own picture.</p>\n{}",
-        circumstances(&report.environment, &[("scene, BLAKE3", report.hash.clone())])
+         noises, and each error is that of the candidate's own picture.</p>\n{}<details><summary>The scene</summary><pre>{}</pre></details>\n",
+        circumstances(
+            &report.environment,
+            &[("command line", report.command.clone()), ("scene, BLAKE3", report.hash.clone())]
+        ),
+        escape(&scene_text(&report.comparison.scene))
     )
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::examples;
+    use super::super::{charts, examples};
     use super::*;
     use crate::measure::compare::Failure;
 
-    #[test]
-    fn the_answer_is_the_cheapest_within_the_bound_and_excludes_what_may_lose_more() {
-        let text = answers(&examples::report());
-        // Segments of 16 samples have an error of 1/256, points of 16 one of 1/16, at the same time.
-        assert!(
-            text.contains("cheapest candidate within an error of 0.001 is <b>encoded 64³, march, segment, 32 samples"),
-            "{text}"
-        );
-        assert!(text.contains("<td class=\"n\">0.01<td>encoded 64³, march, segment, 16 samples"), "{text}");
-        let mut slices = examples::report();
-        slices.comparison.rows.retain(|row| {
-            let label = row.candidate.label();
-            label.starts_with("encoded") && label.contains("8-bit")
-        });
-        let text = answers(&slices);
-        assert!(text.contains("0.1<td>encoded 64³, slices, point, 8-bit, 16 samples"), "16/510 is within 0.1: {text}");
-        assert!(text.contains("0.01<td colspan"), "no 8 bits can promise it: {text}");
+    fn whole_page(report: &Report) -> String {
+        page(report, &charts(report))
     }
 
     #[test]
     fn what_failed_stands_at_the_top() {
         let mut report = examples::report();
-        let good = page(&report, "");
-        assert!(!good.contains("FAILED") && !good.contains("Partial"));
+        let good = whole_page(&report);
+        assert!(!good.contains("FAILED") && !good.contains("Partial") && !good.contains("Unsteady"));
         let (label, message) = ("encoded".to_string(), "a <b> too many".to_string());
         report.comparison.failures.push(Failure { label, message });
         report.comparison.partial = true;
-        let bad = page(&report, "");
+        report.comparison.rows[0].runs[6].gpu_ms *= 2.0;
+        let bad = whole_page(&report);
         let place = |what: &str| bad.find(what).unwrap();
-        assert!(place("FAILED") < place("cheapest") && place("Partial") < place("cheapest"));
+        assert!(["FAILED", "Partial", "Unsteady"].iter().all(|banner| place(banner) < place("fastest")));
         assert!(bad.contains("a &lt;b&gt; too many"));
+        let count = report.comparison.rows.len();
+        assert!(
+            bad.contains(&format!("of 1 of {count} candidates"))
+                && bad.contains("idle machine, with more runs (--repeat)")
+        );
+    }
+
+    #[test]
+    fn each_truth_has_its_own_front_and_what_it_is_wrong_by_itself() {
+        let report = examples::report();
+        let page = whole_page(&report);
+        let place = |what: &str| page.find(what).unwrap_or_else(|| panic!("{what}: {page}"));
+        assert!(place("Truth 0, the scene's own: own") < place("Truth 1: other"));
+        assert!(page.contains("<summary>Truth 1: other: "), "a chart of its own");
+        // An estimate of 1e-7 in all pixels, with an opacity of 1e-3 left open.
+        assert!(
+            page.contains("<td class=\"n\">1.00·10<sup>-7</sup><td class=\"n\">0.00100<td class=\"n\">100.0 %"),
+            "{page}"
+        );
+        assert!(page.contains("<dt>command line<dd>hypertexture compare fire"));
+        assert!(page.contains("<summary>The scene</summary><pre>") && page.contains("input = &quot;"));
+        assert_eq!(page.matches("<details").count(), page.matches("</details>").count());
+        // Points of the same samples take as long as segments.
+        assert!(page.contains("<small>not separable from the fastest within 0.1"), "{page}");
+        for group in report.comparison.groups() {
+            let own = |&index: &usize| report.comparison.rows[index].truth.is_own == group.truth.is_own;
+            assert!(!group.front.is_empty() && group.front.iter().chain(&group.rows).all(own));
+        }
     }
 
     #[test]
     fn a_page_needs_no_script_and_nothing_beside_it() {
-        let text = page(&examples::report(), "<svg></svg>");
+        let text = whole_page(&examples::report());
         for part in ["<script", "href=", "src=\"http", "{title}", "{body}"] {
             assert!(!text.contains(part), "{part}");
         }

@@ -26,9 +26,9 @@ pub fn picture(pixels: &[[f64; 4]], size: [u32; 2], background: Color) -> String
     address(size, &bytes(&encode(pixels, background)))
 }
 
-/// A map of the largest difference of the linear color of each pixel.
+/// A map of the largest difference of any channel of premultiplied linear RGBA of each pixel.
 pub fn heat_map(found: &[[f64; 4]], truth: &[[f64; 4]], size: [u32; 2]) -> String {
-    let difference = |(a, b): (&[f64; 4], &[f64; 4])| (0..3).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max);
+    let difference = |(a, b): (&[f64; 4], &[f64; 4])| (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max);
     let colors: Vec<u8> = found.iter().zip(truth).flat_map(|pair| heat(difference(pair))).collect();
     address(size, &colors)
 }

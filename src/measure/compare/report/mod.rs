@@ -5,8 +5,10 @@
 mod chart;
 mod data;
 mod environment;
+mod fastest;
 mod html;
 mod images;
+mod orders;
 mod page;
 mod paper_html;
 pub mod replay;
@@ -17,26 +19,30 @@ pub use environment::{Environment, load};
 
 use super::candidates::Curve;
 use super::paper::{Crop, Table};
-use super::{CompareError, Comparison, Failure, Stage};
+use super::{CompareError, Comparison, Failure, Group, Stage};
 use crate::output::OutputError;
 use crate::render::Frame;
 use crate::scene::{Integration, Pass, Scene, to_text};
-use crate::support::write_whole;
-use chart::{Chart, Line, Marker};
+use crate::support::{quoted, write_whole};
+use chart::{Chart, Line, Marker, Point};
 use std::path::{Path, PathBuf};
 
 /// Files of a report.
 pub const FILES: [&str; 5] = ["index.html", "candidates.csv", "runs.csv", "report.json", "chart.svg"];
-/// Pictures of the front, at most.
-const PICTURES: usize = 6;
+/// Pictures of the front of the scene's own truth, at most, and of each of the others.
+const PICTURES: [usize; 2] = [6, 2];
 
 /// All that a report tells.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// What was compared: the name of a scene.
     pub title: String,
-    /// Hash of the scene as it is written to a file.
+    /// The command line that made it, by [`command_line`].
+    pub command: String,
+    /// Hash of [`scene_text`].
     pub hash: String,
+    /// The error that pixels of a reference are allowed.
+    pub tolerance: f64,
     /// Where and when.
     pub environment: Environment,
     /// What was measured.
@@ -49,13 +55,35 @@ pub struct Report {
     pub crops: Vec<Crop>,
 }
 
-/// The hash of a scene as it is written to a file, its object without the folder that it lies in.
-pub fn hash(scene: &Scene) -> String {
+/// The scene as it is written to a file, its files without the folders that they lie in.
+pub fn scene_text(scene: &Scene) -> String {
     let mut scene = scene.clone();
     for object in scene.parts.values_mut().map(|part| &mut part.object).chain([&mut scene.object]) {
         object.input = file_name(&object.input);
     }
-    blake3::hash(to_text(&scene).as_bytes()).to_hex().to_string()
+    scene.modules.values_mut().for_each(|module| *module = file_name(module));
+    to_text(&scene)
+}
+
+/// The hash of a scene as it is written to a file.
+pub fn hash(scene: &Scene) -> String {
+    blake3::hash(scene_text(scene).as_bytes()).to_hex().to_string()
+}
+
+/// The words behind the name of the program as a command line for `sh`, files without the folders that they lie in.
+pub fn command_line(words: impl Iterator<Item = String>) -> String {
+    let without_folders = |word: String| match Path::new(&word).exists() {
+        true => file_name(&word),
+        false => word.split_inclusive(['=', '+', ',']).map(last_part).collect(),
+    };
+    let words = words.map(|word| quoted(&without_folders(word)));
+    ["hypertexture".into()].into_iter().chain(words).collect::<Vec<_>>().join(" ")
+}
+
+/// The last part of a path that a sign may end.
+fn last_part(word: &str) -> String {
+    let path = word.trim_end_matches(['=', '+', ',']);
+    if path.contains(std::path::MAIN_SEPARATOR) { file_name(path) + &word[path.len()..] } else { word.into() }
 }
 
 /// The last part of a path, or the name itself.
@@ -63,19 +91,20 @@ pub fn file_name(path: &str) -> String {
     Path::new(path).file_name().map_or_else(|| path.into(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Renders the pictures of the front once more, those at its ends and some between; what cannot be drawn again is told.
+/// Renders pictures of the fronts once more, those at their ends and some between; what cannot be drawn again is told.
 pub fn pictures(stage: Stage<'_>, comparison: &Comparison, failures: &mut Vec<Failure>) -> Vec<(usize, Frame)> {
-    let front = comparison.front();
-    let count = front.len().min(PICTURES);
-    let chosen = (0..count).map(|place| front[place * (front.len() - 1) / (count - 1).max(1)]);
-    let mut draw = |index: usize| {
+    let chosen = comparison.groups().into_iter().flat_map(|Group { truth, front, .. }| {
+        let count = front.len().min(PICTURES[usize::from(!truth.is_own)]);
+        (0..count).map(move |place| front[place * (front.len() - 1) / (count - 1).max(1)])
+    });
+    let draw = |index: usize| {
         let candidate = &comparison.rows[index].candidate;
         let fail = |error: crate::render::RenderError| {
             failures.push(Failure { label: candidate.label(), message: error.to_string() });
         };
         stage.painter().render(&candidate.scene).map_err(fail).ok().map(|frame| (index, frame))
     };
-    chosen.filter_map(&mut draw).collect()
+    chosen.filter_map(draw).collect()
 }
 
 /// Writes the report into a folder, which is made if there is none; gives the path of the page.
@@ -88,13 +117,13 @@ pub fn write(report: &Report, folder: &Path) -> Result<PathBuf, CompareError> {
         move |source| CompareError::Output(OutputError::Write { path, source })
     };
     std::fs::create_dir_all(folder).map_err(io(folder))?;
-    let chart = chart(report);
+    let charts = charts(report);
     let contents = [
-        html::page(report, &chart::svg(&chart)),
+        html::page(report, &charts),
         data::candidates(report),
         data::runs(report),
         data::summary(report),
-        chart::standalone(&chart),
+        chart::standalone(&charts),
     ];
     let mut files: Vec<_> = FILES.into_iter().zip(contents).collect();
     files.reverse(); // the page appears last: when it is there, all of it is
@@ -105,36 +134,44 @@ pub fn write(report: &Report, folder: &Path) -> Result<PathBuf, CompareError> {
     Ok(folder.join(FILES[0]))
 }
 
-/// Error against time, a line for each curve.
-fn chart(report: &Report) -> Chart {
+/// Error against time, a chart for each truth and a line for each curve.
+fn charts(report: &Report) -> Vec<Chart> {
+    let curves = data::curves(report);
+    let groups = report.comparison.groups();
+    groups.iter().enumerate().map(|(number, group)| chart(report, number, group, &curves)).collect()
+}
+
+fn chart(report: &Report, number: usize, group: &Group, curves: &[data::CurveRows]) -> Chart {
     let rows = &report.comparison.rows;
     let mut groups: Vec<String> = Vec::new();
     let mut lines = Vec::new();
-    for (Curve { strategy, pass, integration, .. }, indices, _) in data::curves(report) {
-        let group = groups.iter().position(|name| *name == strategy).unwrap_or_else(|| {
-            groups.push(strategy);
+    for (Curve { strategy, pass, integration, .. }, indices, _) in
+        curves.iter().filter(|(_, indices, _)| group.rows.contains(&indices[0]))
+    {
+        let color = groups.iter().position(|name| name == strategy).unwrap_or_else(|| {
+            groups.push(strategy.clone());
             groups.len() - 1
         });
         let point = |&index: &usize| {
             let (row, (time, error)) = (&rows[index], rows[index].point());
-            (time, error, format!("{}: error {error:.2e} in {time:.3} ms", row.candidate.label()))
+            let about = format!("{}: error {error:.2e} in {time:.3} ms", row.candidate.label());
+            Point { time, error, interval: row.gpu().interval, reference: group.truth.error(), about }
         };
         lines.push(Line {
-            group,
-            marker: if pass == Pass::March { Marker::Circle } else { Marker::Square },
-            filled: integration == Integration::Segment,
+            group: color,
+            marker: if *pass == Pass::March { Marker::Circle } else { Marker::Square },
+            filled: *integration == Integration::Segment,
             faint: rows[indices[0]].candidate.aside,
             points: indices.iter().map(point).collect(),
         });
     }
-    let points = report.comparison.points();
-    let front = report.comparison.front().into_iter().map(|index| points[index]).collect();
-    let floor = rows.iter().map(|row| row.reference_error).fold(0.0, f64::max);
-    Chart { groups, lines, front, floor: (floor > 0.0).then_some(floor) }
+    let front = group.front.iter().map(|&index| rows[index].point()).collect();
+    let floor = Some(group.truth.error()).filter(|floor| *floor > 0.0);
+    Chart { title: format!("Truth {number}: {}", group.truth.pattern), groups, lines, front, floor }
 }
 
 #[cfg(test)]
-mod examples;
+pub(super) mod examples;
 
 #[cfg(test)]
 mod tests {
@@ -150,6 +187,31 @@ mod tests {
         assert_eq!(hash(&here), hash(&there));
         there.quality.samples += 1;
         assert_ne!(hash(&here), hash(&there));
+        here.modules.insert("dmf/own".into(), "/home/somebody/own.glsl".into());
+        let text = scene_text(&here);
+        assert!(text.contains("own.glsl") && !text.contains("/home"), "{text}");
+    }
+
+    #[test]
+    fn a_command_line_can_be_run_again_and_names_no_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let odd = folder.path().join("a+b, c.obj");
+        std::fs::write(&odd, "").unwrap();
+        let words = [
+            "compare",
+            &odd.to_string_lossy(),
+            "--module=dmf=fur+/home/somebody/own.glsl",
+            "--set",
+            "light.color=#ffe0c0",
+            "--sweep",
+            "8,16",
+            "-o",
+            "out/report/",
+        ];
+        assert_eq!(
+            command_line(words.into_iter().map(String::from)),
+            "hypertexture compare 'a+b, c.obj' --module=dmf=fur+own.glsl --set 'light.color=#ffe0c0' --sweep 8,16 -o report"
+        );
     }
 
     #[test]
@@ -167,6 +229,29 @@ mod tests {
         let json: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
         assert_eq!(json["measured"], report.comparison.rows.len());
         assert_eq!(json["orders"][0]["order"]["points"], 3);
+        assert_eq!((&json["command"], &json["tolerance"]), (&"hypertexture compare fire".into(), &1e-4.into()));
+        let scene: toml::Table = json["scene"].as_str().unwrap().parse().unwrap();
+        assert_eq!(scene["image"]["size"].as_array().unwrap().len(), 2);
+        assert_eq!(json["unsteady"]["candidates"], 0);
+        // The scene's own truth first; each front has the rows of its own.
+        let rows = &report.comparison.rows;
+        assert!(json["truths"][0]["own"] == true && json["truths"][1]["own"] == false);
+        let number = |index: usize| usize::from(!rows[index].truth.is_own);
+        for (index, line) in table.lines().skip(1).enumerate() {
+            assert!(line.ends_with(&format!(",{}", number(index))), "{line}");
+        }
+        let front = json["front"].as_array().unwrap();
+        for truth in [0, 1] {
+            let of: Vec<&serde_json::Value> = front.iter().filter(|row| row["truth"] == truth).collect();
+            assert!(
+                !of.is_empty() && of.iter().all(|row| number(row["candidate"].as_u64().unwrap() as usize) == truth)
+            );
+        }
+        let efficiency = front[0]["efficiency_per_mse_second"].as_f64().unwrap();
+        assert!(
+            (efficiency - rows[front[0]["candidate"].as_u64().unwrap() as usize].efficiency()).abs()
+                < 1e-6 * efficiency
+        );
         assert!(read("chart.svg").starts_with("<svg"));
         assert!(read("index.html").ends_with("</html>\n"));
     }
