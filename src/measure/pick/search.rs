@@ -265,7 +265,7 @@ impl<'a> Search<'a> {
         let errors = [self.error(before), self.error(&fits)];
         let share = (errors[0] / (CARE * self.bound.error)).ln() / (errors[0] / errors[1]).ln();
         let fewer = (n * (m / n).powf(share)).ceil();
-        if !(fewer < FASTER * m) {
+        if fewer.is_nan() || fewer >= FASTER * m {
             return fits;
         }
         let fewer = self.small(candidates::with_samples(&fits.candidate, fewer as u32));
