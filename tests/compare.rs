@@ -152,7 +152,7 @@ fn errors_are_those_against_the_reference_and_a_missing_reference_is_a_failure()
         for row in &found.rows {
             let frame = render(gpu, &library, &row.candidate.scene, &subject).unwrap();
             let rmse = |light: f64| {
-                let squares = frame.pixels.iter().flat_map(|pixel| pixel).map(|c| (f64::from(*c) - light).powi(2));
+                let squares = frame.pixels.as_flattened().iter().map(|c| (f64::from(*c) - light).powi(2));
                 (squares.sum::<f64>() / (4.0 * 24.0 * 24.0)).sqrt()
             };
             assert!((row.metrics.errors.rmse - rmse(0.0)).abs() < 1e-12, "{}", row.candidate.label());
