@@ -1,7 +1,7 @@
 //! All that a picture is computed from, for a processor to compute it.
 
 use super::encoded::Encoded;
-use super::inputs::{Inputs, SHADOW};
+use super::inputs::Inputs;
 use super::light_space::LightSpace;
 use super::shot::Shot;
 use super::sub_frame::SubFrame;
@@ -66,7 +66,7 @@ impl CpuInputs {
     /// Binding of the shadow volume, where the program reads one.
     #[cfg(feature = "measure")]
     pub(crate) fn shadow_binding(program: &Program) -> Option<u32> {
-        program.resources.iter().find(|resource| resource.name == SHADOW).map(|resource| resource.binding)
+        program.resources.iter().find(|resource| resource.name == super::inputs::SHADOW).map(|resource| resource.binding)
     }
 
     /// Size of the target that the segments of the shadow volume are drawn into.
