@@ -66,7 +66,11 @@ impl CpuInputs {
     /// Binding of the shadow volume, where the program reads one.
     #[cfg(feature = "measure")]
     pub(crate) fn shadow_binding(program: &Program) -> Option<u32> {
-        program.resources.iter().find(|resource| resource.name == super::inputs::SHADOW).map(|resource| resource.binding)
+        program
+            .resources
+            .iter()
+            .find(|resource| resource.name == super::inputs::SHADOW)
+            .map(|resource| resource.binding)
     }
 
     /// Size of the target that the segments of the shadow volume are drawn into.
