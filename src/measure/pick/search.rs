@@ -122,7 +122,7 @@ impl<'a> Search<'a> {
 
     /// What a whole picture of a candidate has shown.
     pub(super) fn learn(&mut self, drawn: &Drawn, error: f64) {
-        let factor = error / drawn.error.max(f64::MIN_POSITIVE);
+        let factor = (error / drawn.error.max(f64::MIN_POSITIVE)).clamp(0.01, 100.0);
         let Candidate { scene, .. } = &drawn.candidate;
         self.lessons.push(Lesson { curve: drawn.candidate.curve(), scene: scene.clone(), error, factor });
     }

@@ -11,7 +11,7 @@ pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
 use crate::noise::Period;
 use crate::scene::{Integration, ParameterValue, Parameters, Scene, SceneError, Source};
-use crate::shader::{Library, LibraryError, LinkError, Linker, Parameter, Slots, Stage};
+use crate::shader::{Library, LibraryError, LinkError, Linker, Parameter, Slots};
 use std::collections::BTreeMap;
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));
@@ -237,25 +237,6 @@ impl Variant {
     pub(super) fn unoptimized(&self, library: &Library) -> Result<Program, VariantError> {
         let [vertex, fragment] = self.linked(library, false, || Linker::new().map(Linker::unoptimized))?;
         Program::of(vertex, fragment, false)
-    }
-
-    /// Both stages, from the disk or linked here.
-    fn linked(
-        &self,
-        library: &Library,
-        is_optimized: bool,
-        linker: impl FnOnce() -> Result<Linker, LinkError>,
-    ) -> Result<[Vec<u32>; 2], VariantError> {
-        let entries = self.entries;
-        let key = linked::key(library, entries, &self.slots, is_optimized);
-        if let Some(stages) = linked::load(key) {
-            return Ok(stages);
-        }
-        let linker = linker()?;
-        let link = |entry, stage| linker.link(library, entry, stage, &entries, &self.slots);
-        let stages = [link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?];
-        linked::save(key, &stages);
-        Ok(stages)
     }
 }
 
