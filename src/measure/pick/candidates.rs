@@ -58,14 +58,16 @@ fn bases(scene: &Scene, truth: &Scene) -> Vec<Scene> {
     for computed in [[true, true], [false, true], [true, false], [false, false]] {
         let mut base = scene.clone();
         (base.quality.empty_space, base.quality.order) = (EmptySpace::Skip, Order::FrontToBack);
-        let (effect, exact) = (&mut base.effect, &truth.effect);
-        if computed[0] {
-            effect.noise.clone_from(&exact.noise);
-            effect.noise_repeat = exact.noise_repeat;
-        }
-        if computed[1] {
-            effect.turbulence.clone_from(&exact.turbulence);
-            effect.turbulence_repeat = exact.turbulence_repeat;
+        let of_parts = base.parts.iter_mut().map(|(name, part)| (&mut part.effect, &truth.parts[name].effect));
+        for (effect, exact) in [(&mut base.effect, &truth.effect)].into_iter().chain(of_parts) {
+            if computed[0] {
+                effect.noise.clone_from(&exact.noise);
+                effect.noise_repeat = exact.noise_repeat;
+            }
+            if computed[1] {
+                effect.turbulence.clone_from(&exact.turbulence);
+                effect.turbulence_repeat = exact.turbulence_repeat;
+            }
         }
         bases.push(base);
     }
