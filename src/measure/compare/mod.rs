@@ -1,7 +1,7 @@
 //! Comparison: what accuracy costs, measured.
 //!
 //! Role: a scene into candidates ([`candidates`]), each rendered, held against its reference ([`metrics`]) and timed
-//! ([`timing`]); from these the front of what is worth its time ([`front`]), one for each truth ([`truths`]), and a report
+//! ([`timing`]); from these the front of what is worth its time ([`front`]), one for each truth (`truths`), and a report
 //! ([`report`]). Invariants: what failed is told and fails the report; every time has its spread and every picture its
 //! error; the same scene gives the same errors, digit by digit.
 //!
