@@ -122,16 +122,14 @@ fn truth(
     progress: Progress<'_>,
 ) -> Result<PixelTruth, Box<dyn Error>> {
     match reference_pixels(library, &converged_settings(scene), subject, pixels, TOLERANCE, progress, &|| false) {
-        Ok(found) => {
-            let Reference { pixels, estimate, open, .. } = found;
-            Ok(PixelTruth { pixels, estimate, open, source: "the f64 reference" })
-        }
+        Ok(reference) => Ok(PixelTruth { reference, source: "the f64 reference" }),
         Err(ReferenceError::NoLimit(_) | ReferenceError::Exact(_)) => {
             let frame = render(gpu, library, scene, subject)?;
             let at = |[x, y]: &[u32; 2]| frame.pixels[(y * frame.size[0] + x) as usize].map(f64::from);
             let pixels: Vec<[f64; 4]> = pixels.iter().map(at).collect();
-            let (estimate, open) = (vec![0.0; pixels.len()], vec![1.0; pixels.len()]);
-            Ok(PixelTruth { pixels, estimate, open, source: "a second rendering" })
+            let (size, estimate, open) = (frame.size, vec![0.0; pixels.len()], vec![1.0; pixels.len()]);
+            let reference = Reference { size, pixels, estimate, open };
+            Ok(PixelTruth { reference, source: "a second rendering" })
         }
         Err(error) => Err(error.into()),
     }

@@ -4,7 +4,6 @@
 
 use super::Refer;
 use crate::measure::reference::{Reference, truth_of};
-use crate::measure::statistics::rms;
 use crate::noise::Period;
 use crate::render::variant::Variant;
 use crate::scene::Scene;
@@ -25,13 +24,12 @@ pub struct Truth {
 impl Truth {
     /// Root mean square of its own error, as far as samples say.
     pub fn error(&self) -> f64 {
-        rms(self.reference.estimate.iter().copied())
+        self.reference.error()
     }
 
     /// The same with all the opacity that bounds leave open.
     pub fn bound(&self) -> f64 {
-        let pixels = self.reference.estimate.iter().zip(&self.reference.open);
-        rms(pixels.map(|(estimate, open)| (estimate + open).min(1.0)))
+        self.reference.bound()
     }
 
     /// The part of the pixels that bounds prove to hold nothing else.

@@ -104,6 +104,9 @@ pub enum PickError {
     /// No settings draw it.
     #[error(transparent)]
     Compare(#[from] CompareError),
+    /// Nobody waits for it any more.
+    #[error("stopped")]
+    Stopped,
     /// Nothing is that accurate.
     #[error(
         "no settings draw this scene with a {metric} error of {asked:e}: the nearest, {nearest}, has {found:.1e}; allow that, or try another `--metric`"
@@ -163,6 +166,7 @@ pub fn pick(
         let Some(next) = search.next(best.as_ref().map(|(drawn, _)| drawn), &share) else { break };
         let verified = match whole.verify(&next.candidate.scene, search.unverified.is_some(), &share) {
             Ok(verified) => verified,
+            Err(_) if (stage.stop)() => return Err(PickError::Stopped),
             Err(error) => {
                 search.fail(next.candidate, error);
                 continue;

@@ -92,6 +92,7 @@ impl<'a> Search<'a> {
         let (known, unverified) = match Known::by_reference(stage, &look, &frame, PIXELS, bound.error, progress) {
             Ok(known) => (known, None),
             Err(ReferenceError::Render(error)) => return Err(error.into()),
+            Err(ReferenceError::Stopped) => return Err(PickError::Stopped),
             Err(why) => {
                 let own = (bound.metric, bound.error);
                 (Known::by_finer_picture(&mut painter, stage, &small(scene), own)?, Some(why.to_string()))
@@ -104,15 +105,16 @@ impl<'a> Search<'a> {
     /// What is worth a whole picture: the fastest that should keep the bound, if it should be faster than the best so far;
     /// where there is none yet, at last the nearest.
     pub(super) fn next(&mut self, best: Option<&Drawn>, progress: &dyn Fn(f32)) -> Option<Drawn> {
-        let families = self.families.clone();
+        let families = std::mem::take(&mut self.families);
         for (index, family) in families.iter().enumerate() {
             self.follow(family);
             progress((index + 1) as f32 / families.len() as f32 * 0.5);
         }
+        self.families = families;
         let fitting = self.drawn.iter().filter(|drawn| self.fits(drawn));
         let next = match fitting.min_by(|a, b| a.ms.total_cmp(&b.ms)).cloned() {
             Some(fastest) => Some(self.fewer(fastest)),
-            None => self.nearest(&families),
+            None => self.nearest(),
         };
         let is_faster = |next: &Drawn, best: &Drawn| {
             next.ms < FASTER * best.ms || next.candidate.curve() == best.candidate.curve() // of which it has fewer samples
@@ -273,7 +275,7 @@ impl<'a> Search<'a> {
     }
 
     /// Of curves that do not fit, drawn to their limit, the nearest that was not drawn whole.
-    fn nearest(&mut self, families: &[Candidate]) -> Option<Drawn> {
+    fn nearest(&mut self) -> Option<Drawn> {
         let last = |family: &Candidate| {
             let own = self.drawn.iter().filter(|drawn| drawn.candidate.curve() == family.curve());
             own.max_by_key(|drawn| drawn.candidate.samples()).map(|last| {
@@ -281,7 +283,7 @@ impl<'a> Search<'a> {
                 (last.error / more.powf(ORDER), family.clone())
             })
         };
-        let mut hopeful: Vec<(f64, Candidate)> = families.iter().filter_map(last).collect();
+        let mut hopeful: Vec<(f64, Candidate)> = self.families.iter().filter_map(last).collect();
         hopeful.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (_, family) in hopeful.into_iter().take(TO_LIMIT) {
             let mut samples = SAMPLES[1];

@@ -10,6 +10,7 @@ mod parts;
 mod store;
 
 use crate::exact::{self, ExactError};
+use crate::measure::statistics::rms;
 use crate::render::variant::{Variant, VariantError};
 use crate::render::{Blocks, CpuInputs, OCTAVES_ID, RenderError, Subject};
 use crate::scene::{
@@ -56,6 +57,16 @@ pub struct Reference {
 pub const UNSEEN: f64 = 1e-3;
 
 impl Reference {
+    /// Root mean square of its own error, as far as samples say.
+    pub fn error(&self) -> f64 {
+        rms(self.estimate.iter().copied())
+    }
+
+    /// The same with all the opacity that bounds leave open.
+    pub fn bound(&self) -> f64 {
+        rms(self.estimate.iter().zip(&self.open).map(|(estimate, open)| (estimate + open).min(1.0)))
+    }
+
     /// How many pixels bounds prove that samples have overlooked nothing in that can be seen.
     pub fn proven(&self) -> usize {
         self.open.iter().filter(|open| **open <= UNSEEN).count()

@@ -10,8 +10,8 @@ use super::redrawn::{Redrawn, apart, around, index, redraw};
 use crate::field::Progress;
 use crate::gpu::Gpu;
 use crate::measure::metric::{Errors, Metric};
-use crate::measure::reference::UNSEEN;
-use crate::measure::statistics::{largest, rms};
+use crate::measure::reference::Reference;
+use crate::measure::statistics::largest;
 use crate::output::{self, OutputError, PROGRAM, Stored};
 use crate::render::{Frame, RenderError, Subject, render};
 use crate::scene::{Scene, SceneError};
@@ -43,13 +43,9 @@ pub struct CheckOptions {
 /// What some pixels really are.
 #[derive(Clone, Debug)]
 pub struct Truth {
-    /// Premultiplied linear RGBA without the background, for each pixel that was asked for.
-    pub pixels: Vec<[f64; 4]>,
-    /// How far each of them may be off itself, as far as samples say.
-    pub estimate: Vec<f64>,
-    /// The most opacity that samples may have overlooked in each.
-    pub open: Vec<f64>,
-    /// What knows it.
+    /// The pixels that were asked for, without the background.
+    pub reference: Reference,
+    /// What knows them.
     pub source: &'static str,
 }
 
@@ -176,7 +172,8 @@ fn compare(
     let background = scene.image.background;
     let seen = |pixel: [f32; 4]| encoding.of(pixel, background);
     let shown = |pixel: [f32; 4]| encoding.linear(pixel).map(f64::from);
-    let exact: Vec<[f32; 4]> = truth.pixels.iter().map(|pixel| seen(pixel.map(|channel| channel as f32))).collect();
+    let exact: Vec<[f32; 4]> =
+        truth.reference.pixels.iter().map(|pixel| seen(pixel.map(|channel| channel as f32))).collect();
     let found: Vec<[f32; 4]> = pixels.iter().map(|&at| stored.pixels[index(size, at)]).collect();
     let [drawn, other] = [step.drawn, step.other].map(|frame| |at| seen(frame.pixels[index(size, at)]));
 
@@ -184,7 +181,7 @@ fn compare(
     let is_beyond = |(index, &at): (usize, &[u32; 2])| {
         let off = largest(apart(found[index], exact[index], encoding));
         let most = STEPS * largest(around(size, at).map(explained));
-        off.is_nan() || off > 0.5 * encoding.quantum() + most + truth.estimate[index] + ROUNDING
+        off.is_nan() || off > 0.5 * encoding.quantum() + most + truth.reference.estimate[index] + ROUNDING
     };
     let beyond = pixels.iter().enumerate().filter(|pixel| is_beyond(*pixel)).count();
 
@@ -196,7 +193,6 @@ fn compare(
         [pixels.iter().map(|&at| drawn(at)).collect(), pixels.iter().map(|&at| other(at)).collect()];
     let off = |index: usize| largest((0..4).map(|c| (shown(found[index])[c] - shown(exact[index])[c]).abs()));
     let worst = (0..pixels.len()).max_by(|&a, &b| off(a).total_cmp(&off(b)));
-    let in_all = rms(truth.estimate.iter().zip(&truth.open).map(|(estimate, open)| (estimate + open).min(1.0)));
     Agreement {
         encoding,
         samples: scene.quality.samples,
@@ -211,8 +207,8 @@ fn compare(
         worst: worst.map_or([0, 0], |index| pixels[index]),
         codes: between(&rounded, &exact).by(metric),
         step: step.share * between(&drawn, &other).by(metric),
-        own: [rms(truth.estimate.iter().copied()), in_all],
-        proven: truth.open.iter().filter(|open| **open <= UNSEEN).count(),
+        own: [truth.reference.error(), truth.reference.bound()],
+        proven: truth.reference.proven(),
         beyond,
         bound: bound.unwrap_or(MOST + f64::from(scene.quality.early_termination)),
         asked: bound.is_some(),
@@ -249,10 +245,14 @@ mod tests {
         scene.image.size = [64, 64];
         let drawn = Frame { size: [64, 64], pixels: linear.clone(), measurements: Default::default() };
         let pixels = draw_pixels([64, 64], 4096, 0);
+        let moved = |at: &[u32; 2], off: f64| linear[index([64, 64], *at)].map(|c| f64::from(c) + off);
         let truth = |off: f64| Truth {
-            pixels: pixels.iter().map(|at| linear[index([64, 64], *at)].map(|c| f64::from(c) + off)).collect(),
-            estimate: vec![0.0; 4096],
-            open: vec![0.0; 4096],
+            reference: Reference {
+                size: [64, 64],
+                pixels: pixels.iter().map(|at| moved(at, off)).collect(),
+                estimate: vec![0.0; 4096],
+                open: vec![0.0; 4096],
+            },
             source: "the test",
         };
         let step = Step { drawn: &drawn, other: &drawn, share: 1.0 };

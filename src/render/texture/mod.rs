@@ -91,7 +91,7 @@ pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Tex
                 fill::<8>(out, codes.map(bytemuck::cast));
             }
             Encoding::Normals8 => {
-                fill(out, normals().zip(values).map(|([x, y, z], s)| [x, y, z, s].map(|part| code(part, 255.0) as u8)));
+                fill(out, normals().zip(values).map(|([x, y, z], s)| [x, y, z, s].map(code8)));
             }
         }
     });
@@ -220,13 +220,13 @@ fn fill<const BYTES: usize>(out: &mut [u8], texels: impl Iterator<Item = [u8; BY
     }
 }
 
-/// The nearest of so many codes to a part of them in \[0, 1\]: by cutting off, as `round` is a call for each texel.
-fn code(part: f32, most: f32) -> i32 {
-    (part * most + 0.5) as i32
+/// The nearest code to a part in \[0, 1\]; others are held. By cutting off, as `round` is a call for each texel.
+fn code16(part: f32) -> u16 {
+    (part * 65535.0 + 0.5) as u16
 }
 
-fn code16(part: f32) -> u16 {
-    code(part, 65535.0) as u16
+fn code8(part: f32) -> u8 {
+    (part * 255.0 + 0.5) as u8
 }
 
 #[cfg(test)]
