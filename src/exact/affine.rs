@@ -255,13 +255,13 @@ impl Number for Affine {
     #[inline(always)]
     fn mul(self, b: Affine) -> Affine {
         let ((m, v), (n, w)) = (self.rest.center(), b.rest.center());
-        let (near, far) = (self.slope * n, b.slope * m);
         let bent = self.slope * b.slope; // times the square of the place, from 0 to 1
-        let size = near.abs() + far.abs() + bent.abs();
-        let off = (self.slope.abs() * w + b.slope.abs() * v) * (1.0 + ROUNDING) + ROUNDING * size;
-        let rest = self.rest.mul(b.rest);
-        let rest = Interval::rounded(rest.lo + lesser(bent, 0.0) - off, rest.hi + greater(bent, 0.0) + off);
-        Affine::of(self.all.mul(b.all), near + far, rest.wider())
+        // Each is a line, up to v and w from it: so is the product of the lines, up to what these add.
+        let (line, other) = (self.slope.abs() + m.abs(), b.slope.abs() + n.abs() + w);
+        let off = line * w + other * v + (ROUNDING * ((line + v) * other) + f64::MIN_POSITIVE);
+        let middle = m * n;
+        let rest = Interval::known(middle + lesser(bent, 0.0) - off, middle + greater(bent, 0.0) + off);
+        Affine::of(self.all.mul(b.all), self.slope * n + b.slope * m, rest)
     }
     #[inline(always)]
     fn div(self, b: Affine) -> Affine {
@@ -321,6 +321,7 @@ impl Number for Affine {
     fn less_equal(self, b: Affine) -> Tri {
         self.compared(b, Interval::less_equal)
     }
+    #[inline(always)]
     fn equal(self, b: Affine) -> Tri {
         self.all.equal(b.all)
     }
@@ -330,9 +331,11 @@ impl Number for Affine {
     fn is_infinite(self) -> Tri {
         self.all.is_infinite()
     }
+    #[inline(always)]
     fn to_int(self, signed: bool) -> Range {
         self.all.to_int(signed)
     }
+    #[inline(always)]
     fn from_int(int: Range, signed: bool) -> Affine {
         Affine::bounded(Interval::from_int(int, signed))
     }

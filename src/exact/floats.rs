@@ -276,8 +276,8 @@ impl Number for f64 {
         let half = exponent / 2;
         self * 2f64.powi(half) * 2f64.powi(exponent - half)
     }
-    fn sample(image: &Image<'_>, at: [f64; 3], level: f64, wanted: [bool; 4]) -> [f64; 4] {
-        image.sample_level(at, level, wanted)
+    fn sample(image: &Image<'_>, at: [f64; 3], level: f64, _: [bool; 4]) -> [f64; 4] {
+        image.sample_level(at, level)
     }
     fn fetch(image: &Image<'_>, at: [u32; 3]) -> [f64; 4] {
         let sides = image.size.map(|side| side as usize);

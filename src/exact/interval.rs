@@ -62,7 +62,7 @@ impl Interval {
 
     /// These bounds; the whole line, where one is NaN.
     #[inline(always)]
-    fn known(lo: f64, hi: f64) -> Interval {
+    pub(super) fn known(lo: f64, hi: f64) -> Interval {
         Interval::WHOLE.unless(lo <= hi, Interval { lo, hi })
     }
 
@@ -360,13 +360,13 @@ impl Number for Interval {
     fn is_infinite(self) -> Tri {
         Tri { may_hold: self.lo.is_infinite() || self.hi.is_infinite(), may_fail: true }
     }
+    #[inline(always)]
     fn to_int(self, signed: bool) -> Range {
+        // What may be NaN may be any integer: the ends of the whole line are those of all.
         let full = Range::full(signed);
-        if self.is_whole() {
-            return full;
-        }
         Range { lo: (self.lo as i64).clamp(full.lo, full.hi), hi: (self.hi as i64).clamp(full.lo, full.hi) }
     }
+    #[inline(always)]
     fn from_int(int: Range, _: bool) -> Interval {
         Interval { lo: int.lo as f64, hi: int.hi as f64 }
     }
@@ -387,13 +387,13 @@ impl Number for Interval {
         Interval::rounded(fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY))
     }
     #[inline(never)]
-    fn sample(image: &Image<'_>, at: [Interval; 3], level: Interval, _: [bool; 4]) -> [Interval; 4] {
+    fn sample(image: &Image<'_>, at: [Interval; 3], level: Interval, wanted: [bool; 4]) -> [Interval; 4] {
         let endless = |at: &Interval| at.lo.is_infinite() || at.hi.is_infinite();
         if at[..image.axes].iter().any(|at| at.is_whole() || image.wrap != Wrap::Clamp && endless(at)) {
             return [Interval::WHOLE; 4]; // there is no such texel: NaN
         }
         let levels = if level.is_whole() { [0.0, f64::INFINITY] } else { [level.lo, level.hi] };
-        image.range_levels(at.map(|at| at.lo), at.map(|at| at.hi), levels).map(|[lo, hi]| Interval { lo, hi })
+        image.range_levels(at.map(|at| [at.lo, at.hi]), levels, wanted).map(|[lo, hi]| Interval { lo, hi })
     }
     fn fetch(image: &Image<'_>, at: [Range; 3]) -> [Interval; 4] {
         let sides = image.size.map(|side| side as usize);

@@ -2,7 +2,7 @@
 //!
 //! Invariant: integers wrap, so that a range which passes an end of 32 bits is any integer.
 
-use super::number::{IntBinary, IntUnary, Integer, Truth};
+use super::number::{GROUP, IntBinary, IntUnary, Integer, Packed, Truth};
 
 /// What may be true, false or either.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -11,7 +11,29 @@ pub struct Tri {
     pub(super) may_fail: bool,
 }
 
-super::number::packed_as_they_are!(Tri Range);
+/// Values of two parts that lie together.
+macro_rules! packed_in_parts {
+    ($value:ident { $first:ident, $second:ident: $part:ty }) => {
+        impl Packed for $value {
+            type Group = [[$part; GROUP]; 2];
+
+            #[inline(always)]
+            fn splat(self) -> Self::Group {
+                [self.$first, self.$second].map(|part| [part; GROUP])
+            }
+            #[inline(always)]
+            fn get([first, second]: &Self::Group, place: usize) -> Self {
+                $value { $first: first[place], $second: second[place] }
+            }
+            #[inline(always)]
+            fn put(self, [first, second]: &mut Self::Group, place: usize) {
+                (first[place], second[place]) = (self.$first, self.$second);
+            }
+        }
+    };
+}
+packed_in_parts!(Tri { may_hold, may_fail: bool });
+packed_in_parts!(Range { lo, hi: i64 });
 
 impl Truth for Tri {
     #[inline(always)]
@@ -23,7 +45,7 @@ impl Truth for Tri {
     }
     #[inline(always)]
     fn join(self, b: Tri) -> Tri {
-        Tri { may_hold: self.may_hold || b.may_hold, may_fail: self.may_fail || b.may_fail }
+        Tri { may_hold: self.may_hold | b.may_hold, may_fail: self.may_fail | b.may_fail }
     }
     fn within(self, other: Tri) -> bool {
         self.join(other) == other
@@ -52,12 +74,10 @@ impl Truth for Tri {
     fn equal(self, b: Tri) -> Tri {
         self.and(b).or(self.not().and(b.not()))
     }
+    #[inline(always)]
     fn select(self, a: Tri, b: Tri) -> Tri {
-        match (self.may_hold, self.may_fail) {
-            (true, false) => a,
-            (false, true) => b,
-            _ => a.join(b),
-        }
+        let either = |a: bool, b: bool| a & self.may_hold | b & self.may_fail;
+        Tri { may_hold: either(a.may_hold, b.may_hold), may_fail: either(a.may_fail, b.may_fail) }
     }
 }
 
@@ -68,7 +88,12 @@ pub struct Range {
     pub(super) hi: i64,
 }
 
+/// Products of this size may pass 64 bits.
+const HUGE: f64 = (1u64 << 62) as f64;
+
+// What most of a hash is made of has no jumps, so that the lanes of a group are computed together.
 impl Range {
+    #[inline(always)]
     pub(super) fn full(signed: bool) -> Range {
         if signed {
             Range { lo: i64::from(i32::MIN), hi: i64::from(i32::MAX) }
@@ -77,26 +102,77 @@ impl Range {
         }
     }
 
+    /// The other one, if that is so.
+    #[inline(always)]
+    fn unless(self, so: bool, other: Range) -> Range {
+        Range { lo: if so { other.lo } else { self.lo }, hi: if so { other.hi } else { self.hi } }
+    }
+
+    #[inline(always)]
+    fn is_single(self) -> bool {
+        self.lo == self.hi
+    }
+
     /// The bits, where there is one value.
     pub(super) fn single(self) -> Option<u32> {
         (self.lo == self.hi).then_some(self.lo as u32)
     }
 
     /// What an operation that does not wrap gives; wrapping leaves the full range.
+    #[inline(always)]
     fn held(lo: i64, hi: i64, signed: bool) -> Range {
         let full = Range::full(signed);
-        if lo < full.lo || hi > full.hi { full } else { Range { lo, hi } }
+        Range { lo, hi }.unless((lo < full.lo) | (hi > full.hi), full)
     }
 
+    #[inline(always)]
     fn corners(self, b: Range, f: impl Fn(i64, i64) -> i64) -> (i64, i64) {
-        let values = [f(self.lo, b.lo), f(self.lo, b.hi), f(self.hi, b.lo), f(self.hi, b.hi)];
-        values.iter().fold((i64::MAX, i64::MIN), |(lo, hi), value| (lo.min(*value), hi.max(*value)))
+        let [p, q, r, s] = [f(self.lo, b.lo), f(self.lo, b.hi), f(self.hi, b.lo), f(self.hi, b.hi)];
+        (p.min(q).min(r.min(s)), p.max(q).max(r.max(s)))
+    }
+
+    /// An operation on integers of which one at least is not known, both read alike.
+    #[inline(always)]
+    fn wide(self, function: IntBinary, b: Range, signed: bool) -> Range {
+        let (a, full) = (self, Range::full(signed));
+        let held = |(lo, hi)| Range::held(lo, hi, signed);
+        let positive = (a.lo >= 0) & (b.lo >= 0);
+        let by = b.lo & 31;
+        match function {
+            IntBinary::Add => held((a.lo + b.lo, a.hi + b.hi)),
+            IntBinary::Sub => held((a.lo - b.hi, a.hi - b.lo)),
+            IntBinary::Mul => {
+                let largest = |x: Range| x.hi.max(-x.lo) as f64;
+                held(a.corners(b, i64::wrapping_mul)).unless(largest(a) * largest(b) > HUGE, full)
+            }
+            IntBinary::Div if b.lo > 0 => held(a.corners(b, |x, y| x / y)),
+            IntBinary::Rem if positive && b.lo > 0 => Range { lo: 0, hi: a.hi.min(b.hi - 1) },
+            IntBinary::Min => Range { lo: a.lo.min(b.lo), hi: a.hi.min(b.hi) },
+            IntBinary::Max => Range { lo: a.lo.max(b.lo), hi: a.hi.max(b.hi) },
+            // The result has no bit that both (one of them) have not.
+            IntBinary::And => {
+                let one =
+                    full.unless(a.lo >= 0, Range { lo: 0, hi: a.hi }).unless(b.lo >= 0, Range { lo: 0, hi: b.hi });
+                one.unless(positive, Range { lo: 0, hi: a.hi.min(b.hi) })
+            }
+            IntBinary::Or | IntBinary::Xor => {
+                let bits = [1, 2, 4, 8, 16].into_iter().fold(a.hi | b.hi, |bits, by| bits | bits >> by);
+                full.unless(positive, Range { lo: 0, hi: bits })
+            }
+            IntBinary::ShiftRight => {
+                let any = Range { lo: a.lo.min(0), hi: a.hi.max(if signed { -1 } else { 0 }) };
+                any.unless(b.is_single(), Range { lo: a.lo >> by, hi: a.hi >> by })
+            }
+            IntBinary::ShiftLeft => full.unless(b.is_single() & (a.lo >= 0), held((a.lo << by, a.hi << by))),
+            IntBinary::Div | IntBinary::Rem => full,
+        }
     }
 }
 
 impl Integer for Range {
     type Truth = Tri;
 
+    #[inline(always)]
     fn new(bits: u32, signed: bool) -> Range {
         let value = if signed { i64::from(bits as i32) } else { i64::from(bits) };
         Range { lo: value, hi: value }
@@ -104,57 +180,23 @@ impl Integer for Range {
     fn whole() -> Range {
         Range { lo: i64::from(i32::MIN), hi: i64::from(u32::MAX) }
     }
+    #[inline(always)]
     fn join(self, b: Range) -> Range {
         Range { lo: self.lo.min(b.lo), hi: self.hi.max(b.hi) }
     }
+    #[inline(always)]
     fn within(self, other: Range) -> bool {
-        other.lo <= self.lo && self.hi <= other.hi
+        (other.lo <= self.lo) & (self.hi <= other.hi)
     }
+    #[inline(always)]
     fn select(truth: Tri, a: Range, b: Range) -> Range {
-        match (truth.may_hold, truth.may_fail) {
-            (true, false) => a,
-            (false, true) => b,
-            _ => a.join(b),
-        }
+        a.join(b).unless(!truth.may_hold, b).unless(!truth.may_fail, a)
     }
-    #[inline(never)]
+    #[inline(always)]
     fn binary(self, function: IntBinary, b: Range, signed: bool) -> Range {
-        if let (Some(x), Some(y)) = (self.single(), b.single()) {
-            return Range::new(x.binary(function, y, signed), signed);
-        }
-        let (a, b) = (self.reread(signed), b.reread(signed));
-        let held = |(lo, hi)| Range::held(lo, hi, signed);
-        let positive = a.lo >= 0 && b.lo >= 0;
-        match function {
-            IntBinary::Add => held((a.lo + b.lo, a.hi + b.hi)),
-            IntBinary::Sub => held((a.lo - b.hi, a.hi - b.lo)),
-            IntBinary::Mul => held(a.corners(b, i64::saturating_mul)), // two unsigned factors may pass i64
-            IntBinary::Div if b.lo > 0 => held(a.corners(b, |x, y| x / y)),
-            IntBinary::Rem if positive && b.lo > 0 => Range { lo: 0, hi: a.hi.min(b.hi - 1) },
-            IntBinary::Min => Range { lo: a.lo.min(b.lo), hi: a.hi.min(b.hi) },
-            IntBinary::Max => Range { lo: a.lo.max(b.lo), hi: a.hi.max(b.hi) },
-            // The result has no bit that both (one of them) have not.
-            IntBinary::And if positive => Range { lo: 0, hi: a.hi.min(b.hi) },
-            IntBinary::And if b.lo >= 0 => Range { lo: 0, hi: b.hi },
-            IntBinary::And if a.lo >= 0 => Range { lo: 0, hi: a.hi },
-            IntBinary::Or | IntBinary::Xor if positive => {
-                let bits = 64 - (a.hi | b.hi).leading_zeros();
-                Range { lo: 0, hi: (1i64 << bits) - 1 }
-            }
-            IntBinary::ShiftRight if a.lo >= 0 => match b.single() {
-                Some(by) => Range { lo: a.lo >> (by & 31), hi: a.hi >> (by & 31) },
-                None => Range { lo: 0, hi: a.hi },
-            },
-            IntBinary::ShiftRight if signed => match b.single() {
-                Some(by) => Range { lo: a.lo >> (by & 31), hi: a.hi >> (by & 31) },
-                None => Range { lo: a.lo.min(0), hi: a.hi.max(-1) },
-            },
-            IntBinary::ShiftLeft if b.single().is_some() && a.lo >= 0 => {
-                let by = b.lo & 31;
-                held((a.lo << by, a.hi << by))
-            }
-            _ => Range::full(signed),
-        }
+        let known = Range::new((self.lo as u32).binary(function, b.lo as u32, signed), signed);
+        let wide = self.reread(signed).wide(function, b.reread(signed), signed);
+        wide.unless(self.is_single() & b.is_single(), known)
     }
     #[inline(never)]
     fn unary(self, function: IntUnary, signed: bool) -> Range {
@@ -174,27 +216,23 @@ impl Integer for Range {
             _ => Range::full(signed),
         }
     }
-    #[inline(never)]
+    #[inline(always)]
     fn reread(self, signed: bool) -> Range {
         let full = Range::full(signed);
-        match self.single() {
-            Some(bits) => Range::new(bits, signed),
-            None if self.within(full) => self,
-            None if signed && self.lo > full.hi => Range { lo: self.lo - (1 << 32), hi: self.hi - (1 << 32) },
-            None if !signed && self.hi < 0 => Range { lo: self.lo + (1 << 32), hi: self.hi + (1 << 32) },
-            None => full,
-        }
+        let (turn, other) = if signed { (-(1 << 32), self.lo > full.hi) } else { (1 << 32, self.hi < 0) };
+        let turned = full.unless(other, Range { lo: self.lo + turn, hi: self.hi + turn });
+        turned.unless(self.within(full), self).unless(self.is_single(), Range::new(self.lo as u32, signed))
     }
+    #[inline(always)]
     fn less(self, b: Range, signed: bool) -> Tri {
         let (a, b) = (self.reread(signed), b.reread(signed));
         Tri { may_hold: a.lo < b.hi, may_fail: a.hi >= b.lo }
     }
+    #[inline(always)]
     fn equal(self, b: Range) -> Tri {
-        if let (Some(x), Some(y)) = (self.single(), b.single()) {
-            return Tri::new(x == y);
-        }
         let (a, b) = (self.reread(true), b.reread(true));
-        Tri { may_hold: a.lo <= b.hi && b.lo <= a.hi, may_fail: true }
+        let same = a.is_single() & b.is_single() & (a.lo == b.lo);
+        Tri { may_hold: (a.lo <= b.hi) & (b.lo <= a.hi), may_fail: !same }
     }
     fn index(self, count: usize) -> (usize, usize) {
         let a = self.reread(true);

@@ -46,9 +46,9 @@ impl<N: Number> Banks<N> {
         match instr.op {
             Op::Nop => {}
             Op::Copy => match instr.dst.file {
-                File::Float => map1(float, mask, f.read(a), |x| x),
-                File::Int => map1(int, mask, i.read(a), |x| x),
-                File::Truth => map1(truth, mask, t.read(a), |x| x),
+                File::Float => inlined!(map1(float, mask, f.read(a)), |x| x),
+                File::Int => inlined!(map1(int, mask, i.read(a)), |x| x),
+                File::Truth => inlined!(map1(truth, mask, t.read(a)), |x| x),
             },
             Op::Unary(function @ (Unary::Floor | Unary::Fract)) if !N::DECIDED && !cases.is_empty() => {
                 let a = f.read(a);
@@ -78,8 +78,8 @@ impl<N: Number> Banks<N> {
             Op::Equal => inlined!(map2(truth, mask, (f.read(a), f.read(b))), |a: N, b| a.equal(b)),
             Op::IsNan => map1(truth, mask, f.read(a), N::is_nan),
             Op::IsInfinite => map1(truth, mask, f.read(a), N::is_infinite),
-            Op::ToInt => map1(int, mask, f.read(a), |x| x.to_int(signed)),
-            Op::FromInt => map1(float, mask, i.read(a), |x| N::from_int(x, signed)),
+            Op::ToInt => inlined!(map1(int, mask, f.read(a)), |x: N| x.to_int(signed)),
+            Op::FromInt => inlined!(map1(float, mask, i.read(a)), |x| N::from_int(x, signed)),
             Op::ToBits => map1(int, mask, f.read(a), |x| x.to_bits(signed)),
             Op::FromBits => map1(float, mask, i.read(a), N::from_bits),
             Op::Ldexp => slow(float, mask, (f.read(a), i.read(b)), |(a, b)| a.ldexp(b)),
@@ -87,24 +87,26 @@ impl<N: Number> Banks<N> {
                 File::Float => {
                     inlined!(map3(float, mask, (t.read(a), f.read(b), f.read(c))), |t, a, b| N::select(t, a, b))
                 }
-                File::Int => map3(int, mask, (t.read(a), i.read(b), i.read(c)), N::Int::select),
+                File::Int => {
+                    inlined!(map3(int, mask, (t.read(a), i.read(b), i.read(c))), |t, a, b| N::Int::select(t, a, b))
+                }
                 File::Truth => map3(truth, mask, (t.read(a), t.read(b), t.read(c)), N::Truth::select),
             },
             Op::Int(function) => known!(
                 IntBinary,
                 function,
                 [Add Sub Mul And Or Xor ShiftLeft ShiftRight],
-                |KNOWN| map2(int, mask, (i.read(a), i.read(b)), |a, b| a.binary(KNOWN, b, signed)),
+                |KNOWN| inlined!(map2(int, mask, (i.read(a), i.read(b))), |a: N::Int, b| a.binary(KNOWN, b, signed)),
                 slow(int, mask, (i.read(a), i.read(b)), |(a, b)| a.binary(function, b, signed))
             ),
             Op::IntUnary(function) => slow(int, mask, i.read(a), |a| a.unary(function, signed)),
-            Op::Reread => map1(int, mask, i.read(a), |x| x.reread(signed)),
-            Op::IntLess => map2(truth, mask, (i.read(a), i.read(b)), |a, b| a.less(b, signed)),
-            Op::IntEqual => map2(truth, mask, (i.read(a), i.read(b)), N::Int::equal),
-            Op::And => map2(truth, mask, (t.read(a), t.read(b)), N::Truth::and),
-            Op::Or => map2(truth, mask, (t.read(a), t.read(b)), N::Truth::or),
-            Op::Same => map2(truth, mask, (t.read(a), t.read(b)), N::Truth::equal),
-            Op::Not => map1(truth, mask, t.read(a), N::Truth::not),
+            Op::Reread => inlined!(map1(int, mask, i.read(a)), |x: N::Int| x.reread(signed)),
+            Op::IntLess => inlined!(map2(truth, mask, (i.read(a), i.read(b))), |a: N::Int, b| a.less(b, signed)),
+            Op::IntEqual => inlined!(map2(truth, mask, (i.read(a), i.read(b))), |a: N::Int, b| a.equal(b)),
+            Op::And => inlined!(map2(truth, mask, (t.read(a), t.read(b))), |a: N::Truth, b| a.and(b)),
+            Op::Or => inlined!(map2(truth, mask, (t.read(a), t.read(b))), |a: N::Truth, b| a.or(b)),
+            Op::Same => inlined!(map2(truth, mask, (t.read(a), t.read(b))), |a: N::Truth, b| a.equal(b)),
+            Op::Not => inlined!(map1(truth, mask, t.read(a)), |a: N::Truth| a.not()),
             Op::Gather => {
                 let table = &code.tables[instr.table as usize];
                 let index = i.read(a);

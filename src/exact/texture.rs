@@ -64,6 +64,7 @@ fn place(coordinate: f64, count: u32, wrap: Wrap) -> ([usize; 2], f64) {
 fn wrapped(index: i64, count: u32, wrap: Wrap) -> usize {
     let n = i64::from(count);
     let index = match wrap {
+        _ if 0 <= index && index < n => index,
         Wrap::Clamp => index.clamp(0, n - 1),
         Wrap::Repeat => index.rem_euclid(n),
         Wrap::Mirror => {
@@ -83,27 +84,27 @@ impl<'a> Image<'a> {
     }
 
     /// The channels at a point of a level, which lies between two where it is no whole number.
-    pub(super) fn sample_level(&self, at: [f64; 3], level: f64, wanted: [bool; 4]) -> [f64; 4] {
+    pub(super) fn sample_level(&self, at: [f64; 3], level: f64) -> [f64; 4] {
         match &self.coarser {
-            Some(coarser) if level >= 1.0 => coarser.sample_level(at, level - 1.0, wanted),
+            Some(coarser) if level >= 1.0 => coarser.sample_level(at, level - 1.0),
             Some(coarser) if level > 0.0 => {
-                let [fine, coarse] = [self, coarser].map(|image| image.sample(at, wanted));
+                let [fine, coarse] = [self, coarser].map(|image| image.sample(at));
                 [0, 1, 2, 3].map(|c| fine[c] + level * (coarse[c] - fine[c]))
             }
-            _ => self.sample(at, wanted),
+            _ => self.sample(at),
         }
     }
 
-    /// Lower and upper bounds of the channels over a box of coordinates and levels.
-    pub(super) fn range_levels(&self, low: [f64; 3], high: [f64; 3], levels: [f64; 2]) -> [[f64; 2]; 4] {
+    /// Lower and upper bounds of the channels over a box of coordinates and levels; those that are not wanted may be 0.
+    pub(super) fn range_levels(&self, within: [[f64; 2]; 3], levels: [f64; 2], wanted: [bool; 4]) -> [[f64; 2]; 4] {
         match &self.coarser {
-            Some(coarser) if levels[0] >= 1.0 => coarser.range_levels(low, high, levels.map(|level| level - 1.0)),
+            Some(coarser) if levels[0] >= 1.0 => coarser.range_levels(within, levels.map(|level| level - 1.0), wanted),
             Some(coarser) if levels[1] > 0.0 || levels[1].is_nan() => {
-                let mut all = self.range(low, high);
-                include(&mut all, coarser.range_levels(low, high, levels.map(|level| level - 1.0)));
+                let mut all = self.range(within, wanted);
+                include(&mut all, coarser.range_levels(within, levels.map(|level| level - 1.0), wanted));
                 all
             }
-            _ => self.range(low, high),
+            _ => self.range(within, wanted),
         }
     }
 
@@ -112,42 +113,40 @@ impl<'a> Image<'a> {
         self.texels[(at[2] * y + at[1]) * x + at[0]]
     }
 
-    /// The channels at a point; channels that are not wanted are 0.
-    pub(super) fn sample(&self, at: [f64; 3], wanted: [bool; 4]) -> [f64; 4] {
-        let sides = self.size;
+    /// The channels at a point.
+    pub(super) fn sample(&self, at: [f64; 3]) -> [f64; 4] {
         let mut ends = [[0; 2]; 3];
-        let mut part = [0.0; 3];
+        let mut weights = [[1.0; 2]; 3];
         for axis in 0..self.axes {
-            (ends[axis], part[axis]) = place(at[axis], sides[axis], self.wrap);
+            let (texels, part) = place(at[axis], self.size[axis], self.wrap);
+            (ends[axis], weights[axis]) = (texels, [1.0 - part, part]);
         }
         let mut sum = [0.0; 4];
         for corner in 0..1 << self.axes {
             let side = [corner & 1, corner >> 1 & 1, corner >> 2];
-            let weight: f64 =
-                (0..self.axes).map(|axis| if side[axis] == 1 { part[axis] } else { 1.0 - part[axis] }).product();
+            let weight = weights[0][side[0]] * weights[1][side[1]] * weights[2][side[2]];
             let texel = self.texel([0, 1, 2].map(|axis| ends[axis][side[axis]]));
-            for channel in 0..4 {
-                if wanted[channel] {
-                    sum[channel] += weight * f64::from(texel[channel]);
-                }
+            for (sum, value) in sum.iter_mut().zip(texel) {
+                *sum += weight * f64::from(value);
             }
         }
         sum
     }
 
-    /// Lower and upper bounds of the channels over a box of coordinates.
-    pub(super) fn range(&self, low: [f64; 3], high: [f64; 3]) -> [[f64; 2]; 4] {
+    /// Lower and upper bounds of the channels over a box of coordinates; those that are not wanted may be 0.
+    pub(super) fn range(&self, within: [[f64; 2]; 3], wanted: [bool; 4]) -> [[f64; 2]; 4] {
         let axes = [0, 1, 2].map(|axis| {
-            if axis < self.axes { Crossed::of(low[axis], high[axis], self.size[axis], self.wrap) } else { Some(POINT) }
+            if axis < self.axes { Crossed::of(within[axis], self.size[axis], self.wrap) } else { Some(POINT) }
         });
         if let [Some(x), Some(y), Some(z)] = axes {
-            return self.extremes([x, y, z]);
+            let axes = [x, y, z];
+            return [0, 1, 2, 3].map(|channel| if wanted[channel] { self.extremes(&axes, channel) } else { [0.0; 2] });
         }
         let mut ranges = [[[0, 0]; 2]; 3];
         let mut counts = [1; 3];
         for axis in 0..self.axes {
             let count = self.size[axis];
-            let [from, to] = scaled(low[axis], high[axis], count).map(f64::floor);
+            let [from, to] = scaled(within[axis], count).map(f64::floor);
             (ranges[axis], counts[axis]) = self.indices(from, to + 1.0, count);
         }
         let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
@@ -169,8 +168,7 @@ impl<'a> Image<'a> {
         let mut base = [0.0; 3];
         let mut ends = [[0; 2]; 3];
         for axis in 0..self.axes {
-            let [low, high] = within[axis];
-            let [from, to] = scaled(low, high, self.size[axis]).map(f64::floor);
+            let [from, to] = scaled(within[axis], self.size[axis]).map(f64::floor);
             if from != to || from.abs() >= 1e15 {
                 return None;
             }
@@ -182,17 +180,17 @@ impl<'a> Image<'a> {
     }
 
     /// The range over a box of few cells: multilinear within each, so that the extremes are at corners of their parts.
-    fn extremes(&self, [x, y, z]: [Crossed; 3]) -> [[f64; 2]; 4] {
-        let mix = |a: [f64; 4], b: [f64; 4], part: f64| [0, 1, 2, 3].map(|c| a[c] + part * (b[c] - a[c]));
-        let mut rows = [[[0.0; 4]; MOST_POINTS]; MOST_POINTS]; // by y of texels and x of points
-        let mut layers = [[[[0.0; 4]; MOST_POINTS]; MOST_POINTS]; MOST_POINTS]; // by z of texels, y and x of points
+    fn extremes(&self, [x, y, z]: &[Crossed; 3], channel: usize) -> [f64; 2] {
+        let mix = |a: f64, b: f64, part: f64| a + part * (b - a);
+        let mut rows = [[0.0; MOST_POINTS]; MOST_POINTS]; // by y of texels and x of points
+        let mut layers = [[[0.0; MOST_POINTS]; MOST_POINTS]; MOST_POINTS]; // by z of texels, y and x of points
         let mut largest = 0f64;
         for (layer, &k) in layers.iter_mut().zip(z.texels()) {
             for (row, &j) in rows.iter_mut().zip(y.texels()) {
-                let mut texels = [[0.0; 4]; MOST_POINTS];
+                let mut texels = [0.0; MOST_POINTS];
                 for (texel, &i) in texels.iter_mut().zip(x.texels()) {
-                    *texel = self.texel([i, j, k]).map(f64::from);
-                    largest = texel.iter().fold(largest, |largest, value| largest.max(value.abs()));
+                    *texel = f64::from(self.texel([i, j, k])[channel]);
+                    largest = largest.max(texel.abs());
                 }
                 for (value, (first, part)) in row.iter_mut().zip(x.points()) {
                     *value = mix(texels[first], texels[first + 1], part);
@@ -204,16 +202,17 @@ impl<'a> Image<'a> {
                 }
             }
         }
-        let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (first, part) in z.points() {
             for (near, far) in layers[first].iter().zip(&layers[first + 1]).take(y.count) {
                 for (near, far) in near.iter().zip(far).take(x.count) {
-                    include(&mut all, mix(*near, *far, part).map(|value| [value; 2]));
+                    let value = mix(*near, *far, part);
+                    (low, high) = (low.min(value), high.max(value));
                 }
             }
         }
         let margin = 32.0 * f64::EPSILON * largest;
-        all.map(|[low, high]| [low - margin, high + margin])
+        [low - margin, high + margin]
     }
 
     /// Lower and upper bounds of the channels over a box of texels.
@@ -250,7 +249,7 @@ impl<'a> Image<'a> {
 }
 
 /// Places between texels, of a range of coordinates: with twice the rounding of a product of this size.
-fn scaled(low: f64, high: f64, count: u32) -> [f64; 2] {
+fn scaled([low, high]: [f64; 2], count: u32) -> [f64; 2] {
     let n = f64::from(count);
     let margin = (low.abs().max(high.abs()) * n + 1.0) * 4.0 * f64::EPSILON;
     [low * n - 0.5 - margin, high * n - 0.5 + margin]
@@ -273,8 +272,8 @@ const POINT: Crossed = Crossed { texels: [0; MOST_POINTS], points: [0.0; MOST_PO
 
 impl Crossed {
     /// `None`, where it crosses many.
-    fn of(low: f64, high: f64, count: u32, wrap: Wrap) -> Option<Crossed> {
-        let mut ends = scaled(low, high, count);
+    fn of(within: [f64; 2], count: u32, wrap: Wrap) -> Option<Crossed> {
+        let mut ends = scaled(within, count);
         if wrap == Wrap::Clamp {
             ends = ends.map(|x| x.clamp(-1.0, f64::from(count)));
         }
@@ -317,31 +316,43 @@ pub struct Pyramid {
 #[derive(Debug)]
 struct Level {
     size: [usize; 3],
-    ranges: Vec<[[f32; 2]; 4]>,
+    ranges: Vec<Extremes>,
 }
 
+/// The least and the greatest of each channel.
+type Extremes = [[f32; 4]; 2];
+
 impl Level {
-    fn range(&self, [x, y, z]: [usize; 3]) -> [[f32; 2]; 4] {
-        self.ranges[(z * self.size[1] + y) * self.size[0] + x]
+    /// The range over some of its boxes: from the first to the last along each axis.
+    fn range(&self, [x, y, z]: [[usize; 2]; 3]) -> Extremes {
+        let [mut least, mut most] = [[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]];
+        for k in z[0]..=z[1] {
+            for j in y[0]..=y[1] {
+                let row = (k * self.size[1] + j) * self.size[0];
+                for [low, high] in &self.ranges[row + x[0]..=row + x[1]] {
+                    for channel in 0..4 {
+                        least[channel] = least[channel].min(low[channel]);
+                        most[channel] = most[channel].max(high[channel]);
+                    }
+                }
+            }
+        }
+        [least, most]
     }
 }
 
 impl Pyramid {
     fn new(size: [u32; 3], texels: &[[f32; 4]]) -> Pyramid {
-        let ranges = texels.iter().map(|texel| texel.map(|value| [value; 2])).collect();
+        let ranges = texels.iter().map(|texel| [*texel; 2]).collect();
         let mut levels = vec![Level { size: size.map(|side| side as usize), ranges }];
         while let Some(last) = levels.last().filter(|level| level.size.iter().any(|side| *side > 1)) {
             let size = last.size.map(|side| side.div_ceil(2));
             let mut ranges = Vec::with_capacity(size.iter().product());
-            for at in places([[0, size[0] - 1], [0, size[1] - 1], [0, size[2] - 1]]) {
-                let of = [0, 1, 2].map(|axis| [2 * at[axis], (2 * at[axis] + 1).min(last.size[axis] - 1)]);
-                let mut all = [[f32::INFINITY, f32::NEG_INFINITY]; 4];
-                for part in places(of) {
-                    for (range, [low, high]) in all.iter_mut().zip(last.range(part)) {
-                        *range = [range[0].min(low), range[1].max(high)];
-                    }
+            let of = |index: usize, axis: usize| [2 * index, (2 * index + 1).min(last.size[axis] - 1)];
+            for z in 0..size[2] {
+                for y in 0..size[1] {
+                    ranges.extend((0..size[0]).map(|x| last.range([of(x, 0), of(y, 1), of(z, 2)])));
                 }
-                ranges.push(all);
             }
             levels.push(Level { size, ranges });
         }
@@ -352,15 +363,7 @@ impl Pyramid {
     fn range(&self, of: [[usize; 2]; 3]) -> [[f64; 2]; 4] {
         let longest = of.iter().map(|[first, last]| last - first).max().unwrap_or(0);
         let level = (0..self.levels.len() - 1).find(|level| longest >> level < 3).unwrap_or(self.levels.len() - 1);
-        let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
-        for at in places(of.map(|ends| ends.map(|index| index >> level))) {
-            include(&mut all, self.levels[level].range(at).map(|ends| ends.map(f64::from)));
-        }
-        all
+        let [least, most] = self.levels[level].range(of.map(|ends| ends.map(|index| index >> level)));
+        [0, 1, 2, 3].map(|channel| [least[channel], most[channel]].map(f64::from))
     }
-}
-
-/// Every place of a box, x fastest.
-fn places([x, y, z]: [[usize; 2]; 3]) -> impl Iterator<Item = [usize; 3]> {
-    (z[0]..=z[1]).flat_map(move |k| (y[0]..=y[1]).flat_map(move |j| (x[0]..=x[1]).map(move |i| [i, j, k])))
 }

@@ -118,6 +118,11 @@ impl Piece {
         if self.looks_empty() { 1.0 - least } else { most - least }
     }
 
+    /// How many of its halves can be seen: where the first is opaque in its middle, it hides the other.
+    fn seen_halves(&self) -> usize {
+        if self.samples[..3].iter().any(|matter| matter.extinction.is_infinite()) { 1 } else { 2 }
+    }
+
     /// It becomes opaque within.
     fn is_hit(&self) -> bool {
         self.samples.iter().any(|matter| matter.extinction.is_infinite())
@@ -173,6 +178,8 @@ pub(super) fn undecided(parts: &mut Vec<Part>, shortest: f64) -> Vec<usize> {
 /// A ray cut into pieces, front to back.
 pub(super) struct RayIntegral {
     pieces: Vec<Piece>,
+    /// Light that comes through the pieces, before they are halved.
+    left: f64,
     /// So many bounds more may be asked for.
     bounds: usize,
 }
@@ -203,12 +210,19 @@ const BY_CHANCE: f64 = 4.0;
 impl RayIntegral {
     /// A ray through nothing yet, and how many bounds it may ask for.
     pub(super) fn new(bounds: usize) -> RayIntegral {
-        RayIntegral { pieces: Vec::new(), bounds }
+        RayIntegral { pieces: Vec::new(), left: 1.0, bounds }
     }
 
     /// Adds a piece behind the others, by its five samples at equal distances.
     pub(super) fn push(&mut self, part: &Part, samples: [Matter; 5]) {
-        self.pieces.push(Piece::new(part.from, part.length, samples, part.extinction));
+        let piece = Piece::new(part.from, part.length, samples, part.extinction);
+        self.left *= piece.fine.transmittance;
+        self.pieces.push(piece);
+    }
+
+    /// Whether nothing can be seen behind its pieces.
+    pub(super) fn is_dark(&self) -> bool {
+        self.left < DARK
     }
 
     /// The pieces to be halved, as indices from the front; what is behind opaque matter is dropped.
@@ -251,43 +265,52 @@ impl RayIntegral {
         others.fold(self.pieces[index].error, |worst, error| worst.max(error / BY_CHANCE))
     }
 
-    /// Where samples are wanted to halve these pieces: four for each.
+    /// Where samples are wanted to halve these pieces: two for each half that can be seen.
     pub(super) fn wanted(&self, coarse: &[usize]) -> impl Iterator<Item = f64> {
         coarse.iter().flat_map(|&index| {
-            let Piece { from, length, .. } = self.pieces[index];
-            [1.0, 3.0, 5.0, 7.0].map(|eighth| from + length * eighth / 8.0)
+            let piece = &self.pieces[index];
+            let eighths = [1.0, 3.0, 5.0, 7.0].into_iter().take(2 * piece.seen_halves());
+            eighths.map(|eighth| piece.from + piece.length * eighth / 8.0)
         })
     }
 
     /// The halves of these pieces that get bounds of their own, front to back: from where on and how long.
     pub(super) fn asking(&self, coarse: &[usize]) -> impl Iterator<Item = [f64; 2]> {
         let asking = coarse.iter().map(|&index| &self.pieces[index]).filter(|piece| piece.asks);
-        asking.flat_map(|piece| [0.0, 0.5].map(|part| [piece.from + part * piece.length, 0.5 * piece.length]))
+        asking.flat_map(|piece| {
+            let halves = [0.0, 0.5].into_iter().take(piece.seen_halves());
+            halves.map(|part| [piece.from + part * piece.length, 0.5 * piece.length])
+        })
     }
 
     /// Halves these pieces with the samples that were wanted, and the bounds of those that ask for them.
-    pub(super) fn halve(&mut self, coarse: &[usize], samples: &[Matter], bounds: &mut impl Iterator<Item = [f64; 2]>) {
+    pub(super) fn halve(
+        &mut self,
+        coarse: &[usize],
+        samples: &mut impl Iterator<Item = Matter>,
+        bounds: &mut impl Iterator<Item = [f64; 2]>,
+    ) {
         let mut halved = Vec::with_capacity(self.pieces.len() + coarse.len());
-        let mut next = coarse.iter().zip(samples.as_chunks::<4>().0).peekable();
+        let mut next = coarse.iter().peekable();
         for (index, piece) in self.pieces.iter().enumerate() {
-            match next.next_if(|(coarse, _)| **coarse == index) {
-                None => halved.push(*piece),
-                Some((_, [p, q, r, s])) => {
-                    let [a, b, c, d, e] = piece.samples;
-                    let half = 0.5 * piece.length;
-                    let [least, most] = piece.extinction;
-                    let mut within = || match piece.asks.then(|| bounds.next()).flatten() {
-                        Some([low, high]) => [low.max(least), high.min(most)],
-                        None => piece.extinction,
-                    };
-                    let halves = [
-                        Piece::new(piece.from, half, [a, *p, b, *q, c], within()),
-                        Piece::new(piece.from + half, half, [c, *r, d, *s, e], within()),
-                    ];
-                    halved.extend(halves.into_iter().filter(|half| half.extinction[1] > 0.0));
-                }
+            if next.next_if(|coarse| **coarse == index).is_none() {
+                halved.push(*piece);
+                continue;
+            }
+            let half = 0.5 * piece.length;
+            let [least, most] = piece.extinction;
+            for side in 0..piece.seen_halves() {
+                let extinction = match piece.asks.then(|| bounds.next()).flatten() {
+                    Some([low, high]) => [low.max(least), high.min(most)],
+                    None => piece.extinction,
+                };
+                let [Some(p), Some(q)] = [samples.next(), samples.next()] else { break };
+                let [a, b, c] = [0, 1, 2].map(|sample| piece.samples[2 * side + sample]);
+                let from = piece.from + side as f64 * half;
+                halved.push(Piece::new(from, half, [a, p, b, q, c], extinction));
             }
         }
+        halved.retain(|piece| piece.extinction[1] > 0.0);
         self.pieces = halved;
     }
 
@@ -343,7 +366,7 @@ mod tests {
                 return (light, error);
             }
             let samples: Vec<Matter> = ray.wanted(&coarse).map(&matter).collect();
-            ray.halve(&coarse, &samples, &mut std::iter::empty());
+            ray.halve(&coarse, &mut samples.into_iter(), &mut std::iter::empty());
         }
     }
 

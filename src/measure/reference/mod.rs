@@ -7,20 +7,20 @@
 mod bent;
 mod integral;
 mod parts;
+mod probe;
 mod store;
 
-use crate::exact::{self, ExactError};
+use crate::exact::ExactError;
 use crate::measure::statistics::rms;
 use crate::render::variant::{Variant, VariantError};
-use crate::render::{Blocks, CpuInputs, OCTAVES_ID, RenderError, Subject};
+use crate::render::{RenderError, Subject};
 use crate::scene::{
     BlockFormat, Effect, EmptySpace, Integration, Jitter, LightMethod, Order, Pass, Proxy, Quality, RayPath, Reject,
     Scene, Storage, TargetFormat,
 };
-use crate::shader::{Library, LibraryError, Linker};
-use integral::{Limits, Matter, RayIntegral};
+use crate::shader::{Library, LibraryError};
+use probe::{Light, Probe};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Error that a pixel is allowed, unless asked otherwise: a tenth of what pictures are told apart by. Ten times less takes
@@ -29,16 +29,10 @@ pub const TOLERANCE: f64 = 1e-4;
 /// Bounds that are computed of a ray before it is sampled, and after that, at most. Fewer: less is proven. More: rays of
 /// which nothing can be proven take longer.
 const BOUNDS: [usize; 2] = [64, 96];
-/// A ray is not cut into more pieces than this; its error says so then.
-const MOST_PIECES: usize = 8000;
-/// The shortest piece, in depths of the scene: where the surface is, is known to this.
-const SHORTEST: f64 = 1e-8;
-/// The path of a sample, in depths of the scene: so short that only the hard region is opaque.
-const PROBE: f64 = 1e-7;
 /// Samples of the truth: they place no sample, but the cap of a clipping plane is 1.5 of their steps thick.
 const SAMPLES: u32 = 16_384;
-/// Rays that are integrated together. Fewer: the last few samples fill no vector. More: their pieces fill the memory.
-const TOGETHER: usize = 128;
+/// Pixels whose rays are integrated together. Fewer: the last few samples fill no vector. More: their pieces fill the memory.
+const TILE: [u32; 2] = [16, 8];
 
 /// The truth of a picture, or of some of its pixels.
 #[derive(Clone, Debug, PartialEq)]
@@ -215,17 +209,22 @@ pub fn reference_pixels(
     let (probe, mut inputs) = Probe::new(library, truth, subject)?;
     let (count, done) = (probe.moments.len(), AtomicUsize::new(0));
     let mut sum = vec![([0.0; 4], 0.0, 0.0); pixels.len()];
+    // Rays that are integrated together are neighbors.
+    let mut order: Vec<usize> = (0..pixels.len()).collect();
+    order.sort_by_key(|&at| [pixels[at][1] / TILE[1], pixels[at][0] / TILE[0]]);
     for moment in &probe.moments {
         probe.set(moment, &mut inputs)?;
         let (bound, bounds) = (probe.program.bind(&inputs)?, probe.opacity.bind(&inputs)?);
-        let chunks = pixels.par_chunks(TOGETHER).map(|chunk| {
-            let found = probe.integrate((&bound, &bounds), chunk, tolerance, stop)?;
+        let chunks = order.par_chunks((TILE[0] * TILE[1]) as usize).map(|chunk| {
+            let here: Vec<[u32; 2]> = chunk.iter().map(|&at| pixels[at]).collect();
+            let found = probe.integrate((&bound, &bounds), &here, tolerance, stop)?;
             let all = (pixels.len() * count) as f32;
             progress((done.fetch_add(chunk.len(), Ordering::Relaxed) + chunk.len()) as f32 / all);
             Ok(found)
         });
         let found: Vec<Vec<Light>> = chunks.collect::<Result<_, ReferenceError>>()?;
-        for (sum, (pixel, error, open)) in sum.iter_mut().zip(found.into_iter().flatten()) {
+        for (&at, (pixel, error, open)) in order.iter().zip(found.into_iter().flatten()) {
+            let sum = &mut sum[at];
             sum.0 = std::array::from_fn(|c| sum.0[c] + pixel[c] / count as f64);
             sum.1 += error / count as f64;
             sum.2 += open / count as f64;
@@ -233,210 +232,6 @@ pub fn reference_pixels(
     }
     let (pixels, (estimate, open)) = sum.into_iter().map(|(pixel, error, open)| (pixel, (error, open))).unzip();
     Ok(Reference { size: truth.image.size, pixels, estimate, open })
-}
-
-/// A pixel, how far off it may be, and the opacity that may be overlooked in it.
-type Light = ([f64; 4], f64, f64);
-
-/// The program of a scene that gives one sample of a ray, ready to be evaluated.
-struct Probe {
-    program: exact::Program,
-    /// What its opacity depends on.
-    opacity: exact::Program,
-    cpu_inputs: CpuInputs,
-    moments: Vec<Moment>,
-    /// The binding of the shadow volume and the program that makes it, where one is read.
-    caster: Option<(u32, exact::Program)>,
-}
-
-/// The blocks of one sub-frame, by binding.
-struct Moment {
-    blocks: Blocks,
-    /// Those of the program that makes the shadow volume.
-    caster: Blocks,
-}
-
-impl Probe {
-    /// The probe of a scene, and its images and samplers.
-    fn new(library: &Library, truth: &Scene, subject: &Subject) -> Result<(Probe, exact::Inputs), ReferenceError> {
-        if truth.effect.classify == "stack" {
-            return Err(ReferenceError::NoLimit("effect.classify = \"stack\" shows the slices themselves"));
-        }
-        if truth.is_half_angle() {
-            return Err(ReferenceError::NoLimit("light.translucency is blurred from slice to slice"));
-        }
-        let own = Variant::of(truth, library)?;
-        let variant = own.probe(truth, library)?;
-        let program = variant.program(library, Linker::new)?;
-        let cpu_inputs = CpuInputs::new(library, truth, subject, &variant, &program)?;
-        let octaves = [(OCTAVES_ID, truth.effect.octaves)];
-        let shadow = match CpuInputs::shadow_binding(&program) {
-            None => None,
-            Some(binding) => Some((binding, own.shadow(truth, library)?.program(library, Linker::new)?)),
-        };
-        let blocks = cpu_inputs.moments(&program)?.into_iter();
-        let mut moments: Vec<Moment> = blocks.map(|blocks| Moment { blocks, caster: Blocks::new() }).collect();
-        if let Some((_, caster)) = &shadow {
-            for (moment, blocks) in moments.iter_mut().zip(cpu_inputs.moments(caster)?) {
-                moment.caster = blocks;
-            }
-        }
-        let inputs = cpu_inputs.exact();
-        let caster = match shadow {
-            None => None,
-            Some((binding, caster)) => Some((binding, exact::Program::read(&caster.fragment, &octaves)?)),
-        };
-        let opacity = exact::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
-        let program = exact::Program::read(&program.fragment, &octaves)?;
-        Ok((Probe { program, opacity, cpu_inputs, moments, caster }, inputs))
-    }
-
-    /// Makes the inputs those of a sub-frame.
-    fn set(&self, moment: &Moment, inputs: &mut exact::Inputs) -> Result<(), ReferenceError> {
-        if let Some((binding, caster)) = &self.caster {
-            inputs.blocks.clone_from(&moment.caster);
-            let [width, height] = self.cpu_inputs.shadow_target();
-            let rows: Vec<Vec<[f32; 4]>> = (0..height)
-                .into_par_iter()
-                .map(|y| {
-                    let at = |x| [f64::from(x) + 0.5, f64::from(y) + 0.5, 0.5, 1.0];
-                    let fragment_coordinates = (0..width).map(at).collect();
-                    let lanes = exact::Lanes { fragment_coordinates, varyings: BTreeMap::new() };
-                    let segments = caster.bind(inputs)?.run::<f64>(&lanes)?.remove(&0).unwrap_or_default();
-                    Ok(segments.into_iter().map(|four| four.map(|value| value as f32)).collect())
-                })
-                .collect::<Result<_, ExactError>>()?;
-            let (size, values) = self.cpu_inputs.shadow_volume(&rows.concat());
-            let texels = values.into_iter().map(|value| [value, 0.0, 0.0, 1.0]).collect();
-            inputs.images.insert(*binding, exact::Texture { size, texels });
-        }
-        inputs.blocks.clone_from(&moment.blocks);
-        Ok(())
-    }
-
-    /// Light and error of some pixels.
-    fn integrate(
-        &self,
-        (bound, bounds): (&exact::BoundProgram<'_>, &exact::BoundProgram<'_>),
-        pixels: &[[u32; 2]],
-        tolerance: f64,
-        stop: Stop<'_>,
-    ) -> Result<Vec<Light>, ReferenceError> {
-        let [near, far] = self.cpu_inputs.depths;
-        let depth = far - near;
-        let limits = Limits { error: tolerance / 16.0, shortest: depth * SHORTEST, pieces: MOST_PIECES };
-        let sample = |wanted: &[(usize, f64)]| self.sample(bound, pixels, wanted);
-
-        // Where each ray is inside the box: the depth of that sample does not matter.
-        let spans: Vec<(usize, f64)> = (0..pixels.len()).map(|ray| (ray, near)).collect();
-        let spans = sample(&spans)?.into_iter().map(|sample| [sample.span[0].max(near), sample.span[1].min(far)]);
-        let parts = self.parts(bounds, pixels, spans.collect(), stop)?;
-
-        let wanted: Vec<(usize, f64)> = (parts.iter().enumerate())
-            .flat_map(|(index, ray)| ray.parts.iter().map(move |part| (index, part)))
-            .flat_map(|(ray, part)| [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (ray, part.from + share * part.length)))
-            .collect();
-        let samples = sample(&wanted)?;
-        let mut samples = samples.as_chunks::<5>().0.iter();
-        let mut rays: Vec<RayIntegral> = Vec::with_capacity(pixels.len());
-        for parts::Ray { parts, is_vain, .. } in &parts {
-            let mut ray = RayIntegral::new(if *is_vain { 0 } else { BOUNDS[1] });
-            for (part, samples) in parts.iter().zip(&mut samples) {
-                ray.push(part, samples.map(|sample| sample.matter));
-            }
-            rays.push(ray);
-        }
-
-        loop {
-            go_on(stop)?;
-            let coarse: Vec<Vec<usize>> = rays.iter_mut().map(|ray| ray.coarse(&limits)).collect();
-            let wanted: Vec<(usize, f64)> = (rays.iter().zip(&coarse).enumerate())
-                .flat_map(|(index, (ray, coarse))| ray.wanted(coarse).map(move |depth| (index, depth)))
-                .collect();
-            if wanted.is_empty() {
-                break;
-            }
-            let samples: Vec<Matter> = sample(&wanted)?.iter().map(|sample| sample.matter).collect();
-            let asking: Vec<(usize, [f64; 2])> = (rays.iter().zip(&coarse).enumerate())
-                .flat_map(|(index, (ray, coarse))| ray.asking(coarse).map(move |part| (index, part)))
-                .collect();
-            let mut narrower = self.bounds(bounds, pixels, &asking)?.into_iter();
-            let mut at = 0;
-            for (ray, coarse) in rays.iter_mut().zip(&coarse) {
-                ray.halve(coarse, &samples[at..at + 4 * coarse.len()], &mut narrower);
-                at += 4 * coarse.len();
-            }
-        }
-        let light = |ray: &RayIntegral| {
-            let (light, error, open) = ray.light(&limits);
-            let [r, g, b] = light.color;
-            ([r, g, b, 1.0 - light.transmittance], error, open)
-        };
-        Ok(rays.iter().map(light).collect())
-    }
-
-    /// The path of a sample.
-    fn path(&self) -> f64 {
-        PROBE * (self.cpu_inputs.depths[1] - self.cpu_inputs.depths[0])
-    }
-
-    /// What the program reads at depths of rays.
-    fn lanes<N>(
-        &self,
-        pixels: &[[u32; 2]],
-        wanted: impl Iterator<Item = (usize, N)>,
-        number: impl Fn(f64) -> N,
-    ) -> exact::Lanes<N> {
-        let (fragment_coordinates, places) = wanted
-            .map(|(ray, depth)| {
-                let [x, y] = pixels[ray].map(|at| number(f64::from(at) + 0.5));
-                let zero = || number(0.0);
-                ([x, y, number(0.5), number(1.0)], [depth, number(self.path()), zero(), zero()])
-            })
-            .unzip();
-        exact::Lanes { fragment_coordinates, varyings: [(0, places)].into() }
-    }
-
-    /// Samples of rays at depths.
-    fn sample(
-        &self,
-        bound: &exact::BoundProgram<'_>,
-        pixels: &[[u32; 2]],
-        wanted: &[(usize, f64)],
-    ) -> Result<Vec<Sampled>, ReferenceError> {
-        if wanted.is_empty() {
-            return Ok(Vec::new());
-        }
-        let path = self.path();
-        let lanes = self.lanes(pixels, wanted.iter().copied(), |number| number);
-        let outputs = bound.run::<f64>(&lanes)?;
-        let (fragments, spaces) = (&outputs[&0], &outputs[&1]);
-        Ok(fragments.iter().zip(spaces).map(|(fragment, space)| Sampled::new(*fragment, *space, path)).collect())
-    }
-}
-
-/// A sample and what it says about its ray.
-#[derive(Clone, Copy)]
-struct Sampled {
-    matter: Matter,
-    /// Depths at which the ray enters and leaves the box and the ball around the soft region.
-    span: [f64; 2],
-}
-
-impl Sampled {
-    fn new([r, g, b, alpha]: [f64; 4], [enters, leaves, ..]: [f64; 4], path: f64) -> Sampled {
-        let color = if alpha > 0.0 { [r, g, b].map(|channel| channel / alpha.min(1.0)) } else { [0.0; 3] };
-        Sampled { matter: Matter { color, extinction: extinction(alpha, path) }, span: [enters, leaves] }
-    }
-}
-
-/// Extinction per depth by the opacity of a path.
-fn extinction(alpha: f64, path: f64) -> f64 {
-    match alpha {
-        alpha if alpha >= 1.0 => f64::INFINITY,
-        alpha if alpha > 0.0 => -(-alpha).ln_1p() / path,
-        _ => 0.0,
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Where along rays matter may be: bounds of the extinction over parts of them, halved until they say enough.
 
 use super::integral::{self, OPEN, Part};
-use super::{BOUNDS, Probe, ReferenceError, Stop, extinction, go_on};
+use super::probe::{Probe, extinction};
+use super::{BOUNDS, ReferenceError, Stop, go_on};
 use crate::exact::{self, Affine, Interval};
 
 /// Parts of a ray that bounds are computed of first. Fewer: bounds of what is empty say nothing. More: more of them.
@@ -17,6 +18,10 @@ const LONGEST: f64 = 1.0 / 192.0;
 const TRIED: usize = 40;
 /// More: noise of many octaves is tried in vain. Less: a surface that is nearly tangential is given up.
 const PAYS: f64 = 0.85;
+
+/// One ray of so many is tried first: where bounds of those beside a ray are in vain, its own are not made narrower. More:
+/// rays that bounds would prove are given up. Fewer: more bounds.
+const BETWEEN: usize = 4;
 
 /// Where matter may be along a ray.
 #[derive(Clone, Default)]
@@ -63,32 +68,51 @@ impl Probe {
         &self,
         bounds: &exact::BoundProgram<'_>,
         pixels: &[[u32; 2]],
-        spans: Vec<[f64; 2]>,
+        spans: &[[f64; 2]],
         stop: Stop<'_>,
     ) -> Result<Vec<Ray>, ReferenceError> {
         let [near, far] = self.cpu_inputs.depths;
         let [shortest, longest] = [NARROW, LONGEST].map(|part| part * (far - near));
         let mut rays = vec![Ray { spent: PARTS, ..Ray::default() }; pixels.len()];
-        let mut wanted: Vec<(usize, [f64; 2])> = Vec::new();
-        for (ray, [from, to]) in spans.into_iter().enumerate().filter(|(_, [from, to])| from < to) {
-            let length = (to - from) / PARTS as f64;
-            wanted.extend((0..PARTS).map(|part| (ray, [from + part as f64 * length, length])));
-        }
-        while !wanted.is_empty() {
-            go_on(stop)?;
-            let mut found = (wanted.iter().zip(self.bounds(bounds, pixels, &wanted)?))
-                .map(|(&(ray, [from, length]), extinction)| (ray, Part { from, length, extinction }))
-                .peekable();
-            let mut next = Vec::new();
-            for (index, ray) in rays.iter_mut().enumerate() {
-                ray.go_on(std::iter::from_fn(|| found.next_if(|(of, _)| *of == index).map(|(_, part)| part)), shortest);
-                for part in ray.halved.iter().map(|&part| ray.parts[part]) {
-                    let half = 0.5 * part.length;
-                    next.extend([(index, [part.from, half]), (index, [part.from + half, half])]);
+        let narrow = |rays: &mut [Ray], which: &[usize]| -> Result<(), ReferenceError> {
+            let parts = which.iter().flat_map(|&ray| {
+                let [from, to] = spans[ray];
+                let length = (to - from) / PARTS as f64;
+                let count = if from < to { PARTS } else { 0 };
+                (0..count).map(move |part| (ray, [from + part as f64 * length, length]))
+            });
+            let mut wanted: Vec<(usize, [f64; 2])> = parts.collect();
+            while !wanted.is_empty() {
+                go_on(stop)?;
+                let mut found = (wanted.iter().zip(self.bounds(bounds, pixels, &wanted)?))
+                    .map(|(&(ray, [from, length]), extinction)| (ray, Part { from, length, extinction }))
+                    .peekable();
+                let mut next = Vec::new();
+                for &index in which {
+                    let ray = &mut rays[index];
+                    let new = std::iter::from_fn(|| found.next_if(|(of, _)| *of == index).map(|(_, part)| part));
+                    ray.go_on(new, shortest);
+                    for part in ray.halved.iter().map(|&part| ray.parts[part]) {
+                        let half = 0.5 * part.length;
+                        next.extend([(index, [part.from, half]), (index, [part.from + half, half])]);
+                    }
                 }
+                wanted = next;
             }
-            wanted = next;
+            Ok(())
+        };
+        let (tried, others): (Vec<usize>, Vec<usize>) = (0..pixels.len()).partition(|ray| ray % BETWEEN == 0);
+        narrow(&mut rays, &tried)?;
+        for &ray in &others {
+            let before = ray - ray % BETWEEN;
+            let near = |tried: &usize| {
+                *tried < rays.len()
+                    && [0, 1].iter().all(|&axis| pixels[*tried][axis].abs_diff(pixels[ray][axis]) <= BETWEEN as u32)
+            };
+            let mut beside = [before, before + BETWEEN].into_iter().filter(near).peekable();
+            rays[ray].is_vain = beside.peek().is_some() && beside.all(|tried| rays[tried].is_vain);
         }
+        narrow(&mut rays, &others)?;
         for ray in &mut rays {
             ray.parts = ray.parts.iter().flat_map(|part| part.cut(longest)).collect();
         }
@@ -105,14 +129,30 @@ impl Probe {
         if wanted.is_empty() {
             return Ok(Vec::new());
         }
-        let path = self.path();
-        let places = wanted.iter().map(|&(ray, [from, length])| (ray, Affine::between(from, from + length)));
+        // Parts of one depth lie together, and take the same way through the program.
+        let mut order: Vec<usize> = (0..wanted.len()).collect();
+        order.sort_by(|a, b| wanted[*a].1[0].total_cmp(&wanted[*b].1[0]));
+        let places = order.iter().map(|&at| {
+            let (ray, [from, length]) = wanted[at];
+            (ray, Affine::between(from, from + length))
+        });
         let lanes = self.lanes(pixels, places, exact::Number::new);
-        let within = |alpha: Interval| [alpha.lo, alpha.hi].map(|alpha| extinction(alpha, path));
-        let open = |lane: usize, alpha: Interval| {
-            let [least, most] = within(alpha).map(|extinction| extinction * wanted[lane].1[1]);
-            (-least).exp() - (-most).exp() > OPEN
-        };
-        Ok(bounds.bounds(&lanes, open)?.into_iter().map(within).collect())
+        let open = |lane: usize, alpha: Interval| is_open(self.extinctions(alpha), wanted[order[lane]].1[1]);
+        let mut found = vec![[0.0; 2]; wanted.len()];
+        for (&at, alpha) in order.iter().zip(bounds.bounds(&lanes, open)?) {
+            found[at] = self.extinctions(alpha);
+        }
+        Ok(found)
     }
+
+    /// Bounds of the extinction by those of an opacity.
+    fn extinctions(&self, alpha: Interval) -> [f64; 2] {
+        [alpha.lo, alpha.hi].map(|alpha| extinction(alpha, self.path()))
+    }
+}
+
+/// Whether bounds of the extinction say too little about a part of this length.
+fn is_open(extinction: [f64; 2], length: f64) -> bool {
+    let [most, least] = extinction.map(|extinction| (-extinction * length).exp());
+    most - least > OPEN
 }

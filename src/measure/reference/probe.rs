@@ -1,0 +1,245 @@
+//! One sample of a ray after another: the program of a scene on the CPU, and how rays are integrated with it.
+
+use super::integral::{Limits, Matter, Part, RayIntegral};
+use super::{BOUNDS, ReferenceError, Stop, go_on, parts};
+use crate::exact::{self, ExactError};
+use crate::render::variant::Variant;
+use crate::render::{Blocks, CpuInputs, OCTAVES_ID, Subject};
+use crate::scene::Scene;
+use crate::shader::{Library, Linker};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// A ray is not cut into more pieces than this; its error says so then.
+const MOST_PIECES: usize = 8000;
+/// The shortest piece, in depths of the scene: where the surface is, is known to this.
+const SHORTEST: f64 = 1e-8;
+/// The path of a sample, in depths of the scene: so short that only the hard region is opaque.
+const PROBE: f64 = 1e-7;
+/// Side of the tiles of the shadow volume's target that are computed together.
+const TILE: u32 = 8;
+/// Parts of a ray that are sampled first. Fewer: more stages. More: more samples behind what is opaque.
+const FIRST: usize = 8;
+
+/// A pixel, how far off it may be, and the opacity that may be overlooked in it.
+pub(super) type Light = ([f64; 4], f64, f64);
+
+/// The program of a scene that gives one sample of a ray, ready to be evaluated.
+pub(super) struct Probe {
+    pub(super) program: exact::Program,
+    /// What its opacity depends on.
+    pub(super) opacity: exact::Program,
+    pub(super) cpu_inputs: CpuInputs,
+    pub(super) moments: Vec<Moment>,
+    /// The binding of the shadow volume and the program that makes it, where one is read.
+    caster: Option<(u32, exact::Program)>,
+}
+
+/// The blocks of one sub-frame, by binding.
+pub(super) struct Moment {
+    blocks: Blocks,
+    /// Those of the program that makes the shadow volume.
+    caster: Blocks,
+}
+
+impl Probe {
+    /// The probe of a scene, and its images and samplers.
+    pub(super) fn new(
+        library: &Library,
+        truth: &Scene,
+        subject: &Subject,
+    ) -> Result<(Probe, exact::Inputs), ReferenceError> {
+        if truth.effect.classify == "stack" {
+            return Err(ReferenceError::NoLimit("effect.classify = \"stack\" shows the slices themselves"));
+        }
+        if truth.is_half_angle() {
+            return Err(ReferenceError::NoLimit("light.translucency is blurred from slice to slice"));
+        }
+        let own = Variant::of(truth, library)?;
+        let variant = own.probe(truth, library)?;
+        let program = variant.program(library, Linker::new)?;
+        let cpu_inputs = CpuInputs::new(library, truth, subject, &variant, &program)?;
+        let octaves = [(OCTAVES_ID, truth.effect.octaves)];
+        let shadow = match CpuInputs::shadow_binding(&program) {
+            None => None,
+            Some(binding) => Some((binding, own.shadow(truth, library)?.program(library, Linker::new)?)),
+        };
+        let blocks = cpu_inputs.moments(&program)?.into_iter();
+        let mut moments: Vec<Moment> = blocks.map(|blocks| Moment { blocks, caster: Blocks::new() }).collect();
+        if let Some((_, caster)) = &shadow {
+            for (moment, blocks) in moments.iter_mut().zip(cpu_inputs.moments(caster)?) {
+                moment.caster = blocks;
+            }
+        }
+        let inputs = cpu_inputs.exact();
+        let caster = match shadow {
+            None => None,
+            Some((binding, caster)) => Some((binding, exact::Program::read(&caster.fragment, &octaves)?)),
+        };
+        let opacity = exact::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
+        let program = exact::Program::read(&program.fragment, &octaves)?;
+        Ok((Probe { program, opacity, cpu_inputs, moments, caster }, inputs))
+    }
+
+    /// Makes the inputs those of a sub-frame.
+    pub(super) fn set(&self, moment: &Moment, inputs: &mut exact::Inputs) -> Result<(), ReferenceError> {
+        if let Some((binding, caster)) = &self.caster {
+            inputs.blocks.clone_from(&moment.caster);
+            let [width, height] = self.cpu_inputs.shadow_target();
+            let bound = caster.bind(inputs)?;
+            let rows: Vec<Vec<[f32; 4]>> = (0..height.div_ceil(TILE))
+                .into_par_iter()
+                .map(|row| {
+                    // Lanes that are computed together are neighbors: they take the same way through the program.
+                    let within = row * TILE..height.min((row + 1) * TILE);
+                    let mut places: Vec<[u32; 2]> = within.flat_map(|y| (0..width).map(move |x| [x, y])).collect();
+                    places.sort_by_key(|[x, _]| x / TILE);
+                    let at = |[x, y]: &[u32; 2]| [f64::from(*x) + 0.5, f64::from(*y) + 0.5, 0.5, 1.0];
+                    let fragment_coordinates = places.iter().map(at).collect();
+                    let lanes = exact::Lanes { fragment_coordinates, varyings: BTreeMap::new() };
+                    let segments = bound.run::<f64>(&lanes)?.remove(&0).unwrap_or_default();
+                    let mut texels = vec![[0.0; 4]; places.len()];
+                    for ([x, y], four) in places.into_iter().zip(segments) {
+                        texels[((y % TILE) * width + x) as usize] = four.map(|value| value as f32);
+                    }
+                    Ok(texels)
+                })
+                .collect::<Result<_, ExactError>>()?;
+            let (size, values) = self.cpu_inputs.shadow_volume(&rows.concat());
+            let texels = values.into_iter().map(|value| [value, 0.0, 0.0, 1.0]).collect();
+            inputs.images.insert(*binding, exact::Texture { size, texels });
+        }
+        inputs.blocks.clone_from(&moment.blocks);
+        Ok(())
+    }
+
+    /// Light and error of some pixels.
+    pub(super) fn integrate(
+        &self,
+        (bound, bounds): (&exact::BoundProgram<'_>, &exact::BoundProgram<'_>),
+        pixels: &[[u32; 2]],
+        tolerance: f64,
+        stop: Stop<'_>,
+    ) -> Result<Vec<Light>, ReferenceError> {
+        let [near, far] = self.cpu_inputs.depths;
+        let depth = far - near;
+        let limits = Limits { error: tolerance / 16.0, shortest: depth * SHORTEST, pieces: MOST_PIECES };
+        let sample = |wanted: &[(usize, f64)]| self.sample(bound, pixels, wanted);
+
+        // Where each ray is inside the box: the depth of that sample does not matter.
+        let spans: Vec<(usize, f64)> = (0..pixels.len()).map(|ray| (ray, near)).collect();
+        let spans = sample(&spans)?.into_iter().map(|sample| [sample.span[0].max(near), sample.span[1].min(far)]);
+        let parts = self.parts(bounds, pixels, &spans.collect::<Vec<_>>(), stop)?;
+        let vain = |ray: &parts::Ray| RayIntegral::new(if ray.is_vain { 0 } else { BOUNDS[1] });
+        let mut rays: Vec<RayIntegral> = parts.iter().map(vain).collect();
+
+        // Front to back, ever more parts at once, up to where it is dark.
+        let mut stage = 0..FIRST;
+        while parts.iter().zip(&rays).any(|(ray, seen)| ray.parts.len() > stage.start && !seen.is_dark()) {
+            go_on(stop)?;
+            let staged = |(index, (ray, seen)): (usize, (&parts::Ray, &RayIntegral))| {
+                let end = if seen.is_dark() { 0 } else { ray.parts.len().min(stage.end) };
+                ray.parts.get(stage.start..end).unwrap_or_default().iter().map(move |part| (index, *part)).collect()
+            };
+            let staged: Vec<Vec<(usize, Part)>> = parts.iter().zip(&rays).enumerate().map(staged).collect();
+            let staged = staged.concat();
+            let places = |(ray, part): &(usize, Part)| {
+                let (ray, part) = (*ray, *part);
+                [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (ray, part.from + share * part.length))
+            };
+            let samples = sample(&staged.iter().flat_map(places).collect::<Vec<_>>())?;
+            for ((ray, part), samples) in staged.iter().zip(samples.as_chunks::<5>().0) {
+                rays[*ray].push(part, samples.map(|sample| sample.matter));
+            }
+            stage = stage.end..2 * stage.end;
+        }
+
+        loop {
+            go_on(stop)?;
+            let coarse: Vec<Vec<usize>> = rays.iter_mut().map(|ray| ray.coarse(&limits)).collect();
+            let wanted: Vec<(usize, f64)> = (rays.iter().zip(&coarse).enumerate())
+                .flat_map(|(index, (ray, coarse))| ray.wanted(coarse).map(move |depth| (index, depth)))
+                .collect();
+            if wanted.is_empty() {
+                break;
+            }
+            let mut samples = sample(&wanted)?.into_iter().map(|sample| sample.matter);
+            let asking: Vec<(usize, [f64; 2])> = (rays.iter().zip(&coarse).enumerate())
+                .flat_map(|(index, (ray, coarse))| ray.asking(coarse).map(move |part| (index, part)))
+                .collect();
+            let mut narrower = self.bounds(bounds, pixels, &asking)?.into_iter();
+            for (ray, coarse) in rays.iter_mut().zip(&coarse) {
+                ray.halve(coarse, &mut samples, &mut narrower);
+            }
+        }
+        let light = |ray: &RayIntegral| {
+            let (light, error, open) = ray.light(&limits);
+            let [r, g, b] = light.color;
+            ([r, g, b, 1.0 - light.transmittance], error, open)
+        };
+        Ok(rays.iter().map(light).collect())
+    }
+
+    /// The path of a sample.
+    pub(super) fn path(&self) -> f64 {
+        PROBE * (self.cpu_inputs.depths[1] - self.cpu_inputs.depths[0])
+    }
+
+    /// What the program reads at depths of rays.
+    pub(super) fn lanes<N>(
+        &self,
+        pixels: &[[u32; 2]],
+        wanted: impl Iterator<Item = (usize, N)>,
+        number: impl Fn(f64) -> N,
+    ) -> exact::Lanes<N> {
+        let (fragment_coordinates, places) = wanted
+            .map(|(ray, depth)| {
+                let [x, y] = pixels[ray].map(|at| number(f64::from(at) + 0.5));
+                let zero = || number(0.0);
+                ([x, y, number(0.5), number(1.0)], [depth, number(self.path()), zero(), zero()])
+            })
+            .unzip();
+        exact::Lanes { fragment_coordinates, varyings: [(0, places)].into() }
+    }
+
+    /// Samples of rays at depths.
+    pub(super) fn sample(
+        &self,
+        bound: &exact::BoundProgram<'_>,
+        pixels: &[[u32; 2]],
+        wanted: &[(usize, f64)],
+    ) -> Result<Vec<Sampled>, ReferenceError> {
+        if wanted.is_empty() {
+            return Ok(Vec::new());
+        }
+        let path = self.path();
+        let lanes = self.lanes(pixels, wanted.iter().copied(), |number| number);
+        let outputs = bound.run::<f64>(&lanes)?;
+        let (fragments, spaces) = (&outputs[&0], &outputs[&1]);
+        Ok(fragments.iter().zip(spaces).map(|(fragment, space)| Sampled::new(*fragment, *space, path)).collect())
+    }
+}
+
+/// A sample and what it says about its ray.
+#[derive(Clone, Copy)]
+pub(super) struct Sampled {
+    pub(super) matter: Matter,
+    /// Depths at which the ray enters and leaves the box and the ball around the soft region.
+    pub(super) span: [f64; 2],
+}
+
+impl Sampled {
+    fn new([r, g, b, alpha]: [f64; 4], [enters, leaves, ..]: [f64; 4], path: f64) -> Sampled {
+        let color = if alpha > 0.0 { [r, g, b].map(|channel| channel / alpha.min(1.0)) } else { [0.0; 3] };
+        Sampled { matter: Matter { color, extinction: extinction(alpha, path) }, span: [enters, leaves] }
+    }
+}
+
+/// Extinction per depth by the opacity of a path.
+pub(super) fn extinction(alpha: f64, path: f64) -> f64 {
+    match alpha {
+        alpha if alpha >= 1.0 => f64::INFINITY,
+        alpha if alpha > 0.0 => -(-alpha).ln_1p() / path,
+        _ => 0.0,
+    }
+}
