@@ -16,6 +16,12 @@ mat3 ray_basis;                         // along the ray and to two sides, unit 
 #include <empty_space>
 #include "box_intersection.glsl"
 
+// Goes to a sample by its number; result: where it is, object space.
+vec3 sample_at(vec2 ndc, float k) {
+    position_eye = ray_at(ndc, first_depth + k * step_size);
+    return (texture_matrix * vec4(position_eye, 1.0)).xyz;
+}
+
 void main() {
     vec2 ndc = gl_FragCoord.xy * picture_scale.xy - 1.0 + picture_scale.zw;
     vec3 from = (texture_matrix * vec4(ray_at(ndc, 0.0), 1.0)).xyz;
@@ -30,10 +36,39 @@ void main() {
     float next = 1.0;
     position_eye = ray_at(ndc, 1.0);
     ray_basis = ray_basis_of();
+#if defined(TWO_PHASES) && defined(FINDS)
+    // Loops within loops, and little in the innermost: lavapipe runs both sides of every branch, but leaves a loop. The
+    // outermost is for hard matter, which most rays meet once, the next for soft matter, the innermost for empty space.
+    for (float k = first; k <= last; ++k) {
+        vec3 x = vec3(0.0);
+        float density = 0.0;
+        for (; k <= last; ++k) {
+            for (; k <= last; k += next) {
+                x = sample_at(ndc, k + phase);
+                next = 1.0;
+                if (clipped(x)) {
+                    follows = false;
+                    continue;
+                }
+                density = density_at(x);
+                if (density > 0.0) break;
+                next = advance(step_length);
+                follows = next == 1.0;
+            }
+            if (k > last || density >= 1.0) break;
+            sum += (1.0 - sum.a) * matter_at(x, step_size * path_scale(), false);   // PH 3.1: front to back
+            if (sum.a >= full_opacity) last = k;                                // PH 3.1: until opaque
+            follows = true;
+        }
+        if (k > last) break;
+        sum += (1.0 - sum.a) * matter_at(x, step_size * path_scale(), true);
+        if (sum.a >= full_opacity) break;
+        follows = true;
+    }
+#else
     for (float k = first; k <= last; k += next) {
+        vec3 x = sample_at(ndc, k + phase);
         next = 1.0;
-        position_eye = ray_at(ndc, first_depth + (k + phase) * step_size);
-        vec3 x = (texture_matrix * vec4(position_eye, 1.0)).xyz;
         if (clipped(x)) {
             follows = false;
             continue;
@@ -44,5 +79,6 @@ void main() {
         sum += (1.0 - sum.a) * matter;                                          // PH 3.1: front to back
         if (sum.a >= full_opacity) break;                                       // PH 3.1: until opaque
     }
+#endif
     fragment = sum;
 }

@@ -77,7 +77,7 @@ fn p42_a_gradient_is_asked_for_only_where_the_density_lies_between_0_and_1() {
     let counting = |what: &str| {
         format!(
             "// Counts.\n// Source: -\n// Result: counts, alpha 0.\n#define classify soft_classify\n\
-             #include \"classify/soft.glsl\"\n#undef classify\n\
+             #include \"classify/soft.glsl\"\n#undef classify\n#undef TWO_PHASES\n\
              vec4 classify(vec3 x, float path) {{\n\
                  float before = {what};\n\
                  soft_classify(x, path);\n\

@@ -12,17 +12,22 @@
 #include <gradient>
 #include <surface>
 #include <medium>
+#include "two_phases.glsl"
 
-vec4 classify(vec3 x, float path) {
+Sample look(vec3 x) {
     Sample s = sample_object(x);
     distance_bound = s.distance_bound;
-    float density = s.density > 0.0 ? clamp(modulate(s.density, s), 0.0, 1.0) : 0.0;
-    if (density <= 0.0) {                                   // MJ 6: outside the soft region
+    if (s.density <= 0.0) remember(0.0);                    // MJ 6: outside the soft region
+    return s;
+}
+
+vec4 matter(Sample s, float path, bool hard) {
+    float own = clamp(modulate(s.density, s), 0.0, 1.0), density = own;
+    if (own <= 0.0) {
         remember(0.0);
         return vec4(0.0);
     }
-    float own = density;
-    if (s.density >= 1.0) {
+    if (hard) {
         remember(own);
         locate(s, iso_value, path);
         s.normal = cap_normal(s.x, s.normal);

@@ -7,11 +7,16 @@
 #include "distance_bound.glsl"
 #include "located.glsl"
 #include <surface>
+#include "two_phases.glsl"
 
-vec4 classify(vec3 x, float path) {
+Sample look(vec3 x) {
     Sample s = sample_object(x);
     distance_bound = s.distance_bound;
-    if (s.density <= 0.0) return vec4(0.0);
+    return s;
+}
+
+vec4 matter(Sample s, float path, bool hard) {
+    if (!hard) return vec4(0.0);
     locate(s, outer_iso_value, path);
     s.normal = cap_normal(s.x, s.normal);
     return vec4(surface(s), 1.0);

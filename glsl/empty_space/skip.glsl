@@ -1,6 +1,7 @@
-// A ray skips over the samples that the distance to the object shows to be empty, and lands on the same grid of samples:
-// the picture does not change.
-// Source: MJ 7 (empty-space skipping by the distance field).
-// step_length: of one step, object space; result: whole steps to the next sample, at least 1.
-#include "distance_bound.glsl"
-float advance(float step_length) { return max(floor(distance_bound / step_length), 1.0); }
+// A ray leaps over empty samples, and finds the others before it asks what is there, where the classification has two
+// phases: the picture does not change.
+// Source: MJ 7 (empty-space skipping by the distance field); the two phases are ours.
+// Several rays are marched together, and each waits for what another finds: where a device would cut so many turns of a
+// loop, `leap` is used.
+#include "empty_space/leap.glsl"
+#define FINDS

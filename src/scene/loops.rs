@@ -6,6 +6,8 @@ use crate::shader::Library;
 
 /// Loop iterations of one fragment that every device bears: lavapipe ends a fragment in silence after 65 535.
 pub(super) const LOOP_BUDGET: f32 = 60_000.0;
+/// Rays that a device marches together at most and that cuts their loops: lavapipe. All wait for what one finds.
+const LANES: f32 = 8.0;
 /// Samples of one fragment of the shadow volume, at most: four segments of 64.
 pub(super) const SHADOW_SAMPLES: f32 = 4.0 * 64.0;
 /// Iterations of a ray that bends, for each step of it: the step, and three gradients of three differences each.
@@ -33,6 +35,15 @@ impl Scene {
     /// Iterations of the noise at one sample of a ray, at most, for all objects.
     pub(super) fn procedural_loops(&self, library: &Library) -> f32 {
         self.own_loops(library) + self.parts.keys().map(|name| self.alone(name).own_loops(library)).sum::<f32>()
+    }
+
+    /// Whether a ray may find matter before it asks what is there: at worst each of those marched together finds its own
+    /// while the others wait.
+    pub(super) fn may_find_first(&self, library: &Library) -> bool {
+        let octave = self.octave_loops(library).max(self.noise_loops(library));
+        let found = 1.0 + self.effect.warp.len() as f32 * self.effect.octaves as f32 * octave;
+        let each = LANES * found + 2.0 + self.procedural_loops(library);
+        self.quality.samples as f32 * each <= LOOP_BUDGET
     }
 
     /// Those of one object: a sum of octaves for every module that changes the density, one for the color and three more
@@ -138,6 +149,20 @@ mod tests {
             s.quality.integration = Integration::Segment;
         };
         assert_eq!(refusal(segments), "quality.samples = 149: must be from 1 to 116");
+    }
+
+    #[test]
+    fn rays_that_wait_for_each_other_for_too_long_do_not_find_first() {
+        let library = shader::shipped();
+        let empty_space = |samples, warp: &[&str]| {
+            let mut scene = crate::scene::preset("lit").unwrap();
+            (scene.quality.pass, scene.quality.samples, scene.effect.noise) = (Pass::March, samples, "wavelet".into());
+            scene.effect.warp = warp.iter().map(|name| name.to_string()).collect();
+            scene.slots(&library)["empty_space"][0].clone()
+        };
+        assert_eq!(empty_space(256, &[]), "skip");
+        assert_eq!(empty_space(349, &[]), "leap");
+        assert_eq!(empty_space(256, &["melting"]), "leap");
     }
 
     #[test]

@@ -357,8 +357,10 @@ impl Scene {
         fill("scatter", vec![if self.light.translucency > 0.0 { "cone" } else { "none" }.into()]);
         fill("clip", vec![if self.camera.clip.is_some() { "plane" } else { "none" }.into()]);
         let empty_space = match self.quality.empty_space {
-            EmptySpace::Skip if self.is_empty_outside(library) && effect.index == "transfer" => "skip",
-            _ => "sample",
+            EmptySpace::Skip if !self.is_empty_outside(library) || effect.index != "transfer" => "sample",
+            EmptySpace::Skip if self.may_find_first(library) => "skip",
+            EmptySpace::Skip => "leap",
+            EmptySpace::Sample => "sample",
         };
         fill("empty_space", vec![empty_space.into()]);
         let jitter = match self.quality.jitter {

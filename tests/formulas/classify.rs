@@ -9,11 +9,14 @@ use hypertexture::exact::Wrap;
 use hypertexture::shader::Library;
 
 crate::rows! {
-    m10_p45_soft_matter_covers_by_its_modulated_density = soft,
-        "classify/soft.glsl": "if (s.density >= 1.0)" => "if (s.density >= 2.0)",
-        "classify/soft.glsl": "modulate(s.density, s)" => "s.density";
+    m10_p45_soft_matter_covers_by_its_modulated_density = |l| soft(l, CLASSIFY),
+        "classify/soft.glsl": "if (hard)" => "if (!hard)",
+        "classify/soft.glsl": "modulate(s.density, s)" => "s.density",
+        "two_phases.glsl": "s.density >= 1.0" => "s.density >= 2.0";
+    m10_p45_two_phases_find_what_one_does = |l| soft(l, IN_PHASES),
+        "two_phases.glsl": "s.density = density_found" => "s.density = 0.5 * density_found";
     m30_a_hard_object_covers_or_does_not = surface,
-        "classify/surface.glsl": "s.density <= 0.0" => "s.density >= 1.0";
+        "classify/surface.glsl": "if (!hard)" => "if (hard)";
     m04_post_classification_looks_up_the_density = post,
         "classify/post.glsl": "matter.rgb * alpha" => "matter.rgb";
     m05_pre_classification_interpolates_colors = pre,
@@ -29,6 +32,10 @@ crate::rows! {
 
 const CLASSIFY: &str =
     "#define ONE_SAMPLE\n#include <clip>\n#include <classify>\nvoid check() { out0 = classify(p0.xyz, p0.w); }";
+const IN_PHASES: &str = "#define ONE_SAMPLE\n#include <clip>\n#include <classify>\nvoid check() {
+        float density = density_at(p0.xyz);
+        out0 = density > 0.0 ? matter_at(p0.xyz, p0.w, density >= 1.0) : vec4(0.0);
+    }";
 
 /// A point in or around the soft region of the unit sphere, and the path that it stands for.
 fn around(random: &mut Random, _: &Setting) -> [[f64; 4]; 4] {
@@ -38,7 +45,11 @@ fn around(random: &mut Random, _: &Setting) -> [[f64; 4]; 4] {
 }
 
 pub fn classified(library: &Library, slots: &[(&str, &str)]) -> Check {
-    Check::new(library, slots, CLASSIFY).given(around)
+    classified_by(library, slots, CLASSIFY)
+}
+
+fn classified_by(library: &Library, slots: &[(&str, &str)], text: &str) -> Check {
+    Check::new(library, slots, text).given(around)
 }
 
 /// D of the unit sphere before any DMF, not held in [0, 1].
@@ -57,9 +68,9 @@ pub fn covering(color: DVec3, alpha: f64) -> Vec<f64> {
 }
 
 /// PH 2: H = f1(f0(D)): a bias, then a gain.
-fn soft(library: &Library) -> f64 {
+fn soft(library: &Library, text: &str) -> f64 {
     let slots = [("dmf", "biased+gained"), ("surface", "tex_coord")];
-    classified(library, &slots).holds(1e-6, |at| {
+    classified_by(library, &slots, text).holds(1e-6, |at| {
         let (x, line) = (at.place(0), line(at, at.place(0)).clamp(0.0, 1.0));
         let density = gain(at.number("density_gain"), bias(at.number("density_bias"), line));
         let (low, high) = (at.vector("own_min"), at.vector("own_max"));

@@ -30,8 +30,10 @@ crate::rows! {
         "clip/none.glsl": "vec2(0.0, 1.0)" => "vec2(0.0, 0.5)";
     p38_every_sample_is_taken = |l| advances(l, "sample"),
         "empty_space/sample.glsl": "1.0" => "2.0";
-    m61_p50_rays_leap_by_whole_steps = |l| advances(l, "skip"),
-        "empty_space/skip.glsl": "floor(distance_bound" => "ceil(distance_bound";
+    m61_p50_rays_leap_by_whole_steps = |l| advances(l, "leap"),
+        "empty_space/leap.glsl": "floor(distance_bound" => "ceil(distance_bound";
+    m61_p50_rays_that_find_first_leap_alike = |l| advances(l, "skip"),
+        "empty_space/skip.glsl": "empty_space/leap.glsl" => "empty_space/sample.glsl";
     p48_a_hash_of_the_pixel_is_the_phase_of_its_steps = jittered,
         "jitter/hash.glsl": "- 0.5" => "- 0.25",
         "shift_sample.glsl": "-sample_phase()" => "sample_phase()";
@@ -126,7 +128,7 @@ fn advances(library: &Library, module: &str) -> f64 {
         let [distance_bound, step, ..] = at.p[0];
         let steps = found[0];
         let right = match module {
-            "skip" => {
+            "skip" | "leap" => {
                 steps.fract() == 0.0
                     && steps >= 1.0
                     && (steps == 1.0 || steps * step <= distance_bound)
