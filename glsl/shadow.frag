@@ -20,22 +20,46 @@ float pixel_width() { return (shadow_far - shadow_near) / (shadow_side * shadow_
 #include <classify>
 #include <empty_space>
 
+// Goes to a sample by its place along the ray; result: whether it is in the box, and not cut away. x: object space.
+bool sample_at(vec2 ray, float along, out vec3 x) {
+    position_eye = from_light_space(vec3(ray, along / shadow_side));
+    x = (texture_matrix * vec4(position_eye, 1.0)).xyz;
+    return all(greaterThanEqual(x, box_min.xyz)) && all(lessThanEqual(x, box_max.xyz)) && !clipped(x);
+}
+
+float to_next(float path) { return advance(path * length(mat3(texture_matrix) * to_eye())); }
+
 void main() {
     float columns = ceil(sqrt(ceil(shadow_side / 4.0)));
     vec2 square = floor(gl_FragCoord.xy / shadow_side);
     vec2 ray = gl_FragCoord.xy / shadow_side - square;
     float first = 4.0 * (square.y * columns + square.x);
     float path = (shadow_far - shadow_near) / (shadow_side * shadow_steps);
+    float samples = first < shadow_side ? 4.0 * shadow_steps : 0.0;
     fragment = vec4(1.0);
     float next = 1.0;
-    for (float i = 0.0; i < 4.0 * shadow_steps && first < shadow_side; i += next) {
+    for (float i = 0.0; i < samples; i += next) {
+        vec3 x;
+#if defined(TWO_PHASES) && defined(FINDS)
+        float density = 0.0;
+        for (; i < samples; i += next) {                // as in march.frag
+            next = 1.0;
+            if (!sample_at(ray, first + (i + 0.5) / shadow_steps, x)) continue;
+            density = density_at(x);
+            if (density > 0.0) break;
+            next = to_next(path);
+        }
+        if (i >= samples) break;
         next = 1.0;
-        position_eye = from_light_space(vec3(ray, (first + (i + 0.5) / shadow_steps) / shadow_side));
-        vec3 x = (texture_matrix * vec4(position_eye, 1.0)).xyz;
-        if (any(lessThan(x, box_min.xyz)) || any(greaterThan(x, box_max.xyz)) || clipped(x)) continue;
+        float alpha = matter_at(x, path, density >= 1.0).a;
+#else
+        next = 1.0;
+        if (!sample_at(ray, first + (i + 0.5) / shadow_steps, x)) continue;
+        float alpha = classify(x, path).a;
+        next = to_next(path);
+#endif
         int segment = int(i / shadow_steps);
-        fragment[segment] *= 1.0 - clamp(classify(x, path).a, 0.0, 1.0);
+        fragment[segment] *= 1.0 - clamp(alpha, 0.0, 1.0);
         if (fragment[segment] <= 0.0) break;            // what is behind is dark whatever it is
-        next = advance(path * length(mat3(texture_matrix) * to_eye()));
     }
 }

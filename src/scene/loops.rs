@@ -43,7 +43,8 @@ impl Scene {
         let octave = self.octave_loops(library).max(self.noise_loops(library));
         let found = 1.0 + self.effect.warp.len() as f32 * self.effect.octaves as f32 * octave;
         let each = LANES * found + 2.0 + self.procedural_loops(library);
-        self.quality.samples as f32 * each <= LOOP_BUDGET
+        let shadow = if self.light.shadows { SHADOW_SAMPLES } else { 0.0 };
+        shadow.max(self.quality.samples as f32) * each <= LOOP_BUDGET
     }
 
     /// Those of one object: a sum of octaves for every module that changes the density, one for the color and three more
