@@ -217,7 +217,7 @@ fn p24_matter_is_where_rays_and_slices_look_and_a_leap_passes_none() {
         let skips: Vec<(usize, f64)> =
             (depths.iter().zip(&clear)).map(|(&(ray, depth), clear)| (ray, depth + clear * random.unit())).collect();
         let landed = probe.sample(&bound, &pixels, &skips).unwrap();
-        let skips_empty = scene.slots(&library).get("empty_space").is_some_and(|names| names == &["skip"]);
+        let skips_empty = scene.slots(&library).get("empty_space").is_some_and(|names| names != &["sample"]);
         let (mut matter, mut skipped) = (0, 0);
         for index in 0..pixels.len() {
             let (sample, depth) = (&samples[index], depths[index].1);
