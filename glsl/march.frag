@@ -50,7 +50,7 @@ void main() {
                     follows = false;
                     continue;
                 }
-                density = density_at(x);
+                density = find_density(x);
                 if (density > 0.0) break;
                 next = advance(step_length);
                 follows = next == 1.0;

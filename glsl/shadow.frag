@@ -45,7 +45,7 @@ void main() {
         for (; i < samples; i += next) {                // as in march.frag
             next = 1.0;
             if (!sample_at(ray, first + (i + 0.5) / shadow_steps, x)) continue;
-            density = density_at(x);
+            density = find_density(x);
             if (density > 0.0) break;
             next = to_next(path);
         }

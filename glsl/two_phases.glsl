@@ -1,6 +1,6 @@
 // Classification in two phases: a ray finds where there is matter, and only there asks what it is.
 // Source: ours: lavapipe runs both sides of every branch, so that what is seldom asked for must not stand beside what always is.
-// density_at reads what decides whether there is matter, before any DMF; matter_at is asked for the place found last, and
+// find_density reads what decides whether there is matter, before any DMF; matter_at is asked for the place found last, and
 // of what it asks again the compiler leaves out what is known or not read. classify is both at once.
 // The classification says what to look at: look, and what is there: matter, premultiplied linear RGBA of a sample whose
 // density before any DMF is above 0; hard: at least 1.
@@ -16,7 +16,7 @@ vec4 classify(vec3 x, float path) {
 
 float distance_found = 0.0, density_found = 0.0;
 
-float density_at(vec3 x) {
+float find_density(vec3 x) {
     Sample s = look(x);
     distance_found = s.distance;
     density_found = s.density;

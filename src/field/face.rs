@@ -44,15 +44,23 @@ fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
+/// The direction of a vector across an axis; any such direction where no more than rounding is left of it: of a needle,
+/// that may point along the axis.
+fn across(vector: DVec3, axis: DVec3) -> DVec3 {
+    let once = vector.reject_from_normalized(axis).normalize_or_zero();
+    let twice = once.reject_from_normalized(axis);
+    if twice.length_squared() > 0.5 { twice.normalize() } else { axis.any_orthonormal_vector() }
+}
+
 impl Frame {
     /// The box of some triangles along the sum of their normals: flat, where they are parts of a smooth surface.
     pub(super) fn around(triangles: &[Triangle]) -> Frame {
         let origin = triangles.first().map_or(Vec3::ZERO, |t| t[0]);
-        let edges = triangles.iter().map(|[a, b, c]| (*b - *a, *c - *a));
-        let z = edges.clone().map(|(b, c)| b.cross(c)).sum::<Vec3>().normalize_or(Vec3::Z);
-        let longest = edges.map(|(b, _)| b.reject_from_normalized(z)).max_by(|a, b| a.length().total_cmp(&b.length()));
-        let x = longest.and_then(Vec3::try_normalize).unwrap_or_else(|| z.any_orthonormal_vector());
-        let axes = [x, z.cross(x), z];
+        let edges = triangles.iter().map(|t| t.map(Vec3::as_dvec3)).map(|[a, b, c]| (b - a, c - a));
+        let z = edges.clone().map(|(b, c)| b.cross(c)).sum::<DVec3>().normalize_or(DVec3::Z);
+        let longest = edges.map(|(b, _)| b).max_by(|a, b| a.cross(z).length().total_cmp(&b.cross(z).length()));
+        let x = across(longest.unwrap_or_default(), z);
+        let axes = [x, z.cross(x), z].map(DVec3::as_vec3);
         let (mut low, mut high) = (Vec3::ZERO, Vec3::ZERO);
         for p in triangles.iter().flatten() {
             let at = Vec3::from_array(axes.map(|axis| (*p - origin).dot(axis)));
@@ -93,7 +101,7 @@ impl Frame {
 }
 
 impl Face {
-    /// The frame of a triangle; computed in f64, for needles.
+    /// The frame of a triangle, computed in f64.
     pub(super) fn new(triangle: &Triangle) -> Face {
         let [a, b, c] = triangle.map(Vec3::as_dvec3);
         let turns = [[a, b, c], [b, c, a], [c, a, b]];
@@ -103,7 +111,7 @@ impl Face {
         let length = a.distance(b);
         let apex = (c - a).dot(x).clamp(0.0, length);
         let off = c - a - x * apex;
-        let y = off.reject_from_normalized(x).try_normalize().unwrap_or_else(|| x.any_orthonormal_vector());
+        let y = across(off, x);
         let height = off.dot(y).max(0.0);
         let inverse = |u: f64| {
             let squared = u * u + height * height;
@@ -169,5 +177,30 @@ impl Face {
             (least, way) = (right, to[2]);
         }
         if inside { (0.0, [0.0; 2]) } else { (least, way) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::random::SplitMix;
+
+    #[test]
+    fn axes_of_needles_are_orthogonal_and_of_length_one() {
+        let mut random = SplitMix(1);
+        let mut anywhere = |size: f64| Vec3::from_array([0; 3].map(|_| (size * random.unit()) as f32));
+        for size in [1e-5, 1e-3, 0.1, 10.0, 100.0] {
+            for step in 0..4000 {
+                let [a, b] = [anywhere(100.0), anywhere(size)];
+                let b = a + b;
+                let c = a.lerp(b, (step % 9) as f32 / 8.0); // on the edge, but for rounding
+                let [face, fold] = [Face::new(&[a, b, c]).frame, Frame::around(&[[a, b, c], [b, a, c]])];
+                for [x, y, z] in [face.axes, fold.axes] {
+                    for (length, product) in [(x, y), (y, z), (z, x)].map(|(s, t)| (s.length(), s.dot(t))) {
+                        assert!((length - 1.0).abs() < 1e-6 && product.abs() < 1e-6, "{a} {b} {c}: {x} {y} {z}");
+                    }
+                }
+            }
+        }
     }
 }

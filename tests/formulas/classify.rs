@@ -33,7 +33,7 @@ crate::rows! {
 const CLASSIFY: &str =
     "#define ONE_SAMPLE\n#include <clip>\n#include <classify>\nvoid check() { out0 = classify(p0.xyz, p0.w); }";
 const IN_PHASES: &str = "#define ONE_SAMPLE\n#include <clip>\n#include <classify>\nvoid check() {
-        float density = density_at(p0.xyz);
+        float density = find_density(p0.xyz);
         out0 = density > 0.0 ? matter_at(p0.xyz, p0.w, density >= 1.0) : vec4(0.0);
     }";
 

@@ -6,6 +6,7 @@
 
 mod bent;
 mod integral;
+mod light;
 mod parts;
 mod probe;
 mod store;
@@ -19,7 +20,8 @@ use crate::scene::{
     Scene, Storage, TargetFormat,
 };
 use crate::shader::{Library, LibraryError};
-use probe::{Light, Probe};
+use light::Light;
+use probe::Probe;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 

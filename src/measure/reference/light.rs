@@ -1,0 +1,85 @@
+//! The light of some rays: where matter may be along them, then samples, front to back and ever more where they disagree.
+
+use super::integral::{Limits, Part, RayIntegral};
+use super::probe::Probe;
+use super::{BOUNDS, ReferenceError, Stop, go_on, parts};
+use crate::exact;
+
+/// A ray is not cut into more pieces than this; its error says so then.
+const MOST_PIECES: usize = 8000;
+/// The shortest piece, in depths of the scene: where the surface is, is known to this.
+const SHORTEST: f64 = 1e-8;
+/// Parts of a ray that are sampled first. Fewer: more stages. More: more samples behind what is opaque.
+const FIRST: usize = 8;
+
+/// A pixel, how far off it may be, and the opacity that may be overlooked in it.
+pub(super) type Light = ([f64; 4], f64, f64);
+
+impl Probe {
+    /// Light and error of some pixels.
+    pub(super) fn integrate(
+        &self,
+        (bound, bounds): (&exact::BoundProgram<'_>, &exact::BoundProgram<'_>),
+        pixels: &[[u32; 2]],
+        tolerance: f64,
+        stop: Stop<'_>,
+    ) -> Result<Vec<Light>, ReferenceError> {
+        let [near, far] = self.cpu_inputs.depths;
+        let depth = far - near;
+        let limits = Limits { error: tolerance / 16.0, shortest: depth * SHORTEST, pieces: MOST_PIECES };
+        let sample = |wanted: &[(usize, f64)]| self.sample(bound, pixels, wanted);
+
+        // Where each ray is inside the box: the depth of that sample does not matter.
+        let spans: Vec<(usize, f64)> = (0..pixels.len()).map(|ray| (ray, near)).collect();
+        let spans = sample(&spans)?.into_iter().map(|sample| [sample.span[0].max(near), sample.span[1].min(far)]);
+        let parts = self.parts(bounds, pixels, &spans.collect::<Vec<_>>(), stop)?;
+        let vain = |ray: &parts::Ray| RayIntegral::new(if ray.is_vain { 0 } else { BOUNDS[1] });
+        let mut rays: Vec<RayIntegral> = parts.iter().map(vain).collect();
+
+        // Front to back, ever more parts at once, up to where it is dark.
+        let mut stage = 0..FIRST;
+        while parts.iter().zip(&rays).any(|(ray, seen)| ray.parts.len() > stage.start && !seen.is_dark()) {
+            go_on(stop)?;
+            let staged = |(index, (ray, seen)): (usize, (&parts::Ray, &RayIntegral))| {
+                let end = if seen.is_dark() { 0 } else { ray.parts.len().min(stage.end) };
+                ray.parts.get(stage.start..end).unwrap_or_default().iter().map(move |part| (index, *part)).collect()
+            };
+            let staged: Vec<Vec<(usize, Part)>> = parts.iter().zip(&rays).enumerate().map(staged).collect();
+            let staged = staged.concat();
+            let places = |(ray, part): &(usize, Part)| {
+                let (ray, part) = (*ray, *part);
+                [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (ray, part.from + share * part.length))
+            };
+            let samples = sample(&staged.iter().flat_map(places).collect::<Vec<_>>())?;
+            for ((ray, part), samples) in staged.iter().zip(samples.as_chunks::<5>().0) {
+                rays[*ray].push(part, samples.map(|sample| sample.matter));
+            }
+            stage = stage.end..2 * stage.end;
+        }
+
+        loop {
+            go_on(stop)?;
+            let coarse: Vec<Vec<usize>> = rays.iter_mut().map(|ray| ray.coarse(&limits)).collect();
+            let wanted: Vec<(usize, f64)> = (rays.iter().zip(&coarse).enumerate())
+                .flat_map(|(index, (ray, coarse))| ray.wanted(coarse).map(move |depth| (index, depth)))
+                .collect();
+            if wanted.is_empty() {
+                break;
+            }
+            let mut samples = sample(&wanted)?.into_iter().map(|sample| sample.matter);
+            let asking: Vec<(usize, [f64; 2])> = (rays.iter().zip(&coarse).enumerate())
+                .flat_map(|(index, (ray, coarse))| ray.asking(coarse).map(move |part| (index, part)))
+                .collect();
+            let mut narrower = self.bounds(bounds, pixels, &asking)?.into_iter();
+            for (ray, coarse) in rays.iter_mut().zip(&coarse) {
+                ray.halve(coarse, &mut samples, &mut narrower);
+            }
+        }
+        let light = |ray: &RayIntegral| {
+            let (light, error, open) = ray.light(&limits);
+            let [r, g, b] = light.color;
+            ([r, g, b, 1.0 - light.transmittance], error, open)
+        };
+        Ok(rays.iter().map(light).collect())
+    }
+}
