@@ -34,13 +34,12 @@ fn keep(triangle: &Triangle, winding: &Winding, kept: &mut Vec<Triangle>) {
     let buried = |p: &Vec3| inside(winding.at(*p + normal)) && inside(winding.at(*p - normal));
     let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
     if longest <= COARSE {
-        let center = buried(&samples[0]);
-        // A small one that is not buried there stays, whatever the others say.
-        let is_whole = longest <= SEAM && !center || samples[1..].iter().all(|p| buried(p) == center);
-        if is_whole || longest <= SEAM {
-            if !(is_whole && center) {
-                kept.push(*triangle);
-            }
+        let count = samples.iter().filter(|p| buried(p)).count();
+        if count == samples.len() {
+            return;
+        }
+        if count == 0 || longest <= SEAM {
+            kept.push(*triangle);
             return;
         }
     }

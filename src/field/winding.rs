@@ -55,7 +55,7 @@ impl<'a> Winding<'a> {
         let mut stack = [(0u32, 0u32); 3 * 16 + WIDTH];
         let mut top = 1;
         stack[0] = (self.levels.len() as u32 - 1, 0);
-        let (mut sum, mut near) = (0.0, Angles::NONE);
+        let mut sum = 0.0;
         while top > 0 {
             top -= 1;
             let (level, index) = stack[top];
@@ -68,7 +68,7 @@ impl<'a> Winding<'a> {
                 let second = trace - 3.0 * to.dot(moment.tensor * to) / r2;
                 sum += (moment.normal.dot(to) + second) / r3;
             } else if level == 0 {
-                self.bvh.packet(index as usize).for_each(|(a, ab, ac)| near.add(solid_angle(a - q, ab, ac)));
+                sum += self.bvh.packet(index as usize).map(|(a, ab, ac)| solid_angle(a - q, ab, ac)).sum::<f32>();
             } else {
                 let children = self.levels[level as usize - 1].len() as u32;
                 let first = index * WIDTH as u32;
@@ -78,37 +78,7 @@ impl<'a> Winding<'a> {
                 }
             }
         }
-        (sum + 2.0 * near.sum()) / (4.0 * PI)
-    }
-}
-
-/// A sum of angles, each of a point (x, y) in the plane: the angle of the product of them all as complex numbers, and how
-/// often that went around. One arc tangent in place of one for each.
-struct Angles {
-    product: [f32; 2],
-    turns: f32,
-}
-
-impl Angles {
-    const NONE: Angles = Angles { product: [1.0, 0.0], turns: 0.0 };
-
-    #[inline(always)]
-    fn add(&mut self, [x, y]: [f32; 2]) {
-        let size = x.abs().max(y.abs());
-        if size == 0.0 {
-            return;
-        }
-        let ([a, b], [x, y]) = (self.product, [x / size, y / size]);
-        let [re, im] = [a * x - b * y, a * y + b * x];
-        // Two angles of one sign, and of a sum that looks like one of the other.
-        self.turns += f32::from(u8::from(b > 0.0 && y > 0.0 && im < 0.0));
-        self.turns -= f32::from(u8::from(b < 0.0 && y < 0.0 && im > 0.0));
-        let size = re.abs().max(im.abs());
-        self.product = [re / size, im / size];
-    }
-
-    fn sum(&self) -> f32 {
-        self.product[1].atan2(self.product[0]) + 2.0 * PI * self.turns
+        sum / (4.0 * PI)
     }
 }
 
@@ -167,12 +137,11 @@ fn outer(row: Vec3, column: Vec3) -> Mat3 {
     Mat3::from_cols(row * column.x, row * column.y, row * column.z)
 }
 
-/// A point at half the signed solid angle of a triangle seen from the origin, positive when its inner side faces the origin.
-#[inline(always)]
-fn solid_angle(a: Vec3, ab: Vec3, ac: Vec3) -> [f32; 2] {
+/// Signed solid angle of a triangle seen from the origin, positive when its inner side faces the origin.
+fn solid_angle(a: Vec3, ab: Vec3, ac: Vec3) -> f32 {
     let (b, c) = (a + ab, a + ac);
     let (la, lb, lc) = (a.length(), b.length(), c.length());
     let volume = a.dot(ab.cross(ac));
     let denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-    [denominator, volume]
+    2.0 * volume.atan2(denominator)
 }
