@@ -87,9 +87,7 @@ impl<N: Number> Banks<N> {
                 File::Float => {
                     inlined!(map3(float, mask, (t.read(a), f.read(b), f.read(c))), |t, a, b| N::select(t, a, b))
                 }
-                File::Int => {
-                    inlined!(map3(int, mask, (t.read(a), i.read(b), i.read(c))), |t, a, b| N::Int::select(t, a, b))
-                }
+                File::Int => map3(int, mask, (t.read(a), i.read(b), i.read(c)), N::Int::select),
                 File::Truth => map3(truth, mask, (t.read(a), t.read(b), t.read(c)), N::Truth::select),
             },
             Op::Int(function) => known!(
