@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 const PROBE: f64 = 1e-7;
 /// Side of the tiles of the shadow volume's target that are computed together.
 const TILE: u32 = 8;
+
 /// The program of a scene that gives one sample of a ray, ready to be evaluated.
 pub(super) struct Probe {
     pub(super) program: exact::Program,
