@@ -1,7 +1,7 @@
 //! The truth that a picture is measured against.
 //!
 //! Role: the picture of a scene as the limit of ever finer samples, in f64: the scene's own program, evaluated by
-//! [`exact`] and integrated along each ray to a stated error. Invariant: nothing of the formulas is
+//! [`crate::exact`] and integrated along each ray to a stated error. Invariant: nothing of the formulas is
 //! written here a second time; what the limit of a scene is, [`truth_of`] says. Rays that bend are in `bent`.
 
 mod bent;
@@ -171,7 +171,7 @@ pub fn converged_settings(scene: &Scene) -> Scene {
 /// few milliseconds, from any thread.
 ///
 /// # Errors
-/// The scene has no program, one that [`exact`] does not cover, or no limit; or `stop` was true.
+/// The scene has no program, one that [`crate::exact`] does not cover, or no limit; or `stop` was true.
 pub fn reference(
     library: &Library,
     scene: &Scene,
