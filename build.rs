@@ -24,8 +24,9 @@ use std::{env, fs};
 
 const PASSES: [[&str; 2]; 2] = [["slice.vert", "slice.frag"], ["march.vert", "march.frag"]];
 /// The passes of the lines of the table with these names.
-const NAMED: [(&str, [[&str; 2]; 1]); 3] = [
+const NAMED: [(&str, [[&str; 2]; 1]); 4] = [
     ("shadow", [["march.vert", "shadow.frag"]]),
+    ("cell", [["march.vert", "cell.frag"]]),
     ("opacity_table", [["march.vert", "opacity_table.frag"]]),
     ("density_table", [["march.vert", "density_table.frag"]]),
 ];
@@ -112,7 +113,7 @@ fn collect(root: &Path, folder: &Path, files: &mut Vec<(String, String)>) -> Res
 /// The combinations that one line of the table stands for. What a line does not say has one shipped default.
 fn expand(line: &str, library: &Library) -> Vec<Slots> {
     let defaults = "proxy=polygons reject=discard projection=perspective clip=none sampling=pixel empty_space=skip \
-                    gradient=analytic bandlimit=none jitter=none shadow=none wrap=repeat storage=dense planes=facing";
+                    gradient=analytic bandlimit=none jitter=none shadow=none cells=none wrap=repeat storage=dense planes=facing";
     let mut choices = vec![Slots::new()];
     for word in defaults.split_whitespace().chain(line.split_whitespace().skip(1)) {
         let Some((slot, modules)) = word.split_once('=') else { continue };

@@ -60,6 +60,7 @@ layout(set = 0, binding = 14) uniform texture3D low_octaves_image;  // the first
 layout(set = 0, binding = 15) uniform texture3D random_image;       // GG 39.5
 layout(set = 0, binding = 58) uniform texture2D light_before_image; // GG 39.5.1: light that is left before a slice
 layout(set = 0, binding = 56) uniform texture2D light_behind_image; // and behind it
+layout(set = 0, binding = 59) uniform texture3D cell_image;         // cells that are proven to be empty: see cells/grid.glsl
 #define noise_block sampler3D(noise_image, block_sampler)
 #define noise_value_block sampler3D(noise_value_image, block_sampler)
 #define turbulence_block sampler3D(turbulence_image, block_sampler)
@@ -72,5 +73,6 @@ layout(set = 0, binding = 56) uniform texture2D light_behind_image; // and behin
 #define gradient_table sampler1D(gradient_image, repeat_sampler)
 #define light_before sampler2D(light_before_image, table_sampler)
 #define light_behind sampler2D(light_behind_image, table_sampler)
+#define cell_grid sampler3D(cell_image, clamp_sampler)
 #define shadow_volume sampler3D(shadow_image, clamp_sampler)
 #include "part.glsl"

@@ -14,6 +14,7 @@ mat3 ray_basis;                         // along the ray and to two sides, unit 
 #include <clip>
 #include <classify>
 #include <empty_space>
+#include <cells>
 #include "box_intersection.glsl"
 
 // Goes to a sample by its number; result: where it is, object space.
@@ -34,6 +35,7 @@ void main() {
     vec4 sum = vec4(0.0);
     float step_length = step_size * length(along);
     float next = 1.0;
+    vec3 stride = along * step_size;
     position_eye = ray_at(ndc, 1.0);
     ray_basis = ray_basis_of();
 #if defined(TWO_PHASES) && defined(FINDS)
@@ -45,8 +47,9 @@ void main() {
         for (; k <= last; ++k) {
             for (; k <= last; k += next) {
                 x = sample_at(ndc, k + phase);
-                next = 1.0;
-                if (clipped(x)) {
+                next = empty_steps(x, stride);
+                if (next > 0.0 || clipped(x)) {
+                    next = max(next, 1.0);
                     follows = false;
                     continue;
                 }
@@ -68,8 +71,9 @@ void main() {
 #else
     for (float k = first; k <= last; k += next) {
         vec3 x = sample_at(ndc, k + phase);
-        next = 1.0;
-        if (clipped(x)) {
+        next = empty_steps(x, stride);
+        if (next > 0.0 || clipped(x)) {
+            next = max(next, 1.0);
             follows = false;
             continue;
         }

@@ -19,6 +19,7 @@ float pixel_width() { return (shadow_far - shadow_near) / (shadow_side * shadow_
 #include <clip>
 #include <classify>
 #include <empty_space>
+#include <cells>
 
 // Goes to a sample by its place along the ray; result: whether it is in the box, and not cut away. x: object space.
 bool sample_at(vec2 ray, float along, out vec3 x) {
@@ -26,6 +27,9 @@ bool sample_at(vec2 ray, float along, out vec3 x) {
     x = (texture_matrix * vec4(position_eye, 1.0)).xyz;
     return all(greaterThanEqual(x, box_min.xyz)) && all(lessThanEqual(x, box_max.xyz)) && !clipped(x);
 }
+
+// Steps over cells that are empty.
+float over_cells(vec3 x, float path) { return empty_steps(x, mat3(texture_matrix) * (-path * to_eye())); }
 
 float to_next(float path) { return advance(path * length(mat3(texture_matrix) * to_eye())); }
 
@@ -45,6 +49,8 @@ void main() {
         for (; i < samples; i += next) {                // as in march.frag
             next = 1.0;
             if (!sample_at(ray, first + (i + 0.5) / shadow_steps, x)) continue;
+            next = over_cells(x, path);
+            if (next > 0.0) continue;
             density = find_density(x);
             if (density > 0.0) break;
             next = to_next(path);
@@ -55,6 +61,8 @@ void main() {
 #else
         next = 1.0;
         if (!sample_at(ray, first + (i + 0.5) / shadow_steps, x)) continue;
+        next = over_cells(x, path);
+        if (next > 0.0) continue;
         float alpha = classify(x, path).a;
         next = to_next(path);
 #endif

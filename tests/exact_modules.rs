@@ -9,7 +9,7 @@ mod probe;
 mod random;
 
 use common::with_gpu;
-use hypertexture::exact::{Affine, BoundProgram, Interval, Lanes, Number};
+use hypertexture::exact::{Affine, BoundProgram, Device, Interval, Lanes, Number};
 use hypertexture::render::variant::Variant;
 use hypertexture::scene;
 use hypertexture::shader::{self, Library, Slots};
@@ -179,6 +179,16 @@ fn f64_agrees_with_the_device_on_every_module_and_preset() {
                 Lanes { fragment_coordinates: (0..SIDE * SIDE).map(coordinates).collect(), varyings: BTreeMap::new() };
             let program = probe.program();
             let found = &program.bind(&probe.inputs).unwrap().run::<f64>(&lanes).unwrap()[&0];
+            let points = (0..SIDE * SIDE).map(|pixel| coordinates(pixel).map(Device::new));
+            let lanes = Lanes { fragment_coordinates: points.collect(), varyings: BTreeMap::new() };
+            let bounds = &program.bind(&probe.inputs).unwrap().run::<Device>(&lanes).unwrap()[&0];
+            let holds = |pixel: usize| (0..4).all(|c| bounds[pixel][c].0.contains(f64::from(seen[pixel][c])));
+            let outside = (0..seen.len()).filter(|pixel| !holds(*pixel)).count();
+            if outside > 0 {
+                let first = (0..seen.len()).find(|pixel| !holds(*pixel)).unwrap();
+                let (gives, bounds, exact) = (seen[first], bounds[first], found[first]);
+                failed.push(format!("{name}: {outside} pixels beyond their bounds: {gives:?} {exact:?} {bounds:?}"));
+            }
             let error = |pixel: usize| {
                 let off = (0..4).map(|channel| {
                     let (a, b) = (f64::from(seen[pixel][channel]), found[pixel][channel]);

@@ -111,6 +111,13 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
     }
     let fragments = m.fragments.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
     lines.push(format!("slices     {} of thickness {:.5} object units{fragments}", m.slices, m.step));
+    lines.extend(m.cells.as_ref().map(|cells| match &cells.why {
+        Some(why) => format!("cells      none: {why}"),
+        None => {
+            let (side, empty) = (cells.side, 100.0 * cells.empty);
+            format!("cells      {side} x {side} x {side}, {empty:.0} % proven to be empty in {:.0} ms", cells.ms)
+        }
+    }));
     if let Some(radius) = m.held_beyond {
         lines.push(format!(
             "held       beyond {radius:.2} object units from the center a warp keeps its step: lobes are shorter than its formula"

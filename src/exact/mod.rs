@@ -12,6 +12,7 @@ mod allocate;
 mod case;
 mod cases;
 mod code;
+mod device;
 mod express;
 mod floats;
 mod functions;
@@ -31,6 +32,7 @@ pub mod texture;
 mod value;
 
 pub use affine::Affine;
+pub use device::Device;
 pub use interval::Interval;
 pub use number::Number;
 pub use outline::Outline;

@@ -1,8 +1,8 @@
 //! Makes lowered code shorter: what nothing reads goes, copies and sums of products are merged with what they are of.
 
-use super::code::{Code, Node, Op, Reg};
+use super::code::{Code, Instr, Node, Op, Reg};
 use super::lower::Class;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// Where registers are read and written, as numbers of instructions; conditions count as reads of the next one.
 #[derive(Default)]
@@ -82,7 +82,39 @@ pub(super) fn tidy(code: &mut Code, classes: &[Vec<Class>; 3]) {
     merge_stores(code, classes, &runs);
     merge_sums(code, classes, &runs);
     drop_unread(code);
+    drop_images(code);
+    drop_uniforms(code);
     close_gaps(code);
+}
+
+/// What is the same for all lanes and is read by none.
+fn drop_uniforms(code: &mut Code) {
+    let mut read: HashSet<Reg> = Occurrences::of(code).reads.into_keys().collect();
+    let mut prelude = std::mem::take(&mut code.prelude);
+    prelude.reverse();
+    prelude.retain(|instr| {
+        let needed = read.contains(&instr.dst);
+        if needed {
+            code.reads(instr, |reg| {
+                read.insert(reg);
+            });
+        }
+        needed
+    });
+    prelude.reverse();
+    code.prelude = prelude;
+    code.sources.retain(|(reg, _)| read.contains(reg));
+}
+
+/// Images that nothing looks up any more.
+fn drop_images(code: &mut Code) {
+    let looks_up = |instr: &&Instr| matches!(instr.op, Op::Sample | Op::Fetch);
+    let read: BTreeSet<usize> =
+        code.instrs.iter().filter(looks_up).map(|instr| code.lookups[instr.table as usize].image).collect();
+    code.images = read.iter().map(|&image| code.images[image]).collect();
+    for lookup in &mut code.lookups {
+        lookup.image = read.range(..lookup.image).count();
+    }
 }
 
 /// Instructions whose results nothing reads.

@@ -3,6 +3,7 @@
 //! Texel i of n is centered at (i + 0.5) / n. Between texels values change linearly along each axis; no rounding of
 //! weights as in hardware.
 
+use rayon::prelude::*;
 use std::sync::OnceLock;
 
 /// How coordinates outside of [0, 1] are taken.
@@ -217,7 +218,12 @@ impl<'a> Image<'a> {
 
     /// Lower and upper bounds of the channels over a box of texels.
     pub(super) fn texels(&self, of: [[usize; 2]; 3]) -> [[f64; 2]; 4] {
-        self.pyramid.get_or_init(|| Pyramid::new(self.size, self.texels)).range(of)
+        let longest = of.iter().map(|[first, last]| last - first).max().unwrap_or(0);
+        let [least, most] = match longest {
+            ..FEW => range(self.size.map(|side| side as usize), of, |index| [self.texels[index]; 2]),
+            _ => self.pyramid.get_or_init(|| Pyramid::new(self.size, self.texels)).range(of, longest),
+        };
+        [0, 1, 2, 3].map(|channel| [least[channel], most[channel]].map(f64::from))
     }
 
     /// The texels that indices from one to another mean: one range or two, first and last.
@@ -307,7 +313,10 @@ fn include(all: &mut [[f64; 2]; 4], values: [[f64; 2]; 4]) {
     }
 }
 
-/// Least and greatest values of cubes of texels, the side of each level's twice that of the one before.
+/// So few texels or boxes along each axis are looked at one by one.
+const FEW: usize = 3;
+
+/// Least and greatest values of cubes of texels: of two texels along each side, of four, and so on.
 #[derive(Debug)]
 pub struct Pyramid {
     levels: Vec<Level>,
@@ -322,48 +331,53 @@ struct Level {
 /// The least and the greatest of each channel.
 type Extremes = [[f32; 4]; 2];
 
-impl Level {
-    /// The range over some of its boxes: from the first to the last along each axis.
-    fn range(&self, [x, y, z]: [[usize; 2]; 3]) -> Extremes {
-        let [mut least, mut most] = [[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]];
-        for k in z[0]..=z[1] {
-            for j in y[0]..=y[1] {
-                let row = (k * self.size[1] + j) * self.size[0];
-                for [low, high] in &self.ranges[row + x[0]..=row + x[1]] {
-                    for channel in 0..4 {
-                        least[channel] = least[channel].min(low[channel]);
-                        most[channel] = most[channel].max(high[channel]);
-                    }
+/// The extremes of some boxes of a grid: from the first to the last along each axis.
+fn range(size: [usize; 3], [x, y, z]: [[usize; 2]; 3], at: impl Fn(usize) -> Extremes) -> Extremes {
+    let [mut least, mut most] = [[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]];
+    for k in z[0]..=z[1] {
+        for j in y[0]..=y[1] {
+            let row = (k * size[1] + j) * size[0];
+            for index in row + x[0]..=row + x[1] {
+                let [low, high] = at(index);
+                for channel in 0..4 {
+                    least[channel] = least[channel].min(low[channel]);
+                    most[channel] = most[channel].max(high[channel]);
                 }
             }
         }
-        [least, most]
+    }
+    [least, most]
+}
+
+impl Level {
+    /// Of cubes of two boxes along each side of another grid.
+    fn over(size: [usize; 3], at: impl Fn(usize) -> Extremes + Sync) -> Level {
+        let of = |index: usize, axis: usize| [2 * index, (2 * index + 1).min(size[axis] - 1)];
+        let halved = size.map(|side| side.div_ceil(2));
+        let row = |row: usize| {
+            let [y, z] = [row % halved[1], row / halved[1]];
+            let range = |x| range(size, [of(x, 0), of(y, 1), of(z, 2)], &at);
+            (0..halved[0]).map(range).collect::<Vec<_>>()
+        };
+        let rows: Vec<Vec<Extremes>> = (0..halved[1] * halved[2]).into_par_iter().map(row).collect();
+        Level { size: halved, ranges: rows.concat() }
     }
 }
 
 impl Pyramid {
     fn new(size: [u32; 3], texels: &[[f32; 4]]) -> Pyramid {
-        let ranges = texels.iter().map(|texel| [*texel; 2]).collect();
-        let mut levels = vec![Level { size: size.map(|side| side as usize), ranges }];
+        let mut levels = vec![Level::over(size.map(|side| side as usize), |index| [texels[index]; 2])];
         while let Some(last) = levels.last().filter(|level| level.size.iter().any(|side| *side > 1)) {
-            let size = last.size.map(|side| side.div_ceil(2));
-            let mut ranges = Vec::with_capacity(size.iter().product());
-            let of = |index: usize, axis: usize| [2 * index, (2 * index + 1).min(last.size[axis] - 1)];
-            for z in 0..size[2] {
-                for y in 0..size[1] {
-                    ranges.extend((0..size[0]).map(|x| last.range([of(x, 0), of(y, 1), of(z, 2)])));
-                }
-            }
-            levels.push(Level { size, ranges });
+            levels.push(Level::over(last.size, |index| last.ranges[index]));
         }
         Pyramid { levels }
     }
 
-    /// The range over a box of texels: of the boxes of one level that cover it, at most four along each axis.
-    fn range(&self, of: [[usize; 2]; 3]) -> [[f64; 2]; 4] {
-        let longest = of.iter().map(|[first, last]| last - first).max().unwrap_or(0);
-        let level = (0..self.levels.len() - 1).find(|level| longest >> level < 3).unwrap_or(self.levels.len() - 1);
-        let [least, most] = self.levels[level].range(of.map(|ends| ends.map(|index| index >> level)));
-        [0, 1, 2, 3].map(|channel| [least[channel], most[channel]].map(f64::from))
+    /// The range over a box of texels, of which it has so many along its longest side: of the boxes of one level that cover
+    /// it, at most four along each axis.
+    fn range(&self, of: [[usize; 2]; 3], longest: usize) -> Extremes {
+        let level = (1..self.levels.len()).find(|level| longest >> level < FEW).unwrap_or(self.levels.len());
+        let Level { size, ranges } = &self.levels[level - 1];
+        range(*size, of.map(|ends| ends.map(|index| index >> level)), |index| ranges[index])
     }
 }

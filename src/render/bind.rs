@@ -1,6 +1,7 @@
 //! What a program reads, on the device: blocks written, images uploaded.
 
-use super::inputs::{Inputs, SHADOW, StoredObjects};
+use super::cells::{self, Cells, Found};
+use super::inputs::{CELLS, Inputs, StoredObjects};
 use super::shot::Shot;
 use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
@@ -9,6 +10,7 @@ use super::{OCTAVES_ID, RenderError};
 use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler};
 use crate::render::variant::{Program, Resource, Use};
 use crate::scene::Scene;
+use crate::shader::Library;
 use std::sync::Arc;
 
 /// The resources of one program.
@@ -20,14 +22,22 @@ pub(super) struct BoundInputs {
     /// Whether an image depends on parameters of modules.
     pub(super) holds_parameters: bool,
     stored: StoredObjects,
+    /// What decides which cells are empty, where the program reads that.
+    cells: Option<Cells>,
     /// What was written into the blocks last.
     values: Values,
 }
 
 impl BoundInputs {
-    /// Everything that a program reads, but for the shadow volume, which is made with the rest of it: see
-    /// [`BoundInputs::replace_shadow`].
-    pub(super) fn new(gpu: &Gpu, inputs: &Inputs) -> Result<BoundInputs, RenderError> {
+    /// Everything that a program reads, but for the shadow volume and the cells, which are made with the picture: see
+    /// [`BoundInputs::replace`].
+    pub(super) fn new(
+        gpu: &Gpu,
+        library: &Library,
+        shot: &Shot<'_>,
+        program: &Program,
+        inputs: &Inputs,
+    ) -> Result<BoundInputs, RenderError> {
         let upload = |(binding, image): &(u32, super::encoded::Encoded)| {
             let uploaded = Image::sampled(gpu, image.name, image.dimension, image.format, image.bytes())?;
             Ok((*binding, Arc::new(uploaded)))
@@ -35,18 +45,24 @@ impl BoundInputs {
         let sampler = |(binding, filter): &(u32, super::encoded::Filter)| {
             Ok((*binding, Arc::new(Sampler::new(gpu, filter.address, filter.anisotropy)?)))
         };
-        Ok(BoundInputs {
+        let cells = program.reads(CELLS).then(|| Cells::new(library, shot, inputs)).transpose()?;
+        let mut bound = BoundInputs {
             blocks: Vec::new(),
             images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
             samplers: inputs.samplers.iter().map(sampler).collect::<Result<_, RenderError>>()?,
             sparse: inputs.sparse,
             holds_parameters: inputs.holds_parameters,
             stored: inputs.stored().clone(),
+            cells,
             values: Values::new(),
-        })
+        };
+        if bound.cells.is_some() {
+            bound.replace(program, CELLS, cells::open(gpu)?);
+        }
+        Ok(bound)
     }
 
-    /// Makes the blocks of a picture.
+    /// Makes the blocks of a picture, and its cells.
     pub(super) fn fill(
         &mut self,
         gpu: &Gpu,
@@ -56,7 +72,16 @@ impl BoundInputs {
     ) -> Result<(), RenderError> {
         self.values = self.stored.values(shot, sub_frame);
         self.blocks = self.blocks_of(gpu, program)?;
+        let cells = self.cells.as_mut().map(|cells| cells.update(gpu, shot, &self.values)).transpose()?;
+        if let Some(image) = cells.flatten() {
+            self.replace(program, CELLS, image);
+        }
         Ok(())
+    }
+
+    /// What was found of the cells of the picture.
+    pub(super) fn cells(&self) -> Option<Found> {
+        self.cells.as_ref().map(Cells::found)
     }
 
     /// Largest error of a stored distance, units of its object; 0 for formulas.
@@ -69,9 +94,9 @@ impl BoundInputs {
         self.sparse
     }
 
-    /// Puts the shadow volume among the images, in place of the one before.
-    pub(super) fn replace_shadow(&mut self, program: &Program, image: Image) {
-        if let Some(found) = program.resources.iter().find(|resource| resource.name == SHADOW) {
+    /// Puts an image that is made with the picture among the others, in place of the one before.
+    pub(super) fn replace(&mut self, program: &Program, name: &str, image: Image) {
+        if let Some(found) = program.resources.iter().find(|resource| resource.name == name) {
             self.images.retain(|(binding, _)| *binding != found.binding);
             self.images.push((found.binding, Arc::new(image)));
         }

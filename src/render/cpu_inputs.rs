@@ -86,7 +86,7 @@ impl CpuInputs {
 }
 
 /// An image as [`exact`] samples it.
-fn texture(image: &Encoded) -> exact::Texture {
+pub(super) fn texture(image: &Encoded) -> exact::Texture {
     let size = match image.dimension {
         Dimension::Line(x) => [x, 1, 1],
         Dimension::Plane(x, y) => [x, y, 1],
@@ -95,7 +95,7 @@ fn texture(image: &Encoded) -> exact::Texture {
     exact::Texture { size, texels: image.format.decode(image.bytes()) }
 }
 
-fn wrap(address: Address) -> exact::Wrap {
+pub(super) fn wrap(address: Address) -> exact::Wrap {
     match address {
         Address::Clamp => exact::Wrap::Clamp,
         Address::Repeat => exact::Wrap::Repeat,

@@ -6,7 +6,7 @@
 //! sooner is not named.
 
 use super::encoded::Filter;
-use super::inputs::{SHADOW, StoredObjects, image_key};
+use super::inputs::{CELLS, SHADOW, StoredObjects, image_key};
 use super::shot::Shot;
 use super::sub_frame::SubFrame;
 use super::values::blocks;
@@ -140,7 +140,9 @@ impl Judge<'_> {
                     read.program.resources.iter().map(|resource| (resource.binding, Some(resource.binding))).collect()
                 }
             };
-            for (image, sampler) in pairs.into_iter().filter(|(image, _)| name(*image).contains("_image")) {
+            for (image, sampler) in
+                pairs.into_iter().filter(|(image, _)| name(*image).contains("_image") && name(*image) != CELLS)
+            {
                 let key = image_key(&shot, name(image));
                 add(format!("{} {key}", name(image)));
                 if let Some(sampler) = sampler {

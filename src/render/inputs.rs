@@ -89,7 +89,7 @@ impl Inputs {
         let (mut images, mut samplers) = (Vec::new(), Vec::new());
         for Resource { name, binding, holds, .. } in &program.resources {
             match holds {
-                Use::Image if [SHADOW, BEFORE, BEHIND].contains(&name.as_str()) => {}
+                Use::Image if [SHADOW, BEFORE, BEHIND, CELLS].contains(&name.as_str()) => {}
                 Use::Image => {
                     let made = match block(scene, name, progress) {
                         Some(block) => block,
@@ -140,6 +140,8 @@ pub(super) const SHADOW: &str = "shadow_image";
 /// The names of the light's buffers there.
 pub(super) const BEFORE: &str = "light_before_image";
 pub(super) const BEHIND: &str = "light_behind_image";
+/// The name of the cells there.
+pub(super) const CELLS: &str = "cell_image";
 /// What an image depends on, in words, for objects that are loaded.
 pub(super) fn image_key(shot: &Shot<'_>, name: &str) -> String {
     let Shot { scene, subject, variant, view, planes, .. } = shot;

@@ -4,6 +4,7 @@
 //! [`Frame`]. Invariant: every picture that a person sees comes through [`render`].
 
 mod bind;
+mod cells;
 mod cpu_inputs;
 mod encoded;
 mod half_angle;
@@ -30,6 +31,7 @@ pub mod variant;
 mod view;
 mod watch;
 
+pub use cells::Found;
 #[cfg(feature = "measure")]
 pub(crate) use cpu_inputs::{Blocks, CpuInputs};
 pub use ignored::ignored;
@@ -89,6 +91,9 @@ pub struct Measurements {
     pub device_bytes: u64,
     /// What the bricks of a volume save; `None` where the volume is stored as a whole.
     pub sparse: Option<Sparse>,
+    /// The cells of empty space; `None` where none would be left out.
+    #[serde(default)]
+    pub cells: Option<Found>,
     /// Largest error of a stored distance, object units; 0 for a formula.
     pub quantization: f32,
     /// Radius beyond which warps along the radius hold their step, where their formula has matter there; object units.

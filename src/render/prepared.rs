@@ -67,8 +67,10 @@ impl Prepared {
         let program = made.program.map_or_else(|| variant.program(library, Linker::new), Ok)?;
         let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
         let quality = &scene.quality;
-        let bound =
-            made.bound.map_or_else(|| BoundInputs::new(gpu, &Inputs::new(library, shot, &program, progress)?), Ok)?;
+        let bound = made.bound.map_or_else(
+            || BoundInputs::new(gpu, library, shot, &program, &Inputs::new(library, shot, &program, progress)?),
+            Ok,
+        )?;
         let format = match (destination, quality.target) {
             (Destination::Host(format), _) => format,
             (_, TargetFormat::Unorm8) => gpu::Format::Rgba8Unorm,
@@ -165,7 +167,7 @@ impl Prepared {
     fn cast(&mut self, shot: &Shot<'_>) -> Result<Option<f64>, RenderError> {
         let Some(caster) = &self.caster else { return Ok(None) };
         let light = caster.cast(&self.gpu, shot, &self.bound)?;
-        self.bound.replace_shadow(&self.program, light.image(&self.gpu)?);
+        self.bound.replace(&self.program, SHADOW, light.image(&self.gpu)?);
         Ok(Some(light.gpu_ms))
     }
 
@@ -253,6 +255,7 @@ impl Prepared {
             total_ms: 0.0,
             device_bytes: self.bound.bytes() + targets + self.half_angle.as_ref().map_or(0, HalfAngle::bytes),
             sparse: self.bound.sparse(),
+            cells: self.bound.cells(),
             quantization: self.bound.quantization(),
             held_beyond: shot
                 .view

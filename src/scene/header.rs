@@ -1,8 +1,8 @@
 //! What a scene asks the headers of its modules.
 
-use super::Scene;
+use super::{Integration, Scene};
 use crate::shader::declare::Outside;
-use crate::shader::{Declarations, Library};
+use crate::shader::{Declarations, Kind, Library};
 
 /// What the module of a slot declares; nothing where it cannot be read, which a check of the scene finds.
 pub(super) fn header(library: &Library, slot: &str, module: &str) -> Declarations {
@@ -27,12 +27,22 @@ impl Scene {
             Outside::Matter => false,
         }
     }
+
+    /// Whether cells may be empty where the distance does not say so, and a sample there shows it: it stands for its place
+    /// alone, and something beside the distance decides what is matter.
+    pub(super) fn has_cells(&self, library: &Library) -> bool {
+        let effect = &self.effect;
+        let by_ends = header(library, "classify", &effect.classify).segments.as_ref() == Some(&effect.classify);
+        let by_distance = |dmf: &String| library.kind(dmf) == Ok(Kind::PositionIndependent);
+        let moves = !effect.warp.is_empty() || !effect.dmf.iter().all(by_distance) || self.has_several();
+        moves && !by_ends && self.quality.integration == Integration::Point
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Integration, preset};
+    use crate::scene::preset;
     use crate::shader;
 
     #[test]

@@ -356,6 +356,11 @@ impl Scene {
         fill("planes", vec![if half_angle { "half_angle" } else { "facing" }.into()]);
         fill("scatter", vec![if self.light.translucency > 0.0 { "cone" } else { "none" }.into()]);
         fill("clip", vec![if self.camera.clip.is_some() { "plane" } else { "none" }.into()]);
+        let storage = match self.object.storage {
+            Storage::Sparse => "sparse",
+            Storage::Dense if self.quality.anisotropy > 1.0 => "anisotropic",
+            Storage::Dense => "dense",
+        };
         let empty_space = match self.quality.empty_space {
             EmptySpace::Skip if !self.is_empty_outside(library) || effect.index != "transfer" => "sample",
             EmptySpace::Skip if self.may_find_first(library) => "skip",
@@ -363,6 +368,8 @@ impl Scene {
             EmptySpace::Sample => "sample",
         };
         fill("empty_space", vec![empty_space.into()]);
+        let has_cells = empty_space != "sample" && storage == "dense" && self.has_cells(library);
+        fill("cells", vec![if has_cells { "grid" } else { "none" }.into()]);
         let jitter = match self.quality.jitter {
             Jitter::None => "none",
             Jitter::Hash => "hash",
@@ -376,11 +383,6 @@ impl Scene {
             Wrap::Mirror => "mirror",
         };
         fill("wrap", vec![wrap.into()]);
-        let storage = match self.object.storage {
-            Storage::Sparse => "sparse",
-            Storage::Dense if self.quality.anisotropy > 1.0 => "anisotropic",
-            Storage::Dense => "dense",
-        };
         fill("storage", vec![storage.into()]);
         fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
         if self.has_several() {

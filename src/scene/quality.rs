@@ -115,7 +115,7 @@ pub enum Jitter {
 pub enum EmptySpace {
     /// All of them are taken.
     Sample,
-    /// It is skipped as far as the distance to the object shows it: the same picture, sooner.
+    /// It is skipped as far as the distance to the object and bounds of the matter show it: the same picture, sooner.
     #[default]
     Skip,
 }

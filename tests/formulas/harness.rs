@@ -62,7 +62,8 @@ const SLOTS: [(&str, &str); 24] = [
     ("empty_space", "sample"),
     ("turbulence", "procedural"),
 ];
-const MORE_SLOTS: [(&str, &str); 7] = [
+const MORE_SLOTS: [(&str, &str); 8] = [
+    ("cells", "none"),
     ("planes", "facing"),
     ("reject", "discard"),
     ("scatter", "none"),

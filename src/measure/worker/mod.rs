@@ -82,7 +82,7 @@ enum Answer {
     /// The device is open and the object loaded.
     Ready,
     /// A picture; its pixels follow as bytes.
-    Drawn([u32; 2], Measurements),
+    Drawn([u32; 2], Box<Measurements>),
     /// Why there is none; the device may be lost with it.
     Failed { reason: String, is_lost: bool },
 }
@@ -129,7 +129,9 @@ impl Worker {
         let mut frame = Err(RenderError::Worker("nothing was drawn".into()));
         for _ in 0..times {
             frame = match process.ask(&request, patience) {
-                Ok((Answer::Drawn(size, measurements), pixels)) => Ok(Frame { size, pixels, measurements }),
+                Ok((Answer::Drawn(size, measurements), pixels)) => {
+                    Ok(Frame { size, pixels, measurements: *measurements })
+                }
                 Ok((Answer::Failed { reason, is_lost: false }, _)) => Err(RenderError::Worker(reason)),
                 Ok((Answer::Failed { reason, .. }, _)) | Err(reason) => {
                     state.process = None;

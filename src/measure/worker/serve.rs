@@ -38,7 +38,7 @@ pub fn serve(input: impl BufRead, output: &mut impl Write, options: &Options) ->
                 let answer = match drawn {
                     Ok(_) if !said.is_empty() => Answer::Failed { reason: said.join("; "), is_lost: false },
                     Ok(frame) => {
-                        let answer = Answer::Drawn(frame.size, frame.measurements);
+                        let answer = Answer::Drawn(frame.size, Box::new(frame.measurements));
                         tell(output, &answer, bytemuck::cast_slice(&frame.pixels))?;
                         continue;
                     }

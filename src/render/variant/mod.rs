@@ -22,6 +22,8 @@ const SHADOW_ENTRIES: [&str; 2] = ["march.vert", "shadow.frag"];
 const LIGHT_ENTRIES: [&str; 2] = ["light.vert", "light.frag"];
 /// The entry files of the program that gives one sample.
 const PROBE_ENTRIES: [&str; 2] = ["march.vert", "probe.frag"];
+/// The entry files of the program that says where there is matter.
+const CELL_ENTRIES: [&str; 2] = ["march.vert", "cell.frag"];
 /// What the program of shadows has in place of the modules that color and light matter.
 const SHADOW_SLOTS: [(&str, &str); 4] =
     [("surface", "unlit"), ("medium", "material"), ("shadow", "none"), ("gradient", "analytic")];
@@ -120,6 +122,14 @@ impl Variant {
         self.of_light(scene, library, LIGHT_ENTRIES)
     }
 
+    /// The modules that say whether there is matter at a place: as those of the shadow.
+    ///
+    /// # Errors
+    /// As [`Variant::shadow`].
+    pub fn cells(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        self.of_light(scene, library, CELL_ENTRIES)
+    }
+
     fn of_light(&self, scene: &Scene, library: &Library, entries: [&'static str; 2]) -> Result<Variant, VariantError> {
         let mut scene = scene.clone();
         scene.quality.integration = Integration::Point; // a segment of the light holds many samples
@@ -132,6 +142,9 @@ impl Variant {
             }
             if let Some((_, module)) = SHADOW_SLOTS.iter().find(|(other, _)| *other == slot) {
                 *names = vec![module.to_string()];
+            } else if slot == "cells" {
+                // A shadow reads no image that the picture does not.
+                *names = self.slots.get("cells").cloned().unwrap_or_else(|| vec!["none".into()]);
             } else if slot == "storage" && names == &["anisotropic"] {
                 *names = vec!["dense".into()]; // a sample of the light is wider than a pixel
             }

@@ -106,7 +106,7 @@ const INTEGRATION: Kind = Choice(&[
     ("segment", "It stands for half a step to either side: second order at surfaces and in opaque matter."),
 ]);
 const EMPTY_SPACE: Kind = Choice(&[
-    ("skip", "Those that the distance does not show to be empty: the same picture, sooner."),
+    ("skip", "Those that neither distance nor bounds show to be empty: the same picture, sooner."),
     ("sample", "All of them."),
 ]);
 const TARGET: Kind = Choice(&[

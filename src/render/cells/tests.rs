@@ -1,0 +1,110 @@
+//! Cells that are called empty are.
+
+use super::*;
+use crate::render::Subject;
+use crate::render::sub_frame::SubFrame;
+use crate::render::variant::Variant;
+use crate::scene::{Pass, RayPath, Scene, names, preset};
+use crate::shader::{self, ParameterKind};
+use crate::support::random::SplitMix;
+
+/// Samples of the cells of one scene.
+const SAMPLES_OF_A_SCENE: usize = 20_000;
+
+#[test]
+fn a_cell_knows_how_far_it_is_to_the_next_that_may_hold_matter() {
+    let side = 5;
+    let at = |index: usize| [index % side, index / side % side, index / side / side].map(|at| at as i32);
+    let full = [7, 93];
+    let empty: Vec<bool> = (0..side.pow(3)).map(|index| !full.contains(&index)).collect();
+    for (index, &found) in distances(&empty, side).iter().enumerate() {
+        let away = |other: &usize| [0, 1, 2].map(|axis| (at(index)[axis] - at(*other)[axis]).abs()).into_iter().max();
+        let expected = full.iter().filter_map(away).min();
+        assert_eq!(Some(i32::from(found)), expected, "{:?}", at(index));
+    }
+    assert_eq!(distances(&[true; 8], 2), [u8::MAX; 8]);
+}
+
+/// How many cells of a scene are empty, and how many samples in those hold matter.
+fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (usize, usize) {
+    let library = shader::shipped();
+    let subject = Subject::load(scene, &library, &|_| ()).unwrap();
+    let variant = Variant::of(scene, &library).unwrap();
+    let program = variant.program(&library, Linker::new).unwrap();
+    assert!(program.reads(super::super::inputs::CELLS), "{}", variant.key());
+    let shot = Shot::of(scene, &subject, &variant);
+    let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
+    let cells = variant.cells(scene, &library).unwrap().program(&library, Linker::new).unwrap();
+    let mut bounded = Bounded::new(&shot, cells, &inputs).unwrap();
+    let values = inputs.stored().values(&shot, &SubFrame::all(scene).next().unwrap());
+    let filled = blocks(&bounded.program, &values).unwrap().into_iter();
+    bounded.inputs.blocks = filled.map(|(resource, bytes)| (resource.binding, bytes)).collect();
+    let boxes = Boxes::of(&shot, side);
+    let empty = bounded.empty(&boxes).unwrap();
+    let which: Vec<u32> = (0..side.pow(3)).filter(|&index| empty[index as usize]).collect();
+    if which.is_empty() {
+        return (0, 0);
+    }
+    let places = (0..samples).map(|_| {
+        let index = which[(random.next() % which.len() as u64) as usize];
+        let cell = boxes.cell([index % side, index / side % side, index / side / side], side);
+        // Ends of the box as often as what is within it.
+        cell.map(|range| range.lo + (range.hi - range.lo) * (1.5 * random.unit() - 0.25).clamp(0.0, 1.0))
+    });
+    let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+    let outputs = bounded.code.bind(&bounded.inputs).unwrap().run::<f64>(&lanes).unwrap();
+    (which.len(), outputs[&0].iter().filter(|[alpha, ..]| alpha.is_nan() || *alpha > 0.0).count())
+}
+
+#[test]
+fn m61_cells_that_are_called_empty_hold_no_matter() {
+    // HYPERTEXTURE_SCENES=200 asks for as many scenes with other parameters, and for 500 000 samples of each.
+    let asked: Option<usize> = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok());
+    let (count, samples) = asked.map_or((12, SAMPLES_OF_A_SCENE), |count| (count, 25 * SAMPLES_OF_A_SCENE));
+    let library = shader::shipped();
+    let mut random = SplitMix(1989);
+    let (mut cells, mut seen, mut matter) = (0, 0, Vec::new());
+    let has_cells = |scene: &Scene| {
+        let straight = scene.effect.ray_path == RayPath::Straight;
+        straight && scene.slots(&library)["cells"] == ["grid"]
+    };
+    let presets = names().map(|name| {
+        let mut scene = preset(name).unwrap();
+        scene.quality.pass = Pass::March;
+        scene.object.resolution = scene.object.resolution.min(48);
+        (name, scene)
+    });
+    let presets: Vec<_> = presets.filter(|(_, scene)| has_cells(scene)).collect();
+    assert!(presets.len() > 15, "{}", presets.len());
+    for index in 0..presets.len() + count {
+        let (name, mut scene) = presets[index % presets.len()].clone();
+        if index >= presets.len() {
+            let all: Vec<(String, [f32; 2])> = (Variant::of(&scene, &library).unwrap().all_parameters())
+                .filter_map(|(name, parameter, _)| match parameter.kind {
+                    ParameterKind::Number(_, range) => Some((name, range)),
+                    ParameterKind::Color(_) => None,
+                })
+                .collect();
+            for (name, [low, high]) in all {
+                let (mut other, value) = (scene.clone(), low + (high - low) * random.unit() as f32);
+                let key = match name.rsplit_once('.') {
+                    Some((part, own)) => format!("{part}.parameters.{own}"),
+                    None => format!("parameters.{name}"),
+                };
+                let takes = random.next().is_multiple_of(2) && other.set_field(&key, &value.to_string()).is_ok();
+                if takes && other.check(&library).is_ok() {
+                    scene = other;
+                }
+            }
+        }
+        let (empty, wrong) = judge(&scene, 16, &mut random, samples);
+        println!("{name}: {empty} of 4096 cells are empty");
+        (cells, seen) = (cells + empty, seen + if empty > 0 { samples } else { 0 });
+        if wrong > 0 {
+            matter.push(format!("{index} {name}: {wrong} samples, {:?}", scene.parameters));
+        }
+    }
+    println!("{cells} cells of {} scenes, {seen} samples", presets.len() + count);
+    assert!(cells > 20_000, "{cells}");
+    assert!(matter.is_empty(), "{}", matter.join("\n"));
+}
