@@ -5,7 +5,7 @@ mod common;
 
 use common::{subject, with_gpu};
 use hypertexture::render::{Fault, RenderError, render, watch};
-use hypertexture::scene::{ParameterValue, Pass, Scene, preset};
+use hypertexture::scene::{EmptySpace, ParameterValue, Pass, Scene, preset};
 use hypertexture::shader::{self, Library};
 
 /// The text of a DMF with a parameter.
@@ -160,5 +160,35 @@ fn a_picture_that_is_not_finite_names_the_module() {
         let error = render(gpu, &library, &scene, &subject(&scene, &library)).unwrap_err().to_string();
         assert!(error.contains("values that are not finite") && error.contains("medium/hot.glsl gives NaN"), "{error}");
         assert!(!error.contains("report the scene"), "{error}");
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn g09_rays_leave_out_empty_cells_of_custom_modules_and_say_why_where_they_cannot() {
+    let bodies = [
+        ("return density * max(1.0 - rate * abs(s.x.y), 0.0);", true),
+        (
+            "float sum = 0.0;\nfor (float k = 0.0; k < 40.0 + fract(s.x.x); ++k) sum += 0.01;\nreturn (density - 0.9) * sum;",
+            true,
+        ),
+        ("return density * (1.1 + tan(1000.0 * s.x.x));", false),
+    ];
+    with_gpu(|gpu| {
+        for (body, is_bounded) in bodies {
+            let (mut scene, library) = scene(&[("own", body)]);
+            scene.quality.pass = Pass::March;
+            (scene.image.size, scene.quality.samples) = ([96, 96], 256);
+            let subject = subject(&scene, &library);
+            let [all, skipped] = [EmptySpace::Sample, EmptySpace::Skip].map(|empty_space| {
+                scene.quality.empty_space = empty_space;
+                render(gpu, &library, &scene, &subject).unwrap_or_else(|error| panic!("{error}"))
+            });
+            assert!(all.pixels == skipped.pixels, "{body}");
+            let cells = skipped.measurements.cells.unwrap();
+            println!("{body}: {cells:?}");
+            assert_eq!(cells.why.is_none(), cells.empty > 0.0, "{cells:?}");
+            assert!(!is_bounded || cells.empty > 0.02, "{cells:?}");
+        }
     });
 }

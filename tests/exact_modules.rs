@@ -25,7 +25,7 @@ const GLASS: &str = include_str!("glsl/exact_glass.glsl");
 /// that need certain modules beside them.
 type Subject = (&'static str, &'static str, &'static str, &'static [(&'static str, &'static str)]);
 
-const SLOTS: [Subject; 28] = [
+const SLOTS: [Subject; 29] = [
     ("object", POINT, "lit", &[]),
     ("storage", POINT, "lit", &[]),
     ("softness", POINT, "fire", &[]),
@@ -50,6 +50,7 @@ const SLOTS: [Subject; 28] = [
     ("clip", RAY, "lit", &[]),
     ("jitter", RAY, "lit", &[]),
     ("empty_space", RAY, "fire", &[]),
+    ("cells", RAY, "fire", &[]),
     ("index", GLASS, "blue_glass", &[]),
     ("absorption", GLASS, "blue_glass", &[]),
     ("environment", GLASS, "blue_glass", &[]),

@@ -84,7 +84,7 @@ fn m61_skipping_changes_no_bit_of_any_figure_whose_rays_are_straight() {
             }
             cells += usize::from(skipped.measurements.cells.is_some_and(|cells| cells.empty > 0.0));
         }
-        assert!(cells >= 15, "{cells} scenes have empty cells");
+        assert!(cells >= 12, "{cells} scenes have empty cells");
     });
 }
 

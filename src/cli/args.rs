@@ -1,6 +1,7 @@
 //! The command line.
 
 use super::compare::Compare;
+use super::explain::Explain;
 use super::field::Field;
 use super::gallery::GalleryArguments;
 use super::merge::Merge;
@@ -41,6 +42,8 @@ pub enum Command {
     Gallery(GalleryArguments),
     /// Measure error against run time: noise implementations, samples, blocks, formats and integrations, with a report.
     Compare(Box<Compare>),
+    /// Say what a picture is made with, what its scene leaves out and why, and what that saves.
+    Explain(Box<Explain>),
     /// List the effects and their parameters.
     Effects,
     /// List every setting of a scene: its default, what it may be, its flag.

@@ -6,6 +6,7 @@ mod compare;
 mod docs_tests;
 pub mod doctor;
 mod effects;
+mod explain;
 mod field;
 mod flags;
 pub mod gallery;
@@ -128,6 +129,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         Command::Gallery(command) => gallery::run(&command, &options, quiet),
         Command::Compare(command) if command.paper => paper::run(&command, &options, quiet),
         Command::Compare(command) => compare::run(&command, &options, quiet),
+        Command::Explain(command) => explain::run(&command, &options, quiet),
         Command::Effects => effects::run(),
         Command::Settings => {
             say(&settings::page());

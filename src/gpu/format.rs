@@ -40,6 +40,14 @@ impl Format {
         }
     }
 
+    /// Channels of one texel.
+    pub fn channels(self) -> u32 {
+        match self {
+            Format::R8Unorm | Format::R16Unorm | Format::R32Float => 1,
+            _ => 4,
+        }
+    }
+
     pub(super) fn vk(self) -> vk::Format {
         match self {
             Format::R8Unorm => vk::Format::R8_UNORM,

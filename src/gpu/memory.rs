@@ -250,6 +250,16 @@ impl Image {
         self.allocation.size()
     }
 
+    /// Texels along each axis.
+    pub fn size(&self) -> [u32; 3] {
+        [self.extent.width, self.extent.height, self.extent.depth]
+    }
+
+    /// The format of its texels.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+
     /// The name given when it was made.
     pub fn name(&self) -> &str {
         &self.name

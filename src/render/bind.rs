@@ -6,7 +6,7 @@ use super::shot::Shot;
 use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
 use super::values::{Values, blocks};
-use super::{OCTAVES_ID, RenderError};
+use super::{OCTAVES_ID, Read, RenderError};
 use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler};
 use crate::render::variant::{Program, Resource, Use};
 use crate::scene::Scene;
@@ -121,6 +121,16 @@ impl BoundInputs {
         let images = self.images.iter().map(|(binding, image)| (*binding, gpu::Resource::Image(image.clone())));
         let samplers = self.samplers.iter().map(|(binding, own)| (*binding, gpu::Resource::Sampler(own.clone())));
         blocks.chain(images).chain(samplers).collect()
+    }
+
+    /// What the images are.
+    pub(super) fn images(&self) -> Vec<Read> {
+        let read = |(_, image): &(u32, Arc<Image>)| {
+            let channels = image.format().channels();
+            let bits = 8 * image.format().bytes() as u32 / channels;
+            Read { name: image.name().into(), size: image.size(), channels, bits, bytes: image.bytes() }
+        };
+        self.images.iter().map(read).collect()
     }
 
     /// Bytes of the images on the device.

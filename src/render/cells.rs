@@ -36,6 +36,8 @@ const PLACE: f64 = 1e-6;
 /// So many cells along a side are always tried; finer ones if of so many boxes at least one is empty.
 const TRIED: u32 = 16;
 const LEAST_FOUND: usize = 32;
+/// Scalar operations that finer boxes may take: some seconds.
+const OPERATIONS: u64 = 4_000_000_000;
 /// Boxes that one thread decides at a time.
 const BOXES: usize = 512;
 
@@ -150,7 +152,7 @@ fn image(gpu: &Gpu, side: u32, texels: &[u8]) -> Result<Image, RenderError> {
 fn side(gpu: &Gpu, shot: &Shot<'_>, texels: u64) -> u32 {
     let scene = shot.scene;
     let pictures = if scene.camera.shutter == 0.0 { scene.quality.supersampling } else { 1 };
-    let [width, height] = scene.image.size.map(f64::from);
+    let [width, height] = shot.whole.map(f64::from);
     let samples = width * height * f64::from(shot.planes.count) * f64::from(pictures) * unskipped(shot);
     let of_a_cell = if gpu.info().cpu { SAMPLES } else { SAMPLES_OF_A_GPU };
     let levels = (samples / of_a_cell).cbrt().log2().floor().clamp(0.0, 8.0);
@@ -202,14 +204,15 @@ impl Bounded {
             let is_empty = |cells: &[[u32; 3]]| {
                 let places = cells.iter().map(|cell| boxes.cell(*cell, side).map(Device)).collect();
                 let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
-                let outputs = bound.run::<Device>(&lanes)?;
-                Ok(outputs[&0].iter().map(|[alpha, ..]| alpha.0.hi <= 0.0).collect())
+                let (outputs, operations) = bound.measure::<Device>(&lanes)?;
+                Ok((outputs[&0].iter().map(|[alpha, ..]| alpha.0.hi <= 0.0).collect(), operations))
             };
-            let decided: Vec<Vec<bool>> =
+            let decided: Vec<(Vec<bool>, u64)> =
                 open.par_chunks(BOXES).map(is_empty).collect::<Result<_, exact::ExactError>>()?;
+            let of_a_box = decided.iter().map(|(_, operations)| operations).sum::<u64>() / open.len() as u64;
             let scale = boxes.side / side;
             let (mut next, mut found) = (Vec::new(), 0);
-            for (cell, is_empty) in open.iter().zip(decided.into_iter().flatten()) {
+            for (cell, is_empty) in open.iter().zip(decided.into_iter().flat_map(|(empty, _)| empty)) {
                 if is_empty {
                     found += 1;
                     for [x, y, z] in children(*cell, scale) {
@@ -220,7 +223,7 @@ impl Bounded {
                 }
             }
             let vain = side >= TRIED && found * LEAST_FOUND < open.len();
-            if scale == 1 || vain {
+            if next.is_empty() || vain || of_a_box * next.len() as u64 > OPERATIONS {
                 return Ok(empty);
             }
             (open, side) = (next, 2 * side);

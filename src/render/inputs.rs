@@ -124,7 +124,7 @@ impl StoredObjects {
 
     /// The values of every member of the blocks for one picture.
     pub(super) fn values(&self, shot: &Shot<'_>, sub_frame: &SubFrame) -> Values {
-        let Shot { scene, subject, variant, view, planes, space } = shot;
+        let Shot { scene, subject, variant, view, planes, space, .. } = shot;
         let objects = view.objects.iter().zip(&self.0);
         let items: Vec<Item<'_>> =
             objects.map(|(own, stored)| Item::of(own, scene, subject, variant, *stored)).collect();

@@ -59,6 +59,21 @@ pub struct Frame {
     pub measurements: Measurements,
 }
 
+/// An image that a program reads.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Read {
+    /// What it holds.
+    pub name: String,
+    /// Texels along each axis.
+    pub size: [u32; 3],
+    /// Channels of a texel.
+    pub channels: u32,
+    /// Bits of a channel.
+    pub bits: u32,
+    /// Bytes on the device.
+    pub bytes: u64,
+}
+
 /// What a frame took.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Measurements {
@@ -87,6 +102,9 @@ pub struct Measurements {
     pub longest_ms: f64,
     /// Milliseconds of everything, wall clock.
     pub total_ms: f64,
+    /// The images that the program reads.
+    #[serde(default)]
+    pub images: Vec<Read>,
     /// Bytes of images on the device.
     pub device_bytes: u64,
     /// What the bricks of a volume save; `None` where the volume is stored as a whole.

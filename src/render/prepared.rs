@@ -51,6 +51,8 @@ pub(super) struct Prepared {
     /// The images of a picture that is read back: that which is blended into, and where its samples are averaged to.
     targets: Option<(gpu::Image, Option<gpu::Image>)>,
     compile_ms: f64,
+    /// The size of the picture that pictures stand for.
+    pub(super) whole: [u32; 2],
 }
 
 impl Prepared {
@@ -117,6 +119,7 @@ impl Prepared {
             half_angle,
             targets,
             compile_ms,
+            whole: shot.whole,
         })
     }
 
@@ -179,7 +182,7 @@ impl Prepared {
         subject: &Subject,
         variant: &Variant,
     ) -> Result<Recording, RenderError> {
-        let shot = Shot::of(scene, subject, variant);
+        let shot = Shot { whole: self.whole, ..Shot::of(scene, subject, variant) };
         let mut all = SubFrame::all(scene);
         let (Some(sub_frame), None) = (all.next(), all.next()) else {
             return Err(RenderError::Recorded("quality.supersampling = 1"));
@@ -203,7 +206,7 @@ impl Prepared {
         bands: &[Range<u32>],
         wanted: impl Fn(u32) -> bool,
     ) -> Result<Frame, RenderError> {
-        let shot = Shot::of(scene, subject, variant);
+        let shot = Shot { whole: self.whole, ..Shot::of(scene, subject, variant) };
         let slices = self.slices(&shot)?;
         let [width, height] = scene.image.size;
         let mut sum = vec![[0.0; 4]; width as usize * height as usize];
@@ -253,6 +256,7 @@ impl Prepared {
             shadow_ms,
             longest_ms: drawn.longest_ms,
             total_ms: 0.0,
+            images: self.bound.images(),
             device_bytes: self.bound.bytes() + targets + self.half_angle.as_ref().map_or(0, HalfAngle::bytes),
             sparse: self.bound.sparse(),
             cells: self.bound.cells(),

@@ -30,12 +30,18 @@ pub struct Renderer {
     library: Library,
     subject: Subject,
     prepared: Option<Prepared>,
+    whole: Option<[u32; 2]>,
 }
 
 impl Renderer {
     /// A renderer that has made nothing yet. It shares device, library and subject, which are not copied.
     pub fn new(gpu: &Gpu, library: &Library, subject: &Subject) -> Renderer {
-        Renderer { gpu: gpu.clone(), library: library.clone(), subject: subject.clone(), prepared: None }
+        Renderer { gpu: gpu.clone(), library: library.clone(), subject: subject.clone(), prepared: None, whole: None }
+    }
+
+    /// Pictures from now on are small ones of a picture of this size: they leave out as much of empty space as that does.
+    pub fn stand_for(&mut self, size: [u32; 2]) {
+        self.whole = Some(size);
     }
 
     /// Makes what the next picture of a scene needs. Calls `progress` with the part of a block of noise that is done, from
@@ -128,7 +134,8 @@ impl Renderer {
         destination: Destination,
         progress: Progress<'_>,
     ) -> Result<&mut Prepared, RenderError> {
-        let prepared = match self.prepared.take() {
+        let whole = self.whole;
+        let mut prepared = match self.prepared.take() {
             Some(prepared) if prepared.fits(scene, variant, destination) => prepared,
             other => {
                 let made = match other {
@@ -142,6 +149,7 @@ impl Renderer {
                 Prepared::new(&self.gpu, &self.library, &shot, destination, made, progress)?
             }
         };
+        prepared.whole = whole.unwrap_or(scene.image.size);
         Ok(self.prepared.insert(prepared))
     }
 }

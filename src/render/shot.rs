@@ -15,6 +15,8 @@ pub(super) struct Shot<'a> {
     pub(super) view: View,
     pub(super) planes: Planes,
     pub(super) space: LightSpace,
+    /// The size of the picture that it stands for.
+    pub(super) whole: [u32; 2],
 }
 
 impl<'a> Shot<'a> {
@@ -23,6 +25,6 @@ impl<'a> Shot<'a> {
         let view = View::of(scene, subject, variant);
         let planes = view.planes(scene.quality.samples);
         let space = LightSpace::of(scene, &view, &planes);
-        Shot { scene, subject, variant, view, planes, space }
+        Shot { scene, subject, variant, view, planes, space, whole: scene.image.size }
     }
 }

@@ -5,6 +5,7 @@
 //! (`watch.glsl`). Invariant: a scene whose modules all ship costs nothing.
 
 use super::cpu_inputs::CpuInputs;
+use super::inputs::CELLS;
 use super::{OCTAVES_ID, RenderError, Subject};
 use crate::exact::{ExactError, Inputs, Lanes, Program, Texture};
 use crate::render::variant::{self, Use, Variant};
@@ -166,9 +167,10 @@ impl Trial<'_> {
         let mut inputs = cpu_inputs.exact();
         inputs.blocks = cpu_inputs.moments(program)?.into_iter().next().unwrap_or_default();
         for image in program.resources.iter().filter(|resource| matches!(resource.holds, Use::Image)) {
-            // What is drawn before the picture is light, and all of it arrives.
-            let white = || Texture { size: [1; 3], texels: vec![[1.0; 4]] };
-            inputs.images.entry(image.binding).or_insert_with(white);
+            // What is made with the picture: light, and all of it arrives; or cells, and no one is empty.
+            let value = if image.name == CELLS { 0.0 } else { 1.0 };
+            let plain = || Texture { size: [1; 3], texels: vec![[value; 4]] };
+            inputs.images.entry(image.binding).or_insert_with(plain);
         }
         let exact = Program::read(&program.fragment, &[(OCTAVES_ID, self.scene.effect.octaves)])?;
         let [near, far] = cpu_inputs.depths;

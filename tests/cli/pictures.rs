@@ -297,3 +297,25 @@ fn completions_and_manual_pages_know_commands_and_arguments() {
     let hidden = ["draw", "rays"].map(|name| format!("hypertexture\\-{name}(1)"));
     assert!(hidden.iter().all(|name| !program.contains(name)), "{program}");
 }
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn what_a_picture_is_made_with_is_explained_with_what_leaving_out_saves() {
+    let desk = Desk::new();
+    let said = desk.good("explain torus --effect clouds --pass march --size 128x128 --samples 256");
+    let line =
+        |start: &str| said.lines().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{start}: {said}"));
+    assert!(line("modules ").contains("warp=fractal"), "{said}");
+    assert!(line("reads      noise block: 64 x 64 x 64, ").ends_with(" MiB"), "{said}");
+    line("left out   volume: the object is a formula");
+    line("left out   shadow volume: light.shadows is off");
+    assert!(line("cells ").contains("% proven to be empty in "), "{said}");
+    assert!(said.contains(" ms with every sample of a ray (--empty-space sample): skipping saves "), "{said}");
+    assert!(
+        said.contains(" %, no pixel differs\n") && said.contains(" ms by slices (--pass slices): rays save "),
+        "{said}"
+    );
+    let said = desk.good("explain cube --effect lit --size 32x32");
+    assert!(!said.contains("cells ") && said.contains("left out   noise block: no module looks noise up"), "{said}");
+    assert!(desk.files().is_empty(), "it writes no picture");
+}

@@ -261,6 +261,7 @@ fn image(name: &str) -> Texture {
         "light_before_image" => filled([SIDE, SIDE, 1], &|[x, y, _]| [x, y, 0.5, 0.5 + 0.5 * x * y]),
         "light_behind_image" => filled([SIDE, SIDE, 1], &|[x, y, _]| [0.5 * x, y, 0.25, 0.5 * x * y]),
         "phase_image" => filled([SIDE, SIDE, 1], &|[x, y, _]| [(37.0 * x + 17.0 * y).fract(), 0.0, 0.0, 1.0]),
+        "cell_image" => filled([8; 3], &|[x, y, _]| [(5.0 * x * y).floor() / 255.0, 0.0, 0.0, 1.0]),
         "shadow_image" => filled([8, 8, 9], &|[x, y, z]| [1.0 - z * (0.5 + 0.25 * x * y); 4]),
         // A ball in a volume that spans [-2, 2]: the way out in RGB, (distance + 2) / 4 in A and R of a lean one.
         "volume_image" => filled([SIDE; 3], &|at| {

@@ -267,27 +267,32 @@ impl Program {
     /// What the scene did not need: not in the program, not allocated, not uploaded, not bound.
     pub fn left_out(&self) -> Vec<&'static str> {
         let read = |binding: &str| self.resources.iter().any(|resource| resource.name.starts_with(binding)); // by any object
-        PARTS.iter().filter(|(binding, _)| !read(binding)).map(|(_, part)| *part).collect()
+        PARTS.iter().filter(|(binding, ..)| !read(binding)).map(|(_, part, _)| *part).collect()
     }
 }
 
-/// What a program may read: how its bindings begin, and its name.
-const PARTS: [(&str, &str); 9] = [
-    ("volume_image", "volume"),
-    ("noise_", "noise block"), // with or without its gradient
-    ("turbulence_", "turbulence block"),
-    ("transfer_image", "transfer map"),
-    ("segment_image", "segment table"),
-    ("classified_image", "classified volume"),
-    ("index_image", "index map"),
-    ("closest_image", "closest points"),
-    ("shadow_image", "shadow volume"),
+/// What a program may read: how its bindings begin, its name, and why a scene has none.
+const PARTS: [(&str, &str, &str); 9] = [
+    ("volume_image", "volume", "the object is a formula"),
+    ("noise_", "noise block", "no module looks noise up in a block"), // with or without its gradient
+    ("turbulence_", "turbulence block", "no module looks turbulence up in a block"),
+    ("transfer_image", "transfer map", "no module asks for a color by density"),
+    ("segment_image", "segment table", "no segment is classified by the densities at its ends"),
+    ("classified_image", "classified volume", "colors are not given to voxels"),
+    ("index_image", "index map", "no ray bends"),
+    ("closest_image", "closest points", "no module asks for the root of a hair"),
+    ("shadow_image", "shadow volume", "light.shadows is off, or the light goes from slice to slice"),
 ];
+
+/// Why a scene has none of a part that [`Program::left_out`] names; empty for other names.
+pub fn why_left_out(name: &str) -> &'static str {
+    PARTS.iter().find(|(_, part, _)| *part == name).map_or("", |(_, _, why)| why)
+}
 
 /// Names of [`Program::left_out`], read back.
 pub(crate) fn parts<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Vec<&'static str>, D::Error> {
     let names: Vec<String> = serde::Deserialize::deserialize(from)?;
-    Ok(PARTS.iter().map(|(_, part)| *part).filter(|part| names.iter().any(|name| name == part)).collect())
+    Ok(PARTS.iter().map(|(_, part, _)| *part).filter(|part| names.iter().any(|name| name == part)).collect())
 }
 
 fn object_module(scene: &Scene, needs_normal: bool) -> &str {

@@ -1,0 +1,120 @@
+//! `explain`: what a picture is made with, what its scene leaves out and why, and what that saves.
+
+use super::picture::{cells, octaves};
+use super::scene_arguments::{ObjectFlags, SceneArguments};
+use super::{say, with_progress};
+use crate::gpu::{Gpu, Options};
+use crate::measure::statistics::quantile;
+use crate::render::variant::why_left_out;
+use crate::render::{Frame, RenderError, Renderer, Subject};
+use crate::scene::{EmptySpace, Pass, Scene};
+use clap::Args;
+use std::error::Error;
+
+/// Pictures of which the time is the median.
+const PICTURES: usize = 3;
+
+/// Arguments of `explain`.
+#[derive(Args)]
+pub struct Explain {
+    /// What `render` takes: an object, a scene file, an example scene, or a picture that this program has written.
+    pub input: String,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectFlags,
+    /// What the picture shows.
+    #[command(flatten)]
+    pub arguments: SceneArguments,
+}
+
+/// Draws the picture, and again without each of the things that leave work out.
+pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let scene = command.arguments.scene(&command.input, &command.object)?;
+    let library = scene.library()?;
+    scene.check(&library)?;
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let gpu = Gpu::new(options)?;
+    let draw = |scene: &Scene| -> Result<(Frame, f64), RenderError> {
+        let mut renderer = Renderer::new(&gpu, &library, &subject);
+        renderer.prepare(scene, &|_| ())?;
+        let frames = (0..PICTURES).map(|_| renderer.render(scene)).collect::<Result<Vec<Frame>, _>>()?;
+        let ms = |frame: &Frame| frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0);
+        let times: Vec<f64> = frames.iter().map(ms).collect();
+        // Of the first one: what it proved is kept for the others.
+        let first = frames.into_iter().next().ok_or(RenderError::Missing("picture"))?;
+        Ok((first, quantile(times, 0.5)))
+    };
+    let (frame, ms) = draw(&scene)?;
+    let m = &frame.measurements;
+    let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
+    let mut lines = vec![
+        format!("program    {}", if m.shipped { "ships" } else { "linked for this scene" }),
+        format!("modules    {}", m.modules),
+    ];
+    for image in m.images.iter().filter(|image| image.size != [1; 3]) {
+        let axes = image.size.iter().rposition(|side| *side > 1).map_or(1, |last| last + 1);
+        let size = image.size[..axes].iter().map(u32::to_string).collect::<Vec<_>>().join(" x ");
+        let (name, channels, bits) = (&image.name, image.channels, image.bits);
+        lines.push(format!("reads      {name}: {size}, {channels} x {bits} bits, {:.2} MiB", mib(image.bytes)));
+    }
+    lines.extend(m.left_out.iter().map(|part| format!("left out   {part}: {}", why_left_out(part))));
+    lines.extend(octaves(m, &scene, &library));
+    lines.extend(cells(m));
+    lines.push(format!("time       {ms:.1} ms on the device, median of {PICTURES}"));
+    for More { how, saves, change } in without(&scene) {
+        let mut other = scene.clone();
+        change(&mut other);
+        if other == scene || other.check(&library).is_err() {
+            continue;
+        }
+        let (full, full_ms) = draw(&other)?;
+        let differences =
+            frame.pixels.as_flattened().iter().zip(full.pixels.as_flattened()).map(|(a, b)| (a - b).abs());
+        let error = match differences.fold(0.0, f32::max) {
+            0.0 => "no pixel differs".into(),
+            most => format!("pixels differ by {most:.1e} at most"),
+        };
+        let saved = (100.0 * (1.0 - ms / full_ms)).round() as i32;
+        lines.push(format!("           {full_ms:.1} ms {how}: {saves} {saved} %, {error}"));
+    }
+    lines.push(format!("memory     {:.1} MiB of images on the device\n", mib(m.device_bytes)));
+    say(&lines.join("\n"));
+    Ok(())
+}
+
+/// A picture that costs more.
+struct More {
+    /// How it is drawn.
+    how: &'static str,
+    /// What the scene does in place of that.
+    saves: &'static str,
+    change: fn(&mut Scene),
+}
+
+/// The pictures that a scene is held against.
+fn without(scene: &Scene) -> [More; 3] {
+    [
+        More {
+            how: "with every sample of a ray (--empty-space sample)",
+            saves: "skipping saves",
+            change: |scene| scene.quality.empty_space = EmptySpace::Sample,
+        },
+        More {
+            how: "to the end of every ray (--set quality.early_termination=0)",
+            saves: "ending early saves",
+            change: |scene| scene.quality.early_termination = 0.0,
+        },
+        match scene.quality.pass {
+            Pass::March => More {
+                how: "by slices (--pass slices)",
+                saves: "rays save",
+                change: |scene| scene.quality.pass = Pass::Slices,
+            },
+            Pass::Slices => More {
+                how: "by rays (--pass march)",
+                saves: "slices save",
+                change: |scene| scene.quality.pass = Pass::March,
+            },
+        },
+    ]
+}
