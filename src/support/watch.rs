@@ -46,6 +46,13 @@ pub(crate) fn processor_time(id: u32) -> Option<Duration> {
     Some(Duration::from_millis(10 * (ticks()? + ticks()?)))
 }
 
+/// Bytes of memory that a process holds, where the system says.
+pub(crate) fn memory(id: u32) -> Option<u64> {
+    const PAGE: u64 = 4096; // or more
+    let text = std::fs::read_to_string(format!("/proc/{id}/statm")).ok()?;
+    text.split(' ').nth(1)?.parse::<u64>().ok().map(|pages| pages * PAGE)
+}
+
 /// How a process ended.
 pub(crate) fn end(status: ExitStatus) -> String {
     #[cfg(unix)]
@@ -91,6 +98,15 @@ mod tests {
         busy.kill().unwrap();
         busy.wait().unwrap();
         assert!(!early && late, "early {early}, late {late}");
+    }
+
+    #[test]
+    fn the_memory_of_a_process_is_what_it_holds() {
+        let own = || memory(std::process::id()).unwrap();
+        let before = own();
+        let held = std::hint::black_box(vec![1_u8; 256 << 20]);
+        assert!(own() > before + (200 << 20), "{before} {}", own());
+        drop(held);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::gpu::Gpu;
 use crate::render::{Frame, Measurements, RenderError, Renderer, Subject};
 use crate::scene::{Object, Scene, to_text};
 use crate::shader::{self, Library};
-use crate::support::watch::{Watch, end};
+use crate::support::watch::{Watch, end, memory};
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -29,6 +29,8 @@ pub const COMMAND: &str = "draw";
 pub const PATIENCE: Duration = Duration::from_secs(120);
 /// Processor time that each of its samples may take beyond that, seconds: ten times what a software driver needs.
 const SAMPLE: f64 = 1e-5;
+/// A process that holds more is replaced: lavapipe keeps hundreds of megabytes for each picture of a large program.
+const MOST_MEMORY: u64 = 4 << 30;
 /// How often a worker is watched.
 const LOOK: Duration = Duration::from_millis(20);
 
@@ -141,6 +143,9 @@ impl Worker {
             };
         }
         *before = Some(generation);
+        if memory(process.child.id()).is_some_and(|bytes| bytes > MOST_MEMORY) {
+            state.process = None;
+        }
         frame
     }
 }
