@@ -197,9 +197,16 @@ fn m61_rays_and_slices_give_the_same_picture_with_shadows() {
 fn m61_leaping_changes_no_shadow() {
     let library = shader::shipped();
     with_gpu(|gpu| {
-        for (effect, object) in [("lit", "knot"), ("fur", "torus"), ("melting", "torus")] {
+        for (effect, object, bandlimit) in [
+            ("lit", "knot", "none"),
+            ("fur", "torus", "none"),
+            ("melting", "torus", "none"),
+            ("clouds", "sphere", "none"),
+            ("clouds", "sphere", "clamp"),
+        ] {
             let mut scene = shaded(effect, object);
-            scene.object.stretch = [1.0, 1.0, 0.6];
+            (scene.object.stretch, scene.effect.bandlimit) = ([1.0, 1.0, 0.6], bandlimit.into());
+            scene.quality.pass = Pass::March;
             let subject = subject(&scene, &library);
             let [all, skipped] = [EmptySpace::Sample, EmptySpace::Skip].map(|empty_space| {
                 scene.quality.empty_space = empty_space;

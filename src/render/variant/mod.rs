@@ -135,6 +135,7 @@ impl Variant {
         scene.quality.integration = Integration::Point; // a segment of the light holds many samples
         let mut choice = scene.slots(library);
         choice.extend(self.objects());
+        let fades = self.slots.iter().any(|(key, names)| key.ends_with("bandlimit") && names != &["none"]);
         for (key, names) in &mut choice {
             let slot = key.rsplit('.').next().unwrap_or_default();
             if slot == "medium" && library.has_extinction(names) {
@@ -143,8 +144,9 @@ impl Variant {
             if let Some((_, module)) = SHADOW_SLOTS.iter().find(|(other, _)| *other == slot) {
                 *names = vec![module.to_string()];
             } else if slot == "cells" {
-                // A shadow reads no image that the picture does not.
-                *names = self.slots.get("cells").cloned().unwrap_or_else(|| vec!["none".into()]);
+                // A shadow reads no image that the picture does not, and octaves that fade fade there with other steps.
+                let own = self.slots.get("cells").filter(|_| !fades);
+                *names = own.cloned().unwrap_or_else(|| vec!["none".into()]);
             } else if slot == "storage" && names == &["anisotropic"] {
                 *names = vec!["dense".into()]; // a sample of the light is wider than a pixel
             }
