@@ -34,7 +34,7 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
     scene.check(&library)?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let gpu = Gpu::new(options)?;
-    let draw = |scene: &Scene| -> Result<(Frame, f64), RenderError> {
+    let draw = |scene: &Scene| -> Result<(Frame, Vec<f64>), RenderError> {
         let mut renderer = Renderer::new(&gpu, &library, &subject);
         renderer.prepare(scene, &|_| ())?;
         let frames = (0..PICTURES).map(|_| renderer.render(scene)).collect::<Result<Vec<Frame>, _>>()?;
@@ -42,9 +42,9 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
         let times: Vec<f64> = frames.iter().map(ms).collect();
         // Of the first one: what it proved is kept for the others.
         let first = frames.into_iter().next().ok_or(RenderError::Missing("picture"))?;
-        Ok((first, quantile(times, 0.5)))
+        Ok((first, times))
     };
-    let (frame, ms) = draw(&scene)?;
+    let (frame, times) = draw(&scene)?;
     let m = &frame.measurements;
     let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
     let mut lines = vec![
@@ -60,26 +60,36 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
     lines.extend(m.left_out.iter().map(|part| format!("left out   {part}: {}", why_left_out(part))));
     lines.extend(octaves(m, &scene, &library));
     lines.extend(cells(m));
-    lines.push(format!("time       {ms:.1} ms on the device, median of {PICTURES}"));
+    lines.push(format!("time       {} on the device, median of {PICTURES}", spread(&times)));
     for More { how, saves, change } in without(&scene) {
         let mut other = scene.clone();
         change(&mut other);
         if other == scene || other.check(&library).is_err() {
             continue;
         }
-        let (full, full_ms) = draw(&other)?;
+        let (full, others) = draw(&other)?;
         let differences =
             frame.pixels.as_flattened().iter().zip(full.pixels.as_flattened()).map(|(a, b)| (a - b).abs());
         let error = match differences.fold(0.0, f32::max) {
             0.0 => "no pixel differs".into(),
             most => format!("pixels differ by {most:.1e} at most"),
         };
-        let saved = (100.0 * (1.0 - ms / full_ms)).round() as i32;
-        lines.push(format!("           {full_ms:.1} ms {how}: {saves} {saved} %, {error}"));
+        let saved = (100.0 * (1.0 - median(&times) / median(&others))).round() as i32;
+        lines.push(format!("           {} {how}: {saves} {saved} %, {error}", spread(&others)));
     }
     lines.push(format!("memory     {:.1} MiB of images on the device\n", mib(m.device_bytes)));
     say(&lines.join("\n"));
     Ok(())
+}
+
+fn median(times: &[f64]) -> f64 {
+    quantile(times.to_vec(), 0.5)
+}
+
+/// The median of some times, and from which to which they are.
+fn spread(times: &[f64]) -> String {
+    let [least, most] = [0.0, 1.0].map(|share| quantile(times.to_vec(), share));
+    format!("{:.1} ms ({least:.1} to {most:.1})", median(times))
 }
 
 /// A picture that costs more.
