@@ -34,7 +34,6 @@ impl BoundInputs {
     pub(super) fn new(
         gpu: &Gpu,
         library: &Library,
-        shot: &Shot<'_>,
         program: &Program,
         inputs: &Inputs,
     ) -> Result<BoundInputs, RenderError> {
@@ -45,7 +44,7 @@ impl BoundInputs {
         let sampler = |(binding, filter): &(u32, super::encoded::Filter)| {
             Ok((*binding, Arc::new(Sampler::new(gpu, filter.address, filter.anisotropy)?)))
         };
-        let cells = program.reads(CELLS).then(|| Cells::new(library, shot, inputs)).transpose()?;
+        let cells = program.reads(CELLS).then(|| Cells::new(library));
         let mut bound = BoundInputs {
             blocks: Vec::new(),
             images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,

@@ -5,7 +5,6 @@
 //! decided may hold matter.
 
 use super::cpu_inputs::{texture, wrap};
-use super::encoded::Encoded;
 use super::inputs::Inputs;
 use super::shot::Shot;
 use super::values::{Values, blocks};
@@ -56,12 +55,21 @@ pub struct Found {
 
 /// What cells of a scene are decided by.
 pub(super) struct Cells {
-    /// The program, where there may be bounds of it.
-    bounded: Option<Bounded>,
+    library: Library,
+    decider: Decider,
     /// Those of the picture before.
     found: Found,
-    /// What they depend on.
+    /// What they depend on; `None` where there are none.
     key: Option<(Vec<u64>, Boxes)>,
+}
+
+/// What decides, made for the first picture that it pays for.
+enum Decider {
+    /// Not made yet; its images have at least so many texels.
+    Unmade(u64),
+    Made(Box<Bounded>),
+    /// There are no bounds, and why.
+    Unbounded(String),
 }
 
 /// A program that says where matter is, and what it reads.
@@ -85,12 +93,10 @@ struct Boxes {
 }
 
 impl Cells {
-    /// What decides the cells of a scene whose picture reads these inputs.
-    pub(super) fn new(library: &Library, shot: &Shot<'_>, inputs: &Inputs) -> Result<Cells, RenderError> {
-        let program = shot.variant.cells(shot.scene, library)?.program(library, Linker::new)?;
-        let bounded = Bounded::new(shot, program, inputs);
-        let found = bounded.as_ref().map_or_else(|why| Found::none(why.clone()), |_| Found::default());
-        Ok(Cells { bounded: bounded.ok(), found, key: None })
+    /// What decides the cells of the pictures of one program.
+    pub(super) fn new(library: &Library) -> Cells {
+        let (library, decider) = (library.clone(), Decider::Unmade(0));
+        Cells { library, decider, found: Found::default(), key: None }
     }
 
     /// What was found last.
@@ -100,42 +106,46 @@ impl Cells {
 
     /// The cells of a picture as rays read them, unless they are those of the picture before.
     pub(super) fn update(&mut self, gpu: &Gpu, shot: &Shot<'_>, values: &Values) -> Result<Option<Image>, RenderError> {
-        let (start, Some(bounded)) = (Instant::now(), &mut self.bounded) else { return Ok(None) };
-        let filled = blocks(&bounded.program, values)?.into_iter();
-        bounded.inputs.blocks = filled.map(|(resource, bytes)| (resource.binding, bytes)).collect();
-        let boxes = Boxes::of(shot, side(gpu, shot, bounded.texels));
-        let key = (bounded.code.values(&bounded.outline, &bounded.inputs.blocks)?, boxes);
-        if self.key.as_ref() == Some(&key) {
-            return Ok(None);
+        let start = Instant::now();
+        let side_of = |texels| side(gpu, shot, texels);
+        if let Decider::Unmade(texels) = self.decider
+            && side_of(texels) > 0
+        {
+            self.decider = Decider::new(&self.library, shot, |texels| side_of(texels) > 0)?;
         }
-        let empty = match boxes.side {
-            0 => Err("so few samples are not worth it".into()),
-            _ => bounded.empty(&boxes).map_err(|error| error.to_string()),
+        let few = || (None, Err("so few samples are not worth it".into()));
+        let (key, empty) = match &mut self.decider {
+            Decider::Unmade(_) => few(),
+            Decider::Unbounded(why) => (None, Err(why.clone())),
+            Decider::Made(bounded) => match Boxes::of(shot, side_of(bounded.texels)) {
+                Boxes { side: 0, .. } => few(),
+                boxes => {
+                    let key = Some((bounded.fill(values)?, boxes));
+                    if key == self.key {
+                        return Ok(None);
+                    }
+                    (key, bounded.empty(&boxes).map_err(|error| error.to_string()))
+                }
+            },
         };
-        self.key = Some(key);
-        Ok(Some(match empty {
-            Err(why) => {
-                self.found = Found::none(why);
-                open(gpu)?
-            }
-            Ok(empty) if !empty.contains(&true) => {
-                self.found = Found::none("no bounds prove that there is no matter".into());
-                open(gpu)?
-            }
-            Ok(empty) => {
+        let empty = empty.and_then(|empty| match empty.contains(&true) {
+            true => Ok(empty),
+            false => Err("no bounds prove that there is no matter".to_string()),
+        });
+        let before = std::mem::replace(&mut self.key, key);
+        Ok(match (&self.key, empty) {
+            (Some((_, Boxes { side, .. })), Ok(empty)) => {
                 let part = empty.iter().filter(|&&empty| empty).count() as f32 / empty.len() as f32;
-                let image = image(gpu, boxes.side, &distances(&empty, boxes.side as usize))?;
+                let image = image(gpu, *side, &distances(&empty, *side as usize))?;
                 let ms = start.elapsed().as_secs_f64() * 1e3;
-                self.found = Found { side: boxes.side, empty: part, ms, why: None };
-                image
+                self.found = Found { side: *side, empty: part, ms, why: None };
+                Some(image)
             }
-        }))
-    }
-}
-
-impl Found {
-    fn none(why: String) -> Found {
-        Found { why: Some(why), ..Found::default() }
+            (_, why) => {
+                self.found = Found { why: why.err(), ..Found::default() };
+                before.is_some().then(|| open(gpu)).transpose()?
+            }
+        })
     }
 }
 
@@ -173,25 +183,43 @@ fn unskipped(shot: &Shot<'_>) -> f64 {
     f64::from((near.fold(0.0, f32::max) / shot.view.extent.radius).min(1.0))
 }
 
-impl Bounded {
-    fn new(shot: &Shot<'_>, program: Program, inputs: &Inputs) -> Result<Bounded, String> {
+impl Decider {
+    /// For the program of a shot, if it `pays` to read so many texels.
+    fn new(library: &Library, shot: &Shot<'_>, pays: impl Fn(u64) -> bool) -> Result<Decider, RenderError> {
+        let program = shot.variant.cells(shot.scene, library)?.program(library, Linker::new)?;
         let octaves = [(OCTAVES_ID, shot.scene.effect.octaves)];
-        let code = exact::Program::read_channel(&program.fragment, &octaves, (0, 3));
-        let code = code.map_err(|error| error.to_string())?;
+        let code = match exact::Program::read_channel(&program.fragment, &octaves, (0, 3)) {
+            Ok(code) => code,
+            Err(error) => return Ok(Decider::Unbounded(error.to_string())),
+        };
         let outline = code.outline();
-        let read = |binding: u32| outline.images.iter().any(|(image, _)| *image == binding);
-        let images: Vec<&(u32, Encoded)> = inputs.images.iter().filter(|(binding, _)| read(*binding)).collect();
+        let Inputs { mut images, samplers, .. } = Inputs::new(library, shot, &program, &|_| ())?;
+        images.retain(|(binding, _)| outline.images.iter().any(|(image, _)| image == binding));
         if let Some((_, image)) = images.iter().find(|(_, image)| image.format == Format::Rgba8Unorm) {
-            return Err(format!("the {} has 8 bits, and so have its interpolated values on some devices", image.name));
+            let why = format!("the {} has 8 bits, and so have its interpolated values on some devices", image.name);
+            return Ok(Decider::Unbounded(why));
         }
         let texels = images.iter().map(|(_, image)| image.bytes().len() as u64 / image.format.bytes()).sum();
         if texels > MOST_TEXELS {
-            return Err(format!("its images have {texels} texels, and bounds read at most {MOST_TEXELS}"));
+            let why = format!("its images have {texels} texels, and bounds read at most {MOST_TEXELS}");
+            return Ok(Decider::Unbounded(why));
         }
-        let images = images.into_iter().map(|(binding, image)| (*binding, texture(image))).collect();
-        let samplers = inputs.samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect();
+        if !pays(texels) {
+            return Ok(Decider::Unmade(texels));
+        }
+        let images = images.iter().map(|(binding, image)| (*binding, texture(image))).collect();
+        let samplers = samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect();
         let inputs = exact::Inputs { blocks: BTreeMap::new(), images, samplers };
-        Ok(Bounded { program, code, outline, inputs, texels })
+        Ok(Decider::Made(Box::new(Bounded { program, code, outline, inputs, texels })))
+    }
+}
+
+impl Bounded {
+    /// Sets what the program reads beside images; what depends on it, in bits.
+    fn fill(&mut self, values: &Values) -> Result<Vec<u64>, RenderError> {
+        let filled = blocks(&self.program, values)?.into_iter();
+        self.inputs.blocks = filled.map(|(resource, bytes)| (resource.binding, bytes)).collect();
+        Ok(self.code.values(&self.outline, &self.inputs.blocks)?)
     }
 
     /// Which cells are proven to be empty, x fastest.

@@ -70,7 +70,7 @@ impl Prepared {
         let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
         let quality = &scene.quality;
         let bound = made.bound.map_or_else(
-            || BoundInputs::new(gpu, library, shot, &program, &Inputs::new(library, shot, &program, progress)?),
+            || BoundInputs::new(gpu, library, &program, &Inputs::new(library, shot, &program, progress)?),
             Ok,
         )?;
         let format = match (destination, quality.target) {

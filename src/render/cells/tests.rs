@@ -25,6 +25,23 @@ fn a_cell_knows_how_far_it_is_to_the_next_that_may_hold_matter() {
     assert_eq!(distances(&[true; 8], 2), [u8::MAX; 8]);
 }
 
+#[test]
+fn what_decides_is_made_where_it_pays() {
+    let (library, mut scene) = (shader::shipped(), preset("melting").unwrap());
+    scene.object.resolution = 32;
+    let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+    let variant = Variant::of(&scene, &library).unwrap();
+    let shot = Shot::of(&scene, &subject, &variant);
+    let voxels = subject.field.as_ref().unwrap().grid.size.iter().map(|side| u64::from(*side)).product();
+    for pays in [false, true] {
+        match Decider::new(&library, &shot, |texels| pays && texels >= voxels).unwrap() {
+            Decider::Unmade(texels) => assert!(!pays && texels >= voxels, "{texels} of {voxels}"),
+            Decider::Made(made) => assert!(pays && made.texels >= voxels),
+            Decider::Unbounded(why) => panic!("{why}"),
+        }
+    }
+}
+
 /// How many cells of a scene are empty, and how many samples in those hold matter.
 fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (usize, usize) {
     let library = shader::shipped();
@@ -34,11 +51,10 @@ fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (us
     assert!(program.reads(super::super::inputs::CELLS), "{}", variant.key());
     let shot = Shot::of(scene, &subject, &variant);
     let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-    let cells = variant.cells(scene, &library).unwrap().program(&library, Linker::new).unwrap();
-    let mut bounded = Bounded::new(&shot, cells, &inputs).unwrap();
-    let values = inputs.stored().values(&shot, &SubFrame::all(scene).next().unwrap());
-    let filled = blocks(&bounded.program, &values).unwrap().into_iter();
-    bounded.inputs.blocks = filled.map(|(resource, bytes)| (resource.binding, bytes)).collect();
+    let Decider::Made(mut bounded) = Decider::new(&library, &shot, |_| true).unwrap() else {
+        panic!("{}", variant.key())
+    };
+    bounded.fill(&inputs.stored().values(&shot, &SubFrame::all(scene).next().unwrap())).unwrap();
     let boxes = Boxes::of(&shot, side);
     let empty = bounded.empty(&boxes).unwrap();
     let which: Vec<u32> = (0..side.pow(3)).filter(|&index| empty[index as usize]).collect();
