@@ -5,9 +5,10 @@ use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::{say, with_progress};
 use crate::gpu::{Gpu, Options};
 use crate::measure::statistics::quantile;
-use crate::render::variant::why_left_out;
+use crate::render::variant::{Variant, why_left_out};
 use crate::render::{Frame, RenderError, Renderer, Subject};
-use crate::scene::{EmptySpace, Pass, Scene};
+use crate::scene::{EmptySpace, Neutral, Pass, Scene};
+use crate::shader::library::ZERO;
 use clap::Args;
 use std::error::Error;
 
@@ -58,13 +59,16 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
         lines.push(format!("reads      {name}: {size}, {channels} x {bits} bits, {:.2} MiB", mib(image.bytes)));
     }
     lines.extend(m.left_out.iter().map(|part| format!("left out   {part}: {}", why_left_out(part))));
+    let zero = Variant::of(&scene, &library)?.slots.get(ZERO).map(|names| names.join(", "));
+    lines.extend(zero.iter().map(|names| format!("left out   what these take away, as they are 0: {names}")));
     lines.extend(octaves(m, &scene, &library));
     lines.extend(cells(m));
     lines.push(format!("time       {} on the device, median of {PICTURES}", spread(&times)));
     for More { how, saves, change } in without(&scene) {
         let mut other = scene.clone();
         change(&mut other);
-        if other == scene || other.check(&library).is_err() {
+        let keeps = other.quality.neutral == Neutral::Keep && zero.is_none();
+        if other == scene || keeps || other.check(&library).is_err() {
             continue;
         }
         let (full, others) = draw(&other)?;
@@ -102,12 +106,17 @@ struct More {
 }
 
 /// The pictures that a scene is held against.
-fn without(scene: &Scene) -> [More; 3] {
+fn without(scene: &Scene) -> [More; 4] {
     [
         More {
             how: "with every sample of a ray (--empty-space sample)",
             saves: "skipping saves",
             change: |scene| scene.quality.empty_space = EmptySpace::Sample,
+        },
+        More {
+            how: "with the terms that a 0 takes away (--set quality.neutral=keep)",
+            saves: "leaving them out saves",
+            change: |scene| scene.quality.neutral = Neutral::Keep,
         },
         More {
             how: "to the end of every ray (--set quality.early_termination=0)",

@@ -14,7 +14,8 @@ use crate::field::Progress;
 use crate::gpu::{self, Buffer, Gpu, HostCommands, Recording};
 use crate::scene::schema::Changes;
 use crate::scene::{Order, Pass, Scene, TargetFormat};
-use crate::shader::{Library, Linker};
+use crate::shader::library::ZERO;
+use crate::shader::{Library, Linker, Slots};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -31,7 +32,8 @@ pub(super) enum Destination {
 /// What of a scene was made before.
 #[derive(Default)]
 pub(super) struct Made {
-    pub(super) program: Option<Program>,
+    /// A program, and which it is.
+    pub(super) program: Option<(Program, Slots)>,
     pub(super) bound: Option<BoundInputs>,
 }
 
@@ -39,6 +41,7 @@ pub(super) struct Made {
 pub(super) struct Prepared {
     gpu: Gpu,
     scene: Scene,
+    /// That of its program, which may serve others.
     variant: Variant,
     destination: Destination,
     pub(super) program: Program,
@@ -65,8 +68,12 @@ impl Prepared {
         made: Made,
         progress: Progress<'_>,
     ) -> Result<Prepared, RenderError> {
-        let (start, &Shot { scene, variant, .. }) = (Instant::now(), shot);
-        let program = made.program.map_or_else(|| variant.program(library, Linker::new), Ok)?;
+        let (start, scene) = (Instant::now(), shot.scene);
+        let (program, slots) = match made.program {
+            Some(made) => made,
+            None => (shot.variant.program(library, Linker::new)?, shot.variant.slots.clone()),
+        };
+        let variant = Variant { slots, ..shot.variant.clone() };
         let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
         let quality = &scene.quality;
         let bound = made.bound.map_or_else(
@@ -90,8 +97,8 @@ impl Prepared {
         let attributes = if quality.pass == Pass::Slices { pass::attributes(quality.proxy) } else { &[] };
         let pipeline = bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, blend)?;
         let casts = program.reads(SHADOW);
-        let caster = casts.then(|| Caster::new(gpu, library, scene, variant)).transpose()?;
-        let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, variant));
+        let caster = casts.then(|| Caster::new(gpu, library, scene, &variant)).transpose()?;
+        let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, &variant));
         let half_angle = half_angle.transpose()?;
         compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
         let targets = match destination {
@@ -106,7 +113,7 @@ impl Prepared {
                 Some((target("target", quality.msaa)?, resolved))
             }
         };
-        let (gpu, scene, variant, pipeline) = (gpu.clone(), scene.clone(), variant.clone(), Arc::new(pipeline));
+        let (gpu, scene, pipeline) = (gpu.clone(), scene.clone(), Arc::new(pipeline));
         Ok(Prepared {
             gpu,
             scene,
@@ -130,6 +137,12 @@ impl Prepared {
             && self.reads_the_same(scene, variant)
     }
 
+    /// What serves another scene that its program serves.
+    pub(super) fn made(self, scene: &Scene, variant: &Variant) -> Made {
+        let reads_the_same = self.reads_the_same(scene, variant);
+        Made { program: Some((self.program, self.variant.slots)), bound: reads_the_same.then_some(self.bound) }
+    }
+
     /// Whether another scene has the same program and images: it differs in camera, time, parameters, samples and targets
     /// alone, and its matter reaches as far.
     pub(super) fn reads_the_same(&self, scene: &Scene, variant: &Variant) -> bool {
@@ -147,9 +160,14 @@ impl Prepared {
         same_settings && same_step && same_tables && self.runs(variant) && reach(variant) == reach(&self.variant)
     }
 
-    /// Whether its program is that of a variant.
+    /// Whether its program serves a variant: what is 0 in it is 0 there. Where more is, the picture is the same without it,
+    /// and to link anew would take longer: a value that is pulled to 0 stands still.
     pub(super) fn runs(&self, variant: &Variant) -> bool {
-        (variant.entries, &variant.slots) == (self.variant.entries, &self.variant.slots)
+        let [own, wanted] = [&self.variant, variant].map(|variant| {
+            let modules = variant.slots.iter().filter(|(slot, _)| *slot != ZERO);
+            (variant.entries, modules.collect::<Vec<_>>(), variant.slots.get(ZERO).map_or(&[][..], Vec::as_slice))
+        });
+        own.0 == wanted.0 && own.1 == wanted.1 && own.2.iter().all(|zero| wanted.2.contains(zero))
     }
 
     /// The slices of a picture, or none for rays.
@@ -244,7 +262,7 @@ impl Prepared {
         let images = self.targets.iter().flat_map(|(color, resolved)| std::iter::once(color).chain(resolved));
         let targets: u64 = images.map(gpu::Image::bytes).sum();
         let measurements = Measurements {
-            modules: variant.key(),
+            modules: self.variant.key(),
             shipped: self.program.shipped,
             left_out: self.program.left_out(),
             octaves: variant.reads("turbulence").then_some([variant.octaves, scene.effect.octaves]),

@@ -139,10 +139,7 @@ impl Renderer {
             Some(prepared) if prepared.fits(scene, variant, destination) => prepared,
             other => {
                 let made = match other {
-                    Some(other) if other.reads_the_same(scene, variant) => {
-                        Made { program: Some(other.program), bound: Some(other.bound) }
-                    }
-                    Some(other) if other.runs(variant) => Made { program: Some(other.program), bound: None },
+                    Some(other) if other.runs(variant) => other.made(scene, variant),
                     _ => Made::default(),
                 };
                 let shot = Shot::of(scene, &self.subject, variant);

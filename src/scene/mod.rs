@@ -35,7 +35,7 @@ pub use part::{Boolean, Part, Transform};
 pub use preset_texts::names;
 pub use presets::{EFFECTS, nearest_preset, preset};
 pub use quality::{
-    BlockFormat, EmptySpace, Integration, Jitter, Order, Pass, Proxy, Quality, Reject, TargetFormat, Wrap,
+    BlockFormat, EmptySpace, Integration, Jitter, Neutral, Order, Pass, Proxy, Quality, Reject, TargetFormat, Wrap,
 };
 pub use strategy::Repeat;
 pub use transfer::{Curve, Stop, Transfer};

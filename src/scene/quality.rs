@@ -14,6 +14,8 @@ pub struct Quality {
     pub integration: Integration,
     /// Which samples of a ray are taken: all of them, or those that may not be empty.
     pub empty_space: EmptySpace,
+    /// What becomes of the terms of modules that a parameter of 0 takes away.
+    pub neutral: Neutral,
     /// A ray ends where less light than this would still come through, 0 to 0.5: the largest error of a pixel, in units
     /// of the brightest matter behind. Slices have no such end.
     pub early_termination: f32,
@@ -55,6 +57,7 @@ impl std::default::Default for Quality {
             samples: 256,
             integration: Integration::Point,
             empty_space: EmptySpace::Skip,
+            neutral: Neutral::LeaveOut,
             early_termination: 1e-4,
             target: TargetFormat::Float32,
             order: Order::FrontToBack,
@@ -118,6 +121,17 @@ pub enum EmptySpace {
     /// It is skipped as far as the distance to the object and bounds of the matter show it: the same picture, sooner.
     #[default]
     Skip,
+}
+
+/// What becomes of the terms of modules that a parameter of 0 takes away; the picture is the same but for roundings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Neutral {
+    /// They are computed and come to nothing: the program serves every value of the parameter.
+    Keep,
+    /// The program does without them and what they alone read.
+    #[default]
+    LeaveOut,
 }
 
 /// Format that the slices are blended in.

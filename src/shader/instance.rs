@@ -4,12 +4,10 @@
 //! depends on the object is compiled once for each, under names that end in the object's; everything else is shared.
 
 use super::error::LibraryError;
-use super::library::{Include, Library, Slots, include, objects, own_names};
-use super::names::{has_state, members, rename, uses};
+use super::library::{Include, Library, PART, Slots, include, objects, own_names};
+use super::names::{has_state, rename, uses};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The file of what each object has for itself.
-const PART: &str = "part.glsl";
 /// Functions that the linker writes for stacks.
 const STACKED: [&str; 5] = ["displace", "modulate", "layer", "medium", "extinction"];
 /// Bindings that each object has: those of one begin this many after those of the one before.
@@ -80,12 +78,6 @@ impl Instance {
     /// What is appended to the names of the object.
     pub(super) fn suffix(&self) -> String {
         format!("_{}", self.name)
-    }
-
-    /// The members that the object adds to the block of parameters: what `part.glsl` has in a block of its own.
-    pub(super) fn members(&self, library: &Library) -> Vec<String> {
-        let text = library.text(PART);
-        members(&text).into_iter().map(|(kind, name)| format!("{kind} {name}{}", self.suffix())).collect()
     }
 
     /// The text of a file or of a generated stack, for this object.

@@ -2,7 +2,7 @@
 
 use super::declare::{Declarations, parse};
 use super::error::LibraryError;
-use super::names::{definitions, rename};
+use super::names::{definitions, members, rename};
 use super::reach::Reach;
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -10,7 +10,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Which modules fill each slot: one name, or for a stack (`warp`, `dmf`) any number in order of application, and for
-/// `medium` one for each layer of the DMFs; a DMF may be `module@mask`. The slot of an additional object is `object.slot`, and [`COMBINE`] holds the formula of the objects.
+/// `medium` one for each layer of the DMFs; a DMF may be `module@mask`. The slot of an additional object is `object.slot`,
+/// [`COMBINE`] holds the formula of the objects, and [`ZERO`] the parameters that are 0.
 pub type Slots = BTreeMap<String, Vec<String>>;
 
 /// GLSL sources by path relative to the `glsl` folder, such as `dmf/fur.glsl`. Clones share them.
@@ -136,7 +137,29 @@ impl Library {
             }
             needed.extend(choice.get_key_value(COMBINE).map(|(key, formula)| (key.clone(), formula.clone())));
         }
+        let mut zero = choice.get(ZERO).cloned().unwrap_or_default();
+        if !zero.is_empty() {
+            let known = self.constants(entries, &needed)?;
+            zero.retain(|name| known.contains(name));
+        }
+        if !zero.is_empty() {
+            needed.insert(ZERO.into(), zero);
+        }
         Ok(needed)
+    }
+
+    /// Everything of a program that [`ZERO`] may name.
+    fn constants(&self, entries: &[&str], slots: &Slots) -> Result<BTreeSet<String>, LibraryError> {
+        let part = self.text(PART);
+        let mut names = BTreeSet::new();
+        let parts = objects(slots).into_iter().map(|object| (object, self.object_declarations(object, slots)));
+        for (object, declared) in [("", self.declarations(entries, slots))].into_iter().chain(parts) {
+            let parameters = declared?.parameters;
+            let own =
+                parameters.iter().map(|own| own.name.as_str()).chain(members(&part).into_iter().map(|(_, name)| name));
+            names.extend(own.map(|name| prefixed(object, name)));
+        }
+        Ok(names)
     }
 
     /// Every file that is reached from `entries`, but for those of additional objects.
@@ -249,6 +272,11 @@ pub fn objects(choice: &Slots) -> BTreeSet<&str> {
     choice.keys().filter_map(|key| key.split_once('.')).map(|(object, _)| object).collect()
 }
 
+/// A name in [`ZERO`].
+pub fn prefixed(object: &str, name: &str) -> String {
+    if object.is_empty() { name.into() } else { format!("{object}.{name}") }
+}
+
 /// What a file defines and declares.
 pub fn own_names(path: &str, text: &str) -> BTreeSet<String> {
     let declared = parse(path, text).unwrap_or_default().parameters.into_iter().map(|parameter| parameter.name);
@@ -269,6 +297,11 @@ pub const PARAMETERS: &str = "parameters";
 pub const OBJECTS: &str = "objects";
 /// The key in [`Slots`] of the formula by which the objects make one.
 pub const COMBINE: &str = "combine";
+/// The key in [`Slots`] of what is 0: parameters and members of `part.glsl`'s block, those of an additional object as
+/// `object.name`. They are constants of the program, which does without the terms that they take away.
+pub const ZERO: &str = "zero";
+/// The file of what each object has for itself.
+pub const PART: &str = "part.glsl";
 /// The slot of the masks: where a DMF acts.
 const MASK: &str = "mask";
 /// The slot that colors soft matter.

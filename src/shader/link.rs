@@ -8,11 +8,12 @@
 //! becomes: the same text, a different file in one slot.
 
 use super::combine::{Formula, FormulaError};
-use super::declare::ParameterKind;
+use super::declare::{Parameter, ParameterKind};
 use super::error::LibraryError;
 use super::instance::{Instance, instances};
 use super::layers::{layered, media};
-use super::library::{COMBINE, Library, MEDIUM, OBJECT_ENTRY, OBJECTS, PARAMETERS, Slots};
+use super::library::{COMBINE, Library, MEDIUM, OBJECT_ENTRY, OBJECTS, PARAMETERS, PART, Slots, ZERO, prefixed};
+use super::names::members;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -151,6 +152,9 @@ impl<'a> Sources<'a> {
                 fill(self.library, name, own.map(Vec::as_slice).unwrap_or_default())?
             }
             false => match self.library.source(name.split('#').next().unwrap_or_default()) {
+                Some(text) if name == PART && object.is_empty() => {
+                    (name.to_string(), with_constants(text, zero(self.slots)))
+                }
                 Some(_) => (name.to_string(), self.library.text(name).into_owned()),
                 None => {
                     let known = "the files of the library".into();
@@ -163,6 +167,28 @@ impl<'a> Sources<'a> {
             Some(instance) => Ok((format!("{object}:{path}"), instance.text(&path, &text))),
         }
     }
+}
+
+/// The names of the constants that are 0.
+fn zero(slots: &Slots) -> &[String] {
+    slots.get(ZERO).map(Vec::as_slice).unwrap_or_default()
+}
+
+/// A constant in place of a member of a block.
+fn constant(kind: &str, name: &str) -> String {
+    format!("const {kind} {name} = {kind}(0.0);\n")
+}
+
+/// The text of `part.glsl` with constants in place of those members of its block that are 0.
+fn with_constants(text: &str, zero: &[String]) -> String {
+    let mut text = text.to_string();
+    let of_zero = |(_, name): &(&str, &str)| zero.iter().any(|zero| zero == name);
+    let found: Vec<[String; 2]> =
+        members(&text).into_iter().filter(of_zero).map(|(kind, name)| [kind, name].map(String::from)).collect();
+    for [kind, name] in found {
+        text = text.replacen(&format!("{kind} {name};"), "", 1) + &constant(&kind, &name);
+    }
+    text
 }
 
 /// Name and text of what fills a slot.
@@ -257,29 +283,42 @@ fn objects_text(formula: &Formula) -> String {
 /// The name in formulas of the object that the scene itself describes.
 pub const MAIN: &str = "main";
 
-/// The uniform block of every parameter of a program, and of the constants of its additional objects; empty where it has none.
+/// The uniform block of every parameter of a program, and of the constants of its additional objects; empty where it has
+/// none. What is 0 is a constant.
 fn parameter_block(
     library: &Library,
     entries: &[&str],
     slots: &Slots,
     instances: &BTreeMap<String, Instance>,
 ) -> Result<String, LibraryError> {
-    let declare = |kind: &ParameterKind, name: &str, suffix: &str| match kind {
-        ParameterKind::Number(..) => format!("float {name}{suffix}"),
-        ParameterKind::Color(_) => format!("vec4 {name}{suffix}"),
+    let kind = |parameter: &Parameter| match parameter.kind {
+        ParameterKind::Number(..) => "float",
+        ParameterKind::Color(_) => "vec4",
     };
-    let declared = library.declarations(entries, slots)?.parameters;
-    let mut members: Vec<String> =
-        declared.iter().map(|parameter| declare(&parameter.kind, &parameter.name, "")).collect();
+    let (mut members, mut constants) = (Vec::new(), String::new());
+    let mut add =
+        |kind: &str, object: &str, name: &str, suffix: &str| match zero(slots).contains(&prefixed(object, name)) {
+            true => constants.push_str(&constant(kind, &format!("{name}{suffix}"))),
+            false => members.push(format!("{kind} {name}{suffix}")),
+        };
+    for own in &library.declarations(entries, slots)?.parameters {
+        add(kind(own), "", &own.name, "");
+    }
+    let part = library.text(PART);
     for (object, instance) in instances {
-        let declared = library.object_declarations(object, slots)?.parameters;
-        members.extend(declared.iter().map(|parameter| declare(&parameter.kind, &parameter.name, &instance.suffix())));
-        members.extend(instance.members(library));
+        let suffix = instance.suffix();
+        for own in &library.object_declarations(object, slots)?.parameters {
+            add(kind(own), object, &own.name, &suffix);
+        }
+        for (kind, name) in self::members(&part) {
+            add(kind, object, name, &suffix);
+        }
     }
     if members.is_empty() {
-        return Ok(String::new());
+        return Ok(constants);
     }
-    Ok(format!("layout(set = 0, binding = 2) uniform Parameters {{\n    {};\n}};\n", members.join(";\n    ")))
+    let members = members.join(";\n    ");
+    Ok(format!("{constants}layout(set = 0, binding = 2) uniform Parameters {{\n    {members};\n}};\n"))
 }
 
 #[cfg(test)]

@@ -16,8 +16,8 @@ use crate::measure::statistics::rms;
 use crate::render::variant::{Variant, VariantError};
 use crate::render::{RenderError, Subject};
 use crate::scene::{
-    BlockFormat, Effect, EmptySpace, Integration, Jitter, LightMethod, Order, Pass, Proxy, Quality, RayPath, Reject,
-    Scene, Storage, TargetFormat,
+    BlockFormat, Effect, EmptySpace, Integration, Jitter, LightMethod, Neutral, Order, Pass, Proxy, Quality, RayPath,
+    Reject, Scene, Storage, TargetFormat,
 };
 use crate::shader::{Library, LibraryError};
 use light::Light;
@@ -142,7 +142,7 @@ pub fn converged_settings(scene: &Scene) -> Scene {
     quality.pass = if bends { Pass::March } else { Pass::Slices }; // which may have the more samples
     quality.samples = if bends { bent::FEWEST } else { SAMPLES };
     quality.integration = Integration::Point;
-    quality.empty_space = EmptySpace::Skip;
+    (quality.empty_space, quality.neutral) = (EmptySpace::Skip, Neutral::LeaveOut);
     quality.early_termination = 0.0;
     quality.target = TargetFormat::Float32;
     quality.order = Order::FrontToBack;

@@ -10,7 +10,8 @@ pub use crate::scene::FORMULAS;
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
 use crate::noise::Period;
-use crate::scene::{Integration, ParameterValue, Parameters, Scene, SceneError, Source};
+use crate::scene::{Color, Integration, Neutral, ParameterValue, Parameters, Scene, SceneError, Source};
+use crate::shader::library::{ZERO, prefixed};
 use crate::shader::{Library, LibraryError, LinkError, Linker, Parameter, Slots};
 use std::collections::BTreeMap;
 
@@ -101,6 +102,11 @@ impl Variant {
             // A boolean may turn the normal of any of its operands into that of the whole.
             choice.insert(slot(name), vec![object_module(&own, needs_normal || scene.has_several()).into()]);
         }
+        if scene.quality.neutral == Neutral::LeaveOut {
+            let mut all = zero(scene, "", &parameters);
+            all.extend(parts.iter().flat_map(|(name, parameters)| zero(&scene.alone(name), name, parameters)));
+            choice.insert(ZERO.into(), all);
+        }
         let (octaves, periods) = (scene.octaves_held(library), scene.periods(library));
         Ok(Variant { entries, slots: library.needed(&entries, &choice)?, parameters, parts, octaves, periods })
     }
@@ -134,7 +140,7 @@ impl Variant {
         let mut scene = scene.clone();
         scene.quality.integration = Integration::Point; // a segment of the light holds many samples
         let mut choice = scene.slots(library);
-        choice.extend(self.objects());
+        choice.extend(self.kept());
         let fades = self.slots.iter().any(|(key, names)| key.ends_with("bandlimit") && names != &["none"]);
         for (key, names) in &mut choice {
             let slot = key.rsplit('.').next().unwrap_or_default();
@@ -160,7 +166,7 @@ impl Variant {
     /// A module is missing, which [`Variant::of`] excludes.
     pub fn probe(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
         let mut choice = scene.slots(library);
-        choice.extend(self.objects());
+        choice.extend(self.kept());
         Ok(Variant { entries: PROBE_ENTRIES, slots: library.needed(&PROBE_ENTRIES, &choice)?, ..self.clone() })
     }
 
@@ -173,10 +179,10 @@ impl Variant {
         Ok(Variant { entries, slots: library.needed(&entries, &self.slots)?, ..self.clone() })
     }
 
-    /// The modules that sample the objects, by slot.
-    fn objects(&self) -> impl Iterator<Item = (String, Vec<String>)> {
-        let of_object = |key: &String| key == "object" || key.ends_with(".object");
-        let own = self.slots.iter().filter(move |(key, _)| of_object(key));
+    /// What other programs of the same scene share: the modules that sample the objects, by slot, and what is 0.
+    fn kept(&self) -> impl Iterator<Item = (String, Vec<String>)> {
+        let is_kept = |key: &String| key == "object" || key.ends_with(".object") || key == ZERO;
+        let own = self.slots.iter().filter(move |(key, _)| is_kept(key));
         own.map(|(key, names)| (key.clone(), names.clone()))
     }
 
@@ -295,6 +301,21 @@ pub fn why_left_out(name: &str) -> &'static str {
 pub(crate) fn parts<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Vec<&'static str>, D::Error> {
     let names: Vec<String> = serde::Deserialize::deserialize(from)?;
     Ok(PARTS.iter().map(|(_, part, _)| *part).filter(|part| names.iter().any(|name| name == part)).collect())
+}
+
+/// What is 0 of an object of a scene, of which `own` is the scene of that object alone.
+fn zero(own: &Scene, object: &str, parameters: &Parameters) -> Vec<String> {
+    let is_zero = |value: &ParameterValue| *value == ParameterValue::Number(0.0);
+    let parameters = parameters.iter().filter(|(_, value)| is_zero(value)).map(|(own, _)| own.name.as_str());
+    let (light, black) = (&own.light, |color: Color| color == Color([0; 3]));
+    let members = [
+        ("light_color", light.intensity == 0.0 || black(light.color)),
+        ("ambient_color", black(light.ambient)),
+        ("specular_strength", own.material.specular == 0.0),
+        ("material_color", black(own.material.color)),
+    ];
+    let members = members.into_iter().filter(|(_, is_zero)| *is_zero).map(|(name, _)| name);
+    parameters.chain(members).map(|name| prefixed(object, name)).collect()
 }
 
 fn object_module(scene: &Scene, needs_normal: bool) -> &str {

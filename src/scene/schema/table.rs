@@ -109,6 +109,13 @@ const EMPTY_SPACE: Kind = Choice(&[
     ("skip", "Those that neither distance nor bounds show to be empty: the same picture, sooner."),
     ("sample", "All of them."),
 ]);
+const NEUTRAL: Kind = Choice(&[
+    (
+        "leave_out",
+        "The program does without them and what they alone read: the same picture but for roundings, sooner.",
+    ),
+    ("keep", "They are computed and come to nothing."),
+]);
 const TARGET: Kind = Choice(&[
     ("unorm8", "8 bits: the paper's; loses thin matter."),
     ("float16", "16-bit float."),
@@ -219,6 +226,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("quality.samples", whole(1.0, 100_000.0), Picture, "Slices through the sphere around the object, or samples of a ray through it.").usual(1.0, 4096.0).flag("samples"),
     setting("quality.integration", INTEGRATION, Images, "What a sample stands for.").flag("integration"),
     setting("quality.empty_space", EMPTY_SPACE, Images, "Which samples of a ray are taken.").flag("empty-space"),
+    setting("quality.neutral", NEUTRAL, Images, "What becomes of the terms of modules that a parameter of 0 takes away."),
     setting("quality.early_termination", number(0.0, 0.5), Picture, "A ray ends where less light than this would still come through: the largest error of a pixel."),
     setting("quality.target", TARGET, Targets, "Format that the slices are blended in.").flag("target"),
     setting("quality.order", ORDER, Targets, "Order of the slices.").flag("order"),
