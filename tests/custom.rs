@@ -140,6 +140,7 @@ fn a_loop_that_devices_cut_is_refused_at_its_line() {
 #[test]
 fn the_samples_of_a_ray_add_up_and_those_of_slices_do_not() {
     let (mut scene, library) = scene(&[("slow", &turns("(1e3 * rate)"))]);
+    scene.quality.pass = Pass::Slices;
     assert_eq!(fault(&scene, &library), None);
     scene.quality.pass = Pass::March;
     assert!(refusal(&scene, &library).contains("the loops of one ray make more than 65535 turns"));

@@ -5,7 +5,7 @@ mod common;
 use common::{difference, formula, homogeneous, picture, rays, subject, with_gpu};
 use hypertexture::gpu::{Format, Gpu};
 use hypertexture::render::{Frame, Subject, render};
-use hypertexture::scene::{EFFECTS, Order, Projection, Proxy, Scene, Source, preset};
+use hypertexture::scene::{EFFECTS, Order, Pass, Projection, Proxy, Scene, Source, preset};
 use hypertexture::shader;
 use std::path::Path;
 
@@ -30,7 +30,7 @@ fn effect(name: &str, object: &str, samples: u32) -> Scene {
     scene.object.input = object.into();
     scene.object.resolution = 32;
     scene.image.size = [64, 64];
-    scene.quality.samples = samples;
+    (scene.quality.pass, scene.quality.samples) = (Pass::Slices, samples);
     scene
 }
 

@@ -9,7 +9,7 @@ use crate::measure::worker::{Load, Painter, Start, Worker};
 use crate::output::{self, Depth, OutputError, Provenance};
 use crate::render::variant::Variant;
 use crate::render::{Frame, RenderError, Subject, render};
-use crate::scene::{Color, EFFECTS, Object, ParameterValue, Pass, Scene, SceneError, names, preset, to_text};
+use crate::scene::{Color, EFFECTS, Object, ParameterValue, Scene, SceneError, names, preset, to_text};
 use crate::shader::{self, Library, ParameterKind};
 use crate::support::write_whole;
 use clap::Args;
@@ -113,15 +113,11 @@ pub fn examples() -> Result<Vec<(String, Scene)>, SceneError> {
     names().map(example).collect()
 }
 
-/// A preset, with rays: the picture of the slices, sooner, but where a warp leaves a hard object nothing to skip over.
+/// A preset on the page.
 fn example(name: &str) -> Result<(String, Scene), SceneError> {
     let mut scene = preset(name)?;
     scene.object.resolution = RESOLUTION;
     scene.image.background = scene.image.background.or(Some(BACKGROUND));
-    let skips = scene.effect.softness != "hard" || scene.effect.warp.is_empty();
-    if skips && !scene.is_half_angle() {
-        scene.quality.pass = Pass::March;
-    }
     Ok((name.to_string(), scene))
 }
 

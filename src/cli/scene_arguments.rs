@@ -4,7 +4,7 @@ use super::flags::Flags;
 use super::modules::{module, show, show_plane};
 use crate::measure::metric::Metric;
 use crate::output::{self, OutputError};
-use crate::scene::{self, Color, ParameterValue, Scene, SceneError};
+use crate::scene::{self, Color, ParameterValue, Pass, Scene, SceneError};
 use crate::shader::declare::hex_color;
 use clap::{Args, ValueEnum};
 use std::error::Error;
@@ -189,7 +189,7 @@ impl SceneArguments {
             Some(DebugView::SliceStack) => {
                 show(scene, "stack", "lit");
                 scene.camera.slice_stack = true;
-                scene.quality.samples = 24;
+                (scene.quality.pass, scene.quality.samples) = (Pass::Slices, 24);
             }
             Some(DebugView::Noise) => show_plane(scene, "noise"),
             Some(DebugView::NoiseGradient) => show_plane(scene, "noise_gradient"),

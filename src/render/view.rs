@@ -295,7 +295,7 @@ pub(super) fn slant(scene: &Scene, view: &View) -> f32 {
 mod tests {
     use super::*;
     use crate::render::pass::stack;
-    use crate::scene::{EFFECTS, LightMethod, Order, Proxy, preset};
+    use crate::scene::{EFFECTS, LightMethod, Order, Pass, Proxy, preset};
     use crate::shader;
 
     #[test]
@@ -307,6 +307,7 @@ mod tests {
                 let mut scene = preset(effect).unwrap();
                 scene.object.input = "torus".into();
                 (scene.light.shadows, scene.light.method, scene.light.position) = (true, method, [6.0, 1.0, -3.0]);
+                scene.quality.pass = Pass::Slices;
                 (scene.camera.azimuth, scene.camera.elevation) = (azimuth, elevation);
                 let subject = Subject::load(&scene, &shader::shipped(), &|_| ()).unwrap();
                 View::of(&scene, &subject, &Variant::of(&scene, &shader::shipped()).unwrap())

@@ -183,7 +183,16 @@ impl Scene {
         let procedural = self.has_noise_loops(library);
         if quality.pass == super::Pass::March {
             let each = if procedural { self.procedural_loops(library) } else { 1.0 };
-            within("quality.samples", quality.samples as f32, 1.0, (LOOP_BUDGET / each).floor())?;
+            let most = (LOOP_BUDGET / each).floor();
+            if quality.samples as f32 > most {
+                return Err(SceneError::Value {
+                    field: "quality.samples".into(),
+                    value: quality.samples.to_string(),
+                    limit: format!(
+                        "must be from 1 to {most} by rays, whose loops add up; quality.pass = \"slices\" takes more"
+                    ),
+                });
+            }
         }
         if self.light.shadows && procedural && SHADOW_SAMPLES * self.procedural_loops(library) > LOOP_BUDGET {
             return Err(SceneError::Value {

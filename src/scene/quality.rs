@@ -53,7 +53,7 @@ pub struct Quality {
 impl std::default::Default for Quality {
     fn default() -> Quality {
         Quality {
-            pass: Pass::Slices,
+            pass: Pass::March,
             samples: 256,
             integration: Integration::Point,
             empty_space: EmptySpace::Skip,
@@ -82,9 +82,10 @@ impl std::default::Default for Quality {
 #[serde(rename_all = "snake_case")]
 pub enum Pass {
     /// View-aligned slices, blended (MJ).
-    #[default]
     Slices,
-    /// Rays through the pixels, sampled where the slices would be (PH).
+    /// Rays through the pixels, sampled where the slices would be (PH): the same picture, which leaves out what is empty
+    /// or hidden.
+    #[default]
     March,
 }
 

@@ -98,8 +98,8 @@ const METHOD: Kind = Choice(&[
 const PROJECTION: Kind =
     Choice(&[("perspective", "Rays leave from one point."), ("parallel", "Rays leave side by side.")]);
 const PASS: Kind = Choice(&[
-    ("slices", "View-aligned slices, blended."),
-    ("march", "Rays through the pixels, sampled where the slices would be."),
+    ("march", "Rays through the pixels, sampled where the slices would be: the same picture, sooner."),
+    ("slices", "View-aligned slices, blended: the paper's; half-angle slicing needs them."),
 ]);
 const INTEGRATION: Kind = Choice(&[
     ("point", "A sample stands for itself, hard surfaces are located: first order in soft matter."),

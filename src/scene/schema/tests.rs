@@ -82,7 +82,7 @@ fn what_a_value_is_refused_with_says_what_is_taken() {
     assert_eq!(refusal("camera.clip", "[1, 2]"), "camera.clip = 2 numbers: must be 4 numbers");
     assert_eq!(
         refusal("quality.pass", "slcies"),
-        "quality.pass = slcies: must be slices or march; did you mean `slices`?"
+        "quality.pass = slcies: must be march or slices; did you mean `slices`?"
     );
     assert_eq!(refusal("parts.b.transform.scale", "0"), "parts.b.transform.scale = 0: must be from 0.01 to 100");
     assert_eq!(refusal("light.shadows", "1"), "light.shadows = 1: must be true or false");
