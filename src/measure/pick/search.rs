@@ -7,8 +7,10 @@ use crate::measure::compare::{CompareError, Stage};
 use crate::measure::reference::ReferenceError;
 use crate::measure::worker::Painter;
 use crate::render::RenderError;
-use crate::scene::Scene;
-use crate::shader::Library;
+use crate::render::variant::Variant;
+use crate::scene::{Integration, Pass, Scene, TargetFormat};
+use crate::shader::{Library, Linker};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Longest side of the small pictures, pixels. Smaller: few pixels meet an edge. Larger: they take longer than the
 /// picture that is asked for.
@@ -27,6 +29,8 @@ const STAYS: f64 = 0.85;
 const FLAT_FROM: u32 = 128;
 /// Curves that take longer than this times the fastest that fits are not drawn on.
 const SLOWER: f64 = 1.5;
+/// A target of fewer bits makes slices at most so many times faster.
+const OF_TARGET: f64 = 2.0;
 /// What is to replace the best must be so much faster, or have so many fewer samples.
 const FASTER: f64 = 0.95;
 /// Where nothing fits, so many curves are drawn to their limit.
@@ -60,6 +64,8 @@ pub(super) struct Search<'a> {
     known: Known,
     drawn: Vec<Drawn>,
     lessons: Vec<Lesson>,
+    /// Curves whose error no samples remove.
+    flat: Vec<Curve>,
     /// Candidates that could not be drawn; no other of their curves is tried.
     pub(super) failed: Vec<(Candidate, RenderError)>,
     /// Why there is no reference, where there is none.
@@ -98,18 +104,26 @@ impl<'a> Search<'a> {
                 (Known::by_finer_picture(&mut painter, stage, &small(scene), own)?, Some(why.to_string()))
             }
         };
-        let (library, drawn, lessons) = (stage.library, Vec::new(), Vec::new());
-        Ok(Search { painter, library, bound, families, known, drawn, lessons, failed, unverified })
+        let (library, drawn, lessons, flat) = (stage.library, Vec::new(), Vec::new(), Vec::new());
+        Ok(Search { painter, library, bound, families, known, drawn, lessons, flat, failed, unverified })
     }
 
     /// What is worth a whole picture: the fastest that should keep the bound, if it should be faster than the best so far;
     /// where there is none yet, at last the nearest.
     pub(super) fn next(&mut self, best: Option<&Drawn>, progress: &dyn Fn(f32)) -> Option<Drawn> {
         let families = std::mem::take(&mut self.families);
-        for (index, family) in families.iter().enumerate() {
-            self.follow(family);
-            progress((index + 1) as f32 / families.len() as f32 * 0.5);
-        }
+        let (library, at) = (self.library, AtomicUsize::new(0));
+        std::thread::scope(|scope| {
+            scope.spawn(|| link_ahead(&families, library, &at));
+            for (index, family) in families.iter().enumerate() {
+                at.store(index, Ordering::Relaxed);
+                if !self.is_hopeless(family, &families) {
+                    self.follow(family);
+                }
+                progress((index + 1) as f32 / families.len() as f32 * 0.5);
+            }
+            at.store(families.len(), Ordering::Relaxed);
+        });
         self.families = families;
         let fitting = self.drawn.iter().filter(|drawn| self.fits(drawn));
         let next = match fitting.min_by(|a, b| a.ms.total_cmp(&b.ms)).cloned() {
@@ -226,6 +240,44 @@ impl<'a> Search<'a> {
         Ok((error, ms))
     }
 
+    /// Whether what is known of other curves says that this one is slower than one that fits, or never fits. Its program
+    /// would take a driver longer than all its pictures.
+    fn is_hopeless(&self, family: &Candidate, families: &[Candidate]) -> bool {
+        let curve = family.curve();
+        let first = |strategy: &str| families.iter().map(Candidate::curve).find(|other| other.strategy == strategy);
+        let Some(base) = first(&curve.strategy).filter(|base| *base != curve) else { return false };
+        // Another pass, integration or target does not mend what a strategy makes of its noise.
+        if base.block == curve.block && self.flat.contains(&base) {
+            return true;
+        }
+        let best =
+            self.drawn.iter().filter(|drawn| self.fits(drawn)).map(|drawn| drawn.ms).fold(f64::INFINITY, f64::min);
+        let is_slow = |ms: f64| ms > SLOWER * best;
+        // A target of fewer bits needs no fewer samples, and may not take as many.
+        let exact = Curve { target: curve.target.map(|_| TargetFormat::Float32), ..curve.clone() };
+        if exact != curve {
+            let Some(exact) = self.nearest_of(&exact) else { return true };
+            let bound = candidates::with_samples(family, exact.candidate.samples()).blend_bound();
+            return is_slow(exact.ms / OF_TARGET) || bound > self.bound.error;
+        }
+        // Whatever a method takes more than rays of points, it takes about as much more with every strategy.
+        let others = families.iter().map(Candidate::curve).filter(|other| other.strategy != curve.strategy);
+        let method = |of: &Curve| (of.pass, of.integration, of.target);
+        let same_block = |other: &Curve| curve.block.is_none() || other.block.is_none() || curve.block == other.block;
+        let alike = others.filter(|other| method(other) == method(&curve) && same_block(other));
+        let ms = |curve: &Curve| self.nearest_of(curve).map(|drawn| drawn.ms);
+        let more = alike.filter_map(|other| Some(ms(&other)? / ms(&first(&other.strategy)?)?));
+        let more = more.fold(f64::INFINITY, f64::min);
+        more.is_finite() && ms(&base).is_some_and(|ms| is_slow(ms * more))
+    }
+
+    /// The fastest picture of a curve that fits, or that with the most samples of those that do not.
+    fn nearest_of(&self, curve: &Curve) -> Option<&Drawn> {
+        let own = || self.drawn.iter().filter(|drawn| drawn.candidate.curve() == *curve);
+        let fitting = own().filter(|drawn| self.fits(drawn)).min_by(|a, b| a.ms.total_cmp(&b.ms));
+        fitting.or_else(|| own().max_by_key(|drawn| drawn.candidate.samples()))
+    }
+
     /// Draws a curve with more and more samples until it fits, or takes longer than one that fits.
     fn follow(&mut self, family: &Candidate) {
         let target = self.target(&family.curve());
@@ -245,6 +297,7 @@ impl<'a> Search<'a> {
             // Its noise is what it has for error, and more samples show no other.
             let stays = |(fewer, larger): (u32, f64)| samples >= 2 * fewer && error > STAYS * larger;
             if samples >= FLAT_FROM && before.is_some_and(stays) {
+                self.flat.push(family.curve());
                 return;
             }
             if before.is_none_or(|(fewer, _)| samples >= 2 * fewer) {
@@ -295,6 +348,18 @@ impl<'a> Search<'a> {
             self.lesson(drawn).is_none() && (self.lessons.is_empty() || self.error(drawn) <= HOPE * self.bound.error)
         };
         self.drawn.iter().filter(hope).min_by(|a, b| a.error.total_cmp(&b.error)).cloned()
+    }
+}
+
+/// Links the programs of curves that are surely drawn, while those before them are: they are found on the disk then.
+fn link_ahead(families: &[Candidate], library: &Library, at: &AtomicUsize) {
+    let Some(own) = families.first().map(|first| &first.strategy) else { return };
+    for (index, Candidate { scene, strategy, .. }) in families.iter().enumerate() {
+        let is_base = (scene.quality.pass, scene.quality.integration) == (Pass::March, Integration::Point);
+        if index > at.load(Ordering::Relaxed) && (is_base || strategy == own) {
+            // What cannot be linked is said where it is drawn.
+            let _ = Variant::of(scene, library).map(|variant| variant.program(library, Linker::new));
+        }
     }
 }
 
