@@ -5,12 +5,18 @@ mod common;
 use common::{difference, formula, homogeneous, picture, with_gpu};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, render};
-use hypertexture::scene::{EFFECTS, ParameterValue, Projection, Proxy, Scene, preset};
+use hypertexture::scene::{EFFECTS, ParameterValue, Pass, Projection, Proxy, Scene, preset};
 use hypertexture::shader::{self, ParameterKind};
 
-/// Renders a scene whose object is a formula; a value that is not finite is an error of the renderer.
+/// Renders a scene whose object is a formula, by slices as well; a value that is not finite is an error of the renderer.
 fn finite(gpu: &Gpu, scene: &Scene) -> Frame {
-    picture(gpu, &shader::shipped(), scene, &formula(scene))
+    let (library, subject) = (shader::shipped(), formula(scene));
+    let mut slices = scene.clone();
+    slices.quality.pass = Pass::Slices;
+    if slices.check(&library).is_ok() {
+        picture(gpu, &library, &slices, &subject);
+    }
+    picture(gpu, &library, scene, &subject)
 }
 
 fn soft(softness: &str, inner: f32, outer: f32) -> Scene {

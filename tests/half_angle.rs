@@ -5,7 +5,7 @@ mod common;
 use common::{Level, Ray, box_subject, difference, errors, formula, homogeneous, picture, subject, with_gpu};
 use glam::{DVec3, Vec3};
 use hypertexture::render::{Subject, render};
-use hypertexture::scene::{Color, LightMethod, Projection, Scene, parse, preset};
+use hypertexture::scene::{Color, LightMethod, Pass, Projection, Scene, parse, preset};
 use hypertexture::shader::{self, Library};
 
 /// The library with a look that shows the light that reaches a place, and a DMF of a blade above a thin veil.
@@ -24,6 +24,7 @@ fn lit(object: &str, rate: f64, light: DVec3) -> Scene {
     let mut scene = homogeneous(object, rate as f32, Projection::Perspective);
     scene.effect.surface = "seen".into();
     (scene.light.shadows, scene.light.method) = (true, LightMethod::HalfAngle);
+    scene.quality.pass = Pass::Slices;
     (scene.light.position, scene.light.shadow_resolution) = (light.as_vec3().to_array(), 256);
     scene
 }
@@ -125,6 +126,7 @@ fn g13_the_blur_of_scattered_light_grows_with_the_root_of_the_way() {
             (scene.effect.surface, scene.effect.dmf) = ("seen".into(), vec!["blade".into()]);
             scene.effect.opacity = "perlin".into();
             (scene.light.shadows, scene.light.method) = (true, LightMethod::HalfAngle);
+            scene.quality.pass = Pass::Slices;
             (scene.light.position, scene.light.shadow_resolution) = ([0.0, 0.0, 1e4], 128);
             (scene.light.translucency, scene.light.scatter, scene.light.transport) = (1.0, scatter, Color([255; 3]));
             scene.quality.samples = samples;
@@ -159,6 +161,7 @@ fn g13_slices_give_the_light_of_the_shadow_volume() {
                 (scene.effect.medium, scene.object.input) = (medium.into(), input.into());
                 scene.drop_foreign_parameters(&library).expect("modules that exist");
                 (scene.image.size, scene.quality.samples) = ([96, 96], 128);
+                scene.quality.pass = Pass::Slices;
                 (scene.light.position, scene.light.shadows, scene.light.shadow_resolution) = (light, true, 128);
                 let subject = subject(&scene, &library);
                 let volume = picture(gpu, &library, &scene, &subject);

@@ -119,13 +119,14 @@ fn check(gpu: &Gpu, name: &str, base: &Scene) {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn what_is_ignored_is_what_changes_no_bit() {
+    let blurred = |s: &mut Scene| (s.quality.pass, s.quality.supersampling) = (Pass::Slices, 3);
     with_gpu(|gpu| {
         check(gpu, "lit, slices", &scene("lit", "torus", |s| s.quality.pass = Pass::Slices));
         check(gpu, "solid, rays", &scene("solid", "torus", |_| ()));
         check(gpu, "fire, slices", &scene("fire", "torus", |s| s.quality.pass = Pass::Slices));
         check(gpu, "fire, rays", &scene("fire", "torus", |_| ()));
         check(gpu, "shells, rays", &scene("shells", "torus", |_| ()));
-        check(gpu, "fur, blurred", &scene("fur", "torus", |s| s.quality.supersampling = 3));
+        check(gpu, "fur, blurred", &scene("fur", "torus", blurred));
     });
 }
 

@@ -173,7 +173,7 @@ fn m58_fragments_that_are_kept_with_alpha_0_change_no_bit_of_a_picture() {
             let mut scene = preset(effect).unwrap();
             (scene.object.input, scene.image.size) = ("torus".into(), [40, 32]);
             scene.camera.clip = Some([0.0, 0.0, 1.0, 0.3]);
-            scene.quality.samples = 32;
+            (scene.quality.pass, scene.quality.samples) = (Pass::Slices, 32);
             let subject = subject(&scene, &library);
             // One way each, and fire by all of them.
             let count = if effect == "fire" { ways.len() } else { 1 };

@@ -170,6 +170,12 @@ impl Prepared {
         own.0 == wanted.0 && own.1 == wanted.1 && own.2.iter().all(|zero| wanted.2.contains(zero))
     }
 
+    /// A variant that the program serves, as the program has it: what is made for one picture serves the next, where what
+    /// is 0 now may be something else.
+    fn served(&self, variant: &Variant) -> Variant {
+        Variant { slots: self.variant.slots.clone(), ..variant.clone() }
+    }
+
     /// The slices of a picture, or none for rays.
     fn slices(&self, shot: &Shot<'_>) -> Result<Option<(Buffer, pass::Stack)>, RenderError> {
         let (quality, view, planes) = (&shot.scene.quality, &shot.view, &shot.planes);
@@ -200,6 +206,7 @@ impl Prepared {
         subject: &Subject,
         variant: &Variant,
     ) -> Result<Recording, RenderError> {
+        let variant = &self.served(variant);
         let shot = Shot { whole: self.whole, ..Shot::of(scene, subject, variant) };
         let mut all = SubFrame::all(scene);
         let (Some(sub_frame), None) = (all.next(), all.next()) else {
@@ -224,6 +231,7 @@ impl Prepared {
         bands: &[Range<u32>],
         wanted: impl Fn(u32) -> bool,
     ) -> Result<Frame, RenderError> {
+        let variant = &self.served(variant);
         let shot = Shot { whole: self.whole, ..Shot::of(scene, subject, variant) };
         let slices = self.slices(&shot)?;
         let [width, height] = scene.image.size;
@@ -262,7 +270,7 @@ impl Prepared {
         let images = self.targets.iter().flat_map(|(color, resolved)| std::iter::once(color).chain(resolved));
         let targets: u64 = images.map(gpu::Image::bytes).sum();
         let measurements = Measurements {
-            modules: self.variant.key(),
+            modules: variant.key(),
             shipped: self.program.shipped,
             left_out: self.program.left_out(),
             octaves: variant.reads("turbulence").then_some([variant.octaves, scene.effect.octaves]),

@@ -242,6 +242,7 @@ fn what_changes_nothing_is_said_below_the_picture() {
 #[test]
 fn what_the_check_refuses_is_one_line_and_changes_nothing() {
     let mut hand = Hand::open(preset("fur").unwrap());
+    hand.choose("quality.pass", "slices");
     let before = hand.scene();
     hand.choose("effect.ray_path", "refracted");
     assert_eq!(hand.scene(), before);

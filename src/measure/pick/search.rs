@@ -114,7 +114,9 @@ impl<'a> Search<'a> {
         let families = std::mem::take(&mut self.families);
         let (library, at) = (self.library, AtomicUsize::new(0));
         std::thread::scope(|scope| {
-            scope.spawn(|| link_ahead(&families, library, &at));
+            if self.drawn.is_empty() {
+                scope.spawn(|| link_ahead(&families, library, &at));
+            }
             for (index, family) in families.iter().enumerate() {
                 at.store(index, Ordering::Relaxed);
                 if !self.is_hopeless(family, &families) {

@@ -89,7 +89,7 @@ pub(super) fn layers(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
     let truth = super::closed::slab(3.0, 3.0, 2.0 / 3.0);
     let subject = box_subject(SLAB);
     let mut scene = homogeneous("cube", 3.0, Projection::Parallel);
-    (scene.image.size, scene.camera.zoom) = ([8, 8], 4.0);
+    (scene.image.size, scene.camera.zoom, scene.quality.pass) = ([8, 8], 4.0, Pass::Slices);
     type Case = (&'static str, TargetFormat, Option<fn(&Level) -> f64>, &'static str);
     let cases: [Case; 3] = [
         ("float32 target", TargetFormat::Float32, Some(|_| 1e-5), ""),
