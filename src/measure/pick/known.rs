@@ -98,10 +98,11 @@ impl Known {
     }
 }
 
-/// Draws a scene with a painter, and gives its time on the device.
-pub(super) fn draw(painter: &mut Painter<'_>, scene: &Scene) -> Result<(Frame, f64), RenderError> {
+/// Draws a scene with a painter, and gives its time on the device; or that of a picture of `times` as many pixels, whose
+/// shadow volume is the same one.
+pub(super) fn draw(painter: &mut Painter<'_>, scene: &Scene, times: f64) -> Result<(Frame, f64), RenderError> {
     let frame = painter.render(scene)?;
-    let ms = frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0);
+    let ms = times * frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0);
     Ok((frame, ms))
 }
 

@@ -83,8 +83,8 @@ pub struct Pick {
     pub unverified: Option<String>,
     /// Candidates that were left out beforehand, that were drawn, and that kept the bound.
     pub counts: [usize; 3],
-    /// The fastest settings of another pass that should keep the bound: in words, and how many times longer they take in a
-    /// small picture.
+    /// The fastest settings of another pass that should keep the bound: in words, and how many times longer they should
+    /// take.
     pub other: Option<(String, f64)>,
     /// Candidates that could not be drawn.
     pub failures: Vec<Failure>,
@@ -214,7 +214,7 @@ impl Whole<'_> {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Verified, RenderError> {
         let Whole { stage, bound, painter, known } = self;
-        let (frame, mut ms) = draw(painter, scene)?;
+        let (frame, mut ms) = draw(painter, scene, 1.0)?;
         let known = match known {
             Some(known) => known,
             none => none.insert(match no_reference {
@@ -231,11 +231,11 @@ impl Whole<'_> {
             return Ok(Verified { error: found, estimate, pixels, ms });
         }
         if ms < AGAIN_MS {
-            ms = ms.min(draw(painter, scene)?.1); // short times are disturbed by what is done once
+            ms = ms.min(draw(painter, scene, 1.0)?.1); // short times are disturbed by what is done once
         }
         let mut other = scene.clone();
         other.quality.samples = (scene.quality.samples / 2).max(1);
-        let (other, _) = draw(painter, &other)?;
+        let (other, _) = draw(painter, &other, 1.0)?;
         // A few pixels with most of the error may not be among those that are known: the difference from other samples is
         // known in all of them, and how it is related to the error in those.
         let all: Vec<[f64; 4]> = other.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();

@@ -43,6 +43,7 @@ const HOPE: f64 = 4.0;
 pub(super) struct Drawn {
     pub(super) candidate: Candidate,
     pub(super) error: f64,
+    /// Milliseconds that the whole picture should take.
     pub(super) ms: f64,
 }
 
@@ -232,11 +233,13 @@ impl<'a> Search<'a> {
     /// Error and time of a candidate; again for its time, if it fits.
     fn measure(&mut self, candidate: &Candidate) -> Result<(f64, f64), RenderError> {
         let scene = small(&candidate.scene);
-        let (frame, mut ms) = draw(&mut self.painter, &scene)?;
+        let pixels = |of: &Scene| of.image.size.iter().map(|side| f64::from(*side)).product::<f64>();
+        let times = pixels(&candidate.scene) / pixels(&scene);
+        let (frame, mut ms) = draw(&mut self.painter, &scene, times)?;
         let error = self.known.error(&frame, self.bound.metric);
         if error <= self.target(&candidate.curve()) {
             for _ in 1..RUNS {
-                ms = ms.min(draw(&mut self.painter, &scene)?.1);
+                ms = ms.min(draw(&mut self.painter, &scene, times)?.1);
             }
         }
         Ok((error, ms))
