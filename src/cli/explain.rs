@@ -78,8 +78,8 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
             0.0 => "no pixel differs".into(),
             most => format!("pixels differ by {most:.1e} at most"),
         };
-        let saved = (100.0 * (1.0 - median(&times) / median(&others))).round() as i32;
-        lines.push(format!("           {} {how}: {saves} {saved} %, {error}", spread(&others)));
+        let saved = saved(&times, &others);
+        lines.push(format!("           {} {how}: {saves} {saved}, {error}", spread(&others)));
     }
     lines.push(format!("memory     {:.1} MiB of images on the device\n", mib(m.device_bytes)));
     say(&lines.join("\n"));
@@ -90,9 +90,23 @@ fn median(times: &[f64]) -> f64 {
     quantile(times.to_vec(), 0.5)
 }
 
+/// The least and the greatest of some times.
+fn ends(times: &[f64]) -> [f64; 2] {
+    [0.0, 1.0].map(|share| quantile(times.to_vec(), share))
+}
+
+/// What one picture saves of the time of another, where their times lie apart.
+fn saved(times: &[f64], others: &[f64]) -> String {
+    let ([least, most], [least_other, most_other]) = (ends(times), ends(others));
+    match most < least_other || most_other < least {
+        true => format!("{} %", (100.0 * (1.0 - median(times) / median(others))).round()),
+        false => "nothing beyond the spread".into(),
+    }
+}
+
 /// The median of some times, and from which to which they are.
 fn spread(times: &[f64]) -> String {
-    let [least, most] = [0.0, 1.0].map(|share| quantile(times.to_vec(), share));
+    let [least, most] = ends(times);
     format!("{:.1} ms ({least:.1} to {most:.1})", median(times))
 }
 
@@ -136,4 +150,16 @@ fn without(scene: &Scene) -> [More; 4] {
             },
         },
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::saved;
+
+    #[test]
+    fn a_saving_is_a_number_where_the_times_lie_apart() {
+        assert_eq!(saved(&[9.0, 10.0, 11.0], &[19.0, 20.0, 40.0]), "50 %");
+        assert_eq!(saved(&[19.0, 20.0, 40.0], &[9.0, 10.0, 11.0]), "-100 %");
+        assert_eq!(saved(&[9.0, 10.0, 11.0], &[10.5, 12.0, 13.0]), "nothing beyond the spread");
+    }
 }
