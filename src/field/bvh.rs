@@ -74,10 +74,10 @@ impl Bvh {
         self.triangles.len().div_ceil(WIDTH)
     }
 
-    /// First corner and the two edges from it of the triangles of a packet.
-    pub(super) fn packet(&self, packet: usize) -> impl Iterator<Item = (Vec3, Vec3, Vec3)> + '_ {
-        let members = &self.triangles[packet * WIDTH..self.triangles.len().min((packet + 1) * WIDTH)];
-        members.iter().map(|&[a, b, c]| (a, b - a, c - a))
+    /// The triangles of a packet.
+    #[inline(always)]
+    pub(super) fn packet(&self, packet: usize) -> &[Triangle] {
+        &self.triangles[packet * WIDTH..self.triangles.len().min((packet + 1) * WIDTH)]
     }
 
     /// Frames of the triangles, in the tree's order.

@@ -3,7 +3,7 @@
 //! Invariant: a removed piece has, at its samples, the inside on both of its sides.
 
 use super::tetra::Triangle;
-use super::winding::{Winding, inside};
+use super::winding::{POINTS, Winding, inside};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -31,10 +31,14 @@ fn keep(triangle: &Triangle, winding: &Winding, kept: &mut Vec<Triangle>) {
     let normal = (b - a).cross(c - a).normalize_or_zero() * SIDE;
     let center = (a + b + c) / 3.0;
     let samples = [center, center.lerp(a, 0.9), center.lerp(b, 0.9), center.lerp(c, 0.9)];
-    let buried = |p: &Vec3| inside(winding.at(*p + normal)) && inside(winding.at(*p - normal));
     let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
     if longest <= COARSE {
-        let count = samples.iter().filter(|p| buried(p)).count();
+        let sides: [Vec3; POINTS] = std::array::from_fn(|side| {
+            let sample = samples[side / 2];
+            if side % 2 == 0 { sample + normal } else { sample - normal }
+        });
+        let numbers = winding.around(&sides);
+        let count = numbers.chunks(2).filter(|sides| sides.iter().all(|number| inside(*number))).count();
         if count == samples.len() {
             return;
         }

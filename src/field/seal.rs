@@ -43,9 +43,10 @@ pub(super) fn closing_triangles(
                     continue;
                 }
                 let origin = Vec3::new(x as f32, y as f32, z as f32);
+                let corners = std::array::from_fn(|i| origin + Vec3::from_array(tetra::corner(i).map(|c| c as f32)));
+                let numbers = winding.around(&corners);
                 let values = std::array::from_fn(|i| {
-                    let number = winding.at(origin + Vec3::from_array(tetra::corner(i).map(|c| c as f32)));
-                    let level = f64::from(number.abs()) - 0.5;
+                    let level = f64::from(numbers[i].abs()) - 0.5;
                     if inside[at(i)] { level.max(OFF_HALF) } else { level.min(-OFF_HALF) }
                 });
                 let place = |p: DVec3| (origin.as_dvec3() + p).as_vec3();

@@ -6,7 +6,7 @@
 //! of the rest, through which the sign is flooded.
 
 use super::distance::{BLOCK, Distances, corner_size};
-use super::winding::{Winding, inside};
+use super::winding::{POINTS, Winding, inside};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::VecDeque;
@@ -43,11 +43,15 @@ pub(super) fn signs(size: [usize; 3], distances: &Distances, winding: &Winding, 
         let mut overlap = false;
         for y in 0..ny {
             let row = (z / BLOCK * blocks[1] + y / BLOCK) * blocks[0];
-            for x in 0..nx {
+            let wanted = (0..nx).filter(|&x| {
                 let i = (z * ny + y) * nx + x;
                 let needed = unclear.as_ref().is_some_and(|unclear| unclear[row + x / BLOCK]);
-                if needed || neighbors([x, y, z], size).all(|j| d[i] + d[j] <= 1.0) {
-                    let number = winding.at(Vec3::new(x as f32, y as f32, z as f32));
+                needed || neighbors([x, y, z], size).all(|j| d[i] + d[j] <= 1.0)
+            });
+            let wanted: Vec<usize> = wanted.collect();
+            for group in wanted.chunks(POINTS) {
+                let at = |p: usize| Vec3::new(*group.get(p).unwrap_or(&group[0]) as f32, y as f32, z as f32);
+                for (&x, number) in group.iter().zip(winding.around(&std::array::from_fn(at))) {
                     slice[y * nx + x] = if inside(number) { INSIDE } else { OUTSIDE };
                     overlap |= number.abs() > OVERLAP;
                 }
@@ -84,19 +88,33 @@ pub(super) fn signs(size: [usize; 3], distances: &Distances, winding: &Winding, 
     Signs { inside: state.into_par_iter().map(|s| s == INSIDE).collect(), overlap }
 }
 
+/// Whether a corner of a block is wound around more than once. Where none is, solids may overlap all the same.
+pub(super) fn overlaps(size: [usize; 3], winding: &Winding) -> bool {
+    at_corners(corner_size(size), winding).into_par_iter().any(|number| number.abs() > OVERLAP)
+}
+
+/// Winding numbers around the corners of all blocks.
+fn at_corners(corners: [usize; 3], winding: &Winding) -> Vec<f32> {
+    let mut numbers = vec![0.0; corners.iter().product()];
+    numbers.par_chunks_mut(POINTS).enumerate().for_each(|(chunk, numbers)| {
+        let at = |p: usize| {
+            let i = chunk * POINTS + p.min(numbers.len() - 1);
+            let at = [i % corners[0], i / corners[0] % corners[1], i / (corners[0] * corners[1])];
+            Vec3::from_array(at.map(|c| (c * BLOCK) as f32))
+        };
+        let found = winding.around(&std::array::from_fn(at));
+        numbers.copy_from_slice(&found[..numbers.len()]);
+    });
+    numbers
+}
+
 /// Blocks to evaluate voxel by voxel; none for a mesh without rim, where the winding number is whole everywhere.
 fn unclear_blocks(size: [usize; 3], distances: &Distances, winding: &Winding, rim: &[Vec3]) -> Option<Vec<bool>> {
     if rim.is_empty() {
         return None;
     }
     let corners = corner_size(size);
-    let numbers: Vec<f32> = (0..corners.iter().product())
-        .into_par_iter()
-        .map(|i| {
-            let at = [i % corners[0], i / corners[0] % corners[1], i / (corners[0] * corners[1])];
-            winding.at(Vec3::from_array(at.map(|c| (c * BLOCK) as f32)))
-        })
-        .collect();
+    let numbers = at_corners(corners, winding);
     let blocks = size.map(|n| n.div_ceil(BLOCK));
     let count: usize = blocks.iter().product();
     let mut unclear: Vec<bool> = (0..count)

@@ -123,19 +123,22 @@ fn of_mesh(
     let whole = Bvh::new(&soup.triangles);
     let winding = Winding::new(&whole);
     progress(0.05);
-    let mut distances = Distances::new(size, closest);
-    distances.add(&[&whole], band, &Stage::new(progress, 0.05, 0.5, size[2]));
+    let bare = || Bvh::new(&overlap::boundary(&soup.triangles, &winding));
+    let measured = |surface: &Bvh, from, to| {
+        let mut distances = Distances::new(size, closest);
+        distances.add(&[surface], band, &Stage::new(progress, from, to, size[2]));
+        distances
+    };
+    // Most often a few points show that solids overlap, before anything is measured in vain.
+    let mut bared = sign::overlaps(size, &winding).then(bare);
+    let mut distances = measured(bared.as_ref().unwrap_or(&whole), 0.05, 0.5);
     let signs = sign::signs(size, &distances, &winding, &soup.rim);
     progress(0.65);
-
-    let bared = signs.overlap.then(|| overlap::boundary(&soup.triangles, &winding));
-    let bared = bared.map(|triangles| Bvh::new(&triangles));
-    let surface = bared.as_ref().unwrap_or(&whole);
-    if bared.is_some() {
-        report.buried = true;
-        distances = Distances::new(size, closest);
-        distances.add(&[surface], band, &Stage::new(progress, 0.65, 0.9, size[2]));
+    if signs.overlap && bared.is_none() {
+        distances = measured(bared.insert(bare()), 0.65, 0.9);
     }
+    report.buried = bared.is_some();
+    let surface = bared.as_ref().unwrap_or(&whole);
     let closing = seal::closing_triangles(size, distances.values(), &signs.inside, &winding);
     report.closing_triangles = closing.len();
     if !closing.is_empty() {

@@ -46,6 +46,18 @@ pub(crate) fn processor_time(id: u32) -> Option<Duration> {
     Some(Duration::from_millis(10 * (ticks()? + ticks()?)))
 }
 
+/// Time of the processors that this process has taken so far, all threads, user and system; where the system says.
+pub(crate) fn own_processor_time() -> Option<Duration> {
+    #[cfg(unix)]
+    {
+        let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+        let [seconds, nanoseconds] = [time.tv_sec, time.tv_nsec].map(u64::try_from);
+        Some(Duration::from_secs(seconds.ok()?) + Duration::from_nanos(nanoseconds.ok()?))
+    }
+    #[cfg(not(unix))]
+    None
+}
+
 /// Bytes of memory that a process holds, where the system says.
 pub(crate) fn memory(id: u32) -> Option<u64> {
     const PAGE: u64 = 4096; // or more
@@ -66,6 +78,7 @@ pub(crate) fn end(status: ExitStatus) -> String {
 #[cfg(target_os = "linux")]
 mod tests {
     use super::*;
+    use std::io::{BufRead, BufReader};
     use std::process::{Command, Stdio};
     use std::thread;
 
@@ -101,12 +114,33 @@ mod tests {
     }
 
     #[test]
+    fn own_time_of_the_processor_is_that_of_the_system_in_finer_steps() {
+        let coarse = || processor_time(std::process::id()).unwrap();
+        let before = coarse();
+        while coarse() < before + Duration::from_millis(50) {
+            std::hint::black_box((0..1000).sum::<u64>());
+        }
+        let (system, own, later) = (coarse(), own_processor_time().unwrap(), coarse());
+        let step = Duration::from_millis(20); // one, and what is rounded
+        assert!(own + step > system && own < later + step, "{system:?} {own:?} {later:?}");
+        assert_ne!(own.subsec_nanos() % 1_000_000, 0, "finer than a millisecond");
+    }
+
+    #[test]
     fn the_memory_of_a_process_is_what_it_holds() {
-        let own = || memory(std::process::id()).unwrap();
-        let before = own();
-        let held = std::hint::black_box(vec![1_u8; 256 << 20]);
-        assert!(own() > before + (200 << 20), "{before} {}", own());
-        drop(held);
+        // Of a child: this process frees what other tests held.
+        let held = |script: &str| {
+            let mut child = Command::new("sh");
+            let mut child = child.args(["-c", script]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+            let mut line = String::new();
+            BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
+            let held = memory(child.id()).unwrap();
+            child.kill().unwrap();
+            child.wait().unwrap();
+            held
+        };
+        let (little, much) = (held("echo; read x"), held("x=$(head -c 64000000 /dev/zero | tr '\\0' x); echo; read y"));
+        assert!(little < 16_000_000 && much > 64_000_000, "{little} {much}");
     }
 
     #[test]
