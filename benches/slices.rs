@@ -1,4 +1,5 @@
-//! What slices cost: run with `cargo bench`, a minute or two on two cores.
+//! What slices, ways to store a field and the start of the process cost: run with `cargo bench`. What effects and scenes
+//! cost, `hypertexture bench` says.
 //!
 //! What is compared is measured in turns within one run, so that a change of the machine's speed meets both sides.
 //! Every number has beside it how far the repeats lie apart (median, lowest-highest), or is exact and says so.
@@ -10,7 +11,7 @@ mod bench;
 use bench::Spread;
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, Subject, render};
-use hypertexture::scene::{self, EFFECTS, EmptySpace, ParameterValue, Pass, Proxy, Scene, Source};
+use hypertexture::scene::{self, Pass, Proxy, Scene, Source};
 use hypertexture::shader::{self, Library};
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -19,49 +20,15 @@ const REPEATS: usize = 5;
 const SIZE: [u32; 2] = [256, 256];
 const SAMPLES: u32 = 128;
 const RESOLUTION: u32 = 128;
-/// Slices of the run that is taken off a run with [`SAMPLES`] more: compiling and other fixed costs go with it.
-const FEW: u32 = 32;
-/// Runs with [`FEW`] slices, of which the fastest counts: what is above it is the machine's, not the program's.
-const FEW_REPEATS: usize = 2;
-
 /// A pixel is off where a channel differs by more than this, of 1.
 const OFF: f64 = 0.02;
-
-/// The least that a slice program does: one fetch, rejected outside the soft region or else blended; then the same
-/// with a fetch of noise. The parameter gives it the box of the effect that it is compared with.
-const FLOORS: [(&str, &str); 2] = [("floor_one", "vec4(0.0)"), ("floor_two", "texture(noise_block, 3.0 * x)")];
-
-fn floor(second: &str) -> String {
-    format!(
-        "// @param floor_reach = 0 in [0, 8]: What the effect reaches beyond its soft region, object units.\n\
-         // @grow floor_reach\n\
-         #include <softness>\n\
-         vec4 classify(vec3 x, float path) {{\n\
-             vec4 v = texture(volume, volume_scale.xyz * x + volume_offset.xyz);\n\
-             vec4 second = {second};\n\
-             float density = soften(distance_decode.x + distance_decode.y * v.a);\n\
-             return density <= 0.0 ? vec4(0.0) : vec4(v.rgb + second.rgb, 1.0) * density;\n\
-         }}\n"
-    )
-}
 
 fn scene_of(effect: &str, object: &str) -> Scene {
     let mut scene = scene::preset(effect).unwrap();
     scene.object.input = object.into();
     scene.object.resolution = RESOLUTION;
     scene.image.size = SIZE;
-    scene.quality.samples = SAMPLES;
-    scene
-}
-
-/// The floor over the fragments of `effect`.
-fn floor_of(effect: &Scene, library: &Library, module: &str) -> Scene {
-    let parameters = effect.check(library).unwrap();
-    let mut scene = effect.clone();
-    scene.effect.classify = module.into();
-    scene.object.outer_iso = parameters.outer_iso().unwrap_or(effect.object.outer_iso);
-    scene.parameters =
-        [("floor_reach".to_string(), ParameterValue::Number(parameters.spread(1.0).grows.farthest()))].into();
+    (scene.quality.pass, scene.quality.samples) = (Pass::Slices, SAMPLES);
     scene
 }
 
@@ -72,10 +39,7 @@ struct Bench {
 
 impl Bench {
     fn new() -> Bench {
-        let library = FLOORS
-            .iter()
-            .fold(shader::shipped(), |library, (name, second)| library.with_module("classify", name, &floor(second)));
-        Bench { gpu: bench::open(), library }
+        Bench { gpu: bench::open(), library: shader::shipped() }
     }
 
     fn load(&self, scene: &Scene) -> Subject {
@@ -84,86 +48,6 @@ impl Bench {
 
     fn render(&self, scene: &Scene, subject: &Subject) -> Frame {
         render(&self.gpu, &self.library, scene, subject).unwrap()
-    }
-
-    /// Milliseconds on the device and fragments of a scene with that many slices.
-    fn cost(&self, scene: &Scene, subject: &Subject, samples: u32) -> (f64, Option<u64>) {
-        let mut scene = scene.clone();
-        scene.quality.samples = samples;
-        let measurements = self.render(&scene, subject).measurements;
-        (measurements.gpu_ms, measurements.fragments)
-    }
-
-    /// Nanoseconds of one fragment of each scene, in turns, fixed costs taken off; none where nothing is counted.
-    fn per_fragment(&self, scenes: &[Scene], subject: &Subject) -> Option<Vec<Vec<f64>>> {
-        let mut few = vec![(f64::INFINITY, None); scenes.len()];
-        for _ in 0..FEW_REPEATS {
-            for (few, scene) in few.iter_mut().zip(scenes) {
-                let (ms, fragments) = self.cost(scene, subject, FEW);
-                *few = (few.0.min(ms), fragments);
-            }
-        }
-        let mut columns = vec![Vec::new(); scenes.len()];
-        for _ in 0..REPEATS {
-            for ((column, few), scene) in columns.iter_mut().zip(&few).zip(scenes) {
-                let (ms, fragments) = self.cost(scene, subject, FEW + SAMPLES);
-                column.push((ms - few.0) * 1e6 / (fragments? - few.1?) as f64);
-            }
-        }
-        Some(columns)
-    }
-
-    fn effects(&self) {
-        println!("\nEffects on the teapot, ns of the device per fragment, against floors over the same fragments");
-        println!(
-            "{:<9} {:>20} {:>20} {:>20} {:>16} {:>16}",
-            "", "effect", "one fetch", "two fetches", "of one", "of two"
-        );
-        for effect in EFFECTS {
-            let scene = scene_of(effect, "teapot");
-            let subject = self.load(&scene);
-            // The lit object has one fetch; every other effect fetches noise or turbulence too.
-            let floors = if effect == "lit" { &FLOORS[..1] } else { &FLOORS };
-            let floors = floors.iter().map(|(module, _)| floor_of(&scene, &self.library, module));
-            let scenes: Vec<Scene> = [scene.clone()].into_iter().chain(floors).collect();
-            let Some(columns) = self.per_fragment(&scenes, &subject) else {
-                println!("{effect:<9} this device does not count fragments");
-                continue;
-            };
-            print!("{effect:<9}");
-            (0..3).for_each(|index| print!(" {:>20}", cell(columns.get(index).cloned().map(Spread::of), 1)));
-            let ratio = |index: usize| columns.get(index).map(|floor| Spread::ratio(&columns[0], floor));
-            (1..3).for_each(|index| print!(" {:>16}", cell(ratio(index), 2)));
-            println!();
-        }
-    }
-
-    /// Slices against rays at the same samples: all of them, and those that the distance does not show to be empty.
-    fn passes(&self) {
-        println!("\nPasses on the teapot, {} samples, ms of the device: the pictures are the same", 2 * SAMPLES);
-        println!("{:<9} {:>22} {:>22} {:>22} {:>16}", "", "slices", "rays", "rays that skip", "slices/skip");
-        for effect in EFFECTS {
-            let scenes = [
-                (Pass::Slices, EmptySpace::Sample),
-                (Pass::March, EmptySpace::Sample),
-                (Pass::March, EmptySpace::Skip),
-            ];
-            let scenes = scenes.map(|(pass, empty_space)| {
-                let mut scene = scene_of(effect, "teapot");
-                (scene.quality.pass, scene.quality.empty_space) = (pass, empty_space);
-                scene
-            });
-            let subject = self.load(&scenes[0]);
-            let mut columns = [const { Vec::new() }; 3];
-            for _ in 0..REPEATS {
-                for (column, scene) in columns.iter_mut().zip(&scenes) {
-                    column.push(self.cost(scene, &subject, 2 * SAMPLES).0);
-                }
-            }
-            let ratio = Spread::ratio(&columns[0], &columns[2]);
-            let [slices, rays, skip] = columns.map(Spread::of);
-            println!("{effect:<9} {slices:>22.1} {rays:>22.1} {skip:>22.1} {ratio:>16.2}");
-        }
     }
 
     fn fragments(&self) {
@@ -240,10 +124,6 @@ impl Bench {
     }
 }
 
-fn cell(spread: Option<Spread>, digits: usize) -> String {
-    spread.map_or("-".into(), |spread| format!("{spread:.digits$}"))
-}
-
 fn difference(a: &[f32; 4], b: &[f32; 4]) -> [f64; 4] {
     std::array::from_fn(|c| f64::from(a[c]) - f64::from(b[c]))
 }
@@ -273,8 +153,6 @@ fn main() {
     let start = Instant::now();
     let bench = Bench::new();
     println!("{} x {} pixels, {SAMPLES} slices, {REPEATS} repeats in turns: median (lowest-highest)", SIZE[0], SIZE[1]);
-    bench.effects();
-    bench.passes();
     bench.fragments();
     bench.storage();
     start_up();

@@ -5,7 +5,7 @@ mod common;
 
 use common::{picture, subject, with_gpu};
 use hypertexture::gpu::Gpu;
-use hypertexture::render::ignored;
+use hypertexture::render::{idle, ignored};
 use hypertexture::scene::{Pass, Scene, preset};
 use hypertexture::shader;
 
@@ -171,4 +171,53 @@ fn nothing_is_said_of_what_was_not_set_or_only_makes_it_sooner() {
         several.set_field(field, value).unwrap();
     }
     assert_eq!(ignored(&library, &subject, &base, &several), ["effect.octaves = 6", "quality.seed = 9"]);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn settings_that_are_idle_change_no_bit_whatever_they_are() {
+    with_gpu(|gpu| {
+        let library = shader::shipped();
+        let scenes = [
+            (
+                "lit",
+                scene("lit", "cube", |_| ()),
+                "effect.turbulence effect.octaves effect.project effect.absorption",
+                "light.color",
+            ),
+            (
+                "fire",
+                scene("fire", "torus", |_| ()),
+                "effect.absorption effect.noise light.scatter",
+                "effect.turbulence",
+            ),
+            (
+                "fur",
+                scene("fur", "torus", |s| s.quality.pass = Pass::Slices),
+                "effect.absorption",
+                "light.intensity effect.noise",
+            ),
+        ];
+        for (name, base, idles, live) in scenes {
+            let subject = subject(&base, &library);
+            let found = idle(&library, &subject, &base, &|| false);
+            println!("{name}: {}", found.join(", "));
+            let is_idle = |field: &str| found.iter().any(|idle| idle == field);
+            for field in idles.split(' ') {
+                assert!(is_idle(field), "{name}: {field} is read");
+            }
+            for field in live.split(' ').chain(["camera.azimuth", "effect.surface"]) {
+                assert!(!is_idle(field), "{name}: {field} is idle");
+            }
+            let plain = picture(gpu, &library, &base, &subject);
+            for (field, value) in FIELDS.into_iter().filter(|(field, _)| is_idle(field)) {
+                let mut set = base.clone();
+                set.set_field(field, value).unwrap();
+                let same =
+                    set.check(&library).is_err() || picture(gpu, &library, &set, &subject).pixels == plain.pixels;
+                assert!(same, "{name}: {field} = {value} changes the picture");
+            }
+            assert!(idle(&library, &subject, &base, &|| true).is_empty(), "nobody waits for it");
+        }
+    });
 }

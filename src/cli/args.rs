@@ -1,5 +1,6 @@
 //! The command line.
 
+use super::bench::Bench;
 use super::compare::Compare;
 use super::explain::Explain;
 use super::field::Field;
@@ -44,6 +45,8 @@ pub enum Command {
     Compare(Box<Compare>),
     /// Say what a picture is made with, what its scene leaves out and why, and what that saves.
     Explain(Box<Explain>),
+    /// Measure what effects, example scenes and fields cost on this device, and what got slower since a saved run.
+    Bench(Bench),
     /// List the effects and their parameters.
     Effects,
     /// List every setting of a scene: its default, what it may be, its flag.

@@ -1,12 +1,11 @@
 //! `explain`: what a picture is made with, what its scene leaves out and why, and what that saves.
 
-use super::picture::{cells, octaves};
 use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::{say, with_progress};
 use crate::gpu::{Gpu, Options};
 use crate::measure::statistics::quantile;
-use crate::render::variant::{Variant, why_left_out};
-use crate::render::{Frame, RenderError, Renderer, Subject};
+use crate::render::variant::Variant;
+use crate::render::{Frame, RenderError, Renderer, Subject, made_with};
 use crate::scene::{EmptySpace, Neutral, Pass, Scene};
 use crate::shader::library::ZERO;
 use clap::Args;
@@ -46,28 +45,15 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
         Ok((first, times))
     };
     let (frame, times) = draw(&scene)?;
-    let m = &frame.measurements;
-    let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
-    let mut lines = vec![
-        format!("program    {}", if m.shipped { "ships" } else { "linked for this scene" }),
-        format!("modules    {}", m.modules),
-    ];
-    for image in m.images.iter().filter(|image| image.size != [1; 3]) {
-        let axes = image.size.iter().rposition(|side| *side > 1).map_or(1, |last| last + 1);
-        let size = image.size[..axes].iter().map(u32::to_string).collect::<Vec<_>>().join(" x ");
-        let (name, channels, bits) = (&image.name, image.channels, image.bits);
-        lines.push(format!("reads      {name}: {size}, {channels} x {bits} bits, {:.2} MiB", mib(image.bytes)));
-    }
-    lines.extend(m.left_out.iter().map(|part| format!("left out   {part}: {}", why_left_out(part))));
-    let zero = Variant::of(&scene, &library)?.slots.get(ZERO).map(|names| names.join(", "));
-    lines.extend(zero.iter().map(|names| format!("left out   what these take away, as they are 0: {names}")));
-    lines.extend(octaves(m, &scene, &library));
-    lines.extend(cells(m));
+    let mut lines: Vec<String> =
+        made_with(&frame.measurements, &scene, &library)?.into_iter().map(|[a, b]| format!("{a:<11}{b}")).collect();
+    let memory = lines.pop();
     lines.push(format!("time       {} on the device, median of {PICTURES}", spread(&times)));
+    let has_zeros = Variant::of(&scene, &library)?.slots.contains_key(ZERO);
     for More { how, saves, change } in without(&scene) {
         let mut other = scene.clone();
         change(&mut other);
-        let keeps = other.quality.neutral == Neutral::Keep && zero.is_none();
+        let keeps = other.quality.neutral == Neutral::Keep && !has_zeros;
         if other == scene || keeps || other.check(&library).is_err() {
             continue;
         }
@@ -81,8 +67,8 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
         let saved = saved(&times, &others);
         lines.push(format!("           {} {how}: {saves} {saved}, {error}", spread(&others)));
     }
-    lines.push(format!("memory     {:.1} MiB of images on the device\n", mib(m.device_bytes)));
-    say(&lines.join("\n"));
+    lines.extend(memory);
+    say(&(lines.join("\n") + "\n"));
     Ok(())
 }
 

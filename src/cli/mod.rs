@@ -1,6 +1,7 @@
 //! The command line: arguments to calls of the library, errors to one line and an exit code.
 
 mod args;
+mod bench;
 mod compare;
 #[cfg(all(test, feature = "viewer"))]
 mod docs_tests;
@@ -129,6 +130,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         Command::Gallery(command) => gallery::run(&command, &options, quiet),
         Command::Compare(command) if command.paper => paper::run(&command, &options, quiet),
         Command::Compare(command) => compare::run(&command, &options, quiet),
+        Command::Bench(command) => bench::run(&command, &options, quiet),
         Command::Explain(command) => explain::run(&command, &options, quiet),
         Command::Effects => effects::run(),
         Command::Settings => {

@@ -5,7 +5,7 @@ use crate::gpu::Gpu;
 use crate::output::shard::{self, Shard};
 use crate::output::{Depth, Provenance, write};
 use crate::render::variant::Variant;
-use crate::render::{FINITE, Fault, Found, Frame, Measurements, Renderer, Subject, half_height};
+use crate::render::{FINITE, Fault, Frame, Renderer, Subject, half_height, octaves_held};
 use crate::scene::Scene;
 use crate::scene::schema::{Kind, setting};
 use crate::shader::Library;
@@ -106,10 +106,10 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
         ));
     }
     lines.extend(coarse(scene, subject, half_height));
-    lines.extend(octaves(m, scene, library));
+    lines.extend(octaves_held(m, scene, library).map(|text| format!("octaves    {text}")));
     let fragments = m.fragments.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
     lines.push(format!("slices     {} of thickness {:.5} object units{fragments}", m.slices, m.step));
-    lines.extend(cells(m));
+    lines.extend(m.cells.as_ref().map(|cells| format!("cells      {cells}")));
     if let Some(radius) = m.held_beyond {
         lines.push(format!(
             "held       beyond {radius:.2} object units from the center a warp keeps its step: lobes are shorter than its formula"
@@ -129,21 +129,6 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
     }
     lines.push(format!("memory     {:.1} MiB of images on the device\n", m.device_bytes as f64 / f64::from(1 << 20)));
     Ok(lines.join("\n"))
-}
-
-/// What is said of octaves that a scene asks for in vain.
-pub(super) fn octaves(m: &Measurements, scene: &Scene, library: &Library) -> Option<String> {
-    let [held, asked] = m.octaves.filter(|[held, asked]| held < asked)?;
-    Some(format!("octaves    {held} of {asked}: {}", scene.octaves_limit(library)))
-}
-
-/// What is said of cells of empty space.
-pub(super) fn cells(m: &Measurements) -> Option<String> {
-    let Found { side, empty, ms, why } = m.cells.as_ref()?;
-    Some(match why {
-        Some(why) => format!("cells      none: {why}"),
-        None => format!("cells      {side} x {side} x {side}, {:.0} % proven to be empty in {ms:.0} ms", 100.0 * empty),
-    })
 }
 
 /// What is said of voxels that are seen, in a picture of that half height at the middle of the scene, object units.

@@ -1,5 +1,7 @@
-//! Error against run time: references, metrics, comparisons, the fastest settings within an error, checks, predictions.
+//! Error against run time: references, metrics, comparisons, benches, the fastest settings within an error, checks,
+//! predictions.
 
+pub mod bench;
 pub mod compare;
 pub mod metric;
 pub mod pick;

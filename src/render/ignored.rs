@@ -14,6 +14,7 @@ use super::{OCTAVES_ID, RenderError, Subject};
 use crate::exact::{self, Outline};
 use crate::noise::Period;
 use crate::render::variant::{Program, Variant};
+use crate::scene::schema::{Kind, SETTINGS, Setting, setting};
 use crate::scene::{Object, Order, Pass, Scene};
 use crate::shader::{Library, Linker};
 use crate::shape::Shape;
@@ -23,6 +24,8 @@ use std::rc::Rc;
 
 /// Fields that say something about a scene, or always do something.
 const BESIDE: [&str; 6] = ["about", "preset", "modules.", "image.", "quality.samples", "object.input"];
+/// The tables of settings that are looked at for what is idle.
+const LOOKED_AT: [&str; 5] = ["object", "effect", "material", "light", "camera"];
 /// What the vertices of slices are placed by.
 const VERTEX_VALUES: [&str; 7] =
     ["projection", "texture_matrix", "object_matrix", "display_matrix", "box_min", "box_max", "box_margin"];
@@ -51,6 +54,64 @@ pub fn ignored(library: &Library, subject: &Subject, base: &Scene, scene: &Scene
             && judge.essence(&without).is_ok_and(|other| other == own)
     };
     set.iter().filter(changes_nothing).map(|(name, value)| format!("{name} = {value}")).collect()
+}
+
+/// The settings of a scene that change no bit of its picture, whatever they are: what its programs do not read. Of a number,
+/// the ends of its usual range are tried, of a choice all that the scene allows; a value that chooses another program is
+/// taken to change the picture. Settings of how it is drawn (`quality`, `image`) are never named, nor is text. `is_over` ends
+/// it early, with none.
+pub fn idle(library: &Library, subject: &Subject, scene: &Scene, is_over: &dyn Fn() -> bool) -> Vec<String> {
+    let mut judge = Judge { library, subject, programs: HashMap::new() };
+    let (Ok(variant), Ok(own)) = (Variant::of(scene, library), judge.essence(scene)) else { return Vec::new() };
+    let values: HashMap<String, String> =
+        scene.fields().into_iter().map(|(name, value)| (name, value.to_string())).collect();
+    let parts = values.keys().filter(|name| name.starts_with("parts.")).map(String::as_str);
+    let names = SETTINGS.iter().map(|setting| setting.name).chain(parts);
+    let mut idle = Vec::new();
+    for name in names {
+        let Some(setting) = setting(name).filter(|setting| LOOKED_AT.contains(&setting.table())) else { continue };
+        if is_over() {
+            return Vec::new();
+        }
+        let with = |other: &String| {
+            let mut with = scene.clone();
+            (with.set_field(name, other).is_ok() && with.check(library).is_ok()).then_some(with)
+        };
+        let all = others(library, setting, values.get(name).map_or("", String::as_str));
+        let others: Vec<Scene> = all.iter().filter_map(with).collect();
+        // Of a choice, all that it may be is tried: where the scene refuses every other, nothing is to be chosen.
+        let refused = !all.is_empty() && !matches!(setting.kind, Kind::Number(_) | Kind::Whole(_) | Kind::Numbers(..));
+        let changes_nothing = |other: &Scene| {
+            let same_program =
+                Variant::of(other, library).is_ok_and(|of| of.key() == variant.key() && of.entries == variant.entries);
+            same_program && same_subject(name, scene, other) && judge.essence(other).is_ok_and(|of| of == own)
+        };
+        if (refused || !others.is_empty()) && others.iter().all(changes_nothing) {
+            idle.push(name.to_string());
+        }
+    }
+    idle
+}
+
+/// What else a setting may be, as a scene file has it.
+fn others(library: &Library, setting: &Setting, value: &str) -> Vec<String> {
+    let quoted = |name: &str| format!("{name:?}");
+    let many = |count: usize, number: f32| format!("[{}]", vec![number.to_string(); count].join(", "));
+    let mut others: Vec<String> = match setting.kind {
+        _ if value.is_empty() => setting.optional.iter().map(|on| on.to_string()).collect(),
+        Kind::Number(range) if range.is_all() => vec!["0".into(), "1".into()],
+        Kind::Number(range) | Kind::Whole(range) => range.usual.map(|end| end.to_string()).into(),
+        Kind::Numbers(count, range) if range.is_all() => [0.25, 0.5].map(|number| many(count, number)).into(),
+        Kind::Numbers(count, range) | Kind::Wholes(count, range) => range.usual.map(|end| many(count, end)).into(),
+        Kind::OneOf(numbers) => numbers.iter().map(u32::to_string).collect(),
+        Kind::Switch => vec!["true".into(), "false".into()],
+        Kind::Choice(choices) => choices.iter().map(|(name, _)| quoted(name)).collect(),
+        Kind::Color => ["#123456", "#fedcba"].map(quoted).into(),
+        Kind::Module(_) => library.modules(setting.field()).into_iter().map(quoted).collect(),
+        Kind::Text | Kind::Stack | Kind::Stops => Vec::new(),
+    };
+    others.retain(|other| other != value);
+    others
 }
 
 /// Whether two scenes that differ in one field have the same objects.

@@ -12,6 +12,7 @@ mod ignored;
 mod inputs;
 mod item;
 mod light_space;
+mod made;
 mod noise_blocks;
 #[doc(hidden)] // for the tests of this crate
 pub mod pass;
@@ -34,7 +35,8 @@ mod watch;
 pub use cells::Found;
 #[cfg(feature = "measure")]
 pub(crate) use cpu_inputs::{Blocks, CpuInputs};
-pub use ignored::ignored;
+pub use ignored::{idle, ignored};
+pub use made::{made_with, octaves_held};
 pub use renderer::{Renderer, render};
 pub use shadow::{Transmittance, transmittance};
 pub use sparse::Sparse;

@@ -1,6 +1,6 @@
 //! Fields of a scene by name, as `--set` writes them.
 
-use super::schema::{Changes, setting};
+use super::schema::{Changes, number, setting};
 use super::{Scene, SceneError};
 use toml::{Table, Value};
 
@@ -41,6 +41,18 @@ impl Scene {
         let mut fields = Vec::new();
         flatten("", whole, &mut fields);
         fields
+    }
+
+    /// A text that is the same for scenes that differ only in how large numbers are, if not 0, and in colors: they are made of
+    /// the same parts.
+    pub fn shape(&self) -> String {
+        let part = |(name, value): (String, Value)| match (number(&value), &value) {
+            (Some(number), _) => format!("{name} {}\n", number != 0.0),
+            (None, Value::Array(many)) if many.iter().all(|value| number(value).is_some()) => format!("{name}\n"),
+            (None, Value::String(text)) if text.starts_with('#') => format!("{name}\n"),
+            (None, value) => format!("{name} {value}\n"),
+        };
+        self.fields().into_iter().map(part).collect()
     }
 
     /// The fields that are not as in `base`, with their values; `None` where the field is gone.
@@ -100,6 +112,30 @@ mod tests {
         }
         assert!(scene.camera.clip.is_none() && scene.combine.is_none() && scene.parts.is_empty());
         assert_eq!(scene.quality.samples, 256);
+    }
+
+    #[test]
+    fn the_shape_of_a_scene_is_what_it_is_made_of() {
+        let scene = preset("fur").unwrap();
+        let with = |field: &str, value: &str| {
+            let mut other = scene.clone();
+            other.set_field(field, value).unwrap();
+            other.shape() == scene.shape()
+        };
+        for (field, value) in [
+            ("light.color", "#123456"),
+            ("camera.azimuth", "12"),
+            ("quality.samples", "17"),
+            ("light.position", "[1, 2, 3]"),
+        ] {
+            assert!(with(field, value), "{field}");
+        }
+        let other = (!scene.light.shadows).to_string();
+        for (field, value) in
+            [("light.shadows", other.as_str()), ("effect.noise", "procedural"), ("light.intensity", "0")]
+        {
+            assert!(!with(field, value), "{field}");
+        }
     }
 
     #[test]

@@ -61,6 +61,10 @@ pub(super) struct Figures {
     pub(super) picking: Option<f32>,
     /// Fields of the scene that change nothing in the picture.
     pub(super) ignored: Vec<String>,
+    /// Settings that the picture does not read, and the shape of the scene that they are of.
+    pub(super) idle: (Vec<String>, String),
+    /// What the picture was made with.
+    pub(super) made: Vec<[String; 2]>,
     /// What went wrong or was done last.
     pub(super) message: Option<String>,
 }

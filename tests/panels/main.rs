@@ -240,6 +240,29 @@ fn what_changes_nothing_is_said_below_the_picture() {
 }
 
 #[test]
+fn settings_that_the_picture_does_not_read_have_no_control_unless_all_are_asked_for() {
+    let mut hand = Hand::open(scene::preset("lit").unwrap());
+    let has = |hand: &Hand, name: &str| hand.0.query_all_by_label(name).next().is_some();
+    assert!(has(&hand, "effect.turbulence") && has(&hand, "effect.medium") && !has(&hand, "settings.all"));
+    hand.0.state_mut().status.idle = vec!["effect.turbulence".into(), "effect.medium".into()];
+    hand.0.run_steps(2);
+    assert!(!has(&hand, "effect.turbulence") && !has(&hand, "effect.medium") && has(&hand, "effect.surface"));
+    hand.click("settings.all");
+    hand.0.run_steps(2);
+    assert!(has(&hand, "effect.turbulence") && has(&hand, "effect.medium"));
+}
+
+#[test]
+fn what_a_picture_is_made_with_is_a_section_once_there_is_one() {
+    let mut hand = Hand::new(scene::preset("lit").unwrap());
+    assert!(hand.0.query_all_by_label("Made with").next().is_none());
+    hand.0.state_mut().status.made = vec![["left out".into(), "noise block: nothing reads it".into()]];
+    hand.0.run_steps(2);
+    hand.click("Made with");
+    assert!(hand.0.query_all_by_value("noise block: nothing reads it").next().is_some());
+}
+
+#[test]
 fn what_the_check_refuses_is_one_line_and_changes_nothing() {
     let mut hand = Hand::open(preset("fur").unwrap());
     hand.choose("quality.pass", "slices");

@@ -5,7 +5,7 @@
 
 use crate::measure::statistics::quantile;
 use crate::support::random::SplitMix;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A run is unsteady if its 95th percentile exceeds the median by this factor.
 const UNSTEADY: f64 = 1.25;
@@ -24,7 +24,7 @@ pub struct Run {
 }
 
 /// What repeated runs took.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spread {
     /// Median.
     pub median: f64,

@@ -209,7 +209,10 @@ impl App {
                     (self.tasks, self.figures.recording) = (self.tasks.saturating_sub(1), None);
                     self.say(line);
                 }
-                Event::Ignored(fields) => self.figures.ignored = fields,
+                Event::Made(lines) => self.figures.made = lines,
+                Event::Unread { ignored, idle, shape } => {
+                    (self.figures.ignored, self.figures.idle) = (ignored, (idle, shape));
+                }
                 Event::Wrote(path) => {
                     self.tasks = self.tasks.saturating_sub(1);
                     self.figures.recording = None;
@@ -296,6 +299,11 @@ impl App {
             device: self.figures.device.clone(),
             message: self.figures.message.clone(),
             ignored: self.figures.ignored.clone(),
+            idle: match &self.figures.idle {
+                (idle, shape) if *shape == self.model.scene().shape() => idle.clone(),
+                _ => Vec::new(),
+            },
+            made: self.figures.made.clone(),
             progress: self.figures.picking.or(recording.map(|(done, all)| done as f32 / all.max(1) as f32)),
             recent_ms: recent.clone(),
             budget_ms: self.figures.budget_ms,

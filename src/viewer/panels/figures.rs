@@ -39,6 +39,17 @@ pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status) {
     });
 }
 
+/// What the picture was made with.
+pub(super) fn made(ui: &mut Ui, lines: &[[String; 2]]) {
+    egui::Grid::new("made").num_columns(2).striped(true).show(ui, |ui| {
+        for [about, what] in lines {
+            ui.label(RichText::new(about).weak());
+            ui.add(Label::new(RichText::new(what).monospace()).wrap());
+            ui.end_row();
+        }
+    });
+}
+
 /// The times of the last pictures; the line is what they may take while the scene moves.
 fn plot(ui: &mut Ui, recent_ms: &[f64], budget_ms: f64) {
     let (response, painter) = ui.allocate_painter(Vec2::new(120.0, 18.0), Sense::hover());

@@ -43,6 +43,10 @@ pub struct Status {
     pub message: Option<String>,
     /// Fields of the scene that change nothing in the picture, with their values.
     pub ignored: Vec<String>,
+    /// Settings that the picture does not read: they have no control, unless all are asked for.
+    pub idle: Vec<String>,
+    /// What the picture was made with: what each line is about, and what there is.
+    pub made: Vec<[String; 2]>,
     /// Part of what is under way that is done, 0 to 1.
     pub progress: Option<f32>,
     /// Whether time stands still.
@@ -84,6 +88,8 @@ pub struct Panels {
     paths: [String; 2],
     author: Author,
     author_is_open: bool,
+    /// Whether settings that the picture does not read have controls too.
+    shows_all: bool,
 }
 
 /// What is done after the controls have been shown, in place of what they changed.
@@ -110,9 +116,15 @@ struct Pass<'a> {
     requests: Vec<Request>,
     model: &'a Model,
     status: &'a Status,
+    shows_all: bool,
 }
 
 impl Pass<'_> {
+    /// Whether a setting has no control, as the picture does not read it.
+    fn hides(&self, name: &str) -> bool {
+        !self.shows_all && self.status.idle.iter().any(|idle| idle == name)
+    }
+
     /// Gives a setting its value, as a scene file has it; empty takes it back.
     fn set(&mut self, name: &str, value: &str) {
         match self.draft.set_field(name, value) {
@@ -140,7 +152,7 @@ impl Panels {
         let (slot, name) = first.unwrap_or(("surface", &effect.surface));
         let author = Author::new(program, model.library(), slot, name)?;
         let paths = ["scene.toml".into(), "picture.png".into()];
-        Ok(Panels { selected: None, stop: 0, paths, author, author_is_open: false })
+        Ok(Panels { selected: None, stop: 0, paths, author, author_is_open: false, shows_all: false })
     }
 
     /// The module that is being edited.
@@ -178,7 +190,8 @@ impl Panels {
         self.selected = self.selected.take().filter(|name| model.scene().parts.contains_key(name));
         let (draft, acts, requests) = (model.scene().clone(), Vec::new(), Vec::new());
         let values = draft.fields().into_iter().collect();
-        let mut pass = Pass { draft, values, refused: None, touch: None, acts, requests, model, status };
+        let shows_all = self.shows_all;
+        let mut pass = Pass { draft, values, refused: None, touch: None, acts, requests, model, status, shows_all };
         ui.add_space(4.0);
         session::history(ui, &mut pass, &mut self.author_is_open);
         ui.separator();
@@ -210,6 +223,19 @@ impl Panels {
         section(ui, "Light and background", false, |ui| stage::light(ui, pass));
         section(ui, "Camera", false, |ui| stage::camera(ui, pass));
         section(ui, "Accuracy", false, |ui| accuracy::show(ui, pass));
+        if !pass.status.made.is_empty() {
+            section(ui, "Made with", false, |ui| figures::made(ui, &pass.status.made));
+        }
+        self.offer_all(ui, pass.status.idle.len());
+    }
+
+    /// Controls of what the picture does not read, where there is such.
+    fn offer_all(&mut self, ui: &mut Ui, idle: usize) {
+        if idle > 0 {
+            let text = format!("also show {idle} settings that this picture does not read");
+            let response = ui.checkbox(&mut self.shows_all, text);
+            widgets::named(ui, &response, "settings.all");
+        }
     }
 
     fn act(&mut self, act: Act, model: &mut Model) {

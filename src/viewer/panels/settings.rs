@@ -34,6 +34,9 @@ pub(super) fn show_some(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, name: &s
 
 fn control(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, offered: &dyn Fn(u32) -> bool) {
     let name = format!("{prefix}{}", setting.name);
+    if pass.hides(&name) {
+        return;
+    }
     let mut value = pass.values.get(&name).cloned();
     if let (Some(on), false) = (setting.optional, matches!(setting.kind, Kind::Text)) {
         let of = format!("{prefix}{}.has_{}", setting.table(), setting.field());

@@ -71,8 +71,10 @@ pub(super) struct Picture {
 pub(super) enum Event {
     /// There is a picture.
     Picture(Picture),
-    /// What changes nothing in the picture.
-    Ignored(Vec<String>),
+    /// What the picture of a job was made with: what each line is about, and what there is.
+    Made(Vec<[String; 2]>),
+    /// What was set and changes nothing in the picture, and the settings that it does not read in that shape of the scene.
+    Unread { ignored: Vec<String>, idle: Vec<String>, shape: String },
     /// A file was written.
     Wrote(PathBuf),
     /// So much of the search for a way to draw is done.

@@ -3,7 +3,7 @@
 use super::{Event, Job, Picture, Shared};
 use crate::gpu::Gpu;
 use crate::measure::statistics::rms_difference;
-use crate::render::{Frame, RenderError, Renderer, ignored};
+use crate::render::{Frame, Measurements, RenderError, Renderer, idle, ignored, made_with};
 use crate::scene::{Scene, nearest_preset};
 use crate::shader::{Library, shipped};
 use crate::viewer::author::Gate;
@@ -65,6 +65,14 @@ struct Pair {
     fine: Renderer,
     /// Milliseconds of a row of the whole picture, about.
     row_ms: f64,
+}
+
+/// A picture that was drawn in bands.
+struct Drawn {
+    /// Milliseconds on the device.
+    ms: f64,
+    /// Those of the last band.
+    measurements: Option<Measurements>,
 }
 
 fn scenes(job: &Job) -> Vec<Scene> {
@@ -205,8 +213,8 @@ impl RenderThread {
             for (variant, pair) in job.variants.iter().zip(&mut *pairs) {
                 let mut pixels = Vec::new();
                 let made = self.in_bands(job, &reference(&variant.scene), pair, Some(start), &mut pixels, |_| ())?;
-                let Some(ms) = made else { return Ok(()) };
-                still.gpu_ms += ms;
+                let Some(drawn) = made else { return Ok(()) };
+                still.gpu_ms += drawn.ms;
                 pictures.push(pixels);
             }
             for (mean, pixels) in still.means.iter_mut().zip(&pictures) {
@@ -224,18 +232,20 @@ impl RenderThread {
         if still.means[0].count > 0 && (is_converged(still, job) || still.means[0].count == MOST) {
             self.tell_mean(job, still, true);
             if !std::mem::replace(&mut still.told, true) {
-                self.tell_ignored(job);
+                self.tell_unread(job);
             }
         }
         Ok(())
     }
 
     /// Says what changes nothing in a picture that is finished: it takes a part of a second.
-    fn tell_ignored(&self, job: &Job) {
+    fn tell_unread(&self, job: &Job) {
         let (scene, subject) = (&job.variants[0].scene, &job.variants[0].subject);
         // A custom module is compiled in a process of its own, and never for this.
         if scene.modules.is_empty() && *job.library == shipped() && !self.shared.is_stale(job.number) {
-            (self.tell)(Event::Ignored(ignored(&job.library, subject, &nearest_preset(scene), scene)));
+            let ignored = ignored(&job.library, subject, &nearest_preset(scene), scene);
+            let idle = idle(&job.library, subject, scene, &|| self.shared.is_stale(job.number));
+            (self.tell)(Event::Unread { ignored, idle, shape: scene.shape() });
         }
     }
 
@@ -258,8 +268,11 @@ impl RenderThread {
                 }
             };
             let made = self.in_bands(job, &variant.scene, &mut pairs[index], None, &mut pixels, &mut show)?;
-            let Some(ms) = made else { return Ok(false) };
-            gpu_ms += ms;
+            let Some(drawn) = made else { return Ok(false) };
+            gpu_ms += drawn.ms;
+            if let (0, Some(measurements)) = (index, &drawn.measurements) {
+                (self.tell)(Event::Made(made_with(measurements, &variant.scene, &job.library)?));
+            }
             all[index] = pixels;
         }
         still.gpu_ms = gpu_ms;
@@ -270,8 +283,7 @@ impl RenderThread {
         Ok(true)
     }
 
-    /// A whole picture, or one of its sub-frames, band by band into `pixels`: milliseconds on the device; `None` where
-    /// something else is to be done.
+    /// A whole picture, or one of its sub-frames, band by band into `pixels`; `None` where something else is to be done.
     fn in_bands(
         &self,
         job: &Job,
@@ -280,10 +292,10 @@ impl RenderThread {
         number: Option<u32>,
         pixels: &mut Vec<[f32; 4]>,
         mut show: impl FnMut(&[[f32; 4]]),
-    ) -> Result<Option<f64>, RenderError> {
+    ) -> Result<Option<Drawn>, RenderError> {
         let [width, height] = scene.image.size;
         pixels.resize(width as usize * height as usize, [0.0; 4]);
-        let (mut row, mut gpu_ms) = (0, 0.0);
+        let (mut row, mut drawn) = (0, Drawn { ms: 0.0, measurements: None });
         while row < height {
             if self.shared.is_stale(job.number) {
                 return Ok(None);
@@ -297,12 +309,13 @@ impl RenderThread {
             };
             let own = (band.start * width) as usize..(band.end * width) as usize;
             pixels[own.clone()].copy_from_slice(&frame.pixels[own]);
-            gpu_ms += device_ms(&frame);
+            drawn.ms += device_ms(&frame);
             pair.row_ms = device_ms(&frame) / f64::from(band.end - band.start);
             row = band.end;
             show(pixels);
+            drawn.measurements = Some(frame.measurements);
         }
-        Ok(Some(gpu_ms))
+        Ok(Some(drawn))
     }
 
     /// Holds the coarse picture and the scene's own against the mean.

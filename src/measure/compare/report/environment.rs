@@ -1,11 +1,11 @@
 //! Where and when something was measured. It names no file, no folder and no person.
 
 use crate::gpu::Gpu;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Where and when something was measured.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Environment {
     /// Date and time, UTC.
     pub date: String,
