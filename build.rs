@@ -24,7 +24,8 @@ use std::{env, fs};
 
 const PASSES: [[&str; 2]; 2] = [["slice.vert", "slice.frag"], ["march.vert", "march.frag"]];
 /// The passes of the lines of the table with these names.
-const NAMED: [(&str, [[&str; 2]; 1]); 4] = [
+const NAMED: [(&str, [[&str; 2]; 1]); 5] = [
+    ("mark", [["march.vert", "mark.frag"]]),
     ("shadow", [["march.vert", "shadow.frag"]]),
     ("cell", [["march.vert", "cell.frag"]]),
     ("opacity_table", [["march.vert", "opacity_table.frag"]]),

@@ -61,6 +61,7 @@ layout(set = 0, binding = 15) uniform texture3D random_image;       // GG 39.5
 layout(set = 0, binding = 58) uniform texture2D light_before_image; // GG 39.5.1: light that is left before a slice
 layout(set = 0, binding = 56) uniform texture2D light_behind_image; // and behind it
 layout(set = 0, binding = 59) uniform texture3D cell_image;         // cells that are proven to be empty: see cells/grid.glsl
+layout(set = 0, binding = 60) uniform texture2D target_image;       // GG 39.6.2: the picture, as far as it is drawn
 #define noise_block sampler3D(noise_image, block_sampler)
 #define noise_value_block sampler3D(noise_value_image, block_sampler)
 #define turbulence_block sampler3D(turbulence_image, block_sampler)

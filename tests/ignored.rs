@@ -182,7 +182,7 @@ fn settings_that_are_idle_change_no_bit_whatever_they_are() {
             (
                 "lit",
                 scene("lit", "cube", |_| ()),
-                "effect.turbulence effect.octaves effect.project effect.absorption",
+                "effect.turbulence effect.octaves effect.project effect.absorption effect.index",
                 "light.color",
             ),
             (

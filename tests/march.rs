@@ -3,7 +3,7 @@
 mod common;
 
 use common::{formula, homogeneous, picture, subject, with_gpu};
-use hypertexture::render::Frame;
+use hypertexture::render::{Frame, Subject};
 use hypertexture::scene::{EFFECTS, EmptySpace, LightMethod, Pass, Projection, RayPath, Scene, names, preset};
 use hypertexture::shader;
 
@@ -147,6 +147,35 @@ fn p46_an_early_end_changes_no_pixel_by_more_than_it_says() {
             let (beyond, _) = compare(&whole, &ended, stop);
             assert_eq!(beyond, 0.0, "stop {stop}");
             assert!(stop < 0.05 || whole.pixels != ended.pixels, "stop {stop} ends no ray");
+        }
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn g10_slices_that_end_early_show_what_all_of_them_show() {
+    let library = shader::shipped();
+    with_gpu(|gpu| {
+        let ended = |scene: &Scene, subject: &Subject, stop: f32| {
+            let mut scene = scene.clone();
+            (scene.quality.pass, scene.quality.early_termination) = (Pass::Slices, stop);
+            picture(gpu, &library, &scene, subject)
+        };
+        for effect in ["lit", "bump", "melting"] {
+            let mut scene = preset(effect).unwrap();
+            (scene.object.input, scene.image.size, scene.quality.samples) = ("torus".into(), [70, 50], 100);
+            let subject = subject(&scene, &library);
+            let whole = ended(&scene, &subject, 0.0);
+            assert_eq!(ended(&scene, &subject, 1e-4).pixels, whole.pixels, "{effect}: what is behind is hidden");
+        }
+        let scene = homogeneous("sphere", 6.0, Projection::Parallel);
+        let subject = formula(&scene);
+        let whole = ended(&scene, &subject, 0.0);
+        for stop in [1e-3, 0.05, 0.4] {
+            let ended = ended(&scene, &subject, stop);
+            let (beyond, _) = compare(&whole, &ended, stop);
+            assert_eq!(beyond, 0.0, "stop {stop}");
+            assert!(stop < 0.05 || whole.pixels != ended.pixels, "stop {stop} ends no pixel");
         }
     });
 }

@@ -1,6 +1,5 @@
 //! Recording and submission: every submission is timed and waited for.
 
-use super::memory::COLOR;
 use super::{BindSet, Buffer, Gpu, GpuError, Image, Named, Pipeline};
 use ash::vk;
 use std::ops::Range;
@@ -28,6 +27,15 @@ pub struct Target<'a> {
     pub color: &'a Image,
     /// Where its samples are averaged to, at the end of a rendering that asks for it.
     pub resolved: Option<&'a Image>,
+    /// Which pixels are marked: pipelines that heed it draw the others alone. Cleared with the color.
+    pub marks: Option<&'a Image>,
+}
+
+impl<'a> Target<'a> {
+    /// An image of one sample per pixel, all of which is drawn into.
+    pub fn of(color: &'a Image) -> Target<'a> {
+        Target { color, resolved: None, marks: None }
+    }
 }
 
 /// What a rendering begins with.
@@ -242,22 +250,58 @@ impl Commands<'_> {
                 .resolve_image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL);
         }
         let vk::Extent3D { width, height, .. } = target.color.extent;
-        self.draw_into(attachment, vk::Extent2D { width, height }, draw);
+        let marks = target.marks.map(|image| self.marks(image, load != Load::Keep));
+        self.draw_into(Some(attachment), marks, vk::Extent2D { width, height }, draw);
     }
 
-    /// Draws into an attachment that is in its layout.
+    /// Draws marks of pixels, where nothing is discarded. What is drawn may read the color of the target.
+    pub fn mark(&mut self, color: &Image, marks: &Image, draw: impl FnOnce(&mut Draw<'_>)) {
+        self.sample(color);
+        let attachment = self.marks(marks, false);
+        let vk::Extent3D { width, height, .. } = marks.extent;
+        self.draw_into(None, Some(attachment), vk::Extent2D { width, height }, draw);
+    }
+
+    /// An image of marks, ready to be tested and written.
+    fn marks(&mut self, image: &Image, clear: bool) -> vk::RenderingAttachmentInfo<'static> {
+        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
+        let tests = Stage::EARLY_FRAGMENT_TESTS | Stage::LATE_FRAGMENT_TESTS;
+        let write = Access::DEPTH_STENCIL_ATTACHMENT_WRITE;
+        let layout = Layout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        self.transition(image, layout, tests, write, tests, write | Access::DEPTH_STENCIL_ATTACHMENT_READ);
+        let depth_stencil = vk::ClearDepthStencilValue { depth: UNMARKED, stencil: 0 };
+        vk::RenderingAttachmentInfo::default()
+            .image_view(image.view)
+            .image_layout(layout)
+            .store_op(vk::AttachmentStoreOp::STORE)
+            .load_op(if clear { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD })
+            .clear_value(vk::ClearValue { depth_stencil })
+    }
+
+    /// Draws into attachments that are in their layouts: colors, marks or both.
     pub(super) fn draw_into(
         &mut self,
-        attachment: vk::RenderingAttachmentInfo<'_>,
+        color: Option<vk::RenderingAttachmentInfo<'_>>,
+        marks: Option<vk::RenderingAttachmentInfo<'_>>,
         extent: vk::Extent2D,
         draw: impl FnOnce(&mut Draw<'_>),
     ) {
-        let attachments = [attachment];
         let vk::Extent2D { width, height } = extent;
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
-        let info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachments);
+        let mut info = vk::RenderingInfo::default().render_area(area).layer_count(1);
+        info = info.color_attachments(color.as_slice());
+        if let Some(marks) = &marks {
+            info = info.depth_attachment(marks);
+        }
+        // Beside marks all that is drawn has one depth: that of a mark, or that which passes where there is none.
+        let [min_depth, max_depth] = match (&color, &marks) {
+            (_, None) => [0.0, 1.0],
+            (Some(_), Some(_)) => [UNMARKED; 2],
+            (None, Some(_)) => [MARKED; 2],
+        };
+        let (width_points, height_points) = (width as f32, height as f32);
         let viewport =
-            vk::Viewport { width: width as f32, height: height as f32, max_depth: 1.0, ..Default::default() };
+            vk::Viewport { width: width_points, height: height_points, min_depth, max_depth, ..Default::default() };
         let device = &self.gpu.0.device;
         // SAFETY: the command buffer is being recorded, and the images are in the layouts named.
         unsafe {
@@ -288,7 +332,7 @@ impl Commands<'_> {
     ) {
         let barriers = [vk::ImageMemoryBarrier2::default()
             .image(image.handle)
-            .subresource_range(COLOR)
+            .subresource_range(image.format().range())
             .old_layout(image.set_layout(layout))
             .new_layout(layout)
             .src_stage_mask(after)
@@ -300,6 +344,10 @@ impl Commands<'_> {
         unsafe { self.gpu.0.device.cmd_pipeline_barrier2(self.buffer, &dependency) };
     }
 }
+
+/// Depth of a pixel that is marked, and of one that is not.
+const MARKED: f32 = 0.0;
+const UNMARKED: f32 = 1.0;
 
 /// The single layer of a color image.
 const LAYERS: vk::ImageSubresourceLayers = vk::ImageSubresourceLayers {

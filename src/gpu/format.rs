@@ -25,6 +25,8 @@ pub enum Format {
     Bgra8Unorm,
     /// As [`Format::Rgba8Srgb`], blue first.
     Bgra8Srgb,
+    /// Depth, 16 bits, [0, 1].
+    Depth16,
 }
 
 impl Format {
@@ -32,7 +34,7 @@ impl Format {
     pub fn bytes(self) -> u64 {
         match self {
             Format::R8Unorm => 1,
-            Format::R16Unorm => 2,
+            Format::R16Unorm | Format::Depth16 => 2,
             Format::R32Float | Format::Rgba8Unorm | Format::Rgba8Srgb => 4,
             Format::Bgra8Unorm | Format::Bgra8Srgb => 4,
             Format::Rgba16Unorm | Format::Rgba16Float => 8,
@@ -43,7 +45,7 @@ impl Format {
     /// Channels of one texel.
     pub fn channels(self) -> u32 {
         match self {
-            Format::R8Unorm | Format::R16Unorm | Format::R32Float => 1,
+            Format::R8Unorm | Format::R16Unorm | Format::R32Float | Format::Depth16 => 1,
             _ => 4,
         }
     }
@@ -60,7 +62,17 @@ impl Format {
             Format::Rgba8Srgb => vk::Format::R8G8B8A8_SRGB,
             Format::Bgra8Unorm => vk::Format::B8G8R8A8_UNORM,
             Format::Bgra8Srgb => vk::Format::B8G8R8A8_SRGB,
+            Format::Depth16 => vk::Format::D16_UNORM,
         }
+    }
+
+    /// All of an image of this format.
+    pub(super) fn range(self) -> vk::ImageSubresourceRange {
+        let aspect_mask = match self {
+            Format::Depth16 => vk::ImageAspectFlags::DEPTH,
+            _ => vk::ImageAspectFlags::COLOR,
+        };
+        vk::ImageSubresourceRange { aspect_mask, ..super::memory::COLOR }
     }
 
     /// Texels as the device reads them: channels that there are not are 0, and alpha 1.
@@ -76,7 +88,7 @@ impl Format {
         let one = |value: f32| [value, 0.0, 0.0, 1.0];
         match self {
             Format::R8Unorm => bytes.iter().map(|code| one(code8(*code))).collect(),
-            Format::R16Unorm => bytes.as_chunks().0.iter().map(|code| one(code16(code))).collect(),
+            Format::R16Unorm | Format::Depth16 => bytes.as_chunks().0.iter().map(|code| one(code16(code))).collect(),
             Format::R32Float => bytes.as_chunks().0.iter().map(|float| one(f32::from_ne_bytes(*float))).collect(),
             Format::Rgba8Unorm => bytes.as_chunks::<4>().0.iter().map(|texel| texel.map(code8)).collect(),
             Format::Rgba8Srgb => Format::Rgba8Unorm.decode(bytes).into_iter().map(linear).collect(),

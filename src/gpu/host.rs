@@ -129,7 +129,7 @@ impl HostCommands<'_> {
             .load_op(vk::AttachmentLoadOp::LOAD)
             .store_op(vk::AttachmentStoreOp::STORE);
         let [width, height] = self.target.size;
-        self.commands.draw_into(attachment, vk::Extent2D { width, height }, |draw| {
+        self.commands.draw_into(Some(attachment), None, vk::Extent2D { width, height }, |draw| {
             draw.triangles(pipeline, &set, buffer.as_ref(), vertices);
         });
         Recording { _pipeline: pipeline.clone(), _set: set, _vertices: buffer }
@@ -168,7 +168,7 @@ mod tests {
             let buffer = device.allocate_command_buffers(&info).unwrap()[0];
             device.begin_command_buffer(buffer, &vk::CommandBufferBeginInfo::default()).unwrap();
             let mut commands = Commands { gpu, buffer };
-            commands.render(Target { color: &image, resolved: None }, Load::Clear(BEHIND), |_| ());
+            commands.render(Target::of(&image), Load::Clear(BEHIND), |_| ());
             let (output, write) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
             let blend = write | Access::COLOR_ATTACHMENT_READ;
             commands.transition(&image, Layout::COLOR_ATTACHMENT_OPTIMAL, output, write, output, blend);

@@ -97,8 +97,10 @@ pub enum ImageUse {
     Sampled,
     /// Drawn into, then sampled, again and again.
     SampledTarget,
-    /// Blended into, with this many samples per pixel, then read or resolved.
+    /// Blended into, with this many samples per pixel, then read or resolved; of one sample, sampled between.
     Target(u32),
+    /// Marks of pixels.
+    Depth,
 }
 
 /// An image on the device with one view of all of it.
@@ -156,7 +158,11 @@ impl Image {
         let (usage, samples) = match purpose {
             ImageUse::Sampled => (vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST, 1),
             ImageUse::SampledTarget => (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED, 1),
-            ImageUse::Target(1) => (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC, 1),
+            ImageUse::Target(1) => {
+                let drawn = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
+                (drawn | vk::ImageUsageFlags::TRANSFER_SRC, 1)
+            }
+            ImageUse::Depth => (vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT, 1),
             ImageUse::Target(samples) => {
                 (vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC, samples)
             }
@@ -190,7 +196,7 @@ impl Image {
             .image(handle)
             .view_type(view_kind)
             .format(format.vk())
-            .subresource_range(COLOR);
+            .subresource_range(format.range());
         // SAFETY: the memory was allocated for this image and is bound once, before the view is made.
         unsafe {
             device

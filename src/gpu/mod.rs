@@ -35,7 +35,7 @@ pub use memory::{Address, Buffer, BufferUse, Dimension, Image, ImageUse, Sampler
 pub use messages::Messages;
 #[cfg(feature = "viewer")]
 pub use overlay::{Canvas, Presented};
-pub use pipeline::{BindSet, Binding, BindingKind, Blend, Pipeline, PipelineDescription, Resource};
+pub use pipeline::{BindSet, Binding, BindingKind, Blend, Marks, Pipeline, PipelineDescription, Resource};
 
 #[cfg(feature = "viewer")]
 pub use window::{WindowHandle, has_library};

@@ -39,6 +39,17 @@ pub enum Blend {
     Under,
 }
 
+/// What a pipeline has to do with marks of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Marks {
+    /// Nothing: its target has none.
+    None,
+    /// It draws the pixels that are not marked.
+    Heed,
+    /// It marks pixels and draws nothing: it has no target.
+    Make,
+}
+
 /// What a pipeline is made of.
 pub struct PipelineDescription<'a> {
     /// SPIR-V of the vertex stage, entry point `main`.
@@ -57,6 +68,8 @@ pub struct PipelineDescription<'a> {
     pub samples: u32,
     /// How fragments meet the target.
     pub blend: Blend,
+    /// What it has to do with marks of pixels.
+    pub marks: Marks,
 }
 
 /// A pipeline and its layout.
@@ -255,6 +268,9 @@ fn check(gpu: &Gpu, description: &PipelineDescription<'_>) -> Result<(), GpuErro
     if description.blend != Blend::Replace && !gpu.can_blend(description.format) {
         return unsupported(format!("blending into {:?}", description.format), "use another quality.target".into());
     }
+    if description.marks == Marks::Make {
+        return Ok(()); // into a format that every device has
+    }
     let counts = gpu.sample_counts(description.format);
     if !counts.contains(&description.samples) {
         let what = format!("{} samples per pixel in {:?}", description.samples, description.format);
@@ -297,12 +313,21 @@ fn compile(
         .rasterization_samples(vk::SampleCountFlags::from_raw(description.samples))
         .sample_shading_enable(description.samples > 1)
         .min_sample_shading(1.0);
+    let colors = if description.marks == Marks::Make { 0 } else { 1 };
     let attachments = [blend_state(description.blend)];
-    let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&attachments);
+    let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&attachments[..colors]);
+    let compare = if description.marks == Marks::Make { vk::CompareOp::ALWAYS } else { vk::CompareOp::LESS_OR_EQUAL };
+    let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+        .depth_test_enable(description.marks != Marks::None)
+        .depth_write_enable(description.marks == Marks::Make)
+        .depth_compare_op(compare);
     let dynamic_states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
     let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic_states);
     let formats = [description.format.vk()];
-    let mut rendering = vk::PipelineRenderingCreateInfo::default().color_attachment_formats(&formats);
+    let mut rendering = vk::PipelineRenderingCreateInfo::default().color_attachment_formats(&formats[..colors]);
+    if description.marks != Marks::None {
+        rendering = rendering.depth_attachment_format(Format::Depth16.vk());
+    }
     let info = vk::GraphicsPipelineCreateInfo::default()
         .stages(stages)
         .vertex_input_state(&input)
@@ -310,6 +335,7 @@ fn compile(
         .viewport_state(&viewport)
         .rasterization_state(&raster)
         .multisample_state(&multisample)
+        .depth_stencil_state(&depth)
         .color_blend_state(&blend)
         .dynamic_state(&dynamic)
         .layout(layout)

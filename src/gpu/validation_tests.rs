@@ -89,6 +89,7 @@ fn sampling_pipeline(gpu: &Gpu, attributes: &[u32]) -> Pipeline {
         format: Format::Rgba8Unorm,
         samples: 1,
         blend: Blend::Replace,
+        marks: super::Marks::None,
     };
     Pipeline::new(gpu, &description).unwrap()
 }
@@ -105,7 +106,7 @@ fn a_correct_frame_is_not_reported() {
         let set =
             pipeline.bind(&[(0, Resource::Image(image.clone())), (1, Resource::Sampler(sampler.clone()))]).unwrap();
         let color = plane(gpu, ImageUse::Target(1));
-        let target = Target { color: &color, resolved: None };
+        let target = Target::of(&color);
         gpu.submit("draw", |commands| {
             commands.render(target, Load::Clear([0.0; 4]), |draw| draw.triangles(&pipeline, &set, None, 0..3));
             commands.render(target, Load::Keep, |draw| draw.triangles(&pipeline, &set, None, 0..3));
@@ -140,7 +141,7 @@ fn a_copy_into_an_image_that_the_read_does_not_wait_for_is_reported() {
             // The bug: the vertex stage waits for the copy, and the fragment stage reads.
             let sampled = [Layout::TRANSFER_DST_OPTIMAL, Layout::SHADER_READ_ONLY_OPTIMAL];
             transition(gpu, commands, &image, sampled, copied, (Stage::VERTEX_SHADER, Access::SHADER_SAMPLED_READ));
-            let target = Target { color: &color, resolved: None };
+            let target = Target::of(&color);
             commands.render(target, Load::Clear([0.0; 4]), |draw| draw.triangles(&pipeline, &set, None, 0..3));
         })
         .unwrap();
@@ -155,7 +156,7 @@ fn two_copies_into_one_buffer_without_a_barrier_are_reported() {
         let color = plane(gpu, ImageUse::Target(1));
         let buffer = Buffer::empty(gpu, "download", BufferUse::Download, BYTES as u64).unwrap();
         gpu.submit("planted", |commands| {
-            commands.render(Target { color: &color, resolved: None }, Load::Clear([0.0; 4]), |_| ());
+            commands.render(Target::of(&color), Load::Clear([0.0; 4]), |_| ());
             commands.download(&color, &buffer);
             // SAFETY: the image is in the layout named, and buffer and image outlive the submission.
             unsafe {
@@ -220,7 +221,7 @@ fn a_draw_without_its_vertices_is_reported() {
         let set =
             pipeline.bind(&[(0, Resource::Image(image.clone())), (1, Resource::Sampler(sampler.clone()))]).unwrap();
         let color = plane(gpu, ImageUse::Target(1));
-        let target = Target { color: &color, resolved: None };
+        let target = Target::of(&color);
         gpu.submit("planted", |commands| {
             commands.render(target, Load::Clear([0.0; 4]), |draw| draw.triangles(&pipeline, &set, None, 0..3));
         })

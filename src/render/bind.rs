@@ -146,7 +146,7 @@ pub(super) fn pipeline(
     attributes: &[u32],
     format: gpu::Format,
     samples: u32,
-    blend: gpu::Blend,
+    (blend, marks): (gpu::Blend, gpu::Marks),
 ) -> Result<gpu::Pipeline, gpu::GpuError> {
     let bindings: Vec<gpu::Binding> = program.resources.iter().map(binding).collect();
     let (vertex, fragment, constants) = (&program.vertex, &program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]);
@@ -159,6 +159,7 @@ pub(super) fn pipeline(
         format,
         samples,
         blend,
+        marks,
     };
     gpu::Pipeline::new(gpu, &description)
 }

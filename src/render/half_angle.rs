@@ -70,7 +70,7 @@ impl HalfAngle {
         variant: &Variant,
     ) -> Result<HalfAngle, RenderError> {
         let program = variant.light(scene, library)?.program(library, Linker::new)?;
-        let pipeline = bind::pipeline(gpu, &program, scene, &[3], BUFFER, 1, Blend::Replace)?;
+        let pipeline = bind::pipeline(gpu, &program, scene, &[3], BUFFER, 1, (Blend::Replace, gpu::Marks::None))?;
         let side = scene.light.shadow_resolution;
         let buffer = || {
             let plane = Dimension::Plane(side, side);
@@ -116,7 +116,16 @@ impl HalfAngle {
             buffers: &self.buffers,
         };
         let sets = [of_eye(0)?, of_eye(1)?];
-        Ok(pass::draw(gpu, pipeline, [&sets[0], &sets[1]], vertices, stack, bands, target, Some(&light))?)
+        Ok(pass::draw(
+            gpu,
+            pipeline,
+            [&sets[0], &sets[1]],
+            vertices,
+            stack,
+            bands,
+            target,
+            &pass::Between::Light(&light),
+        )?)
     }
 
     /// Bytes of the buffers on the device.

@@ -7,6 +7,7 @@
 
 use super::encoded::Filter;
 use super::inputs::{CELLS, SHADOW, StoredObjects, image_key};
+use super::marks::Marks;
 use super::shot::Shot;
 use super::sub_frame::SubFrame;
 use super::values::blocks;
@@ -79,14 +80,14 @@ pub fn idle(library: &Library, subject: &Subject, scene: &Scene, is_over: &dyn F
         };
         let all = others(library, setting, values.get(name).map_or("", String::as_str));
         let others: Vec<Scene> = all.iter().filter_map(with).collect();
-        // Of a choice, all that it may be is tried: where the scene refuses every other, nothing is to be chosen.
-        let refused = !all.is_empty() && !matches!(setting.kind, Kind::Number(_) | Kind::Whole(_) | Kind::Numbers(..));
+        // Of a choice, all that it may be is tried: where the scene refuses every other, there is nothing to choose.
+        let is_choice = matches!(setting.kind, Kind::Choice(_) | Kind::Module(_) | Kind::Switch | Kind::OneOf(_));
         let changes_nothing = |other: &Scene| {
             let same_program =
                 Variant::of(other, library).is_ok_and(|of| of.key() == variant.key() && of.entries == variant.entries);
             same_program && same_subject(name, scene, other) && judge.essence(other).is_ok_and(|of| of == own)
         };
-        if (refused || !others.is_empty()) && others.iter().all(changes_nothing) {
+        if (is_choice || !others.is_empty()) && others.iter().all(changes_nothing) {
             idle.push(name.to_string());
         }
     }
@@ -180,6 +181,9 @@ impl Judge<'_> {
         if quality.pass == Pass::Slices {
             add(format!("{:?} {:?} {:?} {:?}", quality.order, quality.proxy, shot.planes, shot.view.extent));
             add(format!("{:?} {}", read.program.vertex, scene.camera.slice_stack));
+            if Marks::serve(scene) && !scene.camera.slice_stack {
+                add(format!("{}", scene.quality.early_termination));
+            }
             for values in &moments {
                 add(format!("{:?}", VERTEX_VALUES.map(|name| values.get(name))));
             }

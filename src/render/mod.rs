@@ -13,6 +13,7 @@ mod inputs;
 mod item;
 mod light_space;
 mod made;
+mod marks;
 mod noise_blocks;
 #[doc(hidden)] // for the tests of this crate
 pub mod pass;

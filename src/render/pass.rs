@@ -224,7 +224,7 @@ pub struct Light<'a> {
 impl Light<'_> {
     /// The buffer of this number as a target.
     fn into(&self, buffer: usize) -> Target<'_> {
-        Target { color: &self.buffers[buffer], resolved: None }
+        Target::of(&self.buffers[buffer])
     }
 
     /// Lets all of the light in, and uses the pipeline once.
@@ -249,11 +249,31 @@ impl Light<'_> {
     }
 }
 
+/// What is done between two slices.
+pub enum Between<'a> {
+    /// Nothing.
+    Nothing,
+    /// The light behind a slice is drawn, before it.
+    Light(&'a Light<'a>),
+    /// Pixels that are opaque are marked, after a number of slices.
+    Marks {
+        /// Marks them.
+        pipeline: &'a Pipeline,
+        /// What that reads: the picture so far.
+        set: BindSet,
+        /// The marks.
+        image: &'a Image,
+        /// After so many slices.
+        every: u32,
+    },
+}
+
 /// Clears the target and blends the slices into its bands, as for [`march`], in submissions of a length that a shared
 /// device bears. The bands must not touch: with several samples per pixel, lavapipe (Mesa 22) draws beyond its scissor,
 /// into the next row, and where a band meets another a slice would be blended twice.
 ///
 /// With a light, each slice is drawn after the light behind it, with the set of the buffer that holds the light before it.
+/// With marks, which are a part of the target too, what is drawn into a pixel ends with the batch in which it gets opaque.
 ///
 /// # Errors
 /// What a submission may fail with.
@@ -266,10 +286,13 @@ pub fn draw(
     stack: &Stack,
     bands: &[Range<u32>],
     target: Target<'_>,
-    light: Option<&Light<'_>>,
+    between: &Between<'_>,
 ) -> Result<Drawn, GpuError> {
     let into = Target { resolved: None, ..target };
-    let first_light_ms = light.filter(|_| stack.slices > 0).map_or(Ok(0.0), |light| light.begin(gpu))?;
+    let first_light_ms = match between {
+        Between::Light(light) if stack.slices > 0 => light.begin(gpu)?,
+        _ => 0.0,
+    };
     let mut drawn = match stack.slices {
         0 => Drawn { fragments: Some(0), ..Default::default() },
         _ => Drawn::begin(gpu, pipeline, sets[0], Some(vertices), into)?,
@@ -291,12 +314,28 @@ pub fn draw(
             });
             load = Load::Keep;
         };
-        let cost = gpu.submit("slices", |commands| match light {
-            None => blend(commands, range.clone()),
-            Some(light) => {
+        let cost = gpu.submit("slices", |commands| match between {
+            Between::Nothing => blend(commands, range.clone()),
+            Between::Light(light) => {
                 for slice in range.clone() {
                     light.pass(commands, slice);
                     blend(commands, slice..slice + 1);
+                }
+            }
+            Between::Marks { pipeline, set, image, every } => {
+                let mut from = range.start;
+                while from < range.end {
+                    let end = ((from / every + 1) * every).min(range.end);
+                    blend(commands, from..end);
+                    if end.is_multiple_of(*every) && end < stack.slices {
+                        commands.mark(target.color, image, |draw| {
+                            for band in bands {
+                                draw.rows(band.clone());
+                                draw.triangles(pipeline, set, None, 0..3);
+                            }
+                        });
+                    }
+                    from = end;
                 }
             }
         })?;

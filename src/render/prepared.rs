@@ -3,6 +3,7 @@
 use super::bind::{self, BoundInputs};
 use super::half_angle::{HalfAngle, Slices, blend as light_blend};
 use super::inputs::{Inputs, SHADOW};
+use super::marks::Marks;
 use super::pass;
 use super::pixels::{add, check_finite, mean};
 use super::shadow::Caster;
@@ -52,7 +53,9 @@ pub(super) struct Prepared {
     /// What hands the light from slice to slice, in a scene that has it do so.
     half_angle: Option<HalfAngle>,
     /// The images of a picture that is read back: that which is blended into, and where its samples are averaged to.
-    targets: Option<(gpu::Image, Option<gpu::Image>)>,
+    targets: Option<(Arc<gpu::Image>, Option<gpu::Image>)>,
+    /// What ends slices early, where they may.
+    marks: Option<Marks>,
     compile_ms: f64,
     /// The size of the picture that pictures stand for.
     pub(super) whole: [u32; 2],
@@ -95,7 +98,10 @@ impl Prepared {
         };
         let pipeline_start = Instant::now();
         let attributes = if quality.pass == Pass::Slices { pass::attributes(quality.proxy) } else { &[] };
-        let pipeline = bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, blend)?;
+        let ends_early = destination == Destination::Frame && Marks::serve(scene);
+        let marks = ends_early.then(|| Marks::new(gpu, library, scene, &variant)).transpose()?;
+        let heeds = if marks.is_some() { gpu::Marks::Heed } else { gpu::Marks::None };
+        let pipeline = bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, (blend, heeds))?;
         let casts = program.reads(SHADOW);
         let caster = casts.then(|| Caster::new(gpu, library, scene, &variant)).transpose()?;
         let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, &variant));
@@ -110,7 +116,7 @@ impl Prepared {
                     gpu::Image::new(gpu, name, plane, format, gpu::ImageUse::Target(samples))
                 };
                 let resolved = (quality.msaa > 1).then(|| target("resolved target", 1)).transpose()?;
-                Some((target("target", quality.msaa)?, resolved))
+                Some((Arc::new(target("target", quality.msaa)?), resolved))
             }
         };
         let (gpu, scene, pipeline) = (gpu.clone(), scene.clone(), Arc::new(pipeline));
@@ -125,6 +131,7 @@ impl Prepared {
             caster,
             half_angle,
             targets,
+            marks,
             compile_ms,
             whole: shot.whole,
         })
@@ -249,7 +256,8 @@ impl Prepared {
                 shadow_ms = Some(shadow_ms.unwrap_or(0.0) + ms);
             }
             let Some((color, resolved)) = &self.targets else { continue };
-            let target = gpu::Target { color, resolved: resolved.as_ref() };
+            let marks = self.marks.as_ref().map(|marks| &marks.image);
+            let target = gpu::Target { color, resolved: resolved.as_ref(), marks };
             let (gpu, pipeline) = (&self.gpu, &*self.pipeline);
             drawn.append(&match (&slices, &self.half_angle) {
                 (Some((vertices, stack)), Some(light)) => {
@@ -258,7 +266,11 @@ impl Prepared {
                 }
                 (Some((vertices, stack)), None) => {
                     let set = pipeline.bind(&self.bound.resources())?;
-                    pass::draw(gpu, pipeline, [&set; 2], vertices, stack, bands, target, None)?
+                    let between = match &self.marks {
+                        Some(marks) => marks.between(gpu, scene, &self.bound, color, stack.slices)?,
+                        None => pass::Between::Nothing,
+                    };
+                    pass::draw(gpu, pipeline, [&set; 2], vertices, stack, bands, target, &between)?
                 }
                 (None, _) => pass::march(gpu, pipeline, &pipeline.bind(&self.bound.resources())?, bands, target)?,
             });
@@ -267,7 +279,8 @@ impl Prepared {
         }
         let pixels = mean(&sum, count);
         check_finite(&pixels, width as usize)?;
-        let images = self.targets.iter().flat_map(|(color, resolved)| std::iter::once(color).chain(resolved));
+        let images = self.targets.iter().flat_map(|(color, resolved)| std::iter::once(&**color).chain(resolved));
+        let images = images.chain(self.marks.as_ref().map(|marks| &marks.image));
         let targets: u64 = images.map(gpu::Image::bytes).sum();
         let measurements = Measurements {
             modules: variant.key(),

@@ -98,7 +98,7 @@ pub(super) struct Caster {
 impl Caster {
     pub(super) fn new(gpu: &Gpu, library: &Library, scene: &Scene, variant: &Variant) -> Result<Caster, RenderError> {
         let program = variant.shadow(scene, library)?.program(library, Linker::new)?;
-        let pipeline = bind::pipeline(gpu, &program, scene, &[], SEGMENTS, 1, gpu::Blend::Replace)?;
+        let pipeline = bind::pipeline(gpu, &program, scene, &[], SEGMENTS, 1, (gpu::Blend::Replace, gpu::Marks::None))?;
         Ok(Caster { program, pipeline })
     }
 
@@ -110,7 +110,7 @@ impl Caster {
         let set = self.pipeline.bind(&bound.with(&blocks))?;
         let plane = Dimension::Plane(width, height);
         let color = Image::new(gpu, "shadow segments", plane, SEGMENTS, ImageUse::Target(1))?;
-        let target = gpu::Target { color: &color, resolved: None };
+        let target = gpu::Target::of(&color);
         let drawn = pass::march(gpu, &self.pipeline, &set, std::slice::from_ref(&(0..height)), target)?;
         let values = space.products(&color.read()?);
         Ok(Transmittance { space, object_matrix: shot.view.object_matrix, values, gpu_ms: drawn.gpu_ms })

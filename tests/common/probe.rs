@@ -3,8 +3,8 @@
 
 use hypertexture::exact::{Inputs, Program, Texture, Wrap};
 use hypertexture::gpu::{
-    Address, Binding, BindingKind, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Load, Pipeline,
-    PipelineDescription, Resource, Sampler, Target,
+    Address, Binding, BindingKind, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Load, Marks,
+    Pipeline, PipelineDescription, Resource, Sampler, Target,
 };
 use hypertexture::noise::{Bake, Noise, Weights, random_block};
 use hypertexture::render::texture::{Depth, block_channels, block_gradients, block_values, table_rows};
@@ -116,6 +116,7 @@ impl Probe {
             format: Format::Rgba32Float,
             samples: 1,
             blend: Blend::Replace,
+            marks: Marks::None,
         };
         let pipeline = Pipeline::new(gpu, &description).unwrap();
         let blocks = self.inputs.blocks.iter();
@@ -141,7 +142,7 @@ impl Probe {
         let set = pipeline.bind(&blocks.chain(images).chain(samplers).collect::<Vec<_>>()).unwrap();
         let plane = Dimension::Plane(side, side);
         let color = Image::new(gpu, "probe", plane, Format::Rgba32Float, ImageUse::Target(1)).unwrap();
-        let target = Target { color: &color, resolved: None };
+        let target = Target::of(&color);
         gpu.submit("probe", |commands| {
             commands.render(target, Load::Clear([0.0; 4]), |draw| draw.triangles(&pipeline, &set, None, 0..3));
         })

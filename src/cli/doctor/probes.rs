@@ -2,7 +2,7 @@
 
 use super::Diagnosis;
 use crate::gpu::{
-    Address, Binding, BindingKind, Blend, Dimension, Format, Gpu, GpuError, Image, ImageUse, Load, Pipeline,
+    Address, Binding, BindingKind, Blend, Dimension, Format, Gpu, GpuError, Image, ImageUse, Load, Marks, Pipeline,
     PipelineDescription, Resource, Sampler, Submitted, Target,
 };
 use crate::shader::{self, Library, LinkError, Linker, Slots, Stage};
@@ -85,6 +85,7 @@ impl Bench<'_> {
                 format: run.format,
                 samples: 1,
                 blend: Blend::Under,
+                marks: Marks::None,
             },
         )?;
         let sampler = Arc::new(Sampler::new(self.gpu, Address::Clamp, 1.0)?);
@@ -94,7 +95,7 @@ impl Bench<'_> {
         let [width, height] = run.size;
         let plane = Dimension::Plane(width, height);
         let color = Image::new(self.gpu, "self-test", plane, run.format, ImageUse::Target(1))?;
-        let target = Target { color: &color, resolved: None };
+        let target = Target::of(&color);
         let took = self.gpu.submit("self-test", |commands| {
             commands
                 .render(target, Load::Clear([0.0; 4]), |draw| draw.triangles(&pipeline, &set, None, 0..3 * run.layers));

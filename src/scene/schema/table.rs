@@ -227,7 +227,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("quality.integration", INTEGRATION, Images, "What a sample stands for.").flag("integration"),
     setting("quality.empty_space", EMPTY_SPACE, Images, "Which samples of a ray are taken.").flag("empty-space"),
     setting("quality.neutral", NEUTRAL, Images, "What becomes of the terms of modules that a parameter of 0 takes away."),
-    setting("quality.early_termination", number(0.0, 0.5), Picture, "A ray ends where less light than this would still come through: the largest error of a pixel."),
+    setting("quality.early_termination", number(0.0, 0.5), Picture, "A ray ends where less light than this would still come through, slices from front to back at the end of a batch: the largest error of a pixel."),
     setting("quality.target", TARGET, Targets, "Format that the slices are blended in.").flag("target"),
     setting("quality.order", ORDER, Targets, "Order of the slices.").flag("order"),
     setting("quality.proxy", PROXY, Targets, "Shape of the slices.").flag("proxy"),
