@@ -13,6 +13,7 @@ use crate::exact::{self, Device, Interval, Outline};
 use crate::gpu::{Dimension, Format, Gpu, Image};
 use crate::render::variant::Program;
 use crate::shader::{Library, Linker};
+use crate::support::disk_cache::{self, Kind};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -40,6 +41,13 @@ const OPERATIONS: u64 = 4_000_000_000;
 /// Boxes that one thread decides at a time.
 const BOXES: usize = 512;
 
+/// Proofs that take longer are kept on disk, milliseconds. Less: a value that is pulled fills the disk.
+const KEPT_FROM_MS: f64 = 20.0;
+/// Some ten thousand proofs.
+const KIND: Kind = Kind { ends: &["cells"], limit: 64 << 20 };
+/// Counts up where proofs change.
+const VERSION: u32 = 1;
+
 /// What was found of the cells of a picture.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Found {
@@ -49,6 +57,9 @@ pub struct Found {
     pub empty: f32,
     /// Milliseconds that the proofs took.
     pub ms: f64,
+    /// Whether they were kept on disk.
+    #[serde(default)]
+    pub kept: bool,
     /// Why there are none.
     pub why: Option<String>,
 }
@@ -79,6 +90,8 @@ struct Bounded {
     outline: Outline,
     inputs: exact::Inputs,
     texels: u64,
+    /// That of the program, and of its images and how they are filtered.
+    hash: blake3::Hash,
 }
 
 /// A box in object space and how it is divided.
@@ -113,7 +126,7 @@ impl Cells {
         {
             self.decider = Decider::new(&self.library, shot, |texels| side_of(texels) > 0)?;
         }
-        let few = || (None, Err("so few samples are not worth it".into()));
+        let few = || (None, Err::<(Vec<bool>, bool), String>("so few samples are not worth it".into()));
         let (key, empty) = match &mut self.decider {
             Decider::Unmade(_) => few(),
             Decider::Unbounded(why) => (None, Err(why.clone())),
@@ -124,21 +137,21 @@ impl Cells {
                     if key == self.key {
                         return Ok(None);
                     }
-                    (key, bounded.empty(&boxes).map_err(|error| error.to_string()))
+                    (key, bounded.proven(&boxes).map_err(|error| error.to_string()))
                 }
             },
         };
-        let empty = empty.and_then(|empty| match empty.contains(&true) {
-            true => Ok(empty),
+        let empty = empty.and_then(|(empty, kept)| match empty.contains(&true) {
+            true => Ok((empty, kept)),
             false => Err("no bounds prove that there is no matter".to_string()),
         });
         let before = std::mem::replace(&mut self.key, key);
         Ok(match (&self.key, empty) {
-            (Some((_, Boxes { side, .. })), Ok(empty)) => {
+            (Some((_, Boxes { side, .. })), Ok((empty, kept))) => {
                 let part = empty.iter().filter(|&&empty| empty).count() as f32 / empty.len() as f32;
                 let image = image(gpu, *side, &distances(&empty, *side as usize))?;
                 let ms = start.elapsed().as_secs_f64() * 1e3;
-                self.found = Found { side: *side, empty: part, ms, why: None };
+                self.found = Found { side: *side, empty: part, ms, kept, why: None };
                 Some(image)
             }
             (_, why) => {
@@ -207,10 +220,20 @@ impl Decider {
         if !pays(texels) {
             return Ok(Decider::Unmade(texels));
         }
+        let mut hash = blake3::Hasher::new();
+        hash.update(outline.hash.as_bytes());
+        for (binding, image) in &images {
+            hash.update(format!("{binding} {:?} {:?}", image.dimension, image.format).as_bytes());
+            hash.update(blake3::hash(image.bytes()).as_bytes());
+        }
+        samplers.iter().for_each(|(binding, filter)| {
+            hash.update(format!("{binding} {:?}", filter.address).as_bytes());
+        });
+        let hash = hash.finalize();
         let images = images.iter().map(|(binding, image)| (*binding, texture(image))).collect();
         let samplers = samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect();
         let inputs = exact::Inputs { blocks: BTreeMap::new(), images, samplers };
-        Ok(Decider::Made(Box::new(Bounded { program, code, outline, inputs, texels })))
+        Ok(Decider::Made(Box::new(Bounded { program, code, outline, inputs, texels, hash })))
     }
 }
 
@@ -220,6 +243,29 @@ impl Bounded {
         let filled = blocks(&self.program, values)?.into_iter();
         self.inputs.blocks = filled.map(|(resource, bytes)| (resource.binding, bytes)).collect();
         Ok(self.code.values(&self.outline, &self.inputs.blocks)?)
+    }
+
+    /// Which cells are proven to be empty, and whether that was kept on disk.
+    fn proven(&self, boxes: &Boxes) -> Result<(Vec<bool>, bool), exact::ExactError> {
+        let key = self.key(boxes)?;
+        let count = (boxes.side as usize).pow(3);
+        if let Some(empty) = disk_cache::load(KIND, key).and_then(|bytes| unpacked(&bytes, count)) {
+            return Ok((empty, true));
+        }
+        let start = Instant::now();
+        let empty = self.empty(boxes)?;
+        if start.elapsed().as_secs_f64() * 1e3 > KEPT_FROM_MS {
+            disk_cache::save(KIND, key, &packed(&empty));
+        }
+        Ok((empty, false))
+    }
+
+    /// The hash of all that the proofs depend on.
+    fn key(&self, boxes: &Boxes) -> Result<blake3::Hash, exact::ExactError> {
+        let values = self.code.values(&self.outline, &self.inputs.blocks)?;
+        let mut hash = blake3::Hasher::new();
+        hash.update(format!("{VERSION} {:?} {boxes:?} {values:?}", self.hash).as_bytes());
+        Ok(hash.finalize())
     }
 
     /// Which cells are proven to be empty, x fastest.
@@ -257,6 +303,18 @@ impl Bounded {
             (open, side) = (next, 2 * side);
         }
     }
+}
+
+/// Eight truths in a byte.
+fn packed(truths: &[bool]) -> Vec<u8> {
+    let byte = |eight: &[bool]| eight.iter().rev().fold(0, |byte, &truth| byte << 1 | u8::from(truth));
+    truths.chunks(8).map(byte).collect()
+}
+
+/// So many truths, where the bytes hold as many.
+fn unpacked(bytes: &[u8], count: usize) -> Option<Vec<bool>> {
+    let truth = |index: usize| bytes[index / 8] >> (index % 8) & 1 == 1;
+    (bytes.len() == count.div_ceil(8)).then(|| (0..count).map(truth).collect())
 }
 
 /// The cells that a cell is divided into, so many along each side.

@@ -42,12 +42,13 @@ pub fn octaves_held(m: &Measurements, scene: &Scene, library: &Library) -> Optio
 
 impl std::fmt::Display for Found {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Found { side, empty, ms, why } = self;
+        let Found { side, empty, ms, kept, why } = self;
         match why {
             Some(why) => write!(f, "none: {why}"),
             None => {
                 let share = 100.0 * empty;
-                write!(f, "{side} x {side} x {side}, {share:.0} % proven to be empty in {ms:.0} ms")
+                let how = if *kept { "as kept on disk".into() } else { format!("in {ms:.0} ms") };
+                write!(f, "{side} x {side} x {side}, {share:.0} % proven to be empty {how}")
             }
         }
     }

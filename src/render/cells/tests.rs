@@ -73,6 +73,43 @@ fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (us
 }
 
 #[test]
+fn proofs_are_kept_under_all_that_they_depend_on() {
+    let library = shader::shipped();
+    let made = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = preset("melting").unwrap();
+        (scene.object.input, scene.object.resolution) = ("knot".into(), 32);
+        change(&mut scene);
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        let variant = Variant::of(&scene, &library).unwrap();
+        let program = variant.program(&library, Linker::new).unwrap();
+        let shot = Shot::of(&scene, &subject, &variant);
+        let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
+        let Decider::Made(mut bounded) = Decider::new(&library, &shot, |_| true).unwrap() else { panic!("no bounds") };
+        bounded.fill(&inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap())).unwrap();
+        (bounded, Boxes::of(&shot, 8))
+    };
+    let (bounded, boxes) = made(&|_| ());
+    let key = bounded.key(&boxes).unwrap();
+    let same = made(&|scene| (scene.camera.azimuth, scene.light.intensity) = (77.0, 0.5));
+    assert_eq!(same.0.key(&boxes).unwrap(), key, "neither view nor light is matter");
+    assert_ne!(bounded.key(&Boxes { side: 16, ..boxes }).unwrap(), key);
+    let changes: [&dyn Fn(&mut Scene); 4] = [
+        &|scene| scene.object.input = "pawn".into(),
+        &|scene| scene.object.resolution = 33,
+        &|scene| scene.quality.block_size = 32,
+        &|scene| scene.set_field("parameters.melt_time", "0.3").unwrap(),
+    ];
+    for (index, change) in changes.into_iter().enumerate() {
+        assert_ne!(made(change).0.key(&boxes).unwrap(), key, "{index}");
+    }
+    let empty = bounded.empty(&boxes).unwrap();
+    assert!(empty.contains(&true) && empty.contains(&false));
+    let bytes = packed(&empty);
+    assert_eq!(unpacked(&bytes, empty.len()), Some(empty));
+    assert_eq!(unpacked(&bytes, bytes.len() * 8 + 1), None);
+}
+
+#[test]
 fn m61_cells_that_are_called_empty_hold_no_matter() {
     // HYPERTEXTURE_SCENES=200 asks for as many scenes with other parameters, and for 500 000 samples of each.
     let asked: Option<usize> = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok());

@@ -4,9 +4,12 @@
 //! scene does not reach is neither in the program nor in its layout; [`Program::left_out`] says so.
 
 mod linked;
+mod program;
 mod reflect;
 
 pub use crate::scene::FORMULAS;
+pub(crate) use program::parts;
+pub use program::{Program, why_left_out};
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
 use crate::noise::Period;
@@ -44,19 +47,6 @@ pub struct Variant {
     pub octaves: u32,
     /// After how many cells its procedural noise repeats, and the octaves of its procedural turbulence.
     pub periods: [Period; 2],
-}
-
-/// A linked program and what it reads.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Program {
-    /// SPIR-V of the vertex stage.
-    pub vertex: Vec<u32>,
-    /// SPIR-V of the fragment stage.
-    pub fragment: Vec<u32>,
-    /// Every binding that either stage reads.
-    pub resources: Vec<Resource>,
-    /// Whether it was linked when the crate was built.
-    pub shipped: bool,
 }
 
 /// Why there is no program for a scene.
@@ -245,7 +235,7 @@ impl Variant {
         let ships = SHIPPED_PROGRAMS.binary_search_by(|program| program.0.cmp(&key)).ok();
         let shipped = ships.filter(|_| *library == crate::shader::shipped()).map(|index| SHIPPED_PROGRAMS[index]);
         let [vertex, fragment] = match shipped {
-            Some((_, vertex, fragment)) => [words(vertex), words(fragment)],
+            Some((_, vertex, fragment)) => [program::words(vertex), program::words(fragment)],
             None => self.linked(library, true, linker)?,
         };
         Program::of(vertex, fragment, shipped.is_some())
@@ -259,48 +249,6 @@ impl Variant {
         let [vertex, fragment] = self.linked(library, false, || Linker::new().map(Linker::unoptimized))?;
         Program::of(vertex, fragment, false)
     }
-}
-
-impl Program {
-    fn of(vertex: Vec<u32>, fragment: Vec<u32>, shipped: bool) -> Result<Program, VariantError> {
-        let resources = reflect::resources(&vertex, &fragment)?;
-        Ok(Program { vertex, fragment, resources, shipped })
-    }
-
-    /// Whether the program reads this binding.
-    pub fn reads(&self, name: &str) -> bool {
-        self.resources.iter().any(|resource| resource.name == name)
-    }
-
-    /// What the scene did not need: not in the program, not allocated, not uploaded, not bound.
-    pub fn left_out(&self) -> Vec<&'static str> {
-        let read = |binding: &str| self.resources.iter().any(|resource| resource.name.starts_with(binding)); // by any object
-        PARTS.iter().filter(|(binding, ..)| !read(binding)).map(|(_, part, _)| *part).collect()
-    }
-}
-
-/// What a program may read: how its bindings begin, its name, and why a scene has none.
-const PARTS: [(&str, &str, &str); 9] = [
-    ("volume_image", "volume", "the object is a formula"),
-    ("noise_", "noise block", "no module looks noise up in a block"), // with or without its gradient
-    ("turbulence_", "turbulence block", "no module looks turbulence up in a block"),
-    ("transfer_image", "transfer map", "no module asks for a color by density"),
-    ("segment_image", "segment table", "no segment is classified by the densities at its ends"),
-    ("classified_image", "classified volume", "colors are not given to voxels"),
-    ("index_image", "index map", "no ray bends"),
-    ("closest_image", "closest points", "no module asks for the root of a hair"),
-    ("shadow_image", "shadow volume", "light.shadows is off, or the light goes from slice to slice"),
-];
-
-/// Why a scene has none of a part that [`Program::left_out`] names; empty for other names.
-pub fn why_left_out(name: &str) -> &'static str {
-    PARTS.iter().find(|(_, part, _)| *part == name).map_or("", |(_, _, why)| why)
-}
-
-/// Names of [`Program::left_out`], read back.
-pub(crate) fn parts<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Vec<&'static str>, D::Error> {
-    let names: Vec<String> = serde::Deserialize::deserialize(from)?;
-    Ok(PARTS.iter().map(|(_, part, _)| *part).filter(|part| names.iter().any(|name| name == part)).collect())
 }
 
 /// What is 0 of an object of a scene, of which `own` is the scene of that object alone.
@@ -326,10 +274,6 @@ fn object_module(scene: &Scene, needs_normal: bool) -> &str {
         Source::Auto if needs_normal => "normals",
         Source::Auto => "distance",
     }
-}
-
-fn words(bytes: &[u8]) -> Vec<u32> {
-    bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
 }
 
 #[cfg(test)]
