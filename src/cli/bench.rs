@@ -55,6 +55,11 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
         );
     }
     let gpu = Gpu::new(options)?;
+    let changes = |now: &bench::Bench| match (&saved, &command.baseline) {
+        (Some(saved), Some(path)) => bench::changes(saved, now).map_err(|error| format!("{}: {error}", path.display())),
+        _ => Ok(Vec::new()),
+    };
+    changes(&bench::Bench::here(&gpu))?; // a file of another device is refused before anything is timed
     let flag = stop_flag()?;
     let stop = || flag.load(Ordering::Relaxed);
     let found = with_progress(quiet, "bench", |progress| {
@@ -68,12 +73,7 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
             say(&format!("\nwrote {}\n", absolute(path)));
         }
     }
-    let changes = match (&saved, &command.baseline) {
-        (Some(saved), Some(path)) => {
-            bench::changes(saved, &found).map_err(|error| format!("{}: {error}", path.display()))?
-        }
-        _ => Vec::new(),
-    };
+    let changes = changes(&found)?;
     if saved.is_some() {
         say(&said(&changes));
     }

@@ -319,3 +319,45 @@ fn what_a_picture_is_made_with_is_explained_with_what_leaving_out_saves() {
     assert!(!said.contains("cells ") && said.contains("left out   noise block: no module looks noise up"), "{said}");
     assert!(desk.files().is_empty(), "it writes no picture");
 }
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_bench_is_a_table_and_says_what_got_slower_than_a_saved_one() {
+    let desk = Desk::new();
+    let row = "effects/lit, 300 x 300, rays";
+    let bench = |arguments: &str| {
+        let output = desk.command("bench").arg(row).args(arguments.split(' ')).output().unwrap();
+        (output.status.code(), text(&output.stdout), text(&output.stderr))
+    };
+    let (code, said, _) = bench("--quick --repeat 2 --json own.json");
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("| lit, 300 x 300, rays | ") && said.contains(" slices | 13.8 |"), "{said}");
+    let saved = fs::read_to_string(desk.file("own.json")).unwrap();
+    let scaled = |factor: f64, name: &str| {
+        let mut json: serde_json::Value = serde_json::from_str(&saved).unwrap();
+        for row in json["rows"].as_array_mut().unwrap() {
+            for time in ["device_ms", "processor_ms", "wall_ms"] {
+                let spread = &mut row[time];
+                spread["median"] = (spread["median"].as_f64().unwrap() * factor).into();
+                for end in 0..2 {
+                    spread["interval"][end] = (spread["interval"][end].as_f64().unwrap() * factor).into();
+                }
+            }
+        }
+        desk.write(name, json.to_string());
+    };
+    scaled(1e3, "slow.json");
+    scaled(1e-3, "fast.json");
+    let (code, said, _) = bench("--quick --repeat 2 --baseline slow.json");
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("faster     ") && said.contains(&format!(" times: {row}\n")), "{said}");
+    let (code, said, error) = bench("--quick --repeat 2 --baseline fast.json");
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("slower     ") && error.contains("rows are slower than the baseline"), "{said} {error}");
+    let mut other: serde_json::Value = serde_json::from_str(&saved).unwrap();
+    other["environment"]["device"] = "another".into();
+    desk.write("other.json", other.to_string());
+    let (code, said, error) = bench("--quick --repeat 1 --baseline other.json");
+    assert!(code == Some(2) && error.contains("other.json: it was made on another"), "{error}");
+    assert!(said.is_empty(), "it is refused before anything is timed: {said}");
+}

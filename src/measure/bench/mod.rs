@@ -36,6 +36,13 @@ pub struct Bench {
     pub partial: bool,
 }
 
+impl Bench {
+    /// Of this device, with nothing timed yet.
+    pub fn here(gpu: &Gpu) -> Bench {
+        Bench { environment: Environment::of(gpu), on_processor: gpu.info().cpu, ..Bench::default() }
+    }
+}
+
 /// What a row took.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Timed {
@@ -54,13 +61,16 @@ pub struct Timed {
 }
 
 impl Timed {
-    /// What is compared with another run: time of the processor where that is the device, for it is steady on a busy
-    /// machine; else of the device; else of the wall.
     fn steadiest(&self, on_processor: bool) -> Spread {
-        let [first, second] =
-            if on_processor { [self.processor_ms, self.device_ms] } else { [self.device_ms, self.processor_ms] };
-        first.or(second).unwrap_or(self.wall_ms)
+        steadiest(on_processor, self.device_ms, self.processor_ms, self.wall_ms)
     }
+}
+
+/// What is compared with another run: time of the processor where that is the device, for it is steady on a busy machine;
+/// else of the device; else of the wall.
+fn steadiest<T>(on_processor: bool, device: Option<T>, processor: Option<T>, wall: T) -> T {
+    let [first, second] = if on_processor { [processor, device] } else { [device, processor] };
+    first.or(second).unwrap_or(wall)
 }
 
 /// How many times as long a row takes as another, by runs made side by side.
@@ -82,8 +92,7 @@ struct Run {
 
 impl Run {
     fn steadiest(&self, on_processor: bool) -> f64 {
-        let [first, second] = if on_processor { [self.processor, self.device] } else { [self.device, self.processor] };
-        first.or(second).unwrap_or(self.wall)
+        steadiest(on_processor, self.device, self.processor, self.wall)
     }
 }
 
@@ -122,7 +131,7 @@ pub fn measure(
     progress: &dyn Fn(f32),
     stop: &dyn Fn() -> bool,
 ) -> Bench {
-    let mut bench = Bench { environment: Environment::of(gpu), on_processor: gpu.info().cpu, ..Bench::default() };
+    let mut bench = Bench::here(gpu);
     for (number, group) in groups.iter().enumerate() {
         match timed(gpu, library, group, repeats, bench.on_processor, stop) {
             Ok(Some(rows)) => bench.rows.extend(rows),
@@ -151,19 +160,14 @@ fn timed(
         let name = row.name.clone();
         move |error: RenderError| format!("{name}: {error}")
     };
-    let subject = |row: &Row| match &row.work {
-        Work::Picture(scene) => Subject::load(scene, library, &|_| ()).map(Some).map_err(fails(row)),
-        Work::Field(..) => Ok(None),
-    };
-    let subjects = group.iter().map(subject).collect::<Result<Vec<_>, _>>()?;
     let mut ready = Vec::with_capacity(group.len());
-    for (row, subject) in group.iter().zip(&subjects) {
-        let mut one = match (&row.work, subject) {
-            (Work::Picture(scene), Some(subject)) => {
-                Ready::Picture(scene.clone(), Box::new(Renderer::new(gpu, library, subject)))
+    for row in group {
+        let mut one = match &row.work {
+            Work::Picture(scene) => {
+                let subject = Subject::load(scene, library, &|_| ()).map_err(fails(row))?;
+                Ready::Picture(scene.clone(), Box::new(Renderer::new(gpu, library, &subject)))
             }
-            (Work::Picture(_), None) => continue,
-            (Work::Field(shape, request), _) => Ready::Field(shape, request),
+            Work::Field(shape, request) => Ready::Field(shape, request),
         };
         if stop() {
             return Ok(None);
