@@ -56,7 +56,7 @@ impl Bench {
         for object in ["sphere", "torus", "cube"] {
             let count = |proxy| {
                 let mut scene = scene_of("lit", object);
-                scene.quality.proxy = proxy;
+                (scene.quality.proxy, scene.quality.early_termination) = (proxy, 0.0); // every fragment, and no marks
                 self.render(&scene, &self.load(&scene)).measurements.fragments
             };
             match (count(Proxy::Quads), count(Proxy::Polygons)) {

@@ -133,11 +133,12 @@ impl Cells {
             Decider::Made(bounded) => match Boxes::of(shot, side_of(bounded.texels)) {
                 Boxes { side: 0, .. } => few(),
                 boxes => {
-                    let key = Some((bounded.fill(values)?, boxes));
-                    if key == self.key {
+                    let read = bounded.fill(values)?;
+                    if self.key.as_ref().is_some_and(|(before, of)| *before == read && *of == boxes) {
                         return Ok(None);
                     }
-                    (key, bounded.proven(&boxes).map_err(|error| error.to_string()))
+                    let proven = bounded.proven(&boxes, &read).map_err(|error| error.to_string());
+                    (Some((read, boxes)), proven)
                 }
             },
         };
@@ -245,9 +246,9 @@ impl Bounded {
         Ok(self.code.values(&self.outline, &self.inputs.blocks)?)
     }
 
-    /// Which cells are proven to be empty, and whether that was kept on disk.
-    fn proven(&self, boxes: &Boxes) -> Result<(Vec<bool>, bool), exact::ExactError> {
-        let key = self.key(boxes)?;
+    /// Which cells are proven to be empty by what [`Bounded::fill`] gave, and whether that was kept on disk.
+    fn proven(&self, boxes: &Boxes, read: &[u64]) -> Result<(Vec<bool>, bool), exact::ExactError> {
+        let key = self.key(boxes, read);
         let count = (boxes.side as usize).pow(3);
         if let Some(empty) = disk_cache::load(KIND, key).and_then(|bytes| unpacked(&bytes, count)) {
             return Ok((empty, true));
@@ -261,11 +262,8 @@ impl Bounded {
     }
 
     /// The hash of all that the proofs depend on.
-    fn key(&self, boxes: &Boxes) -> Result<blake3::Hash, exact::ExactError> {
-        let values = self.code.values(&self.outline, &self.inputs.blocks)?;
-        let mut hash = blake3::Hasher::new();
-        hash.update(format!("{VERSION} {:?} {boxes:?} {values:?}", self.hash).as_bytes());
-        Ok(hash.finalize())
+    fn key(&self, boxes: &Boxes, read: &[u64]) -> blake3::Hash {
+        blake3::hash(format!("{VERSION} {:?} {boxes:?} {read:?}", self.hash).as_bytes())
     }
 
     /// Which cells are proven to be empty, x fastest.

@@ -181,7 +181,7 @@ impl Judge<'_> {
         if quality.pass == Pass::Slices {
             add(format!("{:?} {:?} {:?} {:?}", quality.order, quality.proxy, shot.planes, shot.view.extent));
             add(format!("{:?} {}", read.program.vertex, scene.camera.slice_stack));
-            if Marks::serve(scene) && !scene.camera.slice_stack {
+            if Marks::serve(scene) {
                 add(format!("{}", scene.quality.early_termination));
             }
             for values in &moments {

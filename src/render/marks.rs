@@ -28,11 +28,13 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// Whether the slices of a scene may end early: what is opaque hides what is drawn behind it, in each pixel alike.
+    /// Whether the slices of a scene end early: what is opaque hides what is drawn behind it, in each pixel alike. Slices that
+    /// are taken apart, to be looked at from the side, hide others in other pixels.
     pub(super) fn serve(scene: &Scene) -> bool {
         let quality = &scene.quality;
         let (pass, order) = (Pass::Slices, Order::FrontToBack);
-        quality.pass == pass && quality.order == order && quality.msaa == 1 && !scene.is_half_angle()
+        let ends = quality.early_termination > 0.0 && !scene.camera.slice_stack && !scene.is_half_angle();
+        quality.pass == pass && quality.order == order && quality.msaa == 1 && ends
     }
 
     pub(super) fn new(gpu: &Gpu, library: &Library, scene: &Scene, variant: &Variant) -> Result<Marks, RenderError> {
@@ -44,19 +46,14 @@ impl Marks {
         Ok(Marks { program, pipeline, image })
     }
 
-    /// What is done between the slices of a picture of a scene in that target; nothing where no pixel may end early.
+    /// What is done between the slices of a picture in that target.
     pub(super) fn between<'a>(
         &'a self,
         gpu: &Gpu,
-        scene: &Scene,
         bound: &BoundInputs,
         target: &Arc<Image>,
         slices: u32,
     ) -> Result<pass::Between<'a>, RenderError> {
-        // Slices that are taken apart, to be looked at from the side, hide others in other pixels.
-        if scene.quality.early_termination == 0.0 || scene.camera.slice_stack {
-            return Ok(pass::Between::Nothing);
-        }
         let found = self.program.resources.iter().find(|resource| resource.name == TARGET);
         let mut resources = bound.with(&bound.blocks_of(gpu, &self.program)?);
         resources.extend(found.map(|resource| (resource.binding, Resource::Image(target.clone()))));

@@ -93,7 +93,7 @@ pub struct Measurements {
     pub slices: u32,
     /// Distance between slices, object units.
     pub step: f32,
-    /// Fragments shaded, where the device counts them.
+    /// Fragments shaded, where the device counts them: those of the passes that mark pixels of slices too.
     pub fragments: Option<u64>,
     /// Milliseconds until the program was ready: linked, made a pipeline of, and used once.
     pub compile_ms: f64,

@@ -267,7 +267,7 @@ impl Prepared {
                 (Some((vertices, stack)), None) => {
                     let set = pipeline.bind(&self.bound.resources())?;
                     let between = match &self.marks {
-                        Some(marks) => marks.between(gpu, scene, &self.bound, color, stack.slices)?,
+                        Some(marks) => marks.between(gpu, &self.bound, color, stack.slices)?,
                         None => pass::Between::Nothing,
                     };
                     pass::draw(gpu, pipeline, [&set; 2], vertices, stack, bands, target, &between)?

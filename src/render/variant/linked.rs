@@ -28,11 +28,12 @@ impl Variant {
     }
 }
 
-/// The key of a program: the hash of all that decides its words. A program that this build's compiler made stands for
-/// the compiler.
+/// The key of a program: the hash of all that decides its words. The largest program that this build's compiler made stands
+/// for the compiler.
 fn key(library: &Library, entries: [&str; 2], slots: &Slots, is_optimized: bool) -> blake3::Hash {
     let mut hash = blake3::Hasher::new();
-    for part in SHIPPED_PROGRAMS.iter().take(1).flat_map(|(_, vertex, fragment)| [vertex, fragment]) {
+    let compiler = SHIPPED_PROGRAMS.iter().max_by_key(|program| program.2.len());
+    for part in compiler.into_iter().flat_map(|(_, vertex, fragment)| [vertex, fragment]) {
         hash.update(part);
     }
     for (path, text) in library.sources() {

@@ -217,7 +217,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("camera.time", number(-1e9, 1e9), Picture, "Time in seconds.").usual(0.0, 60.0).flag("time"),
     setting("camera.shutter", number(0.0, 1e6), Picture, "Seconds that the shutter stays open; needs several pictures: quality.supersampling.").usual(0.0, 1.0).flag("shutter"),
     setting("camera.clip", Numbers(4, range(-1e6, 1e6)), Picture, "a, b, c, d: keeps the points x, y, z of object space with a x + b y + c z <= d; the object spans -1 to 1.").usual(-2.0, 2.0).optional("[0, 0, 1, 0]").flag("clip"),
-    setting("camera.slice_stack", Switch, Picture, "Shows the stack of slices from the side; classify stack draws it."),
+    setting("camera.slice_stack", Switch, Targets, "Shows the stack of slices from the side; classify stack draws it."),
 
     setting("image.size", Wholes(2, range(1.0, 16384.0)), Targets, "Width and height in pixels.").flag("size"),
     setting("image.background", Color, Picture, "Color behind the object; without one it is transparent.").optional("#20242c").flag("background"),
@@ -227,7 +227,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("quality.integration", INTEGRATION, Images, "What a sample stands for.").flag("integration"),
     setting("quality.empty_space", EMPTY_SPACE, Images, "Which samples of a ray are taken.").flag("empty-space"),
     setting("quality.neutral", NEUTRAL, Images, "What becomes of the terms of modules that a parameter of 0 takes away."),
-    setting("quality.early_termination", number(0.0, 0.5), Picture, "A ray ends where less light than this would still come through, slices from front to back at the end of a batch: the largest error of a pixel."),
+    setting("quality.early_termination", number(0.0, 0.5), Targets, "A ray ends where less light than this would still come through, slices from front to back at the end of a batch: the largest error of a pixel."),
     setting("quality.target", TARGET, Targets, "Format that the slices are blended in.").flag("target"),
     setting("quality.order", ORDER, Targets, "Order of the slices.").flag("order"),
     setting("quality.proxy", PROXY, Targets, "Shape of the slices.").flag("proxy"),

@@ -300,7 +300,7 @@ impl App {
             message: self.figures.message.clone(),
             ignored: self.figures.ignored.clone(),
             idle: match &self.figures.idle {
-                (idle, shape) if *shape == self.model.scene().shape() => idle.clone(),
+                (idle, shape) if !idle.is_empty() && *shape == self.shown().shape() => idle.clone(),
                 _ => Vec::new(),
             },
             made: self.figures.made.clone(),
