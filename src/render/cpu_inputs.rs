@@ -78,6 +78,12 @@ impl CpuInputs {
         self.space.target()
     }
 
+    /// Rays along a side of a square of that target, and where each square begins, from the light on.
+    #[cfg(feature = "measure")]
+    pub(crate) fn shadow_squares(&self) -> (u32, impl Iterator<Item = [u32; 2]> + Clone + use<>) {
+        self.space.squares()
+    }
+
     /// Size and texels of the shadow volume, from the transmittances of its segments.
     #[cfg(feature = "measure")]
     pub(crate) fn shadow_volume(&self, segments: &[[f32; 4]]) -> ([u32; 3], Vec<f32>) {

@@ -91,6 +91,13 @@ impl LightSpace {
         [columns * self.side, self.side.div_ceil(4).div_ceil(columns) * self.side]
     }
 
+    /// Rays along a side of a square of the target, and where each square begins, from the light on.
+    #[cfg(feature = "measure")]
+    pub(super) fn squares(&self) -> (u32, impl Iterator<Item = [u32; 2]> + Clone + use<>) {
+        let (side, columns) = (self.side, self.columns());
+        (side, (0..side.div_ceil(4)).map(move |square| [square % columns * side, square / columns * side]))
+    }
+
     /// Texels of the volume on each axis.
     pub(super) fn texels(&self) -> [u32; 3] {
         [self.side, self.side, self.side + 1]

@@ -147,6 +147,11 @@ impl Part {
         (0..count).map(move |index| Part { from: whole.from + f64::from(index) * length, length, ..whole })
     }
 
+    /// Whether it begins where another ends, up to rounding.
+    fn follows(&self, end: Option<f64>) -> bool {
+        end.is_some_and(|end| (self.from - end).abs() < 1e-6 * self.length)
+    }
+
     /// The most and the least light that it lets through.
     fn transmittance(&self) -> [f64; 2] {
         // Infinitely thick matter of no length is opaque all the same.
@@ -187,7 +192,7 @@ pub(super) struct RayIntegral {
 /// How far pieces are halved.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
-    /// Pieces whose error, and what may be overlooked in them, is less than this, behind what hides them, stay whole.
+    /// Nothing is halved for its error where that of the ray is less than this.
     pub(super) error: f64,
     /// Pieces shorter than this stay whole.
     pub(super) shortest: f64,
@@ -207,14 +212,37 @@ const DARK: f64 = 1e-8;
 /// where one would do. More: with noise finer than a piece, estimates are too small.
 const BY_CHANCE: f64 = 4.0;
 
+/// The error of a ray in roots of the sum of the squared errors of its pieces. Less: estimates of noise with kinks are too
+/// small: with this one of a thousand pixels is off by 0.9 of its estimate. More: more pieces.
+const SPREAD: f64 = 3.0;
+/// The part of what is allowed of a ray's squared error that pieces which stay whole may have together, where others do
+/// not. More: more rounds of halving. Less: pieces are halved that need not be.
+const STAY: f64 = 0.5;
+/// A piece stays whole whose error is this many times less than that of a ray may be. More: a ray of thousands of pieces
+/// is halved without end.
+const SMALL: f64 = 16.0;
+
 impl RayIntegral {
     /// A ray through nothing yet, and how many bounds it may ask for.
     pub(super) fn new(bounds: usize) -> RayIntegral {
         RayIntegral { pieces: Vec::new(), left: 1.0, bounds }
     }
 
-    /// Adds a piece behind the others, by its five samples at equal distances.
-    pub(super) fn push(&mut self, part: &Part, samples: [Matter; 5]) {
+    /// Where samples are wanted of parts behind its pieces: five at equal distances, of which the first may be known.
+    pub(super) fn first<'a>(&self, parts: &'a [Part]) -> impl Iterator<Item = f64> + use<'a> {
+        let mut end = self.pieces.last().map(|before| before.from + before.length);
+        parts.iter().flat_map(move |part| {
+            let known = part.follows(end.replace(part.from + part.length));
+            (u32::from(known)..5).map(move |quarter| part.from + 0.25 * f64::from(quarter) * part.length)
+        })
+    }
+
+    /// Adds a piece behind the others, by the samples that were wanted of it.
+    pub(super) fn push(&mut self, part: &Part, samples: &mut impl Iterator<Item = Matter>) {
+        let known = self.pieces.last().filter(|before| part.follows(Some(before.from + before.length)));
+        let first = known.map(|before| before.samples[4]);
+        let mut all = first.into_iter().chain(samples);
+        let samples = std::array::from_fn(|_| all.next().unwrap_or_default());
         let piece = Piece::new(part.from, part.length, samples, part.extinction);
         self.left *= piece.fine.transmittance;
         self.pieces.push(piece);
@@ -228,7 +256,7 @@ impl RayIntegral {
     /// The pieces to be halved, as indices from the front; what is behind opaque matter is dropped.
     pub(super) fn coarse(&mut self, limits: &Limits) -> Vec<usize> {
         let mut left = 1.0;
-        let (mut coarse, mut asking, mut seen) = (Vec::new(), Vec::new(), 0);
+        let (mut wrong, mut asking, mut seen) = (Vec::new(), Vec::new(), 0);
         for (index, piece) in self.pieces.iter().enumerate() {
             seen = index + 1;
             if piece.length > limits.shortest {
@@ -238,9 +266,7 @@ impl RayIntegral {
                     self.bounds -= 2;
                     asking.push(index);
                 }
-                if asks || left * self.error(index, limits) > limits.error {
-                    coarse.push(index);
-                }
+                wrong.push((left * self.error(index, limits), index));
             }
             left *= piece.fine.transmittance;
             if left < DARK {
@@ -248,6 +274,21 @@ impl RayIntegral {
             }
         }
         self.pieces.truncate(seen);
+        // The least wrong stay whole, as many as are right enough together; if all are, none is halved.
+        wrong.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let allowed = (limits.error / SPREAD).powi(2);
+        let all: f64 = wrong.iter().map(|(error, _)| error * error).sum();
+        let (mut sum, allowed) = (0.0, if all <= allowed { allowed } else { STAY * allowed });
+        let mut coarse: Vec<usize> = (wrong.iter())
+            .skip_while(|(error, _)| {
+                sum += error * error;
+                sum <= allowed || *error < limits.error / SMALL
+            })
+            .map(|(_, index)| *index)
+            .chain(asking.iter().copied())
+            .collect();
+        coarse.sort_unstable();
+        coarse.dedup();
         if self.pieces.len() + coarse.len() > limits.pieces {
             coarse.clear();
         } else {
@@ -315,7 +356,7 @@ impl RayIntegral {
     }
 
     /// Light of the ray, how wrong it may be, and how much more opacity there may be that no sample found. The error is
-    /// three times the root of the sum of the squared errors of its pieces, behind what hides them: they have no common
+    /// [`SPREAD`] times the root of the sum of the squared errors of its pieces, behind what hides them: they have no common
     /// sign, and each is that of the coarser rule, while the light is by the finer one. Of a piece that was halved down to
     /// `shortest` because a surface is in it, nothing is left to be wrong; nor of what is open right before it.
     pub(super) fn light(&self, limits: &Limits) -> (Transport, f64, f64) {
@@ -341,7 +382,7 @@ impl RayIntegral {
             end = piece.from + piece.length;
             whole = whole.then(piece.fine);
         }
-        (whole, 3.0 * error.sqrt(), (overlooked + open).min(1.0))
+        (whole, SPREAD * error.sqrt(), (overlooked + open).min(1.0))
     }
 }
 
@@ -356,8 +397,9 @@ mod tests {
         let step = length / f64::from(pieces);
         for k in 0..pieces {
             let from = f64::from(k) * step;
-            let part = Part { from, length: step, extinction: [0.0, 1.0] };
-            ray.push(&part, [0.0, 0.25, 0.5, 0.75, 1.0].map(|part| matter(from + part * step)));
+            let part = [Part { from, length: step, extinction: [0.0, 1.0] }];
+            let samples: Vec<Matter> = ray.first(&part).map(&matter).collect();
+            ray.push(&part[0], &mut samples.into_iter());
         }
         loop {
             let coarse = ray.coarse(&LIMITS);

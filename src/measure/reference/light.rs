@@ -26,7 +26,7 @@ impl Probe {
     ) -> Result<Vec<Light>, ReferenceError> {
         let [near, far] = self.cpu_inputs.depths;
         let depth = far - near;
-        let limits = Limits { error: tolerance / 16.0, shortest: depth * SHORTEST, pieces: MOST_PIECES };
+        let limits = Limits { error: tolerance, shortest: depth * SHORTEST, pieces: MOST_PIECES };
         let sample = |wanted: &[(usize, f64)]| self.sample(bound, pixels, wanted);
 
         // Where each ray is inside the box: the depth of that sample does not matter.
@@ -40,19 +40,16 @@ impl Probe {
         let mut stage = 0..FIRST;
         while parts.iter().zip(&rays).any(|(ray, seen)| ray.parts.len() > stage.start && !seen.is_dark()) {
             go_on(stop)?;
-            let staged = |(index, (ray, seen)): (usize, (&parts::Ray, &RayIntegral))| {
+            let seen = parts.iter().zip(&rays).map(|(ray, seen)| {
                 let end = if seen.is_dark() { 0 } else { ray.parts.len().min(stage.end) };
-                ray.parts.get(stage.start..end).unwrap_or_default().iter().map(move |part| (index, *part)).collect()
-            };
-            let staged: Vec<Vec<(usize, Part)>> = parts.iter().zip(&rays).enumerate().map(staged).collect();
-            let staged = staged.concat();
-            let places = |(ray, part): &(usize, Part)| {
-                let (ray, part) = (*ray, *part);
-                [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (ray, part.from + share * part.length))
-            };
-            let samples = sample(&staged.iter().flat_map(places).collect::<Vec<_>>())?;
-            for ((ray, part), samples) in staged.iter().zip(samples.as_chunks::<5>().0) {
-                rays[*ray].push(part, samples.map(|sample| sample.matter));
+                ray.parts.get(stage.start..end).unwrap_or_default()
+            });
+            let staged: Vec<&[Part]> = seen.collect();
+            let wanted = rays.iter().zip(&staged).enumerate();
+            let wanted = wanted.flat_map(|(index, (ray, staged))| ray.first(staged).map(move |depth| (index, depth)));
+            let mut samples = sample(&wanted.collect::<Vec<_>>())?.into_iter().map(|sample| sample.matter);
+            for (ray, staged) in rays.iter_mut().zip(staged) {
+                staged.iter().for_each(|part| ray.push(part, &mut samples));
             }
             stage = stage.end..2 * stage.end;
         }

@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 
 /// The path of a sample, in depths of the scene: so short that only the hard region is opaque.
 const PROBE: f64 = 1e-7;
-/// Side of the tiles of the shadow volume's target that are computed together.
-const TILE: u32 = 8;
+/// Side of the squares of rays from the light that are computed together.
+const TILE: usize = 16;
 
 /// The program of a scene that gives one sample of a ray, ready to be evaluated.
 pub(super) struct Probe {
@@ -76,27 +76,39 @@ impl Probe {
     pub(super) fn set(&self, moment: &Moment, inputs: &mut exact::Inputs) -> Result<(), ReferenceError> {
         if let Some((binding, caster)) = &self.caster {
             inputs.blocks.clone_from(&moment.caster);
-            let [width, height] = self.cpu_inputs.shadow_target();
             let bound = caster.bind(inputs)?;
-            let rows: Vec<Vec<[f32; 4]>> = (0..height.div_ceil(TILE))
-                .into_par_iter()
-                .map(|row| {
-                    // Lanes that are computed together are neighbors: they take the same way through the program.
-                    let within = row * TILE..height.min((row + 1) * TILE);
-                    let mut places: Vec<[u32; 2]> = within.flat_map(|y| (0..width).map(move |x| [x, y])).collect();
-                    places.sort_by_key(|[x, _]| x / TILE);
-                    let at = |[x, y]: &[u32; 2]| [f64::from(*x) + 0.5, f64::from(*y) + 0.5, 0.5, 1.0];
-                    let fragment_coordinates = places.iter().map(at).collect();
-                    let lanes = exact::Lanes { fragment_coordinates, varyings: BTreeMap::new() };
-                    let segments = bound.run::<f64>(&lanes)?.remove(&0).unwrap_or_default();
-                    let mut texels = vec![[0.0; 4]; places.len()];
-                    for ([x, y], four) in places.into_iter().zip(segments) {
-                        texels[((y % TILE) * width + x) as usize] = four.map(|value| value as f32);
+            let [width, height] = self.cpu_inputs.shadow_target();
+            let (side, squares) = self.cpu_inputs.shadow_squares();
+            // Lanes that are computed together are neighbors: they take the same way through the program.
+            let firsts = (0..side).step_by(TILE).flat_map(|y| (0..side).step_by(TILE).map(move |x| [x, y]));
+            let tiles: Vec<Vec<([u32; 2], [f32; 4])>> = (firsts.collect::<Vec<_>>().into_par_iter())
+                .map(|[x, y]| {
+                    let [columns, rows] = [x, y].map(|first| first..side.min(first + TILE as u32));
+                    let mut lit: Vec<([u32; 2], f32)> =
+                        rows.flat_map(|y| columns.clone().map(move |x| ([x, y], 1.0))).collect();
+                    let mut found = Vec::new();
+                    for [left, top] in squares.clone() {
+                        let places: Vec<[u32; 2]> = lit.iter().map(|([x, y], _)| [left + x, top + y]).collect();
+                        let at = |[x, y]: &[u32; 2]| [f64::from(*x) + 0.5, f64::from(*y) + 0.5, 0.5, 1.0];
+                        let lanes = exact::Lanes {
+                            fragment_coordinates: places.iter().map(at).collect(),
+                            varyings: BTreeMap::new(),
+                        };
+                        let segments = bound.run::<f64>(&lanes)?.remove(&0).unwrap_or_default();
+                        let segments: Vec<[f32; 4]> =
+                            segments.into_iter().map(|four| four.map(|value| value as f32)).collect();
+                        lit.iter_mut().zip(&segments).for_each(|(ray, four)| ray.1 *= four.iter().product::<f32>());
+                        lit.retain(|(_, light)| *light > 0.0); // behind that it is dark whatever there is
+                        found.extend(places.into_iter().zip(segments));
                     }
-                    Ok(texels)
+                    Ok(found)
                 })
                 .collect::<Result<_, ExactError>>()?;
-            let (size, values) = self.cpu_inputs.shadow_volume(&rows.concat());
+            let mut segments = vec![[0.0; 4]; (width * height) as usize];
+            for ([x, y], four) in tiles.into_iter().flatten() {
+                segments[(y * width + x) as usize] = four;
+            }
+            let (size, values) = self.cpu_inputs.shadow_volume(&segments);
             let texels = values.into_iter().map(|value| [value, 0.0, 0.0, 1.0]).collect();
             inputs.images.insert(*binding, exact::Texture { size, texels });
         }
