@@ -62,8 +62,7 @@ pub enum Command {
     /// Draw the pictures that standard input asks for: what `compare`, `gallery` and `--max-error` draw with.
     #[command(hide = true)]
     Draw,
-    /// Compile the job on standard input: what the window runs a user's GLSL through.
-    #[cfg(feature = "viewer")]
+    /// Compile the job on standard input: what a user's GLSL goes through.
     #[command(hide = true)]
     Compile(Compile),
     /// Render a few rays of the scene on standard input: what the window tries a user's GLSL with.
@@ -87,7 +86,6 @@ pub struct Man {
 }
 
 /// Arguments of `compile`: the limits of the process.
-#[cfg(feature = "viewer")]
 #[derive(Args)]
 pub struct Compile {
     /// Time of the processor, seconds.

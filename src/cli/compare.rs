@@ -97,7 +97,7 @@ impl Error for Failed {}
 /// Compares, and writes the report.
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let (scene, settings) = plan(command)?;
-    let library = scene.library()?;
+    let library = super::library(&scene)?;
     candidates(&scene, &library, &settings.sweep)?; // what is wrong is said before the work begins
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let fault = watch(&library, &scene, &subject)?;

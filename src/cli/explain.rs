@@ -30,7 +30,7 @@ pub struct Explain {
 /// Draws the picture, and again without each of the things that leave work out.
 pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let scene = command.arguments.scene(&command.input, &command.object)?;
-    let library = scene.library()?;
+    let library = super::library(&scene)?;
     scene.check(&library)?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let gpu = Gpu::new(options)?;

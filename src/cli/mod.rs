@@ -37,10 +37,11 @@ use view::NoWindow;
 use crate::field::Progress;
 use crate::gpu::Options;
 use crate::measure::worker::{self, PATIENCE, Start};
-use crate::scene::SceneError;
 use crate::scene::schema::SETTINGS;
+use crate::scene::{Scene, SceneError};
+use crate::shader::{Library, compile};
 #[cfg(feature = "viewer")]
-use crate::viewer::author::{compile, rays};
+use crate::viewer::author::rays;
 use clap::Parser;
 use clap::error::ErrorKind;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -152,7 +153,6 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
             Ok(())
         }
         Command::Draw => Ok(worker::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), &options)?),
-        #[cfg(feature = "viewer")]
         Command::Compile(limits) => {
             compile::limit(limits.seconds, Some(limits.memory_mib))?;
             Ok(compile::serve(std::io::stdin().lock(), &mut std::io::stdout().lock())?)
@@ -191,6 +191,11 @@ fn with_progress<T>(quiet: bool, what: &'static str, run: impl FnOnce(Progress<'
     });
     bar.finish_and_clear();
     result
+}
+
+/// The modules of a scene; what a person wrote is compiled in a process of its own.
+fn library(scene: &Scene) -> Result<Library, Box<dyn Error>> {
+    Ok(scene.library()?.compiled_by(&std::env::current_exe()?))
 }
 
 fn absolute(path: &std::path::Path) -> String {

@@ -27,7 +27,7 @@ const REPEAT: usize = 7;
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let plan = plan(command)?;
     let first = &plan.effects[0];
-    let library = first.library()?;
+    let library = super::library(first)?;
     let variants = plan.effects.iter().map(|scene| Variant::of(scene, &library)).collect::<Result<Vec<_>, _>>()?;
     let margins = variants.iter().map(|variant| variant.parameters.outer_iso().unwrap_or(first.object.outer_iso));
     let (margin, closest) = (margins.fold(0.0, f32::max), variants.iter().any(Variant::reads_closest));

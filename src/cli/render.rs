@@ -83,7 +83,7 @@ impl Render {
 /// Renders, or says what it would cost.
 pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let (mut scene, base) = command.arguments.scene_and_base(&command.input, &command.object)?;
-    let library = scene.library()?;
+    let library = super::library(&scene)?;
     scene.check(&library)?;
     let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose()?;
     output::check(&command.output)?;

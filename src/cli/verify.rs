@@ -74,7 +74,7 @@ fn truths(options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
 fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let provenance = output::read_provenance(image)?; // before a device is opened
     let gpu = Gpu::new(options)?;
-    let library = provenance.scene(image)?.library()?;
+    let library = super::library(&provenance.scene(image)?)?;
     let asked = CheckOptions { pixels: command.pixels, seed: command.seed, bound: command.bound };
     let known = |scene: &Scene, subject: &Subject, pixels: &[[u32; 2]], progress: Progress<'_>| {
         truth(&gpu, &library, scene, subject, pixels, progress)

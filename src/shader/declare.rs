@@ -113,7 +113,7 @@ pub enum ParameterKind {
 const FORMS: [(&str, &str); 14] = [
     ("param", "`// @param name = 0.5 in [0, 1]: What it does.`"),
     ("color", "`// @color name = #ff8000: What it is.`"),
-    ("outer", "`// @outer parameter`"),
+    ("outer", "`// @outer parameter`, which the module declares by `// @param`"),
     ("move", "`// @move parameter` or, of one axis, `// @move +y 0.5 * parameter`"),
     ("grow", "`// @grow parameter` or, of one axis, `// @grow +y 0.5 * parameter`"),
     ("bound", "`// @bound 0.87`"),
@@ -139,6 +139,7 @@ impl Declarations {
 
 pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError> {
     let (mut found, mut reach) = (Declarations::default(), Reach::default());
+    let mut outer = None;
     for (index, line) in text.lines().enumerate() {
         let Some(declaration) = line.trim_start().strip_prefix("// @") else { continue };
         let (kind, rest) = declaration.split_once(' ').unwrap_or((declaration, ""));
@@ -153,7 +154,10 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
         match kind {
             "param" => found.parameters.push(parameter(rest).ok_or_else(wrong)?),
             "color" => found.parameters.push(color(rest).ok_or_else(wrong)?),
-            "outer" => found.outer = vec![name()?],
+            "outer" => {
+                found.outer = vec![name()?];
+                outer = Some(wrong());
+            }
             "exact" => {
                 let (module, repeat) = word.split_once(' ').map_or((word, None), |(a, b)| (a, Some(b.trim())));
                 let repeat = repeat.map(period).transpose()?;
@@ -173,6 +177,9 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
             "segments" => found.segments = Some(name()?),
             _ => return Err(wrong()),
         }
+    }
+    if let Some(unknown) = outer.filter(|_| !found.parameters.iter().any(|own| found.outer.contains(&own.name))) {
+        return Err(unknown);
     }
     found.reach.extend((!reach.is_empty()).then_some(reach));
     Ok(found)

@@ -7,6 +7,7 @@ use super::reach::Reach;
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Which modules fill each slot: one name, or for a stack (`warp`, `dmf`) any number in order of application, and for
@@ -15,21 +16,47 @@ use std::sync::Arc;
 pub type Slots = BTreeMap<String, Vec<String>>;
 
 /// GLSL sources by path relative to the `glsl` folder, such as `dmf/fur.glsl`. Clones share them.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Library {
     sources: Arc<BTreeMap<String, String>>,
+    compiler: Option<Arc<Path>>,
 }
+
+/// By their texts.
+impl PartialEq for Library {
+    fn eq(&self, other: &Library) -> bool {
+        self.sources == other.sources
+    }
+}
+
+impl Eq for Library {}
 
 impl Library {
     /// A library of (path, text) pairs.
     pub fn new(sources: impl IntoIterator<Item = (String, String)>) -> Library {
-        Library { sources: Arc::new(sources.into_iter().collect()) }
+        Library { sources: Arc::new(sources.into_iter().collect()), compiler: None }
     }
 
     /// The same library with one more module, or with that module replaced.
     pub fn with_module(mut self, slot: &str, name: &str, text: &str) -> Library {
         Arc::make_mut(&mut self.sources).insert(format!("{slot}/{name}.glsl"), text.to_string());
         self
+    }
+
+    /// A library of other (path, text) pairs, compiled as this one is.
+    pub(super) fn with_sources(&self, sources: impl IntoIterator<Item = (String, String)>) -> Library {
+        Library { sources: Arc::new(sources.into_iter().collect()), compiler: self.compiler.clone() }
+    }
+
+    /// The same library, whose texts that do not ship are compiled in a process of their own, with limits: that executable of
+    /// hypertexture. A text can crash a compiler, or keep it busy until memory ends.
+    pub fn compiled_by(self, program: &Path) -> Library {
+        Library { compiler: Some(program.into()), ..self }
+    }
+
+    /// What [`Library::compiled_by`] said.
+    pub fn compiler(&self) -> Option<&Path> {
+        self.compiler.as_deref()
     }
 
     /// Every file: path relative to the `glsl` folder, and text.

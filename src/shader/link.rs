@@ -89,6 +89,10 @@ impl Linker {
         parameters_of: &[&str],
         slots: &Slots,
     ) -> Result<Vec<u32>, LinkError> {
+        if let Some((path, text)) = library.sources().find(|(_, text)| text.contains('\0')) {
+            let line = text.split('\0').next().unwrap_or_default().lines().count().max(1);
+            return Err(LinkError::Compile(format!("{path}:{line}: error: a NUL byte, which GLSL does not have")));
+        }
         let text = library.source(entry).ok_or_else(|| LibraryError::Unknown {
             slot: "entry".into(),
             name: entry.into(),

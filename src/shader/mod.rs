@@ -7,6 +7,8 @@
 
 #[doc(hidden)] // for the tests of this crate
 pub mod combine;
+#[cfg(feature = "measure")]
+pub mod compile;
 pub mod declare;
 mod error;
 mod instance;

@@ -18,7 +18,7 @@ impl Library {
         let file = |(path, text): (&str, &str)| (path.to_string(), text.to_string());
         let noting =
             (1..).zip(paths).filter_map(|(number, path)| Some((path.to_string(), watched(self.source(path)?, number))));
-        Library::new(self.sources().map(file).chain(noting.collect::<Vec<_>>()))
+        self.with_sources(self.sources().map(file).chain(noting.collect::<Vec<_>>()))
     }
 }
 

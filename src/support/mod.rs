@@ -1,6 +1,6 @@
 //! What every layer may use: random numbers, files that appear whole, a cache on disk, child processes under limits.
 
-#[cfg(feature = "viewer")]
+#[cfg(feature = "measure")]
 pub(crate) mod child;
 pub(crate) mod disk_cache;
 pub(crate) mod random;

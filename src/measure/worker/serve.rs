@@ -18,7 +18,7 @@ pub fn serve(input: impl BufRead, output: &mut impl Write, options: &Options) ->
     let mut lines = input.lines();
     let Some(task) = lines.next().transpose()? else { return Ok(()) };
     let task: Task = serde_json::from_str(&task)?;
-    let library = shader::shipped_with(task.changed);
+    let library = shader::shipped_with(task.changed).compiled_by(&std::env::current_exe()?);
     let ready = Gpu::new(options).map_err(RenderError::from).and_then(|gpu| Ok((gpu, load(&task.load, &library)?)));
     let (gpu, subject) = match ready {
         Ok(ready) => ready,

@@ -1,8 +1,15 @@
 //! Linked programs kept on disk: glslang takes up to a second for one, and the same one is asked for again and again.
 
 use super::{SHIPPED_PROGRAMS, Variant, VariantError};
+#[cfg(feature = "measure")]
+use crate::shader;
+#[cfg(feature = "measure")]
+use crate::shader::compile::{CompileError, Job, Limits, Wanted, compile, names};
 use crate::shader::{Library, LinkError, Linker, Slots, Stage};
 use crate::support::disk_cache::{self, Kind};
+
+/// SPIR-V of the vertex stage and the fragment stage.
+type Stages = [Vec<u32>; 2];
 
 /// A few thousand programs.
 const KIND: Kind = Kind { ends: &["program"], limit: 256 << 20 };
@@ -14,23 +21,60 @@ impl Variant {
         library: &Library,
         is_optimized: bool,
         linker: impl FnOnce() -> Result<Linker, LinkError>,
-    ) -> Result<[Vec<u32>; 2], VariantError> {
+    ) -> Result<Stages, VariantError> {
         let entries = self.entries;
-        let key = self::key(library, entries, &self.slots, is_optimized);
+        let apart = self.apart(library, is_optimized);
+        let key = self::key(library, entries, &self.slots, (is_optimized, apart.is_some()));
         if let Some(stages) = load(key) {
             return Ok(stages);
         }
-        let linker = linker()?;
-        let link = |entry, stage| linker.link(library, entry, stage, &entries, &self.slots);
-        let stages = [link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?];
+        let stages = match apart {
+            Some(apart) => apart()?,
+            None => {
+                let linker = linker()?;
+                let link = |entry, stage| linker.link(library, entry, stage, &entries, &self.slots);
+                [link(entries[0], Stage::Vertex)?, link(entries[1], Stage::Fragment)?]
+            }
+        };
         save(key, &stages);
         Ok(stages)
+    }
+
+    /// What links both stages in a process of its own, where the library asks for that and some text of the program is not
+    /// as shipped.
+    #[cfg(feature = "measure")]
+    fn apart(&self, library: &Library, is_optimized: bool) -> Option<impl FnOnce() -> Result<Stages, LinkError>> {
+        let compiler = library.compiler()?;
+        let mut changed = shader::changed(library);
+        changed.retain(|path, _| self.reaches(library, path));
+        let names = (!changed.is_empty()).then(|| names(&changed))?;
+        let job = Job { changed, programs: vec![self.wanted(is_optimized)] };
+        Some(move || {
+            let stages = compile(compiler, &job, &Limits::default(), &|| false).map(|programs| programs.into_iter().next());
+            match stages {
+                Ok(Some(stages)) => Ok(stages),
+                Ok(None) => Err(LinkError::Compile(format!("{names}: the GLSL compiler gave no program"))),
+                Err(CompileError::Refused(text)) => Err(LinkError::Compile(text)),
+                Err(other) => Err(LinkError::Compile(format!("{names}: {other}"))),
+            }
+        })
+    }
+
+    #[cfg(not(feature = "measure"))]
+    fn apart(&self, _: &Library, _: bool) -> Option<fn() -> Result<Stages, LinkError>> {
+        None
+    }
+
+    /// What [`compile`] links of it.
+    #[cfg(feature = "measure")]
+    pub(crate) fn wanted(&self, is_optimized: bool) -> Wanted {
+        Wanted { entries: self.entries.map(String::from), slots: self.slots.clone(), is_optimized }
     }
 }
 
 /// The key of a program: the hash of all that decides its words. The largest program that this build's compiler made stands
-/// for the compiler.
-fn key(library: &Library, entries: [&str; 2], slots: &Slots, is_optimized: bool) -> blake3::Hash {
+/// for the compiler. `how`: whether it is optimized, and whether it was linked under limits.
+fn key(library: &Library, entries: [&str; 2], slots: &Slots, how: (bool, bool)) -> blake3::Hash {
     let mut hash = blake3::Hasher::new();
     let compiler = SHIPPED_PROGRAMS.iter().max_by_key(|program| program.2.len());
     for part in compiler.into_iter().flat_map(|(_, vertex, fragment)| [vertex, fragment]) {
@@ -39,12 +83,12 @@ fn key(library: &Library, entries: [&str; 2], slots: &Slots, is_optimized: bool)
     for (path, text) in library.sources() {
         hash.update(format!("{path} {}\n", text.len()).as_bytes()).update(text.as_bytes());
     }
-    hash.update(format!("{entries:?} {slots:?} {is_optimized}").as_bytes());
+    hash.update(format!("{entries:?} {slots:?} {how:?}").as_bytes());
     hash.finalize()
 }
 
 /// The words of both stages that were saved under a key.
-fn load(key: blake3::Hash) -> Option<[Vec<u32>; 2]> {
+fn load(key: blake3::Hash) -> Option<Stages> {
     let bytes = disk_cache::load(KIND, key)?;
     let (words, rest) = bytes.as_chunks::<4>();
     let words: Vec<u32> = words.iter().map(|word| u32::from_le_bytes(*word)).collect();
@@ -54,7 +98,7 @@ fn load(key: blake3::Hash) -> Option<[Vec<u32>; 2]> {
 }
 
 /// Saves the words of both stages.
-fn save(key: blake3::Hash, [vertex, fragment]: &[Vec<u32>; 2]) {
+fn save(key: blake3::Hash, [vertex, fragment]: &Stages) {
     let words = [vertex.len() as u32].into_iter().chain(vertex.iter().chain(fragment).copied());
     disk_cache::save(KIND, key, &words.flat_map(u32::to_le_bytes).collect::<Vec<u8>>());
 }

@@ -12,9 +12,9 @@ const MAX_JOB: u64 = 16 << 20;
 
 /// What a child says of a text.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
-pub(super) enum Answer {
-    /// It is good; what was drawn of it took so many milliseconds.
-    Good(f64),
+pub(crate) enum Answer<T> {
+    /// It is good, and what came of it.
+    Good(T),
     /// Why it is not.
     Bad(String),
     /// Why nothing can be said of it.
@@ -22,20 +22,24 @@ pub(super) enum Answer {
 }
 
 /// A child: this very program with a hidden command.
-pub(super) struct Trial<'a> {
-    pub(super) program: &'a Path,
-    pub(super) arguments: &'a [&'a str],
+pub(crate) struct Trial<'a> {
+    pub(crate) program: &'a Path,
+    pub(crate) arguments: &'a [&'a str],
     /// The device that it draws on, where it draws.
-    pub(super) device: Option<&'a str>,
-    pub(super) limits: &'a Limits,
+    pub(crate) device: Option<&'a str>,
+    pub(crate) limits: &'a Limits,
     /// What it means that the child has ended so, or that it did not end in so many seconds.
-    pub(super) crashed: fn(String) -> CompileError,
-    pub(super) late: fn(f32) -> CompileError,
+    pub(crate) crashed: fn(String) -> CompileError,
+    pub(crate) late: fn(f32) -> CompileError,
 }
 
 impl Trial<'_> {
     /// Starts the child and waits for its answer. `is_stale` is asked now and then: once it says yes, the child is ended.
-    pub(super) fn ask(&self, job: &impl Serialize, is_stale: &dyn Fn() -> bool) -> Result<Answer, CompileError> {
+    pub(crate) fn ask<T: DeserializeOwned>(
+        &self,
+        job: &impl Serialize,
+        is_stale: &dyn Fn() -> bool,
+    ) -> Result<Answer<T>, CompileError> {
         let run = |reason: String| CompileError::Run { path: self.program.into(), reason };
         let text = serde_json::to_string(job).map_err(|error| run(error.to_string()))?;
         let device = self.device.map(|device| [("HYPERTEXTURE_DEVICE", device), ("HYPERTEXTURE_VALIDATION", "")]);
@@ -50,12 +54,12 @@ impl Trial<'_> {
 }
 
 /// The child's side: the job.
-pub(super) fn read<T: DeserializeOwned>(input: impl Read) -> io::Result<T> {
+pub(crate) fn read<T: DeserializeOwned>(input: impl Read) -> io::Result<T> {
     Ok(serde_json::from_reader(io::BufReader::new(input.take(MAX_JOB)))?)
 }
 
 /// The child's side: its answer.
-pub(super) fn reply(output: &mut impl Write, answer: &Answer) -> io::Result<()> {
+pub(crate) fn reply(output: &mut impl Write, answer: &Answer<impl Serialize>) -> io::Result<()> {
     serde_json::to_writer(&mut *output, answer)?;
     output.flush()
 }

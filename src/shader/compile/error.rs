@@ -20,10 +20,7 @@ pub enum CompileError {
         bytes: usize,
     },
     /// The compiler did not survive the text.
-    #[error(
-        "the GLSL compiler crashed on this text ({0}); make its longest expression or its arrays shorter; what ran before \
-         goes on"
-    )]
+    #[error("the GLSL compiler crashed on this text ({0}); make its longest expression or its arrays shorter")]
     Crashed(String),
     /// The compiler did not end.
     #[error("the GLSL compiler was stopped after {0:.1} s; a macro or a constant of this text grows without end")]

@@ -1,25 +1,30 @@
 //! The GLSL compiler in a process of its own, with limits: glslang crashes on an expression of 20 000 terms and does not
 //! end on a macro that doubles thirty times.
 //!
-//! The child is this very program with a hidden command: it links a [`Job`] and answers (a `Trial`).
+//! The child is this very program with a hidden command: it links a [`Job`] and answers with the programs.
 
-use super::arrays;
-use super::ask::{Answer, Trial, read, reply};
-use super::error::MAX_SOURCE;
-use crate::render::variant::Variant;
-use crate::shader::{self, Library, Linker, Slots, Stage};
+mod allowed;
+mod ask;
+mod error;
+
+use super::{LinkError, Linker, Slots, Stage};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-pub use super::error::{CompileError, Fault};
+#[cfg(feature = "viewer")]
+pub(crate) use ask::{Answer, Trial, read, reply};
+pub use error::{CompileError, Fault};
+
+#[cfg(not(feature = "viewer"))]
+use ask::{Answer, Trial, read, reply};
+use error::MAX_SOURCE;
+
 pub use crate::support::child::{Limits, limit};
 
 /// Name of the hidden command.
 pub const COMMAND: &str = "compile";
-/// The largest array of a program, in bytes: larger ones keep a driver busy for minutes when it makes the pipeline.
-const MAX_ARRAY: u64 = 64 << 10;
 /// What shaderc says of an exception in glslang, for which none is left to say: its memory has come to an end.
 const NO_MEMORY: &str = "internal error";
 
@@ -41,23 +46,24 @@ pub struct Wanted {
     pub entries: [String; 2],
     /// The modules of its slots.
     pub slots: Slots,
+    /// Whether what has no effect is taken out of it.
+    pub is_optimized: bool,
 }
 
-impl Job {
-    /// The programs of `variants`, out of `library`.
-    pub fn new<'a>(library: &Library, variants: impl IntoIterator<Item = &'a Variant>) -> Job {
-        let wanted =
-            |variant: &Variant| Wanted { entries: variant.entries.map(String::from), slots: variant.slots.clone() };
-        Job { changed: shader::changed(library), programs: variants.into_iter().map(wanted).collect() }
-    }
-}
+/// SPIR-V of the vertex stage and the fragment stage.
+type Stages = [Vec<u32>; 2];
 
-/// Links the programs of a job in a child process; `program` is the executable of hypertexture. `is_stale` is asked now
+/// Links both stages of the programs of a job in a child process; `program` is the executable of hypertexture. `is_stale` is asked now
 /// and then: once it says yes, the child is ended.
 ///
 /// # Errors
 /// [`CompileError`]; whatever the text does to the compiler.
-pub fn compile(program: &Path, job: &Job, limits: &Limits, is_stale: &dyn Fn() -> bool) -> Result<(), CompileError> {
+pub fn compile(
+    program: &Path,
+    job: &Job,
+    limits: &Limits,
+    is_stale: &dyn Fn() -> bool,
+) -> Result<Vec<[Vec<u32>; 2]>, CompileError> {
     if let Some((path, text)) = job.changed.iter().find(|(_, text)| text.len() > MAX_SOURCE) {
         return Err(CompileError::Long { path: path.clone(), bytes: text.len() });
     }
@@ -71,9 +77,9 @@ pub fn compile(program: &Path, job: &Job, limits: &Limits, is_stale: &dyn Fn() -
         late: CompileError::Late,
     };
     match trial.ask(job, is_stale)? {
+        Answer::Good(programs) => Ok(programs),
         Answer::Bad(text) if text == NO_MEMORY => Err(CompileError::Memory(limits.memory_mib)),
-        Answer::Bad(text) => Err(CompileError::Refused(text)),
-        Answer::Good(_) | Answer::Untried(_) => Ok(()),
+        Answer::Bad(text) | Answer::Untried(text) => Err(CompileError::Refused(text)),
     }
 }
 
@@ -85,22 +91,24 @@ pub fn serve(input: impl Read, output: &mut impl Write) -> io::Result<()> {
     let job: Job = read(input)?;
     let answer = match link(&job) {
         Err(error) => Answer::Bad(error.to_string()),
-        Ok(programs) => match programs.iter().flatten().map(|module| arrays::largest(module)).max() {
-            Some(largest) if largest > MAX_ARRAY => Answer::Bad(format!(
-                "an array of {largest} bytes; one may have at most {MAX_ARRAY}, since a driver makes a pipeline of more for \
-                 minutes"
-            )),
-            _ => Answer::Good(0.0),
+        Ok(programs) => match programs.iter().flatten().find_map(|module| allowed::refusal(module)) {
+            Some(refusal) => Answer::Bad(format!("{}: {refusal}", names(&job.changed))),
+            None => Answer::Good(programs),
         },
     };
     reply(output, &answer)
 }
 
-/// Vertex stage and fragment stage of each program.
-fn link(job: &Job) -> Result<Vec<[Vec<u32>; 2]>, shader::LinkError> {
-    let library = shader::shipped_with(job.changed.clone());
-    let linker = Linker::new()?;
+/// The files that are not as shipped, as a line names them.
+pub(crate) fn names(changed: &BTreeMap<String, String>) -> String {
+    changed.keys().cloned().collect::<Vec<_>>().join(", ")
+}
+
+/// Both stages of each program.
+fn link(job: &Job) -> Result<Vec<Stages>, LinkError> {
+    let library = super::shipped_with(job.changed.clone());
     let program = |wanted: &Wanted| {
+        let linker = if wanted.is_optimized { Linker::new()? } else { Linker::new()?.unoptimized() };
         let entries = wanted.entries.each_ref().map(String::as_str);
         let link = |index: usize, stage| linker.link(&library, entries[index], stage, &entries, &wanted.slots);
         Ok([link(0, Stage::Vertex)?, link(1, Stage::Fragment)?])
@@ -122,18 +130,5 @@ mod tests {
         assert_eq!(faults[0].text, "error: 'qq' : undeclared identifier");
         assert_eq!(faults[1].at, Some(("dmf/fire.glsl".into(), 3)));
         assert_eq!(Fault::all("no module `x`"), [Fault { at: None, text: "no module `x`".into() }]);
-    }
-
-    #[test]
-    fn a_child_links_the_same_program_as_the_window() {
-        let text =
-            "float ripples(float density, Sample s) {\n    return density * (0.5 + 0.5 * cos(9.0 * density));\n}\n";
-        let library = shader::shipped().with_module("dmf", "ripples", text);
-        let mut scene = crate::scene::preset("fur").unwrap();
-        scene.parameters.clear();
-        (scene.effect.dmf, scene.effect.medium) = (vec!["ripples".into()], "lit".into());
-        let variant = Variant::of(&scene, &library).unwrap();
-        let here = variant.program(&library, Linker::new).unwrap();
-        assert_eq!(link(&Job::new(&library, &[variant])).unwrap(), [[here.vertex, here.fragment]]);
     }
 }

@@ -1,10 +1,10 @@
 //! Which programs may be drawn: those that ship, and those of a user's text that have survived a compiler, a driver and a
 //! few rays in processes of their own.
 
-use super::compile::{CompileError, Job, Limits, compile};
 use super::rays;
 use crate::scene::Scene;
-use crate::shader::{Library, shipped};
+use crate::shader::compile::{CompileError, Job, Limits, compile};
+use crate::shader::{Library, changed, shipped};
 use crate::viewer::programs::programs;
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -47,7 +47,8 @@ impl Gate {
         }
         let refused = |error: &dyn ToString| CompileError::Refused(error.to_string());
         let variants = programs(scene, library).map_err(|error| refused(&error))?;
-        let mut job = Job::new(library, &variants);
+        let wanted = variants.iter().map(|variant| variant.wanted(true)).collect();
+        let mut job = Job { changed: changed(library), programs: wanted };
         job.changed.retain(|path, _| variants.iter().any(|variant| variant.reaches(library, path)));
         if job.changed.is_empty() {
             return Ok(());
@@ -57,7 +58,7 @@ impl Gate {
             return verdict.clone().map_or(Ok(()), |reason| Err(CompileError::Refused(reason)));
         }
         let device = held(&self.device).clone();
-        let tried = compile(&self.program, &job, &Limits::default(), is_stale).and_then(|()| match &device {
+        let tried = compile(&self.program, &job, &Limits::default(), is_stale).and_then(|_| match &device {
             Some(device) => rays::trial_render(&self.program, device, scene, &job, is_stale),
             None => Ok(()),
         });

@@ -1,19 +1,14 @@
 //! Live authoring: a module of the effect is edited while the picture follows.
 //!
 //! Role: text -> a library that the scene links with, or lines that say what is wrong. Invariant: text of a user meets
-//! the GLSL compiler in a child process first ([`compile`]), and the device in another one ([`rays`]), so that a crash or
+//! the GLSL compiler in a child process first ([`crate::shader::compile`]), and the device in another one ([`rays`]), so that a crash or
 //! a hang of either is one such line ([`Gate`]); until a text is good, the model keeps its library and the picture its
 //! program.
 
-mod arrays;
-mod ask;
-pub mod compile;
-mod error;
 mod gate;
 pub mod rays;
 mod source;
 mod trial;
 
-pub use error::Fault;
 pub use gate::Gate;
 pub use source::{Author, State, WATCH};

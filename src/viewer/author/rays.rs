@@ -4,12 +4,11 @@
 //! The child is this very program with a hidden command: it renders a picture of 8 x 8 pixels of a scene with the texts, on
 //! a device of its own, and answers (a `Trial`).
 
-use super::ask::{Answer, Trial, read, reply};
-use super::compile::{CompileError, Job};
 use crate::gpu::{Gpu, Options};
 use crate::render::{RenderError, Renderer, Subject, watch};
 use crate::scene::{self, Scene};
 use crate::shader;
+use crate::shader::compile::{Answer, CompileError, Job, Trial, read, reply};
 use crate::support::child::Limits;
 use crate::support::watch::processor_time;
 use serde::{Deserialize, Serialize};
@@ -76,7 +75,7 @@ pub(super) fn trial_render(
         crashed: CompileError::Driver,
         late: |seconds| CompileError::Endless { rays: RAYS, seconds },
     };
-    match trial.ask(&job, is_stale)? {
+    match trial.ask::<f64>(&job, is_stale)? {
         Answer::Good(ms) if ms > MOST_MS => Err(CompileError::Slow { rays: RAYS, ms, most: MOST_MS }),
         Answer::Good(_) => Ok(()),
         Answer::Bad(text) => Err(CompileError::Refused(text)),

@@ -1,9 +1,9 @@
 //! The text of a module that is being edited, here or in a file, and what became of it.
 
-use super::compile::{CompileError, Fault};
 use super::gate::Gate;
 use super::trial;
 use crate::scene::Scene;
+use crate::shader::compile::{CompileError, Fault};
 use crate::shader::{self, Library};
 use crate::support::write_whole;
 use crate::viewer::model::Model;

@@ -1,7 +1,8 @@
 //! The panel in which a module is edited.
 
 use super::widgets::{button, named};
-use crate::viewer::author::{Author, Fault, State, WATCH};
+use crate::shader::compile::Fault;
+use crate::viewer::author::{Author, State, WATCH};
 use crate::viewer::model::Model;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Align2, Color32, FontId, RichText, ScrollArea, TextEdit, Ui};
