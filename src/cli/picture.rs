@@ -1,6 +1,7 @@
 //! A picture, or a shard of one: rendered, written, and what it took in words.
 
 use super::{absolute, say, with_progress};
+use crate::field::DistanceField;
 use crate::gpu::Gpu;
 use crate::output::shard::{self, Shard};
 use crate::output::{Depth, Provenance, write};
@@ -55,9 +56,30 @@ pub(super) fn render_picture(picture: &Picture<'_>) -> Result<(), Box<dyn Error>
     write(&frame, scene.image.background, picture.depth(), &provenance, output)?;
     if !quiet {
         say(&summary(picture, &frame)?);
+        say(&nothing_seen(scene, subject, &frame).map_or(String::new(), |why| format!("empty      {why}\n")));
         say(&format!("wrote {}\n", absolute(output)));
     }
     Ok(())
+}
+
+/// Why nothing is in a picture, where nothing is.
+fn nothing_seen(scene: &Scene, subject: &Subject, frame: &Frame) -> Option<String> {
+    if frame.pixels.iter().any(|[.., alpha]| *alpha > 0.0) {
+        return None;
+    }
+    let is_thin = |field: &DistanceField| field.range().0 > scene.object.inner_iso / subject.scale;
+    Some(match subject.field.as_deref().filter(|field| is_thin(field)) {
+        Some(field) => {
+            let voxel = field.grid.spacing.max_element() * subject.scale;
+            format!(
+                "no voxel is inside of the object, which has no inside or is thinner than one ({voxel:.2e} object units): a \
+                 larger --resolution, or a shell around its surface by --set object.inner_iso={voxel:.2e}"
+            )
+        }
+        None => "no ray meets matter: look at the view (camera.zoom, camera.pan, camera.clip) and at what makes the object opaque \
+                 (its iso-values, the transfer map, the parameters of the effect)"
+            .into(),
+    })
 }
 
 /// Renders a part of a picture and writes it as a file of its own.

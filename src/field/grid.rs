@@ -81,6 +81,13 @@ impl Grid {
 }
 
 impl DistanceField {
+    /// The same in world units that are `1 / by` times as long.
+    pub(super) fn scaled(self, by: f32) -> DistanceField {
+        let Grid { size, origin, spacing } = self.grid;
+        let grid = Grid { size, origin: by * origin, spacing: by * spacing };
+        DistanceField { grid, values: self.values.into_iter().map(|value| by * value).collect() }
+    }
+
     /// Value of sample (i, j, k), in world units.
     ///
     /// # Panics

@@ -8,9 +8,10 @@ use super::soup::Soup;
 use super::stage::Stage;
 use super::winding::Winding;
 use super::{ClosestPoints, DistanceField, FieldError, FieldReport, Grid, Progress, Request, overlap, seal, sign};
-use crate::shape::{Content, Mesh, Shape, Volume};
+use crate::shape::{Content, MAX_COORDINATE, Mesh, Shape, Volume};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::RangeInclusive;
 use std::time::Instant;
 
 /// Most memory one computation may take. Larger: a laptop starts to swap. Smaller: 512 samples on each side of a cube
@@ -22,6 +23,10 @@ const BYTES_PER_VOXEL: u64 = 10;
 const BYTES_PER_POINT: u64 = 12;
 /// Corners, packet, boxes, moments and edges of a triangle.
 const BYTES_PER_TRIANGLE: u64 = 320;
+
+/// Longest sides of shapes that are computed as they are, world units. The squares of lengths far outside of these leave
+/// f32: such shapes are computed larger or smaller.
+const HANDY: RangeInclusive<f32> = 1e-6..=1e6;
 
 /// Distance field of `shape`: signed, positive outside, world units; x fastest, then y, then z.
 ///
@@ -73,6 +78,16 @@ pub fn transform_with_closest(
 type Computed = (DistanceField, Vec<Vec3>, FieldReport);
 
 fn compute(shape: &Shape, request: &Request, closest: bool, progress: Progress) -> Result<Computed, FieldError> {
+    let bounds = shape.bounds();
+    let longest = (bounds.max - bounds.min).max_element();
+    if longest > 0.0 && longest < 4.0 * MAX_COORDINATE && !HANDY.contains(&longest) {
+        // By a power of two, so that nothing is rounded.
+        let by = (-longest.log2().floor()).min(120.0).exp2();
+        let request = Request { margin: by * request.margin, band: by * request.band, ..*request };
+        let (field, mut points, report) = compute(&shape.scaled(by), &request, closest, progress)?;
+        points.iter_mut().for_each(|point| *point /= by);
+        return Ok((field.scaled(1.0 / by), points, report));
+    }
     let start = Instant::now();
     let (field, points, report) = match shape {
         Shape::Volume(volume) if volume.content == Content::SignedDistance => {

@@ -90,7 +90,7 @@ impl Subject {
         let (low, high) = inside_bounds(&field);
         let center = 0.5 * (low + high);
         let scale = 2.0 / (high - low).max_element();
-        let radius = inside_points(&field).map(|p| p.distance(center)).fold(0.0, f32::max) * scale;
+        let radius = inside_points(&field).map(|p| ((p - center) * scale).length()).fold(0.0, f32::max);
         let half_size = 0.5 * scale * (high - low);
         let input = object.input.clone();
         let (field, report, parts) = (Some(Arc::new(field)), Some(report), BTreeMap::new());

@@ -128,6 +128,22 @@ impl Shape {
             Shape::Volume(volume) => volume.bounds(),
         }
     }
+
+    /// The same `by` times as large, from the origin of the world on; a solid stays as it is.
+    pub(crate) fn scaled(&self, by: f32) -> Shape {
+        let mut scaled = self.clone();
+        match &mut scaled {
+            Shape::Solid(_) => {}
+            Shape::Mesh(mesh) => mesh.positions.iter_mut().for_each(|position| *position *= by),
+            Shape::Volume(volume) => {
+                (volume.origin, volume.spacing) = (by * volume.origin, by * volume.spacing);
+                if volume.content == Content::SignedDistance {
+                    volume.values.iter_mut().for_each(|distance| *distance *= by);
+                }
+            }
+        }
+        scaled
+    }
 }
 
 impl Bounds {

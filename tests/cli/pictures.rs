@@ -55,6 +55,23 @@ fn what_changes_nothing_is_said_in_one_line() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn an_empty_picture_says_why() {
+    let desk = Desk::new();
+    desk.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+    let empty = |arguments: &str| {
+        let out = desk.good(&format!("render {arguments} {SMALL}"));
+        out.lines().find(|line| line.starts_with("empty ")).unwrap_or_default().to_string()
+    };
+    let flat = empty("flat.obj");
+    assert!(flat.contains("no voxel is inside of the object") && flat.contains("--resolution"), "{flat}");
+    let remedy = flat.rsplit(' ').next().unwrap();
+    assert_eq!(empty(&format!("flat.obj --set {remedy}")), "", "the remedy shows it");
+    assert!(empty("torus --clip 0,0,1,-2").contains("no ray meets matter"));
+    assert_eq!(empty("torus"), "");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_quiet_render_says_nothing() {
     let desk = Desk::new();
     assert_eq!(desk.good(&format!("render torus --quiet -o x.png {SMALL}")), "");

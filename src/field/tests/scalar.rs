@@ -89,3 +89,17 @@ fn signed_distances_are_used_as_they_are() {
     let (field, _) = transform(&Shape::Volume(volume.clone()), &request, &|_| {}).unwrap();
     assert_eq!((field.grid.size, field.grid.spacing, field.values), (volume.size, volume.spacing, volume.values));
 }
+
+#[test]
+fn e37_a_tiny_and_a_huge_scan_have_the_field_of_a_handy_one() {
+    let ball = || Shape::Volume(ball([24, 20, 16], Vec3::new(1.0, 1.0, 1.5), 7.0));
+    let request = Request { resolution: 32, margin: 2.0, band: 100.0, iso: 0.5 };
+    let (handy, _) = transform(&ball(), &request, &|_| {}).unwrap();
+    for by in [-100f32, -66.0, 45.0].map(f32::exp2) {
+        let other = Request { margin: by * 2.0, band: by * 100.0, ..request };
+        let (field, _) = transform(&ball().scaled(by), &other, &|_| {}).unwrap();
+        assert_eq!(field.grid.size, handy.grid.size);
+        let worst = field.values.iter().zip(&handy.values).map(|(a, b)| (a / by - b).abs()).fold(0.0, f32::max);
+        assert!(worst <= 1e-5 * handy.grid.spacing.x, "{by:e}: {worst:e}");
+    }
+}
