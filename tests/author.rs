@@ -4,8 +4,8 @@
 
 use hypertexture::render::variant::Variant;
 use hypertexture::scene::{ParameterValue, preset};
-use hypertexture::shader::{self, Library};
-use hypertexture::viewer::author::compile::{CompileError, Job, Limits, compile};
+use hypertexture::shader::compile::{CompileError, Job, Limits, compile};
+use hypertexture::shader::{self, Library, Linker};
 use hypertexture::viewer::author::{Author, State};
 use hypertexture::viewer::model::Model;
 use hypertexture::viewer::unsaved;
@@ -25,14 +25,27 @@ fn job(library: &Library, dmf: &str) -> Job {
     let mut scene = preset("fur").unwrap();
     scene.parameters.clear();
     (scene.effect.dmf, scene.effect.medium) = (vec![dmf.into()], "lit".into());
-    Job::new(library, &[Variant::of(&scene, library).unwrap()])
+    let variant = Variant::of(&scene, library).unwrap();
+    Job { changed: shader::changed(library), programs: vec![variant.wanted(true)] }
 }
 
 /// A program with this text for the body of a DMF, compiled in a child.
 fn try_body(header: &str, body: &str, limits: &Limits) -> Result<(), CompileError> {
     let text = format!("{header}\nfloat mine(float density, Sample s) {{ {body} }}\n");
     let library = shader::shipped().with_module("dmf", "mine", &text);
-    compile(&program(), &job(&library, "mine"), limits, &|| false)
+    compile(&program(), &job(&library, "mine"), limits, &|| false).map(drop)
+}
+
+#[test]
+fn a_child_links_the_program_that_is_linked_here() {
+    let library = shader::shipped().with_module("dmf", "ripples", RIPPLES);
+    let mut scene = preset("fur").unwrap();
+    scene.parameters.clear();
+    (scene.effect.dmf, scene.effect.medium) = (vec!["ripples".into()], "lit".into());
+    let variant = Variant::of(&scene, &library).unwrap();
+    let [here, apart] = [library.clone(), library.compiled_by(&program())]
+        .map(|library| variant.program(&library, Linker::new).unwrap());
+    assert_eq!(here, apart);
 }
 
 /// No answer takes so long: what it may take is processor time, however busy the machine is. A test that fails ends.
@@ -120,7 +133,7 @@ fn n0_10_an_array_that_would_keep_the_driver_busy_is_refused() {
     };
     array(64).unwrap();
     let error = array(100_000_000).unwrap_err().to_string();
-    assert!(error.starts_with("an array of 400000000 bytes"), "{error}");
+    assert!(error.starts_with("dmf/mine.glsl: an array of 400000000 bytes"), "{error}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::sequence::{Interrupted, stop_flag};
 use super::{absolute, say, with_progress};
 use crate::gpu::{Gpu, Options};
 use crate::measure::bench::{self, Change};
-use crate::support::write_whole;
+use crate::support::{open, write_whole};
 use clap::Args;
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -93,11 +93,7 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
 /// A saved run.
 fn read(path: &Path) -> Result<bench::Bench, Box<dyn Error>> {
     let fails = |reason: &dyn std::fmt::Display| format!("{}: {reason}", path.display());
-    let about = std::fs::metadata(path).map_err(|error| fails(&error))?;
-    if !about.is_file() || about.len() > LONGEST {
-        return Err(fails(&"no file that `bench --json` wrote").into());
-    }
-    let text = std::fs::read_to_string(path).map_err(|error| fails(&error))?;
+    let text = open::text(path, LONGEST).map_err(|error| fails(&error))?;
     serde_json::from_str(&text).map_err(|error| fails(&format!("no file that `bench --json` wrote: {error}")).into())
 }
 

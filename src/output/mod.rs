@@ -10,7 +10,7 @@ pub mod sequence;
 pub mod shard;
 
 pub use provenance::{Provenance, ProvenanceError};
-pub use read::{Encoding, Stored, read, read_provenance};
+pub use read::{Encoding, Stored, read, read_provenance, size};
 
 use crate::render::Frame;
 use crate::scene::{Color, linear_to_srgb};

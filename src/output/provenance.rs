@@ -6,9 +6,9 @@
 use super::PROGRAM;
 use crate::scene::{self, Scene, SceneError};
 use crate::shape::BUILT_IN;
+use crate::support::open;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io;
 use std::path::Path;
 
@@ -170,9 +170,7 @@ fn files(scene: &mut Scene) -> impl Iterator<Item = &mut String> {
 }
 
 fn hash_of(path: &Path) -> io::Result<String> {
-    let mut hash = blake3::Hasher::new();
-    hash.update_reader(File::open(path)?)?;
-    Ok(hash.finalize().to_string())
+    Ok(open::hash(path)?.to_string())
 }
 
 #[cfg(test)]

@@ -3,12 +3,18 @@
 use super::provenance::{KEY, Provenance, ProvenanceError};
 use super::{Kind, OutputError, kind, over, straight};
 use crate::scene::{Color, srgb_to_linear};
+use crate::support::open;
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
-use image::DynamicImage;
+use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
+
+/// The longest side of a picture that is read, pixels, and what its decoder may allocate, bytes: as much as the largest
+/// that is rendered.
+const LONGEST: u32 = 16_384;
+const MAX_BYTES: u64 = LONGEST as u64 * LONGEST as u64 * 16;
 
 /// What the numbers of a stored picture mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,13 +74,33 @@ impl Encoding {
     }
 }
 
+/// Width and height of the picture in a PNG or OpenEXR file, pixels; it is not decoded.
+///
+/// # Errors
+/// As [`read`].
+pub fn size(path: &Path) -> Result<[u32; 2], OutputError> {
+    reader(path)?.into_dimensions().map(<[u32; 2]>::from).map_err(|error| fail(path, &error.to_string()))
+}
+
+fn reader(path: &Path) -> Result<ImageReader<BufReader<File>>, OutputError> {
+    let format = match kind(path)? {
+        Kind::Png => ImageFormat::Png,
+        Kind::Exr => ImageFormat::OpenExr,
+    };
+    let mut reader = ImageReader::with_format(opened(path).map_err(|reason| fail(path, &reason))?, format);
+    let mut limits = Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(LONGEST), Some(LONGEST));
+    limits.max_alloc = Some(MAX_BYTES);
+    reader.limits(limits);
+    Ok(reader)
+}
+
 /// Reads a PNG or OpenEXR file.
 ///
 /// # Errors
 /// An unknown format, or what the system or the decoder says.
 pub fn read(path: &Path) -> Result<Stored, OutputError> {
-    kind(path)?;
-    let image = image::open(path).map_err(|error| fail(path, &error.to_string()))?;
+    let image = reader(path)?.decode().map_err(|error| fail(path, &error.to_string()))?;
     let size = [image.width(), image.height()];
     let texels = |most: u16, codes: Vec<f32>| {
         let pixels = codes.as_chunks::<4>().0.iter().map(|texel| texel.map(|code| code / f32::from(most)));
@@ -113,15 +139,18 @@ fn fail(path: &Path, reason: &str) -> OutputError {
     OutputError::Read { path: path.display().to_string(), reason: reason.replace('\n', " ") }
 }
 
+fn opened(path: &Path) -> Result<BufReader<File>, String> {
+    open::open(path, u64::MAX).map(|(file, _)| BufReader::new(file)).map_err(|error| error.to_string())
+}
+
 fn png_text(path: &Path) -> Result<Option<String>, String> {
-    let file = BufReader::new(File::open(path).map_err(|error| error.to_string())?);
-    let reader = png::Decoder::new(file).read_info().map_err(|error| error.to_string())?;
+    let reader = png::Decoder::new(opened(path)?).read_info().map_err(|error| error.to_string())?;
     let chunk = reader.info().utf8_text.iter().find(|chunk| chunk.keyword == KEY);
     chunk.map(|chunk| chunk.get_text().map_err(|error| error.to_string())).transpose()
 }
 
 fn exr_text(path: &Path) -> Result<Option<String>, String> {
-    let data = MetaData::read_from_file(path, false).map_err(|error| error.to_string())?;
+    let data = MetaData::read_from_buffered(opened(path)?, false).map_err(|error| error.to_string())?;
     let attribute = data.headers.first().and_then(|header| header.own_attributes.other.get(&Text::from(KEY)));
     Ok(match attribute {
         Some(AttributeValue::Text(text)) => Some(String::from_utf8_lossy(text.as_slice()).into_owned()),

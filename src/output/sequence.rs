@@ -6,15 +6,18 @@
 
 use crate::output::shard::Shard;
 use crate::scene::Scene;
+use crate::support::open::{self, OpenError};
 use crate::support::write_whole;
 use std::collections::BTreeMap;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// The largest number of a frame.
 const MAX_FRAME: u32 = 9_999_999;
+/// The longest manifest that is read, in bytes: a line of a hundred for each frame that there can be.
+const MAX_BYTES: u64 = 1 << 30;
 /// Digits of a number where a name has no place for it.
 const DIGITS: usize = 4;
 /// The first words of a manifest; the identity of the sequence follows.
@@ -162,10 +165,10 @@ impl Manifest {
         let name = path.display().to_string();
         let failed = |source| SequenceError::File { path: name.clone(), source };
         let title = format!("{TITLE}{identity}\n");
-        let text = match fs::read(path) {
+        let text = match open::bytes(path, MAX_BYTES) {
             _ if restart => title.clone(),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => title.clone(),
-            read => String::from_utf8_lossy(&read.map_err(failed)?).into_owned(),
+            Err(OpenError::Missing) => title.clone(),
+            read => String::from_utf8_lossy(&read.map_err(|error| failed(error.into()))?).into_owned(),
         };
         let foreign = |what| SequenceError::Foreign { path: name.clone(), what };
         if !text.starts_with(TITLE) {
@@ -186,7 +189,7 @@ impl Manifest {
     pub fn has(&self, frame: u32, path: &Path) -> bool {
         let own = |name: &str| path.file_name().is_some_and(|file| file == name);
         match self.done.get(&frame) {
-            Some((hash, name)) if own(name) => fs::read(path).is_ok_and(|bytes| blake3::hash(&bytes) == *hash),
+            Some((hash, name)) if own(name) => open::hash(path).is_ok_and(|found| found == *hash),
             _ => false,
         }
     }
@@ -200,7 +203,7 @@ impl Manifest {
             let path = path.display().to_string();
             move |source| SequenceError::File { path, source }
         };
-        let hash = blake3::hash(&fs::read(path).map_err(failed(path))?);
+        let hash = open::hash(path).map_err(|error| failed(path)(error.into()))?;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let written = self.file.write_all(line(frame, &hash, &name).as_bytes()).and_then(|()| self.file.sync_data());
         written.map_err(failed(&self.path))?;
@@ -224,6 +227,7 @@ fn finished(line: &str) -> Option<(u32, (blake3::Hash, String))> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn the_number_takes_the_place_of_the_last_hashes_or_goes_before_the_extension() {

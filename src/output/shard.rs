@@ -9,6 +9,7 @@ use crate::render::variant::Variant;
 use crate::render::{Frame, Measurements, RenderError, Subject};
 use crate::scene::{self, Color, Scene};
 use crate::shader::{Library, Linker};
+use crate::support::open;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io;
@@ -264,7 +265,8 @@ pub fn merge(paths: &[PathBuf]) -> Result<(Frame, Whole, Vec<String>), ShardErro
     let mut devices = Vec::new();
     for path in paths {
         let name = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|source| ShardError::Read { path: name.clone(), source })?;
+        let bytes = open::bytes(path, u64::MAX)
+            .map_err(|error| ShardError::Read { path: name.clone(), source: error.into() })?;
         let (whole, shard, rows) = decode(&bytes).map_err(|what| ShardError::Damaged { path: name.clone(), what })?;
         let (one, of, count) = first.get_or_insert_with(|| (name.clone(), whole.clone(), shard.count));
         if let Some(what) = difference((of, *count), (&whole, shard.count)) {

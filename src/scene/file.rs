@@ -1,6 +1,7 @@
 //! Scene files: TOML, unknown fields refused with line and nearest name.
 
 use super::{Scene, SceneError, nearest, preset_texts};
+use crate::support::open;
 use std::path::Path;
 
 /// The largest scene file that is read, in bytes: more is no scene.
@@ -13,11 +14,7 @@ const MAX_BYTES: u64 = 1 << 20;
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let name = path.display().to_string();
     let fail = |reason: String| SceneError::Read { path: name.clone(), reason };
-    let size = std::fs::metadata(path).map_err(|error| fail(error.to_string()))?.len();
-    if size > MAX_BYTES {
-        return Err(fail(format!("{size} bytes, and a scene file has at most {MAX_BYTES}; is this a scene?")));
-    }
-    let text = std::fs::read_to_string(path).map_err(|error| fail(error.to_string()))?;
+    let text = open::text(path, MAX_BYTES).map_err(|error| fail(error.to_string()))?;
     let mut scene = parse(&text, &name)?;
     let objects = scene.parts.values_mut().map(|part| &mut part.object);
     let inputs = objects.chain([&mut scene.object]).map(|object| &mut object.input);

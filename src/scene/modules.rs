@@ -2,6 +2,7 @@
 
 use super::{Scene, SceneError};
 use crate::shader::{self, Library};
+use crate::support::open;
 use std::path::Path;
 
 /// The largest file of a module, bytes: more is no module.
@@ -40,11 +41,7 @@ impl Scene {
             if shipped.contains(&name) {
                 return Err(fail(format!("{slot}/{name} is a module that ships; give the file another name")));
             }
-            let bytes = std::fs::metadata(file).map_err(|error| fail(error.to_string()))?.len();
-            if bytes > MAX_BYTES {
-                return Err(fail(format!("{bytes} bytes, and a module has at most {MAX_BYTES}; is this a module?")));
-            }
-            let text = std::fs::read_to_string(file).map_err(|error| fail(error.to_string()))?;
+            let text = open::text(Path::new(file), MAX_BYTES).map_err(|error| fail(error.to_string()))?;
             library = library.with_module(slot, name, &text);
         }
         Ok(library)
@@ -81,7 +78,7 @@ mod tests {
             scene.add_module(slot, file).and_then(|_| scene.library()).unwrap_err().to_string()
         };
         assert!(refusal("dmf", "My Fur.glsl").starts_with("dmf = My Fur.glsl: a module is named after its file"));
-        assert!(refusal("dmf", "no_such.glsl").starts_with("no_such.glsl: No such file"));
+        assert!(refusal("dmf", "no_such.glsl").starts_with("no_such.glsl: there is no such file"));
         assert!(refusal("dfm", "half.glsl").contains("`dfm` is no slot"));
         assert_eq!(refusal("dmf", "fur.glsl"), "fur.glsl: dmf/fur is a module that ships; give the file another name");
     }

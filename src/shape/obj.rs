@@ -7,7 +7,7 @@
 
 use super::error::{Location, ShapeError, quoted};
 use super::polygon::{MAX_CONCAVE_CORNERS, triangulate};
-use super::source::{Source, number, tokens};
+use super::source::{MAX_LINE, Source, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
 use glam::Vec3;
 
@@ -68,6 +68,9 @@ fn next_statement(source: &mut Source, statement: &mut Vec<u8>) -> Result<Option
             break;
         }
         statement.append(&mut more);
+        if statement.len() > MAX_LINE {
+            return Err(source.malformed("a statement of at most 1 MiB, all of its lines together", statement));
+        }
     }
     let end = statement.iter().position(|&byte| byte == b'#').unwrap_or(statement.len());
     statement.truncate(end);

@@ -6,8 +6,8 @@
 use super::error::{quoted, shown};
 use super::source::Source;
 use super::{BUILT_IN, Shape, ShapeError, generated, nrrd, obj, stl};
-use std::fs::{self, File};
-use std::io::{self, BufRead, BufReader};
+use crate::support::open::{self as plain, OpenError};
+use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::Path;
 
 /// One file format.
@@ -40,15 +40,7 @@ pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
         return Ok(shape);
     }
     let path = Path::new(name_or_path);
-    let file = || shown(name_or_path);
-    // Before opening: opening a pipe waits for a writer.
-    let kind = fs::metadata(path).map_err(|reason| unopened(name_or_path, reason))?;
-    if !kind.is_file() {
-        let kind = if kind.is_dir() { "a directory" } else { "a device, pipe or socket" };
-        return Err(ShapeError::NotAFile { file: file(), kind });
-    }
-    let opened = File::open(path).map_err(|reason| unopened(name_or_path, reason))?;
-    let len = opened.metadata().map_err(|reason| ShapeError::Unreadable { file: file(), reason })?.len();
+    let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
     parse(name_or_path, len, &mut BufReader::new(opened))
 }
 
@@ -88,14 +80,16 @@ fn by_extension(name: &str) -> Option<&'static Format> {
 }
 
 /// Why a path cannot be opened: a wrong name if it looks like one, else a missing or unreadable file.
-fn unopened(name: &str, reason: io::Error) -> ShapeError {
+fn unopened(name: &str, error: OpenError) -> ShapeError {
     let file = shown(name);
-    match reason.kind() {
-        io::ErrorKind::NotFound if Path::new(name).extension().is_none() && !name.contains(['/', '\\']) => {
+    match error {
+        OpenError::Missing if Path::new(name).extension().is_none() && !name.contains(['/', '\\']) => {
             ShapeError::UnknownName { nearest: nearest(name), name: file, known: known_extensions() }
         }
-        io::ErrorKind::NotFound => ShapeError::Missing { file },
-        _ => ShapeError::Unreadable { file, reason },
+        OpenError::Missing => ShapeError::Missing { file },
+        OpenError::NotAFile(kind) => ShapeError::NotAFile { file, kind },
+        OpenError::Denied => ShapeError::Unreadable { file, reason: ErrorKind::PermissionDenied.into() },
+        other => ShapeError::Unreadable { file, reason: other.into() },
     }
 }
 

@@ -8,6 +8,9 @@ use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
 use glam::Vec3;
 use std::io::{self, BufRead, Read};
 
+/// The longest line, in bytes, its end included.
+pub(super) const MAX_LINE: usize = 1 << 20;
+
 /// An open file, or bytes that stand for one.
 pub(super) struct Source<'a> {
     /// Name for messages.
@@ -36,12 +39,17 @@ impl Source<'_> {
         }
     }
 
-    /// Replaces `line` by the next line without its end (LF or CRLF); `false` at the end of the file.
+    /// Replaces `line` by the next line without its end (LF or CRLF); `false` at the end of the file. One that is longer
+    /// than [`MAX_LINE`] is an error: a file without line ends would take its length in memory.
     pub fn next_line(&mut self, line: &mut Vec<u8>) -> Result<bool, ShapeError> {
         line.clear();
-        let bytes = self.reader.read_until(b'\n', line).map_err(|reason| self.unreadable(reason))?;
+        let read = (&mut *self.reader).take(MAX_LINE as u64 + 1).read_until(b'\n', line);
+        let bytes = read.map_err(|reason| self.unreadable(reason))?;
         self.offset += bytes as u64;
         self.line += u64::from(bytes > 0);
+        if bytes > MAX_LINE {
+            return Err(self.malformed("a line of at most 1 MiB", line));
+        }
         if line.last() == Some(&b'\n') {
             line.pop();
         }

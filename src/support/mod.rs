@@ -3,6 +3,7 @@
 #[cfg(feature = "measure")]
 pub(crate) mod child;
 pub(crate) mod disk_cache;
+pub(crate) mod open;
 pub(crate) mod random;
 #[cfg(feature = "measure")]
 pub(crate) mod watch;

@@ -28,12 +28,15 @@ use super::app::App;
 use super::author::State;
 use super::keys;
 use super::status::Stage;
+use crate::support::open;
 use accesskit::{Action, ActionData, ActionRequest, Node, NodeId, TreeId};
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, TouchPhase, Vec2, accesskit};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+/// The longest script that is read, in bytes.
+const MAX_BYTES: u64 = 1 << 20;
 /// A step that takes longer has failed.
 const PATIENCE: Duration = Duration::from_secs(600);
 /// Places on the way of a drag.
@@ -92,7 +95,7 @@ impl Script {
     pub(super) fn read(file: &Path) -> Result<Script, ViewError> {
         let name = file.display().to_string();
         let text =
-            std::fs::read_to_string(file).map_err(|error| ViewError::Failed(format!("{}: {error}", file.display())))?;
+            open::text(file, MAX_BYTES).map_err(|error| ViewError::Failed(format!("{}: {error}", file.display())))?;
         let mut steps = VecDeque::new();
         for (number, line) in (1..).zip(text.lines()) {
             let line = line.split('#').next().unwrap_or_default().trim();

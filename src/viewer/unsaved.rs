@@ -2,7 +2,7 @@
 
 use super::author::Author;
 use super::model::Model;
-use crate::support::write_whole;
+use crate::support::{open, write_whole};
 use crate::{scene, shader};
 use std::collections::BTreeMap;
 use std::fs;
@@ -49,7 +49,7 @@ pub fn texts(model: &Model, author: &Author) -> BTreeMap<String, String> {
     texts.extend(author.drafts().map(|(path, text)| (path.to_string(), text.to_string())));
     texts.insert(author.path(), author.text.clone());
     let shipped = shader::shipped();
-    let followed = |file: &Path| fs::read_to_string(file).ok();
+    let followed = |file: &Path| open::text(file, super::author::MAX_FILE).ok();
     let followed = author.file().and_then(followed).map(|text| (author.path(), text));
     texts.retain(|path, text| {
         let held = [filed.source(path), shipped.source(path)];

@@ -1,6 +1,6 @@
 //! What is wrong is refused in one line, and nothing is written.
 
-use crate::desk::refused;
+use crate::desk::{Desk, refused};
 use std::fs;
 
 #[test]
@@ -56,7 +56,7 @@ fn arguments_that_make_no_sense_are_refused_in_one_line() {
             ("bench lit --repeat 0", &["--repeat 0", "from 1 to 1000"]),
             ("bench lit --json missing/b.json", &["missing/b.json", "there is no folder missing"]),
             ("bench lit --baseline missing.json", &["missing.json"]),
-            ("bench lit --baseline /dev/zero", &["/dev/zero", "no file that `bench --json` wrote"]),
+            ("bench lit --baseline /dev/zero", &["/dev/zero", "not a file"]),
             ("render torus --frames 9..3", &["'9..3'", "--frames", "A..B", "such as 1..100"]),
             ("render torus --frames 5", &["'5'", "--frames", "A..B"]),
             ("render torus --frames 0..9 --fps 0", &["--fps 0", "from 0.001 to 1000"]),
@@ -224,6 +224,82 @@ fn an_unknown_device_is_refused_with_the_known_ones() {
             ("DEVICE=nonsense render torus", found),
             ("render torus --device nonsense", found),
             ("gallery torus --device nonsense", found),
+        ],
+    );
+}
+
+/// A DMF in a file of that name, with that body and text before it.
+fn dmf(desk: &Desk, name: &str, before: &str, body: &str) {
+    let text = format!(
+        "// A trial.\n// Source: a test.\n// Result: density.\n{before}\nfloat {name}(float density, Sample s) {{ {body} }}\n"
+    );
+    desk.write(&format!("{name}.glsl"), text);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn glsl_that_harms_a_compiler_or_a_driver_is_refused_in_one_line() {
+    let terms = format!("return density{};", "+density".repeat(20_000));
+    let growing: String =
+        (1..10).map(|k| format!("#define A{k} {}\n", vec![format!("A{}", k - 1); 10].join("+"))).collect();
+    let address = "#extension GL_EXT_buffer_reference : require\nlayout(buffer_reference) buffer B { float v; };\n\
+                   layout(push_constant) uniform P { B b; };";
+    let prepare = |desk: &Desk| {
+        dmf(desk, "nul", "", "return density; /* \0 */");
+        dmf(desk, "terms", "", &terms);
+        dmf(desk, "growing", &format!("#define A0 density+density\n{growing}"), "return A9;");
+        dmf(desk, "huge", "", "float a[100000000]; a[int(s.density)] = density; return a[int(density)];");
+        dmf(desk, "address", address, "return b.v;");
+        dmf(desk, "outer", "// @outer zz", "return density;");
+    };
+    refused(
+        prepare,
+        &[
+            ("render torus --effect fire --dmf nul.glsl", &["dmf/nul.glsl:5: error: a NUL byte"]),
+            ("render torus --effect fire --dmf terms.glsl", &["dmf/terms.glsl: the GLSL compiler crashed"]),
+            ("explain torus --effect fire --dmf terms.glsl", &["dmf/terms.glsl: the GLSL compiler crashed"]),
+            ("render torus --effect fire --dmf growing.glsl", &["dmf/growing.glsl: the GLSL compiler", "without end"]),
+            ("render torus --effect fire --dmf huge.glsl", &["dmf/huge.glsl: an array of 400000000 bytes", "65536"]),
+            ("render torus --effect fire --dmf address.glsl", &["dmf/address.glsl: ", "capability 5347", "#extension"]),
+            ("render torus --effect fire --dmf outer.glsl", &["dmf/outer.glsl:4: ", "@outer zz", "@param"]),
+        ],
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn what_never_ends_is_not_read() {
+    let prepare = |desk: &Desk| {
+        // Beside the folder whose files are read before and after.
+        for name in ["pipe.toml", "pipe.glsl", "pipe.obj", "pipe.png", "pipe.exr", "pipe.json"] {
+            let made = std::process::Command::new("mkfifo").arg(desk.file(&format!("../{name}"))).status().unwrap();
+            assert!(made.success());
+        }
+        std::os::unix::fs::symlink("/dev/zero", desk.file("../zero.toml")).unwrap();
+        let line = vec![b'1'; (1 << 20) + 1];
+        desk.write("line.obj", [b"v ", &*line].concat());
+        desk.write("line.stl", [b"solid a\nfacet normal 0 0 ", &*line].concat());
+        desk.write("line.nrrd", [b"NRRD0004\nsizes: ", &*line].concat());
+        desk.write("lines.obj", [&*b"v 1 1 \\\n".repeat(200_000)].concat());
+        desk.write("text.toml", b"about = \"a\"\n# \xff\n");
+    };
+    let pipe: &[&str] = &["a device, pipe or socket, not a file"];
+    refused(
+        prepare,
+        &[
+            ("render ../pipe.toml", pipe),
+            ("render ../zero.toml", pipe),
+            ("render ../pipe.obj", pipe),
+            ("render ../pipe.png", pipe),
+            ("render torus --dmf ../pipe.glsl", pipe),
+            ("verify ../pipe.png", pipe),
+            ("verify ../pipe.exr", pipe),
+            ("merge x.png ../pipe.png", pipe),
+            ("render line.obj", &["line.obj", "line 1", "a line of at most 1 MiB"]),
+            ("render lines.obj", &["lines.obj", "a statement of at most 1 MiB"]),
+            ("render line.stl", &["line.stl", "line 2", "a line of at most 1 MiB"]),
+            ("render line.nrrd", &["line.nrrd", "line 2", "a line of at most 1 MiB"]),
+            ("render text.toml", &["text.toml: line 2 is not text in UTF-8"]),
         ],
     );
 }

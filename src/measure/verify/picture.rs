@@ -118,10 +118,12 @@ pub fn check(
     provenance.check_inputs(path).map_err(of)?;
     let scene = provenance.scene(path).map_err(of)?;
     scene.check(library).map_err(|source| CheckError::Scene { path: name(), source: source.into() })?;
-    let stored = output::read(path)?;
-    if stored.size != scene.image.size {
-        return Err(CheckError::Size { path: name(), size: stored.size, said: scene.image.size });
+    // Before it is decoded: a small file may hold a huge picture.
+    let size = output::size(path)?;
+    if size != scene.image.size {
+        return Err(CheckError::Size { path: name(), size, said: scene.image.size });
     }
+    let stored = output::read(path)?;
     let subject = Subject::load(&scene, library, &|done| progress(0.3 * done))?;
     let drawn = render(gpu, library, &scene, &subject)?;
     progress(0.4);

@@ -50,7 +50,8 @@ impl Variant {
         let names = (!changed.is_empty()).then(|| names(&changed))?;
         let job = Job { changed, programs: vec![self.wanted(is_optimized)] };
         Some(move || {
-            let stages = compile(compiler, &job, &Limits::default(), &|| false).map(|programs| programs.into_iter().next());
+            let stages =
+                compile(compiler, &job, &Limits::default(), &|| false).map(|programs| programs.into_iter().next());
             match stages {
                 Ok(Some(stages)) => Ok(stages),
                 Ok(None) => Err(LinkError::Compile(format!("{names}: the GLSL compiler gave no program"))),
@@ -67,7 +68,7 @@ impl Variant {
 
     /// What [`compile`] links of it.
     #[cfg(feature = "measure")]
-    pub(crate) fn wanted(&self, is_optimized: bool) -> Wanted {
+    pub fn wanted(&self, is_optimized: bool) -> Wanted {
         Wanted { entries: self.entries.map(String::from), slots: self.slots.clone(), is_optimized }
     }
 }
@@ -101,4 +102,20 @@ fn load(key: blake3::Hash) -> Option<Stages> {
 fn save(key: blake3::Hash, [vertex, fragment]: &Stages) {
     let words = [vertex.len() as u32].into_iter().chain(vertex.iter().chain(fragment).copied());
     disk_cache::save(KIND, key, &words.flat_map(u32::to_le_bytes).collect::<Vec<u8>>());
+}
+
+#[cfg(all(test, feature = "measure"))]
+mod tests {
+    use super::*;
+    use crate::render::variant::program::words;
+    use crate::shader::compile::refusal;
+
+    #[test]
+    fn every_program_that_ships_asks_for_no_more_than_a_person_may() {
+        for (key, vertex, fragment) in SHIPPED_PROGRAMS {
+            for stage in [vertex, fragment] {
+                assert_eq!(refusal(&words(stage)), None, "{key}");
+            }
+        }
+    }
 }

@@ -21,6 +21,9 @@ pub use error::{CompileError, Fault};
 use ask::{Answer, Trial, read, reply};
 use error::MAX_SOURCE;
 
+#[cfg(test)]
+pub(crate) use allowed::refusal;
+
 pub use crate::support::child::{Limits, limit};
 
 /// Name of the hidden command.

@@ -11,4 +11,5 @@ mod source;
 mod trial;
 
 pub use gate::Gate;
+pub(super) use source::MAX_FILE;
 pub use source::{Author, State, WATCH};

@@ -5,7 +5,7 @@ use super::trial;
 use crate::scene::Scene;
 use crate::shader::compile::{CompileError, Fault};
 use crate::shader::{self, Library};
-use crate::support::write_whole;
+use crate::support::{open, write_whole};
 use crate::viewer::model::Model;
 use std::collections::BTreeMap;
 use std::fs;
@@ -21,7 +21,7 @@ pub const WATCH: Duration = Duration::from_millis(250);
 /// How long a text must rest before it is compiled: less, and every letter starts a process.
 const REST: Duration = Duration::from_millis(120);
 /// The longest file that is read, in bytes.
-const MAX_FILE: u64 = 1 << 20;
+pub(in crate::viewer) const MAX_FILE: u64 = 1 << 20;
 
 /// A module that is being edited.
 pub struct Author {
@@ -308,11 +308,7 @@ fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
 }
 
 fn read(path: &Path) -> Result<String, String> {
-    let length = fs::metadata(path).map_err(|error| error.to_string())?.len();
-    if length > MAX_FILE {
-        return Err(format!("{length} bytes, and a module has at most {MAX_FILE}"));
-    }
-    fs::read_to_string(path).map_err(|error| error.to_string())
+    open::text(path, MAX_FILE).map_err(|error| error.to_string())
 }
 
 /// The thread that waits for the compiler. The newest text wins: an older one is given up.
