@@ -10,9 +10,11 @@ use crate::measure::compare::report::{self, Environment, Report};
 use crate::measure::compare::{Comparison, Settings, Stage, compare, paper};
 use crate::measure::reference::{Reference, TOLERANCE, reference};
 use crate::measure::worker::{Load, Worker};
+use crate::render::variant::Variant;
 use crate::render::{Subject, watch};
 use crate::scene::{Scene, to_text};
-use crate::support::write_whole;
+use crate::shader::Linker;
+use crate::support::probe;
 use clap::Args;
 use std::error::Error;
 use std::fmt;
@@ -98,7 +100,9 @@ impl Error for Failed {}
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let (scene, settings) = plan(command)?;
     let library = super::library(&scene)?;
-    candidates(&scene, &library, &settings.sweep)?; // what is wrong is said before the work begins
+    // What is wrong is said before the work begins: with the settings, and with the text of a module.
+    candidates(&scene, &library, &settings.sweep)?;
+    Variant::of(&scene, &library)?.program(&library, Linker::new)?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let fault = watch(&library, &scene, &subject)?;
     let gpu = Gpu::new(options)?;
@@ -148,8 +152,7 @@ fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
 pub(super) fn make_folder(folder: &Path) -> Result<(), String> {
     let fail = |error: std::io::Error| format!("{}: {error}; nothing was written", folder.display());
     std::fs::create_dir_all(folder).map_err(fail)?;
-    let probe = folder.join(format!(".probe.{}", std::process::id()));
-    write_whole(&probe, b"").and_then(|()| std::fs::remove_file(&probe)).map_err(fail)
+    probe(folder).map_err(fail)
 }
 
 fn title(command: &Compare) -> String {

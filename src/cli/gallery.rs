@@ -11,7 +11,7 @@ use crate::render::variant::Variant;
 use crate::render::{Frame, RenderError, Subject, render};
 use crate::scene::{Color, EFFECTS, Object, ParameterValue, Scene, SceneError, names, preset, to_text};
 use crate::shader::{self, Library, ParameterKind};
-use crate::support::write_whole;
+use crate::support::{probe, write_whole};
 use clap::Args;
 use std::error::Error;
 use std::fmt::Write;
@@ -76,6 +76,10 @@ pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) ->
         scene.quality.msaa = if smooth { 4 } else { 1 };
         command.object.apply(scene)?;
     }
+    // The folder is made with the first picture; whether it can be is known before.
+    let existing = command.output.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
+    let existing = if existing.as_os_str().is_empty() { Path::new(".") } else { existing };
+    probe(existing).map_err(|error| format!("{}: {error}; nothing was written", command.output.display()))?;
     let (began, start) = (Instant::now(), start(options)?);
     let Gallery { page, failures } = with_progress(quiet, "gallery", |progress| {
         write(&gpu, &library, &scenes, Some(&start), &command.output, progress)

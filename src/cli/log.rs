@@ -13,7 +13,7 @@ impl Log for Stderr {
 
     fn log(&self, record: &Record<'_>) {
         if self.enabled(record.metadata()) {
-            eprintln!("{}: {}", record.level().as_str().to_lowercase(), record.args());
+            super::complain(&format!("{}: {}", record.level().as_str().to_lowercase(), record.args()));
         }
     }
 

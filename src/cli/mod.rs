@@ -48,6 +48,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// Exit code of anything that the person at the keyboard can mend.
@@ -80,27 +81,33 @@ pub fn main() -> ExitCode {
             let is_end = |line: &&str| line.starts_with("Usage:") || line.starts_with("For more information");
             let lines = text.lines().map(str::trim).take_while(|line| !is_end(line));
             let line = lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join("; ");
-            eprintln!("{line}; see `hypertexture --help`");
+            complain(&format!("{line}; see `hypertexture --help`"));
             return ExitCode::from(BAD_INPUT);
         }
     };
     match run(arguments) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => match UNSAID.get() {
+            None => ExitCode::SUCCESS,
+            Some(error) => {
+                complain(&format!("error: standard output: {error}; what was to be said there is lost"));
+                ExitCode::from(BAD_INPUT)
+            }
+        },
         Err(error) if error.is::<Interrupted>() => {
-            eprintln!("{error}");
+            complain(&error.to_string());
             ExitCode::from(INTERRUPTED)
         }
         #[cfg(feature = "viewer")]
         Err(error) if error.is::<NoWindow>() => {
-            eprintln!("error: {}", error.to_string().replace('\n', " "));
+            complain(&format!("error: {}", error.to_string().replace('\n', " ")));
             ExitCode::from(NO_WINDOW)
         }
         Err(error) if error.is::<Disagreement>() => {
-            eprintln!("{error}");
+            complain(&error.to_string());
             ExitCode::from(DISAGREES)
         }
         Err(error) => {
-            eprintln!("error: {}{}", error.to_string().replace('\n', " "), flag_of(&*error));
+            complain(&format!("error: {}{}", error.to_string().replace('\n', " "), flag_of(&*error)));
             ExitCode::from(if error.is::<Failed>() { FAILED } else { BAD_INPUT })
         }
     }
@@ -165,9 +172,22 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// Writes to standard output; a closed pipe is no error.
+/// Why standard output did not take what was said.
+static UNSAID: OnceLock<std::io::Error> = OnceLock::new();
+
+/// Writes to standard output. A closed pipe is no error; of others [`main`] speaks at the end.
 pub fn say(text: &str) {
-    let _ = std::io::stdout().lock().write_all(text.as_bytes());
+    let mut out = std::io::stdout().lock();
+    if let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush())
+        && error.kind() != std::io::ErrorKind::BrokenPipe
+    {
+        let _ = UNSAID.set(error); // the first says why
+    }
+}
+
+/// Writes a line to standard error, if that takes it.
+fn complain(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
 /// How workers are started: as this very program, on the same device.

@@ -14,7 +14,7 @@ pub use read::{Encoding, Stored, read, read_provenance, size};
 
 use crate::render::Frame;
 use crate::scene::{Color, linear_to_srgb};
-use crate::support::write_whole;
+use crate::support::{destination, probe, write_whole};
 use exr::image::write::WritableImage;
 use exr::image::{Image, SpecificChannels};
 use exr::math::Vec2;
@@ -94,19 +94,17 @@ pub fn check(path: &Path) -> Result<(), OutputError> {
     check_folder(path)
 }
 
-/// Checks, before any work is done, that there is a folder to write this file into.
+/// Checks, before any work is done, that this file can be written.
 ///
 /// # Errors
-/// A folder that does not exist.
+/// A folder that does not exist or cannot be written into, or what no file may replace.
 pub fn check_folder(path: &Path) -> Result<(), OutputError> {
     let folder = folder(path);
-    match folder.is_dir() {
-        true => Ok(()),
-        false => Err(OutputError::Write {
-            path: path.display().to_string(),
-            source: io::Error::new(io::ErrorKind::NotFound, format!("there is no folder {}", folder.display())),
-        }),
-    }
+    let possible = match folder.is_dir() {
+        true => destination(path).and_then(|(file, _)| probe(&self::folder(&file))),
+        false => Err(io::Error::new(io::ErrorKind::NotFound, format!("there is no folder {}", folder.display()))),
+    };
+    possible.map_err(|source| OutputError::Write { path: path.display().to_string(), source })
 }
 
 /// Writes a picture over `background`; without one, its alpha is kept. The provenance goes into the file.

@@ -1,15 +1,17 @@
 //! What is kept on disk between runs, because it takes longer to make than to read.
 //!
-//! Invariant: a file is used only if it ends in the BLAKE3 hash of the rest; files appear whole. A folder that cannot be
+//! Invariant: a file is used only if it ends in the BLAKE3 hash of its name and the rest; files appear whole. A folder that cannot be
 //! read or written costs the next run its time, and no more.
 
-use super::write_whole;
+use super::{TEMPORARY, write_whole};
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 const HASH_BYTES: usize = 32;
+/// A file that has been in work for longer is one that nobody works on.
+const LEFT: Duration = Duration::from_secs(3600);
 
 /// Files of one kind, which are evicted together.
 #[derive(Clone, Copy, Debug)]
@@ -51,13 +53,19 @@ fn file(folder: &Path, kind: Kind, key: blake3::Hash) -> PathBuf {
 pub(crate) fn read(path: &Path) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = fs::read(path)?;
     let Some((content, hash)) = bytes.split_last_chunk::<HASH_BYTES>() else { return Ok(None) };
-    if blake3::hash(content).as_bytes() != hash {
+    if hash_of(path, content).as_bytes() != hash {
         return Ok(None);
     }
     bytes.truncate(content.len());
     // The time of use decides what goes first.
     let _ = File::options().append(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
     Ok(Some(bytes))
+}
+
+/// The hash of a file: of its name too, so that one which stands in the place of another is not taken for it.
+fn hash_of(path: &Path, content: &[u8]) -> blake3::Hash {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    blake3::Hasher::new().update(name.as_bytes()).update(&[0]).update(content).finalize()
 }
 
 /// Writes a file with its hash, and evicts of its kind what was used longest ago where there is too much.
@@ -67,19 +75,24 @@ pub(crate) fn read(path: &Path) -> io::Result<Option<Vec<u8>>> {
 pub(crate) fn write(path: &Path, mut bytes: Vec<u8>, kind: Option<Kind>) -> io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder)?;
-    let hash = blake3::hash(&bytes);
+    let hash = hash_of(path, &bytes);
     bytes.extend_from_slice(hash.as_bytes());
     write_whole(path, &bytes)?;
     kind.map_or(Ok(()), |kind| evict(folder, kind))
 }
 
+/// Removes what was used longest ago where there is too much of a kind, and what processes left behind that ended while they
+/// wrote. A file that another process has just removed is no error.
 fn evict(folder: &Path, kind: Kind) -> io::Result<()> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {
-        let entry = entry?;
-        if entry.path().extension().is_some_and(|end| kind.ends.iter().any(|of_kind| end == *of_kind)) {
-            let about = entry.metadata()?;
-            files.push((about.modified()?, about.len(), entry.path()));
+        let path = entry?.path();
+        let Ok(about) = fs::metadata(&path) else { continue };
+        let (time, name) = (about.modified()?, path.file_name().unwrap_or_default().to_string_lossy());
+        if name.ends_with(TEMPORARY) && time.elapsed().is_ok_and(|age| age > LEFT) {
+            let _ = fs::remove_file(&path);
+        } else if path.extension().is_some_and(|end| kind.ends.iter().any(|of_kind| end == *of_kind)) {
+            files.push((time, about.len(), path));
         }
     }
     files.sort();
@@ -88,8 +101,10 @@ fn evict(folder: &Path, kind: Kind) -> io::Result<()> {
         if total <= kind.limit {
             break;
         }
-        fs::remove_file(path)?;
-        total -= bytes;
+        match fs::remove_file(path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => total -= bytes,
+        }
     }
     Ok(())
 }
@@ -128,6 +143,29 @@ mod tests {
             fs::write(&path, &whole[..at]).unwrap();
             assert_eq!(load_from(folder.path(), KIND, key), None, "cut at {at}");
         }
+    }
+
+    #[test]
+    fn one_in_the_place_of_another_is_not_taken_for_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let [a, b] = [b"a", b"b"].map(|name| blake3::hash(name));
+        save_to(folder.path(), KIND, a, b"of a");
+        fs::rename(file(folder.path(), KIND, a), file(folder.path(), KIND, b)).unwrap();
+        assert_eq!(load_from(folder.path(), KIND, b), None);
+    }
+
+    #[test]
+    fn what_a_dead_process_left_is_swept() {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, age) in [("old", 2 * LEFT), ("new", Duration::ZERO)] {
+            let file = File::create(folder.path().join(format!(".{name}.test.1-1{TEMPORARY}"))).unwrap();
+            file.set_modified(SystemTime::now() - age).unwrap();
+        }
+        save_to(folder.path(), KIND, blake3::hash(b"key"), b"bytes");
+        let names = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.filter(|name| name.starts_with('.')).collect();
+        names.sort();
+        assert_eq!(names, [".new.test.1-1.tmp"]);
     }
 
     #[test]

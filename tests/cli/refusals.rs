@@ -1,6 +1,6 @@
 //! What is wrong is refused in one line, and nothing is written.
 
-use crate::desk::{Desk, refused};
+use crate::desk::{Desk, refused, text};
 use std::fs;
 
 #[test]
@@ -258,6 +258,7 @@ fn glsl_that_harms_a_compiler_or_a_driver_is_refused_in_one_line() {
             ("render torus --effect fire --dmf nul.glsl", &["dmf/nul.glsl:5: error: a NUL byte"]),
             ("render torus --effect fire --dmf terms.glsl", &["dmf/terms.glsl: the GLSL compiler crashed"]),
             ("explain torus --effect fire --dmf terms.glsl", &["dmf/terms.glsl: the GLSL compiler crashed"]),
+            ("compare torus --effect fire --quick --dmf terms.glsl -o report", &["dmf/terms.glsl: the GLSL compiler"]),
             ("render torus --effect fire --dmf growing.glsl", &["dmf/growing.glsl: the GLSL compiler", "without end"]),
             ("render torus --effect fire --dmf huge.glsl", &["dmf/huge.glsl: an array of 400000000 bytes", "65536"]),
             ("render torus --effect fire --dmf address.glsl", &["dmf/address.glsl: ", "capability 5347", "#extension"]),
@@ -302,4 +303,49 @@ fn what_never_ends_is_not_read() {
             ("render text.toml", &["text.toml: line 2 is not text in UTF-8"]),
         ],
     );
+}
+
+#[cfg(unix)]
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn no_file_takes_the_place_of_a_device_or_a_link() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let desk = Desk::new();
+    symlink("/dev/full", desk.file("full.png")).unwrap();
+    symlink("/dev/full", desk.file("full.toml")).unwrap();
+    symlink("loop.png", desk.file("loop.png")).unwrap();
+    desk.write("real.png", "an older picture");
+    fs::set_permissions(desk.file("real.png"), fs::Permissions::from_mode(0o640)).unwrap();
+    symlink("real.png", desk.file("link.png")).unwrap();
+    for (arguments, reason) in [
+        ("render torus -o full.png", "full.png: it is a device, pipe or socket, which no file may replace"),
+        ("render torus --save-scene full.toml", "full.toml: it is a device"),
+        ("render torus -o loop.png", "loop.png: it is a link that leads to itself"),
+        ("render torus -o /proc/x.png", "/proc/x.png: "),
+        ("gallery torus -o /proc/x", "/proc/x: "),
+    ] {
+        let output = desk.run(arguments);
+        let err = text(&output.stderr);
+        assert!(
+            output.status.code() == Some(2) && err.lines().count() == 1 && err.contains(reason),
+            "{arguments}: {err}"
+        );
+    }
+    assert!(fs::symlink_metadata(desk.file("full.png")).unwrap().is_symlink());
+    desk.good("render torus -o link.png --size 16x16 --samples 8");
+    assert!(fs::symlink_metadata(desk.file("link.png")).unwrap().is_symlink());
+    assert_eq!(image::image_dimensions(desk.file("real.png")).unwrap(), (16, 16));
+    assert_eq!(fs::metadata(desk.file("real.png")).unwrap().permissions().mode() & 0o777, 0o640);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn output_that_is_full_is_no_success_and_no_panic() {
+    let desk = Desk::new();
+    let full = || fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = desk.command("settings").stdout(full()).output().unwrap();
+    let err = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && err.starts_with("error: standard output: "), "{err}");
+    let output = desk.command("render nosuch").stderr(full()).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
 }

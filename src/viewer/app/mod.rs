@@ -20,6 +20,7 @@ use crate::scene::{self, Camera, Scene};
 use crate::shader::Library;
 use egui::{Rect, Sense, Ui};
 use glam::DVec3;
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -164,7 +165,7 @@ impl App {
         let Some(folder) = unsaved::folder() else { return };
         match unsaved::keep(&self.model, self.panels.author(), &folder) {
             Ok(false) => {}
-            Ok(true) => println!("what was not saved is in {}", folder.display()),
+            Ok(true) => drop(writeln!(io::stdout(), "what was not saved is in {}", folder.display())),
             Err(error) => log::warn!("what was not saved is lost: {error}"),
         }
     }
