@@ -51,6 +51,12 @@ use std::process::ExitCode;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
+/// What is said of an argument that is no number, without the words of Rust.
+const NUMBERS: [(&str, &str); 3] = [
+    ("invalid float literal", "write a number, such as 1e-3"),
+    ("invalid digit found in string", "write a whole number, such as 4"),
+    ("number too large to fit in target type", "write a smaller number"),
+];
 /// Exit code of anything that the person at the keyboard can mend.
 const BAD_INPUT: u8 = 2;
 /// Exit code of a window that could not be shown, or not be shown on.
@@ -76,7 +82,7 @@ pub fn main() -> ExitCode {
         Err(error) => {
             let text = match error.kind() {
                 ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => "error: no command".into(),
-                _ => error.to_string(),
+                _ => NUMBERS.iter().fold(error.to_string(), |text, (rust, plain)| text.replace(rust, plain)),
             };
             let is_end = |line: &&str| line.starts_with("Usage:") || line.starts_with("For more information");
             let lines = text.lines().map(str::trim).take_while(|line| !is_end(line));

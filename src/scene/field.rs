@@ -83,7 +83,7 @@ pub fn parse_value(text: &str) -> Value {
     parsed.and_then(|mut table| table.remove("value")).unwrap_or_else(|| text.into())
 }
 
-fn flatten(prefix: &str, table: Table, fields: &mut Vec<(String, Value)>) {
+pub(super) fn flatten(prefix: &str, table: Table, fields: &mut Vec<(String, Value)>) {
     for (name, value) in table {
         let name = if prefix.is_empty() { name } else { format!("{prefix}.{name}") };
         match value {

@@ -1,5 +1,7 @@
 //! Scene files: TOML, unknown fields refused with line and nearest name.
 
+use super::field::flatten;
+use super::schema::setting;
 use super::{Scene, SceneError, nearest, preset_texts};
 use crate::support::open;
 use std::path::Path;
@@ -7,15 +9,18 @@ use std::path::Path;
 /// The largest scene file that is read, in bytes: more is no scene.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// Reads a scene file; a path of an object or a module in it is relative to the file.
+/// Reads a scene file and checks it; a path of an object or a module in it is relative to the file.
 ///
 /// # Errors
-/// [`SceneError::Read`] or [`SceneError::Syntax`]. Values are not checked yet: see [`Scene::check`].
+/// [`SceneError::Read`] or [`SceneError::Syntax`], which name the file: also of what [`Scene::check`] finds.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let name = path.display().to_string();
     let fail = |reason: String| SceneError::Read { path: name.clone(), reason };
     let text = open::text(path, MAX_BYTES).map_err(|error| fail(error.to_string()))?;
-    let mut scene = parse(&text, &name)?;
+    let mut scene = parse(&text, &name).map_err(|error| match error {
+        SceneError::Syntax { .. } => error,
+        other => fail(other.to_string()),
+    })?;
     let objects = scene.parts.values_mut().map(|part| &mut part.object);
     let inputs = objects.chain([&mut scene.object]).map(|object| &mut object.input);
     for file in inputs.chain(scene.modules.values_mut()) {
@@ -24,7 +29,27 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
             *file = beside.display().to_string();
         }
     }
+    let checked = scene.library().and_then(|library| scene.check(&library));
+    checked.map_err(|error| match error {
+        SceneError::Read { .. } => error, // of a module, which it names
+        SceneError::Value { ref field, .. } => match line_of(&text, field) {
+            Some(line) => SceneError::Syntax { path: name.clone(), line, reason: error.to_string() },
+            None => fail(error.to_string()),
+        },
+        other => fail(other.to_string()),
+    })?;
     Ok(scene)
+}
+
+/// The line that sets a field, if one alone may.
+fn line_of(text: &str, field: &str) -> Option<usize> {
+    let own = field.rsplit('.').next().unwrap_or(field);
+    let sets = |line: &str| {
+        let name = line.split_once('=').map(|(name, _)| name.trim().trim_matches('"'));
+        name.is_some_and(|name| name.rsplit('.').next() == Some(own))
+    };
+    let mut lines = text.lines().enumerate().filter(|(_, line)| sets(line)).map(|(index, _)| index + 1);
+    lines.next().filter(|_| lines.next().is_none())
 }
 
 /// Reads the text of a scene; `name` is what errors call it. A `preset` is read first, and the text goes over it.
@@ -84,7 +109,11 @@ fn merge(base: &mut toml::Table, over: toml::Table) {
 /// One line: where, what, and the nearest name where a name is wrong.
 fn syntax(error: &toml::de::Error, text: &str, name: &str) -> SceneError {
     let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
-    let mut reason = error.message().replace('\n', " ");
+    let of_setting = text.lines().nth(line - 1).and_then(|line| wrong_setting(text, line));
+    if let Some(reason) = of_setting {
+        return SceneError::Syntax { path: name.into(), line, reason };
+    }
+    let mut reason = plain(&error.message().replace('\n', " "));
     let mut quoted = error.message().split('`').skip(1).step_by(2);
     if let Some(found) = quoted.next() {
         let known: Vec<&str> = quoted.collect();
@@ -93,6 +122,47 @@ fn syntax(error: &toml::de::Error, text: &str, name: &str) -> SceneError {
         }
     }
     SceneError::Syntax { path: name.into(), line, reason }
+}
+
+/// What the table of settings says against a value in this line, if it does.
+fn wrong_setting(text: &str, line: &str) -> Option<String> {
+    let mut values = Vec::new();
+    flatten("", toml::from_str(text).ok()?, &mut values);
+    let own = |name: &str| line.contains(name.rsplit('.').next().unwrap_or(name));
+    values
+        .iter()
+        .filter(|(name, _)| own(name))
+        .find_map(|(name, value)| setting(name)?.check(name, value).err().map(|error| error.to_string()))
+}
+
+/// What TOML's reader says, without the words of Rust.
+fn plain(message: &str) -> String {
+    const WORDS: [(&str, &str); 11] = [
+        (
+            "data did not match any variant of untagged enum ParameterValue",
+            "a parameter is a number, or a color such as \"#d9a05f\"",
+        ),
+        (" as i128", ""),
+        ("invalid type: ", ""),
+        ("invalid value: ", ""),
+        ("invalid length ", "a list of "),
+        ("an array of length", "a list of"),
+        ("a sequence", "a list, such as [\"a\", \"b\"]"),
+        ("a string", "a text in quotes"),
+        ("floating point", "number"),
+        ("unknown variant", "unknown value"),
+        ("missing field", "there is no"),
+    ];
+    let mut text = WORDS.iter().fold(message.to_string(), |text, (rust, plain)| text.replace(rust, plain));
+    for (rust, plain) in
+        [("u32", "a whole number"), ("u64", "a whole number"), ("f32", "a number"), ("f64", "a number")]
+    {
+        text = text.replace(&format!("expected {rust}"), &format!("expected {plain}"));
+    }
+    match text.split_once("expected struct ") {
+        Some((before, _)) => format!("{before}expected a table"),
+        None => text,
+    }
 }
 
 #[cfg(test)]
@@ -106,6 +176,44 @@ mod tests {
         assert!(error.starts_with("x.toml:3: unknown field `sample`"), "{error}");
         assert!(error.ends_with("did you mean `samples`?"), "{error}");
         assert!(!error.contains('\n'));
+    }
+
+    #[test]
+    fn a_value_of_the_wrong_kind_is_refused_in_words_of_the_field() {
+        for (text, said) in [
+            (
+                "[quality]\nsamples = \"many\"",
+                "x.toml:2: quality.samples = many: must be a whole number from 1 to 100000",
+            ),
+            ("[quality]\nsamples = 1.5", "x.toml:2: quality.samples = 1.5: must be a whole number"),
+            ("[camera]\nclip = [1, 2]", "x.toml:2: camera.clip = 2 numbers: must be 4 numbers"),
+            ("[parameters]\nhair_length = true", "x.toml:2: a parameter is a number, or a color such as \"#d9a05f\""),
+            ("quality = 3", "x.toml:1: integer `3`, expected a table"),
+            ("[transfer]\nstops = [{ at = 0 }]", "x.toml:2: there is no `color`"),
+            ("[transfer]\nstops = 3", "x.toml:2: integer `3`, expected a list"),
+        ] {
+            let error = parse(text, "x.toml").unwrap_err().to_string();
+            assert!(error.starts_with(said), "{text}: {error}");
+            for rust in ["untagged", "u32", "f32", "i128", "struct", "variant", "sequence"] {
+                assert!(!error.contains(rust), "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_check_finds_names_file_and_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let refusal = |text: &str| {
+            let file = folder.path().join("x.toml");
+            std::fs::write(&file, text).unwrap();
+            load(&file).unwrap_err().to_string()
+        };
+        let error = refusal("[camera]\nzoom = 1\nazimuth = inf\n");
+        assert!(error.contains("x.toml:3: camera.azimuth = inf: must be from"), "{error}");
+        let error = refusal("[parameters]\nfineness = 60\n");
+        assert!(error.contains("x.toml: ") && error.contains("fineness"), "{error}");
+        let error = refusal("preset = \"nope\"\n");
+        assert!(error.contains("x.toml") && error.contains("nope"), "{error}");
     }
 
     #[test]
