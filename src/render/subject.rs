@@ -90,7 +90,10 @@ impl Subject {
         let (low, high) = inside_bounds(&field);
         let center = 0.5 * (low + high);
         let scale = 2.0 / (high - low).max_element();
-        let radius = inside_points(&field).map(|p| ((p - center) * scale).length()).fold(0.0, f32::max);
+        // Squares of tiny lengths leave f32; a power of two rounds nothing.
+        let handy = scale.log2().floor().exp2();
+        let radius =
+            inside_points(&field).map(|p| ((p - center) * handy).length()).fold(0.0, f32::max) * (scale / handy);
         let half_size = 0.5 * scale * (high - low);
         let input = object.input.clone();
         let (field, report, parts) = (Some(Arc::new(field)), Some(report), BTreeMap::new());

@@ -10,6 +10,7 @@ mod light;
 mod parts;
 mod probe;
 mod store;
+mod transport;
 
 use crate::exact::ExactError;
 use crate::measure::statistics::rms;

@@ -1,7 +1,7 @@
 //! The program of a scene that gives one sample of a ray, on the CPU.
 
 use super::ReferenceError;
-use super::integral::Matter;
+use super::transport::Matter;
 use crate::exact::{self, ExactError};
 use crate::render::variant::Variant;
 use crate::render::{Blocks, CpuInputs, OCTAVES_ID, Subject};

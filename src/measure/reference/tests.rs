@@ -1,7 +1,7 @@
 //! Where the rays of a scene are sampled, against where there is matter.
 
-use super::integral::Matter;
 use super::probe::Sampled;
+use super::transport::Matter;
 use super::*;
 use crate::scene::{Boolean, parse, preset};
 use crate::support::random::SplitMix;
