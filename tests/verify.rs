@@ -226,8 +226,8 @@ fn what_cannot_be_verified_is_refused_in_one_line() {
     write("field.png", [48, 40], &rehashed(provenance.scene.replace("samples = 48", "simples = 48")));
     write("gone.png", [48, 40], &with(&|other| other.inputs = [("./gone.obj".into(), "0".repeat(64))].into()));
     for (arguments, parts) in [
-        ("verify none.png", &["none.png: ", "No such file"][..]),
-        ("verify none.exr", &["none.exr: ", "No such file"]),
+        ("verify none.png", &["none.png: ", "there is no such file"][..]),
+        ("verify none.exr", &["none.exr: ", "there is no such file"]),
         ("verify body.obj", &["body.obj: ", "end it in .png or .exr"]),
         ("verify foreign.png", &["foreign.png: it does not say which scene it shows"]),
         ("verify foreign.exr", &["foreign.exr: it does not say which scene it shows"]),
@@ -238,12 +238,12 @@ fn what_cannot_be_verified_is_refused_in_one_line() {
         ("verify small.png", &["small.png has 24 x 20 pixels, and its scene 48 x 40", "scaled or cut"]),
         ("verify wild.png", &["wild.png: quality.samples = 4000000: must be from 1 to 100000"]),
         ("verify field.png", &["the scene in field.png:", "unknown field `simples`", "did you mean `samples`?"]),
-        ("verify gone.png", &["gone.png: input ./gone.obj: No such file", "BLAKE3 hash 000000"]),
+        ("verify gone.png", &["gone.png: input ./gone.obj: there is no such file", "BLAKE3 hash 000000"]),
         ("verify good.png --pixels 0", &["'0'", "--pixels"]),
         ("verify good.png --bound 2", &["'2'", "--bound", "from 0 to 1"]),
         ("verify --seed 3", &["IMAGE"]),
         ("render foreign.png", &["foreign.png: it does not say which scene it shows"]),
-        ("render none.png", &["none.png: ", "No such file"]),
+        ("render none.png", &["none.png: ", "there is no such file"]),
     ] {
         let said = bad(desk, arguments, 2);
         let missing: Vec<&&str> = parts.iter().filter(|part| !said.contains(**part)).collect();
