@@ -128,7 +128,8 @@ fn syntax(error: &toml::de::Error, text: &str, name: &str) -> SceneError {
 fn wrong_setting(text: &str, line: &str) -> Option<String> {
     let mut values = Vec::new();
     flatten("", toml::from_str(text).ok()?, &mut values);
-    let own = |name: &str| line.contains(name.rsplit('.').next().unwrap_or(name));
+    let words = || line.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    let own = |name: &str| words().any(|word| name.rsplit('.').next() == Some(word));
     values
         .iter()
         .filter(|(name, _)| own(name))

@@ -55,7 +55,10 @@ impl Variant {
             match stages {
                 Ok(Some(stages)) => Ok(stages),
                 Ok(None) => Err(LinkError::Compile(format!("{names}: the GLSL compiler gave no program"))),
-                Err(CompileError::Refused(text)) => Err(LinkError::Compile(text)),
+                // These say which text they are about.
+                Err(error @ (CompileError::Refused(_) | CompileError::Long { .. })) => {
+                    Err(LinkError::Compile(error.to_string()))
+                }
                 Err(other) => Err(LinkError::Compile(format!("{names}: {other}"))),
             }
         })

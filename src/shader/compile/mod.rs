@@ -13,16 +13,11 @@ use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-#[cfg(feature = "viewer")]
-pub(crate) use ask::{Answer, Trial, read, reply};
-pub use error::{CompileError, Fault};
-
-#[cfg(not(feature = "viewer"))]
-use ask::{Answer, Trial, read, reply};
-use error::MAX_SOURCE;
-
 #[cfg(test)]
 pub(crate) use allowed::refusal;
+pub(crate) use ask::{Answer, Trial, read, reply};
+use error::MAX_SOURCE;
+pub use error::{CompileError, Fault};
 
 pub use crate::support::child::{Limits, limit};
 
@@ -56,8 +51,8 @@ pub struct Wanted {
 /// SPIR-V of the vertex stage and the fragment stage.
 type Stages = [Vec<u32>; 2];
 
-/// Links both stages of the programs of a job in a child process; `program` is the executable of hypertexture. `is_stale` is asked now
-/// and then: once it says yes, the child is ended.
+/// Links both stages of the programs of a job in a child process; `program` is the executable of hypertexture. `is_stale` is
+/// asked now and then: once it says yes, the child is ended.
 ///
 /// # Errors
 /// [`CompileError`]; whatever the text does to the compiler.
