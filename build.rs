@@ -6,6 +6,7 @@
 mod shader {
     pub mod combine;
     mod declare;
+    mod drift;
     mod error;
     mod instance;
     mod layers;

@@ -25,6 +25,7 @@ vec4 color = vec4(1.0);
 const float LONGEST_PATH = 3.0;         // in widths of the scene: a ray caught in the glass for longer is let out
 const int MOST_INTERFACES = 24;         // crossed or reflected at: the same
 const int HALVINGS = 14;                // of a step, to locate a crossing
+const float GLASS = 0.0399;             // part of the light that glass reflects head-on; less has a weaker highlight
 
 // Axes of the eye, origin at the object's center: lengths are true, whatever the stretch, and coordinates small.
 struct Ray {
@@ -89,7 +90,9 @@ void meet(inout Ray ray, Index beyond, float gap) {
         vec3 l = safe_normalize(light_position.xyz - object_matrix[3].xyz - ray.at, normal);
         vec3 h = safe_normalize(l - ray.along, normal);
         float specular = dot(normal, l) > 0.0 ? pow(max(dot(normal, h), 1e-6), specular_power) : 0.0;
-        sum.rgb += rest * tint * specular_strength * specular * light_color.rgb;
+        float head_on = (1.0 - eta) / (1.0 + eta);
+        float strength = specular_strength * min(head_on * head_on / GLASS, 1.0);
+        sum.rgb += rest * tint * strength * specular * light_color.rgb;
     }
     rest *= 1.0 - reflected;
     ray.along = safe_normalize(eta * ray.along + (eta * cos_from - cos_to) * normal, ray.along);

@@ -81,7 +81,7 @@ fn g03_what_moves_neither_pops_nor_flickers() {
                 .map(|frame| {
                     match name {
                         "fur" => scene.camera.azimuth = 30.0 + 0.25 * frame as f32,
-                        _ => scene.camera.time = 0.9 + frame as f32 / 50.0,
+                        _ => scene.camera.time = 0.9 + f64::from(frame) / 50.0,
                     }
                     picture(gpu, &library, &scene, &subject).pixels
                 })

@@ -243,7 +243,7 @@ fn p49_a_blurred_picture_is_the_mean_of_its_moments() {
         let subject = subject(&scene, &library);
         let moments: Vec<f64> = (0..4)
             .map(|i| {
-                scene.camera.time = 0.2 + 0.5 * (i as f32 + 0.5) / 4.0;
+                scene.camera.time = 0.2 + 0.5 * (f64::from(i) + 0.5) / 4.0;
                 f64::from(picture(gpu, &library, &scene, &subject).pixels[27][3])
             })
             .collect();
@@ -278,7 +278,7 @@ fn p49_a_renderer_that_is_used_again_gives_the_pictures_that_a_new_one_gives() {
                     (scene.camera.azimuth, scene.camera.zoom, scene.camera.time) = (azimuth, zoom, time);
                     scene
                         .parameters
-                        .insert(parameter.into(), hypertexture::scene::ParameterValue::Number(1.0 - 0.2 * time));
+                        .insert(parameter.into(), hypertexture::scene::ParameterValue::Number(1.0 - 0.2 * time as f32));
                     let again = renderer.render(&scene).unwrap_or_else(|error| panic!("{error}"));
                     assert!(again.pixels == picture(gpu, &library, &scene, &subject).pixels, "{effect} {azimuth}");
                     seen.push(again.pixels);

@@ -273,7 +273,7 @@ fn p24_every_warp_is_its_formula_with_its_derivative_and_its_reach() {
                 let text = text.replace("MODULE", name).replace("MODE", mode).replace("REACH", reach);
                 seen(gpu, &text, |scene| {
                     set(scene, parameters);
-                    scene.camera.time = TIME as f32;
+                    scene.camera.time = TIME;
                     // Otherwise the turbulence ends its sum where the density is 0 anyway.
                     scene.quality.integration = Integration::Segment;
                 })
@@ -305,7 +305,7 @@ fn g03_flames_and_their_relief_rise_together_at_the_speed_of_the_parameter() {
             let at = |time: f32| {
                 seen(gpu, &text, |scene| {
                     set(scene, &[("rise", 0.7), ("relief_rise", 0.7), ("fury", 1.0), ("relief", 1.0), ("glow", 1.0)]);
-                    scene.camera.time = time;
+                    scene.camera.time = f64::from(time);
                 })
             };
             let (first, later) = (at(0.0), at(1.5));

@@ -3,6 +3,7 @@
 // density: D in [0, 1]; result in [0, 1].
 // @needs normal
 // @outer flame_length
+// @drift rise * 0.45 * flame_scale
 // @param flame_length = 0.5 in [0.01, 1.5]: Length of the flames above the object, object units.
 // @param flame_scale = 3.0 in [0.2, 20]: Fineness of the tongues: turbulence cells per object unit.
 // @param fury = 1.5 in [0, 4]: How deep the turbulence cuts into the flames.

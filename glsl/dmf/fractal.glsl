@@ -1,6 +1,7 @@
 // Noise of many frequencies added to the density of the soft region.
 // Source: PH 2.4 (combining frequencies); position-dependent: f(x).
 // density: any; result: density plus at most 1.733 of the strength.
+// @drift fractal_speed * fractal_scale
 // @param fractal_strength = 0.8 in [-4, 4]: Amplitude of the first octave in the middle of the soft region.
 // @param fractal_scale = 3 in [0.1, 50]: Noise cells of the first octave per object unit.
 // @param fractal_speed = 0 in [0, 8]: How fast the pattern rises, object units per second.

@@ -1,6 +1,7 @@
 // Turbulence eats the density away: what is thin goes first.
 // Source: PH 2.3 (turbulence as a base function); position-dependent: f(x).
 // density: any; result: the density times a factor that falls with the turbulence and is never negative.
+// @drift turbulence_rise * turbulence_scale
 // @param turbulence_strength = 1 in [0, 4]: How much the turbulence takes away.
 // @param turbulence_scale = 3 in [0.1, 50]: Turbulence cells of the first octave per object unit.
 // @param turbulence_rise = 0 in [0, 8]: How fast the pattern rises, object units per second.

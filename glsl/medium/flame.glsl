@@ -2,6 +2,7 @@
 // Source: PH 2.4 (low density red, high yellow); MJ Fig. 7f: fire (bumpy).
 // density: modulated, in [0, 1]; result: linear RGB.
 // @needs normal
+// @drift relief_rise * 2
 // @param relief = 0.35 in [0, 1]: Strength of the relief.
 // @param relief_rise = 0.6 in [0, 8]: Speed at which the relief rises, object units per second: that of the flames.
 // @param glow = 1.6 in [0, 10]: Brightness of the gas.

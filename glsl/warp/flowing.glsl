@@ -3,6 +3,7 @@
 // by a noise of the other two coordinates, so that matter is stretched and folded but its volume stays what it is.
 // x: object space; jacobian: derivative of the displaced by the original point, of determinant 1.
 // @move 1.1547006 * noise_bound * flow_length
+// @drift flow_speed
 // @param flow_length = 1 in [0, 4]: How far the current carries matter at most, object units.
 // @param flow_frequency = 1.5 in [0.1, 10]: Eddies of the current: noise cells per object unit.
 // @param flow_speed = 0.2 in [0, 8]: How fast the current changes, noise cells per second.

@@ -2,6 +2,7 @@
 // Source: GG 39.5 (after Kniss et al. 2003): p' = p + sum of w_j N(s_j p + o_j(t)); PH 3.1.
 // x: object space; jacobian: derivative of the displaced by the original point.
 // @move 1.1547006 * noise_bound * perturbation
+// @drift perturbation_speed
 // @param perturbation = 0.3 in [0, 2]: No point moves further than this, object units.
 // @param perturbation_frequency = 2 in [0.1, 40]: Frequency of the coarsest scale; the others are 2 and 4 times as fine.
 // @param perturbation_roughness = 0.5 in [0, 1]: Strength of each scale, in that of the next coarser one.
@@ -13,7 +14,7 @@ void perturbed(inout vec3 x, inout mat3 jacobian) {
     vec3 moved = x;
     float weight = perturbation / (1.5 * (1.0 + perturbation_roughness + perturbation_roughness * perturbation_roughness));
     float scale = perturbation_frequency;
-    vec3 drift = vec3(0.31, -1.0, 0.17) * (perturbation_speed * time);
+    vec3 drift = vec3(0.3125, -1.0, 0.1875) * (perturbation_speed * time);
     for (int j = 0; j < 3; ++j) {
         float kept = weight * octave_weight(scale * sample_width());    // a scale that is finer than a sample fades
         mat3 slope;

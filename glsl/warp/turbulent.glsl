@@ -4,6 +4,7 @@
 // x: object space; jacobian: derivative of the displaced by the original point.
 // @move 2 * noise_bound * turbulence_amplitude * hold_radius
 // @grow 0
+// @drift turbulence_speed * turbulence_frequency
 // @param turbulence_amplitude = 1 in [0, 2]: How strongly the turbulence shrinks the object.
 // @param turbulence_frequency = 1 in [0.1, 20]: Frequency of the first octave: turbulence cells per object unit.
 // @param turbulence_speed = 0.3 in [0, 8]: Speed at which the turbulence rises, object units per second.

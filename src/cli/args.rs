@@ -7,6 +7,7 @@ use super::field::Field;
 use super::gallery::GalleryArguments;
 use super::merge::Merge;
 use super::render::Render;
+use super::stress::Stress;
 use super::verify::Verify;
 #[cfg(feature = "viewer")]
 use super::view::ViewArguments;
@@ -51,6 +52,8 @@ pub enum Command {
     Effects,
     /// List every setting of a scene: its default, what it may be, its flag.
     Settings,
+    /// Drive the method to the ends of what it can be asked, or a scene to the ends of its ranges: error against stiffness.
+    Stress(Box<Stress>),
     /// Check the device against analytic reference scenes in both passes, or a picture against the scene in it.
     Verify(Verify),
     /// Say which device was found, what is missing, and test what the renderer relies on.

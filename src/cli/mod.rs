@@ -23,6 +23,7 @@ mod render;
 mod scene_arguments;
 mod sequence;
 mod settings;
+mod stress;
 mod verify;
 #[cfg(feature = "viewer")]
 mod view;
@@ -151,6 +152,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
             say(&settings::page());
             Ok(())
         }
+        Command::Stress(command) => stress::run(&command, &options, quiet),
         Command::Verify(command) => verify::run(&command, &options, quiet),
         Command::Doctor => {
             let report = doctor::examine(&options);

@@ -1,5 +1,5 @@
 //! Error against run time: references, metrics, comparisons, benches, the fastest settings within an error, checks,
-//! predictions.
+//! stability, predictions.
 
 pub mod bench;
 pub mod compare;
@@ -8,5 +8,6 @@ pub mod pick;
 pub mod predict;
 pub mod reference;
 pub mod statistics;
+pub mod stress;
 pub mod verify;
 pub mod worker;

@@ -100,7 +100,7 @@ impl Sequence {
     /// `scene` and 360 (k - first) / (last - first + 1) degrees.
     pub fn scene(&self, scene: &Scene, frame: u32) -> Scene {
         let mut moved = scene.clone();
-        moved.camera.time = (f64::from(scene.camera.time) + f64::from(frame) / self.fps) as f32;
+        moved.camera.time = scene.camera.time + f64::from(frame) / self.fps;
         if self.turntable {
             let Frames { first, last } = self.frames;
             let part = f64::from(frame - first) / f64::from(last - first + 1);

@@ -130,6 +130,10 @@ impl StoredObjects {
             objects.map(|(own, stored)| Item::of(own, scene, subject, variant, *stored)).collect();
         let mut values = values(scene, variant, view, &items, planes);
         values.extend(moment(scene, view, sub_frame));
+        for item in &items {
+            let speeds = item.parameters.held_speeds(sub_frame.time);
+            values.extend(speeds.map(|(name, speed)| (format!("{name}{}", item.suffix), vec![speed])));
+        }
         values.extend(space.values().map(|(name, floats)| (name.to_string(), floats)));
         values
     }

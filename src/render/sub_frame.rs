@@ -14,7 +14,7 @@ pub(super) struct SubFrame {
     /// From the center of a pixel to where its ray goes through, in pixels: right and down, each in (-1/2, 1/2).
     pub(super) offset: [f32; 2],
     /// Seconds.
-    pub(super) time: f32,
+    pub(super) time: f64,
     /// Which phases the pixels have: an integer below 2^24, which a float holds; of blue noise, how far they are moved in
     /// parts of 2^24.
     pub(super) jitter_seed: f32,
@@ -30,7 +30,7 @@ impl SubFrame {
             let moment = (f64::from(index) + 0.5) / f64::from(count);
             SubFrame {
                 offset: offset(index, count),
-                time: (f64::from(time) + f64::from(shutter) * moment) as f32,
+                time: time + f64::from(shutter) * moment,
                 jitter_seed: match scene.quality.jitter {
                     Jitter::None | Jitter::Hash => {
                         (SplitMix(u64::from(seed) << 32 | u64::from(index)).next() >> 40) as f32

@@ -31,7 +31,7 @@ pub(super) fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(Stri
     [
         ("projection".into(), projection.to_cols_array().to_vec()),
         ("picture_scale".into(), vec![width, height, x, y]),
-        ("time".into(), vec![sub_frame.time]),
+        ("time".into(), vec![sub_frame.time as f32]),
         ("jitter_seed".into(), vec![sub_frame.jitter_seed]),
     ]
 }

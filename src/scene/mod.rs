@@ -225,7 +225,7 @@ pub struct Camera {
     /// Vertical angle of view in degrees, perspective only.
     pub field_of_view: f32,
     /// Time in seconds, for effects that move.
-    pub time: f32,
+    pub time: f64,
     /// Seconds that the shutter stays open from `time` on; needs several samples of the time: `quality.supersampling`.
     pub shutter: f32,
     /// Keeps the points x, y, z (object space) with `a x + b y + c z <= d`.
@@ -260,7 +260,7 @@ impl Camera {
             Some(rotation) => glam::Quat::from_array(rotation).normalize(),
             None => {
                 let elevation = glam::Quat::from_rotation_x(self.elevation.to_radians());
-                elevation * glam::Quat::from_rotation_y(-self.azimuth.to_radians())
+                elevation * glam::Quat::from_rotation_y(-(self.azimuth % 360.0).to_radians())
             }
         }
     }

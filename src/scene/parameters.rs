@@ -3,6 +3,7 @@
 use super::check::within;
 use super::{ParameterValue, Scene, SceneError};
 use crate::shader::declare::{Parameter, ParameterKind};
+use crate::shader::drift::Drift;
 use crate::shader::reach::{GIVEN, NOISE_BOUND};
 use crate::shader::{Declarations, Reach, Sides};
 
@@ -12,6 +13,7 @@ pub struct Parameters {
     declared: Vec<(Parameter, ParameterValue)>,
     outer: Vec<String>,
     reach: Vec<Reach>,
+    drifts: Vec<Drift>,
     noise_bound: f32,
 }
 
@@ -68,6 +70,14 @@ impl Parameters {
         Spread { grows, moves, hold_radius, held: hold_radius < whole }
     }
 
+    /// Speeds that have another value at a time (seconds), so that far places are told as well as near ones; see
+    /// [`crate::shader::drift`].
+    pub fn held_speeds(&self, time: f64) -> impl Iterator<Item = (&str, f32)> {
+        self.drifts
+            .iter()
+            .filter_map(move |drift| Some((drift.speed.as_str(), drift.held(time, |name| self.number(name))?)))
+    }
+
     fn number(&self, name: &str) -> f32 {
         let found = self.declared.iter().find(|(parameter, _)| parameter.name == name);
         match found.map(|(_, value)| value) {
@@ -109,6 +119,7 @@ impl Scene {
         }
         let noise_bound = declarations.noise_bound.unwrap_or(NOISE_BOUND);
         let (outer, reach) = (declarations.outer.clone(), declarations.reach.clone());
-        Ok(Parameters { declared, outer, reach, noise_bound })
+        let drifts = declarations.drifts.clone();
+        Ok(Parameters { declared, outer, reach, drifts, noise_bound })
     }
 }

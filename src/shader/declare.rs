@@ -7,6 +7,7 @@
 //! // @outer hair_length      the soft region ends at this signed distance
 //! // @move drip_length       a lookup moves at most so far, and matter grows as far; see `reach`
 //! // @grow 0                 matter grows less than that
+//! // @drift flow_speed      how many cells the noise moves in a second; see `drift`
 //! // @bound 1                the largest value of this noise
 //! // @needs normal           the module reads the normal of a sample
 //! // @exact procedural noise_block   what the module holds samples of: a module of its slot, and the lattice's repetition
@@ -20,6 +21,7 @@
 //! The same lines feed the uniform block, the checks of a scene file and the documentation. What a module leaves out has
 //! the value that is safe: most loops, all octaves, matter everywhere.
 
+use super::drift::Drift;
 use super::error::LibraryError;
 use super::names::identifier;
 use super::reach::Reach;
@@ -33,6 +35,8 @@ pub struct Declarations {
     pub outer: Vec<String>,
     /// How far each of the modules moves lookups, and how far matter grows by that.
     pub reach: Vec<Reach>,
+    /// How fast the modules move their noise.
+    pub drifts: Vec<Drift>,
     /// The largest value of the noise, where it is not [`super::reach::NOISE_BOUND`].
     pub noise_bound: Option<f32>,
     /// Whether the normal of a sample is read.
@@ -110,12 +114,16 @@ pub enum ParameterKind {
 }
 
 /// How each declaration is written.
-const FORMS: [(&str, &str); 14] = [
+const FORMS: [(&str, &str); 15] = [
     ("param", "`// @param name = 0.5 in [0, 1]: What it does.`"),
     ("color", "`// @color name = #ff8000: What it is.`"),
     ("outer", "`// @outer parameter`, which the module declares by `// @param`"),
     ("move", "`// @move parameter` or, of one axis, `// @move +y 0.5 * parameter`"),
     ("grow", "`// @grow parameter` or, of one axis, `// @grow +y 0.5 * parameter`"),
+    (
+        "drift",
+        "`// @drift speed` or, in other units than cells of noise per second, `// @drift speed * 0.5 * frequency`",
+    ),
     ("bound", "`// @bound 0.87`"),
     ("needs", "`// @needs normal`"),
     ("exact", "`// @exact module`, and never, noise_block, turbulence_block or channel_block behind it"),
@@ -133,7 +141,8 @@ impl Declarations {
     pub(super) fn add_suffix(&mut self, suffix: &str) {
         let parameters = self.parameters.iter_mut().map(|parameter| &mut parameter.name);
         let lengths = self.reach.iter_mut().flat_map(Reach::names);
-        parameters.chain(&mut self.outer).chain(lengths).for_each(|name| name.push_str(suffix));
+        let speeds = self.drifts.iter_mut().flat_map(Drift::parameters);
+        parameters.chain(&mut self.outer).chain(lengths).chain(speeds).for_each(|name| name.push_str(suffix));
     }
 }
 
@@ -166,6 +175,7 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
             "needs" if word == "normal" => found.needs_normal = true,
             "bound" => found.noise_bound = Some(word.parse().map_err(|_| wrong())?),
             "move" | "grow" => reach.add(kind == "grow", rest).ok_or_else(wrong)?,
+            "drift" => found.drifts.push(Drift::parse(rest).ok_or_else(wrong)?),
             "loops" => found.loops = Some(number()?),
             "places" => found.places = number()?,
             "octaves" if word == "turbulence_block" => found.octaves = Octaves::TurbulenceBlock,

@@ -1,6 +1,7 @@
 //! The modules by path.
 
 use super::declare::{Declarations, parse};
+use super::drift::Drift;
 use super::error::LibraryError;
 use super::names::{definitions, members, rename};
 use super::reach::Reach;
@@ -231,11 +232,13 @@ impl Library {
             }
             all.outer.extend(one.outer);
             all.reach.extend(one.reach);
+            all.drifts.extend(one.drifts);
             all.noise_bound = one.noise_bound.or(all.noise_bound);
             all.needs_normal |= one.needs_normal;
             Ok(())
         })?;
-        let names = all.reach.iter_mut().flat_map(Reach::names);
+        let speeds = all.drifts.iter_mut().flat_map(Drift::parameters);
+        let names = all.reach.iter_mut().flat_map(Reach::names).chain(speeds);
         let unknown =
             names.map(|name| name.clone()).find(|name| !all.parameters.iter().any(|parameter| parameter.name == *name));
         unknown.map_or(Ok(all), |name| Err(LibraryError::Unmeasured { name }))

@@ -10,6 +10,7 @@ pub mod combine;
 #[cfg(feature = "measure")]
 pub mod compile;
 pub mod declare;
+pub mod drift;
 mod error;
 mod instance;
 mod kind;

@@ -104,7 +104,7 @@ fn melting(at: &At<'_>, [x, y, z]: Place) -> Place {
 fn perturbed(at: &At<'_>, x: Place) -> Place {
     let (rough, frequency) = (at.number("perturbation_roughness"), at.number("perturbation_frequency"));
     let first = at.number("perturbation") / (1.5 * (1.0 + rough + rough.powi(2)));
-    let mut drift = DVec3::new(c(0.31), -1.0, c(0.17)) * at.number("perturbation_speed") * at.number("time");
+    let mut drift = DVec3::new(0.3125, -1.0, 0.1875) * at.number("perturbation_speed") * at.number("time");
     let mut moved_to = x;
     for scale in 0..3 {
         let (weight, finer) = (first * rough.powi(scale), frequency * 2f64.powi(scale));

@@ -17,7 +17,7 @@ mod volumes;
 
 pub use agreement::Agreement;
 pub use analytic::{AnalyticCase, Level, levels, order};
-pub use closed::{SoftBall, fish_eye, luneburg_miss};
+pub use closed::{SoftBall, fish_eye, luneburg_miss, slab};
 pub use lens::{clear, probed};
 pub use picture::{CheckError, CheckOptions, Knows, Truth as PixelTruth, check, draw_pixels};
 pub use pictures::{
@@ -25,6 +25,7 @@ pub use pictures::{
     homogeneous, library, two_tone,
 };
 pub use rays::{Ray, rays};
+pub use volumes::{face, face_subject};
 
 use crate::field::Progress;
 use crate::gpu::Gpu;

@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 /// A hard face across the picture, colored by a module.
-fn face(surface: &str, pass: Pass) -> Scene {
+pub fn face(surface: &str, pass: Pass) -> Scene {
     let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
     (scene.effect.classify, scene.effect.surface) = ("surface".into(), surface.into());
     (scene.quality.pass, scene.quality.samples) = (pass, 64);
@@ -19,7 +19,8 @@ fn face(surface: &str, pass: Pass) -> Scene {
     scene
 }
 
-fn face_subject() -> Subject {
+/// What that face is of.
+pub fn face_subject() -> Subject {
     Subject { radius: 1.0, ..box_subject(Vec3::new(0.6, 0.6, 0.4)) }
 }
 

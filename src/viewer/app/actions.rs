@@ -57,10 +57,10 @@ impl App {
             Request::Split(kept) => self.kept = kept.map(|scene| *scene),
             Request::Record(true) => self.record(),
             Request::Record(false) => self.stop(),
-            Request::Pause(false) => self.clock = Some(f64::from(self.model.scene().camera.time)),
+            Request::Pause(false) => self.clock = Some(self.model.scene().camera.time),
             Request::Pause(true) => {
                 if let Some(clock) = self.clock.take() {
-                    self.model.edit("camera.time", |scene| scene.camera.time = clock as f32);
+                    self.model.edit("camera.time", |scene| scene.camera.time = clock);
                 }
             }
             Request::MaxError(error) => {

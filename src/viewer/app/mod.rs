@@ -122,7 +122,7 @@ impl App {
             glide: None,
             last_turn: (DVec3::Y, 0.0),
             inertia: false,
-            clock: start.play.then_some(f64::from(camera.time)),
+            clock: start.play.then_some(camera.time),
             last_frame: now,
             kept: None,
             max_error: start.max_error,
@@ -319,7 +319,7 @@ impl App {
     fn shown(&self) -> Scene {
         let mut scene = self.model.scene().clone();
         if let Some(clock) = self.clock {
-            scene.camera.time = clock as f32;
+            scene.camera.time = clock;
         }
         scene
     }

@@ -9,7 +9,7 @@ mod fastest;
 mod html;
 mod images;
 mod orders;
-mod page;
+pub mod page;
 mod paper_html;
 pub mod replay;
 mod replay_grid;

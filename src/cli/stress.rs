@@ -1,0 +1,132 @@
+//! `stress`: the method at the ends of what it can be asked, on the device at hand; or a scene at the ends of its ranges.
+
+use super::compare::Failed;
+use super::scene_arguments::{ObjectFlags, SceneArguments};
+use super::{absolute, say, with_progress};
+use crate::gpu::{Gpu, Options};
+
+use crate::measure::stress::{self, CASES, Corner, Swept};
+use crate::measure::verify;
+use crate::support::{quoted, write_whole};
+use clap::Args;
+use std::error::Error;
+use std::path::PathBuf;
+
+/// Arguments of `stress`.
+#[derive(Args)]
+pub struct Stress {
+    /// What `render` takes: its own parameters are swept; without it, the cases that are known to go wrong.
+    pub input: Option<String>,
+    /// Only these cases, by their numbers, such as 10,12.
+    #[arg(long, value_delimiter = ',', value_name = "NUMBERS", conflicts_with = "input")]
+    pub cases: Vec<u32>,
+    /// Writes the rows into this file too, as JSON.
+    #[arg(long, value_name = "FILE", conflicts_with = "input")]
+    pub json: Option<PathBuf>,
+    /// Writes a page into this file too, with error against stiffness.
+    #[arg(long, value_name = "FILE", conflicts_with = "input")]
+    pub html: Option<PathBuf>,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectFlags,
+    /// What the picture shows.
+    #[command(flatten)]
+    pub arguments: SceneArguments,
+}
+
+/// Stresses the device, or a scene.
+pub(super) fn run(command: &Stress, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    match &command.input {
+        None => cases(command, options, quiet),
+        Some(input) => scene(command, input, options, quiet),
+    }
+}
+
+fn cases(command: &Stress, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let numbers: Vec<u32> = CASES.iter().map(|case| case.number).collect();
+    if let Some(unknown) = command.cases.iter().find(|number| !numbers.contains(number)) {
+        let known: Vec<String> = numbers.iter().map(u32::to_string).collect();
+        return Err(format!("--cases {unknown}: there is no such case; there are {}", known.join(", ")).into());
+    }
+    let chosen = CASES.iter().filter(|case| command.cases.is_empty() || command.cases.contains(&case.number));
+    let chosen: Vec<stress::Case> = chosen.copied().collect();
+    for path in command.json.iter().chain(&command.html) {
+        crate::output::check_folder(path)?;
+    }
+    let gpu = Gpu::new(options)?;
+    let found = with_progress(quiet, "stress", |progress| stress::run(&gpu, verify::library(), &chosen, progress))?;
+    let failed: Vec<String> = found.failed().map(stress::Row::title).collect();
+    if !quiet {
+        let held = found.rows.len() - failed.len();
+        say(&format!("{}{held} of {} rows hold on {}\n", stress::table(&found), found.rows.len(), gpu.info().title()));
+    }
+    let json = command.json.as_ref().map(|path| Ok((path, serde_json::to_string_pretty(&found)?)));
+    let html = command.html.as_ref().map(|path| Ok((path, stress::chart_page(&found))));
+    for written in json.into_iter().chain(html) {
+        let (path, text): (&PathBuf, String) = written.map_err(|error: serde_json::Error| error.to_string())?;
+        write_whole(path, text.as_bytes())
+            .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
+        if !quiet {
+            say(&format!("wrote {}\n", absolute(path)));
+        }
+    }
+    match failed.is_empty() {
+        true => Ok(()),
+        false => {
+            Err(Failed(format!("{} of {} rows fail: {}", failed.len(), found.rows.len(), failed.join("; "))).into())
+        }
+    }
+}
+
+fn scene(command: &Stress, input: &str, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let scene = command.arguments.scene(input, &command.object)?;
+    let library = super::library(&scene)?;
+    scene.check(&library)?;
+    let gpu = Gpu::new(options)?;
+    let found = with_progress(quiet, "sweep", |progress| stress::sweep(&gpu, &library, &scene, progress))?;
+    if !quiet {
+        say(&table(&found));
+    }
+    if let Some(worst) = &found.worst {
+        let words = std::env::args().skip_while(|word| word != "stress").skip(1);
+        let words: Vec<String> = words.chain(set(worst)).map(|word| quoted(&word)).collect();
+        say(&format!("worst: {}\n  hypertexture render {}\n", verdict(worst), words.join(" ")));
+    }
+    match found.ok() {
+        true => Ok(()),
+        false => {
+            let corners = found.corners.iter().chain(&found.worst).filter(|corner| !corner.ok);
+            let corners =
+                corners.map(|corner| format!("{}: {}", set(corner).collect::<Vec<_>>().join(" "), corner.why));
+            let taken =
+                found.taken.iter().map(|(name, value)| format!("{name} = {value} is beyond its range, and taken"));
+            Err(Failed(corners.chain(taken).collect::<Vec<_>>().join("; ")).into())
+        }
+    }
+}
+
+/// The words that change a scene to what a corner is of.
+fn set(corner: &Corner) -> impl Iterator<Item = String> + '_ {
+    corner.changes.iter().flat_map(|(name, value)| ["--set".to_string(), format!("{name}={value}")])
+}
+
+fn verdict(corner: &Corner) -> String {
+    let error = match corner.error {
+        Some(error) => format!("error {error:.1e}, known to {:.0e}; jump {:.1e}", corner.known_to, corner.jump),
+        None => String::new(),
+    };
+    [error, corner.why.clone()].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ")
+}
+
+fn table(found: &Swept) -> String {
+    let name = |corner: &Corner| match corner.changes.as_slice() {
+        [] => "the scene itself".to_string(),
+        changes => changes.iter().map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", "),
+    };
+    let width = found.corners.iter().map(|corner| name(corner).chars().count()).max().unwrap_or_default();
+    let line = |corner: &Corner| {
+        let mark = if corner.ok { "" } else { "FAIL " };
+        format!("{:<width$}  {mark}{}\n", name(corner), verdict(corner))
+    };
+    found.corners.iter().map(line).collect()
+}

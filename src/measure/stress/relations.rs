@@ -1,0 +1,148 @@
+//! Cases 17, 41 and 46: what must not change a picture, and what must be refused by name.
+
+use super::matter::same;
+use super::{Lab, Row, StressError, with};
+use crate::render::variant::VariantError;
+use crate::render::{RenderError, Renderer, Subject};
+use crate::scene::{EmptySpace, ParameterValue, Scene, SceneError, preset};
+use crate::shader::ParameterKind;
+
+fn preset_of(name: &str) -> Result<Scene, StressError> {
+    let scene = preset(name).map_err(VariantError::from).map_err(RenderError::from)?;
+    Ok(with(scene, |scene| {
+        scene.object.input = if name == "fire_ball" { "sphere".into() } else { "torus".into() };
+        (scene.image.size, scene.quality.samples) = ([48, 48], 96);
+    }))
+}
+
+/// Case 41: skipping takes steps that no slope of the matter allows it to be wrong about.
+pub(super) fn skipping(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
+    let library = &lab.bench.library;
+    let mut rows = Vec::new();
+    for name in ["lit", "bump", "fur", "melting", "fire", "fire_ball", "noisy_sphere"] {
+        let scene = preset_of(name)?;
+        let own = Subject::load(&scene, library, &|_| ())?;
+        let mut renderer = Renderer::new(lab.bench.gpu, library, &own);
+        // At its own parameters, and with each at both ends.
+        let mut scenes = vec![(String::from("its own parameters"), scene.clone())];
+        for (parameter, _) in scene.check(library)?.iter() {
+            let ParameterKind::Number(_, ends) = parameter.kind else { continue };
+            for end in ends {
+                let scene = with(scene.clone(), |scene| {
+                    scene.parameters.insert(parameter.name.clone(), ParameterValue::Number(end));
+                });
+                // How far matter goes is a part of the subject.
+                if parameter.name.ends_with("length") || parameter.name.ends_with("amplitude") {
+                    continue;
+                }
+                scenes.push((format!("{} = {end}", parameter.name), scene));
+            }
+        }
+        for (setting, scene) in scenes {
+            let every = with(scene.clone(), |scene| scene.quality.empty_space = EmptySpace::Sample);
+            let drawn = renderer.render(&every).and_then(|every| Ok((every, renderer.render(&scene)?)));
+            rows.push(match drawn {
+                Ok((every, skipped)) => Row::worst(&format!("{name}: skipping"), setting, same(&every, &skipped, 0.0)),
+                Err(error) => Row::said(&format!("{name}: skipping"), setting, "pictures", error.to_string(), false),
+            });
+        }
+    }
+    Ok(rows)
+}
+
+/// Case 46: after whole periods of the noise that moves through it a picture is what it was, and never stands still.
+pub(super) fn times(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
+    /// Every lattice of a block repeats after that.
+    const CELLS: f64 = 1024.0;
+    // Effects that move, the parameter that says how fast, cells for each unit of it and second, and what else moves.
+    let moving = [
+        ("flow", "flow_speed", 1.0, ""),
+        ("fire", "rise", 0.45 * 3.0, "relief_rise"),
+        ("fire", "relief_rise", 2.0, "rise"),
+    ];
+    let library = &lab.bench.library;
+    let mut rows = Vec::new();
+    for (name, speed, cells, other) in moving {
+        let mut scene = preset_of(name)?;
+        let value = (1.0 / cells) as f32;
+        scene.parameters.insert(speed.into(), ParameterValue::Number(value));
+        if !other.is_empty() {
+            scene.parameters.insert(other.into(), ParameterValue::Number(0.0));
+        }
+        let subject = Subject::load(&scene, library, &|_| ())?;
+        let mut renderer = Renderer::new(lab.bench.gpu, library, &subject);
+        let mut at = |time: f64| {
+            scene.camera.time = time;
+            renderer.render(&scene)
+        };
+        let period = CELLS / (cells * f64::from(value));
+        let start = at(0.25)?;
+        for count in [1.0, 64.0, 1024.0, 16_384.0, 9e5] {
+            let frame = at(0.25 + count * period)?;
+            let apart = same(&start, &frame, 0.0);
+            let mean = apart.iter().map(|(a, b, _)| (a - b).powi(2)).sum::<f64>() / apart.len() as f64;
+            let time = format!("{:.1e} s", count * period);
+            // f32 tells places apart to 2^-12 of a cell at the end of what a drift goes through.
+            let row = Row::worst(&format!("{name}, {speed}: whole periods"), &time, [(0.0, mean.sqrt(), 2e-4)]);
+            rows.push(row.at(count * period));
+            let later = at(0.25 + count * period + 0.04)?;
+            let moved = same(&frame, &later, 0.0).iter().map(|(a, b, _)| (a - b).abs()).fold(0.0, f64::max);
+            let found = super::report::number(moved);
+            let ok = moved > 1e-3;
+            rows.push(Row::said(&format!("{name}, {speed}: a frame later"), &time, "another picture", found, ok));
+        }
+    }
+    Ok(rows)
+}
+
+/// What nobody can draw is refused, and the line names what it is.
+pub(super) fn refusals(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
+    const REFUSED: &[(&str, &str)] = &[
+        ("quality.samples", "0"),
+        ("quality.samples", "1e9"),
+        ("quality.samples", "nan"),
+        ("quality.samples", "1.5"),
+        ("quality.samples", "99000"),
+        ("image.size", "[0, 16]"),
+        ("image.size", "[16, 4294967295]"),
+        ("object.resolution", "2000000"),
+        ("object.resolution", "0"),
+        ("object.inner_iso", "0.5"),
+        ("object.inner_iso", "nan"),
+        ("object.outer_iso", "inf"),
+        ("object.stretch", "[1, 0, 1]"),
+        ("object.stretch", "[1, nan, 1]"),
+        ("object.stretch", "[1, 1e-30, 1]"),
+        ("effect.opacity_rate", "-1"),
+        ("effect.opacity_rate", "inf"),
+        ("camera.zoom", "0"),
+        ("camera.zoom", "-1"),
+        ("camera.field_of_view", "0"),
+        ("camera.field_of_view", "180"),
+        ("camera.time", "1e30"),
+        ("camera.time", "nan"),
+        ("light.position", "[inf, 0, 0]"),
+        ("light.intensity", "-1"),
+        ("material.specular_power", "nan"),
+        ("quality.block_size", "100000"),
+        ("quality.supersampling", "0"),
+        ("effect.octaves", "0"),
+        ("effect.octaves", "1000"),
+    ];
+    let mut rows = Vec::new();
+    for (field, value) in REFUSED {
+        let mut scene = preset_of("lit")?;
+        let found: Result<(), SceneError> =
+            scene.set_field(field, value).and_then(|()| scene.check(&lab.bench.library).map(|_| ()));
+        let (found, ok) = match found {
+            Ok(()) => ("accepted".to_string(), false),
+            Err(error) => {
+                let line = error.to_string();
+                let named = line.contains(field) && !line.contains('\n');
+                (line, named)
+            }
+        };
+        rows.push(Row::said("refused", format!("{field} = {value}"), "a line that names it", found, ok));
+    }
+    Ok(rows)
+}
