@@ -45,8 +45,10 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
         Ok((first, times))
     };
     let (frame, times) = draw(&scene)?;
-    let mut lines: Vec<String> =
-        made_with(&frame.measurements, &scene, &library)?.into_iter().map(|[a, b]| format!("{a:<11}{b}")).collect();
+    let mut lines: Vec<String> = made_with(&frame.measurements, &scene, &subject, &library)?
+        .into_iter()
+        .map(|[a, b]| format!("{a:<11}{b}"))
+        .collect();
     let memory = lines.pop();
     lines.push(format!("time       {} on the device, median of {PICTURES}", spread(&times)));
     let has_zeros = Variant::of(&scene, &library)?.slots.contains_key(ZERO);

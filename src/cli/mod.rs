@@ -7,6 +7,7 @@ mod compare;
 mod docs_tests;
 pub mod doctor;
 mod effects;
+mod error_map;
 mod explain;
 mod field;
 mod flags;

@@ -6,7 +6,7 @@ use crate::gpu::Gpu;
 use crate::output::shard::{self, Shard};
 use crate::output::{Depth, Provenance, write};
 use crate::render::variant::Variant;
-use crate::render::{FINITE, Fault, Frame, Renderer, Subject, half_height, octaves_held};
+use crate::render::{FINITE, Fault, Frame, Renderer, Subject, doubts, half_height, octaves_held};
 use crate::scene::Scene;
 use crate::scene::schema::{Kind, setting};
 use crate::shader::Library;
@@ -45,7 +45,7 @@ pub(super) fn say_fault(fault: Option<Fault>) {
 }
 
 /// Renders a picture and writes it.
-pub(super) fn render_picture(picture: &Picture<'_>) -> Result<(), Box<dyn Error>> {
+pub(super) fn render_picture(picture: &Picture<'_>) -> Result<Frame, Box<dyn Error>> {
     let Picture { gpu, library, scene, subject, output, quiet, .. } = *picture;
     let frame = with_progress(quiet, "noise", |progress| {
         let mut renderer = Renderer::new(gpu, library, subject);
@@ -59,7 +59,7 @@ pub(super) fn render_picture(picture: &Picture<'_>) -> Result<(), Box<dyn Error>
         say(&nothing_seen(scene, subject, &frame).map_or(String::new(), |why| format!("empty      {why}\n")));
         say(&format!("wrote {}\n", absolute(output)));
     }
-    Ok(())
+    Ok(frame)
 }
 
 /// Why nothing is in a picture, where nothing is.
@@ -129,6 +129,7 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
     }
     lines.extend(coarse(scene, subject, half_height));
     lines.extend(octaves_held(m, scene, library).map(|text| format!("octaves    {text}")));
+    lines.extend(doubts(m, scene, subject, library)?.into_iter().map(|text| format!("note       {text}")));
     let fragments = m.fragments.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
     lines.push(format!("slices     {} of thickness {:.5} object units{fragments}", m.slices, m.step));
     lines.extend(m.cells.as_ref().map(|cells| format!("cells      {cells}")));

@@ -1,5 +1,6 @@
 //! `render`: a picture, its frames or a shard of them, with the fastest settings or with its cost in advance.
 
+use super::error_map::write_error_map;
 use super::picture::{Picture, render_picture, render_shard, say_fault};
 use super::scene_arguments::{ObjectFlags, SceneArguments, metric};
 use super::sequence::{Motion, ShardChoice, render_frames, shard};
@@ -43,6 +44,10 @@ pub struct Render {
     /// How that error is measured: rmse (linear RGBA), covered (the same where there is something), rgb, opacity, max, p999.
     #[arg(long, default_value = "rmse", value_parser = metric, requires = "max_error")]
     pub metric: Metric,
+    /// Write how far each pixel is from the f64 reference: .exr (absolute error of premultiplied linear RGBA, and `estimate`, the
+    /// error of the reference) or .png (colors, from 1e-5 to 1).
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
+    pub error_map: Option<PathBuf>,
     /// Render part K, from 0 to N - 1, of a picture or of the frames; without a value, the part that Slurm or
     /// Kubernetes gives to this process.
     #[arg(long, value_name = "K/N", num_args = 0..=1, default_missing_value = "auto", value_parser = shard)]
@@ -88,6 +93,11 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose()?;
     output::check(&command.output)?;
     command.save_scene.iter().try_for_each(|file| output::check_folder(file))?;
+    command.error_map.iter().try_for_each(|file| output::check(file))?;
+    if command.error_map.as_ref() == Some(&command.output) {
+        let name = command.output.display();
+        return Err(format!("--error-map {name}: the picture goes there; give the map a name of its own").into());
+    }
     let shard = command.shard.map(ShardChoice::shard).transpose()?;
     let sequence = command.motion.sequence()?;
     if let Some(sequence) = &sequence {
@@ -121,7 +131,8 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     } else if let Some(shard) = shard {
         render_shard(&picture, shard)?;
     } else {
-        render_picture(&picture)?;
+        let frame = render_picture(&picture)?;
+        command.error_map.iter().try_for_each(|path| write_error_map(&picture, &frame, path))?;
     }
     say_fault(fault.filter(|_| !quiet));
     if let Some(file) = &command.save_scene {

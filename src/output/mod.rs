@@ -4,11 +4,13 @@
 //! linear, as that format has it), with its [`Provenance`]; and both back. Invariant: a file appears whole or not at
 //! all: it is written beside its place under a temporary name, synced and renamed.
 
+mod map;
 mod provenance;
 mod read;
 pub mod sequence;
 pub mod shard;
 
+pub use map::write_map;
 pub use provenance::{Provenance, ProvenanceError};
 pub use read::{Encoding, Stored, read, read_provenance, size};
 

@@ -2,16 +2,22 @@
 
 use super::cells::Found;
 use super::variant::{Variant, why_left_out};
-use super::{Measurements, RenderError};
+use super::{Measurements, RenderError, Subject, doubts};
 use crate::scene::Scene;
 use crate::shader::Library;
 use crate::shader::library::ZERO;
 
-/// A line for each thing that a picture is made with or that its scene leaves out: what it is about, and what there is.
+/// A line for each thing that a picture is made with or that its scene leaves out, and for each doubt: what it is about, and
+/// what there is.
 ///
 /// # Errors
 /// The scene has no program.
-pub fn made_with(m: &Measurements, scene: &Scene, library: &Library) -> Result<Vec<[String; 2]>, RenderError> {
+pub fn made_with(
+    m: &Measurements,
+    scene: &Scene,
+    subject: &Subject,
+    library: &Library,
+) -> Result<Vec<[String; 2]>, RenderError> {
     let line = |about: &str, what: String| [about.to_string(), what];
     let mib = |bytes: u64| bytes as f64 / f64::from(1 << 20);
     let mut lines = vec![
@@ -30,6 +36,7 @@ pub fn made_with(m: &Measurements, scene: &Scene, library: &Library) -> Result<V
     lines.extend(zero.map(|names| line("left out", format!("what these take away, as they are 0: {names}"))));
     lines.extend(octaves_held(m, scene, library).map(|text| line("octaves", text)));
     lines.extend(m.cells.as_ref().map(|cells| line("cells", cells.to_string())));
+    lines.extend(doubts(m, scene, subject, library)?.into_iter().map(|text| line("note", text)));
     lines.push(line("memory", format!("{:.1} MiB of images on the device", mib(m.device_bytes))));
     Ok(lines)
 }

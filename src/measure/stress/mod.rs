@@ -98,6 +98,7 @@ pub const CASES: &[Case] = &[
     Case { number: 41, name: "what leaves out nothing that is seen", rows: relations::skipping },
     Case { number: 46, name: "long times", rows: relations::times },
     Case { number: 17, name: "what is refused", rows: relations::refusals },
+    Case { number: 47, name: "what is told", rows: relations::told },
 ];
 
 /// One measurement.

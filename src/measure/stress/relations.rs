@@ -1,10 +1,10 @@
-//! Cases 17, 41 and 46: what must not change a picture, and what must be refused by name.
+//! Cases 17, 41 and 46: what must not change a picture, what must be refused by name, and what must be told.
 
 use super::matter::same;
 use super::{Lab, Row, StressError, with};
 use crate::render::variant::VariantError;
-use crate::render::{RenderError, Renderer, Subject};
-use crate::scene::{EmptySpace, ParameterValue, Scene, SceneError, preset};
+use crate::render::{RenderError, Renderer, Subject, doubts};
+use crate::scene::{Effect, EmptySpace, ParameterValue, Scene, SceneError, preset};
 use crate::shader::ParameterKind;
 
 fn preset_of(name: &str) -> Result<Scene, StressError> {
@@ -143,6 +143,40 @@ pub(super) fn refusals(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
             }
         };
         rows.push(Row::said("refused", format!("{field} = {value}"), "a line that names it", found, ok));
+    }
+    Ok(rows)
+}
+
+/// What is right and may not be meant is told.
+pub(super) fn told(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
+    type Doubtful = (u32, &'static str, &'static [(&'static str, &'static str)], &'static str);
+    const DOUBTFUL: [Doubtful; 7] = [
+        (6, "sphere", &[("object.outer_iso", "0")], "the object is hard"),
+        (7, "sphere", &[("object.inner_iso", "-1.5")], "reaches 1 nowhere"),
+        (7, "knot", &[("object.inner_iso", "-1")], "reaches 1 nowhere"),
+        (43, "sphere", &[("quality.pass", "slices"), ("quality.target", "float16")], "float32 holds it"),
+        (43, "sphere", &[("quality.pass", "slices"), ("quality.target", "unorm8")], "float32 holds it"),
+        (20, "knot", &[("object.source", "normals8"), ("object.outer_iso", "1")], "as steps"),
+        (0, "sphere", &[], ""),
+    ];
+    let library = &lab.bench.library;
+    let mut rows = Vec::new();
+    for (case, input, changes, line) in DOUBTFUL {
+        let mut scene = preset_of("fire")?;
+        (scene.object.input, scene.object.resolution) = (input.into(), 64);
+        scene.effect = Effect { classify: "soft".into(), softness: "linear".into(), ..Effect::default() };
+        scene.parameters.clear();
+        (scene.object.inner_iso, scene.object.outer_iso, scene.image.size) = (0.0, 0.2, [16, 16]);
+        for (field, value) in changes {
+            scene.set_field(field, value)?;
+        }
+        let subject = Subject::load(&scene, library, &|_| ())?;
+        let frame = Renderer::new(lab.bench.gpu, library, &subject).render(&scene)?;
+        let lines = doubts(&frame.measurements, &scene, &subject, library).map_err(RenderError::from)?;
+        let ok = if line.is_empty() { lines.is_empty() } else { lines.iter().any(|found| found.contains(line)) };
+        let setting = changes.iter().map(|(field, value)| format!("{field} = {value}")).collect::<Vec<_>>().join(", ");
+        let what = if case == 0 { "nothing is told".into() } else { format!("{input}: told (case {case})") };
+        rows.push(Row::said(&what, setting, line, lines.join("; "), ok));
     }
     Ok(rows)
 }

@@ -271,7 +271,7 @@ impl RenderThread {
             let Some(drawn) = made else { return Ok(false) };
             gpu_ms += drawn.ms;
             if let (0, Some(measurements)) = (index, &drawn.measurements) {
-                (self.tell)(Event::Made(made_with(measurements, &variant.scene, &job.library)?));
+                (self.tell)(Event::Made(made_with(measurements, &variant.scene, &variant.subject, &job.library)?));
             }
             all[index] = pixels;
         }

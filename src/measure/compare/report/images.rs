@@ -28,9 +28,19 @@ pub fn picture(pixels: &[[f64; 4]], size: [u32; 2], background: Color) -> String
 
 /// A map of the largest difference of any channel of premultiplied linear RGBA of each pixel.
 pub fn heat_map(found: &[[f64; 4]], truth: &[[f64; 4]], size: [u32; 2]) -> String {
-    let difference = |(a, b): (&[f64; 4], &[f64; 4])| (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max);
-    let colors: Vec<u8> = found.iter().zip(truth).flat_map(|pair| heat(difference(pair))).collect();
-    address(size, &colors)
+    address(size, &colors(found.iter().zip(truth)))
+}
+
+/// The same of a picture, as a PNG.
+pub fn heat_png(found: &[[f32; 4]], truth: &[[f64; 4]], size: [u32; 2]) -> Vec<u8> {
+    let found: Vec<[f64; 4]> = found.iter().map(|pixel| pixel.map(f64::from)).collect();
+    png_of(size, &colors(found.iter().zip(truth)))
+}
+
+/// A color for each two pixels.
+fn colors<'a>(pairs: impl Iterator<Item = (&'a [f64; 4], &'a [f64; 4])>) -> Vec<u8> {
+    let difference = |a: &[f64; 4], b: &[f64; 4]| (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max);
+    pairs.flat_map(|(a, b)| heat(difference(a, b))).collect()
 }
 
 /// The scale of the heat maps, one pixel high.
@@ -54,13 +64,17 @@ fn heat(error: f64) -> [u8; 3] {
 
 /// An RGB picture as an address that holds it whole.
 fn address(size: [u32; 2], rgb: &[u8]) -> String {
+    format!("data:image/png;base64,{}", STANDARD.encode(png_of(size, rgb)))
+}
+
+fn png_of(size: [u32; 2], rgb: &[u8]) -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, size[0], size[1]);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(rgb));
     written.expect("memory takes every byte, and there are three for each pixel");
-    format!("data:image/png;base64,{}", STANDARD.encode(&file))
+    file
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ mod data;
 mod environment;
 mod fastest;
 mod html;
-mod images;
+pub mod images;
 mod orders;
 pub mod page;
 mod paper_html;

@@ -1,0 +1,49 @@
+//! `render --error-map`: how far each pixel is from the f64 reference.
+
+use super::picture::Picture;
+use super::{absolute, say, with_progress};
+use crate::measure::compare::report::images::heat_png;
+use crate::measure::metric::Errors;
+use crate::measure::reference::{TOLERANCE, reference};
+use crate::output::write_map;
+use crate::render::Frame;
+use crate::support::write_whole;
+use std::error::Error;
+use std::path::Path;
+
+/// Writes the map of a picture: .exr with the absolute error of each channel of premultiplied linear RGBA and, as
+/// `estimate`, how far the reference itself may be off; .png with the worst channel as a color.
+pub(super) fn write_error_map(picture: &Picture<'_>, frame: &Frame, path: &Path) -> Result<(), Box<dyn Error>> {
+    let Picture { library, scene, subject, quiet, .. } = *picture;
+    let known = with_progress(quiet, "error map", |progress| {
+        reference(library, scene, subject, TOLERANCE, progress, &|| false)
+    })?;
+    let off: Vec<[f64; 4]> = (frame.pixels.iter().zip(&known.pixels))
+        .map(|(found, known)| std::array::from_fn(|c| (f64::from(found[c]) - known[c]).abs()))
+        .collect();
+    match path.extension().is_some_and(|end| end.eq_ignore_ascii_case("png")) {
+        true => write_whole(path, &heat_png(&frame.pixels, &known.pixels, frame.size))
+            .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?,
+        false => {
+            let of = |c: usize| off.iter().map(|off| off[c] as f32).collect::<Vec<f32>>();
+            let estimate = known.estimate.iter().map(|estimate| *estimate as f32).collect();
+            let channels = [("R", of(0)), ("G", of(1)), ("B", of(2)), ("A", of(3)), ("estimate", estimate)];
+            write_map(path, frame.size, &channels)?;
+        }
+    }
+    if !quiet {
+        let worst = |off: &[f64; 4]| off.iter().copied().fold(0.0, f64::max);
+        let at = (0..off.len()).max_by(|a, b| worst(&off[*a]).total_cmp(&worst(&off[*b]))).unwrap_or(0);
+        let [x, y] = [at % frame.size[0] as usize, at / frame.size[0] as usize];
+        let Errors { rmse, max, p999, .. } = Errors::between(&frame.pixels, &known.pixels);
+        say(&format!(
+            "error      rmse {rmse:.1e}, max {max:.1e} in pixel {x}, {y}, 99.9 % of the pixels below {p999:.1e}; known to {:.0e}, \
+             {} of {} pixels proven to have all that is there\nwrote {}\n",
+            known.error(),
+            known.proven(),
+            known.pixels.len(),
+            absolute(path)
+        ));
+    }
+    Ok(())
+}
