@@ -90,7 +90,8 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     let (mut scene, base) = command.arguments.scene_and_base(&command.input, &command.object)?;
     let library = super::library(&scene)?;
     scene.check(&library)?;
-    let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose()?;
+    let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
+    let bound = bound.map_err(|error| format!("--max-error: {error}"))?;
     output::check(&command.output)?;
     command.save_scene.iter().try_for_each(|file| output::check_folder(file))?;
     command.error_map.iter().try_for_each(|file| output::check(file))?;

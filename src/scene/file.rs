@@ -18,7 +18,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let fail = |reason: String| SceneError::Read { path: name.clone(), reason };
     let text = open::text(path, MAX_BYTES).map_err(|error| fail(error.to_string()))?;
     let mut scene = parse(&text, &name).map_err(|error| match error {
-        SceneError::Syntax { .. } => error,
+        SceneError::Syntax { .. } | SceneError::Read { .. } => error,
         other => fail(other.to_string()),
     })?;
     let objects = scene.parts.values_mut().map(|part| &mut part.object);
@@ -32,13 +32,22 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let checked = scene.library().and_then(|library| scene.check(&library));
     checked.map_err(|error| match error {
         SceneError::Read { .. } => error, // of a module, which it names
-        SceneError::Value { ref field, .. } => match line_of(&text, field) {
-            Some(line) => SceneError::Syntax { path: name.clone(), line, reason: error.to_string() },
-            None => fail(error.to_string()),
-        },
-        other => fail(other.to_string()),
+        other => located(other, &text, &name),
     })?;
     Ok(scene)
+}
+
+/// An error of a scene with the name of its file, and its line where that is known.
+fn located(error: SceneError, text: &str, name: &str) -> SceneError {
+    let line = match &error {
+        SceneError::Value { field, .. } => line_of(text, field),
+        _ => None,
+    };
+    let (path, reason) = (name.to_string(), error.to_string());
+    match line {
+        Some(line) => SceneError::Syntax { path, line, reason },
+        None => SceneError::Read { path, reason },
+    }
 }
 
 /// The line that sets a field, if one alone may.
@@ -55,9 +64,15 @@ fn line_of(text: &str, field: &str) -> Option<usize> {
 /// Reads the text of a scene; `name` is what errors call it. A `preset` is read first, and the text goes over it.
 ///
 /// # Errors
-/// [`SceneError::Syntax`] with the line, or an unknown preset.
+/// [`SceneError::Syntax`] with the line, [`SceneError::Read`] where that is not known, or an unknown preset.
 pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
     let scene: Scene = toml::from_str(text).map_err(|error| syntax(&error, text, name))?;
+    let mut values = Vec::new();
+    flatten("", table(text, name)?, &mut values);
+    // Types that it is read into do not mind all that the table of settings does, such as a list that is too long.
+    let check =
+        |(field, value): &(String, toml::Value)| setting(field).map_or(Ok(()), |setting| setting.check(field, value));
+    values.iter().try_for_each(check).map_err(|error| located(error, text, name))?;
     if scene.preset.is_none() && scene.parts.values().all(|part| part.preset.is_none()) {
         return Ok(scene);
     }

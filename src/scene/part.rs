@@ -212,7 +212,10 @@ mod tests {
     use crate::shader;
 
     fn refusal(text: &str) -> String {
-        let scene = parse(text, "x").unwrap();
+        let scene = match parse(text, "x") {
+            Ok(scene) => scene,
+            Err(error) => return error.to_string(),
+        };
         let library = shader::shipped();
         let checked = scene
             .check(&library)

@@ -41,9 +41,21 @@ pub enum LibraryError {
         /// The parameter.
         name: String,
     },
-    /// A `@move` or `@grow` speaks of what is no parameter.
-    #[error("`{name}` in a `// @move` or `// @grow` is no parameter of the program; declare it with `// @param`")]
+    /// There is no such slot.
+    #[error("{path}: #include <{slot}>: there is no such slot; docs/modules.md lists them")]
+    Slot {
+        /// The module.
+        path: String,
+        /// The name.
+        slot: String,
+    },
+    /// A `@move`, `@grow` or `@drift` speaks of what is no parameter.
+    #[error(
+        "{path}: `{name}` in a `// @move`, `// @grow` or `// @drift` is no parameter of the program; declare it with `// @param`"
+    )]
     Unmeasured {
+        /// The module.
+        path: String,
         /// The name.
         name: String,
     },

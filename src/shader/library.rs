@@ -215,7 +215,7 @@ impl Library {
     }
 
     fn declared(&self, object: &str, entries: &[&str], choice: &Slots) -> Result<Declarations, LibraryError> {
-        let mut all = Declarations::default();
+        let (mut all, mut measured) = (Declarations::default(), Vec::new());
         self.visit(object, entries, choice, &mut |path, _| {
             let Some(path) = path else { return Ok(()) };
             let (file, copy) = path.split_once('#').unwrap_or((path, ""));
@@ -223,6 +223,9 @@ impl Library {
             if is_copy(copy) {
                 one.add_suffix(&format!("_{copy}"));
             }
+            let names = one.reach.iter_mut().flat_map(Reach::names);
+            let names = names.chain(one.drifts.iter_mut().flat_map(Drift::parameters));
+            measured.extend(names.map(|name| (file.to_string(), name.clone())));
             for parameter in one.parameters {
                 match all.parameters.iter().find(|known| known.name == parameter.name) {
                     None => all.parameters.push(parameter),
@@ -237,11 +240,11 @@ impl Library {
             all.needs_normal |= one.needs_normal;
             Ok(())
         })?;
-        let speeds = all.drifts.iter_mut().flat_map(Drift::parameters);
-        let names = all.reach.iter_mut().flat_map(Reach::names).chain(speeds);
-        let unknown =
-            names.map(|name| name.clone()).find(|name| !all.parameters.iter().any(|parameter| parameter.name == *name));
-        unknown.map_or(Ok(all), |name| Err(LibraryError::Unmeasured { name }))
+        let is_known = |name: &String| all.parameters.iter().any(|parameter| parameter.name == *name);
+        match measured.into_iter().find(|(_, name)| !is_known(name)) {
+            None => Ok(all),
+            Some((path, name)) => Err(LibraryError::Unmeasured { path, name }),
+        }
     }
 
     /// Every file that an additional object reaches.
@@ -282,6 +285,9 @@ impl Library {
                     Some(Include::Slot(slot)) => {
                         let own = choice.get(&format!("{object}.{slot}"));
                         let Some(names) = own.or(choice.get(slot)) else {
+                            if self.modules(slot).is_empty() {
+                                return Err(LibraryError::Slot { path, slot: slot.into() });
+                            }
                             self.path(slot, "")?; // no module has an empty name: this lists what there is
                             continue;
                         };

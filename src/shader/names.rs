@@ -32,12 +32,22 @@ fn is_name(token: &str) -> bool {
     token.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
 }
 
-/// A name as declarations write it: lower case.
+/// Words of GLSL that are no names, as far as they are in lower case.
+const RESERVED: &str = " active asm attribute bool break buffer bvec2 bvec3 bvec4 case cast centroid class coherent common \
+                        const continue default discard dmat2 dmat3 dmat4 do double dvec2 dvec3 dvec4 else enum extern \
+                        external false filter fixed flat float for fvec2 fvec3 fvec4 goto half highp hvec2 hvec3 hvec4 if \
+                        in inline inout input int interface invariant ivec2 ivec3 ivec4 layout long lowp mat2 mat3 mat4 \
+                        mediump namespace noinline noperspective out output partition patch precise precision public \
+                        readonly resource restrict return sample shared short sizeof smooth static struct subroutine \
+                        superp switch template this true typedef uint uniform union unsigned using uvec2 uvec3 uvec4 \
+                        varying vec2 vec3 vec4 void volatile while writeonly ";
+
+/// A name as declarations write it: lower case, and free to be one in GLSL.
 pub(super) fn identifier(text: &str) -> Option<String> {
     let name = text.trim();
     let valid = name.starts_with(|c: char| c.is_ascii_lowercase())
         && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
-    valid.then(|| name.to_string())
+    (valid && !RESERVED.contains(&format!(" {name} "))).then(|| name.to_string())
 }
 
 /// Tokens that mean something: neither white space nor comments.

@@ -80,6 +80,7 @@ pub fn sweep(gpu: &Gpu, library: &Library, scene: &Scene, progress: Progress<'_>
             ParameterKind::Color(_) => None,
         })
         .collect();
+    Subject::load(&scene, library, &|_| ())?; // what cannot be read is no corner
     let work = Work { gpu, library, scene: &scene };
     let (mut corners, mut taken) = (vec![work.corner(&[])], Vec::new());
     let mut worst_of: Vec<(String, f32, f64)> = Vec::new();
