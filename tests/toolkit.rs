@@ -241,7 +241,7 @@ const WARPS: [Warp; 6] = [
         ],
         "perturbation",
         |x| {
-            let (mut moved, mut drift) = (x, DVec3::new(0.31, -1.0, 0.17) * 0.3 * TIME);
+            let (mut moved, mut drift) = (x, DVec3::new(0.3125, -1.0, 0.1875) * 0.3 * TIME);
             for octave in 0..3 {
                 let (weight, scale) = (0.6 / (1.5 * 1.75) * 0.5f64.powi(octave), 1.5 * 2f64.powi(octave));
                 moved += weight * vector_noise(scale * x + drift);

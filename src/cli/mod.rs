@@ -70,6 +70,8 @@ const DISAGREES: u8 = 1;
 /// Exit code of a program that was interrupted, as shells have it: 128 and the number of SIGINT.
 pub const INTERRUPTED: u8 = 130;
 
+/// Characters of an error.
+const LONGEST_LINE: usize = 597;
 /// Exit code of a report that holds failures.
 pub const FAILED: u8 = 1;
 
@@ -194,9 +196,10 @@ pub fn say(text: &str) {
     }
 }
 
-/// Writes a line to standard error, if that takes it.
+/// Writes a line to standard error, if that takes it; no longer than anybody reads.
 fn complain(line: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
+    let cut = line.char_indices().nth(LONGEST_LINE).map(|(end, _)| format!("{}...", &line[..end]));
+    let _ = writeln!(std::io::stderr().lock(), "{}", cut.as_deref().unwrap_or(line));
 }
 
 /// How workers are started: as this very program, on the same device.

@@ -1,7 +1,7 @@
 //! Scene files: TOML, unknown fields refused with line and nearest name.
 
 use super::field::flatten;
-use super::schema::setting;
+use super::schema::{Kind, Setting, setting};
 use super::{Scene, SceneError, nearest, preset_texts};
 use crate::support::open;
 use std::path::Path;
@@ -69,10 +69,16 @@ pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
     let scene: Scene = toml::from_str(text).map_err(|error| syntax(&error, text, name))?;
     let mut values = Vec::new();
     flatten("", table(text, name)?, &mut values);
-    // Types that it is read into do not mind all that the table of settings does, such as a list that is too long.
-    let check =
-        |(field, value): &(String, toml::Value)| setting(field).map_or(Ok(()), |setting| setting.check(field, value));
-    values.iter().try_for_each(check).map_err(|error| located(error, text, name))?;
+    // The types that it is read into do not mind a list that is too long; all else is for `Scene::check`.
+    let too_long = |setting: &Setting, value: &toml::Value| match (setting.kind, value) {
+        (Kind::Numbers(count, _) | Kind::Wholes(count, _), toml::Value::Array(values)) => values.len() > count,
+        _ => false,
+    };
+    for (field, value) in &values {
+        if let Some(setting) = setting(field).filter(|setting| too_long(setting, value)) {
+            setting.check(field, value).map_err(|error| located(error, text, name))?;
+        }
+    }
     if scene.preset.is_none() && scene.parts.values().all(|part| part.preset.is_none()) {
         return Ok(scene);
     }

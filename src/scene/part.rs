@@ -212,10 +212,7 @@ mod tests {
     use crate::shader;
 
     fn refusal(text: &str) -> String {
-        let scene = match parse(text, "x") {
-            Ok(scene) => scene,
-            Err(error) => return error.to_string(),
-        };
+        let scene = parse(text, "x").unwrap();
         let library = shader::shipped();
         let checked = scene
             .check(&library)

@@ -6,6 +6,7 @@
 //! Invariant: an answer shares nothing with the GLSL; what cannot be drawn is a row that fails, not the end of the others.
 
 mod camera;
+mod data;
 mod fields;
 mod function;
 mod glass;
@@ -73,32 +74,43 @@ pub const CASES: &[Case] = &[
     Case { number: 5, name: "shaping beyond [0, 1]", rows: shaping::beyond },
     Case { number: 6, name: "softness to 0", rows: matter::soft_to_hard },
     Case { number: 7, name: "soft region wider than the object", rows: matter::wide },
+    Case { number: 8, name: "iso-values in the wrong order", rows: relations::refused::<8> },
     Case { number: 9, name: "full density over no path", rows: opacity::ends },
     Case { number: 10, name: "opacity of a point", rows: opacity::points },
-    Case { number: 12, name: "opacity of a segment", rows: opacity::segments },
     Case { number: 11, name: "opacity rate", rows: matter::rates },
+    Case { number: 12, name: "opacity of a segment", rows: opacity::segments },
+    Case { number: 13, name: "unions", rows: data::unions },
     Case { number: 14, name: "many slices", rows: matter::slices },
     Case { number: 15, name: "early termination", rows: matter::termination },
-    Case { number: 43, name: "formats of the target", rows: matter::formats },
     Case { number: 16, name: "wide views", rows: camera::wide },
+    Case { number: 17, name: "numbers of samples", rows: relations::refused::<17> },
     Case { number: 18, name: "eye at and in the matter", rows: camera::eye },
-    Case { number: 39, name: "turns of the trackball", rows: camera::turns },
+    Case { number: 19, name: "pictures without pixels", rows: relations::refused::<19> },
     Case { number: 20, name: "bits of a distance", rows: fields::bits },
     Case { number: 22, name: "normals on the medial axis", rows: fields::medial },
-    Case { number: 35, name: "thin and odd grids", rows: fields::thin },
-    Case { number: 37, name: "size of the object", rows: fields::sizes },
     Case { number: 24, name: "noise far from the origin", rows: noise::far },
     Case { number: 25, name: "noise around 0", rows: noise::negative },
     Case { number: 26, name: "noise of what is no place", rows: noise::endless },
+    Case { number: 27, name: "texts that differ by device", rows: data::texts },
     Case { number: 28, name: "noise that repeats", rows: noise::periods },
     Case { number: 30, name: "bounds of noise", rows: noise::bounds },
-    Case { number: 42, name: "programs with and without optimizer", rows: optimizer::rows },
+    Case { number: 31, name: "matter without end", rows: data::hulls },
     Case { number: 32, name: "rays that bend", rows: glass::order },
     Case { number: 33, name: "index of refraction to 1", rows: glass::to_none },
+    Case { number: 34, name: "voxels that are no numbers", rows: data::voxels },
+    Case { number: 35, name: "thin and odd grids", rows: fields::thin },
+    Case { number: 36, name: "more than a device has", rows: relations::refused::<36> },
+    Case { number: 37, name: "size of the object", rows: fields::sizes },
+    Case { number: 38, name: "meshes that are not closed", rows: data::meshes },
+    Case { number: 39, name: "turns of the trackball", rows: camera::turns },
+    Case { number: 40, name: "objects pressed flat", rows: relations::refused::<40> },
     Case { number: 41, name: "what leaves out nothing that is seen", rows: relations::skipping },
+    Case { number: 42, name: "programs with and without optimizer", rows: optimizer::rows },
+    Case { number: 43, name: "formats of the target", rows: matter::formats },
+    Case { number: 44, name: "codes of colors", rows: data::codes },
     Case { number: 46, name: "long times", rows: relations::times },
-    Case { number: 17, name: "what is refused", rows: relations::refusals },
     Case { number: 47, name: "what is told", rows: relations::told },
+    Case { number: 48, name: "values beyond their range", rows: relations::refused::<48> },
 ];
 
 /// One measurement.

@@ -1,0 +1,152 @@
+//! The parsers, each of any bytes: what it says does not matter, but it comes back, and what it gives can be trusted.
+
+use blake3::Hash;
+use hypertexture::measure::verify::library;
+use hypertexture::output::shard::{self, Shard, Whole};
+use hypertexture::output::{Depth, Provenance};
+use hypertexture::render::Frame;
+use hypertexture::scene::{self, Scene};
+use hypertexture::shader::{Formula, Library, Slots, shipped};
+use hypertexture::shape::{self, Shape};
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+/// A parser.
+pub struct Target {
+    pub name: &'static str,
+    /// What it takes.
+    pub seeds: fn() -> Vec<Vec<u8>>,
+    /// What is done with bytes.
+    pub run: fn(&[u8]),
+}
+
+pub const TARGETS: [Target; 9] = [
+    Target { name: "obj", seeds: || vec![OBJ.into()], run: |bytes| mesh(shape::read("a.obj", bytes)) },
+    Target { name: "stl", seeds: || vec![STL.into(), binary_stl()], run: |bytes| mesh(shape::read("a.stl", bytes)) },
+    Target { name: "nrrd", seeds: || vec![NRRD.into(), ASCII.into()], run: |bytes| mesh(shape::read("a.nrrd", bytes)) },
+    Target { name: "scene", seeds: || vec![SCENE.into(), PRESET.into()], run: scene_of },
+    Target { name: "value", seeds: || ["[1, 2.5, 3]", "\"#ffe0c0\"", "true"].map(Vec::from).into(), run: value },
+    Target { name: "header", seeds: || vec![HEADER.into()], run: header },
+    Target { name: "formula", seeds: || vec!["main | (ball & !cube) - rest".into()], run: formula },
+    Target { name: "provenance", seeds: || vec![provenance().to_text().into()], run: provenance_of },
+    Target { name: "shard", seeds: || vec![a_shard()], run: shard_of },
+];
+
+const OBJ: &str = "# a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1 1.0\nvn 0 0 1\nvt 0 0\no b\ng c\ns off\nf 1 2 3\nf 1/1 2/1 4/1\nf 1//1 3//1 4//1\nf -3 -2 -1 1\n";
+const STL: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+const NRRD: &str =
+    "NRRD0004\n# a\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 0.5\nencoding: raw\nkey:=value\n\n01234567";
+const ASCII: &str = "NRRD0005\ntype: float\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: ascii\n\n0 1 2 3 4 5 6 7\n";
+const SCENE: &str = "about = \"a\"\ncombine = \"main | b\"\n[object]\ninput = \"torus\"\nstretch = [1, 2, 1]\n[effect]\ndmf = [\"fur\"]\n[camera]\nclip = [1, 0, 0, 0.5]\n[transfer]\nstops = [{ at = 0.0, color = \"#000000\", density = 0.0, index = 1.0 }]\n[parts.b.object]\ninput = \"sphere\"\n[modules.dmf]\n";
+const HEADER: &str = "// A.\n// Source: -\n// @param a = 0.5 in [0, 1]: A.\n// @color b = #102030: B.\n// @outer a\n// @move +y 0.5 * a + 1\n// @grow a\n// @drift a * 0.5\n// @bound 1\n// @needs normal\n// @exact procedural never\n// @loops 2\n// @places 1\n// @octaves 4\n// @period memory\n// @outside empty\n// @segments c\n#include \"hash.glsl\"\n#include <noise>\nfloat a_(float density, Sample s) { return density; }\n";
+const PRESET: &str = "preset = \"fur\"\n[parameters]\nfineness = 60\n";
+
+/// One triangle.
+fn binary_stl() -> Vec<u8> {
+    let mut bytes = [vec![0; 80], 1u32.to_le_bytes().to_vec()].concat();
+    bytes.extend([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0f32].iter().flat_map(|x| x.to_le_bytes()));
+    bytes.extend([0; 2]);
+    bytes
+}
+
+fn provenance() -> Provenance {
+    Provenance::of(&Scene::default(), "a device", "").expect("a formula has no files")
+}
+
+fn a_shard() -> Vec<u8> {
+    let size = [2, 2];
+    let whole = Whole {
+        identity: Hash::from_bytes([7; 32]),
+        size,
+        background: None,
+        depth: Depth::Eight,
+        provenance: provenance(),
+    };
+    let frame = Frame { size, pixels: vec![[0.25; 4]; 4], measurements: Default::default() };
+    shard::encode(&whole, Shard::new(0, 1).expect("one of one"), &frame)
+}
+
+fn text(bytes: &[u8]) -> Option<String> {
+    String::from_utf8(bytes.to_vec()).ok()
+}
+
+/// What is read of an object is finite and in range.
+fn mesh(read: Result<Shape, shape::ShapeError>) {
+    match read {
+        Ok(Shape::Mesh(mesh)) => {
+            assert!(mesh.positions.iter().all(|position| position.is_finite()));
+            assert!(mesh.triangles.as_flattened().iter().all(|corner| (*corner as usize) < mesh.positions.len()));
+        }
+        Ok(Shape::Volume(volume)) => {
+            let count: u64 = volume.size.iter().map(|side| u64::from(*side)).product();
+            assert_eq!(volume.values.len() as u64, count);
+            assert!(volume.values.iter().all(|value| value.is_finite()));
+            assert!(volume.spacing.min_element() > 0.0 && volume.origin.is_finite());
+        }
+        Ok(Shape::Solid(_)) => unreachable!("a file is no formula"),
+        Err(error) => one_line(&error.to_string()),
+    }
+}
+
+fn one_line(line: &str) {
+    assert!(!line.contains('\n'), "{line}");
+}
+
+/// A scene that is read is checked, and comes back as it was from its own text.
+fn scene_of(bytes: &[u8]) {
+    let Some(text) = text(bytes) else { return };
+    static LIBRARY: OnceLock<Library> = OnceLock::new();
+    match scene::parse(&text, "a.toml") {
+        Ok(scene) => match scene.check(LIBRARY.get_or_init(library)) {
+            Ok(_) => {
+                let again = scene::parse(&scene::to_text(&scene), "again");
+                assert_eq!(again.as_ref().ok(), Some(&scene), "{again:?}");
+            }
+            Err(error) => one_line(&error.to_string()),
+        },
+        Err(error) => one_line(&error.to_string()),
+    }
+}
+
+fn value(bytes: &[u8]) {
+    let Some(text) = text(bytes) else { return };
+    for field in ["camera.zoom", "object.stretch", "light.color", "effect.dmf", "quality.msaa", "camera.clip"] {
+        if let Err(error) = Scene::default().set_field(field, &text) {
+            assert!(!error.to_string().contains("panicked"));
+        }
+    }
+}
+
+fn formula(bytes: &[u8]) {
+    if let Some(Err(error)) = text(bytes).map(|text| Formula::parse(&text)) {
+        assert!(!error.to_string().is_empty());
+    }
+}
+
+fn provenance_of(bytes: &[u8]) {
+    if let Some(Err(error)) = text(bytes).map(|text| Provenance::from_text(&text)) {
+        one_line(&error.to_string());
+    }
+}
+
+/// Headers, and what they include, as a module of a slot.
+fn header(bytes: &[u8]) {
+    let Some(text) = text(bytes) else { return };
+    let library = shipped().with_module("dmf", "a", &text);
+    let slots: Slots = [("noise", "procedural"), ("weights", "quintic"), ("wrap", "repeat")]
+        .map(|(slot, module)| (slot.to_string(), vec![module.to_string()]))
+        .into();
+    if let Err(error) = library.declarations(&["dmf/a.glsl"], &slots) {
+        assert!(!error.to_string().contains('\n') || text.contains('\r'), "{error}");
+    }
+}
+
+/// A shard, in a file of its own.
+fn shard_of(bytes: &[u8]) {
+    thread_local!(static FOLDER: tempfile::TempDir = tempfile::tempdir().expect("a folder for files that vanish"));
+    let path: PathBuf = FOLDER.with(|folder| folder.path().join("a.shard"));
+    std::fs::write(&path, bytes).expect("a file in that folder");
+    if let Err(error) = shard::merge(&[path]) {
+        one_line(&error.to_string());
+    }
+}
