@@ -48,7 +48,7 @@ fn the_forms_of_the_papers_fail_where_they_are_known_to() {
     const PAPER: &str = "float opacity(float density, float amount) { return 1.0 - pow(1.0 - density, amount); }\n\
                          float segment_opacity(float a, float b, float amount) { return opacity(0.5 * (a + b), amount); }\n";
     type Wrong = (&'static str, fn(&str) -> String, &'static [u32]);
-    let wrong: [Wrong; 5] = [
+    let wrong: [Wrong; 6] = [
         // The opacity of the seeds: thin matter loses its digits, and an empty step of full density is opaque.
         ("opacity/perlin.glsl", |_| PAPER.into(), &[10, 12]),
         // Bias as it is written: its ends are 0 to the power of 0, and beyond [0, 1] it is no number.
@@ -57,6 +57,8 @@ fn the_forms_of_the_papers_fail_where_they_are_known_to() {
         ("boolean/algebraic.glsl", |text| text.replace("(1.0 - a.density) * b.density", "b.density"), &[13]),
         // An index of the lattice that is rounded toward 0.
         ("lattice_noise.glsl", |text| text.replace("base = floor(inside)", "base = trunc(inside)"), &[25]),
+        // A highlight that asks for no mirror.
+        ("refract.frag", |text| text.replace("min(head_on * head_on / GLASS, 1.0)", "1.0"), &[33]),
         // Time as f32 has it.
         ("dmf/fire.glsl", |text| text.replace("// @drift", "// drift"), &[46]),
     ];
