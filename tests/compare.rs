@@ -11,7 +11,7 @@ use hypertexture::measure::compare::candidates::Sweep;
 use hypertexture::measure::compare::{Settings, Stage, compare};
 use hypertexture::measure::reference::Reference;
 use hypertexture::render::render;
-use hypertexture::scene::{self, Integration, Pass, Repeat, Scene, preset};
+use hypertexture::scene::{self, Integration, Pass, Reach, Repeat, Scene, preset};
 use hypertexture::shader;
 use program::{interrupt, run};
 use std::collections::{BTreeSet, HashMap};
@@ -90,7 +90,7 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
     assert_eq!(json["command"], format!("hypertexture {arguments} -o a"));
     assert_eq!(json["truths"].as_array().unwrap().len(), truths.len());
     fs::write(desk.path().join("same.toml"), json["scene"].as_str().unwrap()).unwrap();
-    assert_eq!(scene::load(&desk.path().join("same.toml")).unwrap().image.size, [48, 48]);
+    assert_eq!(scene::load(&desk.path().join("same.toml"), Reach::Anywhere).unwrap().image.size, [48, 48]);
     assert!(json["environment"]["driver"].as_str().is_some_and(|driver| !driver.is_empty()));
     let page = read("index.html");
     for part in [

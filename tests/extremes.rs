@@ -4,8 +4,8 @@ mod common;
 
 use common::{difference, formula, homogeneous, picture, with_gpu};
 use hypertexture::gpu::Gpu;
-use hypertexture::render::{Frame, render};
-use hypertexture::scene::{EFFECTS, ParameterValue, Pass, Projection, Proxy, Scene, preset};
+use hypertexture::render::{Frame, RenderError, Subject, render};
+use hypertexture::scene::{self, EFFECTS, ParameterValue, Pass, Projection, Proxy, Scene, preset};
 use hypertexture::shader::{self, ParameterKind};
 
 /// Renders a scene whose object is a formula, by slices as well; a value that is not finite is an error of the renderer.
@@ -166,5 +166,76 @@ fn far_times_lights_and_views_are_finite() {
                 assert!(result.is_ok(), "{name}, {what}: {}", result.err().map_or_else(String::new, |e| e.to_string()));
             }
         }
+    });
+}
+
+/// Scenes at random: any example, other modules in its stacks, each parameter anywhere in its range or at an end of it.
+fn random(library: &shader::Library, random: &mut impl FnMut() -> f64) -> Scene {
+    fn pick<'a>(all: &[&'a str], at: f64) -> &'a str {
+        all[((at * all.len() as f64) as usize).min(all.len() - 1)]
+    }
+    let examples: Vec<&str> = scene::names().collect();
+    let mut scene = preset(pick(&examples, random())).unwrap_or_else(|error| panic!("{error}"));
+    if scene.parts.is_empty() {
+        scene.object.input = pick(&["sphere", "cube", "torus"], random()).into();
+    }
+    for (slot, stack) in [("dmf", &mut scene.effect.dmf), ("warp", &mut scene.effect.warp)] {
+        let module = pick(&library.modules(slot), random());
+        if random() < 0.4 && !stack.iter().any(|other| other == module) {
+            stack.push(module.into());
+        }
+    }
+    (scene.image.size, scene.quality.samples) = ([64, 64], 64);
+    scene.effect.opacity_rate = 10f32.powf((8.0 * random() - 3.0) as f32);
+    (scene.camera.azimuth, scene.camera.elevation) = (360.0 * random() as f32, 160.0 * random() as f32 - 80.0);
+    (scene.camera.zoom, scene.camera.time) = (10f32.powf((2.0 * random() - 0.7) as f32), 1e6 * random().powi(4));
+    if let Ok(parameters) = scene.check(library) {
+        let values: Vec<(String, f32)> = parameters
+            .iter()
+            .filter_map(|(parameter, _)| match parameter.kind {
+                ParameterKind::Number(_, [low, high]) => {
+                    let place = (2.0 * random() - 0.5).clamp(0.0, 1.0) as f32; // a quarter at each end
+                    Some((parameter.name.clone(), low + place * (high - low)))
+                }
+                ParameterKind::Color(_) => None,
+            })
+            .collect();
+        scene.parameters.extend(values.into_iter().map(|(name, value)| (name, ParameterValue::Number(value))));
+    }
+    scene
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn random_scenes_are_finite_or_refused() {
+    let count = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok()).unwrap_or(24);
+    with_gpu(|gpu| {
+        let library = shader::shipped();
+        let mut state = 0x2005_1989u64;
+        let mut draw = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let (mut drawn, mut refused, mut wrong) = (0u64, 0, Vec::new());
+        for number in 0..count {
+            let scene = random(&library, &mut draw);
+            if let Err(error) = scene.check(&library) {
+                assert!(!error.to_string().contains('\n'), "{error}");
+                refused += 1;
+                continue;
+            }
+            let done =
+                Subject::load(&scene, &library, &|_| ()).and_then(|subject| render(gpu, &library, &scene, &subject));
+            match done {
+                Ok(_) => drawn += 1,
+                Err(error @ RenderError::NotFinite { .. }) => {
+                    wrong.push(format!("{number}: {error}\n{}", scene::to_text(&scene)))
+                }
+                Err(_) => refused += 1,
+            }
+        }
+        println!("{drawn} pictures of 64 x 64 pixels and 64 samples, {refused} refused");
+        assert!(wrong.is_empty(), "{} of {count}: {}", wrong.len(), wrong.join("\n"));
+        assert!(2 * drawn > count, "{drawn} of {count} were drawn");
     });
 }

@@ -3,7 +3,7 @@
 
 use hypertexture::output::{self, Depth, Encoding, Provenance, read_provenance};
 use hypertexture::render::Frame;
-use hypertexture::scene::{self, preset};
+use hypertexture::scene::{self, Reach, preset};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -91,13 +91,13 @@ fn shards_frames_and_pages_keep_where_they_come_from() {
     good(desk, "verify joined.png --pixels 50 -q");
 
     good(desk, &format!("render torus {SMALL} --samples 48 --frames 2..3 --turntable --fps 5 -o f_#.exr"));
-    let scene = read_provenance(&desk.join("f_3.exr")).unwrap().scene(Path::new("f_3.exr")).unwrap();
+    let scene = read_provenance(&desk.join("f_3.exr")).unwrap().scene(Path::new("f_3.exr"), Reach::Anywhere).unwrap();
     assert_eq!((scene.camera.time, scene.camera.azimuth), (0.6, preset("fire").unwrap().camera.azimuth + 180.0));
     good(desk, "verify f_3.exr --pixels 50 -q");
 
     good(desk, "gallery torus --size 24x24 --samples 16 -o page");
     let provenance = read_provenance(&desk.join("page/fur.png")).unwrap();
-    assert!(provenance.scene(Path::new("x")).unwrap().effect.dmf == ["fur"], "{provenance:?}");
+    assert!(provenance.scene(Path::new("x"), Reach::Anywhere).unwrap().effect.dmf == ["fur"], "{provenance:?}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 #![cfg(feature = "viewer")]
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
-use hypertexture::scene;
+use hypertexture::scene::{self, Reach};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
@@ -170,7 +170,7 @@ fn its_panels_change_the_picture_that_is_written() {
          frames 3\nclick file.screenshot\nframes 2\nclick quit\nframes 9\n"
     );
     play(&display, folder.path(), &["torus", "--samples", "32", "--size", "64x48", "--window", "640x400"], &script);
-    let saved = scene::load(Path::new(&scene)).unwrap();
+    let saved = scene::load(Path::new(&scene), Reach::Anywhere).unwrap();
     assert_eq!((saved.quality.samples, saved.material.specular), (40, 0.5));
     assert_eq!((saved.effect.dmf, saved.light.intensity), (scene::preset("fur").unwrap().effect.dmf, 1.5));
     render(&[&scene], Path::new(&rendered));
@@ -207,7 +207,7 @@ fn m52_a_broken_module_leaves_the_picture_and_a_mended_one_changes_it() {
     assert_ne!(pixels(first), pixels(second));
     assert_eq!(pixels(second), pixels(third), "a text that is refused changes nothing");
     assert_ne!(pixels(third), pixels(fourth));
-    assert_eq!(scene::load(Path::new(&scene)).unwrap().modules["dmf/part_of"], file);
+    assert_eq!(scene::load(Path::new(&scene), Reach::Anywhere).unwrap().modules["dmf/part_of"], file);
     let rendered = path("rendered.png");
     render(&[&scene], Path::new(&rendered));
     assert_eq!(std::fs::read(fourth).unwrap(), std::fs::read(&rendered).unwrap());

@@ -9,6 +9,8 @@ pub mod doctor;
 mod effects;
 mod error_map;
 mod explain;
+#[cfg(test)]
+mod fault_tests;
 mod field;
 mod flags;
 pub mod gallery;
@@ -25,6 +27,7 @@ mod scene_arguments;
 mod sequence;
 mod settings;
 mod stress;
+mod validity;
 mod verify;
 #[cfg(feature = "viewer")]
 mod view;
@@ -37,8 +40,9 @@ use verify::Disagreement;
 use view::NoWindow;
 
 use crate::field::Progress;
-use crate::gpu::Options;
+use crate::gpu::{Gpu, GpuError, Options};
 use crate::measure::worker::{self, PATIENCE, Start};
+use crate::render::RenderError;
 use crate::scene::schema::SETTINGS;
 use crate::scene::{Scene, SceneError};
 use crate::shader::{Library, compile};
@@ -138,27 +142,31 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         validation: std::env::var_os("HYPERTEXTURE_VALIDATION").is_some_and(|value| value == "1"),
         cache: crate::support::disk_cache::default_folder(),
     };
-    let quiet = arguments.quiet;
-    match arguments.command {
-        Command::Render(command) => render::run(&command, &options, quiet),
+    carry_out(arguments.command, &options, arguments.quiet)
+}
+
+/// Carries out a command.
+fn carry_out(command: Command, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    match command {
+        Command::Render(command) => render::run(&command, options, quiet),
         #[cfg(feature = "viewer")]
-        Command::View(command) => view::run(*command, options),
+        Command::View(command) => view::run(*command, options.clone()),
         Command::Merge(command) => merge::run(&command, quiet),
         Command::Field(command) => field::run(&command, quiet),
-        Command::Gallery(command) => gallery::run(&command, &options, quiet),
-        Command::Compare(command) if command.paper => paper::run(&command, &options, quiet),
-        Command::Compare(command) => compare::run(&command, &options, quiet),
-        Command::Bench(command) => bench::run(&command, &options, quiet),
-        Command::Explain(command) => explain::run(&command, &options, quiet),
+        Command::Gallery(command) => gallery::run(&command, options, quiet),
+        Command::Compare(command) if command.paper => paper::run(&command, options, quiet),
+        Command::Compare(command) => compare::run(&command, options, quiet),
+        Command::Bench(command) => bench::run(&command, options, quiet),
+        Command::Explain(command) => explain::run(&command, options, quiet),
         Command::Effects => effects::run(),
         Command::Settings => {
             say(&settings::page());
             Ok(())
         }
-        Command::Stress(command) => stress::run(&command, &options, quiet),
-        Command::Verify(command) => verify::run(&command, &options, quiet),
+        Command::Stress(command) => stress::run(&command, options, quiet),
+        Command::Verify(command) => verify::run(&command, options, quiet),
         Command::Doctor => {
-            let report = doctor::examine(&options);
+            let report = doctor::examine(options);
             say(&report.text);
             if report.healthy { Ok(()) } else { Err("the tests above did not all pass".into()) }
         }
@@ -170,7 +178,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
             say(&manual::page(command.command.as_deref())?);
             Ok(())
         }
-        Command::Draw => Ok(worker::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), &options)?),
+        Command::Draw => Ok(worker::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), options)?),
         Command::Compile(limits) => {
             compile::limit(limits.seconds, Some(limits.memory_mib))?;
             Ok(compile::serve(std::io::stdin().lock(), &mut std::io::stdout().lock())?)
@@ -178,7 +186,7 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
         #[cfg(feature = "viewer")]
         Command::Rays(limits) => {
             compile::limit(limits.seconds, None)?;
-            Ok(rays::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), &options)?)
+            Ok(rays::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), options)?)
         }
     }
 }
@@ -200,6 +208,25 @@ pub fn say(text: &str) {
 fn complain(line: &str) {
     let cut = line.char_indices().nth(LONGEST_LINE).map(|(end, _)| format!("{}...", &line[..end]));
     let _ = writeln!(std::io::stderr().lock(), "{}", cut.as_deref().unwrap_or(line));
+}
+
+/// Opens the device for something, and once more where the device is lost meanwhile.
+fn with_device(
+    options: &Options,
+    mut run: impl FnMut(&Gpu) -> Result<(), Box<dyn Error>>,
+) -> Result<(), Box<dyn Error>> {
+    let done = run(&Gpu::new(options)?);
+    let is_lost = |error: &(dyn Error + 'static)| match (error.downcast_ref(), error.downcast_ref()) {
+        (Some(RenderError::Gpu(error)), _) | (_, Some(error)) => GpuError::is_lost(error),
+        _ => false,
+    };
+    match done {
+        Err(error) if is_lost(&*error) => {
+            ::log::warn!("{error}: the device was lost; it is opened once more");
+            run(&Gpu::new(options)?)
+        }
+        done => done,
+    }
 }
 
 /// How workers are started: as this very program, on the same device.

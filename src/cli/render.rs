@@ -4,7 +4,8 @@ use super::error_map::write_error_map;
 use super::picture::{Picture, render_picture, render_shard, say_fault};
 use super::scene_arguments::{ObjectFlags, SceneArguments, metric};
 use super::sequence::{Motion, ShardChoice, render_frames, shard};
-use super::{say, start, with_progress};
+use super::validity::write_validity;
+use super::{say, start, with_device, with_progress};
 use crate::gpu::{Gpu, Options};
 use crate::measure::compare::{Failure, Stage};
 use crate::measure::metric::Metric;
@@ -12,6 +13,8 @@ use crate::measure::pick::{ErrorBound, Pick, Verified, remembered};
 use crate::measure::predict::{Estimate, Prediction, predict};
 use crate::measure::worker::{Load, Worker};
 use crate::output;
+use crate::output::sequence::Sequence;
+use crate::output::shard::Shard;
 use crate::render::{Renderer, Subject, ignored, watch};
 use crate::scene::{self, Pass, Scene};
 use crate::shader::Library;
@@ -48,6 +51,10 @@ pub struct Render {
     /// error of the reference) or .png (colors, from 1e-5 to 1).
     #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
     pub error_map: Option<PathBuf>,
+    /// Write which pixels are not to be trusted, each in the color of the setting that is the cause, as .png: what changes when
+    /// samples, parts of a pixel, voxels and formats are made better one at a time.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
+    pub validity: Option<PathBuf>,
     /// Render part K, from 0 to N - 1, of a picture or of the frames; without a value, the part that Slurm or
     /// Kubernetes gives to this process.
     #[arg(long, value_name = "K/N", num_args = 0..=1, default_missing_value = "auto", value_parser = shard)]
@@ -74,8 +81,7 @@ impl Render {
         let mut all: Vec<String> = replaced.map(|field| format!("{} (--max-error chooses)", said(field))).collect();
         let own: Vec<String> = set.iter().map(said).collect();
         all.extend(ignored(library, subject, base, drawn).into_iter().filter(|field| own.contains(field)));
-        let ends = |path: &Path, end: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end));
-        if self.depth != "8" && (ends(&self.output, "exr") || self.predict) {
+        if self.depth != "8" && (is(&self.output, "exr") || self.predict) {
             all.push(format!("--depth {}", self.depth));
         }
         if self.predict && self.output != Path::new("out.png") {
@@ -85,19 +91,30 @@ impl Render {
     }
 }
 
+/// Whether a file has this end.
+fn is(path: &Path, end: &str) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end))
+}
+
 /// Renders, or says what it would cost.
 pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let (mut scene, base) = command.arguments.scene_and_base(&command.input, &command.object)?;
+    let (scene, base) = command.arguments.scene_and_base(&command.input, &command.object)?;
     let library = super::library(&scene)?;
     scene.check(&library)?;
     let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
     let bound = bound.map_err(|error| format!("--max-error: {error}"))?;
     output::check(&command.output)?;
     command.save_scene.iter().try_for_each(|file| output::check_folder(file))?;
-    command.error_map.iter().try_for_each(|file| output::check(file))?;
-    if command.error_map.as_ref() == Some(&command.output) {
-        let name = command.output.display();
-        return Err(format!("--error-map {name}: the picture goes there; give the map a name of its own").into());
+    for (flag, file) in [("error-map", &command.error_map), ("validity", &command.validity)] {
+        let Some(file) = file else { continue };
+        output::check(file)?;
+        let name = file.display();
+        if *file == command.output {
+            return Err(format!("--{flag} {name}: the picture goes there; give the map a name of its own").into());
+        }
+        if flag == "validity" && !is(file, "png") {
+            return Err(format!("--{flag} {name}: its colors are words; write .png").into());
+        }
     }
     let shard = command.shard.map(ShardChoice::shard).transpose()?;
     let sequence = command.motion.sequence()?;
@@ -106,12 +123,31 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let fault = watch(&library, &scene, &subject)?;
-    let gpu = Gpu::new(options)?;
-    let asked = scene.clone();
-    if let Some(bound) = bound {
-        let worker = Worker::new(&start(options)?, &library, Load::Scene(scene::to_text(&scene)));
-        let worker = Some(&worker);
-        let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker, stop: &|| false };
+    let asked = Asked { scene, base, library, subject, bound, shard, sequence };
+    with_device(options, |gpu| draw(command, &asked, gpu, options, quiet))?;
+    say_fault(fault.filter(|_| !quiet));
+    Ok(())
+}
+
+/// What was asked for, before there is a device.
+struct Asked {
+    scene: Scene,
+    /// What it is told from.
+    base: Scene,
+    library: Library,
+    subject: Subject,
+    bound: Option<ErrorBound>,
+    shard: Option<Shard>,
+    sequence: Option<Sequence>,
+}
+
+/// Draws what was asked for, or says what it would cost.
+fn draw(command: &Render, asked: &Asked, gpu: &Gpu, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let Asked { base, library, subject, bound, shard, sequence, .. } = asked;
+    let mut scene = asked.scene.clone();
+    if let Some(bound) = *bound {
+        let worker = Worker::new(&start(options)?, library, Load::Scene(scene::to_text(&scene)));
+        let stage = Stage { gpu, library, subject, worker: Some(&worker), stop: &|| false };
         let pick = with_progress(quiet, "fastest settings", |progress| remembered(stage, &scene, bound, progress))?;
         if !quiet {
             say(&explain(&pick, bound));
@@ -119,23 +155,23 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
         scene = pick.scene;
     }
     if !quiet {
-        let line = command.ignored(&library, &subject, [&base, &asked, &scene]);
+        let line = command.ignored(library, subject, [base, &asked.scene, &scene]);
         say(&line.map_or(String::new(), |fields| format!("ignored    {fields}: the picture is the same without\n")));
     }
     let (output, depth) = (&*command.output, &*command.depth);
-    let picture = Picture { gpu: &gpu, library: &library, scene: &scene, subject: &subject, output, depth, quiet };
+    let picture = Picture { gpu, library, scene: &scene, subject, output, depth, quiet };
     if command.predict {
-        let prediction = predict(&mut Renderer::new(&gpu, &library, &subject), &scene)?;
+        let prediction = predict(&mut Renderer::new(gpu, library, subject), &scene)?;
         say(&format_prediction(&scene, &prediction));
-    } else if let Some(sequence) = &sequence {
-        render_frames(&picture, sequence, shard, command.motion.restart)?;
-    } else if let Some(shard) = shard {
+    } else if let Some(sequence) = sequence {
+        render_frames(&picture, sequence, *shard, command.motion.restart)?;
+    } else if let Some(shard) = *shard {
         render_shard(&picture, shard)?;
     } else {
         let frame = render_picture(&picture)?;
         command.error_map.iter().try_for_each(|path| write_error_map(&picture, &frame, path))?;
+        command.validity.iter().try_for_each(|path| write_validity(&picture, &frame, path))?;
     }
-    say_fault(fault.filter(|_| !quiet));
     if let Some(file) = &command.save_scene {
         write_whole(file, scene::to_text(&scene).as_bytes())
             .map_err(|error| format!("{}: {error}; nothing was written", file.display()))?;

@@ -4,7 +4,7 @@ use super::flags::Flags;
 use super::modules::{module, show, show_plane};
 use crate::measure::metric::Metric;
 use crate::output::{self, OutputError};
-use crate::scene::{self, Color, ParameterValue, Pass, Scene, SceneError};
+use crate::scene::{self, Color, ParameterValue, Pass, Reach, Scene, SceneError};
 use crate::shader::declare::hex_color;
 use clap::{Args, ValueEnum};
 use std::error::Error;
@@ -52,6 +52,9 @@ pub struct SceneArguments {
     /// Degrees around the object, degrees above the horizon, and how close.
     #[arg(long, value_parser = numbers, value_name = "AZIMUTH,ELEVATION[,ZOOM]", allow_hyphen_values = true)]
     pub camera: Option<Numbers>,
+    /// Let a scene file or a picture name files that are neither below its folder nor below the current one.
+    #[arg(long)]
+    pub outside: bool,
     /// The settings that have a flag.
     #[command(flatten)]
     pub settings: Flags<false>,
@@ -107,11 +110,12 @@ impl SceneArguments {
         let ends = |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|e| end.eq_ignore_ascii_case(e)));
         let (is_file, is_picture) = (ends(&["toml"]), ends(&["png", "exr"]));
         let is_example = !path.exists() && scene::names().any(|name| name == input);
+        let reach = reach(self.outside);
         let load = || -> Result<Scene, Box<dyn Error>> {
             Ok(match (is_picture, is_example) {
-                (true, _) => scene_of_picture(path)?,
+                (true, _) => scene_of_picture(path, reach)?,
                 (_, true) => scene::preset(input)?,
-                _ => scene::load(path)?,
+                _ => scene::load(path, reach)?,
             })
         };
         Ok(match (is_file || is_picture || is_example, &self.effect) {
@@ -218,11 +222,16 @@ impl SceneArguments {
     }
 }
 
+/// The files that a scene may name, by the flag.
+pub(super) fn reach(outside: bool) -> Reach {
+    if outside { Reach::Anywhere } else { Reach::Beside }
+}
+
 /// The scene that a picture says it shows.
-fn scene_of_picture(path: &Path) -> Result<Scene, OutputError> {
+fn scene_of_picture(path: &Path, reach: Reach) -> Result<Scene, OutputError> {
     let provenance = output::read_provenance(path)?;
     let of = |source| OutputError::Provenance { path: path.display().to_string(), source };
-    let scene = provenance.scene(path).map_err(of)?;
+    let scene = provenance.scene(path, reach).map_err(of)?;
     if let Err(changed) = provenance.check_inputs(path) {
         log::warn!("{}", of(changed));
     }

@@ -10,8 +10,8 @@ use clap::Args;
 use std::error::Error;
 use std::fmt;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 /// Which shard to render.
@@ -131,6 +131,10 @@ pub fn render_frames(
 /// Set at the first signal to end, so that the frame in work is finished; the second one ends the process at once, which
 /// harms no file, for each appears whole or not at all.
 pub fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
+    static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+    if let Some(stop) = STOP.get() {
+        return Ok(stop.clone());
+    }
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();
     ctrlc::set_handler(move || {
@@ -139,5 +143,5 @@ pub fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
         }
     })
     .map_err(|error| format!("no handler for Ctrl-C: {error}"))?;
-    Ok(stop)
+    Ok(STOP.get_or_init(|| stop).clone())
 }

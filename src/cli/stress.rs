@@ -4,8 +4,7 @@ use super::compare::Failed;
 use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::{absolute, say, with_progress};
 use crate::gpu::{Gpu, Options};
-
-use crate::measure::stress::{self, CASES, Corner, Swept};
+use crate::measure::stress::{self, CASES, Corner, Row, Swept};
 use crate::measure::verify;
 use crate::support::{quoted, write_whole};
 use clap::Args;
@@ -55,7 +54,7 @@ fn cases(command: &Stress, options: &Options, quiet: bool) -> Result<(), Box<dyn
     }
     let gpu = Gpu::new(options)?;
     let found = with_progress(quiet, "stress", |progress| stress::run(&gpu, verify::library(), &chosen, progress))?;
-    let failed: Vec<String> = found.failed().map(stress::Row::title).collect();
+    let failed: Vec<String> = found.failed().map(Row::title).collect();
     if !quiet {
         let held = found.rows.len() - failed.len();
         say(&format!("{}{held} of {} rows hold on {}\n", stress::table(&found), found.rows.len(), gpu.info().title()));
@@ -87,9 +86,11 @@ fn scene(command: &Stress, input: &str, options: &Options, quiet: bool) -> Resul
     if !quiet {
         say(&table(&found));
     }
-    if let Some(worst) = &found.worst {
+    if let Some(worst) = found.worst.as_ref().filter(|_| !quiet) {
         let words = std::env::args().skip_while(|word| word != "stress").skip(1);
-        let words: Vec<String> = words.chain(set(worst)).map(|word| quoted(&word)).collect();
+        let side = stress::SIDE;
+        let shown = ["--set".into(), format!("image.size=[{side},{side}]"), "--error-map".into(), "worst.png".into()];
+        let words: Vec<String> = words.chain(set(worst)).chain(shown).map(|word| quoted(&word)).collect();
         say(&format!("worst: {}\n  hypertexture render {}\n", verdict(worst), words.join(" ")));
     }
     match found.ok() {
@@ -100,7 +101,9 @@ fn scene(command: &Stress, input: &str, options: &Options, quiet: bool) -> Resul
                 corners.map(|corner| format!("{}: {}", set(corner).collect::<Vec<_>>().join(" "), corner.why));
             let taken =
                 found.taken.iter().map(|(name, value)| format!("{name} = {value} is beyond its range, and taken"));
-            Err(Failed(corners.chain(taken).collect::<Vec<_>>().join("; ")).into())
+            let twins = found.twins.iter().filter(|row| !row.ok());
+            let twins = twins.map(|row| format!("{}: another picture, {}", row.setting, row.what));
+            Err(Failed(corners.chain(twins).chain(taken).collect::<Vec<_>>().join("; ")).into())
         }
     }
 }
@@ -128,5 +131,12 @@ fn table(found: &Swept) -> String {
         let mark = if corner.ok { "" } else { "FAIL " };
         format!("{:<width$}  {mark}{}\n", name(corner), verdict(corner))
     };
-    found.corners.iter().map(line).collect()
+    let twin = |row: &Row| {
+        let mark = if row.ok() { "same" } else { "FAIL other" };
+        format!(
+            "{:<width$}  {mark} picture, {}: off by {:.1e} of {:.0e}\n",
+            row.setting, row.what, row.error, row.bound
+        )
+    };
+    found.corners.iter().map(line).chain(found.twins.iter().map(twin)).collect()
 }

@@ -1,5 +1,6 @@
 //! `verify`: the truths on the device at hand, or a picture against its own scene.
 
+use super::scene_arguments::reach;
 use super::{say, with_progress};
 use crate::field::Progress;
 use crate::gpu::{Gpu, Options};
@@ -29,6 +30,9 @@ pub struct Verify {
     /// The error of linear light that is allowed: rmse, or rgb over a background; without it, 0.1, and what `quality.early_termination` leaves out.
     #[arg(long, requires = "image", value_parser = bound)]
     pub bound: Option<f64>,
+    /// Let the picture name files that are neither below its folder nor below the current one.
+    #[arg(long, requires = "image")]
+    pub outside: bool,
 }
 
 fn bound(text: &str) -> Result<f64, String> {
@@ -73,9 +77,10 @@ fn truths(options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
 
 fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let provenance = output::read_provenance(image)?; // before a device is opened
+    let reach = reach(command.outside);
+    let library = super::library(&provenance.scene(image, reach)?)?;
     let gpu = Gpu::new(options)?;
-    let library = super::library(&provenance.scene(image)?)?;
-    let asked = CheckOptions { pixels: command.pixels, seed: command.seed, bound: command.bound };
+    let asked = CheckOptions { pixels: command.pixels, seed: command.seed, bound: command.bound, reach };
     let known = |scene: &Scene, subject: &Subject, pixels: &[[u32; 2]], progress: Progress<'_>| {
         truth(&gpu, &library, scene, subject, pixels, progress)
     };

@@ -7,8 +7,8 @@ use super::{ClosestPoints, DistanceField, FieldError, FieldReport, Grid, Progres
 use super::{transform, transform_with_closest};
 use crate::shape::{Content, Shape, Solid};
 use crate::support::disk_cache;
+use crate::support::open::OpenError;
 use glam::Vec3;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -166,7 +166,7 @@ pub fn cached_with_closest(
 /// What is stored under `key`; nothing, and a warning, where a file is damaged or cannot be read.
 fn read(kind: &Kind, key: &Key, folder: &Path) -> Option<Stored> {
     let path = key.file(kind, folder);
-    match disk_cache::read(&path) {
+    match disk_cache::read(&path).map_err(OpenError::from) {
         Ok(bytes) => {
             let stored = bytes.and_then(|bytes| decode(kind, &bytes, key));
             if stored.is_none() {
@@ -174,8 +174,8 @@ fn read(kind: &Kind, key: &Key, folder: &Path) -> Option<Stored> {
             }
             return stored;
         }
-        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-        Err(error) => log::warn!("{}: cannot read the cached field: {error}", path.display()),
+        Err(OpenError::Missing) => {}
+        Err(error) => log::warn!("{}: cannot read the kept field: {error}", path.display()),
     }
     None
 }
@@ -184,7 +184,10 @@ fn read(kind: &Kind, key: &Key, folder: &Path) -> Option<Stored> {
 fn keep(kind: &Kind, key: &Key, folder: &Path, grid: &Grid, values: &[f32], report: &FieldReport) {
     let path = key.file(kind, folder);
     if let Err(error) = disk_cache::write(&path, encode(kind, key, grid, values, report), Some(CACHE)) {
-        log::warn!("{}: cannot keep the field: {error}; set HYPERTEXTURE_CACHE to a writable folder", path.display());
+        let folder = folder.display();
+        log::warn!(
+            "{folder}: the field cannot be kept: {error}; set HYPERTEXTURE_CACHE to a folder that can be written"
+        );
     }
 }
 

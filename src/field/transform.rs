@@ -9,6 +9,7 @@ use super::stage::Stage;
 use super::winding::Winding;
 use super::{ClosestPoints, DistanceField, FieldError, FieldReport, Grid, Progress, Request, overlap, seal, sign};
 use crate::shape::{Content, MAX_COORDINATE, Mesh, Shape, Volume};
+use crate::support::memory;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
@@ -220,8 +221,9 @@ fn budgeted(shape: &Shape, request: &Request, triangles: usize, closest: bool) -
     let grid = Grid::covering(&shape.bounds(), request)?;
     let voxel = BYTES_PER_VOXEL + if closest { BYTES_PER_POINT } else { 0 };
     let bytes = grid.samples() * voxel + triangles as u64 * BYTES_PER_TRIANGLE;
-    if bytes > MEMORY_LIMIT_BYTES {
-        return Err(FieldError::Memory { bytes, limit: MEMORY_LIMIT_BYTES, size: grid.size });
+    let limit = memory::available().map_or(MEMORY_LIMIT_BYTES, |left| left.min(MEMORY_LIMIT_BYTES));
+    if bytes > limit {
+        return Err(FieldError::Memory { bytes, limit, size: grid.size });
     }
     Ok(grid)
 }

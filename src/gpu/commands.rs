@@ -56,7 +56,7 @@ impl Gpu {
         let device = &self.0.device;
         // The lock makes this the only user of pool and queue.
         let queue = self.queue();
-        let mut job = Job::new(self)?;
+        let job = Job::new(self)?;
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the command buffer is new and in no use.
         unsafe { device.begin_command_buffer(job.buffer, &begin) }.named("vkBeginCommandBuffer")?;
@@ -84,16 +84,18 @@ impl Gpu {
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(job.buffer)];
         let start = Instant::now();
         // SAFETY: the queue is locked; what the commands use is borrowed by the caller for longer than this call, and
-        // the job stays until the fence is signaled or, after a timeout, until the device is idle.
+        // the job stays until the fence is signaled. After a timeout nothing is freed any more.
         unsafe {
             let submits = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
             device.queue_submit2(*queue, &submits, job.fence).named("vkQueueSubmit2")?;
-            job.submitted = true;
-            match device.wait_for_fences(&[job.fence], true, TIMEOUT_SECONDS * 1_000_000_000) {
+            let waited = device.wait_for_fences(&[job.fence], true, TIMEOUT_SECONDS * 1_000_000_000);
+            if waited.is_err_and(|error| error != vk::Result::ERROR_DEVICE_LOST) {
+                self.give_up();
+            }
+            match waited {
                 Err(vk::Result::TIMEOUT) => Err(GpuError::Timeout { what: what.into(), seconds: TIMEOUT_SECONDS }),
                 other => other.named("vkWaitForFences"),
             }?;
-            job.submitted = false;
         }
         let wall_ms = start.elapsed().as_secs_f64() * 1e3;
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
@@ -123,7 +125,6 @@ struct Job<'a> {
     fence: vk::Fence,
     queries: vk::QueryPool,
     statistics: vk::QueryPool,
-    submitted: bool,
 }
 
 impl<'a> Job<'a> {
@@ -133,7 +134,7 @@ impl<'a> Job<'a> {
         let info = vk::CommandBufferAllocateInfo::default().command_pool(gpu.0.pool.handle).command_buffer_count(1);
         // SAFETY: the pool belongs to the device and is only used under the queue's lock.
         let buffer = unsafe { device.allocate_command_buffers(&info) }.named("vkAllocateCommandBuffers")?[0];
-        let mut job = Job { gpu, buffer, fence, queries, statistics: queries, submitted: false };
+        let mut job = Job { gpu, buffer, fence, queries, statistics: queries };
         // SAFETY: the device is alive; each handle is owned as soon as it exists.
         unsafe {
             job.fence = device.create_fence(&vk::FenceCreateInfo::default(), None).named("vkCreateFence")?;
@@ -153,17 +154,13 @@ impl<'a> Job<'a> {
 
 impl Drop for Job<'_> {
     fn drop(&mut self) {
-        let device = &self.gpu.0.device;
-        // SAFETY: nothing is in use any more: the fence was signaled, or the device is waited for here.
-        unsafe {
-            if self.submitted {
-                let _ = device.device_wait_idle();
-            }
+        // SAFETY: nothing is in use any more: the fence was signaled, or the device is lost.
+        self.gpu.free(|device| unsafe {
             device.free_command_buffers(self.gpu.0.pool.handle, &[self.buffer]);
             device.destroy_fence(self.fence, None);
             device.destroy_query_pool(self.queries, None);
             device.destroy_query_pool(self.statistics, None);
-        }
+        });
     }
 }
 

@@ -1,12 +1,14 @@
 //! Instance, physical device, device, queue, allocator and pipeline cache: one [`Gpu`] for each process.
 
 use super::instance::Instance;
+use super::memory::ALLOCATED_AT_ONCE;
 use super::{Format, GpuError, Messages, Named};
 use crate::support::disk_cache;
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::c_char;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 /// How to open a device.
@@ -64,6 +66,8 @@ pub(super) struct Shared {
     queue: Mutex<vk::Queue>,
     /// Who waits for the queue holds this: the one who gave it back cannot take it again before.
     next: Mutex<()>,
+    /// It did not finish in time: what it uses stays for as long as the process does.
+    stuck: AtomicBool,
     pub(super) device: Device,
     pub(super) info: DeviceInfo,
     /// Family of the queue: what egui draws with is made for it.
@@ -163,6 +167,8 @@ impl Gpu {
         let wanted = options.device.as_deref().unwrap_or_default();
         let (physical, family, device_info) = choose(&instance.raw, wanted, fits)?;
         let raw = create_device(&instance.raw, physical, family, extensions)?;
+        #[cfg(test)]
+        let raw = super::faults::armed(&instance, raw);
         // SAFETY: the device was just made with one queue of this family.
         let queue = unsafe { raw.get_device_queue(family, 0) };
         let device = Device { raw, hosted: false };
@@ -179,7 +185,7 @@ impl Gpu {
             physical_device: physical,
             debug_settings: Default::default(),
             buffer_device_address: false,
-            allocation_sizes: gpu_allocator::AllocationSizes::new(16 << 20, 16 << 20),
+            allocation_sizes: gpu_allocator::AllocationSizes::new(ALLOCATED_AT_ONCE, ALLOCATED_AT_ONCE),
         })
         .map_err(|error| GpuError::Memory {
             what: "the allocator".into(),
@@ -205,6 +211,7 @@ impl Gpu {
             allocator,
             queue,
             next,
+            stuck: AtomicBool::new(false),
             device,
             info: device_info,
             #[cfg(any(feature = "viewer", test))]
@@ -262,6 +269,20 @@ impl Gpu {
     pub(super) fn queue(&self) -> MutexGuard<'_, vk::Queue> {
         let _turn = self.0.next.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         self.0.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+
+    /// Frees what was made from the device; nothing where that may still be in use.
+    pub(super) fn free(&self, free: impl FnOnce(&ash::Device)) {
+        if !self.0.stuck.load(Ordering::Relaxed) {
+            free(&self.0.device);
+        }
+    }
+
+    /// Leaves the device alone, which did not finish in time: it and all that was made from it stay.
+    pub(super) fn give_up(&self) {
+        if !self.0.stuck.swap(true, Ordering::Relaxed) {
+            std::mem::forget(self.clone());
+        }
     }
 
     pub(super) fn allocator(&self) -> MutexGuard<'_, Allocator> {

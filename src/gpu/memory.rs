@@ -1,6 +1,7 @@
 //! Buffers, images and samplers, each owning its memory.
 
 use super::{Format, Gpu, GpuError, Named};
+use crate::support::memory;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
@@ -74,7 +75,7 @@ impl Buffer {
 impl Drop for Buffer {
     fn drop(&mut self) {
         // SAFETY: submissions that used the buffer were waited for; it is destroyed once.
-        unsafe { self.gpu.0.device.destroy_buffer(self.handle, None) };
+        self.gpu.free(|device| unsafe { device.destroy_buffer(self.handle, None) });
         release(&self.gpu, &mut self.allocation);
     }
 }
@@ -301,10 +302,10 @@ impl Drop for Image {
     fn drop(&mut self) {
         // SAFETY: submissions that used the image were waited for; view and image are destroyed once, in this order,
         // and a null view is ignored.
-        unsafe {
-            self.gpu.0.device.destroy_image_view(self.view, None);
-            self.gpu.0.device.destroy_image(self.handle, None);
-        }
+        self.gpu.free(|device| unsafe {
+            device.destroy_image_view(self.view, None);
+            device.destroy_image(self.handle, None);
+        });
         release(&self.gpu, &mut self.allocation);
     }
 }
@@ -373,9 +374,12 @@ impl Sampler {
 impl Drop for Sampler {
     fn drop(&mut self) {
         // SAFETY: submissions that used the sampler were waited for; it is destroyed once.
-        unsafe { self.gpu.0.device.destroy_sampler(self.handle, None) };
+        self.gpu.free(|device| unsafe { device.destroy_sampler(self.handle, None) });
     }
 }
+
+/// Bytes of the blocks that small resources share.
+pub(super) const ALLOCATED_AT_ONCE: u64 = 16 << 20;
 
 fn allocate(
     gpu: &Gpu,
@@ -384,6 +388,12 @@ fn allocate(
     location: MemoryLocation,
     linear: bool,
 ) -> Result<Allocation, GpuError> {
+    // A device that is the CPU gives what there is not, and the system ends the process when it is written.
+    let left = if gpu.info().cpu && requirements.size > ALLOCATED_AT_ONCE { memory::available() } else { None };
+    if let Some(left) = left.filter(|left| requirements.size > *left) {
+        let reason = format!("{left} bytes of memory are left");
+        return Err(GpuError::Memory { what: name.into(), bytes: requirements.size, reason });
+    }
     let allocation_scheme = AllocationScheme::GpuAllocatorManaged;
     let description = AllocationCreateDesc { name, requirements, location, linear, allocation_scheme };
     gpu.allocator().allocate(&description).map_err(|error| GpuError::Memory {
@@ -394,7 +404,9 @@ fn allocate(
 }
 
 fn release(gpu: &Gpu, allocation: &mut Allocation) {
-    if let Err(error) = gpu.allocator().free(std::mem::take(allocation)) {
-        log::error!("device memory could not be freed: {error}");
-    }
+    gpu.free(|_| {
+        if let Err(error) = gpu.allocator().free(std::mem::take(allocation)) {
+            log::error!("device memory could not be freed: {error}");
+        }
+    });
 }

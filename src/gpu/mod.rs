@@ -11,6 +11,8 @@
 
 mod commands;
 mod device;
+#[cfg(test)]
+pub(crate) mod faults;
 mod format;
 mod host;
 mod instance;

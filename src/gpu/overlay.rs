@@ -83,15 +83,14 @@ impl WindowFrame {
 
 impl Drop for WindowFrame {
     fn drop(&mut self) {
-        let device = &self.gpu.0.device;
         let _queue = self.gpu.queue();
         // SAFETY: nothing is in use any more, since the device is waited for while its queue is locked; null is ignored.
-        unsafe {
+        self.gpu.free(|device| unsafe {
             let _ = device.device_wait_idle();
             device.destroy_semaphore(self.acquired, None);
             device.destroy_fence(self.done, None);
             device.destroy_command_pool(self.pool, None);
-        }
+        });
     }
 }
 

@@ -160,11 +160,11 @@ impl Pipeline {
 impl Drop for Pipeline {
     fn drop(&mut self) {
         // SAFETY: submissions that used the pipeline were waited for; each handle is destroyed once, null is ignored.
-        unsafe {
-            self.gpu.0.device.destroy_pipeline(self.handle, None);
-            self.gpu.0.device.destroy_pipeline_layout(self.layout, None);
-            self.gpu.0.device.destroy_descriptor_set_layout(self.set_layout, None);
-        }
+        self.gpu.free(|device| unsafe {
+            device.destroy_pipeline(self.handle, None);
+            device.destroy_pipeline_layout(self.layout, None);
+            device.destroy_descriptor_set_layout(self.set_layout, None);
+        });
     }
 }
 
@@ -225,7 +225,7 @@ impl BindSet {
 impl Drop for BindSet {
     fn drop(&mut self) {
         // SAFETY: submissions that used the set were waited for; the pool frees the set with it.
-        unsafe { self.gpu.0.device.destroy_descriptor_pool(self.pool, None) };
+        self.gpu.free(|device| unsafe { device.destroy_descriptor_pool(self.pool, None) });
     }
 }
 

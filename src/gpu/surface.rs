@@ -163,17 +163,16 @@ impl Surface {
 
     fn drop_swapchain(&self, chain: Option<Swapchain>) {
         let Some(chain) = chain else { return };
-        let device = &self.gpu.0.device;
         let _queue = self.gpu.queue();
         // SAFETY: nothing is in use any more, since the device is waited for while its queue is locked; null is ignored.
-        unsafe {
+        self.gpu.free(|device| unsafe {
             let _ = device.device_wait_idle();
             for shown in chain.images {
                 device.destroy_semaphore(shown.drawn, None);
                 device.destroy_image_view(shown.view, None);
             }
             self.swapchains.destroy_swapchain(chain.handle, None);
-        }
+        });
     }
 }
 

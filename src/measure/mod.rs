@@ -1,5 +1,5 @@
 //! Error against run time: references, metrics, comparisons, benches, the fastest settings within an error, checks,
-//! stability, predictions.
+//! stability, validity, predictions.
 
 pub mod bench;
 pub mod compare;
@@ -9,5 +9,6 @@ pub mod predict;
 pub mod reference;
 pub mod statistics;
 pub mod stress;
+pub mod validity;
 pub mod verify;
 pub mod worker;

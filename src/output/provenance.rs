@@ -4,7 +4,7 @@
 //! and the path of an input as the person typed it. PNG holds it in an iTXt chunk, OpenEXR in a text attribute, as TOML.
 
 use super::PROGRAM;
-use crate::scene::{self, Scene, SceneError};
+use crate::scene::{self, Reach, Scene, SceneError};
 use crate::shape::BUILT_IN;
 use crate::support::open;
 use serde::{Deserialize, Serialize};
@@ -86,13 +86,11 @@ impl Provenance {
     /// # Errors
     /// [`ProvenanceError::Missing`] where a file of the scene is no longer there.
     pub fn of(scene: &Scene, device: &str, modules: &str) -> Result<Provenance, ProvenanceError> {
-        let parts = scene.parts.values().map(|part| &part.object);
         let mut inputs = BTreeMap::new();
-        let objects = [&scene.object].into_iter().chain(parts).map(|object| &object.input);
-        for input in objects.chain(scene.modules.values()) {
-            if !BUILT_IN.contains(&input.as_str()) && !inputs.contains_key(input) {
-                let missing = |reason| ProvenanceError::Missing { input: input.clone(), reason, said: "?".into() };
-                inputs.insert(input.clone(), hash_of(Path::new(input)).map_err(missing)?);
+        for (_, input) in scene.files() {
+            if !BUILT_IN.contains(&input) && !inputs.contains_key(input) {
+                let missing = |reason| ProvenanceError::Missing { input: input.into(), reason, said: "?".into() };
+                inputs.insert(input.into(), hash_of(Path::new(input)).map_err(missing)?);
             }
         }
         let text = scene::to_text(scene);
@@ -128,12 +126,13 @@ impl Provenance {
     /// picture.
     ///
     /// # Errors
-    /// A scene that this version cannot read.
-    pub fn scene(&self, picture: &Path) -> Result<Scene, ProvenanceError> {
+    /// A scene that this version cannot read, or one that names a file out of reach.
+    pub fn scene(&self, picture: &Path, reach: Reach) -> Result<Scene, ProvenanceError> {
         let mut scene = scene::parse(&self.scene, &format!("the scene in {}", picture.display()))?;
-        for file in files(&mut scene).filter(|file| self.inputs.contains_key(*file)) {
+        for file in scene.files_mut().filter(|file| self.inputs.contains_key(*file)) {
             *file = self.place(file, picture);
         }
+        reach.check(&scene, picture)?;
         Ok(scene)
     }
 
@@ -163,13 +162,6 @@ impl Provenance {
     }
 }
 
-/// The objects of a scene.
-/// What may be a file: the inputs of the objects, and custom modules.
-fn files(scene: &mut Scene) -> impl Iterator<Item = &mut String> {
-    let objects = [&mut scene.object].into_iter().chain(scene.parts.values_mut().map(|part| &mut part.object));
-    objects.map(|object| &mut object.input).chain(scene.modules.values_mut())
-}
-
 fn hash_of(path: &Path) -> io::Result<String> {
     Ok(open::hash(path)?.to_string())
 }
@@ -188,7 +180,7 @@ mod tests {
         let whole = Provenance::of(&scene, "a \"device\"", "surface=lit").unwrap();
         let read = Provenance::from_text(&whole.to_text()).unwrap();
         assert_eq!(read, whole);
-        assert_eq!(read.scene(Path::new("x.png")).unwrap(), scene);
+        assert_eq!(read.scene(Path::new("x.png"), Reach::Anywhere).unwrap(), scene);
         assert_eq!(read.inputs[&scene.object.input], blake3::hash(b"v 0 0 0").to_string());
     }
 

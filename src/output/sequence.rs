@@ -7,7 +7,7 @@
 use crate::output::shard::Shard;
 use crate::scene::Scene;
 use crate::support::open::{self, OpenError};
-use crate::support::write_whole;
+use crate::support::{may_fail, write_whole};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
@@ -181,6 +181,7 @@ impl Manifest {
         let lines = done.iter().map(|(frame, (hash, name))| line(*frame, hash, name));
         let clean = std::iter::once(title.clone()).chain(lines).collect::<String>();
         write_whole(path, clean.as_bytes()).map_err(failed)?;
+        may_fail("append").map_err(failed)?;
         let file = OpenOptions::new().append(true).open(path).map_err(failed)?;
         Ok(Manifest { path: path.into(), file, done })
     }
@@ -205,7 +206,9 @@ impl Manifest {
         };
         let hash = open::hash(path).map_err(|error| failed(path)(error.into()))?;
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let written = self.file.write_all(line(frame, &hash, &name).as_bytes()).and_then(|()| self.file.sync_data());
+        let written = may_fail("write")
+            .and_then(|()| self.file.write_all(line(frame, &hash, &name).as_bytes()))
+            .and_then(|()| self.file.sync_data());
         written.map_err(failed(&self.path))?;
         self.done.insert(frame, (hash, name));
         Ok(())

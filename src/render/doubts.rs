@@ -44,18 +44,16 @@ fn no_width(scene: &Scene, outer: f32) -> Option<String> {
 
 /// Matter that is nowhere as dense as it may be.
 fn no_core(scene: &Scene, subject: &Subject) -> Option<String> {
-    let deepest = match (&subject.field, shape::open(&scene.object.input)) {
-        (Some(field), _) => subject.scale * field.range().0,
-        (None, Ok(Shape::Solid(solid))) => {
-            -subject.scale
-                * match solid {
-                    Solid::Sphere { radius } => radius,
-                    Solid::Cube { half } => half,
-                    Solid::Torus { minor, .. } => minor,
-                }
-        }
-        _ => return None,
-    };
+    let deepest = match &subject.field {
+        Some(field) => field.range().0,
+        // Only formulas have no field: no file is read here.
+        None => match shape::open(&scene.object.input).ok()? {
+            Shape::Solid(Solid::Sphere { radius }) => -radius,
+            Shape::Solid(Solid::Cube { half }) => -half,
+            Shape::Solid(Solid::Torus { minor, .. }) => -minor,
+            _ => return None,
+        },
+    } * subject.scale;
     let inner = scene.object.inner_iso;
     (inner < deepest).then(|| {
         format!(

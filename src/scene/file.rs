@@ -2,7 +2,7 @@
 
 use super::field::flatten;
 use super::schema::{Kind, Setting, setting};
-use super::{Scene, SceneError, nearest, preset_texts};
+use super::{Reach, Scene, SceneError, nearest, preset_texts};
 use crate::support::open;
 use std::path::Path;
 
@@ -12,8 +12,9 @@ const MAX_BYTES: u64 = 1 << 20;
 /// Reads a scene file and checks it; a path of an object or a module in it is relative to the file.
 ///
 /// # Errors
-/// [`SceneError::Read`] or [`SceneError::Syntax`], which name the file: also of what [`Scene::check`] finds.
-pub fn load(path: &Path) -> Result<Scene, SceneError> {
+/// [`SceneError::Read`] or [`SceneError::Syntax`], which name the file: also of what [`Scene::check`] finds, and where the
+/// scene names a file that is out of reach.
+pub fn load(path: &Path, reach: Reach) -> Result<Scene, SceneError> {
     let name = path.display().to_string();
     let fail = |reason: String| SceneError::Read { path: name.clone(), reason };
     let text = open::text(path, MAX_BYTES).map_err(|error| fail(error.to_string()))?;
@@ -21,14 +22,13 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
         SceneError::Syntax { .. } | SceneError::Read { .. } => error,
         other => fail(other.to_string()),
     })?;
-    let objects = scene.parts.values_mut().map(|part| &mut part.object);
-    let inputs = objects.chain([&mut scene.object]).map(|object| &mut object.input);
-    for file in inputs.chain(scene.modules.values_mut()) {
+    for file in scene.files_mut() {
         let beside = path.parent().unwrap_or(Path::new("")).join(&*file);
         if beside.is_file() {
             *file = beside.display().to_string();
         }
     }
+    reach.check(&scene, path)?;
     let checked = scene.library().and_then(|library| scene.check(&library));
     checked.map_err(|error| match error {
         SceneError::Read { .. } => error, // of a module, which it names
@@ -228,7 +228,7 @@ mod tests {
         let refusal = |text: &str| {
             let file = folder.path().join("x.toml");
             std::fs::write(&file, text).unwrap();
-            load(&file).unwrap_err().to_string()
+            load(&file, Reach::Beside).unwrap_err().to_string()
         };
         let error = refusal("[camera]\nzoom = 1\nazimuth = inf\n");
         assert!(error.contains("x.toml:3: camera.azimuth = inf: must be from"), "{error}");

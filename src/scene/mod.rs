@@ -19,6 +19,7 @@ mod part;
 mod preset_texts;
 mod presets;
 mod quality;
+mod reach;
 pub mod schema;
 mod strategy;
 mod transfer;
@@ -37,6 +38,7 @@ pub use presets::{EFFECTS, nearest_preset, preset};
 pub use quality::{
     BlockFormat, EmptySpace, Integration, Jitter, Neutral, Order, Pass, Proxy, Quality, Reject, TargetFormat, Wrap,
 };
+pub use reach::Reach;
 pub use strategy::Repeat;
 pub use transfer::{Curve, Stop, Transfer};
 

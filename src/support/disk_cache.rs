@@ -3,15 +3,13 @@
 //! Invariant: a file is used only if it ends in the BLAKE3 hash of its name and the rest; files appear whole. A folder that cannot be
 //! read or written costs the next run its time, and no more.
 
-use super::{TEMPORARY, write_whole};
+use super::{may_fail, sweep, write_whole};
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
+use std::time::SystemTime;
 
 const HASH_BYTES: usize = 32;
-/// A file that has been in work for longer is one that nobody works on.
-const LEFT: Duration = Duration::from_secs(3600);
 
 /// Files of one kind, which are evicted together.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +49,7 @@ fn file(folder: &Path, kind: Kind, key: blake3::Hash) -> PathBuf {
 /// # Errors
 /// What the system says.
 pub(crate) fn read(path: &Path) -> io::Result<Option<Vec<u8>>> {
+    may_fail("read")?;
     let mut bytes = fs::read(path)?;
     let Some((content, hash)) = bytes.split_last_chunk::<HASH_BYTES>() else { return Ok(None) };
     if hash_of(path, content).as_bytes() != hash {
@@ -74,6 +73,7 @@ fn hash_of(path: &Path, content: &[u8]) -> blake3::Hash {
 /// What the system says.
 pub(crate) fn write(path: &Path, mut bytes: Vec<u8>, kind: Option<Kind>) -> io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
+    may_fail("create_dir")?;
     fs::create_dir_all(folder)?;
     let hash = hash_of(path, &bytes);
     bytes.extend_from_slice(hash.as_bytes());
@@ -84,15 +84,13 @@ pub(crate) fn write(path: &Path, mut bytes: Vec<u8>, kind: Option<Kind>) -> io::
 /// Removes what was used longest ago where there is too much of a kind, and what processes left behind that ended while they
 /// wrote. A file that another process has just removed is no error.
 fn evict(folder: &Path, kind: Kind) -> io::Result<()> {
+    sweep(folder);
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
         let Ok(about) = fs::metadata(&path) else { continue };
-        let (time, name) = (about.modified()?, path.file_name().unwrap_or_default().to_string_lossy());
-        if name.ends_with(TEMPORARY) && time.elapsed().is_ok_and(|age| age > LEFT) {
-            let _ = fs::remove_file(&path);
-        } else if path.extension().is_some_and(|end| kind.ends.iter().any(|of_kind| end == *of_kind)) {
-            files.push((time, about.len(), path));
+        if path.extension().is_some_and(|end| kind.ends.iter().any(|of_kind| end == *of_kind)) {
+            files.push((about.modified()?, about.len(), path));
         }
     }
     files.sort();
@@ -152,20 +150,6 @@ mod tests {
         save_to(folder.path(), KIND, a, b"of a");
         fs::rename(file(folder.path(), KIND, a), file(folder.path(), KIND, b)).unwrap();
         assert_eq!(load_from(folder.path(), KIND, b), None);
-    }
-
-    #[test]
-    fn what_a_dead_process_left_is_swept() {
-        let folder = tempfile::tempdir().unwrap();
-        for (name, age) in [("old", 2 * LEFT), ("new", Duration::ZERO)] {
-            let file = File::create(folder.path().join(format!(".{name}.test.1-1{TEMPORARY}"))).unwrap();
-            file.set_modified(SystemTime::now() - age).unwrap();
-        }
-        save_to(folder.path(), KIND, blake3::hash(b"key"), b"bytes");
-        let names = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-        let mut names: Vec<String> = names.filter(|name| name.starts_with('.')).collect();
-        names.sort();
-        assert_eq!(names, [".new.test.1-1.tmp"]);
     }
 
     #[test]

@@ -3,15 +3,19 @@
 #[cfg(feature = "measure")]
 pub(crate) mod child;
 pub(crate) mod disk_cache;
+#[cfg(test)]
+pub(crate) mod faults;
+pub(crate) mod memory;
 pub(crate) mod open;
 pub(crate) mod random;
 #[cfg(feature = "measure")]
 pub(crate) mod watch;
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
 /// Links that are followed, at most.
 const LINKS: usize = 40;
@@ -25,18 +29,45 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let (path, before) = destination(path)?;
     let temporary = temporary(&path);
     let write = || {
-        let mut file = File::create(&temporary)?;
+        let mut file = in_work(&temporary)?;
         if let Some(before) = before {
+            may_fail("set_permissions")?;
             file.set_permissions(before)?;
         }
+        may_fail("write")?;
         file.write_all(bytes)?;
+        may_fail("sync")?;
         file.sync_all()?;
+        may_fail("rename")?;
         fs::rename(&temporary, &path)
     };
     write().inspect_err(|_| {
         // Best effort: the error to report is the first one.
         let _ = fs::remove_file(&temporary);
     })
+}
+
+/// A new file, locked for as long as it is open: [`sweep`] leaves it alone. Where a file system knows no locks, an hour long.
+fn in_work(temporary: &Path) -> io::Result<File> {
+    loop {
+        may_fail("create")?;
+        let file = File::create(temporary)?;
+        let is_locked = file.lock().is_ok();
+        if !is_locked || temporary.exists() {
+            return Ok(file);
+        } // it was swept before it was locked
+    }
+}
+
+/// The place of a call of the file system: tests let it fail here, before it is made.
+#[cfg(test)]
+pub(crate) use faults::file as may_fail;
+
+/// The place of a call of the file system, which tests let fail.
+#[cfg(not(test))]
+#[inline(always)]
+pub(crate) fn may_fail(_call: &'static str) -> io::Result<()> {
+    Ok(())
 }
 
 /// A name beside a file that nobody else uses.
@@ -74,19 +105,84 @@ pub(crate) fn destination(path: &Path) -> io::Result<(PathBuf, Option<fs::Permis
     Err(io::Error::other("it is a link that leads to itself"))
 }
 
-/// Writes into a folder, and takes it away again: whether that can be done is known before there is something to lose.
+/// Writes into a folder, and takes it away again: whether that can be done is known before there is something to lose. What
+/// processes left there that ended while they wrote is swept.
 ///
 /// # Errors
 /// What the system says.
 pub(crate) fn probe(folder: &Path) -> io::Result<()> {
     let file = temporary(&folder.join("probe"));
-    File::create(&file)?;
-    fs::remove_file(file)
+    let _work = in_work(&file)?;
+    fs::remove_file(&file)?;
+    sweep(folder);
+    Ok(())
 }
+
+/// Removes files in work of processes that are no more; what cannot be removed stays.
+pub(crate) fn sweep(folder: &Path) {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let swept = files.filter(|path| is_temporary(path) && remove_left(path).is_ok_and(|removed| removed)).count();
+    if swept > 0 {
+        log::info!("{}: {swept} unfinished files of processes that ended are removed", folder.display());
+    }
+}
+
+/// Whether a file has a name as [`temporary`] gives: `.name.PROCESS-NUMBER.tmp`.
+fn is_temporary(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let numbers = name.strip_prefix('.').and_then(|name| name.strip_suffix(TEMPORARY)?.rsplit_once('.'));
+    let numbers = numbers.and_then(|(_, numbers)| numbers.split_once('-'));
+    numbers.is_some_and(|(process, number)| process.parse::<u32>().is_ok() && number.parse::<u32>().is_ok())
+}
+
+/// Removes a file that nobody has locked; whether it is removed.
+fn remove_left(path: &Path) -> io::Result<bool> {
+    if !fs::symlink_metadata(path)?.is_file() {
+        return Ok(false);
+    }
+    let file = File::open(path)?;
+    let is_old = || file.metadata()?.modified().map(|time| time.elapsed().is_ok_and(|age| age > LEFT));
+    let is_left = match file.try_lock() {
+        Ok(()) => true,
+        Err(TryLockError::WouldBlock) => false,
+        Err(TryLockError::Error(_)) => is_old()?,
+    };
+    if is_left {
+        fs::remove_file(path)?;
+    }
+    Ok(is_left)
+}
+
+/// A file in work that is not locked, where there are no locks, is one that nobody works on after so long.
+const LEFT: Duration = Duration::from_secs(3600);
 
 /// A word as `sh` reads it.
 #[cfg(any(feature = "viewer", feature = "measure"))]
 pub(crate) fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_dead_processes_left_is_swept_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let mut kept = vec![".a.tmp", "a.1-1.tmp", ".a.png.x-1.tmp", ".a.png.1.tmp", "picture.png"];
+        for name in kept.iter().chain(&[".a.png.1-0.tmp", ".b.c.4000000-17.tmp"]) {
+            fs::write(at(name), "half").unwrap();
+        }
+        let _work = in_work(&at(".a.png.7-3.tmp")).unwrap();
+        kept.push(".a.png.7-3.tmp");
+        probe(folder.path()).unwrap();
+        let left = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut left: Vec<String> = left.collect();
+        left.sort();
+        kept.sort();
+        assert_eq!(left, kept);
+    }
 }

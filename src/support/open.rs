@@ -48,6 +48,7 @@ pub(crate) fn open(path: &Path, most: u64) -> Result<(File, u64), OpenError> {
     if !about.is_file() {
         return Err(OpenError::NotAFile(if about.is_dir() { "a directory" } else { "a device, pipe or socket" }));
     }
+    super::may_fail("open")?;
     let file = File::open(path)?;
     match file.metadata()?.len() {
         bytes if bytes > most => Err(OpenError::Long { bytes, most }),
@@ -59,6 +60,7 @@ pub(crate) fn open(path: &Path, most: u64) -> Result<(File, u64), OpenError> {
 pub(crate) fn bytes(path: &Path, most: u64) -> Result<Vec<u8>, OpenError> {
     let (file, length) = open(path, most)?;
     let mut bytes = Vec::with_capacity(length as usize);
+    super::may_fail("read")?;
     file.take(most.saturating_add(1)).read_to_end(&mut bytes)?; // it may grow meanwhile
     match bytes.len() as u64 {
         bytes if bytes > most => Err(OpenError::Long { bytes, most }),

@@ -3,5 +3,6 @@
 
 mod corpus;
 mod desk;
+mod kills;
 mod pictures;
 mod refusals;

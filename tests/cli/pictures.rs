@@ -1,7 +1,7 @@
 //! What each command writes and says.
 
 use crate::desk::{Desk, SMALL, refused, text};
-use hypertexture::scene::ParameterValue;
+use hypertexture::scene::{ParameterValue, Reach};
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;
@@ -262,11 +262,11 @@ fn p58_a_gallery_without_an_object_has_every_figure_under_its_paper() {
 fn the_name_of_a_figure_renders_it_whole_and_an_effect_goes_over_it() {
     let desk = Desk::new();
     desk.good(&format!("render noisy_sphere -o x.png --save-scene s.toml {SMALL}"));
-    let saved = hypertexture::scene::load(&desk.file("s.toml")).unwrap();
+    let saved = hypertexture::scene::load(&desk.file("s.toml"), Reach::Anywhere).unwrap();
     let preset = hypertexture::scene::preset("noisy_sphere").unwrap();
     assert_eq!((saved.object, saved.effect, saved.camera), (preset.object, preset.effect, preset.camera));
     desk.good(&format!("render furry_donut --effect lit -o y.png --save-scene t.toml {SMALL}"));
-    let saved = hypertexture::scene::load(&desk.file("t.toml")).unwrap();
+    let saved = hypertexture::scene::load(&desk.file("t.toml"), Reach::Anywhere).unwrap();
     assert_eq!((saved.object.input.as_str(), saved.effect.surface.as_str()), ("torus", "lit"));
     assert!(saved.effect.dmf.is_empty());
 }

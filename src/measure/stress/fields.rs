@@ -1,4 +1,4 @@
-//! Cases 20, 22, 35 and 37: what is stored of a distance, where it has no direction, on grids and at sizes of every kind.
+//! Cases 20 to 23, 35 and 37: what is stored of a distance, where it has no direction, on grids and at sizes of every kind.
 
 use super::matter::PASSES;
 use super::{Lab, Row, StressError};
@@ -17,6 +17,9 @@ const SOURCES: [(Source, &str); 4] = [
     (Source::Distance16, "distance16"),
     (Source::Distance32, "distance32"),
 ];
+
+/// Voxels from where it should that a filter may read: as 8 bits of its weights give.
+const FILTERED: f64 = 1.0 / 512.0;
 
 /// A field over [-1.25, 1.25]^3.
 fn sampled(side: u32, distance: impl Fn(Vec3) -> f32) -> DistanceField {
@@ -96,30 +99,85 @@ pub(super) fn medial(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
     Ok(rows)
 }
 
+/// What is linear over [-1, 1]^3, sampled on a grid and drawn: what a pixel must be, and what it is.
+fn of_linear(
+    lab: &Lab<'_>,
+    source: Source,
+    size: [u32; 3],
+    linear: impl Fn(Vec3) -> f32,
+) -> Result<Vec<(f64, f64)>, StressError> {
+    let mut scene = face("field_value", Pass::March);
+    scene.object.source = source;
+    (scene.object.inner_iso, scene.object.outer_iso) = (1.0, 1.0);
+    let spacing = 2.0 / (UVec3::from(size).as_vec3() - 1.0);
+    let grid = Grid { size, origin: Vec3::NEG_ONE, spacing };
+    let [x, y, z] = size;
+    let places = (0..z).flat_map(|k| (0..y).flat_map(move |j| (0..x).map(move |i| (i, j, k))));
+    let values = places.map(|(i, j, k)| linear(grid.position(i, j, k))).collect();
+    let mut subject = face_subject();
+    subject.field = Some(Arc::new(DistanceField { grid, values }));
+    let frame = render(lab.bench.gpu, &lab.bench.library, &scene, &subject)?;
+    let value = |pixel: &[f32; 4]| (f64::from(pixel[0]) - 0.5) * 4.0; // as `field_value` shows it
+    let rays = rays(&scene, &subject).into_iter();
+    Ok(rays.zip(&frame.pixels).map(|(ray, pixel)| (f64::from(linear(ray.from.as_vec3())), value(pixel))).collect())
+}
+
+/// Case 21: how far from its place a device reads, in voxels: its filter has so many bits.
+pub(super) fn filters(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
+    let mut rows = Vec::new();
+    for side in [2, 3, 5, 9, 33] {
+        for (source, name) in [(Source::Distance32, "distance32"), (Source::Distance16, "distance16")] {
+            let voxel = 2.0 / f64::from(side - 1);
+            let found = of_linear(lab, source, [side; 3], |p| p.x)?;
+            let known = found.into_iter().map(|(expected, found)| (0.0, (found - expected).abs() / voxel, FILTERED));
+            let row = Row::worst(&format!("place that is read, {name}"), format!("voxel of {voxel}"), known);
+            rows.push(row.at(voxel));
+        }
+    }
+    Ok(rows)
+}
+
+/// Case 23: components of a normal that are 0, where codes of normals have none: half a code beside it.
+pub(super) fn normals(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
+    let mut rows = Vec::new();
+    let code = |source| match source {
+        Source::Normals8 => 1.0 / 255.0,
+        Source::Normals16 => 1.0 / 65535.0,
+        _ => 0.0,
+    };
+    // A plate, seen from straight ahead.
+    for (along, axis, [azimuth, elevation]) in
+        [("x", Vec3::X, [90.0, 0.0]), ("y", Vec3::Y, [0.0, 90.0]), ("z", Vec3::Z, [0.0, 0.0])]
+    {
+        let subject = subject_of(sampled(33, |p| p.dot(axis).abs() - 0.5));
+        for (source, name) in SOURCES {
+            let mut scene = homogeneous("cube", 1.0, Projection::Parallel);
+            (scene.effect.classify, scene.effect.surface) = ("surface".into(), "normals".into());
+            (scene.object.source, scene.object.inner_iso, scene.object.outer_iso) = (source, 0.0, 0.1);
+            (scene.quality.pass, scene.image.size) = (Pass::March, [16, 16]);
+            (scene.camera.azimuth, scene.camera.elevation, scene.camera.zoom) = (azimuth, elevation, 4.0);
+            let frame = render(lab.bench.gpu, &lab.bench.library, &scene, &subject)?;
+            let known = frame.pixels.iter().flat_map(|pixel| {
+                let found = [0, 1, 2].map(|c| (2.0 * f64::from(pixel[c]) - f64::from(pixel[3])).abs());
+                let expected = axis.to_array().map(f64::from);
+                expected.into_iter().zip(found).map(|(expected, found)| (expected, found, 1e-5 + code(source)))
+            });
+            rows.push(Row::worst(&format!("normals along an axis, {name}"), along, known.collect::<Vec<_>>()));
+        }
+    }
+    Ok(rows)
+}
+
 /// Case 35: what is linear stays that on grids of every side, down to two samples.
 pub(super) fn thin(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
     let mut rows = Vec::new();
-    let linear = |p: Vec3| 0.6 * p.x - 0.3 * p.y;
     for size in [[2, 2, 2], [3, 5, 7], [2, 17, 33], [63, 64, 65], [2, 2, 200]] {
-        for (source, name) in [(Source::Distance32, "distance32"), (Source::Normals16, "normals16")] {
-            let mut scene = face("field_value", Pass::March);
-            scene.object.source = source;
-            (scene.object.inner_iso, scene.object.outer_iso) = (1.0, 1.0);
-            let spacing = 2.0 / (UVec3::from(size).as_vec3() - 1.0);
-            let grid = Grid { size, origin: Vec3::NEG_ONE, spacing };
-            let [x, y, z] = size;
-            let places = (0..z).flat_map(|k| (0..y).flat_map(move |j| (0..x).map(move |i| (i, j, k))));
-            let values = places.map(|(i, j, k)| linear(grid.position(i, j, k))).collect();
-            let mut subject = face_subject();
-            subject.field = Some(Arc::new(DistanceField { grid, values }));
-            let frame = render(lab.bench.gpu, &lab.bench.library, &scene, &subject)?;
-            let bound = if source == Source::Distance32 { 1e-6 } else { 1e-5 };
-            let known = rays(&scene, &subject)
-                .into_iter()
-                .zip(&frame.pixels)
-                .map(|(ray, pixel)| (0.5 + 0.25 * f64::from(linear(ray.from.as_vec3())), f64::from(pixel[0]), bound));
+        for (source, name, bound) in [(Source::Distance32, "distance32", 4e-6), (Source::Normals16, "normals16", 4e-5)]
+        {
+            let found = of_linear(lab, source, size, |p| 0.6 * p.x - 0.3 * p.y)?;
+            let known = found.into_iter().map(|(expected, found)| (expected, found, bound));
             let sides = size.map(|side| side.to_string()).join(" x ");
-            rows.push(Row::worst(&format!("linear field, {name}"), sides, known.collect::<Vec<_>>()));
+            rows.push(Row::worst(&format!("linear field, {name}"), sides, known));
         }
     }
     Ok(rows)

@@ -2,7 +2,7 @@
 //!
 //! Role: [`CASES`] lists what is known to go wrong in the papers' formulas, in f32 and on devices; each is drawn on the
 //! device at hand at its extreme and just inside, and held against a closed form in f64, against a relation that must hold,
-//! or against a refusal by name. [`sweep`] does the same to a scene of one's own.
+//! or against a refusal by name. [`sweep`] does the same to a scene of one's own, and holds it against its twins.
 //! Invariant: an answer shares nothing with the GLSL; what cannot be drawn is a row that fails, not the end of the others.
 
 mod camera;
@@ -18,9 +18,10 @@ mod relations;
 mod report;
 mod shaping;
 mod sweep;
+mod twins;
 
 pub use report::{chart_page, table};
-pub use sweep::{Corner, Swept, sweep};
+pub use sweep::{Corner, SIDE, Swept, sweep};
 
 use super::verify::Bench;
 use crate::field::Progress;
@@ -66,11 +67,12 @@ pub struct Case {
     rows: fn(&Lab<'_>) -> Result<Vec<Row>, StressError>,
 }
 
-/// The cases.
+/// The cases: 1 to 46 are of formulas, floats and devices, 47 is what a picture's lines tell, 48 what is refused besides.
 pub const CASES: &[Case] = &[
     Case { number: 1, name: "bias near 1", rows: shaping::bias_near_1 },
     Case { number: 2, name: "bias near 0", rows: shaping::bias_near_0 },
     Case { number: 3, name: "gain near its ends", rows: shaping::gain_at_ends },
+    Case { number: 4, name: "shaping without a largest slope", rows: relations::steep },
     Case { number: 5, name: "shaping beyond [0, 1]", rows: shaping::beyond },
     Case { number: 6, name: "softness to 0", rows: matter::soft_to_hard },
     Case { number: 7, name: "soft region wider than the object", rows: matter::wide },
@@ -87,12 +89,15 @@ pub const CASES: &[Case] = &[
     Case { number: 18, name: "eye at and in the matter", rows: camera::eye },
     Case { number: 19, name: "pictures without pixels", rows: relations::refused::<19> },
     Case { number: 20, name: "bits of a distance", rows: fields::bits },
+    Case { number: 21, name: "weights of filters", rows: fields::filters },
     Case { number: 22, name: "normals on the medial axis", rows: fields::medial },
+    Case { number: 23, name: "normals along an axis", rows: fields::normals },
     Case { number: 24, name: "noise far from the origin", rows: noise::far },
     Case { number: 25, name: "noise around 0", rows: noise::negative },
     Case { number: 26, name: "noise of what is no place", rows: noise::endless },
     Case { number: 27, name: "texts that differ by device", rows: data::texts },
     Case { number: 28, name: "noise that repeats", rows: noise::periods },
+    Case { number: 29, name: "octaves past Nyquist", rows: relations::nyquist },
     Case { number: 30, name: "bounds of noise", rows: noise::bounds },
     Case { number: 31, name: "matter without end", rows: data::hulls },
     Case { number: 32, name: "rays that bend", rows: glass::order },

@@ -1,7 +1,10 @@
 //! Cases 9 to 12: the opacity of a step, from matter that is all but nothing to such that hides all.
 
 use super::function::Function;
+use super::matter::sphere;
 use super::{Known, Lab, Row, StressError};
+use crate::measure::verify::{Ray, SoftBall, TWO_TONE, levels, order, two_tone};
+use crate::scene::{Integration, Pass};
 
 /// Modules of opacity.
 const MODULES: [&str; 2] = ["perlin", "beer"];
@@ -76,9 +79,39 @@ pub(super) fn points(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
 }
 
 pub(super) fn segments(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
-    rows(lab, "opacity of a segment", 5e-6, |module, amount, [_, found, from, to]| {
+    let mut rows = rows(lab, "opacity of a segment", 5e-6, |module, amount, [_, found, from, to]| {
         known(mean_extinction(module, [*from, *to]), amount, *found, 5e-6)
-    })
+    })?;
+    rows.extend(stiff(lab)?);
+    Ok(rows)
+}
+
+/// A ball whose extinction has no end at its core (MJ 6, PH 3.1): points lose their second order there, segments keep it.
+fn stiff(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
+    const SAMPLES: [u32; 5] = [64, 128, 256, 512, 1024];
+    let subject = sphere();
+    let mut rows = Vec::new();
+    for rate in [1.0, 3.0, 9.0] {
+        let ball = SoftBall { rate, ..TWO_TONE };
+        // Means of the error with a step of h, as measured, and twice that: points c h, segments c h^2.
+        for (integration, what, expected, order_bound) in
+            [(Integration::Point, "points", 1.0, 0.25), (Integration::Segment, "segments", 2.0, 0.1)]
+        {
+            let mut scene = two_tone(integration);
+            (scene.quality.pass, scene.effect.opacity_rate) = (Pass::March, rate as f32);
+            let light = |ray: &Ray| Some(1.0 - ball.perlin(ray.impact().min(ball.outer)));
+            let levels = levels(lab.bench.gpu, &lab.bench.library, &scene, &subject, &SAMPLES, 1, light)?;
+            let what = format!("stiff ball, rate {rate}, {what}");
+            for level in &levels {
+                let bound = if expected == 1.0 { 2.0 * level.step } else { 2.0 * level.step.powi(2) + 1e-6 };
+                let row = Row::worst(&what, format!("{} samples", level.samples), [(0.0, level.mean, bound)]);
+                rows.push(row.at(level.step));
+            }
+            let found = order(&levels).unwrap_or(f64::NAN);
+            rows.push(Row::worst(&what, "observed order", [(expected, found, order_bound)]));
+        }
+    }
+    Ok(rows)
 }
 
 pub(super) fn ends(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {

@@ -1,4 +1,4 @@
-//! Cases 17, 41 and 46: what must not change a picture, what must be refused by name, and what must be told.
+//! Cases 4, 17, 29, 41 and 46: what must not change a picture, what must be refused by name, and what must be told.
 
 use super::matter::same;
 use super::{Lab, Row, StressError, with};
@@ -47,6 +47,62 @@ pub(super) fn skipping(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
             });
         }
     }
+    Ok(rows)
+}
+
+/// Case 4: a density that rises without a largest slope has no distance to be trusted, and none is taken: what skips and
+/// what bounds leave out is the same picture.
+pub(super) fn steep(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
+    let library = &lab.bench.library;
+    let mut rows = Vec::new();
+    for (dmf, parameter, values) in
+        [("biased", "density_bias", [0.5, 0.75, 0.99]), ("gained", "density_gain", [0.5, 0.25, 0.01])]
+    {
+        for value in values {
+            let mut scene = preset_of("fire_ball")?;
+            scene.effect = Effect { classify: "soft".into(), softness: "linear".into(), ..Effect::default() };
+            scene.effect.dmf = vec![dmf.into()];
+            scene.parameters.clear();
+            scene.parameters.insert(parameter.into(), ParameterValue::Number(value));
+            (scene.object.inner_iso, scene.object.outer_iso) = (0.0, 0.4);
+            let subject = Subject::load(&scene, library, &|_| ())?;
+            let mut renderer = Renderer::new(lab.bench.gpu, library, &subject);
+            let skipped = renderer.render(&scene)?;
+            scene.quality.empty_space = EmptySpace::Sample;
+            let every = renderer.render(&scene)?;
+            let setting = format!("{parameter} = {value}");
+            rows.push(Row::worst(&format!("{dmf}: what is left out"), setting, same(&every, &skipped, 0.0)));
+        }
+    }
+    Ok(rows)
+}
+
+/// Case 29: octaves of which a sample covers half a cell are their mean, and how fine they are is not seen any more.
+pub(super) fn nyquist(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
+    const SAMPLES: u32 = 16;
+    let library = &lab.bench.library;
+    let mut rows = Vec::new();
+    let mut plain = preset_of("fire_ball")?;
+    plain.effect = Effect { classify: "soft".into(), softness: "linear".into(), ..Effect::default() };
+    (plain.effect.turbulence, plain.effect.bandlimit) = ("procedural".into(), "clamp".into());
+    plain.parameters.clear();
+    (plain.object.inner_iso, plain.object.outer_iso, plain.quality.samples) = (-0.5, 0.4, SAMPLES);
+    plain.effect.dmf = vec!["turbulent".into()];
+    let subject = Subject::load(&plain, library, &|_| ())?;
+    let mut renderer = Renderer::new(lab.bench.gpu, library, &subject);
+    let mut at = |cells: f32| {
+        plain.parameters.insert("turbulence_scale".into(), ParameterValue::Number(cells));
+        renderer.render(&plain)
+    };
+    let nyquist = 0.5 / at(1.0)?.measurements.step;
+    let all_past = at(8.0 * nyquist)?;
+    for (share, setting) in [(1.01, "just past"), (2.0, "twice"), (4.0, "four times")] {
+        rows.push(Row::worst("octaves past Nyquist", setting, same(&all_past, &at(share * nyquist)?, 0.0)));
+    }
+    let within = at(0.25 * nyquist)?;
+    let moved = same(&all_past, &within, 0.0).iter().map(|(a, b, _)| (a - b).abs()).fold(0.0, f64::max);
+    let found = super::report::number(moved);
+    rows.push(Row::said("an octave within", "a quarter", "another picture", found, moved > 0.01));
     Ok(rows)
 }
 

@@ -1,6 +1,6 @@
 //! A scene's own parameters over their ranges: where its picture is farthest from the truth, and where it jumps.
 
-use super::StressError;
+use super::{Row, StressError, twins};
 use crate::field::Progress;
 use crate::gpu::Gpu;
 use crate::measure::reference::{TOLERANCE, reference_pixels, truth_of};
@@ -9,7 +9,7 @@ use crate::scene::{ParameterValue, Scene};
 use crate::shader::{Library, ParameterKind};
 
 /// Pixels along a side of the pictures.
-const SIDE: u32 = 48;
+pub const SIDE: u32 = 48;
 /// Pixels along a side that are held against the reference: spread evenly over the picture.
 const KNOWN: u32 = 6;
 /// Neighbors of a value are so much of its range away.
@@ -41,14 +41,19 @@ pub struct Swept {
     pub corners: Vec<Corner>,
     /// The one with the largest error, and then other parameters too as long as it grows.
     pub worst: Option<Corner>,
+    /// What must not change the picture, of the scene itself and of the worst corner.
+    pub twins: Vec<Row>,
     /// Values a decade beyond their range that were taken, where they should have been refused.
     pub taken: Vec<(String, f32)>,
 }
 
 impl Swept {
-    /// Whether every picture is finite, or refused by name, and nothing beyond its range is taken.
+    /// Whether every picture is finite, or refused by name, what must not change a picture does not, and nothing beyond its
+    /// range is taken.
     pub fn ok(&self) -> bool {
-        self.taken.is_empty() && self.corners.iter().chain(&self.worst).all(|corner| corner.ok)
+        self.taken.is_empty()
+            && self.twins.iter().all(Row::ok)
+            && self.corners.iter().chain(&self.worst).all(|corner| corner.ok)
     }
 }
 
@@ -123,8 +128,13 @@ pub fn sweep(gpu: &Gpu, library: &Library, scene: &Scene, progress: Progress<'_>
             worst = Some(corner);
         }
     }
+    progress(0.95);
+    let mut twins = twins::rows(gpu, library, &scene, "the scene itself")?;
+    if let Some(worst) = worst.as_ref().filter(|worst| !worst.changes.is_empty()) {
+        twins.extend(twins::rows(gpu, library, &work.changed(&worst.changes), "the worst corner")?);
+    }
     progress(1.0);
-    Ok(Swept { corners, worst, taken })
+    Ok(Swept { corners, worst, twins, taken })
 }
 
 impl Work<'_> {

@@ -14,7 +14,7 @@ use crate::measure::reference::Reference;
 use crate::measure::statistics::largest;
 use crate::output::{self, OutputError, PROGRAM, Stored};
 use crate::render::{Frame, RenderError, Subject, render};
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Reach, Scene, SceneError};
 use crate::shader::Library;
 use crate::support::random::SplitMix;
 use std::collections::BTreeMap;
@@ -38,6 +38,8 @@ pub struct CheckOptions {
     pub seed: u64,
     /// The root mean square that is allowed; without one, the most that any step explains.
     pub bound: Option<f64>,
+    /// Files that its scene may name.
+    pub reach: Reach,
 }
 
 /// What some pixels really are.
@@ -116,7 +118,7 @@ pub fn check(
     let name = || path.display().to_string();
     let of = |source| OutputError::Provenance { path: name(), source };
     provenance.check_inputs(path).map_err(of)?;
-    let scene = provenance.scene(path).map_err(of)?;
+    let scene = provenance.scene(path, asked.reach).map_err(of)?;
     scene.check(library).map_err(|source| CheckError::Scene { path: name(), source: source.into() })?;
     // Before it is decoded: a small file may hold a huge picture.
     let size = output::size(path)?;

@@ -6,7 +6,7 @@
 mod command;
 
 use super::programs::programs;
-use crate::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError, schema};
+use crate::scene::{self, Camera, ParameterValue, Parameters, Part, Reach, Scene, SceneError, schema};
 use crate::shader::ParameterKind;
 use crate::shader::{self, Library, Slots};
 use crate::support::write_whole;
@@ -222,7 +222,7 @@ impl Model {
         if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml")) {
             return self.edit("object.input", |scene| scene.object.input = name);
         }
-        match scene::load(path) {
+        match scene::load(path, Reach::Beside) {
             Err(error) => {
                 self.say(error.to_string());
                 false

@@ -67,7 +67,8 @@ fn address(size: [u32; 2], rgb: &[u8]) -> String {
     format!("data:image/png;base64,{}", STANDARD.encode(png_of(size, rgb)))
 }
 
-fn png_of(size: [u32; 2], rgb: &[u8]) -> Vec<u8> {
+/// An RGB picture as a PNG: three bytes a pixel, sRGB.
+pub fn png_of(size: [u32; 2], rgb: &[u8]) -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, size[0], size[1]);
     encoder.set_color(png::ColorType::Rgb);

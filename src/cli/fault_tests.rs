@@ -1,0 +1,141 @@
+//! Calls of a command that may fail, of Vulkan or of files, fail once each: one line or none, nothing torn, nothing leaked.
+//! With `HYPERTEXTURE_FAULTS=all` each call does; else the first of every function, and some of the others.
+
+use super::args::{Arguments, Command};
+use super::carry_out;
+use crate::gpu::Options;
+use crate::support::faults::{self, fail_after, stop};
+use clap::Parser;
+use std::collections::{BTreeMap, BTreeSet};
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Calls of which a failure costs time and nothing else: those of kept files.
+const DONE_WITHOUT: [&str; 3] = ["read", "create_dir", "vkGetPipelineCacheData"];
+/// Calls that kept files have, as well as those of the person.
+const OF_KEPT: [&str; 6] = ["create", "open", "rename", "set_permissions", "sync", "write"];
+/// The call that loses the device, which is opened once more.
+const REPEATED: [&str; 1] = ["vkQueueSubmit2"];
+/// Calls that these commands do not make: of windows, and of the instance.
+const ELSEWHERE: [&str; 13] = [
+    "vkAcquireNextImageKHR",
+    "vkCreateDebugUtilsMessengerEXT",
+    "vkCreateDevice",
+    "vkCreateSemaphore",
+    "vkCreateSurfaceKHR",
+    "vkCreateSwapchainKHR",
+    "vkEnumerateInstanceExtensionProperties",
+    "vkEnumerateInstanceLayerProperties",
+    "vkEnumeratePhysicalDevices",
+    "vkGetPhysicalDeviceSurfaceCapabilitiesKHR",
+    "vkGetPhysicalDeviceSurfaceFormatsKHR",
+    "vkGetSwapchainImagesKHR",
+    "vkResetFences",
+];
+
+/// Runs a command in this process; `@` is the folder that it writes into.
+fn run(words: &str, folder: &Path, options: &Options) -> Result<(), Box<dyn Error>> {
+    let here = folder.display().to_string();
+    let words = words.split_whitespace().map(|word| word.replace('@', &here));
+    let arguments = Arguments::try_parse_from([String::from("hypertexture")].into_iter().chain(words)).unwrap();
+    assert!(!matches!(arguments.command, Command::Compare(_) | Command::Gallery(_)), "they start this very program");
+    carry_out(arguments.command, options, true)
+}
+
+/// The files of a folder.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    paths.map(|path| (path.file_name().unwrap().into(), fs::read(path).unwrap())).collect()
+}
+
+/// How many of the first calls of a function fail, and one of how many behind them.
+const TRIED: [usize; 2] = [2, 16];
+
+/// Lets calls of a command fail, each in its turn; the names of those that did.
+fn fail_each(words: &str, validation: bool) -> BTreeSet<&'static str> {
+    let root = tempfile::tempdir().unwrap();
+    let (whole, work) = (root.path().join("whole"), root.path().join("work"));
+    let options = Options { validation, cache: Some(root.path().join("cache")), ..Options::default() };
+    fs::create_dir(&whole).unwrap();
+    run(words, &whole, &options).unwrap();
+    fs::remove_dir_all(&whole).unwrap();
+    fs::create_dir(&whole).unwrap();
+    fail_after(usize::MAX); // with what is kept now, as all others
+    run(words, &whole, &options).unwrap();
+    let (calls, _) = stop();
+    let (expected, mut failed) = (files(&whole), BTreeSet::new());
+    let all = std::env::var("HYPERTEXTURE_FAULTS").is_ok_and(|value| value == "all");
+    for (left, call) in calls.iter().enumerate() {
+        let before = calls[..left].iter().filter(|other| *other == call).count();
+        if !all && before >= TRIED[0] && before % TRIED[1] != 0 {
+            continue;
+        }
+        fs::create_dir(&work).unwrap();
+        fail_after(left);
+        let done = run(words, &work, &options);
+        let (made, reached) = stop();
+        // How many submissions a picture takes depends on how long they take, and with them the calls.
+        let Some(call) = made.last().filter(|_| reached) else {
+            done.unwrap();
+            fs::remove_dir_all(&work).unwrap();
+            continue;
+        };
+        let place = format!("`{words}`, call {left}, {call}");
+        assert_eq!(faults::said(), Vec::<String>::new(), "{place}");
+        for (name, bytes) in files(&work) {
+            let is_begun = name.extension().is_some_and(|end| end == "frames");
+            let is_whole = expected.get(&name).is_some_and(|whole| is_begun || *whole == bytes);
+            assert!(is_whole, "{place}: {} is torn or left behind", name.display());
+        }
+        let is_known = |known: &[&str]| known.contains(call);
+        match done {
+            Err(error) => {
+                let line = error.to_string();
+                let said = match *call {
+                    "vkWaitForFences" => "did not finish",
+                    "vkAllocateMemory" | "vkMapMemory" => "device memory",
+                    call => call,
+                };
+                assert!(line.contains(said) && !line.contains('\n'), "{place}: {line}");
+                if all || before == 0 {
+                    run(words, &work, &options).unwrap(); // what failed once can be done
+                    assert!(files(&work) == expected, "{place}: other files");
+                }
+            }
+            Ok(()) => {
+                assert!(is_known(&DONE_WITHOUT) || is_known(&OF_KEPT) || is_known(&REPEATED), "{place}: no word of it");
+                assert!(files(&work) == expected, "{place}: other files");
+            }
+        }
+        failed.insert(*call);
+        fs::remove_dir_all(&work).unwrap();
+    }
+    failed
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn each_call_of_a_picture_a_sequence_and_a_field_may_fail() {
+    let mut failed = fail_each("field sphere --resolution 8 -o @/field.nrrd", false);
+    let small = "--size 8x8 --samples 8";
+    for (words, validation) in [
+        ("render torus --effect lit --module surface=bump -o @/picture.exr --save-scene @/scene.toml", true),
+        ("render sphere --effect fire --set quality.pass=slices --msaa 4 --set light.shadows=true -o @/s.png", true),
+        ("render torus --frames 0..1 -o @/frame_#.png", false),
+    ] {
+        failed.extend(fail_each(&format!("{words} {small}"), validation));
+    }
+    // A call that the sources name and that none of these makes is one that nobody knows the end of.
+    let own = |folder: &str, before: &str| -> BTreeSet<String> {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder);
+        let texts = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_file());
+        let texts: String = texts.map(|path| fs::read_to_string(path).unwrap()).collect();
+        texts.split(before).skip(1).filter_map(|rest| rest.split('"').next().map(String::from)).collect()
+    };
+    let named = own("gpu", ".named(\"vk").into_iter().map(|name| format!("vk{name}"));
+    let named = named.chain(own("support", "may_fail(\"")).chain(own("output", "may_fail(\""));
+    let missing: Vec<String> =
+        named.filter(|name| !failed.contains(name.as_str()) && !ELSEWHERE.contains(&name.as_str())).collect();
+    assert!(missing.is_empty(), "no command lets them fail: {missing:?}");
+}

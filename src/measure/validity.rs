@@ -1,0 +1,245 @@
+//! Which pixels of a picture are not to be trusted, and which setting is the cause.
+//!
+//! Role: the picture is drawn again with one setting at a time made better ([`CAUSES`]). A pixel that changes by more than a
+//! person may see is not to be trusted, and the setting that changes it most is why. Invariant: nothing is asked of the
+//! scene's modules, so that it holds for every scene and for modules of one's own.
+
+use crate::gpu::Gpu;
+use crate::render::{Frame, RenderError, Renderer, Subject};
+use crate::scene::{Pass, Scene, Source, TargetFormat};
+use crate::shader::Library;
+
+/// A pixel is trusted while no setting changes a channel of its linear light by more: a code of 8 bits.
+pub const TRUSTED: f64 = 1.0 / 255.0;
+
+/// A setting that may be the cause.
+#[derive(Clone, Copy, Debug)]
+pub struct Cause {
+    /// Its name.
+    pub name: &'static str,
+    /// What it does to pixels, and what mends it.
+    pub why: &'static str,
+    /// Color of its pixels, sRGB.
+    pub color: [u8; 3],
+    /// Whether it stays better for the causes behind it: more slices stall more in a format that does.
+    stays: bool,
+    /// The scene with it made better; none where it is as good as it can be.
+    better: fn(&Scene) -> Option<Scene>,
+}
+
+/// Samples of a picture that shows what more of them would change, at most: lavapipe ends loops behind that.
+const MOST_SAMPLES: u32 = 60_000;
+/// Voxels along a side of an object that shows what more of them would change, at most: with more it takes a minute.
+const MOST_VOXELS: u32 = 384;
+/// Parts of a pixel that show what is finer than one.
+const PARTS: u32 = 4;
+
+/// The causes; colors that people who see fewer of them tell apart (Okabe and Ito 2008).
+pub const CAUSES: [Cause; 6] = [
+    Cause {
+        name: "target",
+        why: "the format that slices are blended in stalls: quality.target = \"float32\"",
+        color: [213, 94, 0],
+        stays: true,
+        better: |scene| {
+            let applies = scene.quality.target != TargetFormat::Float32 && scene.quality.pass == Pass::Slices;
+            changed(scene, applies, |scene| scene.quality.target = TargetFormat::Float32)
+        },
+    },
+    Cause {
+        name: "end",
+        why: "rays end before they are opaque: quality.early_termination = 0",
+        color: [0, 158, 115],
+        stays: true,
+        better: |scene| {
+            let applies = scene.quality.early_termination > 0.0;
+            changed(scene, applies, |scene| scene.quality.early_termination = 0.0)
+        },
+    },
+    Cause {
+        name: "step",
+        why: "matter is thinner than a step, or bends within one: more quality.samples, or quality.integration = \"segment\"",
+        color: [230, 159, 0],
+        stays: false,
+        better: |scene| {
+            let samples = (2 * scene.quality.samples).min(MOST_SAMPLES);
+            changed(scene, samples > scene.quality.samples, |scene| scene.quality.samples = samples)
+        },
+    },
+    Cause {
+        name: "pixel",
+        why: "there is detail finer than a pixel, such as octaves past what it resolves: quality.supersampling, or fewer octaves",
+        color: [86, 180, 233],
+        stays: false,
+        better: |scene| {
+            let parts = scene.quality.supersampling * PARTS;
+            changed(scene, scene.quality.msaa == 1, |scene| scene.quality.supersampling = parts)
+        },
+    },
+    Cause {
+        name: "codes",
+        why: "distances or normals are stored in few bits: object.source = \"distance32\"",
+        color: [204, 121, 167],
+        stays: false,
+        better: |scene| {
+            let applies = scene.object.source != Source::Distance32;
+            changed(scene, applies, |scene| scene.object.source = Source::Distance32)
+        },
+    },
+    Cause {
+        name: "voxels",
+        why: "the object is finer than its voxels: a larger object.resolution",
+        color: [0, 114, 178],
+        stays: false,
+        better: |scene| {
+            let resolution = 2 * scene.object.resolution;
+            changed(scene, resolution <= MOST_VOXELS, |scene| scene.object.resolution = resolution)
+        },
+    },
+];
+
+fn changed(scene: &Scene, applies: bool, change: impl FnOnce(&mut Scene)) -> Option<Scene> {
+    let mut better = scene.clone();
+    change(&mut better);
+    applies.then_some(better)
+}
+
+/// What one cause does to a picture.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The cause.
+    pub cause: &'static Cause,
+    /// The largest change of a channel of linear light of any pixel; why it could not be tried otherwise.
+    pub most: Result<f64, String>,
+    /// Pixels of which it is the cause.
+    pub pixels: usize,
+}
+
+/// Which pixels are not to be trusted.
+#[derive(Clone, Debug)]
+pub struct Validity {
+    /// The causes that apply.
+    pub found: Vec<Found>,
+    /// For each pixel the number of its cause in `found`, and how much it changes the pixel; none where it is trusted.
+    pub of: Vec<Option<(usize, f64)>>,
+}
+
+/// Finds which pixels of the picture of a scene are not to be trusted.
+///
+/// # Errors
+/// The scene itself cannot be drawn.
+pub fn validity(
+    gpu: &Gpu,
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    frame: &Frame,
+) -> Result<Validity, RenderError> {
+    let mut validity = Validity { found: Vec::new(), of: vec![None; frame.pixels.len()] };
+    let mut renderer = Renderer::new(gpu, library, subject);
+    let (mut scene, mut frame) = (scene.clone(), frame.clone());
+    for cause in &CAUSES {
+        let Some(better) = (cause.better)(&scene) else { continue };
+        let is_of_object = better.object != scene.object;
+        if is_of_object && subject.field.is_none() {
+            continue; // a formula has neither voxels nor codes
+        }
+        let drawn = match is_of_object {
+            false => renderer.render(&better),
+            true => Subject::load(&better, library, &|_| ())
+                .and_then(|subject| Renderer::new(gpu, library, &subject).render(&better)),
+        };
+        let at = validity.found.len();
+        let most = drawn.map_err(|error| error.to_string()).map(|drawn| {
+            let mut most = 0.0f64;
+            for ((found, better), worst) in frame.pixels.iter().zip(&drawn.pixels).zip(&mut validity.of) {
+                let off = found.iter().zip(better).map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max);
+                most = most.max(off);
+                if off > worst.map_or(TRUSTED, |(_, off)| off) {
+                    *worst = Some((at, off));
+                }
+            }
+            if cause.stays {
+                (scene, frame) = (better, drawn);
+            }
+            most
+        });
+        validity.found.push(Found { cause, most, pixels: 0 });
+    }
+    for (at, _) in validity.of.iter().flatten() {
+        validity.found[*at].pixels += 1;
+    }
+    Ok(validity)
+}
+
+impl Validity {
+    /// The picture in grey, and what is not to be trusted in the color of its cause: pale where little changes, full where a
+    /// tenth does. Result: sRGB, three bytes a pixel.
+    pub fn colors(&self, grey: &[u8]) -> Vec<u8> {
+        let pixel = |(grey, cause): (&u8, &Option<(usize, f64)>)| match cause {
+            None => [*grey / 2; 3],
+            Some((at, off)) => {
+                let full = ((off / TRUSTED).ln() / (0.1 / TRUSTED).ln()).clamp(0.0, 1.0);
+                self.found[*at].cause.color.map(|code| (f64::from(code) * (0.4 + 0.6 * full)) as u8)
+            }
+        };
+        grey.iter().zip(&self.of).flat_map(pixel).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::Options;
+    use crate::scene::parse;
+    use crate::shader::shipped;
+
+    /// How many pixels of a scene each cause has, by its name, and how many are covered.
+    fn found(text: &str) -> (Vec<(&'static str, usize)>, usize) {
+        let scene = parse(text, "scene").unwrap();
+        let (gpu, library) = (Gpu::new(&Options::default()).unwrap(), shipped());
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        let frame = Renderer::new(&gpu, &library, &subject).render(&scene).unwrap();
+        let validity = validity(&gpu, &library, &scene, &subject, &frame).unwrap();
+        let covered = frame.pixels.iter().filter(|pixel| pixel[3] > 0.0).count();
+        assert_eq!(validity.colors(&vec![200; frame.pixels.len()]).len(), 3 * frame.pixels.len());
+        (validity.found.iter().map(|found| (found.cause.name, found.pixels)).collect(), covered)
+    }
+
+    /// The cause of most pixels that are not to be trusted.
+    fn main_cause(text: &str) -> &'static str {
+        let (found, covered) = found(text);
+        let (name, pixels) = found.iter().copied().max_by_key(|(_, pixels)| *pixels).unwrap();
+        assert!(20 * pixels > covered, "{text}: {found:?} of {covered}");
+        name
+    }
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+    fn what_was_made_worse_is_named_as_the_cause() {
+        let scene = |object: &str, effect: &str, quality: &str| {
+            format!(
+                "[object]\n{object}\nouter_iso = 0.4\n[effect]\nclassify = \"soft\"\nsoftness = \"linear\"\nopacity = \"beer\"\n{effect}\n\
+                 [quality]\nearly_termination = 0.0\n{quality}\n[camera]\nzoom = 2.5\n[image]\nsize = [48, 48]\n"
+            )
+        };
+        let sphere = "input = \"sphere\"";
+        assert_eq!(main_cause(&scene(sphere, "opacity_rate = 2.0", "samples = 6")), "step");
+        assert_eq!(main_cause("[object]\ninput = \"sphere\"\n[image]\nsize = [48, 48]\n"), "pixel"); // its edge
+        let stalled = "samples = 400\npass = \"slices\"\ntarget = \"unorm8\"";
+        assert_eq!(main_cause(&scene(sphere, "opacity_rate = 0.5", stalled)), "target");
+        let coarse = "input = \"knot\"\nresolution = 16";
+        assert_eq!(main_cause(&scene(coarse, "opacity_rate = 2.0", "samples = 200")), "voxels");
+    }
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+    fn a_smooth_picture_is_to_be_trusted_nearly_everywhere() {
+        let (found, covered) = found(
+            "[object]\ninput = \"sphere\"\nouter_iso = 0.4\n[effect]\nclassify = \"soft\"\nsoftness = \"quadratic\"\nopacity = \"beer\"\n\
+             opacity_rate = 1.0\n[quality]\nsamples = 400\nearly_termination = 0.0\n[camera]\nzoom = 2.5\n[image]\nsize = [48, 48]\n",
+        );
+        let doubtful: usize = found.iter().map(|(_, pixels)| pixels).sum();
+        assert!(20 * doubtful < covered && covered > 400, "{found:?} of {covered}");
+    }
+}

@@ -1,0 +1,89 @@
+//! The files that a scene names, and which of them it may.
+
+use super::{Scene, SceneError};
+use std::path::{Path, PathBuf};
+
+impl Scene {
+    /// What may be files, by their fields: the inputs of the objects, and custom modules.
+    pub fn files(&self) -> impl Iterator<Item = (String, &str)> {
+        let parts = self.parts.iter().map(|(name, part)| (format!("parts.{name}.object.input"), &part.object));
+        let objects = [("object.input".into(), &self.object)].into_iter().chain(parts);
+        let modules = self.modules.iter().map(|(module, file)| (format!("modules.\"{module}\""), file.as_str()));
+        objects.map(|(field, object)| (field, object.input.as_str())).chain(modules)
+    }
+
+    /// Those files, to be put elsewhere.
+    pub(crate) fn files_mut(&mut self) -> impl Iterator<Item = &mut String> {
+        let objects = [&mut self.object].into_iter().chain(self.parts.values_mut().map(|part| &mut part.object));
+        objects.map(|object| &mut object.input).chain(self.modules.values_mut())
+    }
+}
+
+/// Which files a scene may name that somebody else may have written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reach {
+    /// Those below the folder of the scene, and below the current folder.
+    Beside,
+    /// All.
+    Anywhere,
+}
+
+impl Reach {
+    /// Checks the files that a scene names, which stands in the file `of`.
+    ///
+    /// # Errors
+    /// One that is there and out of reach.
+    pub fn check(self, scene: &Scene, of: &Path) -> Result<(), SceneError> {
+        let folder = of.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folders: Vec<PathBuf> =
+            [folder, Path::new(".")].into_iter().filter_map(|f| f.canonicalize().ok()).collect();
+        let is_out = |file: &Path| !folders.iter().any(|folder| file.starts_with(folder));
+        let files = scene.files().map(|(field, file)| (field, file, Path::new(file).canonicalize()));
+        let out = files.filter(|(.., place)| place.as_ref().is_ok_and(|place| is_out(place))).map(|(field, file, _)| {
+            format!("{field} = {file}: it is in no folder below that of this file or the current one; if that is meant: --outside")
+        });
+        match out.take(1).next().filter(|_| self == Reach::Beside) {
+            Some(reason) => Err(SceneError::Read { path: of.display().to_string(), reason }),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load;
+
+    #[test]
+    fn a_scene_reaches_files_beside_it_and_no_others() {
+        let root = tempfile::tempdir().unwrap();
+        let [home, away] = ["home", "away"].map(|name| root.path().join(name));
+        std::fs::create_dir_all(home.join("deep")).unwrap();
+        std::fs::create_dir(&away).unwrap();
+        for folder in [&home, &home.join("deep"), &away] {
+            std::fs::write(folder.join("a.obj"), "v 0 0 0").unwrap();
+        }
+        let scene = home.join("x.toml");
+        let away = away.join("a.obj").display().to_string();
+        for (input, is_beside) in [
+            ("a.obj", true),
+            ("deep/a.obj", true),
+            ("deep/../a.obj", true),
+            ("../home/a.obj", true),
+            ("../away/a.obj", false),
+            (&away, false),
+            ("/etc/passwd", false),
+            ("/no/such/file", true), // whatever it is, nobody reads it
+        ] {
+            std::fs::write(&scene, format!("[object]\ninput = {input:?}\n")).unwrap();
+            let found = load(&scene, Reach::Beside).map_err(|error| error.to_string());
+            assert_eq!(found.is_ok(), is_beside, "{input}: {found:?}");
+            let said = found.err().unwrap_or_default();
+            assert!(is_beside || said.contains("x.toml: object.input = ") && said.ends_with("--outside"), "{said}");
+            load(&scene, Reach::Anywhere).unwrap();
+        }
+        std::fs::write(&scene, format!("[modules]\n\"dmf/own\" = {away:?}\n")).unwrap();
+        let said = load(&scene, Reach::Beside).unwrap_err().to_string();
+        assert!(said.contains("modules.\"dmf/own\" = ") && said.ends_with("--outside"), "{said}");
+    }
+}

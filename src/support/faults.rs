@@ -1,0 +1,56 @@
+//! Calls that fail when a test says so: of files here, of Vulkan in `gpu::faults`.
+
+use std::cell::{Cell, RefCell};
+use std::io;
+
+thread_local! {
+    /// Calls of this thread that still succeed before one fails.
+    static LEFT: Cell<Option<usize>> = const { Cell::new(None) };
+    /// Calls since then, by name.
+    static CALLS: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };
+    /// What the validation layer has said to this thread.
+    static SAID: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Lets the call of this thread that comes after `left` others fail.
+pub(crate) fn fail_after(left: usize) {
+    LEFT.set(Some(left));
+    CALLS.take();
+}
+
+/// Lets nothing fail any more. Result: the calls since [`fail_after`], by name, and whether one of them failed.
+pub(crate) fn stop() -> (Vec<&'static str>, bool) {
+    let reached = LEFT.take().is_none();
+    let calls = CALLS.take();
+    let failed = reached && !calls.is_empty();
+    (calls, failed)
+}
+
+/// Whether this call fails.
+pub(crate) fn fails(name: &'static str) -> bool {
+    let Some(left) = LEFT.get() else { return false };
+    CALLS.with_borrow_mut(|calls| calls.push(name));
+    LEFT.set(left.checked_sub(1));
+    left == 0
+}
+
+/// A call of the file system, which may fail.
+///
+/// # Errors
+/// A test says so.
+pub(crate) fn file(name: &'static str) -> io::Result<()> {
+    match fails(name) {
+        true => Err(io::Error::other(format!("{name}: no space left on device"))),
+        false => Ok(()),
+    }
+}
+
+/// Notes what the validation layer says.
+pub(crate) fn note(message: &str) {
+    SAID.with_borrow_mut(|said| said.push(message.into()));
+}
+
+/// Takes what the validation layer has said to this thread.
+pub(crate) fn said() -> Vec<String> {
+    SAID.take()
+}
