@@ -3,13 +3,20 @@
 
 use super::args::{Arguments, Command};
 use super::carry_out;
-use crate::gpu::Options;
+use crate::gpu::{Gpu, Options};
+use crate::measure::compare::candidates::Sweep;
+use crate::measure::compare::{Settings, Stage, compare};
+use crate::measure::reference::Reference;
+use crate::render::Subject;
+use crate::scene::{Scene, preset};
+use crate::shader::shipped;
 use crate::support::faults::{self, fail_after, stop};
 use clap::Parser;
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Calls of which a failure costs time and nothing else: those of kept files.
 const DONE_WITHOUT: [&str; 3] = ["read", "create_dir", "vkGetPipelineCacheData"];
@@ -52,6 +59,13 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 /// How many of the first calls of a function fail, and one of how many behind them.
 const TRIED: [usize; 2] = [2, 16];
 
+/// Whether a call is let fail.
+fn is_tried(calls: &[&str], left: usize) -> bool {
+    let before = calls[..left].iter().filter(|other| **other == calls[left]).count();
+    let all = std::env::var("HYPERTEXTURE_FAULTS").is_ok_and(|value| value == "all");
+    all || before < TRIED[0] || before.is_multiple_of(TRIED[1])
+}
+
 /// Lets calls of a command fail, each in its turn; the names of those that did.
 fn fail_each(words: &str, validation: bool) -> BTreeSet<&'static str> {
     let root = tempfile::tempdir().unwrap();
@@ -65,12 +79,7 @@ fn fail_each(words: &str, validation: bool) -> BTreeSet<&'static str> {
     run(words, &whole, &options).unwrap();
     let (calls, _) = stop();
     let (expected, mut failed) = (files(&whole), BTreeSet::new());
-    let all = std::env::var("HYPERTEXTURE_FAULTS").is_ok_and(|value| value == "all");
-    for (left, call) in calls.iter().enumerate() {
-        let before = calls[..left].iter().filter(|other| *other == call).count();
-        if !all && before >= TRIED[0] && before % TRIED[1] != 0 {
-            continue;
-        }
+    for left in (0..calls.len()).filter(|left| is_tried(&calls, *left)) {
         fs::create_dir(&work).unwrap();
         fail_after(left);
         let done = run(words, &work, &options);
@@ -88,7 +97,6 @@ fn fail_each(words: &str, validation: bool) -> BTreeSet<&'static str> {
             let is_whole = expected.get(&name).is_some_and(|whole| is_begun || *whole == bytes);
             assert!(is_whole, "{place}: {} is torn or left behind", name.display());
         }
-        let is_known = |known: &[&str]| known.contains(call);
         match done {
             Err(error) => {
                 let line = error.to_string();
@@ -98,13 +106,13 @@ fn fail_each(words: &str, validation: bool) -> BTreeSet<&'static str> {
                     call => call,
                 };
                 assert!(line.contains(said) && !line.contains('\n'), "{place}: {line}");
-                if all || before == 0 {
+                if calls[..left].iter().all(|other| other != call) {
                     run(words, &work, &options).unwrap(); // what failed once can be done
                     assert!(files(&work) == expected, "{place}: other files");
                 }
             }
             Ok(()) => {
-                assert!(is_known(&DONE_WITHOUT) || is_known(&OF_KEPT) || is_known(&REPEATED), "{place}: no word of it");
+                assert!([&DONE_WITHOUT[..], &OF_KEPT, &REPEATED].concat().contains(call), "{place}: no word of it");
                 assert!(files(&work) == expected, "{place}: other files");
             }
         }
@@ -138,4 +146,46 @@ fn each_call_of_a_picture_a_sequence_and_a_field_may_fail() {
     let missing: Vec<String> =
         named.filter(|name| !failed.contains(name.as_str()) && !ELSEWHERE.contains(&name.as_str())).collect();
     assert!(missing.is_empty(), "no command lets them fail: {missing:?}");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn each_call_of_a_comparison_may_fail_and_costs_it_a_candidate_at_most() {
+    let library = shipped();
+    let mut scene = preset("fire").unwrap();
+    (scene.object.input, scene.image.size) = ("sphere".into(), [8, 8]);
+    let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+    let settings = Settings {
+        sweep: Sweep { quick: true, samples: Some(vec![8]), strategies: Some(vec!["procedural".into()]) },
+        repeat: 1,
+    };
+    let dark = |scene: &Scene| {
+        let count = (scene.image.size[0] * scene.image.size[1]) as usize;
+        let (estimate, open) = (vec![0.0; count], vec![0.0; count]);
+        Ok(Arc::new(Reference { size: scene.image.size, pixels: vec![[0.0; 4]; count], estimate, open }))
+    };
+    let run = |left: usize| {
+        let gpu = Gpu::new(&Options { validation: true, ..Options::default() }).unwrap();
+        let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        fail_after(left);
+        let found = compare(stage, &scene, &settings, &mut { dark }, &|_| ());
+        (found, stop())
+    };
+    let (whole, (calls, _)) = run(usize::MAX);
+    let whole = whole.unwrap();
+    assert!(whole.failures.is_empty() && whole.rows.len() > 1, "{:?}", whole.failures);
+    for left in (0..calls.len()).filter(|left| is_tried(&calls, *left)) {
+        let (found, (made, _)) = run(left);
+        let place = format!("call {left}, {:?}", made.last());
+        assert_eq!(faults::said(), Vec::<String>::new(), "{place}");
+        let lines: Vec<String> = match found {
+            Err(error) => vec![error.to_string()],
+            Ok(found) => {
+                // What nobody needs any more, or what is tried again, has no line: then every candidate is there.
+                assert_eq!(found.rows.len() + found.failures.len(), found.planned, "{place}");
+                found.failures.into_iter().map(|failure| failure.message).collect()
+            }
+        };
+        assert!(lines.iter().all(|line| !line.is_empty() && !line.contains('\n')), "{place}: {lines:?}");
+    }
 }

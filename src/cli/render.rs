@@ -81,7 +81,7 @@ impl Render {
         let mut all: Vec<String> = replaced.map(|field| format!("{} (--max-error chooses)", said(field))).collect();
         let own: Vec<String> = set.iter().map(said).collect();
         all.extend(ignored(library, subject, base, drawn).into_iter().filter(|field| own.contains(field)));
-        if self.depth != "8" && (is(&self.output, "exr") || self.predict) {
+        if self.depth != "8" && (ends(&self.output, "exr") || self.predict) {
             all.push(format!("--depth {}", self.depth));
         }
         if self.predict && self.output != Path::new("out.png") {
@@ -92,7 +92,7 @@ impl Render {
 }
 
 /// Whether a file has this end.
-fn is(path: &Path, end: &str) -> bool {
+fn ends(path: &Path, end: &str) -> bool {
     path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end))
 }
 
@@ -112,7 +112,7 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
         if *file == command.output {
             return Err(format!("--{flag} {name}: the picture goes there; give the map a name of its own").into());
         }
-        if flag == "validity" && !is(file, "png") {
+        if flag == "validity" && !ends(file, "png") {
             return Err(format!("--{flag} {name}: its colors are words; write .png").into());
         }
     }

@@ -4,7 +4,8 @@
 //! synchronization2), through `ash` and `gpu-allocator`. This layer knows pixels, buffers and pipelines, and no scene.
 //! Invariants:
 //! - every owner frees itself, and holds the [`Gpu`] alive until then: the device goes last;
-//! - [`Gpu::submit`] waits for what it submitted, so a resource borrowed by a recording outlives its use;
+//! - [`Gpu::submit`] waits for what it submitted, so a resource borrowed by a recording outlives its use; a device that does
+//!   not finish in time is left alone, with all that was made from it;
 //! - a host read of device data goes through [`Image::read`], which makes the writes visible first.
 
 #![allow(unsafe_code)]

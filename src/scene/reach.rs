@@ -38,13 +38,16 @@ impl Reach {
         let folders: Vec<PathBuf> =
             [folder, Path::new(".")].into_iter().filter_map(|f| f.canonicalize().ok()).collect();
         let is_out = |file: &Path| !folders.iter().any(|folder| file.starts_with(folder));
-        let files = scene.files().map(|(field, file)| (field, file, Path::new(file).canonicalize()));
-        let out = files.filter(|(.., place)| place.as_ref().is_ok_and(|place| is_out(place))).map(|(field, file, _)| {
-            format!("{field} = {file}: it is in no folder below that of this file or the current one; if that is meant: --outside")
-        });
-        match out.take(1).next().filter(|_| self == Reach::Beside) {
-            Some(reason) => Err(SceneError::Read { path: of.display().to_string(), reason }),
+        let is_out = |file: &str| Path::new(file).canonicalize().is_ok_and(|file| is_out(&file));
+        match scene.files().find(|(_, file)| is_out(file)).filter(|_| self == Reach::Beside) {
             None => Ok(()),
+            Some((field, file)) => Err(SceneError::Read {
+                path: of.display().to_string(),
+                reason: format!(
+                    "{field} = {file}: it is not below the folder of this file, nor below the current one; if that is meant: \
+                     --outside"
+                ),
+            }),
         }
     }
 }

@@ -5,10 +5,17 @@ use std::fs;
 /// Bytes that this process may still take, where the system says: of the machine, and of the group that it runs in.
 pub(crate) fn available() -> Option<u64> {
     let of_machine = fs::read_to_string("/proc/meminfo").ok().and_then(|text| of_machine(&text));
-    let of_group = |name: &str| fs::read_to_string(format!("/sys/fs/cgroup/{name}")).ok()?.trim().parse::<u64>().ok();
-    let left_in_group =
-        of_group("memory.max").zip(of_group("memory.current")).map(|(most, now)| most.saturating_sub(now));
-    of_machine.into_iter().chain(left_in_group).min()
+    let [most, now, uses] =
+        ["max", "current", "stat"].map(|name| fs::read_to_string(format!("/sys/fs/cgroup/memory.{name}")).ok());
+    let of_group = most.zip(now).zip(uses).and_then(|((most, now), uses)| of_group(&most, &now, &uses));
+    of_machine.into_iter().chain(of_group).min()
+}
+
+/// What is left in a group: files that are kept in memory go when it is needed.
+fn of_group(most: &str, now: &str, uses: &str) -> Option<u64> {
+    let bytes = |text: &str| text.trim().parse::<u64>().ok(); // no number: no limit
+    let files = uses.lines().find_map(|line| bytes(line.strip_prefix("file ")?)).unwrap_or_default();
+    Some((bytes(most)? + files).saturating_sub(bytes(now)?))
 }
 
 /// What is available in the text of `/proc/meminfo`.
@@ -25,6 +32,8 @@ mod tests {
     fn what_is_left_is_what_the_system_says() {
         assert_eq!(of_machine("MemTotal:  9 kB\nMemAvailable:   20 kB\nBuffers: 7 kB\n"), Some(20 << 10));
         assert_eq!(of_machine("MemTotal:  9 kB\n"), None);
+        assert_eq!(of_group("100\n", "90\n", "anon 20\nfile 70\nfile_dirty 3\n"), Some(80));
+        assert_eq!(of_group("max\n", "90\n", "file 70\n"), None);
         assert!(available().is_none_or(|bytes| bytes > 1 << 20), "this test itself takes more");
     }
 }

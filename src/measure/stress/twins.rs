@@ -16,7 +16,7 @@ pub(super) struct Twin {
     of: fn(&Scene) -> Option<Scene>,
 }
 
-/// Rays and slices take the same samples, and blend them in another order.
+/// What is blended from the other end is rounded otherwise.
 const BLENDED: f64 = 2e-5;
 /// Programs in which a 0 is a constant are rounded otherwise.
 const ROUNDED: f64 = 2e-6;
