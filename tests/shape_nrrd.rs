@@ -159,8 +159,8 @@ fn header_errors_name_the_line_and_the_value() {
         ("spacings: 1 1e-60 1", "line 7: expected steps"),
         ("space directions: (1,0,0) none (0,0,1)", "line 7: expected vectors of 3 numbers"),
         ("space origin: (1,2,3) (4,5,6)", "line 7: expected one vector"),
-        ("data file: other.raw", "line 7: datafile `other.raw` is not supported; attach the data"),
-        ("byte skip: -1", "line 7: byteskip `-1` is not supported"),
+        ("data file: other.raw", "header: the data file `other.raw` is not supported; put the file of the data beside"),
+        ("byte skip: -1", "line 7: byteskip `-1` is not supported; save the file without it"),
         ("kinds: vector domain domain", "line 7: kinds `vector domain domain` is not supported"),
         ("no field at all", "line 7: expected `field: value`"),
         ("sizes: 3 2 1", "line 7: expected each field once"),
@@ -243,7 +243,7 @@ fn damaged_truncated_short_and_long_gzip_data_are_told_apart() {
         &[good.as_slice(), b"junk"].concat(),
     ] {
         let error = error(&file(header, damaged));
-        assert!(matches!(error, ShapeError::Gzip { .. }), "{error}");
+        assert!(matches!(error, ShapeError::Packed { .. }), "{error}");
     }
     let short = error(&file(header, &gzip(&values[..9_000])));
     assert!(matches!(short, ShapeError::DataSize { declared: 10_000, found: Found::Bytes(9_000), .. }), "{short}");

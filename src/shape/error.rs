@@ -185,8 +185,10 @@ pub enum ShapeError {
         zero_area: usize,
     },
     /// The compressed data is damaged.
-    #[error("{file}: byte {offset}: gzip data damaged after {decoded} good bytes: {reason}; copy or export it again")]
-    Gzip {
+    #[error(
+        "{file}: byte {offset}: compressed data damaged after {decoded} good bytes: {reason}; copy or export it again"
+    )]
+    Packed {
         /// The path.
         file: String,
         /// Where the compressed data begins.
@@ -213,6 +215,10 @@ pub enum Location {
     Line(u64),
     /// The header as a whole: something is not there.
     Header,
+    /// A byte, from 0.
+    Byte(u64),
+    /// A face or strip of a mesh, from 0.
+    Face(u64),
 }
 
 /// How many bytes of data a file holds.
@@ -231,6 +237,8 @@ impl fmt::Display for Location {
         match self {
             Location::Line(line) => write!(f, "line {line}"),
             Location::Header => write!(f, "header"),
+            Location::Byte(byte) => write!(f, "byte {byte}"),
+            Location::Face(face) => write!(f, "face {face} (from 0)"),
         }
     }
 }

@@ -5,18 +5,22 @@
 //!
 //! [`open`] is the way in; [`write_nrrd`] is the way back out for volumes. World space is right-handed with y up for
 //! the built-in objects; files keep the coordinates they have. Sources are named where they are used: Newell's teapot
-//! in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `stl` and `nrrd`.
+//! in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `ply`, `stl`, `nrrd`
+//! and `meta`.
 
 mod error;
 mod generated;
 pub mod head;
 mod mesh;
+mod meta;
 mod nrrd;
 mod nrrd_header;
 mod obj;
 mod open;
 pub mod phantom;
+mod ply;
 mod polygon;
+mod raster;
 mod solid;
 mod source;
 mod stl;

@@ -5,9 +5,10 @@
 //! teem.sourceforge.net/nrrd/format.html.
 
 use super::error::{Location, ShapeError, quoted};
+use super::raster::{Packing, Raster, Skip, Type};
 use super::source::Source;
 use super::{Content, MAX_COORDINATE, MAX_VOXELS};
-use glam::{BVec3, DVec3, Vec3};
+use glam::DVec3;
 use std::collections::HashMap;
 
 /// Key of the key/value line that says what the values mean.
@@ -15,87 +16,32 @@ pub(super) const CONTENT_KEY: &str = "hypertexture content";
 /// Its value for [`Content::SignedDistance`].
 pub(super) const SIGNED_DISTANCE: &str = "signed distance";
 
-/// Farther away, f32 rounding moves a sample by more than the 1/100 voxel that `Volume::sample` allows for; nearer, and
-/// micro-CT scans in scanner coordinates would be refused.
-const MAX_VOXELS_FROM_ORIGIN: f64 = 131_072.0;
-
-/// Where and what the samples are.
+/// What a header says.
 pub(super) struct Header {
-    /// Type of a value in the file.
-    pub kind: Type,
-    /// Whether the first byte of a value is its highest.
-    pub big_endian: bool,
-    /// Whether the data is compressed.
-    pub gzip: bool,
-    /// Samples per axis, at least 1, and their product at most [`MAX_VOXELS`].
-    pub size: [u32; 3],
-    /// World position of the first sample after mirrored axes have been turned.
-    pub origin: Vec3,
-    /// Distance between samples, positive.
-    pub spacing: Vec3,
-    /// Axes that run towards smaller coordinates in the file.
-    pub mirrored: BVec3,
-    /// What the values mean.
-    pub content: Content,
+    /// The samples.
+    pub raster: Raster,
+    /// The file that holds them, if not this one, and what is before them in it.
+    pub side: Option<(String, Skip)>,
 }
 
-/// Type of a value in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Type {
-    /// Unsigned 8 bits.
-    U8,
-    /// Signed 8 bits.
-    I8,
-    /// Unsigned 16 bits.
-    U16,
-    /// Signed 16 bits.
-    I16,
-    /// Unsigned 32 bits.
-    U32,
-    /// Signed 32 bits.
-    I32,
-    /// IEEE single.
-    F32,
-    /// IEEE double.
-    F64,
-}
-
-impl Type {
-    /// All names of the format for the types that are read.
-    const NAMES: [(Type, &'static [&'static str]); 8] = [
-        (Type::I8, &["signed char", "int8", "int8_t"]),
-        (Type::U8, &["uchar", "unsigned char", "uint8", "uint8_t"]),
-        (Type::I16, &["short", "short int", "signed short", "signed short int", "int16", "int16_t"]),
-        (Type::U16, &["ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"]),
-        (Type::I32, &["int", "signed int", "int32", "int32_t"]),
-        (Type::U32, &["uint", "unsigned int", "uint32", "uint32_t"]),
-        (Type::F32, &["float"]),
-        (Type::F64, &["double"]),
-    ];
-
-    /// Bytes of a value.
-    pub fn bytes(self) -> u64 {
-        match self {
-            Type::U8 | Type::I8 => 1,
-            Type::U16 | Type::I16 => 2,
-            Type::U32 | Type::I32 | Type::F32 => 4,
-            Type::F64 => 8,
-        }
-    }
-}
+/// All names of the format for the types that are read.
+const NAMES: [(Type, &[&str]); 8] = [
+    (Type::I8, &["signed char", "int8", "int8_t"]),
+    (Type::U8, &["uchar", "unsigned char", "uint8", "uint8_t"]),
+    (Type::I16, &["short", "short int", "signed short", "signed short int", "int16", "int16_t"]),
+    (Type::U16, &["ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"]),
+    (Type::I32, &["int", "signed int", "int32", "int32_t"]),
+    (Type::U32, &["uint", "unsigned int", "uint32", "uint32_t"]),
+    (Type::F32, &["float"]),
+    (Type::F64, &["double"]),
+];
 
 impl Header {
     /// Reads up to the empty line before the data.
     pub fn read(source: &mut Source) -> Result<Header, ShapeError> {
         let fields = Fields::read(source)?;
-        for (name, remedy) in [
-            ("datafile", "attach the data (`unu save -f nrrd -i in.nhdr -o out.nrrd`)"),
-            ("lineskip", "save the file without it"),
-            ("byteskip", "save the file without it"),
-        ] {
-            if fields.optional(name).is_some_and(|value| value != "0") {
-                return Err(fields.unsupported(name, remedy));
-            }
+        if fields.optional("lineskip").is_some_and(|lines| lines != "0") {
+            return Err(fields.unsupported("lineskip", "save the file without it"));
         }
         if fields.required("dimension", "`dimension: 3`")? != "3" {
             return Err(fields.unsupported("dimension", "extract one volume of 3 dimensions"));
@@ -115,25 +61,14 @@ impl Header {
                 return Err(source.malformed_at(fields.place("endian"), "`endian: little` or `endian: big`", found));
             }
         };
-        let gzip =
+        let packing =
             match fields.required("encoding", "`encoding: raw` or `encoding: gzip`")?.to_ascii_lowercase().as_str() {
-                "raw" => false,
-                "gzip" | "gz" => true,
+                "raw" => Packing::None,
+                "gzip" | "gz" => Packing::Gzip,
                 _ => return Err(fields.unsupported("encoding", "save it as raw or gzip (`unu save -f nrrd -e gzip`)")),
             };
         let size = fields.size()?;
         let (origin, step) = fields.placement()?;
-        let mirrored = step.cmplt(DVec3::ZERO);
-        let last = origin + step * DVec3::from(size.map(|n| f64::from(n) - 1.0));
-        let spacing = step.abs().as_vec3();
-        source.check_positions("volume corners", &[origin.as_vec3(), last.as_vec3(), spacing])?;
-        let voxels_away = (origin.abs().max(last.abs()) / step.abs()).max_element();
-        if voxels_away > MAX_VOXELS_FROM_ORIGIN {
-            let (place, found) = (Location::Header, format!("{voxels_away:.0} voxels from the origin"));
-            let remedy =
-                "move it nearer, 32-bit coordinates cannot tell its samples apart (the limit is 131072 voxels)";
-            return Err(ShapeError::Unsupported { file: fields.file, place, what: "a volume", found, remedy });
-        }
         let content = match fields.keys.get(CONTENT_KEY) {
             None => Content::Scalar,
             Some((_, value)) if value == SIGNED_DISTANCE => Content::SignedDistance,
@@ -146,8 +81,9 @@ impl Header {
                 ));
             }
         };
-        let origin = DVec3::select(mirrored, last, origin).as_vec3();
-        Ok(Header { kind, big_endian, gzip, size, origin, spacing, mirrored, content })
+        let side = fields.side()?;
+        let raster = Raster { kind, big_endian, packing, size, origin, step, content };
+        Ok(Header { raster, side })
     }
 }
 
@@ -167,6 +103,9 @@ impl Fields {
         source.next_line(&mut line)?; // the magic number has been seen
         loop {
             if !source.next_line(&mut line)? {
+                if read.fields.contains_key("datafile") {
+                    return Ok(read); // nothing follows
+                }
                 let end = Location::Line(source.line);
                 return Err(source.malformed_at(end, "an empty line and then data", "the end of the file".into()));
             }
@@ -202,6 +141,24 @@ impl Fields {
         self.optional(name).ok_or_else(|| self.malformed(name, expected))
     }
 
+    /// The file that holds the data, and what is before it there.
+    fn side(&self) -> Result<Option<(String, Skip)>, ShapeError> {
+        let skip = match self.optional("byteskip").map(str::parse::<i64>) {
+            None => Skip::Bytes(0),
+            Some(Ok(-1)) => Skip::ToData,
+            Some(Ok(bytes @ 0..)) => Skip::Bytes(bytes as u64),
+            Some(_) => return Err(self.malformed("byteskip", "a number of bytes, or -1")),
+        };
+        match self.optional("datafile") {
+            None if skip == Skip::Bytes(0) => Ok(None),
+            None => Err(self.unsupported("byteskip", "save the file without it")),
+            Some(file) if file.starts_with("LIST") || file.contains('%') => {
+                Err(self.unsupported("datafile", "join its files (`unu save -f nrrd -i in.nhdr -o out.nrrd`)"))
+            }
+            Some(file) => Ok(Some((file.into(), skip))),
+        }
+    }
+
     /// The value of `name`, or its absence, is not `expected`.
     fn malformed(&self, name: &str, expected: &'static str) -> ShapeError {
         let found = self.optional(name).map_or("nothing".into(), |value| quoted(value.as_bytes()));
@@ -215,7 +172,7 @@ impl Fields {
 
     fn kind(&self) -> Result<Type, ShapeError> {
         let name = self.required("type", "a `type` field")?.to_ascii_lowercase();
-        let known = Type::NAMES.iter().find(|(_, names)| names.contains(&name.as_str()));
+        let known = NAMES.iter().find(|(_, names)| names.contains(&name.as_str()));
         let remedy = "convert it to an integer type of at most 32 bits, float or double (`unu convert -t float`)";
         known.map(|(kind, _)| *kind).ok_or_else(|| self.unsupported("type", remedy))
     }

@@ -5,10 +5,10 @@
 
 use super::error::{quoted, shown};
 use super::source::Source;
-use super::{BUILT_IN, Shape, ShapeError, generated, nrrd, obj, stl};
+use super::{BUILT_IN, Shape, ShapeError, generated, meta, nrrd, obj, ply, stl};
 use crate::support::open::{self as plain, OpenError};
 use std::io::{BufRead, BufReader, ErrorKind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// One file format.
 struct Format {
@@ -23,15 +23,17 @@ struct Format {
 /// The formats, tried in this order; a new format is one more line.
 const FORMATS: &[Format] = &[
     Format { extensions: &["nrrd", "nhdr"], recognizes: nrrd::recognizes, read: nrrd::read },
+    Format { extensions: &["mhd", "mha"], recognizes: meta::recognizes, read: meta::read },
+    Format { extensions: &["ply"], recognizes: ply::recognizes, read: ply::read },
     Format { extensions: &["stl"], recognizes: stl::recognizes, read: stl::read },
     Format { extensions: &["obj"], recognizes: |_, _| false, read: obj::read }, // OBJ has no mark to know it by
 ];
 
 /// Opens a built-in object or a file.
 ///
-/// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a
-/// file is chosen by its content where the content tells (NRRD, STL), else by its extension (OBJ). Coordinates stay as
-/// they are in the file. Directories, devices and pipes are refused.
+/// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a file
+/// is chosen by its content where the content tells (NRRD, MetaImage, PLY, STL), else by its extension (OBJ). Coordinates
+/// stay as they are in the file. Directories, devices and pipes are refused.
 ///
 /// # Errors
 /// Any [`ShapeError`]; its message is one line.
@@ -41,7 +43,8 @@ pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
     }
     let path = Path::new(name_or_path);
     let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
-    parse(name_or_path, len, &mut BufReader::new(opened))
+    let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    parse(name_or_path, len, Some(folder), &mut BufReader::new(opened))
 }
 
 /// Reads the content of a file that is already in memory; `name` supplies the extension and the name for messages.
@@ -49,7 +52,7 @@ pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
 /// # Errors
 /// Any [`ShapeError`] that the content can cause.
 pub fn read(name: &str, mut bytes: &[u8]) -> Result<Shape, ShapeError> {
-    parse(name, bytes.len() as u64, &mut bytes)
+    parse(name, bytes.len() as u64, None, &mut bytes)
 }
 
 /// Extensions of all formats, for messages.
@@ -58,8 +61,8 @@ fn known_extensions() -> String {
     all.map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
 }
 
-fn parse(name: &str, len: u64, reader: &mut dyn BufRead) -> Result<Shape, ShapeError> {
-    let mut source = Source { file: shown(name), len, offset: 0, line: 0, reader };
+fn parse(name: &str, len: u64, folder: Option<PathBuf>, reader: &mut dyn BufRead) -> Result<Shape, ShapeError> {
+    let mut source = Source { file: shown(name), len, offset: 0, line: 0, folder, reader };
     let start = source.peek()?;
     if start.is_empty() {
         return Err(ShapeError::Empty { file: source.file });
@@ -118,7 +121,10 @@ mod tests {
             assert!(matches!(error, ShapeError::UnknownName { nearest, .. } if nearest == right), "{wrong}: {error}");
         }
         let message = open("shpere").unwrap_err().to_string();
-        assert!(message.contains("sphere, cube, torus") && message.contains(".nrrd, .nhdr, .stl, .obj"), "{message}");
+        assert!(
+            message.contains("sphere, cube, torus") && message.contains(".nrrd, .nhdr, .mhd, .mha, .ply, .stl, .obj"),
+            "{message}"
+        );
     }
 
     #[test]

@@ -3,10 +3,12 @@
 //! Role: lines and blocks with the place they came from, and the checks that all formats share. Invariant: nothing is
 //! allocated for a count that a file merely declares.
 
-use super::error::{Found, Location, ShapeError, quoted};
+use super::error::{Found, Location, ShapeError, quoted, shown};
 use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
+use crate::support::open;
 use glam::Vec3;
-use std::io::{self, BufRead, Read};
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::{Component, Path, PathBuf};
 
 /// The longest line, in bytes, its end included.
 pub(super) const MAX_LINE: usize = 1 << 20;
@@ -21,11 +23,36 @@ pub(super) struct Source<'a> {
     pub offset: u64,
     /// Lines consumed so far by [`Source::next_line`].
     pub line: u64,
+    /// Where files beside it are; none where it is in memory.
+    pub folder: Option<PathBuf>,
     /// What is left.
     pub reader: &'a mut dyn BufRead,
 }
 
 impl Source<'_> {
+    /// Reads a file beside this one, or below its folder.
+    pub fn beside<T>(
+        &self,
+        name: &str,
+        read: impl FnOnce(&mut Source<'_>) -> Result<T, ShapeError>,
+    ) -> Result<T, ShapeError> {
+        let is_below =
+            Path::new(name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        let folder = self.folder.as_deref().filter(|_| is_below).ok_or_else(|| {
+            let (place, found) = (Location::Header, quoted(name.as_bytes()));
+            let remedy = "put the file of the data beside this one";
+            ShapeError::Unsupported { file: self.file.clone(), place, what: "the data file", found, remedy }
+        })?;
+        let path = folder.join(name);
+        let file = shown(&path.to_string_lossy());
+        let (opened, len) = open::open(&path, u64::MAX).map_err(|error| ShapeError::Unreadable {
+            file: format!("{}: its data file {file}", self.file),
+            reason: error.into(),
+        })?;
+        let mut reader = BufReader::new(opened);
+        read(&mut Source { file, len, offset: 0, line: 0, folder: None, reader: &mut reader })
+    }
+
     /// Bytes that are not consumed yet.
     pub fn remaining(&self) -> u64 {
         self.len.saturating_sub(self.offset)

@@ -20,10 +20,12 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-pub const TARGETS: [Target; 9] = [
+pub const TARGETS: [Target; 11] = [
     Target { name: "obj", seeds: || vec![OBJ.into()], run: |bytes| mesh(shape::read("a.obj", bytes)) },
     Target { name: "stl", seeds: || vec![STL.into(), binary_stl()], run: |bytes| mesh(shape::read("a.stl", bytes)) },
+    Target { name: "ply", seeds: || vec![PLY.into(), binary_ply()], run: |bytes| mesh(shape::read("a.ply", bytes)) },
     Target { name: "nrrd", seeds: || vec![NRRD.into(), ASCII.into()], run: |bytes| mesh(shape::read("a.nrrd", bytes)) },
+    Target { name: "meta", seeds: || vec![META.into()], run: |bytes| mesh(shape::read("a.mha", bytes)) },
     Target { name: "scene", seeds: || vec![SCENE.into(), PRESET.into()], run: scene_of },
     Target { name: "value", seeds: || ["[1, 2.5, 3]", "\"#ffe0c0\"", "true"].map(Vec::from).into(), run: value },
     Target { name: "header", seeds: || vec![HEADER.into()], run: header },
@@ -34,12 +36,25 @@ pub const TARGETS: [Target; 9] = [
 
 const OBJ: &str = "# a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1 1.0\nvn 0 0 1\nvt 0 0\no b\ng c\ns off\nf 1 2 3\nf 1/1 2/1 4/1\nf 1//1 3//1 4//1\nf -3 -2 -1 1\n";
 const STL: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+const PLY: &str = "ply\nformat ascii 1.0\ncomment a\nelement vertex 4\nproperty float x\nproperty double y\nproperty short z\nproperty list uchar int tags\nelement face 2\nproperty list uchar int vertex_indices\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0 0\n1 0 0 1 7\n0 1 0 0\n0 0 1 0\n3 0 1 2\n4 0 1 2 3\n8 0 1 2 3 -1 1 2 3\n";
 const NRRD: &str =
     "NRRD0004\n# a\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspacings: 1 1 0.5\nencoding: raw\nkey:=value\n\n01234567";
+const META: &str = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\nTransformMatrix = 1 0 0 0 1 0 0 0 -1\nOffset = 0 0 1\nElementSpacing = 1 1 0.5\nDimSize = 2 2 2\nElementType = MET_UCHAR\nHeaderSize = 0\nElementDataFile = LOCAL\n01234567";
 const ASCII: &str = "NRRD0005\ntype: float\ndimension: 3\nspace: left-posterior-superior\nsizes: 2 2 2\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: ascii\n\n0 1 2 3 4 5 6 7\n";
 const SCENE: &str = "about = \"a\"\ncombine = \"main | b\"\n[object]\ninput = \"torus\"\nstretch = [1, 2, 1]\n[effect]\ndmf = [\"fur\"]\n[camera]\nclip = [1, 0, 0, 0.5]\n[transfer]\nstops = [{ at = 0.0, color = \"#000000\", density = 0.0, index = 1.0 }]\n[parts.b.object]\ninput = \"sphere\"\n[modules.dmf]\n";
 const HEADER: &str = "// A.\n// Source: -\n// @param a = 0.5 in [0, 1]: A.\n// @color b = #102030: B.\n// @outer a\n// @move +y 0.5 * a + 1\n// @grow a\n// @drift a * 0.5\n// @bound 1\n// @needs normal\n// @exact procedural never\n// @loops 2\n// @places 1\n// @octaves 4\n// @period memory\n// @outside empty\n// @segments c\n#include \"hash.glsl\"\n#include <noise>\nfloat a_(float density, Sample s) { return density; }\n";
 const PRESET: &str = "preset = \"fur\"\n[parameters]\nfineness = 60\n";
+
+/// One triangle.
+fn binary_ply() -> Vec<u8> {
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float \
+                  z\nelement face 1\nproperty list uchar uint vertex_index\nend_header\n";
+    let mut bytes = header.as_bytes().to_vec();
+    bytes.extend([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0f32].iter().flat_map(|x| x.to_le_bytes()));
+    bytes.push(3);
+    bytes.extend([0u32, 1, 2].iter().flat_map(|x| x.to_le_bytes()));
+    bytes
+}
 
 /// One triangle.
 fn binary_stl() -> Vec<u8> {

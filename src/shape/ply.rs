@@ -1,0 +1,401 @@
+//! Polygon File Format (PLY): polygons and strips, as text or binary.
+//!
+//! Role: the elements `vertex`, `face` and `tristrips` into a mesh; all others are read over. Invariant: nothing is allocated
+//! for a count that the header declares. Source: G. Turk, "The PLY polygon file format", Stanford, 1994. Read here and not by
+//! the ply-rs-bw crate, which makes room for what a header declares and does not say where a file is wrong.
+
+use super::error::{Found, Location, ShapeError, quoted};
+use super::polygon::{MAX_CONCAVE_CORNERS, triangulate};
+use super::source::{Source, tokens};
+use super::{MAX_TRIANGLES, Mesh, Shape};
+use glam::Vec3;
+
+/// Whether the file begins with the line `ply`.
+pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
+    start.starts_with(b"ply\n") || start.starts_with(b"ply\r")
+}
+
+/// Reads positions, faces and strips, whatever the order and the types of their properties.
+///
+/// Normals, colors, texture coordinates and elements of other names have no part in the surface and are read over.
+pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
+    let header = Header::read(source)?;
+    let mut parts = Parts::default();
+    let mut values = Values { source, encoding: header.encoding, line: Vec::new(), at: 0 };
+    for element in &header.elements {
+        values.check(element)?;
+        match element.name.as_str() {
+            "vertex" => parts.vertices(&mut values, element)?,
+            "face" => parts.polygons(&mut values, element, false)?,
+            "tristrips" => parts.polygons(&mut values, element, true)?,
+            _ => (0..element.count).try_for_each(|_| values.element(element, |_, _| ()))?,
+        }
+    }
+    parts.finish(source)
+}
+
+/// Type of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Number {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Number {
+    const NAMES: [(Number, [&'static str; 2]); 8] = [
+        (Number::I8, ["char", "int8"]),
+        (Number::U8, ["uchar", "uint8"]),
+        (Number::I16, ["short", "int16"]),
+        (Number::U16, ["ushort", "uint16"]),
+        (Number::I32, ["int", "int32"]),
+        (Number::U32, ["uint", "uint32"]),
+        (Number::F32, ["float", "float32"]),
+        (Number::F64, ["double", "float64"]),
+    ];
+
+    fn named(name: &[u8]) -> Option<Number> {
+        let is_own = |names: &[&str; 2]| names.iter().any(|own| own.as_bytes() == name);
+        Number::NAMES.iter().find(|(_, names)| is_own(names)).map(|(number, _)| *number)
+    }
+
+    fn bytes(self) -> usize {
+        match self {
+            Number::I8 | Number::U8 => 1,
+            Number::I16 | Number::U16 => 2,
+            Number::I32 | Number::U32 | Number::F32 => 4,
+            Number::F64 => 8,
+        }
+    }
+
+    /// The value of bytes, the highest first.
+    fn value(self, big: [u8; 8]) -> f64 {
+        let [a, b, c, d, ..] = big;
+        match self {
+            Number::I8 => f64::from(i8::from_be_bytes([a])),
+            Number::U8 => f64::from(a),
+            Number::I16 => f64::from(i16::from_be_bytes([a, b])),
+            Number::U16 => f64::from(u16::from_be_bytes([a, b])),
+            Number::I32 => f64::from(i32::from_be_bytes([a, b, c, d])),
+            Number::U32 => f64::from(u32::from_be_bytes([a, b, c, d])),
+            Number::F32 => f64::from(f32::from_be_bytes([a, b, c, d])),
+            Number::F64 => f64::from_be_bytes(big),
+        }
+    }
+}
+
+/// How numbers are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Encoding {
+    Text,
+    Little,
+    Big,
+}
+
+/// A number, or a list of them, of each element of a kind.
+struct Property {
+    name: String,
+    /// The type of its length, if it is a list.
+    list: Option<Number>,
+    number: Number,
+}
+
+/// Elements of one kind.
+struct Element {
+    name: String,
+    count: u64,
+    properties: Vec<Property>,
+}
+
+impl Element {
+    /// The place of a property.
+    fn find(&self, names: &[&str], is_list: bool) -> Option<usize> {
+        self.properties.iter().position(|p| names.contains(&p.name.as_str()) && p.list.is_some() == is_list)
+    }
+}
+
+/// What the elements are.
+struct Header {
+    encoding: Encoding,
+    elements: Vec<Element>,
+}
+
+impl Header {
+    /// Reads up to `end_header`.
+    fn read(source: &mut Source) -> Result<Header, ShapeError> {
+        let (mut line, mut encoding, mut elements) = (Vec::new(), None, Vec::<Element>::new());
+        source.next_line(&mut line)?;
+        if line != b"ply" {
+            return Err(source.malformed("`ply`", &line));
+        }
+        loop {
+            if !source.next_line(&mut line)? {
+                let end = Location::Line(source.line);
+                return Err(source.malformed_at(end, "`end_header`", "the end of the file".into()));
+            }
+            let words: Vec<&[u8]> = tokens(&line).collect();
+            match words[..] {
+                [] | [b"comment" | b"obj_info", ..] => {}
+                [b"end_header"] => break,
+                [b"format", name, b"1.0"] if encoding.is_none() => {
+                    encoding = match name {
+                        b"ascii" => Some(Encoding::Text),
+                        b"binary_little_endian" => Some(Encoding::Little),
+                        b"binary_big_endian" => Some(Encoding::Big),
+                        _ => {
+                            let expected = "`ascii`, `binary_little_endian` or `binary_big_endian`";
+                            return Err(source.malformed(expected, name));
+                        }
+                    };
+                }
+                [b"element", name, count] => {
+                    let count = std::str::from_utf8(count).ok().and_then(|count| count.parse().ok());
+                    let count = count.ok_or_else(|| source.malformed("`element NAME COUNT`", &line))?;
+                    let name = String::from_utf8_lossy(name).into_owned();
+                    elements.push(Element { name, count, properties: Vec::new() });
+                }
+                [b"property", .., name] => {
+                    let types: Option<Vec<Number>> = words[1..words.len() - 1]
+                        .iter()
+                        .filter(|word| **word != b"list")
+                        .map(|word| Number::named(word))
+                        .collect();
+                    let (list, number) = match (words[1] == b"list", types.as_deref()) {
+                        (false, Some([number])) => (None, *number),
+                        (true, Some([length, number])) => (Some(*length), *number),
+                        _ => {
+                            return Err(
+                                source.malformed("`property TYPE NAME` or `property list TYPE TYPE NAME`", &line)
+                            );
+                        }
+                    };
+                    let Some(element) = elements.last_mut() else {
+                        return Err(source.malformed("an `element` before its properties", &line));
+                    };
+                    element.properties.push(Property {
+                        name: String::from_utf8_lossy(name).into_owned(),
+                        list,
+                        number,
+                    });
+                }
+                _ => return Err(source.malformed("a line of a PLY header", &line)),
+            }
+        }
+        let encoding = encoding
+            .ok_or_else(|| source.malformed_at(Location::Header, "`format ascii 1.0` or another", "nothing".into()))?;
+        Ok(Header { encoding, elements })
+    }
+}
+
+/// The numbers behind the header.
+struct Values<'a, 'b> {
+    source: &'a mut Source<'b>,
+    encoding: Encoding,
+    /// The line of a text, and how much of it is read.
+    line: Vec<u8>,
+    at: usize,
+}
+
+impl Values<'_, '_> {
+    /// An error where the file is too short for what the header declares.
+    fn check(&self, element: &Element) -> Result<(), ShapeError> {
+        let least = |property: &Property| match (self.encoding, property.list) {
+            (Encoding::Text, _) => 2, // a digit and what ends it
+            (_, Some(length)) => length.bytes() as u64,
+            (_, None) => property.number.bytes() as u64,
+        };
+        let bytes = element.properties.iter().map(least).sum::<u64>();
+        let (declared, left) = (element.count.saturating_mul(bytes), self.left());
+        // The last line of a text may have no end.
+        if declared > left + u64::from(self.encoding == Encoding::Text) {
+            let what = format!("{} of {}, at least {bytes} bytes each", element.count, element.name);
+            return Err(self.source.data_size(declared, what, Found::Bytes(left)));
+        }
+        Ok(())
+    }
+
+    /// Reads an element: calls `take` with each number and the place of its property.
+    fn element(&mut self, element: &Element, mut take: impl FnMut(usize, f64)) -> Result<(), ShapeError> {
+        for (place, property) in element.properties.iter().enumerate() {
+            let count = match property.list {
+                None => 1,
+                Some(length) => {
+                    let count = self.number(length)?;
+                    let bytes = if self.encoding == Encoding::Text { 1 } else { property.number.bytes() as u64 };
+                    if count < 0.0 || count.fract() != 0.0 || count * bytes as f64 > self.left() as f64 + 1.0 {
+                        let found = format!("{count} numbers of `{}`", property.name);
+                        return Err(self.wrong("a list that is in the file", found));
+                    }
+                    count as u64
+                }
+            };
+            for _ in 0..count {
+                take(place, self.number(property.number)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Bytes that are not read yet.
+    fn left(&self) -> u64 {
+        self.source.remaining() + (self.line.len() - self.at) as u64
+    }
+
+    /// What is wrong here.
+    fn wrong(&self, expected: &'static str, found: String) -> ShapeError {
+        let place = match self.encoding {
+            Encoding::Text => Location::Line(self.source.line),
+            _ => Location::Byte(self.source.offset),
+        };
+        self.source.malformed_at(place, expected, found)
+    }
+
+    fn number(&mut self, number: Number) -> Result<f64, ShapeError> {
+        if self.encoding == Encoding::Text {
+            return self.word();
+        }
+        let mut bytes = [0; 8];
+        let own = &mut bytes[..number.bytes()];
+        if self.source.remaining() < own.len() as u64 {
+            return Err(self.wrong("more numbers", "the end of the file".into()));
+        }
+        self.source.fill(own)?;
+        if self.encoding == Encoding::Little {
+            own.reverse();
+        }
+        Ok(number.value(bytes))
+    }
+
+    /// The next number of a text.
+    fn word(&mut self) -> Result<f64, ShapeError> {
+        loop {
+            let rest = &self.line[self.at..];
+            let start = rest.iter().position(|byte| !byte.is_ascii_whitespace());
+            if let Some(start) = start {
+                let word = &rest[start..];
+                let word = &word[..word.iter().position(u8::is_ascii_whitespace).unwrap_or(word.len())];
+                let value = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+                let value = value.ok_or_else(|| self.wrong("a number", quoted(word)))?;
+                self.at += start + word.len();
+                return Ok(value);
+            }
+            self.at = 0;
+            if !self.source.next_line(&mut self.line)? {
+                return Err(self.wrong("more numbers", "the end of the file".into()));
+            }
+        }
+    }
+}
+
+/// What of a mesh has been read.
+#[derive(Default)]
+struct Parts {
+    positions: Vec<Vec3>,
+    /// The corners of all faces and strips, one after another.
+    corners: Vec<u32>,
+    /// How many corners each has, and whether it is a strip.
+    polygons: Vec<(u32, bool)>,
+}
+
+impl Parts {
+    fn vertices(&mut self, values: &mut Values<'_, '_>, element: &Element) -> Result<(), ShapeError> {
+        let place = |name: &str| {
+            let missing = || {
+                let found = quoted(name.as_bytes());
+                values.source.malformed_at(
+                    Location::Header,
+                    "numbers x, y and z of `element vertex`",
+                    format!("no {found}"),
+                )
+            };
+            element.find(&[name], false).ok_or_else(missing)
+        };
+        let places = [place("x")?, place("y")?, place("z")?];
+        values.source.check_triangles(element.count.div_ceil(3))?;
+        for _ in 0..element.count {
+            let mut position = [0.0; 3];
+            values.element(element, |place, value| {
+                for (axis, own) in places.iter().enumerate() {
+                    if *own == place {
+                        position[axis] = value as f32;
+                    }
+                }
+            })?;
+            self.positions.push(Vec3::from(position));
+        }
+        Ok(())
+    }
+
+    fn polygons(&mut self, values: &mut Values<'_, '_>, element: &Element, is_strip: bool) -> Result<(), ShapeError> {
+        let Some(own) = element.find(&["vertex_indices", "vertex_index"], true) else {
+            let expected = "a list `vertex_indices` of its faces";
+            return Err(values.source.malformed_at(Location::Header, expected, format!("none in `{}`", element.name)));
+        };
+        for _ in 0..element.count {
+            let (before, mut bad) = (self.corners.len(), None);
+            values.element(element, |place, value| {
+                if place == own {
+                    let is_index = value.fract() == 0.0 && (0.0..f64::from(END)).contains(&value);
+                    match is_strip && value == -1.0 {
+                        true => self.corners.push(END),
+                        false if is_index => self.corners.push(value as u32),
+                        false => bad = Some(value),
+                    }
+                }
+            })?;
+            if let Some(value) = bad {
+                return Err(values.wrong("the index of a vertex", format!("{value}")));
+            }
+            let count = self.corners.len() - before;
+            if count < 3 {
+                return Err(values.wrong("3 corners or more", format!("{count}")));
+            }
+            values
+                .source
+                .check_triangles((self.corners.len() as u64).saturating_sub(2 * self.polygons.len() as u64))?;
+            self.polygons.push((count as u32, is_strip));
+        }
+        Ok(())
+    }
+
+    fn finish(self, source: &Source) -> Result<Shape, ShapeError> {
+        let (mut triangles, mut corners) = (Vec::new(), self.corners.as_slice());
+        let count = self.positions.len();
+        for (face, (own, is_strip)) in self.polygons.into_iter().enumerate() {
+            let polygon;
+            (polygon, corners) = corners.split_at(own as usize);
+            let place = Location::Face(face as u64);
+            if let Some(index) = polygon.iter().find(|index| **index as usize >= count && !(is_strip && **index == END))
+            {
+                let found = format!("vertex {index} of {count}, counted from 0");
+                return Err(source.malformed_at(place, "a vertex that there is", found));
+            }
+            if is_strip {
+                for strip in polygon.split(|index| *index == END) {
+                    let turned = |(at, corners): (usize, &[u32])| match at % 2 {
+                        0 => [corners[0], corners[1], corners[2]],
+                        _ => [corners[1], corners[0], corners[2]],
+                    };
+                    triangles.extend(strip.windows(3).enumerate().map(turned));
+                }
+            } else if !triangulate(polygon, &self.positions, &mut triangles) {
+                let found = format!("with {own} corners (the limit is {MAX_CONCAVE_CORNERS})");
+                let (file, what, remedy) = (source.file.clone(), "a concave face", "triangulate the mesh first");
+                return Err(ShapeError::Unsupported { file, place, what, found, remedy });
+            }
+        }
+        source.check_positions("vertices", &self.positions)?;
+        source.finish(Mesh::cleaned(self.positions, triangles))
+    }
+}
+
+/// Where a strip of triangles ends and the next one begins.
+const END: u32 = u32::MAX;
+
+// No vertex has that index.
+const _: () = assert!(3 * MAX_TRIANGLES < END as u64);

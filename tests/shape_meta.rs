@@ -1,0 +1,216 @@
+//! Volumes whose data lies behind a MetaImage header or in a file beside one: what is read, and what is refused.
+#![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
+
+use flate2::{Compression, write::ZlibEncoder};
+use glam::Vec3;
+use hypertexture::shape::{Content, Shape, Volume, open, read};
+use std::fs;
+use std::io::Write;
+
+/// A name and what writes numbers.
+type Type = (&'static str, fn(f32) -> Vec<u8>);
+
+/// The types, their bytes, and how numbers from 0 to 99 are written in them, the lowest byte first.
+const TYPES: [Type; 10] = [
+    ("MET_CHAR", |x| (x as i8 - 50).to_le_bytes().into()),
+    ("MET_UCHAR", |x| (x as u8).to_le_bytes().into()),
+    ("MET_SHORT", |x| (x as i16 * 300 - 5000).to_le_bytes().into()),
+    ("MET_USHORT", |x| (x as u16 * 600).to_le_bytes().into()),
+    ("MET_INT", |x| (x as i32 * 100_000 - 7).to_le_bytes().into()),
+    ("MET_UINT", |x| (x as u32 * 100_000).to_le_bytes().into()),
+    ("MET_LONG", |x| (x as i32 * -1000).to_le_bytes().into()),
+    ("MET_ULONG", |x| (x as u32 * 1000).to_le_bytes().into()),
+    ("MET_FLOAT", |x| (x * 0.37 - 1.0).to_le_bytes().into()),
+    ("MET_DOUBLE", |x| f64::from(x * 0.5).to_le_bytes().into()),
+];
+const WORTH: [fn(f32) -> f32; 10] = [
+    |x| x - 50.0,
+    |x| x,
+    |x| x * 300.0 - 5000.0,
+    |x| x * 600.0,
+    |x| x * 100_000.0 - 7.0,
+    |x| x * 100_000.0,
+    |x| x * -1000.0,
+    |x| x * 1000.0,
+    |x| x * 0.37 - 1.0,
+    |x| x * 0.5,
+];
+
+const HEADER: &str = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n\
+                      TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 1.5 -2 0.25\nCenterOfRotation = 0 0 0\n\
+                      AnatomicalOrientation = RAI\nElementSpacing = 0.5 1 2\nDimSize = 4 5 3\nElementType = MET_UCHAR\n\
+                      ElementDataFile = LOCAL\n";
+
+/// Numbers 0 to 59 of a type.
+fn data(kind: usize, big_endian: bool) -> Vec<u8> {
+    let one = |index: u32| {
+        let mut bytes = TYPES[kind].1(index as f32);
+        if big_endian {
+            bytes.reverse();
+        }
+        bytes
+    };
+    (0..60).flat_map(one).collect()
+}
+
+fn zlib(data: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+    encoder.write_all(data).unwrap();
+    encoder.finish().unwrap()
+}
+
+fn volume(shape: Result<Shape, hypertexture::shape::ShapeError>) -> Volume {
+    match shape {
+        Ok(Shape::Volume(volume)) => volume,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn error(header: &str, data: &[u8]) -> String {
+    let line = read("test.mha", &[header.as_bytes(), data].concat()).unwrap_err().to_string();
+    assert!(line.starts_with("test.mha: ") && !line.contains('\n'), "{line}");
+    line
+}
+
+#[test]
+fn s01_every_type_order_and_packing_gives_the_values_in_their_place() {
+    for (kind, (name, _)) in TYPES.iter().enumerate() {
+        for big_endian in [false, true] {
+            for packed in [false, true] {
+                let header = HEADER
+                    .replace("MET_UCHAR", name)
+                    .replace("MSB = False", if big_endian { "MSB = True" } else { "MSB = False" })
+                    .replace(
+                        "CompressedData = False",
+                        if packed { "CompressedData = True" } else { "CompressedData = False" },
+                    );
+                let data = data(kind, big_endian);
+                let data = if packed { zlib(&data) } else { data };
+                let read = volume(read("test.mha", &[header.as_bytes(), &data].concat()));
+                let found = (read.size, read.origin, read.spacing, read.content);
+                assert_eq!(found, ([4, 5, 3], Vec3::new(1.5, -2.0, 0.25), Vec3::new(0.5, 1.0, 2.0), Content::Scalar));
+                for (index, value) in read.values.iter().enumerate() {
+                    assert_eq!(*value, WORTH[kind](index as f32), "{name}, {index}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn an_axis_that_runs_backwards_is_turned() {
+    let header = HEADER.replace("1 0 0 0 1 0 0 0 1", "1 0 0 0 -1 0 0 0 1");
+    let read = volume(read("test.mha", &[header.as_bytes(), &data(1, false)].concat()));
+    assert_eq!(read.origin, Vec3::new(1.5, -6.0, 0.25));
+    // The first sample of the file is at its offset.
+    assert_eq!(read.sample(Vec3::new(1.5, -2.0, 0.25)), Some(0.0));
+    assert_eq!(read.sample(Vec3::new(2.0, -3.0, 0.25)), Some(5.0));
+}
+
+#[test]
+fn data_beside_the_header_is_read_and_what_is_before_it_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let shown = |name: &str| at(name).display().to_string();
+    fs::create_dir(at("deep")).unwrap();
+    fs::write(at("deep/v.raw"), data(1, false)).unwrap();
+    fs::write(at("v.zraw"), zlib(&data(1, false))).unwrap();
+    fs::write(at("h.raw"), [&[9; 17][..], &data(1, false)].concat()).unwrap();
+    let expected = volume(read("x.mha", &[HEADER.as_bytes(), &data(1, false)].concat()));
+    for (change, file) in [
+        ("", "deep/v.raw"),
+        ("", "./deep/v.raw"),
+        ("CompressedData = True\n", "v.zraw"),
+        ("HeaderSize = 17\n", "h.raw"),
+        ("HeaderSize = -1\n", "h.raw"),
+    ] {
+        let header = HEADER.replace("LOCAL", file);
+        let header = if change.starts_with('C') { header.replace("CompressedData = False\n", "") } else { header };
+        fs::write(at("v.mhd"), header.replacen("NDims", &format!("{change}NDims"), 1)).unwrap();
+        let read = volume(open(&shown("v.mhd")));
+        assert_eq!((read.size, read.origin, read.values), (expected.size, expected.origin, expected.values.clone()));
+    }
+    // A header of NRRD knows the same.
+    for (change, file) in [("", "deep/v.raw"), ("byte skip: 17\n", "h.raw"), ("byte skip: -1\n", "h.raw")] {
+        let header =
+            format!("NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 5 3\nencoding: raw\n{change}data file: {file}\n\n");
+        for header in [header.as_str(), header.trim_end()] {
+            fs::write(at("v.nhdr"), header).unwrap();
+            assert_eq!(volume(open(&shown("v.nhdr"))).values, expected.values);
+        }
+    }
+    for (file, said) in [
+        ("none.raw", "its data file"),
+        ("../v.raw", "put the file of the data beside this one"),
+        ("/etc/passwd", "put the file of the data beside this one"),
+        ("deep", "is a directory"),
+        ("h.raw", "the header declares 60 bytes of data"),
+        ("LIST", "join its files"),
+        ("slice%03d.raw 1 3 1", "join its files"),
+    ] {
+        fs::write(at("v.mhd"), HEADER.replace("LOCAL", file)).unwrap();
+        let line = open(&shown("v.mhd")).unwrap_err().to_string();
+        assert!(line.contains(said) && !line.contains('\n'), "{file}: {line}");
+    }
+    assert!(error(&HEADER.replace("LOCAL", "v.raw"), &[]).contains("put the file of the data beside this one"));
+}
+
+#[test]
+fn what_is_wrong_is_said_with_its_place() {
+    for (from, to, said) in [
+        ("= Image", "= Tube", "line 1: ObjectType `Tube` is not supported"),
+        ("NDims = 3", "NDims = 4", "line 2: expected `NDims = 3`"),
+        ("NDims = 3\n", "", "header: expected `NDims = 3`"),
+        ("BinaryData = True", "BinaryData = False", "line 3: BinaryData `False` is not supported"),
+        ("MSB = False", "MSB = maybe", "line 4: expected `True` or `False`"),
+        ("1 0 0 0 1 0 0 0 1", "0 1 0 1 0 0 0 0 1", "line 6: TransformMatrix `0 1 0 1 0 0 0 0 1` is not supported"),
+        ("1 0 0 0 1 0 0 0 1", "1 0 0", "line 6: expected 9 finite numbers"),
+        ("1.5 -2 0.25", "1.5 inf 0.25", "line 7: expected 3 finite numbers"),
+        ("1.5 -2 0.25", "1e9 0 0", "voxels from the origin is not supported"),
+        ("0.5 1 2", "0.5 0 2", "line 10: expected distances between samples"),
+        ("0.5 1 2", "0.5 -1 2", "line 10: expected distances between samples"),
+        ("4 5 3", "4 0 3", "line 11: expected 3 whole numbers"),
+        ("4 5 3", "4 5", "line 11: expected 3 whole numbers"),
+        ("4 5 3", "4000000000 4000000000 4000000000", "voxels, the limit is"),
+        ("4 5 3", "4 5 4", "the header declares 80 bytes of data (4 x 5 x 4 voxels of 1 bytes), the file holds 60"),
+        ("MET_UCHAR", "MET_LONG_LONG", "line 12: ElementType `MET_LONG_LONG` is not supported"),
+        ("MET_UCHAR", "MET_FLOAT", "the header declares 240 bytes"),
+        ("ElementType = MET_UCHAR\n", "", "header: expected `ElementType = MET_...`"),
+        ("ElementDataFile = LOCAL\n", "", "`ElementDataFile = ...`, found the end of the file"),
+        ("Offset", "NDims", "expected each key once"),
+        ("CompressedData = False", "CompressedData = True", "compressed data damaged"),
+        (
+            "ElementSpacing",
+            "ElementNumberOfChannels = 3\nElementSpacing",
+            "ElementNumberOfChannels `3` is not supported",
+        ),
+        ("ElementSpacing", "HeaderSize = many\nElementSpacing", "expected a number of bytes, or -1"),
+        ("Offset = ", "Offset ", "line 7: expected `Key = value`"),
+    ] {
+        let bad = HEADER.replacen(from, to, 1);
+        assert_ne!(bad, HEADER, "{from}");
+        let data = if to.is_empty() && from.starts_with("ElementDataFile") { Vec::new() } else { data(1, false) };
+        let line = error(&bad, &data);
+        assert!(line.contains(said), "{from} -> {to}: {line}");
+    }
+    let bomb = HEADER.replace("4 5 3", "1000 1000 1000").replace("CompressedData = False", "CompressedData = True");
+    assert!(error(&bomb, &zlib(&[0; 1000])).contains("at most"));
+    let nan = HEADER.replace("MET_UCHAR", "MET_FLOAT");
+    let mut values = data(8, false);
+    values[16..20].copy_from_slice(&f32::NAN.to_le_bytes());
+    assert!(error(&nan, &values).contains("1 of 60 voxels are NaN"));
+}
+
+#[test]
+#[cfg_attr(not(test_data), ignore = "needs HYPERTEXTURE_DATA")]
+fn the_small_head_has_its_known_voxels() {
+    let folder = std::env::var("HYPERTEXTURE_DATA").unwrap();
+    let head = volume(open(&format!("{folder}/ct_head_unc_64.mhd")));
+    assert_eq!((head.size, head.spacing, head.origin), ([64, 64, 56], Vec3::splat(4.0), Vec3::new(1.5, 1.5, 1.0)));
+    assert_eq!(head.range(), (0.0, 3167.0));
+    let mean = head.values.iter().map(|value| f64::from(*value)).sum::<f64>() / head.values.len() as f64;
+    assert!((mean - 380.979).abs() < 5e-4, "{mean}");
+    for (iso, count) in [(500.0, 62_581), (1300.0, 14_116)] {
+        assert_eq!(head.values.iter().filter(|&&value| value >= iso).count(), count);
+    }
+}
