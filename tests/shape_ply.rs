@@ -180,6 +180,8 @@ fn what_a_header_only_declares_takes_no_memory() {
         shape::read("x.ply", huge.as_bytes()),
         Err(ShapeError::DataSize { declared: 48_000_000_000, .. })
     ));
+    let nothing = "ply\nformat ascii 1.0\nelement nothing 18446744073709551615\nend_header\n";
+    assert!(error(nothing.as_bytes()).contains("no triangles"));
     let list = "ply\nformat binary_little_endian 1.0\nelement other 1\nproperty list uint double values\nend_header\n";
     let bytes = [list.as_bytes(), &u32::MAX.to_le_bytes(), &[0; 64]].concat();
     assert!(error(&bytes).contains("expected a list that is in the file, found 4294967295 numbers of `values`"));

@@ -28,6 +28,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
             "vertex" => parts.vertices(&mut values, element)?,
             "face" => parts.polygons(&mut values, element, false)?,
             "tristrips" => parts.polygons(&mut values, element, true)?,
+            _ if element.properties.is_empty() => {} // however many: nothing is written of them
             _ => (0..element.count).try_for_each(|_| values.element(element, |_, _| ()))?,
         }
     }
