@@ -73,7 +73,7 @@ fn error(header: &str, data: &[u8]) -> String {
 }
 
 #[test]
-fn s01_every_type_order_and_packing_gives_the_values_in_their_place() {
+fn every_type_order_and_packing_gives_the_values_in_their_place() {
     for (kind, (name, _)) in TYPES.iter().enumerate() {
         for big_endian in [false, true] {
             for packed in [false, true] {

@@ -90,7 +90,7 @@ fn error(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn s01_every_encoding_and_every_type_gives_the_same_box() {
+fn every_encoding_and_every_type_gives_the_same_box() {
     for (encoding, name) in ENCODINGS {
         for (old, new, _, is_float) in TYPES {
             for kind in [old, new] {
