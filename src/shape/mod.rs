@@ -8,7 +8,6 @@
 //! in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `ply`, `stl`, `nrrd`,
 //! `meta` and `vdb`.
 
-mod dicom;
 mod error;
 mod generated;
 mod grid;
