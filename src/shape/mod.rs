@@ -5,11 +5,12 @@
 //!
 //! [`open`] is the way in; [`write_nrrd`] is the way back out for volumes. World space is right-handed with y up for
 //! the built-in objects; files keep the coordinates they have. Sources are named where they are used: Newell's teapot
-//! in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `ply`, `stl`, `nrrd`
-//! and `meta`.
+//! in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `ply`, `stl`, `nrrd`,
+//! `meta` and `vdb`.
 
 mod error;
 mod generated;
+mod grid;
 pub mod head;
 mod mesh;
 mod meta;
@@ -27,6 +28,7 @@ mod stl;
 mod tank;
 pub mod teapot;
 mod teapot_data;
+mod vdb;
 mod volume;
 
 pub use error::{Found, Location, ShapeError};
@@ -118,6 +120,8 @@ pub enum Content {
     Scalar,
     /// A signed distance in world units, positive outside.
     SignedDistance,
+    /// Negative inside and zero on the surface; what lies far from it says nothing but its side.
+    LevelSet,
 }
 
 impl Shape {
@@ -141,7 +145,7 @@ impl Shape {
             Shape::Mesh(mesh) => mesh.positions.iter_mut().for_each(|position| *position *= by),
             Shape::Volume(volume) => {
                 (volume.origin, volume.spacing) = (by * volume.origin, by * volume.spacing);
-                if volume.content == Content::SignedDistance {
+                if volume.content != Content::Scalar {
                     volume.values.iter_mut().for_each(|distance| *distance *= by);
                 }
             }

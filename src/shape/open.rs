@@ -5,7 +5,7 @@
 
 use super::error::{quoted, shown};
 use super::source::Source;
-use super::{BUILT_IN, Shape, ShapeError, generated, meta, nrrd, obj, ply, stl};
+use super::{BUILT_IN, Shape, ShapeError, generated, meta, nrrd, obj, ply, stl, vdb};
 use crate::support::open::{self as plain, OpenError};
 use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -24,6 +24,7 @@ struct Format {
 const FORMATS: &[Format] = &[
     Format { extensions: &["nrrd", "nhdr"], recognizes: nrrd::recognizes, read: nrrd::read },
     Format { extensions: &["mhd", "mha"], recognizes: meta::recognizes, read: meta::read },
+    Format { extensions: &["vdb"], recognizes: vdb::recognizes, read: vdb::read },
     Format { extensions: &["ply"], recognizes: ply::recognizes, read: ply::read },
     Format { extensions: &["stl"], recognizes: stl::recognizes, read: stl::read },
     Format { extensions: &["obj"], recognizes: |_, _| false, read: obj::read }, // OBJ has no mark to know it by

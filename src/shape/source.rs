@@ -93,6 +93,46 @@ impl Source<'_> {
         Ok(())
     }
 
+    /// The next `N` bytes; `what` they are of is said where the file ends before.
+    pub fn array<const N: usize>(&mut self, what: &str) -> Result<[u8; N], ShapeError> {
+        self.expect(N as u64, what)?;
+        let mut bytes = [0; N];
+        self.fill(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// The next `bytes` bytes, a number that the file declares: memory is taken for those that are there.
+    pub fn block(&mut self, bytes: u64, what: &str) -> Result<Vec<u8>, ShapeError> {
+        self.expect(bytes, what)?;
+        let mut block = Vec::new();
+        let read = (&mut *self.reader).take(bytes).read_to_end(&mut block);
+        self.consumed(read.map(|read| read as u64), bytes, what)?;
+        Ok(block)
+    }
+
+    /// Goes over the next `bytes` bytes.
+    pub fn skip(&mut self, bytes: u64, what: &str) -> Result<(), ShapeError> {
+        self.expect(bytes, what)?;
+        let skipped = io::copy(&mut (&mut *self.reader).take(bytes), &mut io::sink());
+        self.consumed(skipped, bytes, what)
+    }
+
+    /// An error where fewer than `bytes` bytes are left.
+    fn expect(&self, bytes: u64, what: &str) -> Result<(), ShapeError> {
+        let left = self.remaining();
+        if bytes <= left { Ok(()) } else { Err(self.data_size(bytes, what.into(), Found::Bytes(left))) }
+    }
+
+    /// Counts what was read, an error where it is less than `bytes`.
+    fn consumed(&mut self, read: io::Result<u64>, bytes: u64, what: &str) -> Result<(), ShapeError> {
+        let read = read.map_err(|reason| self.unreadable(reason))?;
+        if read < bytes {
+            return Err(self.data_size(bytes, what.into(), Found::Bytes(read)));
+        }
+        self.offset += bytes;
+        Ok(())
+    }
+
     /// The operating system's error.
     pub fn unreadable(&self, reason: io::Error) -> ShapeError {
         ShapeError::Unreadable { file: self.file.clone(), reason }
@@ -124,18 +164,7 @@ impl Source<'_> {
 
     /// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].
     pub fn check_positions(&self, what: &'static str, positions: &[Vec3]) -> Result<(), ShapeError> {
-        let file = || self.file.clone();
-        if let Some(first) = positions.iter().position(|p| !p.is_finite()) {
-            let count = positions.iter().filter(|p| !p.is_finite()).count();
-            return Err(ShapeError::NotFinite { file: file(), what, count, total: positions.len(), first });
-        }
-        match positions.iter().position(|p| p.abs().max_element() > MAX_COORDINATE) {
-            Some(index) => {
-                let value = positions[index].abs().max_element();
-                Err(ShapeError::CoordinateRange { file: file(), what, index, value, limit: MAX_COORDINATE })
-            }
-            None => Ok(()),
-        }
+        check_positions(&self.file, what, positions)
     }
 
     /// A cleaned mesh as a shape; an error if nothing is left of it.
@@ -144,6 +173,21 @@ impl Source<'_> {
             return Err(ShapeError::NoTriangles { file: self.file.clone(), zero_area });
         }
         Ok(Shape::Mesh(mesh))
+    }
+}
+
+/// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].
+pub(super) fn check_positions(file: &str, what: &'static str, positions: &[Vec3]) -> Result<(), ShapeError> {
+    if let Some(first) = positions.iter().position(|p| !p.is_finite()) {
+        let count = positions.iter().filter(|p| !p.is_finite()).count();
+        return Err(ShapeError::NotFinite { file: file.into(), what, count, total: positions.len(), first });
+    }
+    match positions.iter().position(|p| p.abs().max_element() > MAX_COORDINATE) {
+        Some(index) => {
+            let value = positions[index].abs().max_element();
+            Err(ShapeError::CoordinateRange { file: file.into(), what, index, value, limit: MAX_COORDINATE })
+        }
+        None => Ok(()),
     }
 }
 
