@@ -5,6 +5,7 @@ use super::compare::Compare;
 use super::explain::Explain;
 use super::field::Field;
 use super::gallery::GalleryArguments;
+use super::info::Info;
 use super::merge::Merge;
 use super::render::Render;
 use super::stress::Stress;
@@ -46,6 +47,8 @@ pub enum Command {
     Compare(Box<Compare>),
     /// Say what a picture is made with, what its scene leaves out and why, and what that saves.
     Explain(Box<Explain>),
+    /// What a mesh or a volume holds: counts, box, open edges, range of values, iso-values worth looking at.
+    Info(Info),
     /// Measure what effects, example scenes and fields cost on this device, and what got slower since a saved run.
     Bench(Bench),
     /// List the effects and their parameters.

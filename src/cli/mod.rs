@@ -14,6 +14,7 @@ mod fault_tests;
 mod field;
 mod flags;
 pub mod gallery;
+mod info;
 #[cfg(all(test, feature = "viewer"))]
 mod line_tests;
 mod log;
@@ -158,6 +159,7 @@ fn carry_out(command: Command, options: &Options, quiet: bool) -> Result<(), Box
         Command::Compare(command) => compare::run(&command, options, quiet),
         Command::Bench(command) => bench::run(&command, options, quiet),
         Command::Explain(command) => explain::run(&command, options, quiet),
+        Command::Info(command) => info::run(&command),
         Command::Effects => effects::run(),
         Command::Settings => {
             say(&settings::page());

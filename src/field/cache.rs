@@ -55,7 +55,7 @@ impl Key {
                 hash.update(bytemuck::cast_slice(&mesh.positions)).update(bytemuck::cast_slice(&mesh.triangles));
             }
             Shape::Volume(volume) => {
-                hash.update(&[2, u8::from(volume.content == Content::SignedDistance)]);
+                hash.update(&[2, volume.content as u8]);
                 hash.update(bytemuck::bytes_of(&volume.size));
                 floats(&mut hash, &[request.iso]);
                 floats(&mut hash, &volume.origin.to_array());

@@ -156,3 +156,42 @@ fn rounded(value: f64, step: f64) -> f32 {
     let decade = 10f64.powi(step.log10().floor() as i32);
     ((value / decade).round() * decade) as f32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Content;
+    use super::*;
+    use glam::Vec3;
+
+    /// Three materials in shells, blurred over two voxels, with noise of `noise`: of values 20, 1000 and 1800.
+    fn shells(noise: f32, scale: f32) -> Volume {
+        let size = [48; 3];
+        let (origin, spacing) = (Vec3::splat(-23.5), Vec3::ONE);
+        let mut volume = Volume { size, origin, spacing, values: Vec::new(), content: Content::Scalar };
+        let mut state = 1u32;
+        for index in 0..48 * 48 * 48 {
+            let radius = volume.position([index % 48, index / 48 % 48, index / 2304]).length();
+            let step = |at: f32| 0.5 - 0.5 * ((radius - at) / 1.2).clamp(-1.0, 1.0);
+            state = state.wrapping_mul(1664525).wrapping_add(1013904223);
+            let speckle = noise * (f32::from((state >> 16) as u16) / 32768.0 - 1.0);
+            volume.values.push(scale * (20.0 + 980.0 * step(19.0) + 800.0 * step(11.0) + speckle));
+        }
+        volume
+    }
+
+    #[test]
+    fn the_boundaries_of_materials_are_proposed_whatever_the_units() {
+        for (noise, scale) in [(0.0, 1.0), (25.0, 1.0), (25.0, 1e-6), (10.0, 1e6)] {
+            let found: Vec<f32> = shells(noise, scale).iso_values().iter().map(|value| value / scale).collect();
+            let [outer, inner] = found[..] else { panic!("{noise} {scale}: {found:?}") };
+            assert!((200.0..800.0).contains(&outer) && (1100.0..1700.0).contains(&inner), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_volume_of_one_value_or_one_row_has_none() {
+        let volume = shells(0.0, 1.0);
+        assert!(Volume { values: vec![3.0; volume.values.len()], ..volume.clone() }.iso_values().is_empty());
+        assert!(Volume { size: [48 * 48 * 48, 1, 1], ..volume }.iso_values().is_empty());
+    }
+}

@@ -12,6 +12,7 @@ mod error;
 mod generated;
 mod grid;
 pub mod head;
+mod iso_values;
 mod mesh;
 mod meta;
 mod nrrd;
@@ -33,6 +34,8 @@ mod volume;
 
 pub use error::{Found, Location, ShapeError};
 pub use generated::BUILT_IN;
+pub use iso_values::Histogram;
+pub use mesh::Edges;
 pub use nrrd::write_nrrd;
 pub use open::{open, read};
 

@@ -123,7 +123,8 @@ mod tests {
         }
         let message = open("shpere").unwrap_err().to_string();
         assert!(
-            message.contains("sphere, cube, torus") && message.contains(".nrrd, .nhdr, .mhd, .mha, .ply, .stl, .obj"),
+            message.contains("sphere, cube, torus")
+                && message.contains(".nrrd, .nhdr, .mhd, .mha, .vdb, .ply, .stl, .obj"),
             "{message}"
         );
     }

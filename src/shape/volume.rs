@@ -28,6 +28,27 @@ impl Volume {
         self.values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
     }
 
+    /// How fast the values change across the surface of a distance, per world unit: the median length of the gradient where
+    /// the sign changes. 1 for a distance; none where no sign changes.
+    pub fn slope_at_zero(&self) -> Option<f32> {
+        let [nx, ny, nz] = self.size.map(|n| n as usize);
+        let at = |x: usize, y: usize, z: usize| self.values[(z * ny + y) * nx + x];
+        let mut slopes = Vec::new();
+        for z in 0..nz.saturating_sub(1) {
+            for y in 0..ny.saturating_sub(1) {
+                for x in 0..nx.saturating_sub(1) {
+                    let value = at(x, y, z);
+                    let next = Vec3::new(at(x + 1, y, z), at(x, y + 1, z), at(x, y, z + 1));
+                    if next.to_array().iter().any(|next| (*next <= 0.0) != (value <= 0.0)) {
+                        slopes.push(((next - value) / self.spacing).length());
+                    }
+                }
+            }
+        }
+        let middle = slopes.len() / 2;
+        (!slopes.is_empty()).then(|| *slopes.select_nth_unstable_by(middle, f32::total_cmp).1)
+    }
+
     /// Trilinear value at world position `p`; `None` outside [`Volume::bounds`] and for NaN.
     ///
     /// Exact at the samples. Up to 1/100 of a voxel outside, where the rounding of the bounds may lie, the value is
@@ -101,6 +122,27 @@ mod tests {
         assert_eq!(volume.sample(min - Vec3::X * 0.1), None);
         assert_eq!(volume.sample(max + Vec3::Z * 0.1), None);
         assert_eq!(volume.sample(Vec3::new(f32::NAN, 2.5, 1.0)), None);
+    }
+
+    /// A ball whose values change by `rate` per world unit, 13 voxels of different lengths wide.
+    fn ball(rate: f32) -> Volume {
+        let (size, spacing) = ([13, 15, 17], Vec3::new(0.2, 0.17, 0.15));
+        let origin = -0.5 * spacing * Vec3::new(12.0, 14.0, 16.0);
+        let mut volume = Volume { size, origin, spacing, values: Vec::new(), content: Content::SignedDistance };
+        for index in 0..13 * 15 * 17 {
+            let place = volume.position([index % 13, index / 13 % 15, index / 195]);
+            volume.values.push(rate * (place.length() - 0.9));
+        }
+        volume
+    }
+
+    #[test]
+    fn a_distance_rises_by_1_and_what_claims_to_be_one_does_not() {
+        for rate in [1.0, 0.25, 40.0] {
+            let slope = ball(rate).slope_at_zero().unwrap() / rate;
+            assert!((slope - 1.0).abs() < 0.05, "{rate}: {slope}");
+        }
+        assert_eq!(Volume { values: vec![1.0; 13 * 15 * 17], ..ball(1.0) }.slope_at_zero(), None);
     }
 
     #[test]

@@ -169,6 +169,7 @@ fn arguments() -> Vec<Bad> {
         ("merge", "--"),
         ("gallery none.obj", "none.obj"),
         ("explain", "<INPUT>"),
+        ("info", "<INPUT>"),
         ("field", "<INPUT>"),
         ("completions none", "none"),
     ] {

@@ -149,18 +149,61 @@ mod tests {
     use base64::Engine;
     use base64::engine::general_purpose::STANDARD;
 
-    /// 900 numbers that compress well, and not at all at their end, as floats.
+    /// 340 numbers that compress well, and not at all at their end, as floats.
     fn numbers() -> Vec<u8> {
-        let smooth = (0..800).map(|index| (index / 7) as f32 * 0.25);
-        let rough = (0..100_u32).map(|index| f32::from_bits(index.wrapping_mul(2_654_435_769) >> 2));
+        let smooth = (0..300).map(|index| (index / 7) as f32 * 0.25);
+        let rough = (0..40_u32).map(|index| f32::from_bits(index.wrapping_mul(2_654_435_769) >> 2));
         smooth.chain(rough).flat_map(f32::to_le_bytes).collect()
     }
 
+    /// Those numbers as C-Blosc 1.21 packs them: by BloscLZ and LZ4, each with its bytes shuffled and not.
+    const PACKED: [&str; 4] = [
+        "AgEBBFAFAABQBQAAlgEAABQAAAAyAAAAIwAAAADg/yEDH27cSrknlQNy4E68K5kHdeRSwC6dC3nnVsQyoA9961nIBjakEoHvXcsyAAAAIwAAAADg/yEDH968m3lYNhXz0bCObUsqCObFo4JgPx372riXdVQyEO/NBqyKaUclBOLKAAAAJwAAAAAAAACAgACgDQBAgACAEwGAoIAAAMCAAADggACgKQAQgAAAIIAAADCAAIA9AUBQgAAAYIAAAHCAAKBTAIiAAACQgAAAmIAAgGcBoKiAAACwgAAAuIAAgHwBwMiAAADQgAAA2IAAgJEB4OiAAADwgAAA+IAAoKcABIAAAAiAAAAMgACAuwEQFIAAABiAAAAcgACA0AEgJIAAAChgAB8AjRupN8VT4W78ihimNMJQ3Wv5hxWjMb5M2mj2hBKgLQe7Sddl84EPnEQAAAAnAAAAAAAAAD6AAAA/4CAAAEDgngAAQeBCAB8AJw82HgUtFDwjCzMaAikROCAHLxc+Jg01HAQrEzsiCgcxGQAoDzcfBg==",
+        "AgEABFAFAABQBQAAawIAABQAAABNAAAAIwAAAADgEQMBgD7gEQMBAD/gEQMBQD/gEQMBgD/gEQMBoD/gEQMBwD/gEQMB4D/gEQMBAEDgEQMBEEDgEQMBIEDgEQMBMEDgEQMBQEBRAAAAIwAAQEDgDQMBUEDgEQMBYEDgEQMBcEDgEQMBgEDgEQMBiEDgEQMBkEDgEQMBmEDgEQMBoEDgEQMBqEDgEQMBsEDgEQMBuEDgEQMFwEAAAMBAVQAAACMAAMBA4AkDAchA4BEDAdBA4BEDAdhA4BEDAeBA4BEDAehA4BEDAfBA4BEDAfhA4BEDAQBB4BEDAQRB4BEDAQhB4BEDAQxB4BEDCRBBAAAQQQAAEEFUAQAAAAAQQQAAEEEAABBBAAAQQQAAFEEAABRBAAAUQQAAFEEAABRBAAAUQQAAFEEAABhBAAAYQQAAGEEAABhBAAAYQQAAGEEAABhBAAAcQQAAHEEAABxBAAAcQQAAHEEAABxBAAAcQQAAIEEAACBBAAAgQQAAIEEAACBBAAAgQQAAIEEAACRBAAAkQQAAJEEAACRBAAAkQQAAJEEAACRBAAAoQQAAKEEAAChBAAAoQQAAKEEAAChBAAAAAG7ejSfcvBsPSpupNrl5Nx4nWMUFlTZTLQMV4RRy82484NH8I06wigu8jhgzK22mGplLNAIHKsIpdQhQEeTm3ThSxWsgwKP5By6Chy+dYBUXCz+jPnkdMSbn+74NVtpMNcS42hwyl2gEoHX2Kw9UhBN9MhI76xCgIlnvLQrIzbsxNqxJGaSK1wASaWUogUfzD+8lgTddBA8fy+KcBg==",
+        "AgEhBFAFAABQBQAAlgEAABQAAAAvAAAAHwABAP8a8Bhu3Eq5J5UDcuBOvCuZB3XkUsAunQt551bEMqAPfetZyDakEoHvXcsvAAAAHwABAP8a8BjevJt5WDYV89Gwjm1LKgjmxaOCYD8d+9q4l3VUMhDvzayKaUclBOLTAAAAEgABABKAAQACDQAiAEABAAIUACKAoAEAEsABABLgAQADKgASEAEAEiABABIwAQACPgAiQFABABJgAQAScAEAA1QAEogBABKQAQASmAEAAmgAIqCoAQASsAEAErgBAAJ9ACLAyAEAEtABABLYAQACkgAi4OgBABLwAQAS+AEAA6gAEgQBABIIAQASDAEAArwAIhAUAQASGAEAEhwBAALRACIgJAEAESgBAPAZAI0bqTfFU+Fu/IoYpjTCUN1r+YcVozG+TNpo9oQSoC27Sddl84EPnEEAAAASAAEAEj4BAB8/AQAWH0ABAJQfQQEAOPAZACcPNh4FLRQ8IwszGgIpETggBy8XPiYNNRwEKxM7IgoxGQAoDzcfBg==",
+        "AgEgBFAFAABQBQAAvgEAABQAAABFAAAAHwABAAovgD4EAAcvAD8EAAcfQAQACB+ABAAIH6AEAAgfwAQACB/gBAAILwBABAAHHxAEAAgfIAQACB8wBAAFUEAAAEBARgAAAE8AAEBABAADH1AEAAgfYAQACB9wBAAIH4AEAAgfiAQACB+QBAAIH5gEAAgfoAQACB+oBAAIH7AEAAgfuAQACGDAQAAAwEBKAAAATgAAwEAEAB/IBAAIH9AEAAgf2AQACB/gBAAIH+gEAAgf8AQACB/4BAAILwBBBAAHHwQEAAgfCAQACB8MBAAIoBBBAAAQQQAAEEHFAAAASgAAEEEEAB8UBAAIHxgEAAgfHAQACB8gBAAIHyQEAAgfKAQABPCPAABu3o0n3LwbD0qbqTa5eTceJ1jFBZU2Uy0DFeEUcvNuPODR/CNOsIoLvI4YMyttphqZSzQCByrCKXUIUBHk5t04UsVrIMCj+QcugocvnWAVFws/oz55HTEm5/u+DVbaTDXEuNocMpdoBKB19isPVIQTfTISO+sQoCJZ7y0KyM27MTasSRmkitcAEmllKIFH8w/vJYE3XQQPH8vinAY=",
+    ];
+
     fn fault(chunk: &[u8], bytes: usize) -> String {
         match decode(chunk, bytes) {
-            Ok(found) => panic!("{found:?}"),
+            Ok(_) => "none".into(),
             Err(Damaged(what)) => what.into(),
             Err(Unsupported(what)) => what,
+        }
+    }
+
+    #[test]
+    fn what_c_blosc_packs_is_unpacked() {
+        for packed in PACKED {
+            let chunk = STANDARD.decode(packed).unwrap();
+            assert!(decode(&chunk, 1360).is_ok_and(|unpacked| unpacked == numbers()), "{packed}");
+        }
+    }
+
+    #[test]
+    fn a_chunk_that_is_cut_or_bent_is_a_fault_or_of_the_length_that_was_asked_for() {
+        for packed in PACKED {
+            let chunk = STANDARD.decode(packed).unwrap();
+            for end in 0..chunk.len() {
+                assert_ne!(fault(&chunk[..end], 1360), "none", "{end}");
+            }
+            for at in 0..chunk.len() {
+                for bit in 0..8 {
+                    let mut bent = chunk.clone();
+                    bent[at] ^= 1 << bit;
+                    assert!(
+                        decode(&bent, 1360).is_ok_and(|unpacked| unpacked.len() == 1360)
+                            || fault(&bent, 1360) != "none"
+                    );
+                }
+            }
+        }
+        let chunk = STANDARD.decode(PACKED[0]).unwrap();
+        assert_eq!(fault(&chunk, 1359), "its Blosc header is of another length");
+        for (codec, name) in [(3, "codec zlib"), (4, "codec Zstandard")] {
+            let mut other = chunk.clone();
+            other[2] = other[2] & 31 | codec << 5;
+            assert_eq!(fault(&other, 1360), name);
         }
     }
 }
