@@ -2,7 +2,7 @@
 //! And agreement with the readers of the `tobj` and `stl_io` crates on good files.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 use hypertexture::shape::{Content, Shape, Volume, read, write_nrrd};
 use proptest::prelude::*;
 use std::io::Cursor;
@@ -13,7 +13,7 @@ const NAMES: [&str; 5] = ["a.obj", "a.stl", "a.nrrd", "a.nhdr", "a"];
 fn seeds() -> Vec<(&'static str, Vec<u8>)> {
     let values = (0..60).map(|i| i as f32 * 0.1 - 2.0).collect();
     let volume =
-        Volume { size: [3, 4, 5], origin: Vec3::ZERO, spacing: Vec3::ONE, values, content: Content::SignedDistance };
+        Volume { size: [3, 4, 5], origin: Vec3::ZERO, steps: Mat3::IDENTITY, values, content: Content::SignedDistance };
     let mut compressed = Vec::new();
     write_nrrd(&volume, &mut compressed).unwrap();
     let mut raw = b"NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nendian: big\nencoding: raw\n\
@@ -65,7 +65,7 @@ fn check(name: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
         Ok(Shape::Volume(volume)) => {
             let voxels: u64 = volume.size.iter().map(|&n| u64::from(n)).product();
             prop_assert_eq!(voxels, volume.values.len() as u64);
-            prop_assert!(volume.values.iter().all(|v| v.is_finite()) && volume.spacing.min_element() > 0.0);
+            prop_assert!(volume.values.iter().all(|v| v.is_finite()) && volume.spacing().min_element() > 0.0);
             prop_assert!(volume.sample(volume.bounds().center()).is_some());
             prop_assert!(volume.values.capacity() <= 1032 * bytes.len());
         }

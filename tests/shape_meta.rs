@@ -87,7 +87,7 @@ fn every_type_order_and_packing_gives_the_values_in_their_place() {
                 let data = data(kind, big_endian);
                 let data = if packed { zlib(&data) } else { data };
                 let read = volume(read("test.mha", &[header.as_bytes(), &data].concat()));
-                let found = (read.size, read.origin, read.spacing, read.content);
+                let found = (read.size, read.origin, read.spacing(), read.content);
                 assert_eq!(found, ([4, 5, 3], Vec3::new(1.5, -2.0, 0.25), Vec3::new(0.5, 1.0, 2.0), Content::Scalar));
                 for (index, value) in read.values.iter().enumerate() {
                     assert_eq!(*value, WORTH[kind](index as f32), "{name}, {index}");
@@ -145,8 +145,13 @@ fn data_beside_the_header_is_read_and_what_is_before_it_is_not() {
         ("/etc/passwd", "put the file of the data beside this one"),
         ("deep", "is a directory"),
         ("h.raw", "the header declares 60 bytes of data"),
-        ("LIST", "join its files"),
-        ("slice%03d.raw 1 3 1", "join its files"),
+        ("LIST", "found `LIST` with 0 files for 3 slices"),
+        ("LIST\ndeep/v.raw\n", "with 1 files for 3 slices"),
+        ("LIST 1\na\nb\nc\n", "with 3 files for 3 slices"),
+        ("LIST 4D\na\nb\nc\n", "with 3 files for 3 slices"),
+        ("slice%03d.raw 1 4 1", "with 4 files for 3 slices"),
+        ("slice%03d.raw 1 3 1", "its data file"),
+        ("slice%03d.raw 1 3 -1", "its data file"),
     ] {
         fs::write(at("v.mhd"), HEADER.replace("LOCAL", file)).unwrap();
         let line = open(&shown("v.mhd")).unwrap_err().to_string();
@@ -163,7 +168,8 @@ fn what_is_wrong_is_said_with_its_place() {
         ("NDims = 3\n", "", "header: expected `NDims = 3`"),
         ("BinaryData = True", "BinaryData = False", "line 3: BinaryData `False` is not supported"),
         ("MSB = False", "MSB = maybe", "line 4: expected `True` or `False`"),
-        ("1 0 0 0 1 0 0 0 1", "0 1 0 1 0 0 0 0 1", "line 6: TransformMatrix `0 1 0 1 0 0 0 0 1` is not supported"),
+        ("1 0 0 0 1 0 0 0 1", "1 0 0 1 0 0 0 0 1", "a grid whose unit axes have the determinant 0.0e0"),
+        ("1 0 0 0 1 0 0 0 1", "1 0 0 0 0 0 0 0 1", "line 6: expected distances between samples"),
         ("1 0 0 0 1 0 0 0 1", "1 0 0", "line 6: expected 9 finite numbers"),
         ("1.5 -2 0.25", "1.5 inf 0.25", "line 7: expected 3 finite numbers"),
         ("1.5 -2 0.25", "1e9 0 0", "voxels from the origin is not supported"),
@@ -173,7 +179,7 @@ fn what_is_wrong_is_said_with_its_place() {
         ("4 5 3", "4 5", "line 11: expected 3 whole numbers"),
         ("4 5 3", "4000000000 4000000000 4000000000", "voxels, the limit is"),
         ("4 5 3", "4 5 4", "the header declares 80 bytes of data (4 x 5 x 4 voxels of 1 bytes), the file holds 60"),
-        ("MET_UCHAR", "MET_LONG_LONG", "line 12: ElementType `MET_LONG_LONG` is not supported"),
+        ("MET_UCHAR", "MET_UCHAR_ARRAY", "line 12: ElementType `MET_UCHAR_ARRAY` is not supported"),
         ("MET_UCHAR", "MET_FLOAT", "the header declares 240 bytes"),
         ("ElementType = MET_UCHAR\n", "", "header: expected `ElementType = MET_...`"),
         ("ElementDataFile = LOCAL\n", "", "`ElementDataFile = ...`, found the end of the file"),
@@ -184,7 +190,14 @@ fn what_is_wrong_is_said_with_its_place() {
             "ElementNumberOfChannels = 3\nElementSpacing",
             "ElementNumberOfChannels `3` is not supported",
         ),
-        ("ElementSpacing", "HeaderSize = many\nElementSpacing", "expected a number of bytes, or -1"),
+        ("ElementSpacing", "HeaderSize = many\nElementSpacing", "expected a number of bytes before the data, or -1"),
+        ("ElementSpacing", "HeaderSize = 20\nElementSpacing", "expected a number of bytes before the data, or -1"),
+        ("ElementSpacing", "HeaderSize = -2\nElementSpacing", "expected a number of bytes before the data, or -1"),
+        (
+            "CompressedData = False",
+            "CompressedData = True\nHeaderSize = -1",
+            "HeaderSize `-1` is not supported; of compressed data, say how many bytes",
+        ),
         ("Offset = ", "Offset ", "line 7: expected `Key = value`"),
     ] {
         let bad = HEADER.replacen(from, to, 1);
@@ -206,7 +219,7 @@ fn what_is_wrong_is_said_with_its_place() {
 fn the_small_head_has_its_known_voxels() {
     let folder = std::env::var("HYPERTEXTURE_DATA").unwrap();
     let head = volume(open(&format!("{folder}/ct_head_unc_64.mhd")));
-    assert_eq!((head.size, head.spacing, head.origin), ([64, 64, 56], Vec3::splat(4.0), Vec3::new(1.5, 1.5, 1.0)));
+    assert_eq!((head.size, head.spacing(), head.origin), ([64, 64, 56], Vec3::splat(4.0), Vec3::new(1.5, 1.5, 1.0)));
     assert_eq!(head.range(), (0.0, 3167.0));
     let mean = head.values.iter().map(|value| f64::from(*value)).sum::<f64>() / head.values.len() as f64;
     assert!((mean - 380.979).abs() < 5e-4, "{mean}");

@@ -18,7 +18,7 @@ fn the_sphere_has_its_known_distances() {
     let folder = std::env::var("HYPERTEXTURE_DATA").unwrap();
     let sphere = volume(open(&format!("{folder}/sphere_levelset.vdb")));
     assert_eq!((sphere.size, sphere.content), ([127; 3], Content::LevelSet));
-    assert!((sphere.spacing - Vec3::splat(0.05)).abs().max_element() < 1e-7, "{}", sphere.spacing);
+    assert!((sphere.spacing() - Vec3::splat(0.05)).abs().max_element() < 1e-7, "{}", sphere.spacing());
     assert!((sphere.origin + Vec3::splat(63.0 * 0.05)).abs().max_element() < 1e-6, "{}", sphere.origin);
     let background = sphere.values[0];
     assert!((background - 0.150024).abs() < 1e-6, "{background}");
@@ -149,7 +149,7 @@ fn plain_masked_and_zipped_values_are_where_the_file_has_them() {
         assert_eq!((found.size, found.content), ([16, 17, 17], content));
         let low = IVec3::new(1, 0, -1) - 8;
         assert_eq!(found.origin, Vec3::new(10.0, 20.0, 30.0) + 0.5 * low.as_vec3());
-        assert_eq!(found.spacing, Vec3::splat(0.5));
+        assert_eq!(found.spacing(), Vec3::splat(0.5));
         for (index, value) in found.values.iter().enumerate() {
             let place = low + IVec3::new(index as i32 % 16, index as i32 / 16 % 17, index as i32 / 272);
             let inside = place.cmpge(IVec3::splat(-8)).all() && place.cmplt(IVec3::splat(8)).all();

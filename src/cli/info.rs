@@ -107,7 +107,7 @@ fn of_mesh(mesh: &Mesh) -> Vec<Fact> {
 
 fn of_volume(volume: &Volume) -> Vec<Fact> {
     let size = volume.size.map(|n| n.to_string()).join(" x ");
-    let spacing = volume.spacing;
+    let spacing = volume.spacing();
     let (low, high) = volume.range();
     let content = match volume.content {
         Content::Scalar => "scalars",
@@ -117,8 +117,12 @@ fn of_volume(volume: &Volume) -> Vec<Fact> {
     let spacings = spacing.to_array().map(|side| side.to_string()).join(" x ");
     let mut facts = vec![
         fact("kind", format!("a volume of {content}"), content),
-        fact("voxels", format!("{size}, spacing {spacings}"), volume.size),
-        fact("spacing", spacings, spacing.to_array()),
+        fact(
+            "voxels",
+            format!("{size}, spacing {spacings}{}", if volume.is_aligned() { "" } else { ", oblique" }),
+            volume.size,
+        ),
+        fact("steps", format!("{:?}", volume.steps.to_cols_array_2d()), volume.steps.to_cols_array_2d()),
         fact("values", format!("{low} to {high}"), [low, high]),
     ];
     if volume.content != Content::Scalar {

@@ -59,7 +59,7 @@ impl Key {
                 hash.update(bytemuck::bytes_of(&volume.size));
                 floats(&mut hash, &[request.iso]);
                 floats(&mut hash, &volume.origin.to_array());
-                floats(&mut hash, &volume.spacing.to_array());
+                floats(&mut hash, &volume.steps.to_cols_array());
                 hash.update(bytemuck::cast_slice(&volume.values));
             }
         }

@@ -117,6 +117,10 @@ pub fn open(object: &Object) -> Result<Shape, ShapeError> {
         if object.distance {
             volume.content = shape::Content::SignedDistance;
         }
+        if volume.content == shape::Content::SignedDistance && !volume.is_aligned() {
+            log::warn!("{}: its grid stands askew; its surface is kept, distances are computed anew", object.input);
+            volume.content = shape::Content::LevelSet;
+        }
         if volume.content == shape::Content::SignedDistance
             && let Some(slope) = volume.slope_at_zero().filter(|slope| !DISTANCE.contains(slope))
         {

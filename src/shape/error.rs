@@ -132,6 +132,19 @@ pub enum ShapeError {
         /// How many are accepted.
         limit: u64,
     },
+    /// A file of bare values, of which nothing says what they are.
+    #[error(
+        "{file}: {bytes} bytes of bare values, and nothing says what they are{guess}; \
+        give --dims X,Y,Z --type u16 (u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64)"
+    )]
+    NoLayout {
+        /// The path.
+        file: String,
+        /// Its length.
+        bytes: u64,
+        /// What they may be, or nothing.
+        guess: String,
+    },
     /// A volume with no samples along some axis.
     #[error("{file}: line {line}: a volume of {} x {} x {} has no samples, every size must be at least 1; \
         export it again", size[0], size[1], size[2])]
@@ -215,6 +228,8 @@ pub enum Location {
     Line(u64),
     /// The header as a whole: something is not there.
     Header,
+    /// What was said about a file that says nothing itself.
+    Layout,
     /// A byte, from 0.
     Byte(u64),
     /// A face or strip of a mesh, from 0.
@@ -237,6 +252,7 @@ impl fmt::Display for Location {
         match self {
             Location::Line(line) => write!(f, "line {line}"),
             Location::Header => write!(f, "header"),
+            Location::Layout => write!(f, "layout"),
             Location::Byte(byte) => write!(f, "byte {byte}"),
             Location::Face(face) => write!(f, "face {face} (from 0)"),
         }

@@ -161,13 +161,14 @@ fn rounded(value: f64, step: f64) -> f32 {
 mod tests {
     use super::super::Content;
     use super::*;
-    use glam::Vec3;
+    use glam::{Mat3, Vec3};
 
     /// Three materials in shells, blurred over two voxels, with noise of `noise`: of values 20, 1000 and 1800.
     fn shells(noise: f32, scale: f32) -> Volume {
         let size = [48; 3];
         let (origin, spacing) = (Vec3::splat(-23.5), Vec3::ONE);
-        let mut volume = Volume { size, origin, spacing, values: Vec::new(), content: Content::Scalar };
+        let mut volume =
+            Volume { size, origin, steps: Mat3::from_diagonal(spacing), values: Vec::new(), content: Content::Scalar };
         let mut state = 1u32;
         for index in 0..48 * 48 * 48 {
             let radius = volume.position([index % 48, index / 48 % 48, index / 2304]).length();

@@ -5,7 +5,7 @@
 
 use super::error::{quoted, shown};
 use super::source::Source;
-use super::{BUILT_IN, Shape, ShapeError, generated, meta, nrrd, obj, ply, stl, vdb};
+use super::{BUILT_IN, Shape, ShapeError, generated, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
 use crate::support::open::{self as plain, OpenError};
 use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -25,6 +25,8 @@ const FORMATS: &[Format] = &[
     Format { extensions: &["nrrd", "nhdr"], recognizes: nrrd::recognizes, read: nrrd::read },
     Format { extensions: &["mhd", "mha"], recognizes: meta::recognizes, read: meta::read },
     Format { extensions: &["vdb"], recognizes: vdb::recognizes, read: vdb::read },
+    Format { extensions: &["nii", "nii.gz", "hdr", "hdr.gz"], recognizes: nifti::recognizes, read: nifti::read },
+    Format { extensions: &["raw"], recognizes: |_, _| false, read: raw::refuse },
     Format { extensions: &["ply"], recognizes: ply::recognizes, read: ply::read },
     Format { extensions: &["stl"], recognizes: stl::recognizes, read: stl::read },
     Format { extensions: &["obj"], recognizes: |_, _| false, read: obj::read }, // OBJ has no mark to know it by
@@ -33,7 +35,7 @@ const FORMATS: &[Format] = &[
 /// Opens a built-in object or a file.
 ///
 /// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a file
-/// is chosen by its content where the content tells (NRRD, MetaImage, PLY, STL), else by its extension (OBJ). Coordinates
+/// is chosen by its content where the content tells (NRRD, MetaImage, NIfTI, PLY, STL), else by its extension (OBJ). Coordinates
 /// stay as they are in the file. Directories, devices and pipes are refused.
 ///
 /// # Errors
@@ -79,8 +81,9 @@ fn parse(name: &str, len: u64, folder: Option<PathBuf>, reader: &mut dyn BufRead
 }
 
 fn by_extension(name: &str) -> Option<&'static Format> {
-    let extension = Path::new(name).extension()?.to_str()?.to_ascii_lowercase();
-    FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str()))
+    let name = name.to_ascii_lowercase();
+    let ends = |extension: &&str| name.strip_suffix(*extension).is_some_and(|stem| stem.ends_with('.'));
+    FORMATS.iter().find(|format| format.extensions.iter().any(ends))
 }
 
 /// Why a path cannot be opened: a wrong name if it looks like one, else a missing or unreadable file.
@@ -90,6 +93,13 @@ fn unopened(name: &str, error: OpenError) -> ShapeError {
         OpenError::Missing if Path::new(name).extension().is_none() && !name.contains(['/', '\\']) => {
             ShapeError::UnknownName { nearest: nearest(name), name: file, known: known_extensions() }
         }
+        error => unreadable(file, error),
+    }
+}
+
+/// Why a file cannot be opened.
+pub(super) fn unreadable(file: String, error: OpenError) -> ShapeError {
+    match error {
         OpenError::Missing => ShapeError::Missing { file },
         OpenError::NotAFile(kind) => ShapeError::NotAFile { file, kind },
         OpenError::Denied => ShapeError::Unreadable { file, reason: ErrorKind::PermissionDenied.into() },
@@ -124,7 +134,8 @@ mod tests {
         let message = open("shpere").unwrap_err().to_string();
         assert!(
             message.contains("sphere, cube, torus")
-                && message.contains(".nrrd, .nhdr, .mhd, .mha, .vdb, .ply, .stl, .obj"),
+                && message
+                    .contains(".nrrd, .nhdr, .mhd, .mha, .vdb, .nii, .nii.gz, .hdr, .hdr.gz, .raw, .ply, .stl, .obj"),
             "{message}"
         );
     }

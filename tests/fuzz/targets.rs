@@ -96,7 +96,7 @@ fn mesh(read: Result<Shape, shape::ShapeError>) {
             let count: u64 = volume.size.iter().map(|side| u64::from(*side)).product();
             assert_eq!(volume.values.len() as u64, count);
             assert!(volume.values.iter().all(|value| value.is_finite()));
-            assert!(volume.spacing.min_element() > 0.0 && volume.origin.is_finite());
+            assert!(volume.spacing().min_element() > 0.0 && volume.origin.is_finite());
         }
         Ok(Shape::Solid(_)) => unreachable!("a file is no formula"),
         Err(error) => one_line(&error.to_string()),

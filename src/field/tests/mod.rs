@@ -8,7 +8,7 @@ mod scalar;
 
 use super::{DistanceField, FieldReport, Request, transform};
 use crate::shape::{Mesh, Shape};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 use std::collections::HashMap;
 
 /// The field of a mesh: `resolution` samples, margin and band in world units.
