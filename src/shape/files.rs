@@ -73,7 +73,13 @@ impl Files {
         let name = name.join(" ");
         let (before, rest) = name.split_once('%')?;
         let (width, behind) = rest.split_once(['d', 'i', 'u'])?;
-        let digits = if width.is_empty() { 0 } else { width.parse().ok().filter(|digits| *digits <= 32)? };
+        let digits = match width {
+            "" => 0,
+            _ if width.bytes().all(|byte| byte.is_ascii_digit()) => {
+                width.parse().ok().filter(|digits| *digits <= 32)?
+            }
+            _ => return None,
+        };
         let &[first, last, step, ref dimensions @ ..] = numbers else { return None };
         let [first, last, step] = [first.parse::<i64>().ok()?, last.parse().ok()?, step.parse().ok()?];
         let steps = (i128::from(last) - i128::from(first)).checked_div(i128::from(step)).filter(|steps| *steps >= 0)?;
@@ -96,7 +102,7 @@ impl Files {
         match self {
             Files::Named(names) => names[index as usize].clone(),
             Files::Numbered { name: [before, behind], digits: (digits, fill), first, step, .. } => {
-                let number = (first + step * index as i64).to_string();
+                let number = (i128::from(*first) + i128::from(*step) * i128::from(index)).to_string();
                 let more = digits.saturating_sub(number.len());
                 format!("{before}{}{number}{behind}", fill.to_string().repeat(more))
             }

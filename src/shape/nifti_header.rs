@@ -307,7 +307,7 @@ impl<'a> Header<'a> {
         let parts: [f64; 3] = self.numbers(self.places.forms);
         let vector = DVec3::from(parts);
         let square = 1.0 - vector.length_squared();
-        if !(square > -1e-5) {
+        if !square.is_finite() || square < -1e-5 {
             let expected = "a quaternion whose parts have squares of 1 together at most";
             return Err(self.malformed(self.places.forms, expected, shown(&parts)));
         }

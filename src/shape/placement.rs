@@ -68,7 +68,7 @@ impl Placement {
             Err(ShapeError::Unsupported { file, place, what, found, remedy })
         };
         let determinant = directions(&self.steps).determinant();
-        if !(determinant.abs() > MIN_DETERMINANT) {
+        if determinant.abs() <= MIN_DETERMINANT {
             let found = format!("whose unit axes have the determinant {determinant:.1e} (the limit is 1e-6)");
             return unsupported("a grid", found, "its axes lie in a plane: correct its directions");
         }

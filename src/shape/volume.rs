@@ -136,6 +136,46 @@ mod tests {
     }
 
     #[test]
+    fn a_grid_that_is_turned_and_sheared_has_the_same_values_in_the_world() {
+        // What is linear is so along every axis.
+        let f = |p: Vec3| 1.0 + 2.0 * p.x - 3.0 * p.y + 0.5 * p.z;
+        for turn in [
+            Mat3::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), 1.1),
+            Mat3::from_cols(Vec3::X, Vec3::new(0.4, 1.0, 0.0), Vec3::new(0.0, 0.3, -1.0)),
+        ] {
+            let (mut volume, _) = trilinear();
+            volume.steps = turn * volume.steps;
+            let indices = (0..60).map(|i| [i % 3, i / 3 % 4, i / 12]);
+            volume.values = indices.clone().map(|index| f(volume.position(index))).collect();
+            let spacing = Vec3::new(turn.x_axis.length(), turn.y_axis.length(), turn.z_axis.length());
+            assert!((volume.spacing() - spacing * Vec3::new(0.5, 0.25, 2.0)).abs().max_element() < 1e-6);
+            assert!(!volume.is_aligned());
+            let bounds = volume.bounds();
+            for index in indices {
+                let p = volume.position(index);
+                let expected = volume.origin + volume.steps * Vec3::from(index.map(|i| i as f32));
+                assert!(p.distance(expected) < 1e-5 && p.cmpge(bounds.min).all() && p.cmple(bounds.max).all());
+                let inner = 0.5 * (p + volume.position([1, 2, 2]));
+                assert!((volume.sample(inner).unwrap() - f(inner)).abs() < 1e-4, "{inner}");
+            }
+            // Corners of the box around it are outside of it.
+            assert_eq!((volume.sample(bounds.min), volume.sample(bounds.max)), (None, None));
+        }
+    }
+
+    #[test]
+    fn a_grid_is_aligned_where_its_axes_are_those_of_the_world_and_run_forwards() {
+        let of = |steps| Volume { steps, ..trilinear().0 }.is_aligned();
+        assert!(of(Mat3::IDENTITY) && of(Mat3::from_diagonal(Vec3::new(1e-30, 2.0, 1e18))));
+        assert!(!of(Mat3::from_diagonal(Vec3::new(1.0, -1.0, 1.0))) && !of(Mat3::from_rotation_z(1e-6)));
+        assert!(!of(Mat3::from_cols(Vec3::Y, Vec3::X, Vec3::Z)));
+        // Lengths whose squares f32 does not hold.
+        for spacing in [Vec3::new(1e-30, 1.0, 1e18), Vec3::new(0.1, 0.7, 1.0 / 3.0)] {
+            assert_eq!(Volume { steps: Mat3::from_diagonal(spacing), ..trilinear().0 }.spacing(), spacing);
+        }
+    }
+
+    #[test]
     fn there_is_no_value_outside_the_samples() {
         let (volume, _) = trilinear();
         let Bounds { min, max } = volume.bounds();

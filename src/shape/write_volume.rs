@@ -110,12 +110,16 @@ fn write_meta(volume: &Volume, mut to: impl Write) -> io::Result<()> {
     if volume.content == Content::SignedDistance {
         writeln!(to, "Comment = {}", meta::SIGNED_DISTANCE)?;
     }
-    writeln!(to, "BinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True")?;
+    // Readers ask for the length before the data.
+    let mut encoder = ZlibEncoder::new(Vec::new(), LEVEL);
+    write_values(volume, &mut encoder)?;
+    let data = encoder.finish()?;
+    writeln!(to, "BinaryData = True\nBinaryDataByteOrderMSB = False")?;
+    writeln!(to, "CompressedData = True\nCompressedDataSize = {}", data.len())?;
     writeln!(to, "TransformMatrix = {}", numbers(&directions(&steps).to_cols_array()))?;
     writeln!(to, "Offset = {} {} {}", origin.x, origin.y, origin.z)?;
     writeln!(to, "CenterOfRotation = 0 0 0\nElementSpacing = {}", numbers(&lengths(&steps).to_array()))?;
     writeln!(to, "DimSize = {x} {y} {z}\nElementType = MET_FLOAT\nElementDataFile = LOCAL")?;
-    let mut encoder = ZlibEncoder::new(to, LEVEL);
-    write_values(volume, &mut encoder)?;
-    encoder.finish()?.flush()
+    to.write_all(&data)?;
+    to.flush()
 }

@@ -4,6 +4,7 @@ mod broken;
 mod closest;
 mod exactness;
 mod input;
+mod oblique;
 mod scalar;
 
 use super::{DistanceField, FieldReport, Request, transform};
