@@ -2,6 +2,7 @@
 
 use super::bench::Bench;
 use super::compare::Compare;
+use super::convert::Convert;
 use super::explain::Explain;
 use super::field::Field;
 use super::gallery::GalleryArguments;
@@ -39,7 +40,7 @@ pub enum Command {
     View(Box<ViewArguments>),
     /// Join the shards of a picture, as `render --shard` writes them.
     Merge(Merge),
-    /// Compute the distance field of an object and write it as NRRD.
+    /// Compute the distance field of an object and write it as NRRD, MetaImage, NIfTI or .npy.
     Field(Field),
     /// Render every example scene, or the six effects on one object, with a page that explains them.
     Gallery(GalleryArguments),
@@ -49,6 +50,8 @@ pub enum Command {
     Explain(Box<Explain>),
     /// What a mesh or a volume holds: counts, box, open edges, range of values, iso-values worth looking at.
     Info(Info),
+    /// Write a volume in another format, or values without a header as a volume.
+    Convert(Convert),
     /// Measure what effects, example scenes and fields cost on this device, and what got slower since a saved run.
     Bench(Bench),
     /// List the effects and their parameters.

@@ -3,6 +3,7 @@
 mod args;
 mod bench;
 mod compare;
+mod convert;
 #[cfg(all(test, feature = "viewer"))]
 mod docs_tests;
 pub mod doctor;
@@ -160,6 +161,7 @@ fn carry_out(command: Command, options: &Options, quiet: bool) -> Result<(), Box
         Command::Bench(command) => bench::run(&command, options, quiet),
         Command::Explain(command) => explain::run(&command, options, quiet),
         Command::Info(command) => info::run(&command),
+        Command::Convert(command) => convert::run(&command, quiet),
         Command::Effects => effects::run(),
         Command::Settings => {
             say(&settings::page());

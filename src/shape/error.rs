@@ -135,7 +135,7 @@ pub enum ShapeError {
     /// A file of bare values, of which nothing says what they are.
     #[error(
         "{file}: {bytes} bytes of bare values, and nothing says what they are{guess}; \
-        give --dims X,Y,Z --type u16 (u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64)"
+        `hypertexture convert` makes a volume of it by --dims X,Y,Z --type u16 (u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64)"
     )]
     NoLayout {
         /// The path.

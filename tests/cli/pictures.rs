@@ -349,6 +349,27 @@ fn what_a_mesh_and_a_volume_hold_is_told_in_words_and_as_json() {
 }
 
 #[test]
+fn values_without_a_header_become_a_volume_of_any_format() {
+    let desk = Desk::new();
+    // 4 x 3 x 2 numbers of 16 bits, the highest byte first, behind 5 bytes.
+    let values = (0..24u16).flat_map(|at| (at * 100).to_be_bytes());
+    desk.write("scan.raw", b"head:".iter().copied().chain(values).collect::<Vec<u8>>());
+    for name in ["a.nrrd", "a.mha", "a.nii", "a.nii.gz"] {
+        let layout = "--dims 4,3,2 --type u16 --endian big --spacing 0.5,1,2 --skip 5";
+        desk.good(&format!("convert scan.raw {layout} -o {name}"));
+        let known: serde_json::Value = serde_json::from_str(&desk.good(&format!("info {name} --json"))).unwrap();
+        assert_eq!(known["voxels"], serde_json::json!([4, 3, 2]), "{name}");
+        assert_eq!(known["values"], serde_json::json!([0.0, 2300.0]), "{name}");
+        assert_eq!(known["box"][1], serde_json::json!([1.5, 2.0, 2.0]), "{name}");
+    }
+    desk.good("convert a.nii -o b.nrrd");
+    assert_eq!(std::fs::read(desk.file("a.nrrd")).unwrap(), std::fs::read(desk.file("b.nrrd")).unwrap());
+    desk.good("convert a.mha -o a.npy");
+    let array = std::fs::read(desk.file("a.npy")).unwrap();
+    assert!(array.len() == 128 + 96 && text(&array).contains("(2, 3, 4)"), "{}", array.len());
+}
+
+#[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn what_a_picture_is_made_with_is_explained_with_what_leaving_out_saves() {
     let desk = Desk::new();
