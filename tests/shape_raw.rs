@@ -111,8 +111,7 @@ fn a_layout_that_the_file_does_not_fit_to_is_refused() {
 
 #[test]
 fn without_a_layout_the_flags_are_named_and_what_the_file_may_be() {
-    let remedy =
-        "nothing says what they are{}; `hypertexture convert` makes a volume of it by --dims X,Y,Z --type u16 (u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64)";
+    let remedy = "nothing says what they are{}; `hypertexture convert` makes a volume of it by --dims X,Y,Z --type u16 (u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64)";
     for (bytes, guess) in [
         (16 * 16 * 16, " (16 x 16 x 16 of u8?)"),
         (2 * 17 * 17 * 17, " (17 x 17 x 17 of u16?)"),

@@ -4,10 +4,9 @@
 //! This layer imports nothing else of the crate and needs no GPU.
 //!
 //! [`open`] is the way in, [`open_raw`] where a file does not say what it holds; [`VolumeFormat`] is the way back out for
-//! volumes. World space is right-handed with y up for
-//! the built-in objects; files keep the coordinates they have. Sources are named where they are used: Newell's teapot
-//! in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `ply`, `stl`, `nrrd`,
-//! `meta`, `nifti` and `vdb`.
+//! volumes. World space is right-handed with y up for the built-in objects; files keep the coordinates they have. Sources
+//! are named where they are used: Newell's teapot in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`],
+//! the file formats in `obj`, `ply`, `stl`, `nrrd`, `meta`, `nifti` and `vdb`.
 
 mod axes;
 mod error;

@@ -8,6 +8,7 @@ use super::error::{Location, ShapeError};
 use super::source::Source;
 use super::{Content, MAX_COORDINATE, MAX_VOXELS, Volume};
 use glam::{BVec3, DMat3, DVec3};
+use std::collections::TryReserveError;
 
 /// Farther away, f32 rounding moves a sample by more than the 1/100 voxel that `Volume::sample` allows for; nearer, and
 /// micro-CT scans in scanner coordinates would be refused.
@@ -95,8 +96,8 @@ impl Placement {
         Ok(())
     }
 
-    /// The volume with these values, in the order of the file.
-    pub fn volume(self, mut values: Vec<f32>) -> Volume {
+    /// The volume with these values, in the order of the file; none where there is no memory to put them into another.
+    pub fn volume(self, mut values: Vec<f32>) -> Result<Volume, TryReserveError> {
         let mut steps = self.straight();
         let Placement { mut size, mut origin, content, .. } = self;
         if let Some(order) = order(&steps) {
@@ -109,12 +110,12 @@ impl Placement {
                 block *= n;
             }
             if order != [0, 1, 2] {
-                values = exchanged(&values, size, order);
+                values = exchanged(&values, size, order)?;
                 size = order.map(|axis| size[axis]);
             }
             steps = DMat3::from_diagonal(DVec3::from(std::array::from_fn(|row| steps.row(row).abs().max_element())));
         }
-        Volume { size, origin: origin.as_vec3(), steps: steps.as_mat3(), values, content }
+        Ok(Volume { size, origin: origin.as_vec3(), steps: steps.as_mat3(), values, content })
     }
 
     /// The steps without what rounding left of a quarter turn.
@@ -148,10 +149,14 @@ fn reverse(values: &mut [f32], block: usize, count: usize) {
 }
 
 /// The values with the axes in another order.
-fn exchanged(values: &[f32], size: [u32; 3], order: [usize; 3]) -> Vec<f32> {
+fn exchanged(values: &[f32], size: [u32; 3], order: [usize; 3]) -> Result<Vec<f32>, TryReserveError> {
     let [nx, ny, nz] = size.map(|n| n as usize);
     let [sx, sy, sz] = order.map(|axis| [1, nx, nx * ny][axis]);
     let [nx, ny, nz] = order.map(|axis| [nx, ny, nz][axis]);
-    let rows = (0..nz).flat_map(|z| (0..ny).map(move |y| z * sz + y * sy));
-    rows.flat_map(|row| (0..nx).map(move |x| values[row + x * sx])).collect()
+    let mut exchanged = Vec::new();
+    exchanged.try_reserve_exact(values.len())?;
+    for row in (0..nz).flat_map(|z| (0..ny).map(move |y| z * sz + y * sy)) {
+        exchanged.extend((0..nx).map(|x| values[row + x * sx]));
+    }
+    Ok(exchanged)
 }

@@ -102,7 +102,8 @@ impl Raster {
             let (file, total) = (source.file.clone(), values.len());
             return Err(ShapeError::NotFinite { file, what: "voxels", count, total, first });
         }
-        Ok(Shape::Volume(self.placement.volume(values)))
+        let refused = |_| ShapeError::OutOfMemory { file: source.file.clone(), bytes: 8 * voxels };
+        self.placement.volume(values).map(Shape::Volume).map_err(refused)
     }
 
     /// Appends the `count` values of one file.

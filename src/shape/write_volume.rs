@@ -48,7 +48,8 @@ impl VolumeFormat {
     }
 
     /// Writes a volume. [`open`](super::open) reads it back bit for bit, except from [`VolumeFormat::Npy`], if the values
-    /// are finite and the samples within 131072 voxels of the origin.
+    /// are finite and the samples within 131072 voxels of the origin. Axes that are those of the world, but exchanged or
+    /// backwards, come back in order.
     ///
     /// # Errors
     /// What `to` returns, and `InvalidInput` where the number of values is not the product of the sizes.
