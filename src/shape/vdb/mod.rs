@@ -161,7 +161,9 @@ fn volume(
     tree.fill(source, &coding, Dense { min, size, values: &mut values })?;
     check(source, about.as_ref().map_or(0, |about| about.end), "the offset of the end of a grid")?;
     check_finite(&source.file, &values)?;
-    Ok(Shape::Volume(placement.volume(values)))
+    let bytes = 4 * placement.voxels();
+    let refused = |_| ShapeError::OutOfMemory { file: source.file.clone(), bytes };
+    placement.volume(values).map(Shape::Volume).map_err(refused)
 }
 
 /// Room for the values of a volume, all `value`.
