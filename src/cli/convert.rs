@@ -17,7 +17,7 @@ pub struct Convert {
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
     /// Values without a header: how many along x, y and z, x fastest.
-    #[arg(long, value_delimiter = ',', num_args = 3, value_name = "X,Y,Z")]
+    #[arg(long, value_delimiter = ',', value_name = "X,Y,Z")]
     pub dims: Option<Vec<u32>>,
     /// Their type: u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64.
     #[arg(long = "type", requires = "dims", value_name = "TYPE")]
@@ -26,7 +26,7 @@ pub struct Convert {
     #[arg(long, requires = "dims", value_parser = ["little", "big"], default_value = "little")]
     pub endian: String,
     /// World units from one to the next along x, y and z.
-    #[arg(long, requires = "dims", value_delimiter = ',', num_args = 3, value_name = "X,Y,Z")]
+    #[arg(long, requires = "dims", value_delimiter = ',', value_name = "X,Y,Z")]
     pub spacing: Option<Vec<f64>>,
     /// Bytes before them; without, they are the end of the file.
     #[arg(long, requires = "dims", value_name = "BYTES")]
@@ -39,15 +39,19 @@ pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
     let known = VolumeFormat::from_path(path);
     let format = known.ok_or_else(|| format!("--output {}: end the name in {ENDS}", path.display()))?;
     output::check_folder(path)?;
-    let shape = match command.dims.as_deref() {
-        Some(&[x, y, z]) => {
+    let shape = match &command.dims {
+        Some(dims) => {
+            let size = three(dims).ok_or("--dims: give 3 numbers, such as 256,256,128")?;
             let kind = command.kind.ok_or("--dims: say the type of the values too, such as --type u16")?;
-            let spacing = command.spacing.as_deref().and_then(|spacing| spacing.try_into().ok()).unwrap_or([1.0; 3]);
+            let spacing = match &command.spacing {
+                Some(spacing) => three(spacing).ok_or("--spacing: give 3 numbers, such as 0.5,0.5,2")?,
+                None => [1.0; 3],
+            };
             let big_endian = command.endian == "big";
-            let layout = RawLayout { size: [x, y, z], kind, big_endian, spacing, skip: command.skip };
+            let layout = RawLayout { size, kind, big_endian, spacing, skip: command.skip };
             shape::open_raw(&command.input, &layout)?
         }
-        _ => shape::open(&command.input)?,
+        None => shape::open(&command.input)?,
     };
     let Shape::Volume(volume) = shape else {
         let input = &command.input;
@@ -62,6 +66,11 @@ pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
         say(&format!("volume     {size}, values {low} to {high}\nwrote {}\n", absolute(path)));
     }
     Ok(())
+}
+
+/// The numbers of three axes, if they are three.
+fn three<T: Copy>(numbers: &[T]) -> Option<[T; 3]> {
+    numbers.try_into().ok()
 }
 
 /// Ends of names of volumes that are written.

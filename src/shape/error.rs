@@ -4,6 +4,7 @@
 //! where it is known, the value found, the limit, and the way out.
 
 use super::BUILT_IN;
+use crate::support::open::OpenError;
 use std::{fmt, io};
 
 /// Why a name or a file gives no [`Shape`](super::Shape).
@@ -282,4 +283,14 @@ pub(super) fn quoted(bytes: &[u8]) -> String {
 /// A file name for a message: control characters escaped, never cut.
 pub(super) fn shown(name: &str) -> String {
     name.chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect()
+}
+
+/// Why a file cannot be opened.
+pub(super) fn unreadable(file: String, error: OpenError) -> ShapeError {
+    match error {
+        OpenError::Missing => ShapeError::Missing { file },
+        OpenError::NotAFile(kind) => ShapeError::NotAFile { file, kind },
+        OpenError::Denied => ShapeError::Unreadable { file, reason: io::ErrorKind::PermissionDenied.into() },
+        other => ShapeError::Unreadable { file, reason: other.into() },
+    }
 }

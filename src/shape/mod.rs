@@ -35,6 +35,7 @@ mod stl;
 mod tank;
 pub mod teapot;
 mod teapot_data;
+mod values;
 mod vdb;
 mod volume;
 mod write_nifti;

@@ -7,7 +7,7 @@
 use super::error::ShapeError;
 use super::nrrd_header::{CONTENT_KEY, Header, SIGNED_DISTANCE};
 use super::source::Source;
-use super::write_volume::{LEVEL, check, write_values};
+use super::values::{LEVEL, check, write_values};
 use super::{Content, Shape, Volume};
 use flate2::write::GzEncoder;
 use std::io::{self, Write};

@@ -3,11 +3,11 @@
 //! Role: choose between built-in objects and file formats. Invariant: only plain files are opened, and a format is
 //! chosen by what is in the file before by what it is called.
 
-use super::error::{quoted, shown};
+use super::error::{quoted, shown, unreadable};
 use super::source::Source;
 use super::{BUILT_IN, Shape, ShapeError, generated, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
 use crate::support::open::{self as plain, OpenError};
-use std::io::{BufRead, BufReader, ErrorKind};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 /// One file format.
@@ -94,16 +94,6 @@ fn unopened(name: &str, error: OpenError) -> ShapeError {
             ShapeError::UnknownName { nearest: nearest(name), name: file, known: known_extensions() }
         }
         error => unreadable(file, error),
-    }
-}
-
-/// Why a file cannot be opened.
-pub(super) fn unreadable(file: String, error: OpenError) -> ShapeError {
-    match error {
-        OpenError::Missing => ShapeError::Missing { file },
-        OpenError::NotAFile(kind) => ShapeError::NotAFile { file, kind },
-        OpenError::Denied => ShapeError::Unreadable { file, reason: ErrorKind::PermissionDenied.into() },
-        other => ShapeError::Unreadable { file, reason: other.into() },
     }
 }
 

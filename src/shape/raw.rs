@@ -2,8 +2,7 @@
 //!
 //! Role: the bytes of a file by a layout that a person says. Invariant: the file is as long as the layout says.
 
-use super::error::{Location, ShapeError, quoted, shown};
-use super::open::unreadable;
+use super::error::{Location, ShapeError, quoted, shown, unreadable};
 use super::placement::{self, Placement};
 use super::raster::{Data, Packing, Raster, Skip, sides};
 use super::source::Source;

@@ -5,7 +5,7 @@
 
 use super::axes::{directions, lengths};
 use super::nifti_header::{FIRST, Places, SECOND, SIGNED_DISTANCE};
-use super::write_volume::write_values;
+use super::values::write_values;
 use super::{Content, Volume};
 use glam::{DMat3, DQuat};
 use std::io::{self, Write};

@@ -176,6 +176,7 @@ fn arguments() -> Vec<Bad> {
         ("convert teapot -o out.nrrd", "teapot"),
         ("convert phantom -o none/out.nrrd", "none/out.nrrd"),
         ("convert a.raw -o a.nrrd --dims 2,2", "--dims"),
+        ("convert a.raw -o a.nrrd --dims 2,2,2 --type u8 --spacing 1", "--spacing"),
         ("convert a.raw -o a.nrrd --dims 2,2,2 --type u12", "u12"),
         ("convert a.raw -o a.nrrd --dims 2,2,2", "--type"),
         ("convert none.raw -o a.nrrd --dims 2,2,2 --type u8", "none.raw"),
