@@ -134,11 +134,12 @@ pub fn open(object: &Object) -> Result<Shape, ShapeError> {
     Ok(shape)
 }
 
-/// The iso-value of a volume of scalars where none is given: the lowest that lies between two materials, which is most often
-/// the outside of all; else the middle of the range.
-fn proposed(volume: &shape::Volume) -> f32 {
+/// The iso-value of a scan where none is given: the lowest that lies between two materials, which is most often the outside of
+/// all; else, and for what is built in, the middle of the range.
+fn proposed(volume: &shape::Volume, input: &str) -> f32 {
     let (low, high) = volume.range();
-    volume.iso_values().first().copied().filter(|iso| low < *iso && *iso <= high).unwrap_or(0.5 * (low + high))
+    let isos = if shape::BUILT_IN.contains(&input) { Vec::new() } else { volume.iso_values() };
+    isos.first().copied().filter(|iso| low < *iso && *iso <= high).unwrap_or(0.5 * (low + high))
 }
 
 /// The request for a shape's field, in world units.
@@ -147,7 +148,7 @@ pub fn request(shape: &Shape, object: &Object, margin: f32) -> field::Request {
     let half = 0.5 * (bounds.max - bounds.min).max_element();
     let iso = object.iso.unwrap_or(match shape {
         Shape::Volume(volume) if volume.content == shape::Content::Scalar => {
-            let iso = proposed(volume);
+            let iso = proposed(volume, &object.input);
             log::info!("{}: iso-value {iso}", object.input);
             iso
         }
