@@ -136,7 +136,7 @@ pub enum ShapeError {
     /// A file of bare values, of which nothing says what they are.
     #[error(
         "{file}: {bytes} bytes of bare values, and nothing says what they are{guess}; \
-        `hypertexture convert` makes a volume of it by --dims X,Y,Z --type u16 (u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64)"
+        `hypertexture convert` makes a volume of it by --dims X,Y,Z --type uint16 (uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64)"
     )]
     NoLayout {
         /// The path.
