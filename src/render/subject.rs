@@ -155,7 +155,7 @@ pub fn request(shape: &Shape, object: &Object, margin: f32) -> field::Request {
         _ => 0.0,
     });
     let margin = field_margin(margin) * half;
-    field::Request { resolution: object.resolution, margin, band: margin, iso }
+    field::Request { resolution: object.resolution, margin, band: margin, iso, shell: object.shell * half }
 }
 
 /// How far a field that must reach `margin` beyond its object does reach, object units.

@@ -4,7 +4,7 @@ use super::*;
 use crate::field::{ClosestPoints, Grid, transform_with_closest};
 use crate::shape::{Solid, Volume};
 
-const REQUEST: Request = Request { resolution: 40, margin: 0.3, band: 0.3, iso: 0.0 };
+const REQUEST: Request = Request { resolution: 40, margin: 0.3, band: 0.3, iso: 0.0, shell: 0.0 };
 
 /// A cube around the origin, wound outward.
 fn block(half: f32) -> Mesh {

@@ -9,7 +9,7 @@ fn error(shape: Shape, request: Request) -> FieldError {
     transform(&shape, &request, &|_| {}).unwrap_err()
 }
 
-const REQUEST: Request = Request { resolution: 16, margin: 0.1, band: 0.1, iso: 0.0 };
+const REQUEST: Request = Request { resolution: 16, margin: 0.1, band: 0.1, iso: 0.0, shell: 0.0 };
 
 #[test]
 fn a_bad_request_names_the_value_and_the_remedy() {
@@ -49,7 +49,7 @@ fn no_finite_mesh_panics() {
             let mut coordinate = || wild[random.next() as usize % reach];
             let positions = (0..9).map(|_| Vec3::new(coordinate(), coordinate(), coordinate())).collect();
             let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [3, 4, 5], [6, 7, 8], [0, 3, 6], [1, 1, 2]] };
-            let request = Request { resolution: 9, margin, band: 1.0, iso: 0.0 };
+            let request = Request { resolution: 9, margin, band: 1.0, iso: 0.0, shell: 0.0 };
             if let Ok((field, _)) = transform(&Shape::Mesh(mesh), &request, &|_| {}) {
                 assert!(field.values.iter().all(|v| v.is_finite()));
             }

@@ -6,6 +6,7 @@ mod exactness;
 mod input;
 mod oblique;
 mod scalar;
+mod shell;
 
 use super::{DistanceField, FieldReport, Request, transform};
 use crate::shape::{Mesh, Shape};
@@ -14,7 +15,7 @@ use std::collections::HashMap;
 
 /// The field of a mesh: `resolution` samples, margin and band in world units.
 fn field_of(mesh: &Mesh, resolution: u32, margin: f32, band: f32) -> (DistanceField, FieldReport) {
-    transform(&Shape::Mesh(mesh.clone()), &Request { resolution, margin, band, iso: 0.0 }, &|_| {}).unwrap()
+    transform(&Shape::Mesh(mesh.clone()), &Request { resolution, margin, band, iso: 0.0, shell: 0.0 }, &|_| {}).unwrap()
 }
 
 /// A sphere of `20 * 4^levels` triangles with its vertices on the sphere, wound outward.
