@@ -209,7 +209,7 @@ pub enum ShapeError {
 }
 
 /// Where in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Location {
     /// A line of text, from 1.
     Line(u64),
@@ -219,6 +219,8 @@ pub enum Location {
     Byte(u64),
     /// A face or strip of a mesh, from 0.
     Face(u64),
+    /// A value in JSON by the names and numbers on the way to it, as `accessors[3].count`.
+    Json(String),
 }
 
 /// How many bytes of data a file holds.
@@ -239,6 +241,7 @@ impl fmt::Display for Location {
             Location::Header => write!(f, "header"),
             Location::Byte(byte) => write!(f, "byte {byte}"),
             Location::Face(face) => write!(f, "face {face} (from 0)"),
+            Location::Json(path) => write!(f, "{path}"),
         }
     }
 }

@@ -32,9 +32,9 @@ mod volume;
 pub use error::{Found, Location, ShapeError};
 pub use generated::BUILT_IN;
 pub use nrrd::write_nrrd;
-pub use open::{open, read};
+pub use open::{open, open_noted, read, read_noted};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Largest magnitude of a coordinate in world units.
 ///
@@ -94,6 +94,11 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Corner indices into `positions`, all in range; triangles of zero area have been dropped.
     pub triangles: Vec<[u32; 3]>,
+    /// What was taken from the coordinates of the file before they became f32.
+    ///
+    /// Zero on each axis along which the mesh reaches at most 16 times the longest side of its box from the origin. On the
+    /// others the middle of the box, rounded so that the difference is exact where the file has 32-bit floats.
+    pub offset: DVec3,
 }
 
 /// Samples on a regular grid, x fastest, then y, then z.
@@ -121,7 +126,7 @@ pub enum Content {
 }
 
 impl Shape {
-    /// A box that contains the object, in world units.
+    /// A box that contains the object, in world units; that of a mesh is less its offset.
     ///
     /// Tight for a solid and a mesh. For a volume, scalar or distance, its whole extent from first to last sample:
     /// where the object ends in there depends on the iso-value.
@@ -138,7 +143,10 @@ impl Shape {
         let mut scaled = self.clone();
         match &mut scaled {
             Shape::Solid(_) => {}
-            Shape::Mesh(mesh) => mesh.positions.iter_mut().for_each(|position| *position *= by),
+            Shape::Mesh(mesh) => {
+                mesh.positions.iter_mut().for_each(|position| *position *= by);
+                mesh.offset *= f64::from(by);
+            }
             Shape::Volume(volume) => {
                 (volume.origin, volume.spacing) = (by * volume.origin, by * volume.spacing);
                 if volume.content == Content::SignedDistance {

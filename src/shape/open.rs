@@ -33,13 +33,23 @@ const FORMATS: &[Format] = &[
 ///
 /// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a file
 /// is chosen by its content where the content tells (NRRD, MetaImage, PLY, STL), else by its extension (OBJ). Coordinates
-/// stay as they are in the file. Directories, devices and pipes are refused.
+/// stay as they are in the file. Directories, devices and pipes are refused. Each note of [`open_noted`] becomes a warning
+/// in the log.
 ///
 /// # Errors
 /// Any [`ShapeError`]; its message is one line.
 pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
+    Ok(warned(name_or_path, open_noted(name_or_path)?))
+}
+
+/// [`open`], with what a person should know of the file besides: short sentences, each about a part of its geometry
+/// that was left out.
+///
+/// # Errors
+/// Those of [`open`].
+pub fn open_noted(name_or_path: &str) -> Result<(Shape, Vec<String>), ShapeError> {
     if let Some(shape) = generated::built_in(name_or_path) {
-        return Ok(shape);
+        return Ok((shape, Vec::new()));
     }
     let path = Path::new(name_or_path);
     let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
@@ -48,11 +58,26 @@ pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
 }
 
 /// Reads the content of a file that is already in memory; `name` supplies the extension and the name for messages.
+/// Notes become warnings as in [`open`].
 ///
 /// # Errors
 /// Any [`ShapeError`] that the content can cause.
-pub fn read(name: &str, mut bytes: &[u8]) -> Result<Shape, ShapeError> {
+pub fn read(name: &str, bytes: &[u8]) -> Result<Shape, ShapeError> {
+    Ok(warned(name, read_noted(name, bytes)?))
+}
+
+/// [`read`], with the notes of [`open_noted`].
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_noted(name: &str, mut bytes: &[u8]) -> Result<(Shape, Vec<String>), ShapeError> {
     parse(name, bytes.len() as u64, None, &mut bytes)
+}
+
+/// The shape, once its notes are in the log.
+fn warned(name: &str, (shape, notes): (Shape, Vec<String>)) -> Shape {
+    notes.iter().for_each(|note| log::warn!("{}: {note}", shown(name)));
+    shape
 }
 
 /// Extensions of all formats, for messages.
@@ -61,15 +86,20 @@ fn known_extensions() -> String {
     all.map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
 }
 
-fn parse(name: &str, len: u64, folder: Option<PathBuf>, reader: &mut dyn BufRead) -> Result<Shape, ShapeError> {
-    let mut source = Source { file: shown(name), len, offset: 0, line: 0, folder, reader };
+fn parse(
+    name: &str,
+    len: u64,
+    folder: Option<PathBuf>,
+    reader: &mut dyn BufRead,
+) -> Result<(Shape, Vec<String>), ShapeError> {
+    let mut source = Source { file: shown(name), len, offset: 0, line: 0, folder, notes: Vec::new(), reader };
     let start = source.peek()?;
     if start.is_empty() {
         return Err(ShapeError::Empty { file: source.file });
     }
     let by_content = FORMATS.iter().find(|format| (format.recognizes)(start, len));
     match by_content.or_else(|| by_extension(name)) {
-        Some(format) => (format.read)(&mut source),
+        Some(format) => Ok(((format.read)(&mut source)?, source.notes)),
         None => {
             let start = quoted(&start[..start.len().min(16)]);
             Err(ShapeError::UnknownFormat { file: source.file, start, known: known_extensions() })
