@@ -208,6 +208,18 @@ pub enum ShapeError {
     },
 }
 
+impl ShapeError {
+    /// The same with a place, where it only says that it is in the header.
+    pub(super) fn placed(mut self, at: Location) -> ShapeError {
+        if let ShapeError::Malformed { place: place @ Location::Header, .. }
+        | ShapeError::Unsupported { place: place @ Location::Header, .. } = &mut self
+        {
+            *place = at;
+        }
+        self
+    }
+}
+
 /// Where in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Location {

@@ -5,11 +5,12 @@
 //!
 //! [`open`] is the way in; [`write_nrrd`] is the way back out for volumes. World space is right-handed with y up for
 //! the built-in objects; files keep the coordinates they have. Sources are named where they are used: Newell's teapot
-//! in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `ply`, `stl`, `nrrd`
-//! and `meta`.
+//! in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `ply`, `stl`, `gltf`,
+//! `nrrd` and `meta`.
 
 mod error;
 mod generated;
+mod gltf;
 pub mod head;
 mod mesh;
 mod meta;

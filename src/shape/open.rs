@@ -5,7 +5,7 @@
 
 use super::error::{quoted, shown};
 use super::source::Source;
-use super::{BUILT_IN, Shape, ShapeError, generated, meta, nrrd, obj, ply, stl};
+use super::{BUILT_IN, Shape, ShapeError, generated, gltf, meta, nrrd, obj, ply, stl};
 use crate::support::open::{self as plain, OpenError};
 use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -24,6 +24,7 @@ struct Format {
 const FORMATS: &[Format] = &[
     Format { extensions: &["nrrd", "nhdr"], recognizes: nrrd::recognizes, read: nrrd::read },
     Format { extensions: &["mhd", "mha"], recognizes: meta::recognizes, read: meta::read },
+    Format { extensions: &["gltf", "glb"], recognizes: gltf::recognizes, read: gltf::read },
     Format { extensions: &["ply"], recognizes: ply::recognizes, read: ply::read },
     Format { extensions: &["stl"], recognizes: stl::recognizes, read: stl::read },
     Format { extensions: &["obj"], recognizes: |_, _| false, read: obj::read }, // OBJ has no mark to know it by
@@ -32,7 +33,7 @@ const FORMATS: &[Format] = &[
 /// Opens a built-in object or a file.
 ///
 /// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a file
-/// is chosen by its content where the content tells (NRRD, MetaImage, PLY, STL), else by its extension (OBJ). Coordinates
+/// is chosen by its content where the content tells (NRRD, MetaImage, glTF, PLY, STL), else by its extension (OBJ). Coordinates
 /// stay as they are in the file. Directories, devices and pipes are refused. Each note of [`open_noted`] becomes a warning
 /// in the log.
 ///
@@ -152,7 +153,8 @@ mod tests {
         }
         let message = open("shpere").unwrap_err().to_string();
         assert!(
-            message.contains("sphere, cube, torus") && message.contains(".nrrd, .nhdr, .mhd, .mha, .ply, .stl, .obj"),
+            message.contains("sphere, cube, torus")
+                && message.contains(".nrrd, .nhdr, .mhd, .mha, .gltf, .glb, .ply, .stl, .obj"),
             "{message}"
         );
     }
@@ -185,8 +187,8 @@ mod tests {
 
     #[test]
     fn an_unknown_format_shows_how_the_file_begins_and_what_is_known() {
-        let message = read("duck.glb", b"glTF\x02\0\0\0rest").unwrap_err().to_string();
-        assert!(message.contains("glTF") && message.contains(".obj"), "{message}");
+        let message = read("duck.blend", b"BLENDER-v300rest").unwrap_err().to_string();
+        assert!(message.contains("BLENDER") && message.contains(".obj"), "{message}");
         assert_eq!(message.lines().count(), 1);
     }
 
