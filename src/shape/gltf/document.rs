@@ -249,7 +249,7 @@ fn refusal(source: &Source, json: &[u8], error: &serde_json::Error) -> ShapeErro
     let message = error.to_string();
     let line = json.split(|byte| *byte == b'\n').nth(error.line().saturating_sub(1)).unwrap_or_default();
     let read = &line[..error.column().min(line.len())];
-    let read = quoted(&read[read.len().saturating_sub(SHOWN)..]);
+    let read = quoted(&read[read.len().saturating_sub(SHOWN)..]).replace("\\\"", "\""); // as JSON is written
     let found = format!("{read} up to line {}, column {}", error.line(), error.column());
     match error.classify() {
         Category::Data if message.starts_with(TOO_MANY) => ShapeError::TooLarge {

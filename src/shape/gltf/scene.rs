@@ -14,7 +14,6 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 const MAX_LENGTH_ERROR: f64 = 0.01;
 
 /// All triangles of a scene.
-#[derive(Default)]
 pub struct Found {
     pub positions: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
@@ -76,7 +75,8 @@ pub fn read(data: &Data) -> Result<Found, ShapeError> {
     let mut visits = Visits { source, document, nodes: Vec::new(), named: vec![false; document.nodes.len()] };
     visits.begin()?;
     let mut parts: Vec<Option<Part>> = document.meshes.iter().map(|_| None).collect();
-    let (mut found, mut declared, mut counts) = (Found::default(), 0, [0; 3]);
+    let (mut shown, mut declared, mut counts) = (Vec::new(), 0, [0; 3]);
+    let (mut triangles, mut positions) = (0, 0);
     while let Some((index, parent)) = visits.nodes.pop() {
         let node = &document.nodes[index as usize];
         let world = parent * local(data, index, node)?;
@@ -89,8 +89,9 @@ pub fn read(data: &Data) -> Result<Found, ShapeError> {
             Some(part) => part,
             None => slot.insert(Part::read(data, mesh, &mut declared)?),
         };
-        source.check_triangles((found.triangles.len() + part.triangles.len()) as u64)?;
-        found.add(part, world);
+        (triangles, positions) = (triangles + part.triangles.len(), positions + part.positions.len());
+        source.check_triangles(triangles as u64)?;
+        shown.push((mesh, world));
         let left_out = [part.thin, usize::from(node.skin.is_some()), usize::from(part.morphs)];
         counts.iter_mut().zip(left_out).for_each(|(count, more)| *count += more);
     }
@@ -99,6 +100,15 @@ pub fn read(data: &Data) -> Result<Found, ShapeError> {
         "skinned meshes stand in the pose they were bound in",
         "meshes stand in their base shape, without morph targets",
     ];
+    let mut found = Found {
+        positions: Vec::with_capacity(positions),
+        triangles: Vec::with_capacity(triangles),
+        flat: 0,
+        notes: Vec::new(),
+    };
+    for (mesh, world) in shown {
+        parts[mesh as usize].iter().for_each(|part| found.add(part, world));
+    }
     let notes = texts.iter().zip(counts).filter(|(_, count)| *count > 0);
     found.notes = notes.map(|(text, count)| format!("{text}: {count}")).collect();
     Ok(found)
