@@ -3,39 +3,57 @@
 //! Role: turn a file, a name or a formula into a [`Shape`]. Invariant: every coordinate and value is finite.
 //! This layer imports nothing else of the crate and needs no GPU.
 //!
-//! [`open`] is the way in; [`write_nrrd`] is the way back out for volumes. World space is right-handed with y up for
-//! the built-in objects; files keep the coordinates they have. Sources are named where they are used: Newell's teapot
-//! in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `ply`, `stl`, `gltf`,
-//! `nrrd` and `meta`.
+//! [`open`] is the way in, [`open_raw`] where a file does not say what it holds; [`VolumeFormat`] is the way back out for
+//! volumes. World space is right-handed with y up for the built-in objects; files keep the coordinates they have. Sources
+//! are named where they are used: Newell's teapot in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`],
+//! the file formats in `obj`, `ply`, `stl`, `gltf`, `nrrd`, `meta`, `nifti` and `vdb`.
 
+mod axes;
 mod error;
+mod files;
 mod generated;
 mod gltf;
 pub mod head;
+mod iso_values;
 mod mesh;
 mod meta;
+mod nifti;
+mod nifti_header;
 mod nrrd;
 mod nrrd_header;
 mod obj;
 mod open;
 pub mod phantom;
+mod placement;
 mod ply;
 mod polygon;
 mod raster;
+mod raw;
+mod sample_type;
 mod solid;
 mod source;
 mod stl;
 mod tank;
 pub mod teapot;
 mod teapot_data;
+mod values;
+mod vdb;
 mod volume;
+mod write_nifti;
+mod write_volume;
 
+pub(crate) use axes::Axes;
 pub use error::{Found, Location, ShapeError};
 pub use generated::BUILT_IN;
+pub use iso_values::Histogram;
+pub use mesh::Edges;
 pub use nrrd::write_nrrd;
 pub use open::{open, open_noted, read, read_noted};
+pub use raw::{RawLayout, open_raw};
+pub use sample_type::{SampleType, UnknownSampleType};
+pub use write_volume::VolumeFormat;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 
 /// Largest magnitude of a coordinate in world units.
 ///
@@ -109,8 +127,9 @@ pub struct Volume {
     pub size: [u32; 3],
     /// World position of sample (0, 0, 0).
     pub origin: Vec3,
-    /// World distance between neighboring samples on each axis, positive.
-    pub spacing: Vec3,
+    /// World steps from a sample to the next, one column for each axis of the grid; not singular. Diagonal and positive
+    /// where the grid stands along the axes of the world.
+    pub steps: Mat3,
     /// `size[0] * size[1] * size[2]` finite values.
     pub values: Vec<f32>,
     /// What the values mean.
@@ -124,6 +143,8 @@ pub enum Content {
     Scalar,
     /// A signed distance in world units, positive outside.
     SignedDistance,
+    /// Negative inside and zero on the surface; what lies far from it says nothing but its side.
+    LevelSet,
 }
 
 impl Shape {
@@ -149,8 +170,8 @@ impl Shape {
                 mesh.offset *= f64::from(by);
             }
             Shape::Volume(volume) => {
-                (volume.origin, volume.spacing) = (by * volume.origin, by * volume.spacing);
-                if volume.content == Content::SignedDistance {
+                (volume.origin, volume.steps) = (by * volume.origin, by * volume.steps);
+                if volume.content != Content::Scalar {
                     volume.values.iter_mut().for_each(|distance| *distance *= by);
                 }
             }

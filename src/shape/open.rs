@@ -3,11 +3,11 @@
 //! Role: choose between built-in objects and file formats. Invariant: only plain files are opened, and a format is
 //! chosen by what is in the file before by what it is called.
 
-use super::error::{quoted, shown};
+use super::error::{quoted, shown, unreadable};
 use super::source::Source;
-use super::{BUILT_IN, Shape, ShapeError, generated, gltf, meta, nrrd, obj, ply, stl};
+use super::{BUILT_IN, Shape, ShapeError, generated, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
 use crate::support::open::{self as plain, OpenError};
-use std::io::{BufRead, BufReader, ErrorKind};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 /// One file format.
@@ -25,6 +25,9 @@ const FORMATS: &[Format] = &[
     Format { extensions: &["nrrd", "nhdr"], recognizes: nrrd::recognizes, read: nrrd::read },
     Format { extensions: &["mhd", "mha"], recognizes: meta::recognizes, read: meta::read },
     Format { extensions: &["gltf", "glb"], recognizes: gltf::recognizes, read: gltf::read },
+    Format { extensions: &["vdb"], recognizes: vdb::recognizes, read: vdb::read },
+    Format { extensions: &["nii", "nii.gz", "hdr", "hdr.gz"], recognizes: nifti::recognizes, read: nifti::read },
+    Format { extensions: &["raw"], recognizes: |_, _| false, read: raw::refuse },
     Format { extensions: &["ply"], recognizes: ply::recognizes, read: ply::read },
     Format { extensions: &["stl"], recognizes: stl::recognizes, read: stl::read },
     Format { extensions: &["obj"], recognizes: |_, _| false, read: obj::read }, // OBJ has no mark to know it by
@@ -33,9 +36,9 @@ const FORMATS: &[Format] = &[
 /// Opens a built-in object or a file.
 ///
 /// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a file
-/// is chosen by its content where the content tells (NRRD, MetaImage, glTF, PLY, STL), else by its extension (OBJ). Coordinates
-/// stay as they are in the file. Directories, devices and pipes are refused. Each note of [`open_noted`] becomes a warning
-/// in the log.
+/// is chosen by its content where the content tells (NRRD, MetaImage, OpenVDB, NIfTI, glTF, PLY, STL), else by its
+/// extension (OBJ). Coordinates stay as they are in the file. Directories, devices and pipes are refused. Each note of
+/// [`open_noted`] becomes a warning in the log.
 ///
 /// # Errors
 /// Any [`ShapeError`]; its message is one line.
@@ -93,7 +96,7 @@ fn parse(
     folder: Option<PathBuf>,
     reader: &mut dyn BufRead,
 ) -> Result<(Shape, Vec<String>), ShapeError> {
-    let mut source = Source { file: shown(name), len, offset: 0, line: 0, folder, notes: Vec::new(), reader };
+    let mut source = Source::new(shown(name), len, folder, reader);
     let start = source.peek()?;
     if start.is_empty() {
         return Err(ShapeError::Empty { file: source.file });
@@ -109,8 +112,9 @@ fn parse(
 }
 
 fn by_extension(name: &str) -> Option<&'static Format> {
-    let extension = Path::new(name).extension()?.to_str()?.to_ascii_lowercase();
-    FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str()))
+    let name = name.to_ascii_lowercase();
+    let ends = |extension: &&str| name.strip_suffix(*extension).is_some_and(|stem| stem.ends_with('.'));
+    FORMATS.iter().find(|format| format.extensions.iter().any(ends))
 }
 
 /// Why a path cannot be opened: a wrong name if it looks like one, else a missing or unreadable file.
@@ -120,10 +124,7 @@ fn unopened(name: &str, error: OpenError) -> ShapeError {
         OpenError::Missing if Path::new(name).extension().is_none() && !name.contains(['/', '\\']) => {
             ShapeError::UnknownName { nearest: nearest(name), name: file, known: known_extensions() }
         }
-        OpenError::Missing => ShapeError::Missing { file },
-        OpenError::NotAFile(kind) => ShapeError::NotAFile { file, kind },
-        OpenError::Denied => ShapeError::Unreadable { file, reason: ErrorKind::PermissionDenied.into() },
-        other => ShapeError::Unreadable { file, reason: other.into() },
+        error => unreadable(file, error),
     }
 }
 
@@ -154,7 +155,9 @@ mod tests {
         let message = open("shpere").unwrap_err().to_string();
         assert!(
             message.contains("sphere, cube, torus")
-                && message.contains(".nrrd, .nhdr, .mhd, .mha, .gltf, .glb, .ply, .stl, .obj"),
+                && message.contains(
+                    ".nrrd, .nhdr, .mhd, .mha, .gltf, .glb, .vdb, .nii, .nii.gz, .hdr, .hdr.gz, .raw, .ply, .stl, .obj"
+                ),
             "{message}"
         );
     }

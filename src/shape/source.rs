@@ -13,6 +13,10 @@ use std::str::FromStr;
 
 /// The longest line, in bytes, its end included.
 pub(super) const MAX_LINE: usize = 1 << 20;
+/// The longest name of a file beside another, in bytes, with its folders.
+const MAX_NAME: usize = 1024;
+/// The longest name of a file or a folder, in bytes.
+const MAX_PART: usize = 255;
 
 /// An open file, or bytes that stand for one.
 pub(super) struct Source<'a> {
@@ -32,15 +36,24 @@ pub(super) struct Source<'a> {
     pub reader: &'a mut dyn BufRead,
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
+    /// The start of `len` bytes of which nothing is consumed.
+    pub fn new(file: String, len: u64, folder: Option<PathBuf>, reader: &'a mut dyn BufRead) -> Source<'a> {
+        Source { file, len, offset: 0, line: 0, folder, notes: Vec::new(), reader }
+    }
+
     /// Reads a file beside this one, or below its folder.
     pub fn beside<T>(
         &self,
         name: &str,
         read: impl FnOnce(&mut Source<'_>) -> Result<T, ShapeError>,
     ) -> Result<T, ShapeError> {
-        let is_below =
-            Path::new(name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        // Longer names are none of files.
+        let is_below = name.len() <= MAX_NAME
+            && Path::new(name).components().all(|part| match part {
+                Component::Normal(part) => part.len() <= MAX_PART,
+                part => part == Component::CurDir,
+            });
         let folder = self.folder.as_deref().filter(|_| is_below).ok_or_else(|| {
             let (place, found) = (Location::Header, quoted(name.as_bytes()));
             let remedy = "put the file of the data beside this one";
@@ -53,7 +66,7 @@ impl Source<'_> {
             reason: error.into(),
         })?;
         let mut reader = BufReader::new(opened);
-        read(&mut Source { file, len, offset: 0, line: 0, folder: None, notes: Vec::new(), reader: &mut reader })
+        read(&mut Source::new(file, len, None, &mut reader))
     }
 
     /// Remembers a part of the file that changes its geometry and is left out: a short sentence without the file's name.
@@ -101,6 +114,46 @@ impl Source<'_> {
         Ok(())
     }
 
+    /// The next `N` bytes; `what` they are of is said where the file ends before.
+    pub fn array<const N: usize>(&mut self, what: &str) -> Result<[u8; N], ShapeError> {
+        self.expect(N as u64, what)?;
+        let mut bytes = [0; N];
+        self.fill(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// The next `bytes` bytes, a number that the file declares: memory is taken for those that are there.
+    pub fn block(&mut self, bytes: u64, what: &str) -> Result<Vec<u8>, ShapeError> {
+        self.expect(bytes, what)?;
+        let mut block = Vec::new();
+        let read = (&mut *self.reader).take(bytes).read_to_end(&mut block);
+        self.consumed(read.map(|read| read as u64), bytes, what)?;
+        Ok(block)
+    }
+
+    /// Goes over the next `bytes` bytes.
+    pub fn skip(&mut self, bytes: u64, what: &str) -> Result<(), ShapeError> {
+        self.expect(bytes, what)?;
+        let skipped = io::copy(&mut (&mut *self.reader).take(bytes), &mut io::sink());
+        self.consumed(skipped, bytes, what)
+    }
+
+    /// An error where fewer than `bytes` bytes are left.
+    fn expect(&self, bytes: u64, what: &str) -> Result<(), ShapeError> {
+        let left = self.remaining();
+        if bytes <= left { Ok(()) } else { Err(self.data_size(bytes, what.into(), Found::Bytes(left))) }
+    }
+
+    /// Counts what was read, an error where it is less than `bytes`.
+    fn consumed(&mut self, read: io::Result<u64>, bytes: u64, what: &str) -> Result<(), ShapeError> {
+        let read = read.map_err(|reason| self.unreadable(reason))?;
+        if read < bytes {
+            return Err(self.data_size(bytes, what.into(), Found::Bytes(read)));
+        }
+        self.offset += bytes;
+        Ok(())
+    }
+
     /// The operating system's error.
     pub fn unreadable(&self, reason: io::Error) -> ShapeError {
         ShapeError::Unreadable { file: self.file.clone(), reason }
@@ -132,19 +185,7 @@ impl Source<'_> {
 
     /// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].
     pub fn check_positions(&self, what: &'static str, positions: &[impl Copy + Into<DVec3>]) -> Result<(), ShapeError> {
-        let file = || self.file.clone();
-        let positions = || positions.iter().map(|&position| -> DVec3 { position.into() }).map(DVec3::as_vec3);
-        if let Some(first) = positions().position(|p| !p.is_finite()) {
-            let (count, total) = (positions().filter(|p| !p.is_finite()).count(), positions().count());
-            return Err(ShapeError::NotFinite { file: file(), what, count, total, first });
-        }
-        let mut sizes = positions().map(|p| p.abs().max_element()).enumerate();
-        match sizes.find(|(_, size)| *size > MAX_COORDINATE) {
-            Some((index, value)) => {
-                Err(ShapeError::CoordinateRange { file: file(), what, index, value, limit: MAX_COORDINATE })
-            }
-            None => Ok(()),
-        }
+        check_positions(&self.file, what, positions)
     }
 
     /// A cleaned mesh as a shape; an error if nothing is left of it.
@@ -156,6 +197,26 @@ impl Source<'_> {
             log::info!("{}: {zero_area} triangles of zero area are dropped", self.file);
         }
         Ok(Shape::Mesh(mesh))
+    }
+}
+
+/// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].
+pub(super) fn check_positions(
+    file: &str,
+    what: &'static str,
+    positions: &[impl Copy + Into<DVec3>],
+) -> Result<(), ShapeError> {
+    let near = || positions.iter().map(|&position| -> DVec3 { position.into() }).map(DVec3::as_vec3);
+    if let Some(first) = near().position(|p| !p.is_finite()) {
+        let count = near().filter(|p| !p.is_finite()).count();
+        return Err(ShapeError::NotFinite { file: file.into(), what, count, total: positions.len(), first });
+    }
+    let mut sizes = near().map(|p| p.abs().max_element()).enumerate();
+    match sizes.find(|(_, size)| *size > MAX_COORDINATE) {
+        Some((index, value)) => {
+            Err(ShapeError::CoordinateRange { file: file.into(), what, index, value, limit: MAX_COORDINATE })
+        }
+        None => Ok(()),
     }
 }
 

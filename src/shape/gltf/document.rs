@@ -267,7 +267,7 @@ fn refusal(source: &Source, json: &[u8], error: &serde_json::Error) -> ShapeErro
             source.malformed_at(place, "what the schema of glTF 2.0 asks for", found)
         }
         Category::Eof => source.malformed_at(Location::Line(error.line() as u64), "more JSON", "its end".into()),
-        _ => source.malformed_at(Location::Line(error.line() as u64), "JSON of at most 127 levels", found),
+        _ => source.malformed_at(Location::Line(error.line() as u64), "JSON", found),
     }
 }
 

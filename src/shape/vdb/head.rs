@@ -1,0 +1,128 @@
+//! What stands before the tree of an OpenVDB grid.
+//!
+//! Role: descriptor, metadata and transform of a grid. Invariant: a transform that is not linear is refused, and what is not
+//! known by name is gone over by its length. Source: OpenVDB 10, `io/GridDescriptor.cc`, `MetaMap.cc`, `math/Maps.h`.
+
+use super::super::error::{Location, ShapeError, quoted};
+use super::super::source::Source;
+use glam::{DMat3, DVec3};
+
+/// The longest name, in bytes: longer, and it is no name.
+const MAX_NAME: u32 = 4096;
+/// The end of the type of a grid whose values are stored in 16 bits.
+const HALF: &str = "_HalfFloat";
+
+/// What is said of a grid before its content.
+pub(super) struct Descriptor {
+    /// Its name, shown.
+    pub name: String,
+    /// Type of its tree.
+    pub kind: String,
+    /// Whether its values are stored in 16 bits.
+    pub is_half: bool,
+    /// Whether it has the tree of another grid.
+    pub is_instance: bool,
+    /// Where its leaves and the next grid begin, and where the latter is said in the file.
+    pub blocks: u64,
+    pub end: u64,
+    pub place: Location,
+}
+
+/// What the metadata of a grid says that has a part in the volume.
+#[derive(Default)]
+pub(super) struct Metadata {
+    /// What the values mean.
+    pub class: String,
+    /// Whether values are stored in 16 bits.
+    pub is_half: bool,
+}
+
+/// A name, or a text no longer than one.
+fn name(source: &mut Source, what: &str) -> Result<String, ShapeError> {
+    let place = Location::Byte(source.offset);
+    let length = u32::from_le_bytes(source.array(what)?);
+    if length > MAX_NAME {
+        return Err(source.malformed_at(place, "a name of at most 4096 bytes", format!("{length} bytes")));
+    }
+    Ok(String::from_utf8_lossy(&source.block(u64::from(length), what)?).into_owned())
+}
+
+impl Descriptor {
+    pub fn read(source: &mut Source) -> Result<Descriptor, ShapeError> {
+        let (unique, mut kind) = (name(source, "the name of a grid")?, name(source, "the type of a grid")?);
+        let is_half = kind.ends_with(HALF);
+        kind.truncate(kind.len() - if is_half { HALF.len() } else { 0 });
+        let is_instance = !name(source, "the parent of a grid")?.is_empty();
+        let place = Location::Byte(source.offset);
+        let mut offset = || source.array("the offsets of a grid").map(u64::from_le_bytes);
+        let [_, blocks, end] = [offset()?, offset()?, offset()?];
+        // Behind the name stands a number where several grids have it.
+        let name = quoted(unique.split('\u{1e}').next().unwrap_or_default().as_bytes());
+        Ok(Descriptor { name, kind, is_half, is_instance, blocks, end, place })
+    }
+}
+
+impl Metadata {
+    pub fn read(source: &mut Source) -> Result<Metadata, ShapeError> {
+        const WHAT: &str = "metadata";
+        let mut metadata = Metadata::default();
+        let entries = u32::from_le_bytes(source.array(WHAT)?);
+        for _ in 0..entries {
+            let (key, kind) = (name(source, WHAT)?, name(source, WHAT)?);
+            match (&*key, &*kind) {
+                ("class", "string") => metadata.class = name(source, WHAT)?,
+                ("is_saved_as_half_float", "bool") => {
+                    metadata.is_half = source.array::<5>(WHAT)? != [1, 0, 0, 0, 0]; // its length, and 0
+                }
+                _ => {
+                    let length = u32::from_le_bytes(source.array(WHAT)?);
+                    source.skip(u64::from(length), WHAT)?;
+                }
+            }
+        }
+        Ok(metadata)
+    }
+}
+
+/// The world position of voxel (0, 0, 0), and the way to the next one on each axis.
+pub(super) fn transform(source: &mut Source) -> Result<(DVec3, DMat3), ShapeError> {
+    const WHAT: &str = "a transform";
+    let place = Location::Byte(source.offset);
+    let kind = name(source, WHAT)?;
+    let mut vector = || {
+        let mut part = || source.array(WHAT).map(f64::from_le_bytes);
+        Ok(DVec3::new(part()?, part()?, part()?))
+    };
+    match &*kind {
+        "TranslationMap" => Ok((vector()?, DMat3::IDENTITY)),
+        "ScaleMap" | "UniformScaleMap" => {
+            let scale = vector()?;
+            source.skip(4 * 24, WHAT)?; // follows from the scale
+            Ok((DVec3::ZERO, DMat3::from_diagonal(scale)))
+        }
+        "ScaleTranslateMap" | "UniformScaleTranslateMap" => {
+            let (origin, scale) = (vector()?, vector()?);
+            source.skip(4 * 24, WHAT)?;
+            Ok((origin, DMat3::from_diagonal(scale)))
+        }
+        "AffineMap" | "UnitaryMap" => {
+            // Four rows: where each axis leads to, and where the first voxel is.
+            let mut rows = [[0.0; 4]; 4];
+            for part in rows.as_flattened_mut() {
+                *part = f64::from_le_bytes(source.array(WHAT)?);
+            }
+            if rows.map(|row| row[3]) != [0.0, 0.0, 0.0, 1.0] {
+                let found = format!("{:?}", rows.map(|row| row[3]));
+                return Err(source.malformed_at(place, "a transform with 0, 0, 0, 1 in its last column", found));
+            }
+            let [x, y, z, origin] = rows.map(|row| DVec3::new(row[0], row[1], row[2]));
+            Ok((origin, DMat3::from_cols(x, y, z)))
+        }
+        _ => {
+            let found = quoted(kind.as_bytes());
+            let remedy = "resample the grid to a linear transform (scale, translation or affine)";
+            let file = source.file.clone();
+            Err(ShapeError::Unsupported { file, place, what: "the transform", found, remedy })
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! OpenVDB: sparse level sets and fog volumes.
+//!
+//! Role: the first grid of a file that is one of these into a dense [`Volume`]. Invariant: nothing is allocated for a box
+//! before the nodes that span it have been read. Read here and not by the crate `vdb-rs`, which knows no files before version
+//! 224. Source: OpenVDB 10, `io/Archive.cc` and what the parts of this module name.
+
+mod blosc;
+mod head;
+mod tree;
+mod values;
+
+use super::error::{Location, ShapeError, quoted};
+use super::placement::{self, Placement};
+use super::source::Source;
+use super::{Content, Shape, axes};
+use crate::support::memory;
+use head::{Descriptor, Metadata};
+use std::ops::RangeInclusive;
+use tree::{Dense, Tree};
+use values::{Coding, KNOWN_FLAGS, NODE_MASKS, ZIP};
+
+/// The first bytes of a file.
+const MAGIC: &[u8] = b" BDV\0\0\0\0";
+/// The versions that are read: 220 says what is compressed, 225 has further types of grids.
+const VERSIONS: RangeInclusive<u32> = 220..=225;
+/// Most voxels of a box: as many for each byte of the file, or 256 MiB. Real level sets have less than a tenth, and two
+/// voxels far from each other would take all memory.
+const MAX_VOXELS_PER_BYTE: u64 = 1024;
+const SMALL: u64 = 1 << 26;
+/// Grids that are named in a message.
+const NAMED: usize = 4;
+
+/// Whether the file begins with the magic number.
+pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
+    start.starts_with(MAGIC)
+}
+
+/// Reads the first grid of floats or doubles that is a level set or a fog volume: the box around its active voxels and one
+/// voxel more on each side, with all values that the tree has there. Values may be halves, masked, zip or Blosc; doubles are
+/// rounded to f32.
+pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
+    let (version, has_offsets, is_zip) = header(source)?;
+    Metadata::read(source)?;
+    let grids = u32::from_le_bytes(source.array("the number of grids")?);
+    let mut others = Vec::new();
+    for index in 0..grids {
+        let about = Descriptor::read(source)?;
+        let is_double = match &*about.kind {
+            _ if about.is_instance => None,
+            "Tree_float_5_4_3" => Some(false),
+            "Tree_double_5_4_3" => Some(true),
+            _ => None,
+        };
+        let mut found =
+            if about.is_instance { "the tree of another grid".into() } else { quoted(about.kind.as_bytes()) };
+        if let Some(is_double) = is_double {
+            let flags = flags(source, version, is_zip)?;
+            let metadata = Metadata::read(source)?;
+            let content = match &*metadata.class {
+                "level set" => Some(Content::LevelSet),
+                "fog volume" => Some(Content::Scalar),
+                _ => None,
+            };
+            if let Some(content) = content {
+                if metadata.is_half != about.is_half {
+                    let expected = "`is_saved_as_half_float` as the type of the grid says it";
+                    return Err(source.malformed_at(about.place.clone(), expected, format!("{}", metadata.is_half)));
+                }
+                let coding = Coding { version, is_double, is_half: about.is_half, flags, background: 0.0 };
+                return volume(source, coding, content, has_offsets.then_some(about));
+            }
+            let class = if metadata.class.is_empty() { "unknown" } else { &metadata.class };
+            found = format!("class {}", quoted(class.as_bytes()));
+        }
+        if others.len() < NAMED {
+            others.push(format!("{} ({found})", about.name));
+        }
+        if index + 1 < grids {
+            let skipped = about.end.checked_sub(source.offset).filter(|_| has_offsets);
+            let Some(skipped) = skipped else {
+                let (expected, found) = ("the offset of the end of a grid behind it", about.end.to_string());
+                return Err(source.malformed_at(about.place.clone(), expected, found));
+            };
+            source.skip(skipped, "a grid")?;
+        }
+    }
+    let more = if grids as usize > others.len() { ", ..." } else { "" };
+    let found = if grids == 0 { "of no grids".into() } else { format!("of {}{more}", others.join(", ")) };
+    let remedy = "a grid of floats or doubles of the class `level set` or `fog volume` is read: set its class";
+    Err(ShapeError::Unsupported { file: source.file.clone(), place: Location::Header, what: "a file", found, remedy })
+}
+
+/// Version, whether the places of grids are told, and whether all of the file is compressed.
+fn header(source: &mut Source) -> Result<(u32, bool, bool), ShapeError> {
+    const WHAT: &str = "a VDB header";
+    let magic: [u8; 8] = source.array(WHAT)?;
+    if magic != MAGIC {
+        return Err(source.malformed_at(Location::Byte(0), "` BDV`, the mark of OpenVDB", quoted(&magic)));
+    }
+    let version = u32::from_le_bytes(source.array(WHAT)?);
+    if !VERSIONS.contains(&version) {
+        let (file, place, found) = (source.file.clone(), Location::Byte(8), version.to_string());
+        let remedy = "versions 220 to 225 are read: save it again with OpenVDB 3 to 13";
+        return Err(ShapeError::Unsupported { file, place, what: "version", found, remedy });
+    }
+    source.skip(8, WHAT)?; // version of the library
+    let has_offsets = source.array(WHAT)? != [0];
+    let is_zip = version < NODE_MASKS && source.array(WHAT)? != [0];
+    source.skip(36, WHAT)?; // an identifier
+    Ok((version, has_offsets, is_zip))
+}
+
+/// How the values of a grid are compressed.
+fn flags(source: &mut Source, version: u32, is_zip: bool) -> Result<u32, ShapeError> {
+    if version < NODE_MASKS {
+        return Ok(if is_zip { ZIP } else { 0 });
+    }
+    let place = Location::Byte(source.offset);
+    let flags = u32::from_le_bytes(source.array("the compression of a grid")?);
+    if flags & !KNOWN_FLAGS == 0 {
+        return Ok(flags);
+    }
+    let (file, found) = (source.file.clone(), flags.to_string());
+    let remedy = "none, zip, active mask and Blosc are read (0 to 7)";
+    Err(ShapeError::Unsupported { file, place, what: "compression", found, remedy })
+}
+
+/// The grid behind its metadata; `about` says where its parts are, if anything does.
+fn volume(
+    source: &mut Source,
+    mut coding: Coding,
+    content: Content,
+    about: Option<Descriptor>,
+) -> Result<Shape, ShapeError> {
+    let (zero, steps) = head::transform(source)?;
+    let tree = Tree::read(source, &mut coding)?;
+    let check = |source: &Source, offset: u64, expected| match &about {
+        Some(about) if offset != source.offset => {
+            let found = format!("{offset} instead of {}", source.offset);
+            Err(source.malformed_at(about.place.clone(), expected, found))
+        }
+        _ => Ok(()),
+    };
+    check(source, about.as_ref().map_or(0, |about| about.blocks), "the offset of the leaves of a grid")?;
+    let Some(active) = tree.active else {
+        let (place, found) = (Location::Byte(source.offset), "none".into());
+        return Err(source.malformed_at(place, "a grid with active voxels", found));
+    };
+    let [min, max] = active.map(|corner| corner.as_i64vec3());
+    let (min, max) = (min - 1, max + 1);
+    let size = (max - min + 1).to_array().map(|n| n as u64);
+    let most = SMALL.max(source.len.saturating_mul(MAX_VOXELS_PER_BYTE));
+    let size = placement::at_most(&source.file, "voxels in the box around the active ones", size, most)?;
+    if !placement::are_lengths(axes::lengths(&steps)) {
+        let found = format!("{:?}", steps.to_cols_array_2d());
+        return Err(source.malformed_at(Location::Header, placement::STEPS, found));
+    }
+    let placement = Placement { size, origin: zero + steps * min.as_dvec3(), steps, content };
+    placement.check(source)?;
+    let mut values = filled(&source.file, size, coding.background)?;
+    tree.fill(source, &coding, Dense { min, size, values: &mut values })?;
+    check(source, about.as_ref().map_or(0, |about| about.end), "the offset of the end of a grid")?;
+    check_finite(&source.file, &values)?;
+    let bytes = 4 * placement.voxels();
+    let refused = |_| ShapeError::OutOfMemory { file: source.file.clone(), bytes };
+    placement.volume(values).map(Shape::Volume).map_err(refused)
+}
+
+/// Room for the values of a volume, all `value`.
+fn filled(file: &str, size: [u32; 3], value: f32) -> Result<Vec<f32>, ShapeError> {
+    let voxels: u64 = size.iter().map(|&n| u64::from(n)).product();
+    let bytes = 4 * voxels;
+    let refused = || ShapeError::OutOfMemory { file: file.into(), bytes };
+    // What is asked for is given by some systems, and taken back together with the process when it is used.
+    if memory::available().is_some_and(|left| bytes > left) {
+        return Err(refused());
+    }
+    let mut values = Vec::new();
+    values.try_reserve_exact(voxels as usize).map_err(|_| refused())?;
+    values.resize(voxels as usize, value);
+    Ok(values)
+}
+
+/// An error where a value is NaN or infinite.
+fn check_finite(file: &str, values: &[f32]) -> Result<(), ShapeError> {
+    let Some(first) = values.iter().position(|value| !value.is_finite()) else { return Ok(()) };
+    let count = values.iter().filter(|value| !value.is_finite()).count();
+    Err(ShapeError::NotFinite { file: file.into(), what: "voxels", count, total: values.len(), first })
+}

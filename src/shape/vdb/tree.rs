@@ -1,0 +1,202 @@
+//! The tree of an OpenVDB grid: root, nodes of 32^3 and 16^3 children, leaves of 8^3 voxels.
+//!
+//! Role: where values are, and then the values in their places of a dense box. Invariant: what is kept of a tree is smaller
+//! than 100 times its bytes in the file. Source: K. Museth, "VDB: High-Resolution Sparse Volumes with Dynamic Topology",
+//! ACM Trans. Graph. 32(3), 2013, and OpenVDB 10, `tree/RootNode.h`, `InternalNode.h`, `LeafNode.h`.
+
+use super::super::error::{Location, ShapeError, quoted};
+use super::super::source::Source;
+use super::values::{Coding, NODE_MASKS, count, is_on};
+use glam::{I64Vec3, IVec3};
+use std::collections::HashSet;
+
+/// Voxels along a child of the root.
+const ROOT_CHILD: i32 = 4096;
+/// How many voxels from the origin they begin at most: sums of places stay far from the ends of 32 bits.
+const FARTHEST: i32 = 1 << 30;
+/// Voxels of a leaf and along it.
+const LEAF_VOXELS: usize = 512;
+const LEAF: i32 = 8;
+/// What is read here, for messages.
+const TREE: &str = "nodes of a tree";
+const LEAVES: &str = "a leaf of a tree";
+
+/// A tree without the values of its leaves.
+#[derive(Default)]
+pub(super) struct Tree {
+    /// First voxel and active voxels of each leaf, in the order of the file.
+    leaves: Vec<(IVec3, [u8; LEAF_VOXELS / 8])>,
+    /// Boxes of one value that is not the background.
+    tiles: Vec<Tile>,
+    /// First and last corner of the box around the active voxels.
+    pub active: Option<[IVec3; 2]>,
+}
+
+/// A box of one value.
+struct Tile {
+    min: IVec3,
+    max: IVec3,
+    value: f32,
+}
+
+/// A part of the grid with all its values, x fastest.
+pub(super) struct Dense<'a> {
+    /// Its first voxel.
+    pub min: I64Vec3,
+    /// Voxels along it.
+    pub size: [u32; 3],
+    /// Their values.
+    pub values: &'a mut [f32],
+}
+
+impl Tree {
+    /// Reads all but the values of the leaves, and the background into `coding`.
+    pub fn read(source: &mut Source, coding: &mut Coding) -> Result<Tree, ShapeError> {
+        let place = Location::Byte(source.offset);
+        let buffers = u32::from_le_bytes(source.array(TREE)?);
+        if buffers != 1 {
+            return Err(source.malformed_at(place, "a tree with 1 buffer", buffers.to_string()));
+        }
+        coding.background = coding.value(source)?;
+        let [tiles, children] = [u32::from_le_bytes(source.array(TREE)?), u32::from_le_bytes(source.array(TREE)?)];
+        let (mut tree, mut seen) = (Tree::default(), HashSet::new());
+        for _ in 0..tiles {
+            let min = root_key(source, &mut seen)?;
+            let value = coding.value(source)?;
+            let is_active = source.array::<1>(TREE)?[0] != 0;
+            tree.add(Tile { min, max: min + (ROOT_CHILD - 1), value }, is_active, coding);
+        }
+        for _ in 0..children {
+            let min = root_key(source, &mut seen)?;
+            tree.node(source, coding, min, 5)?;
+        }
+        Ok(tree)
+    }
+
+    /// Reads a node of 2^`log` children along each axis, and what is below it.
+    fn node(&mut self, source: &mut Source, coding: &Coding, min: IVec3, log: u32) -> Result<(), ShapeError> {
+        let (places, child) = (1 << (3 * log), if log == 5 { ROOT_CHILD >> log } else { LEAF });
+        let children = source.block(places as u64 / 8, TREE)?;
+        let active = source.block(places as u64 / 8, TREE)?;
+        let is_packed = coding.version < NODE_MASKS; // only of what is no child
+        let values = coding.values(source, &active, if is_packed { places - count(&children) } else { places })?;
+        let corner = |place: usize| {
+            let part = |shift: u32| (place >> shift & ((1 << log) - 1)) as i32;
+            min + child * IVec3::new(part(2 * log), part(log), part(0))
+        };
+        let mut next = 0;
+        let mut run: Option<(Tile, bool)> = None; // tiles that continue each other along z are one
+        for place in 0..places {
+            if is_on(&children, place) {
+                continue;
+            }
+            let value = values[if is_packed { next } else { place }];
+            next += 1;
+            let (min, is_active) = (corner(place), is_on(&active, place));
+            match &mut run {
+                Some((tile, was_active))
+                    if *was_active == is_active
+                        && tile.value.to_bits() == value.to_bits()
+                        && min == tile.min.with_z(tile.max.z + 1) =>
+                {
+                    tile.max.z += child;
+                }
+                _ => {
+                    let ended = run.replace((Tile { min, max: min + (child - 1), value }, is_active));
+                    ended.into_iter().for_each(|(tile, was_active)| self.add(tile, was_active, coding));
+                }
+            }
+        }
+        run.into_iter().for_each(|(tile, was_active)| self.add(tile, was_active, coding));
+        for place in (0..places).filter(|place| is_on(&children, *place)) {
+            match log {
+                5 => self.node(source, coding, corner(place), 4)?,
+                _ => self.leaf(source, corner(place))?,
+            }
+        }
+        Ok(())
+    }
+
+    fn leaf(&mut self, source: &mut Source, min: IVec3) -> Result<(), ShapeError> {
+        let mask: [u8; LEAF_VOXELS / 8] = source.array(LEAVES)?;
+        for (row, bits) in mask.iter().enumerate().filter(|(_, bits)| **bits != 0) {
+            let at = |z: u32| min + IVec3::new(row as i32 / 8, row as i32 % 8, z as i32);
+            self.include(at(bits.trailing_zeros()), at(7 - bits.leading_zeros()));
+        }
+        self.leaves.push((min, mask));
+        Ok(())
+    }
+
+    fn add(&mut self, tile: Tile, is_active: bool, coding: &Coding) {
+        if is_active {
+            self.include(tile.min, tile.max);
+        }
+        if tile.value != coding.background {
+            self.tiles.push(tile);
+        }
+    }
+
+    /// Makes the active box contain the one from `min` to `max`.
+    fn include(&mut self, min: IVec3, max: IVec3) {
+        let [low, high] = self.active.unwrap_or([min, max]);
+        self.active = Some([low.min(min), high.max(max)]);
+    }
+
+    /// Reads the values of the leaves and writes all that are in `dense`, which is full of the background.
+    pub fn fill(&self, source: &mut Source, coding: &Coding, mut dense: Dense) -> Result<(), ShapeError> {
+        for tile in &self.tiles {
+            dense.rows(tile.min, tile.max, |row, _| row.fill(tile.value));
+        }
+        for (min, mask) in &self.leaves {
+            let place = Location::Byte(source.offset);
+            if source.array(LEAVES)? != *mask {
+                let found = "another one".into();
+                return Err(source.malformed_at(place, "the same mask of a leaf as in the tree", found));
+            }
+            let buffers = if coding.version < NODE_MASKS { source.array::<13>(LEAVES)?[12] } else { 1 };
+            let values = coding.values(source, mask, LEAF_VOXELS)?;
+            for _ in 1..buffers {
+                coding.skip(source, LEAF_VOXELS)?;
+            }
+            dense.rows(*min, min + (LEAF - 1), |row, first| {
+                // Here x is the slowest.
+                let [x, y, z] = (first - min.as_i64vec3()).to_array().map(|part| part as usize);
+                let of_row = values[64 * x + 8 * y + z..].iter().step_by(64);
+                row.iter_mut().zip(of_row).for_each(|(voxel, value)| *voxel = *value);
+            });
+        }
+        Ok(())
+    }
+}
+
+/// The first voxel of a child or tile of the root, each of which is there once.
+fn root_key(source: &mut Source, seen: &mut HashSet<IVec3>) -> Result<IVec3, ShapeError> {
+    let place = Location::Byte(source.offset);
+    let mut part = || source.array(TREE).map(i32::from_le_bytes);
+    let key = IVec3::new(part()?, part()?, part()?);
+    let is_near = (key.cmpge(IVec3::splat(-FARTHEST)) & key.cmple(IVec3::splat(FARTHEST))).all();
+    if is_near && key % ROOT_CHILD == IVec3::ZERO && seen.insert(key) {
+        return Ok(key);
+    }
+    let found = quoted(key.to_string().as_bytes());
+    Err(source.malformed_at(place, "multiples of 4096 up to 2^30, each once, as origins of the root's children", found))
+}
+
+impl Dense<'_> {
+    /// Calls `with` each row of voxels that is in the box from `min` to `max` too, and with its first voxel.
+    fn rows(&mut self, min: IVec3, max: IVec3, mut with: impl FnMut(&mut [f32], I64Vec3)) {
+        let size = I64Vec3::from(self.size.map(i64::from));
+        let from = (min.as_i64vec3() - self.min).max(I64Vec3::ZERO);
+        let to = (max.as_i64vec3() - self.min).min(size - 1);
+        if from.x > to.x {
+            return;
+        }
+        for z in from.z..=to.z {
+            for y in from.y..=to.y {
+                let start = ((z * size.y + y) * size.x + from.x) as usize;
+                let row = &mut self.values[start..=start + (to.x - from.x) as usize];
+                with(row, self.min + I64Vec3::new(from.x, y, z));
+            }
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! The values of a node of an OpenVDB tree.
+//!
+//! Role: what is stored of them into all of them. Invariant: memory is taken for the places of the node only, whatever
+//! length the file declares. Source: OpenVDB 10, `io/Compression.h`.
+
+use super::super::error::{Found, Location, ShapeError};
+use super::super::source::{Source, read_block};
+use super::blosc::{self, Fault};
+use flate2::bufread::ZlibDecoder;
+use half::f16;
+use std::io;
+
+/// Since this version each node says which of its values are stored.
+pub(super) const NODE_MASKS: u32 = 222;
+/// Flags of the compression of a grid.
+pub(super) const ZIP: u32 = 1;
+const ACTIVE_ONLY: u32 = 2;
+const BLOSC: u32 = 4;
+/// All flags that are known.
+pub(super) const KNOWN_FLAGS: u32 = ZIP | ACTIVE_ONLY | BLOSC;
+/// The code of a node that stores all of its values.
+const ALL: u8 = 6;
+/// What is read here, for messages.
+const WHAT: &str = "values of a node";
+
+/// How the values of a grid are stored.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Coding {
+    /// Version of the file.
+    pub version: u32,
+    /// Whether a value is of 64 bits.
+    pub is_double: bool,
+    /// Whether values of nodes are stored in 16 bits.
+    pub is_half: bool,
+    /// How they are compressed.
+    pub flags: u32,
+    /// Value where the tree has none.
+    pub background: f32,
+}
+
+/// Whether place `index` is in `mask`.
+pub(super) fn is_on(mask: &[u8], index: usize) -> bool {
+    mask.get(index / 8).is_some_and(|byte| byte >> (index % 8) & 1 == 1)
+}
+
+/// How many places are in `mask`.
+pub(super) fn count(mask: &[u8]) -> usize {
+    mask.iter().map(|byte| byte.count_ones() as usize).sum()
+}
+
+impl Coding {
+    /// One value, as it stands beside the nodes.
+    pub fn value(&self, source: &mut Source) -> Result<f32, ShapeError> {
+        Ok(if self.is_double {
+            f64::from_le_bytes(source.array(WHAT)?) as f32
+        } else {
+            f32::from_le_bytes(source.array(WHAT)?)
+        })
+    }
+
+    /// The values of a node of `places`, of which those in `active` are active.
+    pub fn values(&self, source: &mut Source, active: &[u8], places: usize) -> Result<Vec<f32>, ShapeError> {
+        let place = Location::Byte(source.offset);
+        let code = if self.version < NODE_MASKS { ALL } else { source.array::<1>(WHAT)?[0] };
+        let (outside, inside) = (self.background, -self.background);
+        let inactive = match code {
+            0 | ALL => [outside; 2],
+            1 | 3 => [inside, outside],
+            2 => [self.value(source)?; 2],
+            4 => [self.value(source)?, outside],
+            5 => [self.value(source)?, self.value(source)?],
+            _ => return Err(source.malformed_at(place, "a code of a node from 0 to 6", code.to_string())),
+        };
+        let is_second = if matches!(code, 3..=5) { source.block(active.len() as u64, WHAT)? } else { Vec::new() };
+        if self.flags & ACTIVE_ONLY == 0 || code == ALL {
+            return self.stored(source, places);
+        }
+        let mut stored = self.stored(source, count(active))?.into_iter();
+        let value = |index| match is_on(active, index) {
+            true => stored.next().unwrap_or(outside),
+            false => inactive[usize::from(is_on(&is_second, index))],
+        };
+        Ok((0..places).map(value).collect())
+    }
+
+    /// Goes over values that are stored as they are or as zip.
+    pub fn skip(&self, source: &mut Source, places: usize) -> Result<(), ShapeError> {
+        Coding { flags: self.flags & ZIP, ..*self }.stored(source, places).map(drop)
+    }
+
+    /// The next `places` values of the file.
+    fn stored(&self, source: &mut Source, places: usize) -> Result<Vec<f32>, ShapeError> {
+        let floats = |bytes: Vec<u8>| bytes.as_chunks().0.iter().map(|&value| f32::from_le_bytes(value)).collect();
+        Ok(match (self.is_half, self.is_double) {
+            (true, _) if places == 0 => Vec::new(), // not even the length of nothing is stored
+            (true, _) => {
+                let bytes = self.data(source, 2 * places)?;
+                bytes.as_chunks().0.iter().map(|&value| f16::from_le_bytes(value).to_f32()).collect()
+            }
+            (false, false) => floats(self.data(source, 4 * places)?),
+            (false, true) => {
+                let bytes = self.data(source, 8 * places)?;
+                bytes.as_chunks().0.iter().map(|&value| f64::from_le_bytes(value) as f32).collect()
+            }
+        })
+    }
+
+    /// `bytes` bytes that may be compressed.
+    fn data(&self, source: &mut Source, bytes: usize) -> Result<Vec<u8>, ShapeError> {
+        if self.flags & (ZIP | BLOSC) == 0 {
+            return source.block(bytes as u64, WHAT);
+        }
+        let place = Location::Byte(source.offset);
+        let length = i64::from_le_bytes(source.array(WHAT)?);
+        // Compressed data is never longer than its values by more than a header; a negative length is of plain values.
+        let is_plain = length <= 0;
+        if is_plain && length.unsigned_abs() != bytes as u64 || length > 2 * bytes as i64 + 1024 {
+            return Err(source.malformed_at(place, "the length of the values of a node", format!("{length} bytes")));
+        }
+        let (offset, packed) = (source.offset, source.block(length.unsigned_abs(), WHAT)?);
+        if is_plain {
+            return Ok(packed);
+        }
+        let damaged = |decoded, reason| {
+            let file = source.file.clone();
+            ShapeError::Packed { file, offset, decoded, reason }
+        };
+        if self.flags & BLOSC != 0 {
+            return blosc::decode(&packed, bytes).map_err(|fault| match fault {
+                Fault::Damaged(what) => damaged(0, io::Error::other(what)),
+                Fault::Unsupported(found) => {
+                    let (file, place) = (source.file.clone(), Location::Byte(offset));
+                    let remedy = "save it with the compression of OpenVDB itself (zip, or Blosc with LZ4)";
+                    ShapeError::Unsupported { file, place, what: "Blosc", found, remedy }
+                }
+            });
+        }
+        let mut data = vec![0; bytes + 1]; // one more shows whether there is more
+        let found = read_block(&mut ZlibDecoder::new(&packed[..]), &mut data).map_err(|reason| damaged(0, reason))?;
+        data.truncate(bytes);
+        if found == bytes {
+            return Ok(data);
+        }
+        let found = if found > bytes { Found::More } else { Found::Bytes(found as u64) };
+        Err(source.data_size(bytes as u64, WHAT.into(), found))
+    }
+}
