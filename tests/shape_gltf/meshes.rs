@@ -256,8 +256,11 @@ fn quantized_positions_are_whole_numbers_or_parts_of_one() {
 fn what_is_left_out_of_the_geometry_is_noted_and_the_rest_is_not() {
     let mut document = document();
     assert_eq!(read_noted("a.glb", &glb(&document, &data())).unwrap().1, Vec::<String>::new());
-    document["nodes"] =
-        json!([{ "mesh": 0, "skin": 3, "camera": 9, "extensions": { "KHR_lights_punctual": { "light": 0 } } }]);
+    document["nodes"] = json!([{ "mesh": 0, "skin": 3, "camera": 9, "extensions": { "KHR_lights_punctual": { "light": 0 } },
+            "children": [1] }, { "mesh": 0, "children": [2], "extensions": { "KHR_node_visibility": { "visible": false } } },
+            { "mesh": 99 }]);
+    document["extensionsRequired"] = json!(["KHR_node_visibility"]);
+    document["animations"] = json!([{ "channels": [], "samplers": [] }]);
     let primitives = document["meshes"][0]["primitives"].as_array_mut().unwrap();
     primitives[0]["targets"] = json!([{ "POSITION": 99 }]);
     primitives[0]["material"] = json!(44);
@@ -268,8 +271,10 @@ fn what_is_left_out_of_the_geometry_is_noted_and_the_rest_is_not() {
     assert_tetrahedron(&mesh);
     let expected = [
         "primitives of points or lines are left out: 4",
-        "skinned meshes stand in the pose they were bound in: 1",
-        "meshes stand in their base shape, without morph targets: 1",
+        "skins are not applied, their meshes stand where their nodes put them: 1",
+        "morph targets are not applied, their meshes keep their base shape: 1",
+        "hidden nodes are left out, with all below them: 1",
+        "animations are not played, nodes stand where they are at rest: 1",
     ];
     assert_eq!(notes, expected);
 }

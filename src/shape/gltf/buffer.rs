@@ -4,7 +4,7 @@
 //! for, and the views into them. Invariant: a view lies in its buffer, and a buffer holds what it declares.
 
 use super::document::{Document, View, entry, malformed, unsupported};
-use crate::shape::error::{Found, Location, ShapeError, quoted};
+use crate::shape::error::{Location, ShapeError, quoted};
 use crate::shape::source::Source;
 use base64::Engine;
 use base64::alphabet::STANDARD;
@@ -99,14 +99,7 @@ impl<'a, 's> Data<'a, 's> {
             return Err(ShapeError::TooLarge { file, what, found: side.to_string(), limit: MAX_SIDE_BYTES });
         }
         self.side_bytes.set(side);
-        let read = self.source.beside(&name, |side| {
-            if declared > side.len {
-                return Err(side.data_size(declared, "the length of the buffer".into(), Found::Bytes(side.len)));
-            }
-            let mut bytes = vec![0; declared as usize];
-            side.fill(&mut bytes)?;
-            Ok(bytes)
-        });
+        let read = self.source.beside(&name, |side| side.block(declared, "the length of the buffer"));
         read.map_err(|error| error.placed(Location::Json(place())))
     }
 }

@@ -26,6 +26,8 @@ pub struct Document<'a> {
     pub asset: Asset,
     #[serde(default, deserialize_with = "list")]
     pub extensions_required: Vec<String>,
+    #[serde(default)]
+    pub animations: Vec<IgnoredAny>,
     pub scene: Option<u32>,
     #[serde(default, deserialize_with = "list")]
     pub scenes: Vec<Scene>,
@@ -157,12 +159,33 @@ pub struct Extensions {
     older_meshopt: Option<IgnoredAny>,
     #[serde(rename = "EXT_mesh_gpu_instancing")]
     instancing: Option<IgnoredAny>,
+    #[serde(rename = "KHR_node_visibility")]
+    visibility: Option<Visibility>,
+}
+
+/// Whether a node and all below it are shown.
+#[derive(Deserialize)]
+struct Visibility {
+    visible: Option<bool>,
 }
 
 impl Extensions {
-    /// Names of extensions that a file may require: all else that they change is what it looks like.
-    const HARMLESS: [&str; 6] =
-        ["KHR_mesh_quantization", "KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "MSFT_texture_"];
+    /// How the names of extensions begin that a file may require: those that are read, and those that change only what
+    /// surfaces look like.
+    const HARMLESS: [&str; 7] = [
+        "KHR_mesh_quantization",
+        "KHR_node_visibility",
+        "KHR_materials_",
+        "KHR_texture_",
+        "KHR_lights_",
+        "EXT_texture_",
+        "MSFT_texture_",
+    ];
+
+    /// Whether the node is left out, and all below it.
+    pub fn hides(&self) -> bool {
+        self.visibility.as_ref().is_some_and(|visibility| visibility.visible == Some(false))
+    }
 
     /// An error where one of these has to be understood to read the geometry at `place`.
     pub fn check(&self, source: &Source, place: impl FnOnce() -> String) -> Result<(), ShapeError> {

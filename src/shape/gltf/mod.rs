@@ -18,6 +18,8 @@ use super::{Mesh, Shape};
 const MAX_JSON: u64 = 256 << 20;
 const HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
+/// What the header of a chunk declares the length of.
+const CHUNK: &str = "a chunk";
 
 /// Whether the file begins as GLB, or as JSON that speaks of its `asset`.
 pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
@@ -36,7 +38,6 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     };
     let document = document::parse(source, &json)?;
     let found = scene::read(&buffer::Data::new(source, &document, binary))?;
-    source.check_positions("vertices", &found.positions)?;
     found.notes.into_iter().for_each(|note| source.note(note));
     let (mesh, flat) = Mesh::cleaned(&found.positions, found.triangles);
     source.finish((mesh, flat + found.flat))
@@ -48,14 +49,7 @@ fn json(source: &mut Source, bytes: u64) -> Result<Vec<u8>, ShapeError> {
         let (file, found) = (source.file.clone(), bytes.to_string());
         return Err(ShapeError::TooLarge { file, what: "bytes of JSON", found, limit: MAX_JSON });
     }
-    take(source, bytes)
-}
-
-/// The next bytes; the caller has checked that they are there.
-fn take(source: &mut Source, bytes: u64) -> Result<Vec<u8>, ShapeError> {
-    let mut taken = vec![0; bytes as usize];
-    source.fill(&mut taken)?;
-    Ok(taken)
+    source.block(bytes, "JSON")
 }
 
 /// The JSON of a GLB file, and its binary chunk if there is one. Chunks behind them are of extensions.
@@ -78,7 +72,7 @@ fn chunks(source: &mut Source) -> Result<(Vec<u8>, Option<Vec<u8>>), ShapeError>
     if source.remaining() > 0 {
         let (kind, bytes) = chunk(source)?;
         if kind == *b"BIN\0" {
-            return Ok((json, Some(take(source, bytes)?)));
+            return Ok((json, Some(source.block(bytes, CHUNK)?)));
         }
     }
     Ok((json, None))
@@ -93,7 +87,7 @@ fn chunk(source: &mut Source) -> Result<([u8; 4], u64), ShapeError> {
         return Err(source.malformed_at(Location::Byte(at), expected, bytes.to_string()));
     }
     if u64::from(bytes) > source.remaining() {
-        return Err(source.data_size(bytes.into(), "a chunk".into(), Found::Bytes(source.remaining())));
+        return Err(source.data_size(bytes.into(), CHUNK.into(), Found::Bytes(source.remaining())));
     }
     Ok((kind.to_le_bytes(), bytes.into()))
 }

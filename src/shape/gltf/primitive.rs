@@ -7,7 +7,7 @@ use super::accessor::{Component, Elements};
 use super::buffer::Data;
 use super::document::{Primitive, malformed};
 use crate::shape::error::ShapeError;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
 /// A mesh in its own coordinates.
@@ -38,6 +38,11 @@ impl Part {
             }
         }
         Ok(part)
+    }
+
+    /// The positions where a node puts them.
+    pub fn at(&self, world: DAffine3) -> impl Iterator<Item = DVec3> {
+        self.positions.iter().map(move |position| world.transform_point3(*position))
     }
 
     fn add(

@@ -75,10 +75,15 @@ pub fn read(data: &Data) -> Result<Found, ShapeError> {
     let mut visits = Visits { source, document, nodes: Vec::new(), named: vec![false; document.nodes.len()] };
     visits.begin()?;
     let mut parts: Vec<Option<Part>> = document.meshes.iter().map(|_| None).collect();
-    let (mut shown, mut declared, mut counts) = (Vec::new(), 0, [0; 3]);
+    let (mut shown, mut declared, mut counts) = (Vec::new(), 0, [0; 5]);
     let (mut triangles, mut positions) = (0, 0);
+    counts[4] = document.animations.len();
     while let Some((index, parent)) = visits.nodes.pop() {
         let node = &document.nodes[index as usize];
+        if node.extensions.hides() {
+            counts[3] += 1;
+            continue;
+        }
         let world = parent * local(data, index, node)?;
         visits.add(&node.children, world, |at| format!("nodes[{index}].children[{at}]"))?;
         let Some(mesh) = node.mesh else { continue };
@@ -91,14 +96,17 @@ pub fn read(data: &Data) -> Result<Found, ShapeError> {
         };
         (triangles, positions) = (triangles + part.triangles.len(), positions + part.positions.len());
         source.check_triangles(triangles as u64)?;
+        source.check_positions("vertices", &part.at(world).collect::<Vec<_>>())?;
         shown.push((mesh, world));
         let left_out = [part.thin, usize::from(node.skin.is_some()), usize::from(part.morphs)];
         counts.iter_mut().zip(left_out).for_each(|(count, more)| *count += more);
     }
     let texts = [
         "primitives of points or lines are left out",
-        "skinned meshes stand in the pose they were bound in",
-        "meshes stand in their base shape, without morph targets",
+        "skins are not applied, their meshes stand where their nodes put them",
+        "morph targets are not applied, their meshes keep their base shape",
+        "hidden nodes are left out, with all below them",
+        "animations are not played, nodes stand where they are at rest",
     ];
     let mut found = Found {
         positions: Vec::with_capacity(positions),
@@ -118,7 +126,7 @@ impl Found {
     /// Adds a mesh at a place.
     fn add(&mut self, part: &Part, world: DAffine3) {
         let (first, mirrored) = (self.positions.len() as u32, world.matrix3.determinant() < 0.0);
-        self.positions.extend(part.positions.iter().map(|position| world.transform_point3(*position)));
+        self.positions.extend(part.at(world));
         self.triangles.extend(part.triangles.iter().map(|triangle| {
             let [a, b, c] = triangle.map(|corner| first + corner);
             if mirrored { [a, c, b] } else { [a, b, c] }
