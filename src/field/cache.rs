@@ -254,7 +254,7 @@ mod tests {
 
     fn shape() -> Shape {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
-        Shape::Mesh(Mesh { positions, triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] })
+        Shape::Mesh(Mesh { positions, triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], ..Mesh::default() })
     }
 
     /// The cached field, and whether it had to be computed.

@@ -66,7 +66,7 @@ mod tests {
             let ends = edge.map(place);
             ends[0].lerp(ends[1], part(ends))
         });
-        Mesh { positions: positions.collect(), triangles: set.triangles.clone() }
+        Mesh { positions: positions.collect(), triangles: set.triangles.clone(), ..Mesh::default() }
     }
 
     #[test]

@@ -197,7 +197,7 @@ pub fn polygonize(
         Ok(found.into_iter().map(|place| world(subject, scene.object.up, place)).collect())
     });
     let positions: Vec<Vec<Vec3>> = chunks.collect::<Result<_, ExactError>>()?;
-    Ok(Mesh { positions: positions.concat(), triangles: set.triangles })
+    Ok(Mesh { positions: positions.concat(), triangles: set.triangles, offset: subject.offset })
 }
 
 /// Which samples are inside.

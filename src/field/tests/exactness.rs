@@ -48,7 +48,11 @@ fn needles_slivers_and_points_are_measured_as_edges() {
         Vec3::new(0.9, 0.1, 0.7),
         Vec3::new(0.55, 0.45, 0.500001),
     ];
-    let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 1, 3], [4, 4, 4], [4, 5, 5], [4, 5, 6], [3, 3, 6]] };
+    let mesh = Mesh {
+        positions,
+        triangles: vec![[0, 1, 2], [0, 1, 3], [4, 4, 4], [4, 5, 5], [4, 5, 6], [3, 3, 6]],
+        ..Mesh::default()
+    };
     let (field, _) = field_of(&mesh, 33, 0.2, 10.0);
     for (_, p, value) in samples(&field) {
         let exact = brute_force(&mesh, p);

@@ -57,7 +57,7 @@ fn icosphere(center: Vec3, radius: f32, levels: u32) -> Mesh {
             })
             .collect();
     }
-    Mesh { positions: positions.iter().map(|p| center + radius * *p).collect(), triangles }
+    Mesh { positions: positions.iter().map(|p| center + radius * *p).collect(), triangles, ..Mesh::default() }
 }
 
 /// A torus around the y axis, wound outward.
@@ -73,7 +73,7 @@ fn torus(major: f32, minor: f32, around: u32, across: u32) -> Mesh {
     let quads = (0..around)
         .flat_map(|i| (0..across).map(move |j| [index(i, j), index(i, j + 1), index(i + 1, j + 1), index(i + 1, j)]));
     let triangles = quads.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh { positions, triangles }
+    Mesh { positions, triangles, ..Mesh::default() }
 }
 
 /// Two meshes as one.

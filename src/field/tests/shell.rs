@@ -41,7 +41,7 @@ fn assert_shell(shape: &Shape, off: f64, distance: impl Fn(DVec3) -> f64) {
 fn an_open_square_becomes_a_plate() {
     let positions = [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]].map(|[x, y]| Vec3::new(x, y, 0.1)).to_vec();
     // Wound against each other: a shell has no use for their order.
-    let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 3, 2]] };
+    let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 3, 2]], ..Mesh::default() };
     assert_shell(&Shape::Mesh(mesh), 0.0, |p| {
         let beyond = (p.abs() - DVec3::new(1.0, 0.5, 0.0)).with_z(p.z - 0.1);
         DVec3::new(beyond.x.max(0.0), beyond.y.max(0.0), beyond.z).length()
