@@ -29,7 +29,7 @@ pub enum ShapeError {
         file: String,
     },
     /// A directory, a device or a pipe.
-    #[error("{file}: is {kind}, not a file; name the mesh or volume file itself")]
+    #[error("{file}: is {kind}, not a file; name the mesh or volume file itself, or a folder with DICOM files")]
     NotAFile {
         /// The path.
         file: String,

@@ -6,8 +6,9 @@
 //! [`open`] is the way in; [`write_nrrd`] is the way back out for volumes. World space is right-handed with y up for
 //! the built-in objects; files keep the coordinates they have. Sources are named where they are used: Newell's teapot
 //! in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `ply`, `stl`, `nrrd`,
-//! `meta` and `vdb`.
+//! `meta`, `vdb` and `dicom`.
 
+mod dicom;
 mod error;
 mod generated;
 mod grid;

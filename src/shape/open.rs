@@ -5,7 +5,7 @@
 
 use super::error::{quoted, shown};
 use super::source::Source;
-use super::{BUILT_IN, Shape, ShapeError, generated, meta, nrrd, obj, ply, stl, vdb};
+use super::{BUILT_IN, Shape, ShapeError, dicom, generated, meta, nrrd, obj, ply, stl, vdb};
 use crate::support::open::{self as plain, OpenError};
 use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -24,6 +24,7 @@ struct Format {
 const FORMATS: &[Format] = &[
     Format { extensions: &["nrrd", "nhdr"], recognizes: nrrd::recognizes, read: nrrd::read },
     Format { extensions: &["mhd", "mha"], recognizes: meta::recognizes, read: meta::read },
+    Format { extensions: &["dcm"], recognizes: dicom::recognizes, read: dicom::read },
     Format { extensions: &["vdb"], recognizes: vdb::recognizes, read: vdb::read },
     Format { extensions: &["ply"], recognizes: ply::recognizes, read: ply::read },
     Format { extensions: &["stl"], recognizes: stl::recognizes, read: stl::read },
@@ -33,8 +34,9 @@ const FORMATS: &[Format] = &[
 /// Opens a built-in object or a file.
 ///
 /// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a file
-/// is chosen by its content where the content tells (NRRD, MetaImage, PLY, STL), else by its extension (OBJ). Coordinates
-/// stay as they are in the file. Directories, devices and pipes are refused.
+/// is chosen by its content where the content tells (NRRD, MetaImage, DICOM, OpenVDB, PLY, STL), else by its extension (OBJ).
+/// Coordinates stay as they are in the file. A folder of DICOM files is the series that has the most slices in it, and one
+/// slice stands for its series; other folders, devices and pipes are refused.
 ///
 /// # Errors
 /// Any [`ShapeError`]; its message is one line.
@@ -43,7 +45,10 @@ pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
         return Ok(shape);
     }
     let path = Path::new(name_or_path);
-    let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
+    let (opened, len) = match plain::open(path, u64::MAX) {
+        Err(OpenError::NotAFile(_)) if path.is_dir() => return dicom::read_folder(&shown(name_or_path), path),
+        opened => opened.map_err(|error| unopened(name_or_path, error))?,
+    };
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
     parse(name_or_path, len, Some(folder), &mut BufReader::new(opened))
 }
@@ -123,7 +128,7 @@ mod tests {
         }
         let message = open("shpere").unwrap_err().to_string();
         assert!(
-            message.contains("sphere, cube, torus") && message.contains(".nrrd, .nhdr, .mhd, .mha, .ply, .stl, .obj"),
+            message.contains("sphere, cube, torus") && message.contains(".nrrd, .nhdr, .mhd, .mha, .dcm, .vdb, .ply, .stl, .obj"),
             "{message}"
         );
     }

@@ -97,7 +97,8 @@ impl Source<'_> {
     pub fn array<const N: usize>(&mut self, what: &str) -> Result<[u8; N], ShapeError> {
         self.expect(N as u64, what)?;
         let mut bytes = [0; N];
-        self.fill(&mut bytes)?;
+        let read = read_block(&mut self.reader, &mut bytes);
+        self.consumed(read.map(|read| read as u64), N as u64, what)?;
         Ok(bytes)
     }
 
