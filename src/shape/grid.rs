@@ -29,7 +29,7 @@ pub(super) fn place(file: &str, size: [u32; 3], origin: DVec3, steps: DMat3) -> 
     let is_long = lengths.cmpge(*range.start()) & lengths.cmple(*range.end()); // not so for NaN
     let upright = steps.determinant().abs() / lengths.element_product();
     if !is_long.all() || upright < MIN_UPRIGHT {
-        let found = format!("({}) ({}) ({})", shown(steps.x_axis), shown(steps.y_axis), shown(steps.z_axis));
+        let found = format!("{} {} {}", shown(steps.x_axis), shown(steps.y_axis), shown(steps.z_axis));
         let remedy = "three directions of a length from 1.2e-38 to 1e18 that are not in a plane are read";
         return Err(refused("steps between samples of", found, remedy));
     }
@@ -43,16 +43,17 @@ pub(super) fn place(file: &str, size: [u32; 3], origin: DVec3, steps: DMat3) -> 
     }
     let spacing = DVec3::new(steps.x_axis.x, steps.y_axis.y, steps.z_axis.z);
     if steps != DMat3::from_diagonal(spacing) || spacing.min_element() <= 0.0 {
-        let found = format!("({}) ({}) ({})", shown(steps.x_axis), shown(steps.y_axis), shown(steps.z_axis));
+        let found = format!("{} {} {}", shown(steps.x_axis), shown(steps.y_axis), shown(steps.z_axis));
         let remedy = "the axes must not be oblique, exchanged or mirrored: resample onto the axes";
         return Err(refused("steps between samples of", found, remedy));
     }
     Ok((origin.as_vec3(), spacing.as_vec3()))
 }
 
-/// A vector for a message.
-fn shown(vector: DVec3) -> String {
-    vector.to_array().map(|part| format!("{part}")).join(",")
+/// A vector for a message; short where it is large, too.
+pub(super) fn shown(vector: DVec3) -> String {
+    let [x, y, z] = vector.to_array();
+    format!("({x:?},{y:?},{z:?})")
 }
 
 /// `size` as it is kept, where it is of at most `most` voxels and [`MAX_VOXELS`]; `what` says which voxels.

@@ -4,7 +4,7 @@
 //! has it; a slice too few or too many is refused. Source: NEMA PS3.3, C.7.6.2.1.1.
 
 use super::super::error::{Location, ShapeError, quoted};
-use super::super::grid;
+use super::super::grid::{self, shown};
 use super::image::{Frame, Image};
 use glam::{DMat3, DVec3};
 use std::path::PathBuf;
@@ -75,7 +75,7 @@ pub(super) fn layout(file: &str, members: &[Member]) -> Result<Layout, ShapeErro
             return Err(wrong("as many rows and columns in all slices", of_this(found)));
         }
         if its_x.distance(x).max(its_y.distance(y)) > TURN {
-            let found = format!("{its_x} {its_y} and {x} {y}");
+            let found = format!("{} {} and {} {}", shown(its_x), shown(its_y), shown(x), shown(y));
             return Err(wrong("the same orientation of all slices", of_this(found)));
         }
         if its_spacing.iter().zip(spacing).any(|(its, first)| (its - first).abs() > TURN * first) {
@@ -87,8 +87,8 @@ pub(super) fn layout(file: &str, members: &[Member]) -> Result<Layout, ShapeErro
         slices.push(Slice { file, frame, position, height: position.dot(normal) });
     }
     slices.sort_by(|a, b| a.height.total_cmp(&b.height));
-    let shown = |slice: &Slice| members[slice.file].shown(slice.frame);
-    let step = step(&slices, &shown).map_err(|(expected, found)| wrong(expected, found))?;
+    let name = |slice: &Slice| members[slice.file].shown(slice.frame);
+    let step = step(&slices, &name).map_err(|(expected, found)| wrong(expected, found))?;
     let size = [columns.into(), rows.into(), slices.len() as u64];
     let size = grid::check_size(file, "voxels", size, u64::MAX)?;
     let mut order: Vec<Vec<usize>> = members.iter().map(|member| vec![0; member.image.frames.len()]).collect();
@@ -109,7 +109,10 @@ fn plane(frame: &Frame) -> Result<(DVec3, DVec3, [f64; 2]), Wrong> {
     let (x, y) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
     let off = (x.length() - 1.0).abs().max((y.length() - 1.0).abs()).max(x.dot(y).abs());
     if off.is_nan() || off > TURN {
-        return Err(("an ImageOrientationPatient of two directions at right angles", format!("{x} {y}")));
+        return Err((
+            "an ImageOrientationPatient of two directions at right angles",
+            format!("{} {}", shown(x), shown(y)),
+        ));
     }
     let spacing = frame.spacing.ok_or_else(|| ("a PixelSpacing", "none".to_string()))?;
     if spacing.iter().any(|spacing| *spacing <= 0.0) {
@@ -119,7 +122,7 @@ fn plane(frame: &Frame) -> Result<(DVec3, DVec3, [f64; 2]), Wrong> {
 }
 
 /// The way from a slice to the next one.
-fn step(slices: &[Slice], shown: &dyn Fn(&Slice) -> String) -> Result<DVec3, Wrong> {
+fn step(slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> Result<DVec3, Wrong> {
     let (Some(first), Some(last), true) = (slices.first(), slices.last(), slices.len() > 1) else {
         return Err(("at least 2 slices of a series in a folder", slices.len().to_string()));
     };
@@ -128,7 +131,7 @@ fn step(slices: &[Slice], shown: &dyn Fn(&Slice) -> String) -> Result<DVec3, Wro
     let usual = gaps[gaps.len() / 2];
     for pair in slices.windows(2) {
         let gap = pair[1].height - pair[0].height;
-        let between = || format!("{} and {}", shown(&pair[0]), shown(&pair[1]));
+        let between = || format!("{} and {}", name(&pair[0]), name(&pair[1]));
         if gap <= OFF * usual {
             let found = format!("{} both at {} mm", between(), shown_mm(pair[0].height));
             return Err(("one slice at each place", found));
@@ -142,7 +145,7 @@ fn step(slices: &[Slice], shown: &dyn Fn(&Slice) -> String) -> Result<DVec3, Wro
     for (index, slice) in slices.iter().enumerate() {
         let off = slice.position.distance(first.position + step * index as f64);
         if off > OFF * step.length() {
-            let found = format!("{} {} mm off it", shown(slice), shown_mm(off));
+            let found = format!("{} {} mm off it", name(slice), shown_mm(off));
             return Err(("slices on a straight line at even distances", found));
         }
     }
@@ -151,5 +154,5 @@ fn step(slices: &[Slice], shown: &dyn Fn(&Slice) -> String) -> Result<DVec3, Wro
 
 /// A length for a message: to a micrometer.
 fn shown_mm(length: f64) -> String {
-    format!("{}", (length * 1e3).round() / 1e3)
+    format!("{:?}", (length * 1e3).round() / 1e3)
 }

@@ -95,7 +95,7 @@ impl Tree {
                 Some((tile, was_active))
                     if *was_active == is_active
                         && tile.value.to_bits() == value.to_bits()
-                        && min == tile.min.with_z(tile.max.z + 1) =>
+                        && min == tile.min.with_z(tile.max.z.wrapping_add(1)) =>
                 {
                     tile.max.z += child;
                 }
