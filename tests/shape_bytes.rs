@@ -2,33 +2,46 @@
 //! And agreement with the readers of the `tobj` and `stl_io` crates on good files.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
-use glam::Vec3;
-use hypertexture::shape::{Content, Shape, Volume, read, write_nrrd};
+use glam::{Mat3, Vec3};
+use hypertexture::shape::{Content, Shape, Volume, VolumeFormat, read, write_nrrd};
 use proptest::prelude::*;
 use std::io::Cursor;
 
-const NAMES: [&str; 5] = ["a.obj", "a.stl", "a.nrrd", "a.nhdr", "a"];
+const NAMES: [&str; 8] = ["a.obj", "a.stl", "a.nrrd", "a.nhdr", "a.mha", "a.nii.gz", "a.hdr", "a"];
 
 /// Good files to damage.
 fn seeds() -> Vec<(&'static str, Vec<u8>)> {
     let values = (0..60).map(|i| i as f32 * 0.1 - 2.0).collect();
     let volume =
-        Volume { size: [3, 4, 5], origin: Vec3::ZERO, spacing: Vec3::ONE, values, content: Content::SignedDistance };
+        Volume { size: [3, 4, 5], origin: Vec3::ZERO, steps: Mat3::IDENTITY, values, content: Content::SignedDistance };
     let mut compressed = Vec::new();
     write_nrrd(&volume, &mut compressed).unwrap();
+    let oblique = Volume { steps: Mat3::from_rotation_x(0.3), content: Content::Scalar, ..volume };
+    let others = [
+        (VolumeFormat::MetaImage, "a.mha"),
+        (VolumeFormat::Nifti, "a.nii"),
+        (VolumeFormat::NiftiGzip, "a.nii.gz"),
+        (VolumeFormat::Nifti, "a"),
+    ];
+    let others = others.map(|(format, name)| {
+        let mut bytes = Vec::new();
+        format.write(&oblique, &mut bytes).unwrap();
+        (name, bytes)
+    });
     let mut raw = b"NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nendian: big\nencoding: raw\n\
         space directions: (-1,0,0) (0,2,0) (0,0,1)\nspace origin: (1,2,3)\n\n"
         .to_vec();
     raw.extend(0..16);
     let mut stl = Vec::new();
     stl_io::write_stl(&mut stl, triangles().iter()).unwrap();
-    vec![
+    let own = [
         ("a.nrrd", compressed),
         ("a.nrrd", raw),
         ("a.stl", stl),
         ("a.stl", text_stl()),
         ("a.obj", OBJ.as_bytes().to_vec()),
-    ]
+    ];
+    own.into_iter().chain(others).collect()
 }
 
 const OBJ: &str = "# a tent and a concave face\nmtllib none.mtl\no tent\nv 0 0 0\nv 1 0 0.5 \nv 1 1e0 0\nv -0 1 .5\n\
@@ -65,7 +78,7 @@ fn check(name: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
         Ok(Shape::Volume(volume)) => {
             let voxels: u64 = volume.size.iter().map(|&n| u64::from(n)).product();
             prop_assert_eq!(voxels, volume.values.len() as u64);
-            prop_assert!(volume.values.iter().all(|v| v.is_finite()) && volume.spacing.min_element() > 0.0);
+            prop_assert!(volume.values.iter().all(|v| v.is_finite()) && volume.spacing().min_element() > 0.0);
             prop_assert!(volume.sample(volume.bounds().center()).is_some());
             prop_assert!(volume.values.capacity() <= 1032 * bytes.len());
         }
@@ -96,14 +109,14 @@ proptest! {
 
     #[test]
     fn arbitrary_bytes_give_a_shape_or_one_line(
-        bytes in prop::collection::vec(any::<u8>(), 1..400), name in 0..5_usize
+        bytes in prop::collection::vec(any::<u8>(), 1..400), name in 0..NAMES.len()
     ) {
         check(NAMES[name], &bytes)?;
     }
 
     #[test]
     fn arbitrary_bytes_behind_a_good_start_give_a_shape_or_one_line(
-        bytes in prop::collection::vec(any::<u8>(), 0..200), seed in 0..5_usize, cut in 0.0..1.0
+        bytes in prop::collection::vec(any::<u8>(), 0..200), seed in 0..9_usize, cut in 0.0..1.0
     ) {
         let (name, good) = seeds().swap_remove(seed);
         let start = &good[..(cut * good.len() as f64) as usize];
@@ -112,7 +125,7 @@ proptest! {
 
     #[test]
     fn damaged_files_give_a_shape_or_one_line(
-        changes in prop::collection::vec((0.0..1.0, 0..6_u8, any::<u8>()), 1..8), seed in 0..5_usize
+        changes in prop::collection::vec((0.0..1.0, 0..6_u8, any::<u8>()), 1..8), seed in 0..9_usize
     ) {
         let (name, good) = seeds().swap_remove(seed);
         check(name, &damage(good, &changes))?;
@@ -130,7 +143,7 @@ proptest! {
 
     #[test]
     fn nrrd_fields_of_any_value_give_a_shape_or_one_line(
-        sizes in "[0-9]{1,12} [0-9]{1,3} [0-9]{1,3}", kind in "uchar|float|double|int", encoding in "raw|gzip",
+        sizes in "[0-9]{1,12} [0-9]{1,3} [0-9]{1,3}", kind in "uchar|float|double|int", encoding in "raw|gzip|ascii|bzip2",
         extra in "(spacings: |axis mins: |space origin: |space directions: |centers: )[-0-9e(), ]{0,20}",
         data in 0..300_usize
     ) {
@@ -163,7 +176,7 @@ fn headers_that_promise_gigabytes_take_no_memory() {
     let mut stl = vec![b'x'; 84 + 50];
     stl[80..84].copy_from_slice(&40_000_000_u32.to_le_bytes());
     assert!(read("a.stl", &stl).is_err());
-    for encoding in ["raw", "gzip"] {
+    for encoding in ["raw", "gzip", "bzip2", "ascii"] {
         let header = format!(
             "NRRD0005\ntype: float\ndimension: 3\nsizes: 1024 1024 2000\nendian: little\nencoding: {encoding}\n\n"
         );

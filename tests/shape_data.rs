@@ -92,7 +92,7 @@ fn the_torus_field_has_its_range_spacing_and_exact_distances() {
 #[cfg_attr(not(test_data), ignore = "needs HYPERTEXTURE_DATA")]
 fn the_ct_head_has_its_known_voxels() {
     let volume = volume("ct_head_unc.nrrd");
-    assert_eq!((volume.size, volume.spacing), ([256, 256, 113], Vec3::new(1.0, 1.0, 2.0)));
+    assert_eq!((volume.size, volume.spacing()), ([256, 256, 113], Vec3::new(1.0, 1.0, 2.0)));
     assert_eq!(volume.range(), (0.0, 3272.0));
     for (index, value) in
         [([128, 128, 56], 2322.0), ([128, 40, 60], 978.0), ([100, 100, 30], 1064.0), ([0, 0, 0], 25.0)]
@@ -106,9 +106,7 @@ fn the_ct_head_has_its_known_voxels() {
 #[test]
 #[cfg_attr(not(test_data), ignore = "needs HYPERTEXTURE_DATA")]
 fn formats_that_are_not_read_are_named_as_unknown() {
-    for name in ["duck.glb", "ct_engine.nii.gz"] {
-        assert!(matches!(open(&path(name)), Err(ShapeError::UnknownFormat { .. })), "{name}");
-    }
+    assert!(matches!(open(&path("duck.glb")), Err(ShapeError::UnknownFormat { .. })));
 }
 
 /// Largest distance from a vertex of `from` to the surface of `to`.

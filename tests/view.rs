@@ -319,6 +319,17 @@ fn a_picture_that_stands_still_gets_as_good_as_was_asked_for() {
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn pixels_that_are_not_to_be_trusted_are_shown_until_the_scene_changes_and_again_behind_that() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["torus", "--samples", "16", "--window", "560x240", "--max-error", "0.02"];
+    let script = "wait converged\nkey v\nwait validity\ndrag 0.4 0.5 0.6 0.5\nwait drawn\nwait validity\nkey c\nwait converged\n\
+                  key v\nwait validity\nclick Accuracy\nframes 3\nclick validity\nwait converged\nquit\n";
+    play(&display, folder.path(), &arguments, script);
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
 fn a_lost_device_is_replaced_once() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();

@@ -2,9 +2,11 @@
 
 use super::bench::Bench;
 use super::compare::Compare;
+use super::convert::Convert;
 use super::explain::Explain;
 use super::field::Field;
 use super::gallery::GalleryArguments;
+use super::info::Info;
 use super::merge::Merge;
 use super::render::Render;
 use super::stress::Stress;
@@ -38,7 +40,7 @@ pub enum Command {
     View(Box<ViewArguments>),
     /// Join the shards of a picture, as `render --shard` writes them.
     Merge(Merge),
-    /// Compute the distance field of an object and write it as NRRD.
+    /// Compute the distance field of an object and write it as NRRD, MetaImage, NIfTI or .npy.
     Field(Field),
     /// Render every example scene, or the six effects on one object, with a page that explains them.
     Gallery(GalleryArguments),
@@ -46,6 +48,10 @@ pub enum Command {
     Compare(Box<Compare>),
     /// Say what a picture is made with, what its scene leaves out and why, and what that saves.
     Explain(Box<Explain>),
+    /// What a mesh or a volume holds: counts, box, open edges, range of values, iso-values worth looking at.
+    Info(Info),
+    /// Write a volume in another format, or values without a header as a volume.
+    Convert(Convert),
     /// Measure what effects, example scenes and fields cost on this device, and what got slower since a saved run.
     Bench(Bench),
     /// List the effects and their parameters.

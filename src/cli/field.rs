@@ -1,11 +1,13 @@
 //! `field`: the distance field of an object, as a file.
 
+use super::convert::ENDS;
 use super::scene_arguments::ObjectFlags;
 use super::{absolute, say, with_progress};
 use crate::render::{open, request};
 use crate::scene::{Object, Scene};
+use crate::shape::VolumeFormat;
 use crate::support::write_whole;
-use crate::{field, output, shape};
+use crate::{field, output};
 use clap::Args;
 use std::error::Error;
 use std::path::PathBuf;
@@ -15,7 +17,7 @@ use std::path::PathBuf;
 pub struct Field {
     /// A built-in object, a mesh, a scalar volume or a distance field.
     pub input: String,
-    /// Where the field goes: .nrrd.
+    /// Where the field goes: .nrrd, .mha, .nii, .nii.gz or .npy.
     #[arg(long, short, default_value = "field.nrrd", value_name = "FILE")]
     pub output: PathBuf,
     /// The object.
@@ -28,9 +30,8 @@ pub struct Field {
 
 /// Computes the field, and writes it.
 pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
-    if !command.output.extension().is_some_and(|end| end.eq_ignore_ascii_case("nrrd")) {
-        return Err(format!("{}: a field is written as NRRD; end the name in .nrrd", command.output.display()).into());
-    }
+    let known = VolumeFormat::from_path(&command.output);
+    let format = known.ok_or_else(|| format!("--output {}: end the name in {ENDS}", command.output.display()))?;
     output::check_folder(&command.output)?;
     let mut scene = Scene { object: Object { input: command.input.clone(), ..Object::default() }, ..Scene::default() };
     command.object.apply(&mut scene)?;
@@ -48,7 +49,7 @@ pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
         with_progress(quiet, "distance field", |progress| field::load_or_compute(&shape, &request, progress))?;
     let field = field.turned(object.up.turn());
     let mut bytes = Vec::new();
-    shape::write_nrrd(&field.to_volume(), &mut bytes)?;
+    format.write(&field.to_volume(), &mut bytes)?;
     write_whole(&command.output, &bytes)
         .map_err(|error| format!("{}: {error}; nothing was written", command.output.display()))?;
     if !quiet {

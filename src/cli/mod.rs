@@ -3,6 +3,7 @@
 mod args;
 mod bench;
 mod compare;
+mod convert;
 #[cfg(all(test, feature = "viewer"))]
 mod docs_tests;
 pub mod doctor;
@@ -14,6 +15,7 @@ mod fault_tests;
 mod field;
 mod flags;
 pub mod gallery;
+mod info;
 #[cfg(all(test, feature = "viewer"))]
 mod line_tests;
 mod log;
@@ -158,6 +160,8 @@ fn carry_out(command: Command, options: &Options, quiet: bool) -> Result<(), Box
         Command::Compare(command) => compare::run(&command, options, quiet),
         Command::Bench(command) => bench::run(&command, options, quiet),
         Command::Explain(command) => explain::run(&command, options, quiet),
+        Command::Info(command) => info::run(&command),
+        Command::Convert(command) => convert::run(&command, quiet),
         Command::Effects => effects::run(),
         Command::Settings => {
             say(&settings::page());

@@ -5,32 +5,29 @@ use super::{absolute, say, with_progress};
 use crate::measure::compare::report::images::png_of;
 use crate::measure::validity::{Found, TRUSTED, Validity, validity};
 use crate::render::Frame;
-use crate::scene::linear_to_srgb;
 use crate::support::write_whole;
+use std::convert::Infallible;
 use std::error::Error;
 use std::path::Path;
 
 /// Writes the validity of a picture: in grey what is to be trusted, in the color of its cause what is not.
 pub(super) fn write_validity(picture: &Picture<'_>, frame: &Frame, path: &Path) -> Result<(), Box<dyn Error>> {
     let Picture { gpu, library, scene, subject, quiet, .. } = *picture;
-    let validity = with_progress(quiet, "validity", |_| validity(gpu, library, scene, subject, frame))?;
-    let grey = |[r, g, b, _]: &[f32; 4]| (255.0 * linear_to_srgb((r + g + b) / 3.0).clamp(0.0, 1.0)).round() as u8;
-    let grey: Vec<u8> = frame.pixels.iter().map(grey).collect();
-    write_whole(path, &png_of(frame.size, &validity.colors(&grey)))
+    let validity =
+        with_progress(quiet, "validity", |_| Ok::<_, Infallible>(validity(gpu, library, scene, subject, frame)))?;
+    write_whole(path, &png_of(frame.size, &validity.colors(&frame.pixels)))
         .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
-        say(&format!("{}wrote {}\n", words(&validity, frame), absolute(path)));
+        say(&format!("{}wrote {}\n", words(&validity), absolute(path)));
     }
     Ok(())
 }
 
-fn words(validity: &Validity, frame: &Frame) -> String {
-    let covered = frame.pixels.iter().zip(&validity.of).filter(|(pixel, of)| pixel[3] > 0.0 || of.is_some()).count();
-    let share = |count: usize| 100.0 * count as f64 / covered.max(1) as f64;
-    let doubtful: usize = validity.found.iter().map(|found| found.pixels).sum();
+fn words(validity: &Validity) -> String {
     let mut text = format!(
-        "validity   {:.1} % of {covered} pixels change by less than {TRUSTED:.1e} whatever is made better\n",
-        share(covered - doubtful)
+        "validity   {:.1} % of {} pixels change by less than {TRUSTED:.1e} whatever is made better\n",
+        validity.trusted(),
+        validity.covered
     );
     for Found { cause, most, pixels } in &validity.found {
         let [r, g, b] = cause.color;
@@ -40,7 +37,7 @@ fn words(validity: &Validity, frame: &Frame) -> String {
             Ok(most) => format!(
                 "  {:<8} of {:.1} % (#{r:02x}{g:02x}{b:02x}), at most {most:.1e}: {}\n",
                 cause.name,
-                share(*pixels),
+                validity.percent(*pixels),
                 cause.why
             ),
         };

@@ -55,11 +55,11 @@ impl Key {
                 hash.update(bytemuck::cast_slice(&mesh.positions)).update(bytemuck::cast_slice(&mesh.triangles));
             }
             Shape::Volume(volume) => {
-                hash.update(&[2, u8::from(volume.content == Content::SignedDistance)]);
+                hash.update(&[2, volume.content as u8]);
                 hash.update(bytemuck::bytes_of(&volume.size));
                 floats(&mut hash, &[request.iso]);
                 floats(&mut hash, &volume.origin.to_array());
-                floats(&mut hash, &volume.spacing.to_array());
+                floats(&mut hash, &volume.steps.to_cols_array());
                 hash.update(bytemuck::cast_slice(&volume.values));
             }
         }
@@ -244,8 +244,10 @@ fn decode(kind: &Kind, bytes: &[u8], key: &Key) -> Option<Stored> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::Mesh;
+    use crate::shape::{Mesh, Volume};
+    use glam::Mat3;
     use std::cell::Cell;
+    use std::collections::HashSet;
     use std::fs;
 
     const REQUEST: Request = Request { resolution: 8, margin: 0.1, band: 0.1, iso: 0.0 };
@@ -349,6 +351,23 @@ mod tests {
         assert!(decode(&FIELD, &foreign, &key).is_none());
         let of_another_kind = encode(&FIELD, &key, &field.grid, &field.values, &FieldReport::default());
         assert!(decode(&FIELD, &of_another_kind, &key).is_some() && decode(&CLOSEST, &of_another_kind, &key).is_none());
+    }
+
+    #[test]
+    fn the_key_of_a_scan_depends_on_how_its_grid_stands() {
+        let key = |steps: [f32; 9]| {
+            let (steps, content) = (Mat3::from_cols_array(&steps), Content::Scalar);
+            let volume = Volume { size: [1; 3], origin: Vec3::ZERO, steps, values: vec![1.0], content };
+            Key::new(&Shape::Volume(volume), &REQUEST).0
+        };
+        let steps = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        let changed = |at: usize| {
+            let mut steps = steps;
+            steps[at] += 0.25;
+            key(steps)
+        };
+        let keys: HashSet<[u8; 32]> = (0..9).map(changed).chain([key(steps)]).collect();
+        assert_eq!(keys.len(), 10);
     }
 
     #[test]

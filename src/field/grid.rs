@@ -2,7 +2,7 @@
 
 use super::{DistanceField, FieldError, Grid, Request};
 use crate::shape::{Bounds, Content, Volume};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 use rayon::prelude::*;
 
 /// World positions to voxel units of a grid, in f64 before rounding.
@@ -180,7 +180,7 @@ impl DistanceField {
         Volume {
             size: self.grid.size,
             origin: self.grid.origin,
-            spacing: self.grid.spacing,
+            steps: Mat3::from_diagonal(self.grid.spacing),
             values: self.values.clone(),
             content: Content::SignedDistance,
         }
@@ -189,13 +189,17 @@ impl DistanceField {
     /// The field that a volume of [`Content::SignedDistance`] holds: its own samples, nothing computed.
     ///
     /// # Errors
-    /// [`FieldError::Content`] for a scalar volume; [`FieldError::Samples`] if sizes and values disagree.
+    /// [`FieldError::Content`] for a scalar volume; [`FieldError::Samples`] if sizes and values disagree;
+    /// [`FieldError::Oblique`] if its axes are not those of the world.
     pub fn from_volume(volume: &Volume) -> Result<DistanceField, FieldError> {
         if volume.content != Content::SignedDistance {
             return Err(FieldError::Content);
         }
         check_samples(volume)?;
-        let grid = Grid { size: volume.size, origin: volume.origin, spacing: volume.spacing };
+        if !volume.is_aligned() {
+            return Err(FieldError::Oblique);
+        }
+        let grid = Grid { size: volume.size, origin: volume.origin, spacing: volume.spacing() };
         Ok(DistanceField { grid, values: volume.values.clone() })
     }
 

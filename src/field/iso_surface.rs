@@ -6,7 +6,7 @@
 
 use super::grid::Local;
 use super::tetra::{self, Triangle};
-use crate::shape::Volume;
+use crate::shape::{Axes, Volume};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -17,6 +17,7 @@ const BORDER: f64 = 1.0e3;
 /// A scalar volume less its iso-value, with a border of one outside layer.
 pub(super) struct Scalar<'a> {
     volume: &'a Volume,
+    axes: Axes,
     iso: f64,
     border: f64,
 }
@@ -26,7 +27,7 @@ impl<'a> Scalar<'a> {
     pub(super) fn new(volume: &'a Volume, iso: f32, range: (f32, f32)) -> Scalar<'a> {
         let iso = f64::from(iso);
         let spread = (f64::from(range.1) - iso).abs().max((f64::from(range.0) - iso).abs());
-        Scalar { volume, iso, border: -BORDER * spread }
+        Scalar { volume, axes: volume.axes(), iso, border: -BORDER * spread }
     }
 
     /// Triangles of the surface in voxel units of the wanted grid.
@@ -42,7 +43,7 @@ impl<'a> Scalar<'a> {
                         continue;
                     }
                     let cell = DVec3::new(x as f64, y as f64, z as f64);
-                    let place = |p: DVec3| local.of_f64(self.world(cell + p));
+                    let place = |p: DVec3| local.of_f64(self.axes.world(cell + p));
                     tetra::march(&values, |_| true, |triangle| triangles.push(triangle.map(place)));
                 }
             }
@@ -53,7 +54,7 @@ impl<'a> Scalar<'a> {
 
     /// Value less iso-value at a world position, the deep border value where the volume does not reach.
     pub(super) fn level(&self, world: DVec3) -> f64 {
-        let at = (world - self.volume.origin.as_dvec3()) / self.volume.spacing.as_dvec3();
+        let at = self.axes.index(world);
         let size = DVec3::from_array(self.volume.size.map(f64::from));
         if !(at.cmpgt(DVec3::splat(-1.0)).all() && at.cmplt(size).all()) {
             return self.border;
@@ -61,10 +62,6 @@ impl<'a> Scalar<'a> {
         let cell = at.floor();
         let values = self.cell([cell.x as i64, cell.y as i64, cell.z as i64]);
         tetra::interpolate(&values, at - cell)
-    }
-
-    fn world(&self, at: DVec3) -> DVec3 {
-        self.volume.origin.as_dvec3() + at * self.volume.spacing.as_dvec3()
     }
 
     /// Values at the corners of the cell from sample `at` to the next on each axis; `at` from -1 to size - 1.

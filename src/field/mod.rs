@@ -152,6 +152,9 @@ pub enum FieldError {
     /// A volume of scalars was taken for one of signed distances.
     #[error("the volume holds scalars, signed distances are needed; compute them with an iso-value")]
     Content,
+    /// Signed distances on a grid that is not along the axes of the world.
+    #[error("the axes of the signed distances are not those of the world; resample them onto these")]
+    Oblique,
     /// The computation would take too much memory.
     #[error("a grid of {size:?} needs {bytes} bytes, the limit is {limit}; lower the resolution")]
     Memory {

@@ -42,6 +42,7 @@ const HANDY: RangeInclusive<f32> = 1e-6..=1e6;
 ///   level 1/2 of the winding number, so that the field is that of a closed solid.
 /// - Scalar volume: inside is where `value >= request.iso`, linear in tetrahedra between samples; the world beyond the
 ///   samples is outside.
+/// - Level set: the same with inside where `value <= 0`.
 ///
 /// Sources: Barill et al. 2018 (winding number); Doi & Koide 1991 (tetrahedra); the lower bound far from the
 /// surface is derived in `distance.rs`.
@@ -95,6 +96,12 @@ fn compute(shape: &Shape, request: &Request, closest: bool, progress: Progress) 
             let field = DistanceField::from_volume(volume)?;
             let points = if closest { ClosestPoints::of_field(&field, progress).points } else { Vec::new() };
             (field, points, FieldReport::default())
+        }
+        Shape::Volume(volume) if volume.content == Content::LevelSet => {
+            // Inside is where a scalar is large, and a level set small.
+            let values = volume.values.iter().map(|value| -value).collect();
+            let scalar = Volume { values, content: Content::Scalar, ..*volume };
+            of_scalar(&scalar, shape, &Request { iso: 0.0, ..*request }, closest, progress)?
         }
         Shape::Volume(volume) => of_scalar(volume, shape, request, closest, progress)?,
         Shape::Mesh(mesh) => of_mesh(mesh, shape, request, closest, progress)?,

@@ -25,6 +25,7 @@ static REAL: OnceLock<(Entry, DeviceFnV1_0, DeviceFnV1_3)> = OnceLock::new();
 macro_rules! may_fail {
     ($(of $table:tt { $($call:ident $name:literal ($($argument:ident: $type:ty),*);)* })*) => {
         $($(
+            // SAFETY: called through ash alone, by who keeps to what this function of Vulkan demands.
             unsafe extern "system" fn $call($($argument: $type),*) -> vk::Result {
                 match (fault($name), REAL.get()) {
                     (Some(result), _) => result,

@@ -6,7 +6,7 @@
 
 use crate::gpu::Gpu;
 use crate::render::{Frame, RenderError, Renderer, Subject};
-use crate::scene::{Pass, Scene, Source, TargetFormat};
+use crate::scene::{Pass, Scene, Source, TargetFormat, linear_to_srgb};
 use crate::shader::Library;
 
 /// A pixel is trusted while no setting changes a channel of its linear light by more: a code of 8 bits.
@@ -122,37 +122,44 @@ pub struct Validity {
     pub found: Vec<Found>,
     /// For each pixel the number of its cause in `found`, and how much it changes the pixel; none where it is trusted.
     pub of: Vec<Option<(usize, f64)>>,
+    /// Pixels that show something of the object, whatever is made better.
+    pub covered: usize,
 }
 
+/// Draws a scene: its pixels, or why not; none where nobody waits for it any more.
+pub type Draw<'a> = &'a mut dyn FnMut(&Scene) -> Option<Result<Vec<[f32; 4]>, String>>;
+
 /// Finds which pixels of the picture of a scene are not to be trusted.
-///
-/// # Errors
-/// The scene itself cannot be drawn.
-pub fn validity(
-    gpu: &Gpu,
-    library: &Library,
-    scene: &Scene,
-    subject: &Subject,
-    frame: &Frame,
-) -> Result<Validity, RenderError> {
-    let mut validity = Validity { found: Vec::new(), of: vec![None; frame.pixels.len()] };
+pub fn validity(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject, frame: &Frame) -> Validity {
     let mut renderer = Renderer::new(gpu, library, subject);
-    let (mut scene, mut frame) = (scene.clone(), frame.clone());
+    let mut drawn = |better: &Scene| -> Result<Frame, RenderError> {
+        if better.object == scene.object {
+            return renderer.render(better);
+        }
+        let subject = Subject::load(better, library, &|_| ())?;
+        Renderer::new(gpu, library, &subject).render(better)
+    };
+    let draw: Draw<'_> = &mut |better| Some(drawn(better).map(|frame| frame.pixels).map_err(|error| error.to_string()));
+    examine(scene, &frame.pixels, subject.field.is_some(), draw)
+        .unwrap_or_else(|| unreachable!("every picture is drawn"))
+}
+
+/// [`validity`] of pixels that are there, by pictures that `draw` makes; none where it makes none.
+///
+/// `has_field` is whether the object is sampled: a formula has neither voxels nor codes.
+pub fn examine(scene: &Scene, pixels: &[[f32; 4]], has_field: bool, draw: Draw<'_>) -> Option<Validity> {
+    let mut validity = Validity { found: Vec::new(), of: vec![None; pixels.len()], covered: 0 };
+    let (mut scene, mut pixels) = (scene.clone(), pixels.to_vec());
     for cause in &CAUSES {
         let Some(better) = (cause.better)(&scene) else { continue };
-        let is_of_object = better.object != scene.object;
-        if is_of_object && subject.field.is_none() {
-            continue; // a formula has neither voxels nor codes
+        if better.object != scene.object && !has_field {
+            continue;
         }
-        let drawn = match is_of_object {
-            false => renderer.render(&better),
-            true => Subject::load(&better, library, &|_| ())
-                .and_then(|subject| Renderer::new(gpu, library, &subject).render(&better)),
-        };
+        let drawn = draw(&better)?;
         let at = validity.found.len();
-        let most = drawn.map_err(|error| error.to_string()).map(|drawn| {
+        let most = drawn.map(|drawn| {
             let mut most = 0.0f64;
-            for ((found, better), worst) in frame.pixels.iter().zip(&drawn.pixels).zip(&mut validity.of) {
+            for ((found, better), worst) in pixels.iter().zip(&drawn).zip(&mut validity.of) {
                 let off = found.iter().zip(better).map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max);
                 most = most.max(off);
                 if off > worst.map_or(TRUSTED, |(_, off)| off) {
@@ -160,7 +167,7 @@ pub fn validity(
                 }
             }
             if cause.stays {
-                (scene, frame) = (better, drawn);
+                (scene, pixels) = (better, drawn);
             }
             most
         });
@@ -169,21 +176,32 @@ pub fn validity(
     for (at, _) in validity.of.iter().flatten() {
         validity.found[*at].pixels += 1;
     }
-    Ok(validity)
+    validity.covered = pixels.iter().zip(&validity.of).filter(|(pixel, of)| pixel[3] > 0.0 || of.is_some()).count();
+    Some(validity)
 }
 
 impl Validity {
+    /// How much of what is covered so many pixels are, percent.
+    pub fn percent(&self, pixels: usize) -> f64 {
+        100.0 * pixels as f64 / self.covered.max(1) as f64
+    }
+
+    /// Pixels that no setting changes, percent of those that are covered.
+    pub fn trusted(&self) -> f64 {
+        100.0 - self.percent(self.found.iter().map(|found| found.pixels).sum())
+    }
+
     /// The picture in grey, and what is not to be trusted in the color of its cause: pale where little changes, full where a
-    /// tenth does. Result: sRGB, three bytes a pixel.
-    pub fn colors(&self, grey: &[u8]) -> Vec<u8> {
-        let pixel = |(grey, cause): (&u8, &Option<(usize, f64)>)| match cause {
-            None => [*grey / 2; 3],
+    /// tenth does. `pixels` are in linear light; result: sRGB, three bytes a pixel.
+    pub fn colors(&self, pixels: &[[f32; 4]]) -> Vec<u8> {
+        let pixel = |([r, g, b, _], cause): (&[f32; 4], &Option<(usize, f64)>)| match cause {
+            None => [(127.5 * linear_to_srgb((r + g + b) / 3.0).clamp(0.0, 1.0)) as u8; 3],
             Some((at, off)) => {
                 let full = ((off / TRUSTED).ln() / (0.1 / TRUSTED).ln()).clamp(0.0, 1.0);
                 self.found[*at].cause.color.map(|code| (f64::from(code) * (0.4 + 0.6 * full)) as u8)
             }
         };
-        grey.iter().zip(&self.of).flat_map(pixel).collect()
+        pixels.iter().zip(&self.of).flat_map(pixel).collect()
     }
 }
 
@@ -200,9 +218,9 @@ mod tests {
         let (gpu, library) = (Gpu::new(&Options::default()).unwrap(), shipped());
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
         let frame = Renderer::new(&gpu, &library, &subject).render(&scene).unwrap();
-        let validity = validity(&gpu, &library, &scene, &subject, &frame).unwrap();
+        let validity = validity(&gpu, &library, &scene, &subject, &frame);
         let covered = frame.pixels.iter().filter(|pixel| pixel[3] > 0.0).count();
-        assert_eq!(validity.colors(&vec![200; frame.pixels.len()]).len(), 3 * frame.pixels.len());
+        assert_eq!(validity.colors(&frame.pixels).len(), 3 * frame.pixels.len());
         (validity.found.iter().map(|found| (found.cause.name, found.pixels)).collect(), covered)
     }
 

@@ -8,6 +8,7 @@ use crate::shader::Library;
 use crate::shape::{self, Shape, ShapeError};
 use glam::Vec3;
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// The object of a scene, ready to be drawn in any effect.
@@ -38,6 +39,10 @@ pub struct Subject {
 /// The field covers at least this much around the object, object units; more in steps of it. A finer step would compute
 /// the field anew for every length of hair; a coarser one would waste voxels.
 const MARGIN_STEP: f32 = 0.25;
+
+/// How much the values of a distance field change per world unit where its surface is; blurred ones by less. What is farther
+/// off is no distance.
+const DISTANCE: RangeInclusive<f32> = 0.8..=1.25;
 
 impl Subject {
     /// Loads the object of a scene and computes or finds its distance field.
@@ -108,10 +113,33 @@ impl Subject {
 /// The input cannot be read.
 pub fn open(object: &Object) -> Result<Shape, ShapeError> {
     let mut shape = shape::open(&object.input)?;
-    if let (Shape::Volume(volume), true) = (&mut shape, object.distance) {
-        volume.content = shape::Content::SignedDistance;
+    if let Shape::Volume(volume) = &mut shape {
+        if object.distance {
+            volume.content = shape::Content::SignedDistance;
+        }
+        if volume.content == shape::Content::SignedDistance && !volume.is_aligned() {
+            log::warn!("{}: its grid stands askew; its surface is kept, distances are computed anew", object.input);
+            volume.content = shape::Content::LevelSet;
+        }
+        if volume.content == shape::Content::SignedDistance
+            && let Some(slope) = volume.slope_at_zero().filter(|slope| !DISTANCE.contains(slope))
+        {
+            let name = &object.input;
+            log::warn!(
+                "{name}: its values are no distances, they change by {slope:.3} per world unit; its surface is kept, distances are computed anew"
+            );
+            volume.content = shape::Content::LevelSet;
+        }
     }
     Ok(shape)
+}
+
+/// The iso-value of a scan where none is given: the lowest that lies between two materials, which is most often the outside of
+/// all; else, and for what is built in, the middle of the range.
+fn proposed(volume: &shape::Volume, input: &str) -> f32 {
+    let (low, high) = volume.range();
+    let isos = if shape::BUILT_IN.contains(&input) { Vec::new() } else { volume.iso_values() };
+    isos.first().copied().filter(|iso| low < *iso && *iso <= high).unwrap_or(0.5 * (low + high))
 }
 
 /// The request for a shape's field, in world units.
@@ -120,8 +148,9 @@ pub fn request(shape: &Shape, object: &Object, margin: f32) -> field::Request {
     let half = 0.5 * (bounds.max - bounds.min).max_element();
     let iso = object.iso.unwrap_or(match shape {
         Shape::Volume(volume) if volume.content == shape::Content::Scalar => {
-            let (low, high) = volume.range();
-            0.5 * (low + high)
+            let iso = proposed(volume, &object.input);
+            log::info!("{}: iso-value {iso}", object.input);
+            iso
         }
         _ => 0.0,
     });

@@ -4,6 +4,7 @@
 //! where it is known, the value found, the limit, and the way out.
 
 use super::BUILT_IN;
+use crate::support::open::OpenError;
 use std::{fmt, io};
 
 /// Why a name or a file gives no [`Shape`](super::Shape).
@@ -29,7 +30,7 @@ pub enum ShapeError {
         file: String,
     },
     /// A directory, a device or a pipe.
-    #[error("{file}: is {kind}, not a file; name the mesh or volume file itself, or a folder with DICOM files")]
+    #[error("{file}: is {kind}, not a file; name the mesh or volume file itself, or a folder with slices of DICOM")]
     NotAFile {
         /// The path.
         file: String,
@@ -132,6 +133,19 @@ pub enum ShapeError {
         /// How many are accepted.
         limit: u64,
     },
+    /// A file of bare values, of which nothing says what they are.
+    #[error(
+        "{file}: {bytes} bytes of bare values, and nothing says what they are{guess}; \
+        `hypertexture convert` makes a volume of it by --dims X,Y,Z --type uint16 (uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64)"
+    )]
+    NoLayout {
+        /// The path.
+        file: String,
+        /// Its length.
+        bytes: u64,
+        /// What they may be, or nothing.
+        guess: String,
+    },
     /// A volume with no samples along some axis.
     #[error("{file}: line {line}: a volume of {} x {} x {} has no samples, every size must be at least 1; \
         export it again", size[0], size[1], size[2])]
@@ -215,6 +229,10 @@ pub enum Location {
     Line(u64),
     /// The header as a whole: something is not there.
     Header,
+    /// The files of a folder together.
+    Folder,
+    /// What was said about a file that says nothing itself.
+    Layout,
     /// A byte, from 0.
     Byte(u64),
     /// A face or strip of a mesh, from 0.
@@ -237,6 +255,8 @@ impl fmt::Display for Location {
         match self {
             Location::Line(line) => write!(f, "line {line}"),
             Location::Header => write!(f, "header"),
+            Location::Folder => write!(f, "folder"),
+            Location::Layout => write!(f, "layout"),
             Location::Byte(byte) => write!(f, "byte {byte}"),
             Location::Face(face) => write!(f, "face {face} (from 0)"),
         }
@@ -266,4 +286,14 @@ pub(super) fn quoted(bytes: &[u8]) -> String {
 /// A file name for a message: control characters escaped, never cut.
 pub(super) fn shown(name: &str) -> String {
     name.chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect()
+}
+
+/// Why a file cannot be opened.
+pub(super) fn unreadable(file: String, error: OpenError) -> ShapeError {
+    match error {
+        OpenError::Missing => ShapeError::Missing { file },
+        OpenError::NotAFile(kind) => ShapeError::NotAFile { file, kind },
+        OpenError::Denied => ShapeError::Unreadable { file, reason: io::ErrorKind::PermissionDenied.into() },
+        other => ShapeError::Unreadable { file, reason: other.into() },
+    }
 }

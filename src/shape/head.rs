@@ -152,7 +152,8 @@ pub fn head() -> Volume {
         }
     });
     let origin = scale * (low - 0.5 * (LOW + HIGH));
-    Volume { size: size.to_array(), origin, spacing: Vec3::splat(scale * step), values, content: Content::Scalar }
+    let steps = Mat3::from_diagonal(Vec3::splat(scale * step));
+    Volume { size: size.to_array(), origin, steps, values, content: Content::Scalar }
 }
 
 #[cfg(test)]

@@ -7,6 +7,21 @@ use super::{Bounds, Mesh};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
+/// How the triangles of a mesh hang together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edges {
+    /// Places that are corners.
+    pub vertices: usize,
+    /// Parts that have no corner in common.
+    pub bodies: usize,
+    /// Edges of one triangle.
+    pub open: usize,
+    /// Edges of more than two.
+    pub crowded: usize,
+    /// Edges of two triangles that are wound against each other.
+    pub turned: usize,
+}
+
 impl Mesh {
     /// Bounds of the positions. A mesh without positions gives the origin.
     pub fn bounds(&self) -> Bounds {
@@ -24,16 +39,42 @@ impl Mesh {
     ///
     /// Equal means equal numbers (0 and -0 are equal); there is no tolerance. Time and memory grow as the triangles.
     pub fn open_edges(&self) -> usize {
-        let (_, welded) = weld(&self.positions);
-        let mut uses: HashMap<(u32, u32), u32> = HashMap::with_capacity(self.triangles.len() * 3 / 2);
+        self.edges().open
+    }
+
+    /// How its triangles hang together, once vertices at equal positions are one vertex.
+    pub fn edges(&self) -> Edges {
+        let (distinct, welded) = weld(&self.positions);
+        // How often each edge is used, forwards and backwards.
+        let mut uses: HashMap<(u32, u32), [u32; 2]> = HashMap::with_capacity(self.triangles.len() * 3 / 2);
+        let mut body: Vec<u32> = (0..distinct.len() as u32).collect();
+        let root = |body: &mut Vec<u32>, mut at: u32| {
+            while body[at as usize] != at {
+                body[at as usize] = body[body[at as usize] as usize];
+                at = body[at as usize];
+            }
+            at
+        };
         for triangle in &self.triangles {
             let corners = triangle.map(|corner| welded[corner as usize]);
             for (a, b) in [(0, 1), (1, 2), (2, 0)] {
                 let (a, b) = (corners[a], corners[b]);
-                *uses.entry((a.min(b), a.max(b))).or_default() += 1;
+                uses.entry((a.min(b), a.max(b))).or_default()[usize::from(a > b)] += 1;
+                let (a, b) = (root(&mut body, a), root(&mut body, b));
+                body[a.max(b) as usize] = a.min(b);
             }
         }
-        uses.values().filter(|&&count| count == 1).count()
+        let count = |is: fn(&[u32; 2]) -> bool| uses.values().filter(|uses| is(uses)).count();
+        let mut used: Vec<bool> = vec![false; distinct.len()];
+        self.triangles.iter().flatten().for_each(|corner| used[welded[*corner as usize] as usize] = true);
+        let is_body = |at: &usize| used[*at] && body[*at] == *at as u32;
+        Edges {
+            vertices: used.iter().filter(|used| **used).count(),
+            bodies: (0..distinct.len()).filter(is_body).count(),
+            open: count(|uses| uses[0] + uses[1] == 1),
+            crowded: count(|uses| uses[0] + uses[1] > 2),
+            turned: count(|uses| uses[0] + uses[1] == 2 && uses[0] != 1),
+        }
     }
 
     /// Signed volume in cubic world units by the divergence theorem, in f64: positive for a closed mesh wound outward.
@@ -117,6 +158,19 @@ mod tests {
     #[test]
     fn a_square_of_two_triangles_has_four_open_edges() {
         assert_eq!(square().open_edges(), 4);
+    }
+
+    #[test]
+    fn bodies_turned_and_crowded_edges_are_counted() {
+        let edges = square().edges();
+        assert_eq!(edges, Edges { vertices: 4, bodies: 1, open: 4, crowded: 0, turned: 0 });
+        let mut turned = square();
+        turned.triangles[1].reverse();
+        assert_eq!(turned.edges().turned, 1);
+        let mut fin = square();
+        fin.positions.extend([Vec3::Z, Vec3::splat(9.0), Vec3::splat(8.0), Vec3::new(7.0, 8.0, 9.0)]);
+        fin.triangles.extend([[0, 2, 4], [5, 6, 7]]); // one on the diagonal, and one far away
+        assert_eq!(fin.edges(), Edges { vertices: 8, bodies: 2, open: 9, crowded: 1, turned: 0 });
     }
 
     #[test]

@@ -4,27 +4,33 @@
 //! understood or refused. Source: Insight Software Consortium, "ITK/MetaIO/Documentation", itk.org/Wiki/ITK/MetaIO.
 
 use super::error::{Location, ShapeError, quoted};
-use super::raster::{Packing, Raster, Skip, Type};
+use super::files::Files;
+use super::placement::{self, Placement};
+use super::raster::{Data, Packing, Raster, Skip};
 use super::source::Source;
-use super::{Content, MAX_COORDINATE, MAX_VOXELS, Shape};
-use glam::DVec3;
+use super::{Content, SampleType, Shape};
+use glam::{DMat3, DVec3};
 use std::collections::HashMap;
 
 /// The key behind which the data is: the last one.
 const DATA: &str = "ElementDataFile";
+/// What the key `Comment` says where values are signed distances.
+pub(super) const SIGNED_DISTANCE: &str = "hypertexture signed distance";
 
 /// Names of the types of values.
-const TYPES: [(&str, Type); 10] = [
-    ("MET_CHAR", Type::I8),
-    ("MET_UCHAR", Type::U8),
-    ("MET_SHORT", Type::I16),
-    ("MET_USHORT", Type::U16),
-    ("MET_INT", Type::I32),
-    ("MET_UINT", Type::U32),
-    ("MET_LONG", Type::I32),
-    ("MET_ULONG", Type::U32),
-    ("MET_FLOAT", Type::F32),
-    ("MET_DOUBLE", Type::F64),
+const TYPES: [(&str, SampleType); 12] = [
+    ("MET_CHAR", SampleType::I8),
+    ("MET_UCHAR", SampleType::U8),
+    ("MET_SHORT", SampleType::I16),
+    ("MET_USHORT", SampleType::U16),
+    ("MET_INT", SampleType::I32),
+    ("MET_UINT", SampleType::U32),
+    ("MET_LONG", SampleType::I32),
+    ("MET_ULONG", SampleType::U32),
+    ("MET_LONG_LONG", SampleType::I64),
+    ("MET_ULONG_LONG", SampleType::U64),
+    ("MET_FLOAT", SampleType::F32),
+    ("MET_DOUBLE", SampleType::F64),
 ];
 
 /// Whether the file begins with a key that these files begin with.
@@ -34,27 +40,24 @@ pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
     line.contains(&b'=') && (key == b"ObjectType" || key == b"NDims")
 }
 
-/// Reads a volume: raw or compressed; integers of 8 to 32 bits, float or double, both byte orders, converted to f32
-/// (integers above 2^24 and doubles are rounded). An axis that runs backwards is turned.
+/// Reads a volume: raw or compressed, behind the header or in files beside it; integers of 8 to 64 bits, float or double,
+/// both byte orders, converted to f32 (integers above 2^24 and doubles are rounded).
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let keys = Keys::read(source)?;
     let raster = keys.raster(source)?;
-    let skip = match keys.value("HeaderSize").map(str::parse::<i64>) {
-        None => Skip::Bytes(0),
-        Some(Ok(-1)) => Skip::ToData,
-        Some(Ok(bytes @ 0..)) => Skip::Bytes(bytes as u64),
-        Some(_) => return Err(keys.wrong(source, "HeaderSize", "a number of bytes, or -1")),
+    let is_here = matches!(keys.value(DATA), Some("LOCAL" | "Local" | "local"));
+    let before = match keys.value("HeaderSize").map(str::parse::<i64>) {
+        None | Some(Ok(0)) => Skip::Bytes(0),
+        Some(Ok(-1)) if raster.packing == Packing::None => Skip::ToData,
+        Some(Ok(-1)) => return Err(keys.unsupported(source, "HeaderSize", "of compressed data, say how many bytes")),
+        // From the start of the file on, whichever it is.
+        Some(Ok(bytes @ 1..)) if !is_here => Skip::Bytes(bytes as u64),
+        Some(Ok(bytes)) if bytes as u64 >= source.offset && bytes > 0 => Skip::Bytes(bytes as u64 - source.offset),
+        Some(_) => return Err(keys.wrong(source, "HeaderSize", "a number of bytes before the data, or -1")),
     };
-    match keys.value(DATA).unwrap_or_default() {
-        "LOCAL" | "Local" | "local" => raster.read(source),
-        list if list.starts_with("LIST") || list.contains('%') => {
-            Err(keys.unsupported(source, DATA, "join its files into one, such as with SimpleITK's WriteImage"))
-        }
-        file => source.beside(file, |data| {
-            raster.skip(data, skip)?;
-            raster.read(data)
-        }),
-    }
+    let name = keys.value(DATA).unwrap_or_default();
+    let files = if is_here { None } else { Some(Files::read(name, raster.placement.size, source)?) };
+    raster.read(source, &Data { files, before, ..Data::HERE })
 }
 
 /// The lines of a header.
@@ -147,7 +150,7 @@ impl Keys {
         let name =
             self.value("ElementType").ok_or_else(|| self.wrong(source, "ElementType", "`ElementType = MET_...`"))?;
         let kind = TYPES.iter().find(|(known, _)| *known == name).map(|(_, kind)| *kind);
-        let remedy = "convert it to an integer type of at most 32 bits, float or double";
+        let remedy = "convert it to an integer type, float or double";
         let kind = kind.ok_or_else(|| self.unsupported(source, "ElementType", remedy))?;
         let order = self.named(&["BinaryDataByteOrderMSB", "ElementByteOrderMSB"]);
         let big_endian = self.says(source, order)?;
@@ -155,26 +158,28 @@ impl Keys {
         let size = self.size(source)?;
         // Where samples have a size and no distance, they touch.
         let spacing = self.named(&["ElementSpacing", "ElementSize"]);
-        let spacing = DVec3::from(self.numbers(source, spacing)?.unwrap_or([1.0; 3]));
+        let lengths = DVec3::from(self.numbers(source, spacing)?.unwrap_or([1.0; 3]));
+        if !placement::are_lengths(lengths) {
+            return Err(self.wrong(source, spacing, placement::STEPS));
+        }
         let place = self.named(&["Offset", "Position", "Origin"]);
         let origin = DVec3::from(self.numbers(source, place)?.unwrap_or_default());
         let turn = self.named(&["TransformMatrix", "Rotation", "Orientation"]);
-        let axes: [f64; 9] = self.numbers(source, turn)?.unwrap_or([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
-        let is_aligned = (0..9).all(|at| if at % 4 == 0 { axes[at].abs() == 1.0 } else { axes[at] == 0.0 });
-        if !is_aligned {
-            let remedy = "the axes must not be oblique or exchanged: resample onto the axes";
-            return Err(self.unsupported(source, turn, remedy));
+        // The direction of the first axis, then those of the others.
+        let axes = self.numbers(source, turn)?.map_or(DMat3::IDENTITY, |axes| DMat3::from_cols_array(&axes));
+        let steps = axes * DMat3::from_diagonal(lengths);
+        if !placement::are_lengths(super::axes::lengths(&steps)) {
+            return Err(self.wrong(source, turn, placement::STEPS));
         }
-        let step = spacing * DVec3::new(axes[0], axes[4], axes[8]);
-        let tiny = DVec3::splat(f64::from(f32::MIN_POSITIVE));
-        if !(spacing.cmpge(tiny) & spacing.cmple(DVec3::splat(f64::from(MAX_COORDINATE)))).all() {
-            let key = self.named(&["ElementSpacing", "ElementSize"]);
-            return Err(self.wrong(source, key, "distances between samples from 1.2e-38 to 1e18"));
-        }
-        Ok(Raster { kind, big_endian, packing, size, origin, step, content: Content::Scalar })
+        let content = match self.value("Comment") {
+            Some(SIGNED_DISTANCE) => Content::SignedDistance,
+            _ => Content::Scalar,
+        };
+        let placement = Placement { size, origin, steps, content };
+        Ok(Raster { kind, big_endian, packing, scale: None, placement })
     }
 
-    /// `DimSize`, checked against [`MAX_VOXELS`].
+    /// `DimSize`, checked.
     fn size(&self, source: &Source) -> Result<[u32; 3], ShapeError> {
         let text = self.value("DimSize").unwrap_or_default();
         let sizes: Option<Vec<u64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
@@ -183,11 +188,6 @@ impl Keys {
         if size.contains(&0) {
             return Err(wrong());
         }
-        let voxels = size.iter().try_fold(1_u64, |product, &n| product.checked_mul(n));
-        if voxels.is_none_or(|voxels| voxels > MAX_VOXELS) {
-            let found = size.map(|n| n.to_string()).join(" x ");
-            return Err(ShapeError::TooLarge { file: source.file.clone(), what: "voxels", found, limit: MAX_VOXELS });
-        }
-        Ok(size.map(|n| n as u32)) // each is at most the product
+        placement::checked(&source.file, size)
     }
 }

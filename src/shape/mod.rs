@@ -3,41 +3,57 @@
 //! Role: turn a file, a name or a formula into a [`Shape`]. Invariant: every coordinate and value is finite.
 //! This layer imports nothing else of the crate and needs no GPU.
 //!
-//! [`open`] is the way in; [`write_nrrd`] is the way back out for volumes. World space is right-handed with y up for
-//! the built-in objects; files keep the coordinates they have. Sources are named where they are used: Newell's teapot
-//! in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`], the file formats in `obj`, `ply`, `stl`, `nrrd`,
-//! `meta`, `vdb` and `dicom`.
+//! [`open`] is the way in, [`open_raw`] where a file does not say what it holds; [`VolumeFormat`] is the way back out for
+//! volumes. World space is right-handed with y up for the built-in objects; files keep the coordinates they have. Sources
+//! are named where they are used: Newell's teapot in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`],
+//! the file formats in `obj`, `ply`, `stl`, `nrrd`, `meta`, `nifti`, `dicom` and `vdb`.
 
+mod axes;
 mod dicom;
 mod error;
+mod files;
 mod generated;
-mod grid;
 pub mod head;
+mod iso_values;
 mod mesh;
 mod meta;
+mod nifti;
+mod nifti_header;
 mod nrrd;
 mod nrrd_header;
 mod obj;
 mod open;
 pub mod phantom;
+mod placement;
 mod ply;
 mod polygon;
 mod raster;
+mod raw;
+mod sample_type;
 mod solid;
 mod source;
 mod stl;
 mod tank;
 pub mod teapot;
 mod teapot_data;
+mod values;
 mod vdb;
 mod volume;
+mod write_nifti;
+mod write_volume;
 
+pub(crate) use axes::Axes;
 pub use error::{Found, Location, ShapeError};
 pub use generated::BUILT_IN;
+pub use iso_values::Histogram;
+pub use mesh::Edges;
 pub use nrrd::write_nrrd;
 pub use open::{open, read};
+pub use raw::{RawLayout, open_raw};
+pub use sample_type::{SampleType, UnknownSampleType};
+pub use write_volume::VolumeFormat;
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 
 /// Largest magnitude of a coordinate in world units.
 ///
@@ -106,8 +122,9 @@ pub struct Volume {
     pub size: [u32; 3],
     /// World position of sample (0, 0, 0).
     pub origin: Vec3,
-    /// World distance between neighboring samples on each axis, positive.
-    pub spacing: Vec3,
+    /// World steps from a sample to the next, one column for each axis of the grid; not singular. Diagonal and positive
+    /// where the grid stands along the axes of the world.
+    pub steps: Mat3,
     /// `size[0] * size[1] * size[2]` finite values.
     pub values: Vec<f32>,
     /// What the values mean.
@@ -145,7 +162,7 @@ impl Shape {
             Shape::Solid(_) => {}
             Shape::Mesh(mesh) => mesh.positions.iter_mut().for_each(|position| *position *= by),
             Shape::Volume(volume) => {
-                (volume.origin, volume.spacing) = (by * volume.origin, by * volume.spacing);
+                (volume.origin, volume.steps) = (by * volume.origin, by * volume.steps);
                 if volume.content != Content::Scalar {
                     volume.values.iter_mut().for_each(|distance| *distance *= by);
                 }

@@ -5,10 +5,12 @@
 //! teem.sourceforge.net/nrrd/format.html.
 
 use super::error::{Location, ShapeError, quoted};
-use super::raster::{Packing, Raster, Skip, Type};
+use super::files::Files;
+use super::placement::{self, Placement};
+use super::raster::{Data, MAX_UNPACKED_SKIP, Packing, Raster, Skip};
 use super::source::Source;
-use super::{Content, MAX_COORDINATE, MAX_VOXELS};
-use glam::DVec3;
+use super::{Content, SampleType};
+use glam::{DMat3, DVec3};
 use std::collections::HashMap;
 
 /// Key of the key/value line that says what the values mean.
@@ -20,29 +22,31 @@ pub(super) const SIGNED_DISTANCE: &str = "signed distance";
 pub(super) struct Header {
     /// The samples.
     pub raster: Raster,
-    /// The file that holds them, if not this one, and what is before them in it.
-    pub side: Option<(String, Skip)>,
+    /// Where they are.
+    pub data: Data,
 }
 
 /// All names of the format for the types that are read.
-const NAMES: [(Type, &[&str]); 8] = [
-    (Type::I8, &["signed char", "int8", "int8_t"]),
-    (Type::U8, &["uchar", "unsigned char", "uint8", "uint8_t"]),
-    (Type::I16, &["short", "short int", "signed short", "signed short int", "int16", "int16_t"]),
-    (Type::U16, &["ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"]),
-    (Type::I32, &["int", "signed int", "int32", "int32_t"]),
-    (Type::U32, &["uint", "unsigned int", "uint32", "uint32_t"]),
-    (Type::F32, &["float"]),
-    (Type::F64, &["double"]),
+const NAMES: [(SampleType, &[&str]); 10] = [
+    (SampleType::I8, &["signed char", "int8", "int8_t"]),
+    (SampleType::U8, &["uchar", "unsigned char", "uint8", "uint8_t"]),
+    (SampleType::I16, &["short", "short int", "signed short", "signed short int", "int16", "int16_t"]),
+    (SampleType::U16, &["ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"]),
+    (SampleType::I32, &["int", "signed int", "int32", "int32_t"]),
+    (SampleType::U32, &["uint", "unsigned int", "uint32", "uint32_t"]),
+    (
+        SampleType::I64,
+        &["longlong", "long long", "long long int", "signed long long", "signed long long int", "int64", "int64_t"],
+    ),
+    (SampleType::U64, &["ulonglong", "unsigned long long", "unsigned long long int", "uint64", "uint64_t"]),
+    (SampleType::F32, &["float"]),
+    (SampleType::F64, &["double"]),
 ];
 
 impl Header {
     /// Reads up to the empty line before the data.
     pub fn read(source: &mut Source) -> Result<Header, ShapeError> {
         let fields = Fields::read(source)?;
-        if fields.optional("lineskip").is_some_and(|lines| lines != "0") {
-            return Err(fields.unsupported("lineskip", "save the file without it"));
-        }
         if fields.required("dimension", "`dimension: 3`")? != "3" {
             return Err(fields.unsupported("dimension", "extract one volume of 3 dimensions"));
         }
@@ -52,23 +56,27 @@ impl Header {
             return Err(fields.unsupported("kinds", "every axis must be a direction in space: extract one component"));
         }
         let kind = fields.kind()?;
+        let packing = match fields.required("encoding", "`encoding: raw` or another")?.to_ascii_lowercase().as_str() {
+            "raw" => Packing::None,
+            "gzip" | "gz" => Packing::Gzip,
+            "bzip2" | "bz2" => Packing::Bzip2,
+            "ascii" | "text" | "txt" => Packing::Text,
+            _ => {
+                let remedy = "save it as raw, gzip, bzip2 or ascii (`unu save -f nrrd -e gzip`)";
+                return Err(fields.unsupported("encoding", remedy));
+            }
+        };
         let big_endian = match fields.optional("endian").map(str::to_ascii_lowercase).as_deref() {
             Some("little") => false,
             Some("big") => true,
-            None if kind.bytes() == 1 => false,
+            None if kind.bytes() == 1 || packing == Packing::Text => false,
             found => {
                 let found = quoted(found.unwrap_or("nothing").as_bytes());
                 return Err(source.malformed_at(fields.place("endian"), "`endian: little` or `endian: big`", found));
             }
         };
-        let packing =
-            match fields.required("encoding", "`encoding: raw` or `encoding: gzip`")?.to_ascii_lowercase().as_str() {
-                "raw" => Packing::None,
-                "gzip" | "gz" => Packing::Gzip,
-                _ => return Err(fields.unsupported("encoding", "save it as raw or gzip (`unu save -f nrrd -e gzip`)")),
-            };
         let size = fields.size()?;
-        let (origin, step) = fields.placement()?;
+        let (origin, steps) = fields.placement()?;
         let content = match fields.keys.get(CONTENT_KEY) {
             None => Content::Scalar,
             Some((_, value)) if value == SIGNED_DISTANCE => Content::SignedDistance,
@@ -81,9 +89,9 @@ impl Header {
                 ));
             }
         };
-        let side = fields.side()?;
-        let raster = Raster { kind, big_endian, packing, size, origin, step, content };
-        Ok(Header { raster, side })
+        let data = fields.data(size, packing, source)?;
+        let placement = Placement { size, origin, steps, content };
+        Ok(Header { raster: Raster { kind, big_endian, packing, scale: None, placement }, data })
     }
 }
 
@@ -126,6 +134,9 @@ impl Fields {
             if repeated.is_some() {
                 return Err(source.malformed("each field once", &line));
             }
+            if read.optional("datafile").is_some_and(|file| file.split_whitespace().next() == Some("LIST")) {
+                return Ok(read); // the names follow
+            }
         }
     }
 
@@ -141,22 +152,24 @@ impl Fields {
         self.optional(name).ok_or_else(|| self.malformed(name, expected))
     }
 
-    /// The file that holds the data, and what is before it there.
-    fn side(&self) -> Result<Option<(String, Skip)>, ShapeError> {
-        let skip = match self.optional("byteskip").map(str::parse::<i64>) {
-            None => Skip::Bytes(0),
-            Some(Ok(-1)) => Skip::ToData,
-            Some(Ok(bytes @ 0..)) => Skip::Bytes(bytes as u64),
-            Some(_) => return Err(self.malformed("byteskip", "a number of bytes, or -1")),
+    /// Where the data is.
+    fn data(&self, size: [u32; 3], packing: Packing, source: &mut Source) -> Result<Data, ShapeError> {
+        let lines = match self.optional("lineskip").map(str::parse) {
+            None => 0,
+            Some(Ok(lines)) => lines,
+            Some(Err(_)) => return Err(self.malformed("lineskip", "a number of lines")),
         };
-        match self.optional("datafile") {
-            None if skip == Skip::Bytes(0) => Ok(None),
-            None => Err(self.unsupported("byteskip", "save the file without it")),
-            Some(file) if file.starts_with("LIST") || file.contains('%') => {
-                Err(self.unsupported("datafile", "join its files (`unu save -f nrrd -i in.nhdr -o out.nrrd`)"))
-            }
-            Some(file) => Ok(Some((file.into(), skip))),
-        }
+        let (before, inside) = match (self.optional("byteskip").map(str::parse::<i64>), packing) {
+            (None, _) => (Skip::Bytes(0), 0),
+            (Some(Ok(-1)), Packing::None) => (Skip::ToData, 0),
+            (Some(Ok(-1)), _) => return Err(self.unsupported("byteskip", "only raw data can be found from its end")),
+            (Some(Ok(bytes @ 0..)), Packing::None | Packing::Text) => (Skip::Bytes(bytes as u64), 0),
+            // What is skipped there is packed as well.
+            (Some(Ok(bytes @ 0..)), _) if bytes as u64 <= MAX_UNPACKED_SKIP => (Skip::Bytes(0), bytes as u64),
+            _ => return Err(self.malformed("byteskip", "a number of bytes (at most 2^28 of compressed data), or -1")),
+        };
+        let files = self.optional("datafile").map(|files| Files::read(files, size, source)).transpose()?;
+        Ok(Data { files, lines, before, inside })
     }
 
     /// The value of `name`, or its absence, is not `expected`.
@@ -170,14 +183,14 @@ impl Fields {
         ShapeError::Unsupported { file: self.file.clone(), place: self.place(name), what: name, found, remedy }
     }
 
-    fn kind(&self) -> Result<Type, ShapeError> {
+    fn kind(&self) -> Result<SampleType, ShapeError> {
         let name = self.required("type", "a `type` field")?.to_ascii_lowercase();
         let known = NAMES.iter().find(|(_, names)| names.contains(&name.as_str()));
-        let remedy = "convert it to an integer type of at most 32 bits, float or double (`unu convert -t float`)";
+        let remedy = "convert it to an integer type, float or double (`unu convert -t float`)";
         known.map(|(kind, _)| *kind).ok_or_else(|| self.unsupported("type", remedy))
     }
 
-    /// `sizes`, checked against [`MAX_VOXELS`].
+    /// `sizes`, checked.
     fn size(&self) -> Result<[u32; 3], ShapeError> {
         let expected = "`sizes` with 3 whole numbers";
         let parsed: Option<Vec<u64>> =
@@ -188,58 +201,47 @@ impl Fields {
         if size.contains(&0) {
             return Err(ShapeError::ZeroSize { file: self.file.clone(), line, size });
         }
-        let voxels = size.iter().try_fold(1_u64, |product, &n| product.checked_mul(n));
-        if voxels.is_none_or(|voxels| voxels > MAX_VOXELS) {
-            let found = size.map(|n| n.to_string()).join(" x ");
-            return Err(ShapeError::TooLarge { file: self.file.clone(), what: "voxels", found, limit: MAX_VOXELS });
-        }
-        Ok(size.map(|n| n as u32)) // each is at most the product
+        placement::checked(&self.file, size)
     }
 
-    /// World position of the first sample and the step to the next on each axis, possibly negative.
-    fn placement(&self) -> Result<(DVec3, DVec3), ShapeError> {
+    /// World position of the first sample, and the steps to the next on each axis.
+    fn placement(&self) -> Result<(DVec3, DMat3), ShapeError> {
         let directed = self.optional("spacedirections").is_some();
-        let step = match (directed, self.optional("spacings").is_some()) {
+        let steps = match (directed, self.optional("spacings").is_some()) {
             (true, true) => return Err(self.malformed("spacings", "`spacings` or `space directions`, not both")),
             (true, false) => self.directions()?,
-            (false, true) => self.three("spacings", "3 numbers")?,
+            (false, true) => DMat3::from_diagonal(self.three("spacings", "3 numbers")?),
             (false, false) if self.optional("axismaxs").is_some() => {
                 return Err(self.unsupported("axismaxs", "write `spacings` instead"));
             }
-            (false, false) => DVec3::ONE,
+            (false, false) => DMat3::IDENTITY,
         };
-        let name = if directed { "spacedirections" } else { "spacings" };
-        // What f32 cannot hold as a normal number is no distance between samples.
-        let tiny = DVec3::splat(f64::from(f32::MIN_POSITIVE));
-        if !(step.abs().cmpge(tiny) & step.abs().cmple(DVec3::splat(f64::from(MAX_COORDINATE)))).all() {
-            return Err(self.malformed(name, "steps between samples from 1.2e-38 to 1e18"));
+        if !placement::are_lengths(super::axes::lengths(&steps)) {
+            let name = if directed { "spacedirections" } else { "spacings" };
+            return Err(self.malformed(name, placement::STEPS));
         }
         if self.optional("spaceorigin").is_some() {
             let origin = self.vectors("spaceorigin")?;
             let [origin] = origin[..] else { return Err(self.malformed("spaceorigin", "one vector, as (0,0,0)")) };
-            return Ok((origin, step));
+            return Ok((origin, steps));
         }
         if self.optional("axismins").is_none() {
-            return Ok((DVec3::ZERO, step));
+            return Ok((DVec3::ZERO, steps));
         }
         // The axis begins at the first sample, or half a step before it where samples stand for cells.
         let centers: Vec<&str> = self.optional("centers").unwrap_or_default().split_whitespace().collect();
         let cell = |axis: usize| centers.get(axis).is_some_and(|&center| center == "cell");
         let half = DVec3::from([0, 1, 2].map(|axis| if cell(axis) { 0.5 } else { 0.0 }));
-        Ok((self.three("axismins", "3 numbers")? + half * step, step))
+        Ok((self.three("axismins", "3 numbers")? + steps * half, steps))
     }
 
-    /// `space directions` that lie along the axes.
-    fn directions(&self) -> Result<DVec3, ShapeError> {
+    /// `space directions`: a step for each axis.
+    fn directions(&self) -> Result<DMat3, ShapeError> {
         let directions = self.vectors("spacedirections")?;
         let [x, y, z] = directions[..] else {
             return Err(self.malformed("spacedirections", "3 vectors, as (1,0,0) (0,1,0) (0,0,1)"));
         };
-        let step = DVec3::new(x.x, y.y, z.z);
-        let aligned = [x, y, z] == [DVec3::X * step, DVec3::Y * step, DVec3::Z * step];
-        let remedy =
-            "the axes must not be oblique or exchanged: resample onto the axes (`unu axdelete`, `unu permute`)";
-        if aligned { Ok(step) } else { Err(self.unsupported("spacedirections", remedy)) }
+        Ok(DMat3::from_cols(x, y, z))
     }
 
     fn three(&self, name: &str, expected: &'static str) -> Result<DVec3, ShapeError> {

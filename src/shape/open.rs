@@ -3,11 +3,11 @@
 //! Role: choose between built-in objects and file formats. Invariant: only plain files are opened, and a format is
 //! chosen by what is in the file before by what it is called.
 
-use super::error::{quoted, shown};
+use super::error::{quoted, shown, unreadable};
 use super::source::Source;
-use super::{BUILT_IN, Shape, ShapeError, dicom, generated, meta, nrrd, obj, ply, stl, vdb};
+use super::{BUILT_IN, Shape, ShapeError, dicom, generated, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
 use crate::support::open::{self as plain, OpenError};
-use std::io::{BufRead, BufReader, ErrorKind};
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
 /// One file format.
@@ -26,6 +26,8 @@ const FORMATS: &[Format] = &[
     Format { extensions: &["mhd", "mha"], recognizes: meta::recognizes, read: meta::read },
     Format { extensions: &["dcm"], recognizes: dicom::recognizes, read: dicom::read },
     Format { extensions: &["vdb"], recognizes: vdb::recognizes, read: vdb::read },
+    Format { extensions: &["nii", "nii.gz", "hdr", "hdr.gz"], recognizes: nifti::recognizes, read: nifti::read },
+    Format { extensions: &["raw"], recognizes: |_, _| false, read: raw::refuse },
     Format { extensions: &["ply"], recognizes: ply::recognizes, read: ply::read },
     Format { extensions: &["stl"], recognizes: stl::recognizes, read: stl::read },
     Format { extensions: &["obj"], recognizes: |_, _| false, read: obj::read }, // OBJ has no mark to know it by
@@ -34,9 +36,9 @@ const FORMATS: &[Format] = &[
 /// Opens a built-in object or a file.
 ///
 /// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a file
-/// is chosen by its content where the content tells (NRRD, MetaImage, DICOM, OpenVDB, PLY, STL), else by its extension (OBJ).
-/// Coordinates stay as they are in the file. A folder of DICOM files is the series that has the most slices in it, and one
-/// slice stands for its series; other folders, devices and pipes are refused.
+/// is chosen by its content where the content tells (NRRD, MetaImage, DICOM, NIfTI, OpenVDB, PLY, STL), else by its extension
+/// (OBJ). Coordinates stay as they are in the file, but those of DICOM are turned to the axes of NIfTI. A folder is the DICOM
+/// series in it, and a slice stands for its series; other folders, devices and pipes are refused.
 ///
 /// # Errors
 /// Any [`ShapeError`]; its message is one line.
@@ -45,10 +47,10 @@ pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
         return Ok(shape);
     }
     let path = Path::new(name_or_path);
-    let (opened, len) = match plain::open(path, u64::MAX) {
-        Err(OpenError::NotAFile(_)) if path.is_dir() => return dicom::read_folder(&shown(name_or_path), path),
-        opened => opened.map_err(|error| unopened(name_or_path, error))?,
-    };
+    if path.is_dir() {
+        return dicom::read_folder(&shown(name_or_path), path);
+    }
+    let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
     parse(name_or_path, len, Some(folder), &mut BufReader::new(opened))
 }
@@ -84,8 +86,9 @@ fn parse(name: &str, len: u64, folder: Option<PathBuf>, reader: &mut dyn BufRead
 }
 
 fn by_extension(name: &str) -> Option<&'static Format> {
-    let extension = Path::new(name).extension()?.to_str()?.to_ascii_lowercase();
-    FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str()))
+    let name = name.to_ascii_lowercase();
+    let ends = |extension: &&str| name.strip_suffix(*extension).is_some_and(|stem| stem.ends_with('.'));
+    FORMATS.iter().find(|format| format.extensions.iter().any(ends))
 }
 
 /// Why a path cannot be opened: a wrong name if it looks like one, else a missing or unreadable file.
@@ -95,10 +98,7 @@ fn unopened(name: &str, error: OpenError) -> ShapeError {
         OpenError::Missing if Path::new(name).extension().is_none() && !name.contains(['/', '\\']) => {
             ShapeError::UnknownName { nearest: nearest(name), name: file, known: known_extensions() }
         }
-        OpenError::Missing => ShapeError::Missing { file },
-        OpenError::NotAFile(kind) => ShapeError::NotAFile { file, kind },
-        OpenError::Denied => ShapeError::Unreadable { file, reason: ErrorKind::PermissionDenied.into() },
-        other => ShapeError::Unreadable { file, reason: other.into() },
+        error => unreadable(file, error),
     }
 }
 
@@ -128,7 +128,10 @@ mod tests {
         }
         let message = open("shpere").unwrap_err().to_string();
         assert!(
-            message.contains("sphere, cube, torus") && message.contains(".nrrd, .nhdr, .mhd, .mha, .dcm, .vdb, .ply, .stl, .obj"),
+            message.contains("sphere, cube, torus")
+                && message.contains(
+                    ".nrrd, .nhdr, .mhd, .mha, .dcm, .vdb, .nii, .nii.gz, .hdr, .hdr.gz, .raw, .ply, .stl, .obj"
+                ),
             "{message}"
         );
     }

@@ -66,8 +66,8 @@ pub fn head() -> Volume {
             *filtered = value(Vec3::new(at(x), y, z), spacing, &turns);
         }
     });
-    let (origin, spacing) = (Vec3::NEG_ONE, Vec3::splat(spacing));
-    Volume { size: [SIZE; 3], origin, spacing, values, content: Content::Scalar }
+    let (origin, steps) = (Vec3::NEG_ONE, Mat3::from_diagonal(Vec3::splat(spacing)));
+    Volume { size: [SIZE; 3], origin, steps, values, content: Content::Scalar }
 }
 
 /// The filtered phantom at world position `p`; `reach` is the half width of the filter, `turns` undoes the turns.
@@ -131,7 +131,7 @@ mod tests {
             }
             worst = worst.max((outside - exact).abs());
         }
-        let voxel = head.spacing.x;
+        let voxel = head.spacing().x;
         assert!(worst < 0.06 * voxel, "{} voxels", worst / voxel);
     }
 

@@ -1,41 +1,42 @@
-//! The samples of a volume, behind a header or in a file of their own.
+//! The samples of a volume, behind a header or in files of their own.
 //!
-//! Role: bytes of any type, order and packing into a [`Volume`] on axes that run forwards. Invariant: memory grows with the
-//! data that is there, not with what the header declares.
+//! Role: bytes or words of any type, order and packing into a [`Volume`](super::Volume). Invariant: memory grows with the
+//! data that is there, not with what the header declares, and nothing is unpacked beyond the declared size.
 
-use super::error::{Found, Location, ShapeError};
+use super::error::{Found, Location, ShapeError, quoted};
+use super::files::Files;
+use super::placement::Placement;
 use super::source::{Source, read_block};
-use super::{Content, Shape, Volume};
+use super::{SampleType, Shape};
+use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
-use glam::DVec3;
 use std::io::{self, Read};
 
 /// Most bytes that one byte of deflate can become (P. Deutsch, RFC 1951: 258 bytes for 2 bits).
-const MAX_DEFLATE_RATIO: u64 = 1032;
+pub(super) const MAX_DEFLATE_RATIO: u64 = 1032;
+/// Most bytes that one byte of bzip2 can become: a block of 900000 bytes, each 5 of them a run of 259, in 32 bytes at least.
+const MAX_BZIP2_RATIO: u64 = 1 << 21;
+/// Most bytes that are unpacked to be skipped: more, and a small file would keep its reader waiting.
+pub(super) const MAX_UNPACKED_SKIP: u64 = 1 << 28;
 /// Bytes decoded at a time, a multiple of every value size; smaller costs calls, larger leaves the cache.
 const BLOCK_BYTES: usize = 64 * 1024;
 /// Values that memory grows by at least: 16 MiB. Larger, and a small damaged file takes more than it should.
 const GROWTH: usize = 4 << 20;
-/// Farther away, f32 rounding moves a sample by more than the 1/100 voxel that `Volume::sample` allows for; nearer, and
-/// micro-CT scans in scanner coordinates would be refused.
-const MAX_VOXELS_FROM_ORIGIN: f64 = 131_072.0;
+/// The longest number in a text, in bytes.
+const MAX_WORD: usize = 400;
 
-/// Where and what the samples are.
+/// What the samples are.
 pub(super) struct Raster {
     /// Type of a value in the file.
-    pub kind: Type,
+    pub kind: SampleType,
     /// Whether the first byte of a value is its highest.
     pub big_endian: bool,
     /// How the data is compressed.
     pub packing: Packing,
-    /// Samples per axis, at least 1, and their product at most [`MAX_VOXELS`](super::MAX_VOXELS).
-    pub size: [u32; 3],
-    /// World position of the first sample.
-    pub origin: DVec3,
-    /// From a sample to the next on each axis: normal numbers of f32, negative where an axis runs backwards.
-    pub step: DVec3,
-    /// What the values mean.
-    pub content: Content,
+    /// What values are multiplied by, and what is added then.
+    pub scale: Option<[f64; 2]>,
+    /// Where they are.
+    pub placement: Placement,
 }
 
 /// How data is compressed.
@@ -43,43 +44,16 @@ pub(super) struct Raster {
 pub(super) enum Packing {
     /// Not at all.
     None,
+    /// It was, and the source unpacks it: its length is the most that it can be.
+    Unpacked,
     /// As gzip does.
     Gzip,
     /// As zlib does.
     Zlib,
-}
-
-/// Type of a value in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Type {
-    /// Unsigned 8 bits.
-    U8,
-    /// Signed 8 bits.
-    I8,
-    /// Unsigned 16 bits.
-    U16,
-    /// Signed 16 bits.
-    I16,
-    /// Unsigned 32 bits.
-    U32,
-    /// Signed 32 bits.
-    I32,
-    /// IEEE single.
-    F32,
-    /// IEEE double.
-    F64,
-}
-
-impl Type {
-    /// Bytes of a value.
-    pub fn bytes(self) -> u64 {
-        match self {
-            Type::U8 | Type::I8 => 1,
-            Type::U16 | Type::I16 => 2,
-            Type::U32 | Type::I32 | Type::F32 => 4,
-            Type::F64 => 8,
-        }
-    }
+    /// As bzip2 does.
+    Bzip2,
+    /// Numbers as text, between white space or commas.
+    Text,
 }
 
 /// Bytes before the data of a file.
@@ -91,157 +65,191 @@ pub(super) enum Skip {
     ToData,
 }
 
+/// Where the data is.
+pub(super) struct Data {
+    /// The files that hold it, if not this one.
+    pub files: Option<Files>,
+    /// Lines before it in each file.
+    pub lines: u64,
+    /// Bytes before it, behind these lines.
+    pub before: Skip,
+    /// Bytes before it that are packed with it.
+    pub inside: u64,
+}
+
+impl Data {
+    /// The rest of the file.
+    pub const HERE: Data = Data { files: None, lines: 0, before: Skip::Bytes(0), inside: 0 };
+}
+
 impl Raster {
-    /// Reads the data, which is the rest of the source.
-    pub fn read(self, source: &mut Source) -> Result<Shape, ShapeError> {
-        let Raster { origin, step, size, content, .. } = self;
-        let last = origin + step * DVec3::from(size.map(|n| f64::from(n) - 1.0));
-        let spacing = step.abs().as_vec3();
-        source.check_positions("volume corners", &[origin.as_vec3(), last.as_vec3(), spacing])?;
-        let voxels_away = (origin.abs().max(last.abs()) / step.abs()).max_element();
-        if voxels_away > MAX_VOXELS_FROM_ORIGIN {
-            let (place, found) = (Location::Header, format!("{voxels_away:.0} voxels from the origin"));
-            let remedy =
-                "move it nearer, 32-bit coordinates cannot tell its samples apart (the limit is 131072 voxels)";
-            let file = source.file.clone();
-            return Err(ShapeError::Unsupported { file, place, what: "a volume", found, remedy });
-        }
-        let mut values = self.values(source)?;
-        if let Some(first) = values.iter().position(|value| !value.is_finite()) {
-            let count = values.iter().filter(|value| !value.is_finite()).count();
-            let (file, total) = (source.file.clone(), values.len());
-            return Err(ShapeError::NotFinite { file, what: "voxels", count, total, first });
-        }
-        let mirrored = step.cmplt(DVec3::ZERO);
-        let mut block = 1;
-        for (axis, &n) in size.iter().enumerate() {
-            if mirrored.test(axis) {
-                reverse(&mut values, block, n as usize);
+    /// Reads the data.
+    pub fn read(self, source: &mut Source, data: &Data) -> Result<Shape, ShapeError> {
+        self.placement.check(&source.file)?;
+        let (mut values, voxels) = (Vec::new(), self.placement.voxels());
+        match &data.files {
+            None => self.append(source, data, voxels, &mut values)?,
+            Some(files) => {
+                for file in 0..files.count() {
+                    source.beside(&files.name(file), |part| {
+                        self.append(part, data, voxels / files.count(), &mut values)
+                    })?;
+                }
             }
-            block *= n as usize;
         }
-        let origin = DVec3::select(mirrored, last, origin).as_vec3();
-        Ok(Shape::Volume(Volume { size, origin, spacing, values, content }))
+        self.placement.volume(&source.file, values).map(Shape::Volume)
     }
 
-    /// Goes over what is before the data.
-    pub fn skip(&self, source: &mut Source, skip: Skip) -> Result<(), ShapeError> {
+    /// Appends the `count` values of one file.
+    fn append(&self, source: &mut Source, data: &Data, count: u64, values: &mut Vec<f32>) -> Result<(), ShapeError> {
+        let declared = count * self.kind.bytes();
+        let mut what = format!("{} voxels of {} bytes", sides(self.placement.size), self.kind.bytes());
+        if data.files.as_ref().is_some_and(|files| files.count() > 1) {
+            what = format!("{count} of {what}");
+        }
+        let mut line = Vec::new();
+        for _ in 0..data.lines {
+            if !source.next_line(&mut line)? {
+                return Err(source.data_size(declared, format!("{what} behind {} lines", data.lines), Found::Bytes(0)));
+            }
+        }
         let left = source.remaining();
-        let (declared, what) = self.declared();
-        let bytes = match skip {
+        let before = match data.before {
             Skip::Bytes(bytes) => bytes,
             Skip::ToData => left.saturating_sub(declared),
         };
-        if bytes > left {
-            return Err(source.data_size(declared, format!("{what} behind {bytes} bytes"), Found::Bytes(left)));
+        if before > left {
+            return Err(source.data_size(declared, format!("{what} behind {before} bytes"), Found::Bytes(left)));
         }
-        let skipped = io::copy(&mut (&mut *source.reader).take(bytes), &mut io::sink());
-        source.offset += skipped.map_err(|reason| source.unreadable(reason))?;
+        let (file, offset) = (source.file.clone(), source.offset);
+        let failed = |decoded, reason| match self.packing {
+            Packing::None | Packing::Text => ShapeError::Unreadable { file: file.clone(), reason },
+            _ => ShapeError::Packed { file: file.clone(), offset, decoded, reason },
+        };
+        source.offset += skipped(&mut source.reader, before).map_err(|reason| failed(0, reason))?;
+        if self.packing == Packing::Text {
+            return self.append_text(source, count, values);
+        }
+        let (here, size) = (source.remaining(), |found| source.data_size(declared, what.clone(), found));
+        let most = match self.packing {
+            Packing::None | Packing::Unpacked | Packing::Text => here,
+            Packing::Gzip | Packing::Zlib => here.saturating_mul(MAX_DEFLATE_RATIO),
+            Packing::Bzip2 => here.saturating_mul(MAX_BZIP2_RATIO),
+        };
+        if self.packing == Packing::None && declared != here {
+            return Err(size(Found::Bytes(here)));
+        }
+        if declared > most {
+            return Err(size(Found::AtMost(most)));
+        }
+        let mut stream: Box<dyn Read> = match self.packing {
+            Packing::Gzip => Box::new(MultiGzDecoder::new(&mut *source.reader)),
+            Packing::Zlib => Box::new(ZlibDecoder::new(&mut *source.reader)),
+            Packing::Bzip2 => Box::new(MultiBzDecoder::new(&mut *source.reader)),
+            _ => Box::new(&mut *source.reader),
+        };
+        let inside = skipped(&mut stream, data.inside).map_err(|reason| failed(0, reason))?;
+        let decoded = match inside {
+            all if all == data.inside => self.append_bytes(&mut stream, declared, values, &file, &failed)?,
+            _ => 0,
+        };
+        // Reading on to the end checks the length and the sum that close the stream.
+        let more = read_block(&mut stream, &mut [0]).map_err(|reason| failed(decoded, reason))?;
+        drop(stream);
+        match (decoded < declared, more > 0) {
+            (true, _) => Err(source.data_size(declared, what, Found::Bytes(decoded))),
+            (false, true) => Err(source.data_size(declared, what, Found::More)),
+            (false, false) => Ok(()),
+        }
+    }
+
+    /// Appends the values of so many bytes, or of as many as there are; how many were read.
+    fn append_bytes(
+        &self,
+        stream: &mut dyn Read,
+        bytes: u64,
+        values: &mut Vec<f32>,
+        file: &str,
+        failed: &dyn Fn(u64, io::Error) -> ShapeError,
+    ) -> Result<u64, ShapeError> {
+        let mut block = vec![0; BLOCK_BYTES];
+        let mut read = 0;
+        while read < bytes {
+            let wanted = (bytes - read).min(BLOCK_BYTES as u64) as usize;
+            let got = read_block(stream, &mut block[..wanted]).map_err(|reason| failed(read, reason))?;
+            self.reserve(BLOCK_BYTES, values, file)?;
+            self.kind.append(&block[..got], self.big_endian, self.scale, values);
+            read += got as u64;
+            if got < wanted {
+                break;
+            }
+        }
+        Ok(read)
+    }
+
+    /// Appends `count` numbers that are written as text.
+    fn append_text(&self, source: &mut Source, count: u64, values: &mut Vec<f32>) -> Result<(), ShapeError> {
+        let mut word = Vec::new();
+        for read in 0..count {
+            if !next_word(source, &mut word)? {
+                let found = format!("{read} of {count}, and the end of the file");
+                let expected = "as many numbers as the header says";
+                return Err(source.malformed_at(Location::Byte(source.offset), expected, found));
+            }
+            let text = std::str::from_utf8(&word).ok().filter(|word| word.len() < MAX_WORD);
+            let Some(number) = text.and_then(|word| self.kind.parse(word)) else {
+                let expected = "a number of the type that the header says";
+                return Err(source.malformed_at(Location::Byte(source.offset), expected, quoted(&word)));
+            };
+            self.reserve(1, values, &source.file)?;
+            values.push(number);
+        }
+        if next_word(source, &mut word)? {
+            let expected = "the end of the file behind the last number";
+            return Err(source.malformed_at(Location::Byte(source.offset), expected, quoted(&word)));
+        }
         Ok(())
     }
 
-    /// Bytes of the data, and how that comes about.
-    fn declared(&self) -> (u64, String) {
-        let sides = self.size.map(|n| n.to_string()).join(" x ");
-        let voxels: u64 = self.size.iter().map(|&n| u64::from(n)).product();
-        (voxels * self.kind.bytes(), format!("{sides} voxels of {} bytes", self.kind.bytes()))
+    /// Room for so many values more, if there are to be as many.
+    fn reserve(&self, more: usize, values: &mut Vec<f32>, file: &str) -> Result<(), ShapeError> {
+        if values.capacity() - values.len() >= more {
+            return Ok(());
+        }
+        let left = self.placement.voxels() as usize - values.len();
+        let more = left.min(values.len().max(GROWTH));
+        let bytes = 4 * (values.len() + more) as u64;
+        values.try_reserve_exact(more).map_err(|_| ShapeError::OutOfMemory { file: file.to_owned(), bytes })
     }
+}
 
-    fn values(&self, source: &mut Source) -> Result<Vec<f32>, ShapeError> {
-        let (declared, what) = self.declared();
-        let here = source.remaining();
-        let mut values = Vec::new();
-        let (file, offset) = (source.file.clone(), source.offset);
-        if self.packing == Packing::None {
-            if declared != here {
-                return Err(source.data_size(declared, what, Found::Bytes(here)));
-            }
-            let unreadable = |_, reason| ShapeError::Unreadable { file: file.clone(), reason };
-            let decoded = read_values(&mut source.reader, self, &file, &mut values, &unreadable)?;
-            if decoded < declared {
-                return Err(source.data_size(declared, what, Found::Bytes(decoded)));
-            }
-            return Ok(values);
-        }
-        let most = here.saturating_mul(MAX_DEFLATE_RATIO);
-        if declared > most {
-            return Err(source.data_size(declared, what, Found::AtMost(most)));
-        }
-        let damaged = |decoded, reason| ShapeError::Packed { file: file.clone(), offset, decoded, reason };
-        let mut decoder: Box<dyn Read> = match self.packing {
-            Packing::Zlib => Box::new(ZlibDecoder::new(&mut *source.reader)),
-            _ => Box::new(MultiGzDecoder::new(&mut *source.reader)),
+/// Replaces `word` by the next one between white space and commas, cut after [`MAX_WORD`] bytes; whether there is one.
+fn next_word(source: &mut Source, word: &mut Vec<u8>) -> Result<bool, ShapeError> {
+    let is_space = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',';
+    word.clear();
+    loop {
+        let bytes = match source.reader.fill_buf() {
+            Ok(bytes) => bytes,
+            Err(reason) => return Err(ShapeError::Unreadable { file: source.file.clone(), reason }),
         };
-        let decoded = read_values(&mut decoder, self, &file, &mut values, &damaged)?;
-        // Reading on to the end checks the length and the sum that close the stream.
-        let more = read_block(&mut decoder, &mut [0]).map_err(|reason| damaged(decoded, reason))?;
-        drop(decoder);
-        if decoded < declared || more > 0 {
-            let found = if more > 0 { Found::More } else { Found::Bytes(decoded) };
-            return Err(source.data_size(declared, what, found));
+        let spaces = if word.is_empty() { bytes.iter().take_while(|byte| is_space(byte)).count() } else { 0 };
+        let own = bytes[spaces..].iter().take_while(|byte| !is_space(byte)).take(MAX_WORD - word.len()).count();
+        word.extend_from_slice(&bytes[spaces..][..own]);
+        let is_end = spaces + own < bytes.len() || bytes.is_empty() || word.len() == MAX_WORD;
+        source.reader.consume(spaces + own);
+        source.offset += (spaces + own) as u64;
+        if is_end {
+            return Ok(!word.is_empty());
         }
-        Ok(values)
     }
 }
 
-/// Appends all values, or as many as there are; how many bytes were read.
-fn read_values(
-    reader: &mut dyn Read,
-    raster: &Raster,
-    file: &str,
-    values: &mut Vec<f32>,
-    failed: &dyn Fn(u64, io::Error) -> ShapeError,
-) -> Result<u64, ShapeError> {
-    let value_bytes = raster.kind.bytes();
-    let voxels: u64 = raster.size.iter().map(|&n| u64::from(n)).product();
-    let mut block = vec![0; BLOCK_BYTES];
-    let mut read = 0;
-    while read < voxels * value_bytes {
-        let wanted = (voxels * value_bytes - read).min(BLOCK_BYTES as u64) as usize;
-        let got = read_block(reader, &mut block[..wanted]).map_err(|reason| failed(read, reason))?;
-        if values.capacity() - values.len() < BLOCK_BYTES {
-            let left = voxels as usize - values.len();
-            let more = left.min(values.len().max(GROWTH));
-            let bytes = 4 * (values.len() + more) as u64;
-            let refused = |_| ShapeError::OutOfMemory { file: file.to_owned(), bytes };
-            values.try_reserve_exact(more).map_err(refused)?;
-        }
-        convert(&block[..got], raster.kind, raster.big_endian, values);
-        read += got as u64;
-        if got < wanted {
-            break;
-        }
-    }
-    Ok(read)
+/// Sizes as people write them.
+pub(super) fn sides(size: [u32; 3]) -> String {
+    size.map(|n| n.to_string()).join(" x ")
 }
 
-/// Appends the whole values of `bytes`.
-fn convert(bytes: &[u8], kind: Type, big_endian: bool, values: &mut Vec<f32>) {
-    macro_rules! append {
-        ($number:ty) => {
-            values.extend(bytes.as_chunks().0.iter().map(|&chunk| {
-                (if big_endian { <$number>::from_be_bytes(chunk) } else { <$number>::from_le_bytes(chunk) }) as f32
-            }))
-        };
-    }
-    match kind {
-        Type::U8 => append!(u8),
-        Type::I8 => append!(i8),
-        Type::U16 => append!(u16),
-        Type::I16 => append!(i16),
-        Type::U32 => append!(u32),
-        Type::I32 => append!(i32),
-        Type::F32 => append!(f32),
-        Type::F64 => append!(f64),
-    }
-}
-
-/// Turns one axis of `count` blocks around.
-fn reverse(values: &mut [f32], block: usize, count: usize) {
-    for axis in values.chunks_exact_mut(block * count) {
-        for i in 0..count / 2 {
-            let (front, back) = axis.split_at_mut((count - 1 - i) * block);
-            front[i * block..][..block].swap_with_slice(&mut back[..block]);
-        }
-    }
+/// Reads over so many bytes, or as many as there are; how many.
+fn skipped(reader: &mut dyn Read, bytes: u64) -> io::Result<u64> {
+    io::copy(&mut reader.take(bytes), &mut io::sink())
 }

@@ -12,6 +12,10 @@ use std::path::{Component, Path, PathBuf};
 
 /// The longest line, in bytes, its end included.
 pub(super) const MAX_LINE: usize = 1 << 20;
+/// The longest name of a file beside another, in bytes, with its folders.
+const MAX_NAME: usize = 1024;
+/// The longest name of a file or a folder, in bytes.
+const MAX_PART: usize = 255;
 
 /// An open file, or bytes that stand for one.
 pub(super) struct Source<'a> {
@@ -36,8 +40,12 @@ impl Source<'_> {
         name: &str,
         read: impl FnOnce(&mut Source<'_>) -> Result<T, ShapeError>,
     ) -> Result<T, ShapeError> {
-        let is_below =
-            Path::new(name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+        // Longer names are none of files.
+        let is_below = name.len() <= MAX_NAME
+            && Path::new(name).components().all(|part| match part {
+                Component::Normal(part) => part.len() <= MAX_PART,
+                part => part == Component::CurDir,
+            });
         let folder = self.folder.as_deref().filter(|_| is_below).ok_or_else(|| {
             let (place, found) = (Location::Header, quoted(name.as_bytes()));
             let remedy = "put the file of the data beside this one";
@@ -97,8 +105,7 @@ impl Source<'_> {
     pub fn array<const N: usize>(&mut self, what: &str) -> Result<[u8; N], ShapeError> {
         self.expect(N as u64, what)?;
         let mut bytes = [0; N];
-        let read = read_block(&mut self.reader, &mut bytes);
-        self.consumed(read.map(|read| read as u64), N as u64, what)?;
+        self.fill(&mut bytes)?;
         Ok(bytes)
     }
 

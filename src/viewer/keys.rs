@@ -13,6 +13,7 @@ pub(super) enum Action {
     Screenshot,
     Record,
     Compare,
+    Validity,
     Inertia,
     Undo,
     Redo,
@@ -34,7 +35,7 @@ const fn plain(key: Key, name: &'static str, action: Action, what: &'static str)
 }
 
 /// Every key, in the order in which they are listed. The first of two with the same name is the one that is listed.
-pub(super) const KEYS: [Binding; 14] = [
+pub(super) const KEYS: [Binding; 15] = [
     plain(Key::Questionmark, "? or H", Action::Help, "this list"),
     plain(Key::H, "? or H", Action::Help, ""),
     plain(Key::Space, "Space", Action::Play, "let time run, or stop it"),
@@ -44,6 +45,7 @@ pub(super) const KEYS: [Binding; 14] = [
     plain(Key::S, "S", Action::Screenshot, "write the picture that `render` makes"),
     plain(Key::T, "T", Action::Record, "record a turn around the object, or stop"),
     plain(Key::C, "C", Action::Compare, "keep this variant and compare with it, or stop"),
+    plain(Key::V, "V", Action::Validity, "color the pixels that are not to be trusted, or stop"),
     plain(Key::I, "I", Action::Inertia, "let the ball turn on"),
     plain(Key::Z, "Z", Action::Undo, "undo"),
     plain(Key::Y, "Y", Action::Redo, "redo"),

@@ -3,6 +3,7 @@
 //! A script is a text with one step in each line; `#` begins a comment. Each step ends before the next begins:
 //! ```text
 //! wait picture | converged         until the picture is what `render` makes of the scene, or has converged
+//! wait validity                    until it is shown which pixels are not to be trusted
 //! wait drawn                       until the picture is one of the scene as it is, if only a coarse one
 //! wait loading                     until an object is being loaded
 //! frames N                         until the window was drawn so many times
@@ -67,6 +68,7 @@ enum Step {
     Idle,
     Picture,
     Converged,
+    Validity,
     Loading,
     Frames(u32),
     Drag([f32; 4], PointerButton),
@@ -136,6 +138,7 @@ impl Script {
             Step::Drawn => app.is_current,
             Step::Picture => app.is_current && !matches!(stage, Stage::None | Stage::Coarse | Stage::Partial),
             Step::Converged => app.is_current && matches!(stage, Stage::Converged(_)),
+            Step::Validity => app.is_current && stage == Stage::Validity,
             Step::Loading => app.loading().is_some(),
             Step::Frames(count) => self.frames > *count,
             Step::Good => self.frames > 1 && *app.author().state() == State::Good,
@@ -244,6 +247,7 @@ fn parse(line: &str) -> Result<Step, String> {
         ("wait", "idle") => Step::Idle,
         ("wait", "picture") => Step::Picture,
         ("wait", "converged") => Step::Converged,
+        ("wait", "validity") => Step::Validity,
         ("wait", "loading") => Step::Loading,
         ("wait", "good") => Step::Good,
         ("wait", "bad") => Step::Bad,

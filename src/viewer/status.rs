@@ -16,6 +16,8 @@ pub(super) enum Stage {
     Refined(u32),
     /// As good as was asked for.
     Converged(u32),
+    /// In place of a converged one: which pixels of the scene's own are not to be trusted.
+    Validity,
 }
 
 impl Stage {
@@ -28,6 +30,7 @@ impl Stage {
             Stage::Scene => "as rendered".into(),
             Stage::Refined(count) => format!("mean of {count}"),
             Stage::Converged(count) => format!("converged, mean of {count}"),
+            Stage::Validity => "validity".into(),
         }
     }
 }
@@ -57,6 +60,8 @@ pub(super) struct Figures {
     pub(super) recent_ms: Vec<f64>,
     /// Frames of the recording, finished and in all.
     pub(super) recording: Option<(u32, u32)>,
+    /// What the colors of pixels that are not to be trusted mean; empty where the picture is shown.
+    pub(super) validity: Vec<([u8; 3], String)>,
     /// How much of the search for a way to draw is done, 0 to 1.
     pub(super) picking: Option<f32>,
     /// Fields of the scene that change nothing in the picture.

@@ -316,6 +316,60 @@ fn completions_and_manual_pages_know_commands_and_arguments() {
 }
 
 #[test]
+fn what_a_mesh_and_a_volume_hold_is_told_in_words_and_as_json() {
+    let desk = Desk::new();
+    // A tetrahedron, one face of it wound the other way, and a triangle apart.
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nv 5 0 0\nv 6 0 0\nv 5 1 0\n";
+    desk.write("parts.obj", format!("{corners}f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 3 4\nf 5 6 7\n"));
+    let said = desk.good("info parts.obj");
+    for words in ["5, 7 vertices", "bodies     2", "3 open, 0 crowded, 3 turned", "(0, 0, 0) to (6, 1, 2)"] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let known: serde_json::Value = serde_json::from_str(&desk.good("info parts.obj --json")).unwrap();
+    assert_eq!((&known["triangles"], &known["edges"]), (&5.into(), &serde_json::json!([3, 0, 3])));
+    // Two halves, one of 10 and one of 200, and a blurred wall between them.
+    let values = (0..16 * 16 * 16).map(|at| match at % 16 {
+        0..7 => 10u8,
+        7 => 70,
+        8 => 140,
+        _ => 200,
+    });
+    let mut volume =
+        b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 16 16 16\nspacings: 1 2 3\nencoding: raw\n\n".to_vec();
+    volume.extend(values);
+    desk.write("wall.nrrd", volume);
+    let known: serde_json::Value = serde_json::from_str(&desk.good("info wall.nrrd --json")).unwrap();
+    assert_eq!(
+        (&known["voxels"], &known["values"]),
+        (&serde_json::json!([16, 16, 16]), &serde_json::json!([10.0, 200.0]))
+    );
+    let isos = known["iso-values"].as_array().unwrap();
+    assert!(isos.len() == 1 && (70.0..=140.0).contains(&isos[0].as_f64().unwrap()), "{isos:?}");
+    assert!(desk.good("info wall.nrrd").contains(&format!("--iso {}", isos[0].as_f64().unwrap())));
+}
+
+#[test]
+fn values_without_a_header_become_a_volume_of_any_format() {
+    let desk = Desk::new();
+    // 4 x 3 x 2 numbers of 16 bits, the highest byte first, behind 5 bytes.
+    let values = (0..24u16).flat_map(|at| (at * 100).to_be_bytes());
+    desk.write("scan.raw", b"head:".iter().copied().chain(values).collect::<Vec<u8>>());
+    for name in ["a.nrrd", "a.mha", "a.nii", "a.nii.gz"] {
+        let layout = "--dims 4,3,2 --type u16 --endian big --spacing 0.5,1,2 --skip 5";
+        desk.good(&format!("convert scan.raw {layout} -o {name}"));
+        let known: serde_json::Value = serde_json::from_str(&desk.good(&format!("info {name} --json"))).unwrap();
+        assert_eq!(known["voxels"], serde_json::json!([4, 3, 2]), "{name}");
+        assert_eq!(known["values"], serde_json::json!([0.0, 2300.0]), "{name}");
+        assert_eq!(known["box"][1], serde_json::json!([1.5, 2.0, 2.0]), "{name}");
+    }
+    desk.good("convert a.nii -o b.nrrd");
+    assert_eq!(std::fs::read(desk.file("a.nrrd")).unwrap(), std::fs::read(desk.file("b.nrrd")).unwrap());
+    desk.good("convert a.mha -o a.npy");
+    let array = std::fs::read(desk.file("a.npy")).unwrap();
+    assert!(array.len() == 128 + 96 && text(&array).contains("(2, 3, 4)"), "{}", array.len());
+}
+
+#[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn what_a_picture_is_made_with_is_explained_with_what_leaving_out_saves() {
     let desk = Desk::new();

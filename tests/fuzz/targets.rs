@@ -20,12 +20,17 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-pub const TARGETS: [Target; 11] = [
+pub const TARGETS: [Target; 12] = [
     Target { name: "obj", seeds: || vec![OBJ.into()], run: |bytes| mesh(shape::read("a.obj", bytes)) },
     Target { name: "stl", seeds: || vec![STL.into(), binary_stl()], run: |bytes| mesh(shape::read("a.stl", bytes)) },
     Target { name: "ply", seeds: || vec![PLY.into(), binary_ply()], run: |bytes| mesh(shape::read("a.ply", bytes)) },
     Target { name: "nrrd", seeds: || vec![NRRD.into(), ASCII.into()], run: |bytes| mesh(shape::read("a.nrrd", bytes)) },
     Target { name: "meta", seeds: || vec![META.into()], run: |bytes| mesh(shape::read("a.mha", bytes)) },
+    Target {
+        name: "nifti",
+        seeds: || vec![nifti(false, b"n+1\0"), nifti(true, b"n+1\0"), nifti(false, b"ni1\0")],
+        run: |bytes| mesh(shape::read("a.nii", bytes)),
+    },
     Target { name: "scene", seeds: || vec![SCENE.into(), PRESET.into()], run: scene_of },
     Target { name: "value", seeds: || ["[1, 2.5, 3]", "\"#ffe0c0\"", "true"].map(Vec::from).into(), run: value },
     Target { name: "header", seeds: || vec![HEADER.into()], run: header },
@@ -64,6 +69,31 @@ fn binary_stl() -> Vec<u8> {
     bytes
 }
 
+/// NIfTI-1, 2 x 2 x 2 of 16 bits, by a qform and, where it is packed as well, by a sform.
+fn nifti(packed: bool, magic: &[u8; 4]) -> Vec<u8> {
+    let mut bytes = vec![0; 352];
+    let mut put = |at: usize, part: &[u8]| bytes[at..at + part.len()].copy_from_slice(part);
+    put(0, &348i32.to_le_bytes());
+    for (at, number) in [(40, 3i16), (42, 2), (44, 2), (46, 2), (70, 4), (72, 16), (252, 1), (254, i16::from(packed))] {
+        put(at, &number.to_le_bytes());
+    }
+    for (at, number) in [(76, 1f32), (80, 1.0), (84, 1.0), (88, 0.5), (108, 352.0), (112, 2.0), (116, -1.0), (256, 0.5)]
+    {
+        put(at, &number.to_le_bytes());
+    }
+    for (at, number) in [(280, 1f32), (300, -1.0), (320, 0.5)] {
+        put(at, &number.to_le_bytes());
+    }
+    put(344, magic);
+    bytes.extend(0..16);
+    if !packed {
+        return bytes;
+    }
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    std::io::Write::write_all(&mut encoder, &bytes).expect("memory takes all bytes");
+    encoder.finish().expect("memory takes all bytes")
+}
+
 fn provenance() -> Provenance {
     Provenance::of(&Scene::default(), "a device", "").expect("a formula has no files")
 }
@@ -96,7 +126,7 @@ fn mesh(read: Result<Shape, shape::ShapeError>) {
             let count: u64 = volume.size.iter().map(|side| u64::from(*side)).product();
             assert_eq!(volume.values.len() as u64, count);
             assert!(volume.values.iter().all(|value| value.is_finite()));
-            assert!(volume.spacing.min_element() > 0.0 && volume.origin.is_finite());
+            assert!(volume.spacing().min_element() > 0.0 && volume.origin.is_finite());
         }
         Ok(Shape::Solid(_)) => unreachable!("a file is no formula"),
         Err(error) => one_line(&error.to_string()),

@@ -398,14 +398,23 @@ fn presets_files_and_requests() {
     hand.click("preset lit");
     hand.click("file.open");
     assert_eq!(hand.scene(), scene);
-    for name in ["pause", "record", "compare", "file.screenshot", "camera.reset", "max_error.on", "quit"] {
+    for name in ["pause", "record", "compare", "file.screenshot", "camera.reset", "max_error.on", "validity", "quit"] {
         hand.click(name);
     }
     let Desk { requests, .. } = hand.0.state();
     let split = Request::Split(Some(Box::new(scene)));
     let error = Request::MaxError(Some(1.0 / 255.0));
     let shot = Request::Screenshot("picture.png".into());
-    let all = [Request::Pause(true), Request::Record(true), split, shot, Request::ResetCamera, error, Request::Quit];
+    let all = [
+        Request::Pause(true),
+        Request::Record(true),
+        split,
+        shot,
+        Request::ResetCamera,
+        error,
+        Request::Validity(true),
+        Request::Quit,
+    ];
     assert_eq!(requests[..], all);
     let line = hand.model().command_line();
     let copied = hand.click("copy");

@@ -78,7 +78,13 @@ fn p55_a_scalar_volume_has_the_closest_points_of_its_iso_surface() {
     let (size, spacing) = ([33; 3], Vec3::splat(2.4 / 32.0));
     let grid = Grid { size, origin: Vec3::splat(-1.2), spacing };
     let values = (0..33u32.pow(3)).map(|i| 1.0 - grid.position(i % 33, i / 33 % 33, i / 33 / 33).length()).collect();
-    let volume = Volume { size, origin: grid.origin, spacing, values, content: crate::shape::Content::Scalar };
+    let volume = Volume {
+        size,
+        origin: grid.origin,
+        steps: Mat3::from_diagonal(spacing),
+        values,
+        content: crate::shape::Content::Scalar,
+    };
     let (field, closest, _) = transform_with_closest(&Shape::Volume(volume), &REQUEST, &|_| {}).unwrap();
     let (off, farther) = worst(&field, &closest, REQUEST.band, |p| p.length() - 1.0);
     // The surface is linear in tetrahedra of 0.075: off the sphere by h^2 / 8 and some, and a voxel is 0.077.

@@ -34,7 +34,7 @@ fn empty_and_damaged_shapes_are_refused() {
     for (size, content) in
         [([2, 2, 2], Content::Scalar), ([0, 3, 3], Content::SignedDistance), ([u32::MAX; 3], Content::Scalar)]
     {
-        let volume = Volume { size, origin: Vec3::ZERO, spacing: Vec3::ONE, values: vec![0.0; 7], content };
+        let volume = Volume { size, origin: Vec3::ZERO, steps: Mat3::IDENTITY, values: vec![0.0; 7], content };
         assert!(matches!(error(Shape::Volume(volume), REQUEST), FieldError::Samples { found: 7, .. }));
     }
 }

@@ -4,11 +4,12 @@ mod broken;
 mod closest;
 mod exactness;
 mod input;
+mod oblique;
 mod scalar;
 
 use super::{DistanceField, FieldReport, Request, transform};
 use crate::shape::{Mesh, Shape};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 use std::collections::HashMap;
 
 /// The field of a mesh: `resolution` samples, margin and band in world units.

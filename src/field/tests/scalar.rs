@@ -12,7 +12,7 @@ fn ball(size: [u32; 3], spacing: Vec3, radius: f32) -> Volume {
     let at = move |i: u32, j: u32, k: u32| origin + Vec3::new(i as f32, j as f32, k as f32) * spacing;
     let positions = (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| at(i, j, k))));
     let values = positions.map(|p| radius - p.distance(Vec3::new(3.0, -1.0, 0.5))).collect();
-    Volume { size, origin, spacing, values, content: Content::Scalar }
+    Volume { size, origin, steps: Mat3::from_diagonal(spacing), values, content: Content::Scalar }
 }
 
 /// RMS and largest error in voxels within three voxels of a sphere.
@@ -87,7 +87,7 @@ fn signed_distances_are_used_as_they_are() {
     let volume = Volume { content: Content::SignedDistance, ..ball([16, 12, 5], Vec3::new(1.0, 2.0, 3.0), 5.0) };
     let request = Request { resolution: 64, margin: 0.0, band: 1.0, iso: 0.0 };
     let (field, _) = transform(&Shape::Volume(volume.clone()), &request, &|_| {}).unwrap();
-    assert_eq!((field.grid.size, field.grid.spacing, field.values), (volume.size, volume.spacing, volume.values));
+    assert_eq!((field.grid.size, field.grid.spacing, field.values), (volume.size, volume.spacing(), volume.values));
 }
 
 #[test]

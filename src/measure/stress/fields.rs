@@ -7,7 +7,7 @@ use crate::measure::verify::{box_subject, face, face_subject, homogeneous, rays}
 use crate::render::{RenderError, Subject, render};
 use crate::scene::{Pass, Projection, Source};
 use crate::shape::{Content, Shape, Volume};
-use glam::{DVec3, UVec3, Vec3};
+use glam::{DVec3, Mat3, UVec3, Vec3};
 use std::sync::Arc;
 
 /// Where texels of a field are read from.
@@ -197,7 +197,7 @@ pub(super) fn sizes(_: &Lab<'_>) -> Result<Vec<Row>, StressError> {
         Shape::Volume(Volume {
             size: [SIDE; 3],
             origin: Vec3::ZERO,
-            spacing,
+            steps: Mat3::from_diagonal(spacing),
             values: values.collect(),
             content: Content::Scalar,
         })

@@ -2,32 +2,37 @@
 
 use super::matter::same;
 use super::{Row, StressError};
+use crate::field::{ClosestPoints, DistanceField, Grid};
 use crate::gpu::Gpu;
+use crate::render::variant::Variant;
 use crate::render::{Frame, RenderError, Renderer, Subject};
-use crate::scene::{EmptySpace, Neutral, Order, Pass, Scene};
+use crate::scene::{EmptySpace, Integration, Neutral, Order, Pass, RayPath, Scene};
 use crate::shader::Library;
+use std::sync::Arc;
 
 /// A change of a scene that must not change its picture.
 pub(super) struct Twin {
     what: &'static str,
     /// How far a channel of linear light may be off.
     bound: f64,
-    /// The twin; none where the change says nothing about the scene.
-    of: fn(&Scene) -> Option<Scene>,
+    /// The two that must look alike, most often the scene and one other; none where the change says nothing about the scene.
+    of: fn(&Scene, &Library) -> Option<[Scene; 2]>,
 }
 
 /// What is blended from the other end is rounded otherwise.
 const BLENDED: f64 = 2e-5;
 /// Programs in which a 0 is a constant are rounded otherwise.
 const ROUNDED: f64 = 2e-6;
+/// A bent ray goes from step to step, a straight one has its samples from its start.
+const BENT: f64 = 1e-4;
 
 /// The changes.
-const TWINS: [Twin; 5] = [
-    Twin { what: "drawn again", bound: 0.0, of: |scene| changed(scene, true, |_| ()) },
+const TWINS: [Twin; 7] = [
+    Twin { what: "drawn again", bound: 0.0, of: |scene, _| changed(scene, true, |_| ()) },
     Twin {
         what: "a turn of the camera later",
         bound: 0.0,
-        of: |scene| {
+        of: |scene, _| {
             let [before, later] = [scene.camera.azimuth, scene.camera.azimuth + 360.0];
             // What f32 rounds away is no whole turn.
             let is_whole = later - 360.0 == before && scene.camera.rotation.is_none();
@@ -37,7 +42,7 @@ const TWINS: [Twin; 5] = [
     Twin {
         what: "every sample taken",
         bound: 0.0,
-        of: |scene| {
+        of: |scene, _| {
             let is_other = scene.quality.empty_space != EmptySpace::Sample && scene.quality.pass == Pass::March;
             changed(scene, is_other, |scene| scene.quality.empty_space = EmptySpace::Sample)
         },
@@ -45,12 +50,12 @@ const TWINS: [Twin; 5] = [
     Twin {
         what: "terms of 0 kept",
         bound: ROUNDED,
-        of: |scene| changed(scene, true, |scene| scene.quality.neutral = Neutral::Keep),
+        of: |scene, _| changed(scene, true, |scene| scene.quality.neutral = Neutral::Keep),
     },
     Twin {
         what: "slices from the other end",
         bound: BLENDED,
-        of: |scene| {
+        of: |scene, _| {
             let plain = scene.quality.early_termination == 0.0 && !scene.is_half_angle();
             changed(scene, plain && scene.quality.pass == Pass::Slices, |scene| {
                 scene.quality.order = match scene.quality.order {
@@ -60,12 +65,53 @@ const TWINS: [Twin; 5] = [
             })
         },
     },
+    Twin {
+        what: "a soft edge of no width, and a hard one",
+        bound: 0.0,
+        of: |scene, library| {
+            let middle = 0.5 * (scene.object.inner_iso + scene.object.outer_iso);
+            let mut soft = scene.clone();
+            (soft.object.inner_iso, soft.object.outer_iso) = (middle, middle);
+            // Segments see where in one an edge is, and an effect may have a width of its own.
+            let is_soft = scene.effect.softness != "hard" && scene.quality.integration == Integration::Point;
+            let is_own = Variant::of(scene, library).is_ok_and(|variant| variant.parameters.outer_iso().is_none());
+            changed(&soft, is_soft && is_own, |scene| scene.effect.softness = "hard".into())
+        },
+    },
+    Twin {
+        what: "an index of 1 along a bent ray, and a straight one",
+        bound: BENT,
+        of: |scene, _| {
+            let mut clear = scene.clone();
+            clear.transfer.stops.iter_mut().for_each(|stop| stop.index = 1.0);
+            let is_bent = scene.effect.ray_path == RayPath::Refracted && scene.effect.index == "transfer";
+            changed(&clear, is_bent, |scene| scene.effect.ray_path = RayPath::Straight)
+        },
+    },
 ];
 
-fn changed(scene: &Scene, applies: bool, change: impl FnOnce(&mut Scene)) -> Option<Scene> {
+/// A scene, and it with a change that must not change its picture.
+fn changed(scene: &Scene, applies: bool, change: impl FnOnce(&mut Scene)) -> Option<[Scene; 2]> {
     let mut twin = scene.clone();
     change(&mut twin);
-    applies.then_some(twin)
+    applies.then(|| [scene.clone(), twin])
+}
+
+/// The same object in a world of 2^20 times its units, which rounds nothing.
+fn enlarged(subject: &Subject) -> Subject {
+    const BY: f32 = 1048576.0;
+    let mut enlarged = subject.clone();
+    (enlarged.center, enlarged.scale) = (BY * subject.center, subject.scale / BY);
+    let grid = |grid: &Grid| Grid { origin: BY * grid.origin, spacing: BY * grid.spacing, ..*grid };
+    enlarged.field = subject.field.as_ref().map(|field| {
+        let values = field.values.iter().map(|distance| BY * distance).collect();
+        Arc::new(DistanceField { grid: grid(&field.grid), values })
+    });
+    enlarged.closest = subject.closest.as_ref().map(|closest| {
+        let points = closest.points.iter().map(|point| BY * *point).collect();
+        Arc::new(ClosestPoints { grid: grid(&closest.grid), points })
+    });
+    enlarged
 }
 
 /// Holds the twins of a scene against it.
@@ -73,15 +119,22 @@ pub(super) fn rows(gpu: &Gpu, library: &Library, scene: &Scene, setting: &str) -
     let subject = Subject::load(scene, library, &|_| ())?;
     let mut renderer = Renderer::new(gpu, library, &subject);
     let frame = renderer.render(scene)?;
-    let row = |what: &str, bound: f64, other: Result<Frame, RenderError>| match other {
-        Ok(other) => Row::worst(what, setting, same(&frame, &other, bound)),
-        Err(error) => Row::said(what, setting, "the same picture", error.to_string(), false),
+    type Drawn = Result<Frame, RenderError>;
+    let row = |what: &str, bound: f64, one: Drawn, other: Drawn| match (one, other) {
+        (Ok(one), Ok(other)) => Row::worst(what, setting, same(&one, &other, bound)),
+        (Err(error), _) | (_, Err(error)) => Row::said(what, setting, "the same picture", error.to_string(), false),
     };
     let mut rows = Vec::new();
     for Twin { what, bound, of } in TWINS {
-        if let Some(twin) = of(scene).filter(|twin| twin.check(library).is_ok()) {
-            rows.push(row(what, bound, renderer.render(&twin)));
+        let is_good = |pair: &[Scene; 2]| pair.iter().all(|scene| scene.check(library).is_ok());
+        if let Some([one, other]) = of(scene, library).filter(is_good) {
+            let one = if one == *scene { Ok(frame.clone()) } else { renderer.render(&one) };
+            rows.push(row(what, bound, one, renderer.render(&other)));
         }
+    }
+    if subject.field.is_some() && subject.parts.is_empty() {
+        let other = Renderer::new(gpu, library, &enlarged(&subject)).render(scene);
+        rows.push(row("a world of larger units", 0.0, Ok(frame.clone()), other));
     }
     // Not another scene, but another way to the same picture.
     let [width, height] = scene.image.size;
@@ -91,6 +144,6 @@ pub(super) fn rows(gpu: &Gpu, library: &Library, scene: &Scene, setting: &str) -
         let of_rows = (rows.start * width) as usize..(rows.end * width) as usize;
         pixels.extend_from_slice(&renderer.render_bands(scene, &[rows])?.pixels[of_rows]);
     }
-    rows.push(row("drawn in bands", 0.0, Ok(Frame { pixels, ..frame.clone() })));
+    rows.push(row("drawn in bands", 0.0, Ok(frame.clone()), Ok(Frame { pixels, ..frame })));
     Ok(rows)
 }

@@ -5,7 +5,14 @@
 
 use super::super::error::{Found, Location, ShapeError, quoted};
 use super::super::source::Source;
-use super::elements::{Element, Elements, PER_FRAME, PIXELS, SHARED, Syntax};
+use super::elements::{Element, Elements, PER_FRAME, PIXELS, SHARED};
+use super::header::Header;
+
+/// Most frames of a file: what is kept of one is many times as long as the shortest item of it.
+const MAX_FRAMES: usize = 1 << 16;
+
+/// What is not read, what was found of it, and what to do.
+pub(super) type Refusal = (&'static str, String, &'static str);
 
 /// What is said of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,16 +48,14 @@ pub(super) struct Image {
     bits: [u16; 3],
     is_signed: bool,
     /// Something that is not read, and what to do.
-    refused: Option<(&'static str, String, &'static str)>,
-    pixels: Option<Pixels>,
+    refused: Option<Refusal>,
+    data: Option<Pixels>,
 }
 
 /// How pixels are written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Pixels {
     big_endian: bool,
-    /// Whether they are 8-bit values in words whose highest byte is the first: in pairs, each the wrong way round.
-    is_swapped: bool,
     /// Their bytes as declared, where they begin, and the bytes from there to the end of the file.
     bytes: u32,
     offset: u64,
@@ -102,25 +107,31 @@ fn number(elements: &mut Elements, head: &Element, expected: &'static str) -> Re
 }
 
 impl Image {
-    /// Reads up to the pixels, or to the end where there are none.
-    pub fn read(source: &mut Source, syntax: Syntax, compression: Option<String>) -> Result<Image, ShapeError> {
-        let remedy = "unpack it with `gdcmconv --raw`, or `dcmdjpeg`, `dcmdjpls` or `dcmdrle` of DCMTK";
-        let refused = compression.map(|name| ("the transfer syntax", name, remedy));
+    /// Reads a file up to the pixels, or to its end where there are none.
+    pub fn read(source: &mut Source) -> Result<Image, ShapeError> {
+        let Header { syntax, refused } = Header::read(source)?;
         let mut image = Image { count: 1, samples: 1, refused, ..Image::default() };
         let (mut common, mut shared) = (Frame::default(), Frame::default());
         let mut elements = Elements::new(source, syntax);
         while let Some(head) = elements.next()? {
             if head.tag == PIXELS {
-                let is_swapped = syntax.big_endian && &head.kind == b"OW" && image.bits[0] == 8;
-                let (big_endian, bytes) = (syntax.big_endian, head.length);
+                if syntax.big_endian && &head.kind == b"OW" && image.bits[0] != 16 {
+                    let (found, remedy) =
+                        (image.bits[0].to_string(), "rewrite it by `dcmconv +te`, the lowest byte first");
+                    image.refused = Some(("in words with the highest byte first, BitsAllocated", found, remedy));
+                }
                 let (offset, left) = (elements.source.offset, elements.source.remaining());
-                image.pixels = Some(Pixels { big_endian, is_swapped, bytes, offset, left });
+                image.data = Some(Pixels { big_endian: syntax.big_endian, bytes: head.length, offset, left });
                 break;
             }
             let is_taken = match elements.group() {
                 None => common.takes(&mut elements, &head)? || image.takes(&mut elements, &head)?,
                 Some((PER_FRAME, index)) => {
-                    // There are not more of them than there were items.
+                    if index >= MAX_FRAMES {
+                        let place = Location::Byte(elements.source.offset);
+                        let expected = "at most 65536 frames in a file";
+                        return Err(elements.source.malformed_at(place, expected, "more".into()));
+                    }
                     image.frames.resize(image.frames.len().max(index + 1), Frame::default());
                     image.frames[index].takes(&mut elements, &head)?
                 }
@@ -167,12 +178,22 @@ impl Image {
 
     /// Whether there is a picture in the file.
     pub fn is_picture(&self) -> bool {
-        self.rows > 0 && self.columns > 0 && (self.pixels.is_some() || self.refused.is_some())
+        self.rows > 0 && self.columns > 0 && (self.data.is_some() || self.refused.is_some())
+    }
+
+    /// Whether the picture is one slice of a series.
+    pub fn is_slice(&self) -> bool {
+        self.is_picture() && self.frames.len() < 2 && self.count < 2
+    }
+
+    /// Pixels of a frame.
+    pub fn pixels(&self) -> usize {
+        usize::from(self.rows) * usize::from(self.columns)
     }
 
     /// Bytes of a frame.
     fn frame_bytes(&self) -> u64 {
-        u64::from(self.rows) * u64::from(self.columns) * u64::from(self.bits[0] / 8)
+        self.pixels() as u64 * u64::from(self.bits[0] / 8)
     }
 
     /// An error where its pixels are not what is read here.
@@ -184,7 +205,7 @@ impl Image {
         if let Some((what, found, remedy)) = &self.refused {
             return unsupported(what, found.clone(), remedy);
         }
-        let Some(pixels) = self.pixels.filter(|_| self.is_picture()) else {
+        let Some(pixels) = self.data.filter(|_| self.is_picture()) else {
             return wrong("Rows, Columns and pixels (7FE0,0010)", "no picture".into());
         };
         if self.samples != 1 {
@@ -221,22 +242,14 @@ impl Image {
             let (file, what, found) = (file.into(), "pixels".into(), Found::Bytes(pixels.left));
             return Err(ShapeError::DataSize { file, offset: pixels.offset, declared, what, found });
         }
-        if pixels.is_swapped && self.count > 1 && self.frame_bytes() % 2 == 1 {
-            let remedy = "save it with the lowest byte first (`dcmconv +te`)";
-            return unsupported("an image of", "8-bit frames that share words".into(), remedy);
-        }
         Ok(())
     }
 
     /// Reads the values of the next frame, which is `frame`: its pixels are next in the source.
     pub fn values(&self, source: &mut Source, frame: &Frame, values: &mut [f32]) -> Result<(), ShapeError> {
         let [allocated, stored, high] = self.bits.map(u32::from);
-        let Some(pixels) = self.pixels else { return Ok(()) };
-        let bytes = self.frame_bytes();
-        let mut block = source.block(bytes + if pixels.is_swapped { bytes % 2 } else { 0 }, "pixels of a frame")?;
-        if pixels.is_swapped {
-            block.as_chunks_mut::<2>().0.iter_mut().for_each(|pair| pair.reverse());
-        }
+        let Some(pixels) = self.data else { return Ok(()) };
+        let block = source.block(self.frame_bytes(), "pixels of a frame")?;
         let (slope, intercept) = (frame.slope.unwrap_or(1.0), frame.intercept.unwrap_or(0.0));
         // To the left the bits above the value fall off, to the right those below it, and a sign comes along.
         let (left, right) = (31 - high, 32 - stored);

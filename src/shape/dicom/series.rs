@@ -3,8 +3,10 @@
 //! Role: positions and orientations of slices into one grid. Invariant: each slice is within 1/50 of a gap of where the grid
 //! has it; a slice too few or too many is refused. Source: NEMA PS3.3, C.7.6.2.1.1.
 
+use super::super::Content;
+use super::super::axes::lengths;
 use super::super::error::{Location, ShapeError, quoted};
-use super::super::grid::{self, shown};
+use super::super::placement::{self, Placement};
 use super::image::{Frame, Image};
 use glam::{DMat3, DVec3};
 use std::path::PathBuf;
@@ -13,6 +15,9 @@ use std::path::PathBuf;
 const OFF: f64 = 0.02;
 /// How far orientations may be from each other, from length 1 and from right angles: what is left of 16 characters, and more.
 const TURN: f64 = 1e-3;
+
+/// From the coordinates of DICOM to those of NIfTI: the first two run the other way.
+const TO_WORLD: DMat3 = DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0));
 
 /// A file of a series.
 pub(super) struct Member {
@@ -24,11 +29,8 @@ pub(super) struct Member {
 
 /// A grid, and which slice of it each frame of each file is.
 pub(super) struct Layout {
-    pub size: [u32; 3],
-    /// World position of the first sample, in mm.
-    pub origin: DVec3,
-    /// From a sample to the next on each axis.
-    pub steps: DMat3,
+    /// Where the pixels are.
+    pub placement: Placement,
     /// The slice of each frame of each file.
     pub slices: Vec<Vec<usize>>,
 }
@@ -43,16 +45,25 @@ struct Slice {
 }
 
 impl Member {
+    /// Its name for a message.
+    pub fn name(&self) -> String {
+        quoted(self.path.file_name().unwrap_or_default().to_string_lossy().as_bytes())
+    }
+
     /// A frame for a message.
     fn shown(&self, frame: usize) -> String {
-        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
-        if self.image.frames.len() > 1 { format!("frame {}", frame + 1) } else { quoted(name.as_bytes()) }
+        match (self.image.frames.len() > 1, self.path.file_name()) {
+            (true, None) => format!("frame {}", frame + 1),
+            (true, Some(_)) => format!("frame {} of {}", frame + 1, self.name()),
+            (false, _) => self.name(),
+        }
     }
 }
 
 /// The grid that the frames of `members` make, for messages about `file`.
 pub(super) fn layout(file: &str, members: &[Member]) -> Result<Layout, ShapeError> {
-    let wrong = |expected, found| ShapeError::Malformed { file: file.into(), place: Location::Header, expected, found };
+    let place = if members.len() > 1 { Location::Folder } else { Location::Header };
+    let wrong = |expected, found| ShapeError::Malformed { file: file.into(), place, expected, found };
     let frames = || {
         let of = |(file, member): (usize, &'_ Member)| (0..member.image.frames.len()).map(move |frame| (file, frame));
         members.iter().enumerate().flat_map(of)
@@ -75,7 +86,7 @@ pub(super) fn layout(file: &str, members: &[Member]) -> Result<Layout, ShapeErro
             return Err(wrong("as many rows and columns in all slices", of_this(found)));
         }
         if its_x.distance(x).max(its_y.distance(y)) > TURN {
-            let found = format!("{} {} and {} {}", shown(its_x), shown(its_y), shown(x), shown(y));
+            let found = format!("{} {} and {} {}", vector(its_x), vector(its_y), vector(x), vector(y));
             return Err(wrong("the same orientation of all slices", of_this(found)));
         }
         if its_spacing.iter().zip(spacing).any(|(its, first)| (its - first).abs() > TURN * first) {
@@ -90,14 +101,19 @@ pub(super) fn layout(file: &str, members: &[Member]) -> Result<Layout, ShapeErro
     let name = |slice: &Slice| members[slice.file].shown(slice.frame);
     let step = step(&slices, &name).map_err(|(expected, found)| wrong(expected, found))?;
     let size = [columns.into(), rows.into(), slices.len() as u64];
-    let size = grid::check_size(file, "voxels", size, u64::MAX)?;
+    let size = placement::checked(file, size)?;
     let mut order: Vec<Vec<usize>> = members.iter().map(|member| vec![0; member.image.frames.len()]).collect();
     for (index, slice) in slices.iter().enumerate() {
         order[slice.file][slice.frame] = index;
     }
     // Columns are counted along x, so that their distance is the second.
-    let steps = DMat3::from_cols(x * spacing[1], y * spacing[0], step);
-    Ok(Layout { size, origin: slices[0].position, steps, slices: order })
+    let steps = TO_WORLD * DMat3::from_cols(x * spacing[1], y * spacing[0], step);
+    if !placement::are_lengths(lengths(&steps)) {
+        return Err(wrong(placement::STEPS, vector(lengths(&steps))));
+    }
+    let placement = Placement { size, origin: TO_WORLD * slices[0].position, steps, content: Content::Scalar };
+    placement.check(file)?;
+    Ok(Layout { placement, slices: order })
 }
 
 /// What was expected, and what was found.
@@ -111,7 +127,7 @@ fn plane(frame: &Frame) -> Result<(DVec3, DVec3, [f64; 2]), Wrong> {
     if off.is_nan() || off > TURN {
         return Err((
             "an ImageOrientationPatient of two directions at right angles",
-            format!("{} {}", shown(x), shown(y)),
+            format!("{} {}", vector(x), vector(y)),
         ));
     }
     let spacing = frame.spacing.ok_or_else(|| ("a PixelSpacing", "none".to_string()))?;
@@ -155,4 +171,10 @@ fn step(slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> Result<DVec3, Wron
 /// A length for a message: to a micrometer.
 fn shown_mm(length: f64) -> String {
     format!("{:?}", (length * 1e3).round() / 1e3)
+}
+
+/// A vector for a message.
+fn vector(vector: DVec3) -> String {
+    let [x, y, z] = vector.to_array();
+    format!("({x:?},{y:?},{z:?})")
 }

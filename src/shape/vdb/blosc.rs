@@ -149,172 +149,61 @@ mod tests {
     use base64::Engine;
     use base64::engine::general_purpose::STANDARD;
 
-    /// 250 numbers that compress well, and 30 that do not.
-    fn mixed() -> Vec<u8> {
-        let smooth = (0..250).map(|index| (index / 7) as f32 * 0.25);
-        let rough = (0..30_u32).map(|index| f32::from_bits(index.wrapping_mul(2_654_435_769) >> 2));
+    /// 340 numbers that compress well, and not at all at their end, as floats.
+    fn numbers() -> Vec<u8> {
+        let smooth = (0..300).map(|index| (index / 7) as f32 * 0.25);
+        let rough = (0..40_u32).map(|index| f32::from_bits(index.wrapping_mul(2_654_435_769) >> 2));
         smooth.chain(rough).flat_map(f32::to_le_bytes).collect()
     }
 
-    /// Numbers that fill five blocks, the last one not whole.
-    fn steps() -> Vec<u8> {
-        (0..70_001).flat_map(|index| ((index / 5000) as f32 * 0.5).to_le_bytes()).collect()
-    }
-
-    fn start() -> Vec<u8> {
-        mixed()[..100].to_vec()
-    }
-
-    /// What they are, what is in them, and chunks that C-Blosc 1.21.7 wrote of that.
-    fn chunks() -> Vec<(&'static str, Vec<u8>, Vec<u8>)> {
-        let decoded = |(name, data, text): (_, _, &str)| (name, data, STANDARD.decode(text).unwrap());
-        CHUNKS.map(|(name, data, text)| decoded((name, data(), text))).to_vec()
-    }
+    /// Those numbers as C-Blosc 1.21 packs them: by BloscLZ and LZ4, each with its bytes shuffled and not.
+    const PACKED: [&str; 4] = [
+        "AgEBBFAFAABQBQAAlgEAABQAAAAyAAAAIwAAAADg/yEDH27cSrknlQNy4E68K5kHdeRSwC6dC3nnVsQyoA9961nIBjakEoHvXcsyAAAAIwAAAADg/yEDH968m3lYNhXz0bCObUsqCObFo4JgPx372riXdVQyEO/NBqyKaUclBOLKAAAAJwAAAAAAAACAgACgDQBAgACAEwGAoIAAAMCAAADggACgKQAQgAAAIIAAADCAAIA9AUBQgAAAYIAAAHCAAKBTAIiAAACQgAAAmIAAgGcBoKiAAACwgAAAuIAAgHwBwMiAAADQgAAA2IAAgJEB4OiAAADwgAAA+IAAoKcABIAAAAiAAAAMgACAuwEQFIAAABiAAAAcgACA0AEgJIAAAChgAB8AjRupN8VT4W78ihimNMJQ3Wv5hxWjMb5M2mj2hBKgLQe7Sddl84EPnEQAAAAnAAAAAAAAAD6AAAA/4CAAAEDgngAAQeBCAB8AJw82HgUtFDwjCzMaAikROCAHLxc+Jg01HAQrEzsiCgcxGQAoDzcfBg==",
+        "AgEABFAFAABQBQAAawIAABQAAABNAAAAIwAAAADgEQMBgD7gEQMBAD/gEQMBQD/gEQMBgD/gEQMBoD/gEQMBwD/gEQMB4D/gEQMBAEDgEQMBEEDgEQMBIEDgEQMBMEDgEQMBQEBRAAAAIwAAQEDgDQMBUEDgEQMBYEDgEQMBcEDgEQMBgEDgEQMBiEDgEQMBkEDgEQMBmEDgEQMBoEDgEQMBqEDgEQMBsEDgEQMBuEDgEQMFwEAAAMBAVQAAACMAAMBA4AkDAchA4BEDAdBA4BEDAdhA4BEDAeBA4BEDAehA4BEDAfBA4BEDAfhA4BEDAQBB4BEDAQRB4BEDAQhB4BEDAQxB4BEDCRBBAAAQQQAAEEFUAQAAAAAQQQAAEEEAABBBAAAQQQAAFEEAABRBAAAUQQAAFEEAABRBAAAUQQAAFEEAABhBAAAYQQAAGEEAABhBAAAYQQAAGEEAABhBAAAcQQAAHEEAABxBAAAcQQAAHEEAABxBAAAcQQAAIEEAACBBAAAgQQAAIEEAACBBAAAgQQAAIEEAACRBAAAkQQAAJEEAACRBAAAkQQAAJEEAACRBAAAoQQAAKEEAAChBAAAoQQAAKEEAAChBAAAAAG7ejSfcvBsPSpupNrl5Nx4nWMUFlTZTLQMV4RRy82484NH8I06wigu8jhgzK22mGplLNAIHKsIpdQhQEeTm3ThSxWsgwKP5By6Chy+dYBUXCz+jPnkdMSbn+74NVtpMNcS42hwyl2gEoHX2Kw9UhBN9MhI76xCgIlnvLQrIzbsxNqxJGaSK1wASaWUogUfzD+8lgTddBA8fy+KcBg==",
+        "AgEhBFAFAABQBQAAlgEAABQAAAAvAAAAHwABAP8a8Bhu3Eq5J5UDcuBOvCuZB3XkUsAunQt551bEMqAPfetZyDakEoHvXcsvAAAAHwABAP8a8BjevJt5WDYV89Gwjm1LKgjmxaOCYD8d+9q4l3VUMhDvzayKaUclBOLTAAAAEgABABKAAQACDQAiAEABAAIUACKAoAEAEsABABLgAQADKgASEAEAEiABABIwAQACPgAiQFABABJgAQAScAEAA1QAEogBABKQAQASmAEAAmgAIqCoAQASsAEAErgBAAJ9ACLAyAEAEtABABLYAQACkgAi4OgBABLwAQAS+AEAA6gAEgQBABIIAQASDAEAArwAIhAUAQASGAEAEhwBAALRACIgJAEAESgBAPAZAI0bqTfFU+Fu/IoYpjTCUN1r+YcVozG+TNpo9oQSoC27Sddl84EPnEEAAAASAAEAEj4BAB8/AQAWH0ABAJQfQQEAOPAZACcPNh4FLRQ8IwszGgIpETggBy8XPiYNNRwEKxM7IgoxGQAoDzcfBg==",
+        "AgEgBFAFAABQBQAAvgEAABQAAABFAAAAHwABAAovgD4EAAcvAD8EAAcfQAQACB+ABAAIH6AEAAgfwAQACB/gBAAILwBABAAHHxAEAAgfIAQACB8wBAAFUEAAAEBARgAAAE8AAEBABAADH1AEAAgfYAQACB9wBAAIH4AEAAgfiAQACB+QBAAIH5gEAAgfoAQACB+oBAAIH7AEAAgfuAQACGDAQAAAwEBKAAAATgAAwEAEAB/IBAAIH9AEAAgf2AQACB/gBAAIH+gEAAgf8AQACB/4BAAILwBBBAAHHwQEAAgfCAQACB8MBAAIoBBBAAAQQQAAEEHFAAAASgAAEEEEAB8UBAAIHxgEAAgfHAQACB8gBAAIHyQEAAgfKAQABPCPAABu3o0n3LwbD0qbqTa5eTceJ1jFBZU2Uy0DFeEUcvNuPODR/CNOsIoLvI4YMyttphqZSzQCByrCKXUIUBHk5t04UsVrIMCj+QcugocvnWAVFws/oz55HTEm5/u+DVbaTDXEuNocMpdoBKB19isPVIQTfTISO+sQoCJZ7y0KyM27MTasSRmkitcAEmllKIFH8w/vJYE3XQQPH8vinAY=",
+    ];
 
     fn fault(chunk: &[u8], bytes: usize) -> String {
         match decode(chunk, bytes) {
-            Ok(found) => panic!("{found:?}"),
+            Ok(_) => "none".into(),
             Err(Damaged(what)) => what.into(),
             Err(Unsupported(what)) => what,
         }
     }
 
     #[test]
-    fn chunks_of_c_blosc_are_what_was_put_into_them() {
-        for (name, data, chunk) in chunks() {
-            assert!(decode(&chunk, data.len()).is_ok_and(|found| found == data), "{name}");
+    fn what_c_blosc_packs_is_unpacked() {
+        for packed in PACKED {
+            let chunk = STANDARD.decode(packed).unwrap();
+            assert!(decode(&chunk, 1360).is_ok_and(|unpacked| unpacked == numbers()), "{packed}");
         }
     }
 
     #[test]
-    fn damaged_chunks_are_refused_and_never_grow() {
-        for (name, data, chunk) in chunks().into_iter().take(4) {
-            for length in 0..chunk.len() {
-                assert!(decode(&chunk[..length], data.len()).is_err(), "{name}, {length} bytes");
+    fn a_chunk_that_is_cut_or_bent_is_a_fault_or_of_the_length_that_was_asked_for() {
+        for packed in PACKED {
+            let chunk = STANDARD.decode(packed).unwrap();
+            for end in 0..chunk.len() {
+                assert_ne!(fault(&chunk[..end], 1360), "none", "{end}");
             }
-            for at in (0..chunk.len()).step_by(3) {
-                for byte in [0, 1, 31, 255] {
-                    let mut bad = chunk.clone();
-                    bad[at] = byte;
-                    assert!(decode(&bad, data.len()).map_or(true, |found| found.len() == data.len()), "{name}, {at}");
+            for at in 0..chunk.len() {
+                for bit in 0..8 {
+                    let mut bent = chunk.clone();
+                    bent[at] ^= 1 << bit;
+                    assert!(
+                        decode(&bent, 1360).is_ok_and(|unpacked| unpacked.len() == 1360)
+                            || fault(&bent, 1360) != "none"
+                    );
                 }
             }
         }
-    }
-
-    #[test]
-    fn what_is_not_read_is_named() {
-        let (_, data, chunk) = chunks().swap_remove(2);
-        let with = |at: usize, byte: u8| {
-            let mut bad = chunk.clone();
-            bad[at] = byte;
-            fault(&bad, data.len())
-        };
-        assert_eq!(with(0, 3), "version 3");
-        assert_eq!(with(2, 0x24), "shuffle of bits");
-        for (codec, name) in [(2, "Snappy"), (3, "zlib"), (4, "Zstandard"), (6, "6")] {
-            assert_eq!(with(2, codec << 5 | 1), format!("codec {name}"));
+        let chunk = STANDARD.decode(PACKED[0]).unwrap();
+        assert_eq!(fault(&chunk, 1359), "its Blosc header is of another length");
+        for (codec, name) in [(3, "codec zlib"), (4, "codec Zstandard")] {
+            let mut other = chunk.clone();
+            other[2] = other[2] & 31 | codec << 5;
+            assert_eq!(fault(&other, 1360), name);
         }
-        assert_eq!(with(4, 7), "its Blosc header is of another length");
-        assert_eq!(with(3, 0), "its Blosc header has blocks of no or too many bytes");
-        assert_eq!(with(16, 255), "a block of it is cut off");
-        assert_eq!(fault(&chunk, data.len() - 1), "its Blosc header is of another length");
-        assert_eq!(fault(&chunk[..9], data.len()), "its Blosc header is cut off");
     }
-
-    /// What a chunk is, what is in it, and itself.
-    type Chunk = (&'static str, fn() -> Vec<u8>, &'static str);
-
-    const CHUNKS: [Chunk; 7] = [
-        (
-            "BloscLZ, of split values",
-            mixed,
-            "AgEBBGAEAABgBAAAUAEAABQAAAAmAAAAIwAAAADg7gMcbtxKuSeVA3LgTrwrmQd15FLALp0LeedWxDKgD30mAAAAIwAAAADg7gMc\
-         3rybeVg2FfPRsI5tSyoI5sWjgmA/HfvauJd1VDKnAAAAJwAAAAAAAACAgACgDQBAgACAEwGAoIAAAMCAAADggACgKQAQgAAAIIAA\
-         ADCAAIA9AUBQgAAAYIAAAHCAAKBTAIiAAACQgAAAmIAAgGcBoKiAAACwgAAAuIAAgHwBwMiAAADQgAAA2IAAgJEB4OiAAADwgAAA\
-         +IAAoKcABIAAAAiAAB8MDAwMDACNG6k3xVPhbvyKGKY0wlDda/mHFaMxvkzaaAL2hBI5AAAAJwAAAAAAAAA+gAAAP+AgAABA4J4A\
-         AEHgEAAdACcPNh4FLRQ8IwszGgIpETggBy8XPiYNNRwEKxM7",
-        ),
-        (
-            "BloscLZ, of bytes",
-            mixed,
-            "AgEAAWAEAABgBAAAbAEAABQAAABUAQAAIwAAAADgEQMBgD7gEQMBAD/gEQMBQD/gEQMBgD/gEQMBoD/gEQMBwD/gEQMB4D/gEQMB\
-         AEDgEQMBEEDgEQMBIEDgEQMBMEDgEQMBQEDgEQMBUEDgEQMBYEDgEQMBcEDgEQMBgEDgEQMBiEDgEQMBkEDgEQMBmEDgEQMBoEDg\
-         EQMBqEDgEQMBsEDgEQMBuEDgEQMBwEDgEQMByEDgEQMB0EDgEQMB2EDgEQMB4EDgEQMB6EDgEQMB8EDgEQMB+EDgEQMBAEHgEQMB\
-         BEHgEQMBCEHgEQMBDEHgCQMfAABu3o0n3LwbD0qbqTa5eTceJ1jFBZU2Uy0DFeEUcvMfbjzg0fwjTrCKC7yOGDMrbaYamUs0Agcq\
-         wil1CFAR5OYf3ThSxWsgwKP5By6Chy+dYBUXCz+jPnkdMSbn+74NVtoVTDXEuNocMpdoBKB19isPVIQTfTISOw==",
-        ),
-        (
-            "LZ4, of shuffled values",
-            mixed,
-            "AgEhBGAEAABgBAAAUAEAABQAAAAkAAAAHwABAOfwDm7cSrknlQNy4E68K5kHdeRSwC6dC3nnVsQyoA99JAAAAB8AAQDn8A7evJt5\
-         WDYV89Gwjm1LKgjmxaOCYD8d+9q4l3VUMq0AAAASAAEAEoABAAINACIAQAEAAhQAIoCgAQASwAEAEuABAAMqABIQAQASIAEAEjAB\
-         AAI+ACJAUAEAEmABABJwAQADVAASiAEAEpABABKYAQACaAAioKgBABKwAQASuAEAAn0AIsDIAQAS0AEAEtgBAAKSACLg6AEAEvAB\
-         ABL4AQADqAASBAEAEggBABAMAQDwDwCNG6k3xVPhbvyKGKY0wlDda/mHFaMxvkzaaPaEEjcAAAASAAEAEj4BAB8/AQAWH0ABAJQf\
-         QQEABvAPACcPNh4FLRQ8IwszGgIpETggBy8XPiYNNRwEKxM7",
-        ),
-        (
-            "LZ4, of split bytes",
-            mixed,
-            "AgEgAmAEAABgBAAAVQEAABQAAABtAAAAHwABAAovgD4EAAcvAD8EAAcfQAQACB+ABAAIH6AEAAgfwAQACB/gBAAILwBABAAHHxAE\
-         AAgfIAQACB8wBAAIH0AEAAgfUAQACB9gBAAIH3AEAAgfgAQACB+IBAAIH5AEAAgfmAQAAVBAAACYQMwAAABPAACgQAQABx+oBAAI\
-         H7AEAAgfuAQACB/ABAAIH8gEAAgf0AQACB/YBAAIH+AEAAgf6AQACB/wBAAIH/gEAAgvAEEEAAcfBAQACB8IBAAIHwwEAADwZwAA\
-         bt6NJ9y8Gw9Km6k2uXk3HidYxQWVNlMtAxXhFHLzbjzg0fwjTrCKC7yOGDMrbaYamUs0Agcqwil1CFAR5ObdOFLFayDAo/kHLoKH\
-         L51gFRcLP6M+eR0xJuf7vg1W2kw1xLjaHDKXaASgdfYrD1SEE30yEjs=",
-        ),
-        (
-            "LZ4, of several blocks",
-            steps,
-            "AgEhBMRFBAAAAAEArwUAACQAAABtAQAAugIAAAMEAABRBQAASwAAAB8AAQD/////////////////////////////////////////\
-         ////////////////////////////////////////////J1AAAAAAAEsAAAAfAAEA////////////////////////////////////\
-         /////////////////////////////////////////////////ydQAAAAAABUAAAAHwABAP//////////////////////////////\
-         /////////////////////yMfgAEA/////////////////////////4cfwAEA//////9UUMDAwMDATwAAAB8AAQD/////////////\
-         ////////////hx8/AQD//////////////////////////////////////////////////////////4tQPz8/Pz9LAAAAHwABAP//\
-         //////////////////////////////////////////////////////////////////////////////////8nUAAAAAAASwAAAB8A\
-         AQD/////////////////////////////////////////////////////////////////////////////////////J1AAAAAAAFgA\
-         AAAfwAEA//////////////////8aHwABAP////////////////////////+HHyABAP////////////////////////+HH0ABAP//\
-         ///////////BUEBAQEBATwAAAB8/AQD//////////////////xofQAEA////////////////////////////////////////////\
-         //////////////////////hQQEBAQEBLAAAAHwABAP//////////////////////////////////////////////////////////\
-         //////////////////////////8nUAAAAAAASwAAAB8AAQD/////////////////////////////////////////////////////\
-         ////////////////////////////////J1AAAAAAAFgAAAAfQAEA//////////+sH2ABAP////////////////////////+HH4AB\
-         AP////////////////////////+HH5ABAP////////////////////8vUJCQkJCQSwAAAB9AAQD/////////////////////////\
-         ////////////////////////////////////////////////////////////J1BAQEBAQEsAAAAfAAEA////////////////////\
-         /////////////////////////////////////////////////////////////////ydQAAAAAABLAAAAHwABAP//////////////\
-         //////////////////////////////////////////////////////////////////////8nUAAAAAAAXQAAAB+QAQD///8/H6AB\
-         AP////////////////////////+HH7ABAP////////////////////////+HH8ABAP////////////////////////+HH9ABAP//\
-         AVDQ0NDQ0EsAAAAfQAEA////////////////////////////////////////////////////////////////////////////////\
-         /////ydQQEBAQEBaAAAAHwABAP/////////////////////////////////////////////wH9ABAP//////////////////////\
-         bS/gQAEA//////////////////////9pUEBAQEBA",
-        ),
-        (
-            "BloscLZ, of several blocks",
-            steps,
-            "AgEBBMRFBAAAAAEA0QUAACQAAAB0AQAAygIAABoEAABwBQAATAAAACMAAAAA4P//////////////////////////////////////\
-         //////////////////////////////////////////////8wAwIAAABMAAAAIwAAAADg////////////////////////////////\
-         /////////////////////////////////////////////////////zADAgAAAFcAAAAjAAAAAOD/////////////////////////\
-         //////////////////////////8pAwEAgOD/////////////////////////kAABgMDg//////9gAALAwMBRAAAAIwAAAADg////\
-         /////////////////////40DAQA/4P//////////////////////////////////////////////////////////lwACPz8/TAAA\
-         ACMAAAAA4P////////////////////////////////////////////////////////////////////////////////////8wAwIA\
-         AABMAAAAIwAAAADg////////////////////////////////////////////////////////////////////////////////////\
-         /zADAgAAAFwAAAAjwMDAwOD//////////////////yADAcAA4P////////////////////////+QAAEAIOD/////////////////\
-         ////////kAABIEDg/////////////80AAkBAQFIAAAAjPz8/P+D//////////////////yADAT9A4P//////////////////////\
-         ////////////////////////////////////////////BQACQEBATAAAACMAAAAA4P//////////////////////////////////\
-         //////////////////////////////////////////////////8wAwIAAABMAAAAIwAAAADg////////////////////////////\
-         /////////////////////////////////////////////////////////zADAgAAAFwAAAAjQEBAQOD//////////7IDAUBg4P//\
-         //////////////////////+QAAFggOD/////////////////////////kAABgJDg/////////////////////zsAApCQkEwAAAAj\
-         QEBAQOD/////////////////////////////////////////////////////////////////////////////////////MAMCQEBA\
-         TAAAACMAAAAA4P////////////////////////////////////////////////////////////////////////////////////8w\
-         AwIAAABMAAAAIwAAAADg////////////////////////////////////////////////////////////////////////////////\
-         /////zADAgAAAGIAAAAjkJCQkOD///9FAwGQoOD/////////////////////////kAABoLDg/////////////////////////5AA\
-         AbDA4P////////////////////////+QAAHA0OD//w0AAtDQ0EwAAAAjQEBAQOD/////////////////////////////////////\
-         ////////////////////////////////////////////////MAMCQEBAXQAAACMAAAAA4P//////////////////////////////\
-         ///////////////2AwEA0OD//////////////////////3YAAtDgQOD//////////////////////3UAAkBAQA==",
-        ),
-        (
-            "a copy",
-            start,
-            "AgEzBGQAAABkAAAAdAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAIA+AACAPgAAgD4AAIA+AACAPgAAgD4AAIA+AAAA\
-         PwAAAD8AAAA/AAAAPwAAAD8AAAA/AAAAPwAAQD8AAEA/AABAPwAAQD8=",
-        ),
-    ];
 }

@@ -10,8 +10,9 @@ mod tree;
 mod values;
 
 use super::error::{Location, ShapeError, quoted};
+use super::placement::{self, Placement};
 use super::source::Source;
-use super::{Content, Shape, Volume, grid};
+use super::{Content, Shape, axes};
 use head::{Descriptor, Metadata};
 use std::ops::RangeInclusive;
 use tree::{Dense, Tree};
@@ -148,11 +149,15 @@ fn volume(
     let (min, max) = (min - 1, max + 1);
     let size = (max - min + 1).to_array().map(|n| n as u64);
     let most = SMALL.max(source.len.saturating_mul(MAX_VOXELS_PER_BYTE));
-    let size = grid::check_size(&source.file, "voxels in the box around the active ones", size, most)?;
-    let (origin, spacing) = grid::place(&source.file, size, zero + steps * min.as_dvec3(), steps)?;
-    let mut values = grid::filled(&source.file, size, coding.background)?;
+    let size = placement::at_most(&source.file, "voxels in the box around the active ones", size, most)?;
+    if !placement::are_lengths(axes::lengths(&steps)) {
+        let found = format!("{:?}", steps.to_cols_array_2d());
+        return Err(source.malformed_at(Location::Header, placement::STEPS, found));
+    }
+    let placement = Placement { size, origin: zero + steps * min.as_dvec3(), steps, content };
+    placement.check(&source.file)?;
+    let mut values = placement.filled(&source.file, coding.background)?;
     tree.fill(source, &coding, Dense { min, size, values: &mut values })?;
     check(source, about.as_ref().map_or(0, |about| about.end), "the offset of the end of a grid")?;
-    grid::check_finite(&source.file, &values)?;
-    Ok(Shape::Volume(Volume { size, origin, spacing, values, content }))
+    placement.volume(&source.file, values).map(Shape::Volume)
 }

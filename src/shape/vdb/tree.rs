@@ -12,6 +12,8 @@ use std::collections::HashSet;
 
 /// Voxels along a child of the root.
 const ROOT_CHILD: i32 = 4096;
+/// How many voxels from the origin they begin at most: sums of places stay far from the ends of 32 bits.
+const FARTHEST: i32 = 1 << 30;
 /// Voxels of a leaf and along it.
 const LEAF_VOXELS: usize = 512;
 const LEAF: i32 = 8;
@@ -95,7 +97,7 @@ impl Tree {
                 Some((tile, was_active))
                     if *was_active == is_active
                         && tile.value.to_bits() == value.to_bits()
-                        && min == tile.min.with_z(tile.max.z.wrapping_add(1)) =>
+                        && min == tile.min.with_z(tile.max.z + 1) =>
                 {
                     tile.max.z += child;
                 }
@@ -172,11 +174,12 @@ fn root_key(source: &mut Source, seen: &mut HashSet<IVec3>) -> Result<IVec3, Sha
     let place = Location::Byte(source.offset);
     let mut part = || source.array(TREE).map(i32::from_le_bytes);
     let key = IVec3::new(part()?, part()?, part()?);
-    if key % ROOT_CHILD == IVec3::ZERO && seen.insert(key) {
+    let is_near = (key.cmpge(IVec3::splat(-FARTHEST)) & key.cmple(IVec3::splat(FARTHEST))).all();
+    if is_near && key % ROOT_CHILD == IVec3::ZERO && seen.insert(key) {
         return Ok(key);
     }
     let found = quoted(key.to_string().as_bytes());
-    Err(source.malformed_at(place, "multiples of 4096, each once, as origins of the root's children", found))
+    Err(source.malformed_at(place, "multiples of 4096 up to 2^30, each once, as origins of the root's children", found))
 }
 
 impl Dense<'_> {

@@ -32,6 +32,7 @@ impl App {
                 let kept = self.kept.is_none().then(|| Box::new(self.shown()));
                 self.request(Request::Split(kept));
             }
+            Action::Validity => self.request(Request::Validity(!self.validity)),
             Action::Inertia => {
                 self.inertia = !self.inertia;
                 self.glide = None;
@@ -54,7 +55,14 @@ impl App {
                 self.glide = None;
                 self.model.edit("camera", |scene| scene.camera = home);
             }
-            Request::Split(kept) => self.kept = kept.map(|scene| *scene),
+            Request::Split(kept) => {
+                self.kept = kept.map(|scene| *scene);
+                self.validity &= self.kept.is_none();
+            }
+            Request::Validity(on) => {
+                self.validity = on;
+                self.kept = self.kept.take().filter(|_| !on); // it is that of one variant
+            }
             Request::Record(true) => self.record(),
             Request::Record(false) => self.stop(),
             Request::Pause(false) => self.clock = Some(self.model.scene().camera.time),

@@ -82,6 +82,8 @@ pub(super) struct App {
     /// The variant that the scene is compared with.
     kept: Option<Scene>,
     max_error: Option<f64>,
+    /// Whether pixels that are not to be trusted are shown.
+    validity: bool,
     /// The error that a way to draw is still to be looked for.
     pick: Option<f64>,
     /// The scene that one is being looked for.
@@ -126,6 +128,7 @@ impl App {
             last_frame: now,
             kept: None,
             max_error: start.max_error,
+            validity: false,
             pick: start.max_error,
             picked_for: None,
             posted: None,
@@ -198,6 +201,7 @@ impl App {
                     (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
                     (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
                     (figures.error, figures.standard_error) = (picture.error, picture.standard_error);
+                    figures.validity = picture.validity;
                     if picture.stage == Stage::Coarse {
                         figures.ignored.clear();
                         figures.recent_ms.push(picture.gpu_ms);
@@ -312,6 +316,7 @@ impl App {
             recording: recording.is_some(),
             split: self.kept.is_some(),
             max_error: self.max_error,
+            validity: self.validity,
         }
     }
 
@@ -375,11 +380,13 @@ impl App {
         let busy = self.dragging || self.clock.is_some() || self.glide.is_some();
         let moving = busy || now.duration_since(self.changed) < REST;
         let max_error = self.max_error.unwrap_or(GOOD);
-        let as_before = |job: &Job| job.moving == moving && job.max_error.to_bits() == max_error.to_bits();
+        let validity = self.validity;
+        let as_before =
+            |job: &Job| (job.moving, job.max_error.to_bits(), job.validity) == (moving, max_error.to_bits(), validity);
         if changed || !self.posted.as_ref().is_some_and(as_before) {
             self.number += 1;
             self.is_current = false;
-            let job = Job { number: self.number, library: self.library.clone(), variants, moving, max_error };
+            let job = Job { number: self.number, library: self.library.clone(), variants, moving, max_error, validity };
             if let Some(worker) = &self.worker {
                 worker.show(job.clone());
             }

@@ -3,7 +3,7 @@
 use super::App;
 use crate::scene::Scene;
 use crate::viewer::keys::{self, Action};
-use egui::{Area, Color32, Frame, Id, ProgressBar, RichText, Ui, Vec2};
+use egui::{Align2, Area, Color32, Frame, Id, ProgressBar, RichText, Sense, Ui, Vec2};
 use std::collections::BTreeMap;
 
 impl App {
@@ -24,9 +24,37 @@ impl App {
                 });
             });
         }
+        if self.validity {
+            let corner = place.left_bottom() + Vec2::new(12.0, -12.0);
+            Area::new(Id::new("validity")).fixed_pos(corner).pivot(Align2::LEFT_BOTTOM).interactable(false).show(
+                ui.ctx(),
+                |ui| {
+                    dark.show(ui, |ui| {
+                        ui.set_max_width((place.width() - 40.0).max(120.0));
+                        self.show_causes(ui);
+                    })
+                },
+            );
+        }
         if self.help {
             Area::new(Id::new("help")).fixed_pos(place.left_top() + Vec2::new(16.0, 16.0)).show(ui.ctx(), |ui| {
                 dark.show(ui, |ui| self.show_keys(ui));
+            });
+        }
+    }
+
+    /// What the colors of pixels that are not to be trusted mean.
+    fn show_causes(&self, ui: &mut Ui) {
+        if self.figures.validity.is_empty() {
+            ui.label(
+                "validity: the picture is finished first, then drawn again with one setting at a time made better",
+            );
+        }
+        for ([r, g, b], line) in &self.figures.validity {
+            ui.horizontal_wrapped(|ui| {
+                let (place, _) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
+                ui.painter().rect_filled(place, 2.0, Color32::from_rgb(*r, *g, *b));
+                ui.label(line);
             });
         }
     }
@@ -36,6 +64,7 @@ impl App {
             let state = |action: Action| match action {
                 Action::Play => Some(self.clock.is_some()),
                 Action::Compare => Some(self.kept.is_some()),
+                Action::Validity => Some(self.validity),
                 Action::Inertia => Some(self.inertia),
                 Action::FullScreen => Some(self.full_screen),
                 Action::Record => Some(self.figures.recording.is_some()),

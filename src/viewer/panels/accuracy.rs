@@ -26,6 +26,13 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
             }
         }
     });
+    let mut on = controls.status.validity;
+    let doc =
+        "Once the picture has converged, color the pixels that change where one setting is made better, and say which.";
+    let response = ui.checkbox(&mut on, "validity").on_hover_text(doc);
+    if super::widgets::named(ui, &response, "validity").changed() {
+        controls.requests.push(Request::Validity(on));
+    }
     for setting in SETTINGS.iter().filter(|setting| setting.table() == "quality") {
         let most = controls.draft.quality.block_size / 2; // two texels for each cell
         let offered = |number| setting.name != "quality.turbulence_cells" || number <= most;

@@ -8,15 +8,18 @@ use egui::{Align, Color32, Label, Layout, ProgressBar, RichText, Sense, Stroke, 
 const MESSAGE: Color32 = Color32::from_rgb(236, 196, 120);
 
 /// What goes wrong or was done, and below it what is known of the picture.
+///
+/// The first line is there when it is empty too: the picture keeps its size when something is said.
 pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status) {
-    if let Some(message) = model.message().or(status.message.as_deref()) {
-        ui.label(RichText::new(message).color(MESSAGE));
-    }
-    if !status.ignored.is_empty() {
-        let line = format!("ignored: {}", status.ignored.join(", "));
-        let doc = "The picture is the same without.";
-        ui.add(Label::new(RichText::new(line).weak()).truncate()).on_hover_text(doc);
-    }
+    ui.horizontal(|ui| {
+        let message = model.message().or(status.message.as_deref()).unwrap_or(" ");
+        ui.add(Label::new(RichText::new(message).color(MESSAGE)).truncate()).on_hover_text(message);
+        if !status.ignored.is_empty() {
+            let line = format!("ignored: {}", status.ignored.join(", "));
+            let doc = format!("{line}: the picture is the same without.");
+            ui.add(Label::new(RichText::new(line).weak()).truncate()).on_hover_text(doc);
+        }
+    });
     ui.horizontal(|ui| {
         if !status.recent_ms.is_empty() {
             plot(ui, &status.recent_ms, status.budget_ms);

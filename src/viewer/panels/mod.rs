@@ -57,6 +57,8 @@ pub struct Status {
     pub split: bool,
     /// The error that the picture may have; without one, the scene says how it is made.
     pub max_error: Option<f64>,
+    /// Whether pixels that are not to be trusted are shown.
+    pub validity: bool,
 }
 
 /// What only the window can do.
@@ -74,6 +76,8 @@ pub enum Request {
     Pause(bool),
     /// Choose samples so that the error is at most this; none leaves them to the scene.
     MaxError(Option<f64>),
+    /// Show which pixels are not to be trusted, or the picture again.
+    Validity(bool),
     /// End the program.
     Quit,
 }

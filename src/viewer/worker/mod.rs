@@ -1,5 +1,6 @@
 //! The thread that renders: the newest scene first, coarse while it moves, better and better while it stands still.
 
+mod examine;
 mod render_thread;
 mod task;
 
@@ -37,6 +38,8 @@ pub(super) struct Job {
     pub(super) moving: bool,
     /// The error that is good enough.
     pub(super) max_error: f64,
+    /// Whether the pixels that are not to be trusted are shown, once the picture is finished; of one variant.
+    pub(super) validity: bool,
 }
 
 /// What is done between two jobs.
@@ -65,6 +68,8 @@ pub(super) struct Picture {
     pub(super) gpu_ms: f64,
     pub(super) error: Option<f64>,
     pub(super) standard_error: Option<f64>,
+    /// What the colors of pixels that are not to be trusted mean.
+    pub(super) validity: Vec<([u8; 3], String)>,
 }
 
 /// What the thread tells.

@@ -3,7 +3,8 @@
 use super::{Event, Job, Picture, Shared};
 use crate::gpu::Gpu;
 use crate::measure::statistics::rms_difference;
-use crate::render::{Frame, Measurements, RenderError, Renderer, idle, ignored, made_with};
+use crate::measure::validity::Validity;
+use crate::render::{Frame, Measurements, RenderError, Renderer, Subject, idle, ignored, made_with};
 use crate::scene::{Scene, nearest_preset};
 use crate::shader::compile::CompileError;
 use crate::shader::{Library, shipped};
@@ -49,26 +50,35 @@ struct Accumulation {
     gpu_ms: f64,
     /// Whether it was said what changes nothing.
     told: bool,
+    /// Which pixels of the first of the scene's own pictures are not to be trusted.
+    validity: Option<Validity>,
 }
 
 impl Accumulation {
     fn of(job: &Job, coarse: Vec<Frame>, level: Level) -> Accumulation {
         let gpu_ms = coarse.iter().map(device_ms).sum();
         let means = vec![Mean::default(); coarse.len()];
-        Accumulation { scenes: scenes(job), coarse, level, own: None, means, gpu_ms, told: false }
+        Accumulation { scenes: scenes(job), coarse, level, own: None, means, gpu_ms, told: false, validity: None }
     }
 }
 
 /// The two renderers of a variant: each keeps what it has made for one size.
-struct Pair {
+pub(super) struct Pair {
     coarse: Renderer,
     fine: Renderer,
     /// Milliseconds of a row of the whole picture, about.
     row_ms: f64,
 }
 
+impl Pair {
+    pub(super) fn new(gpu: &Gpu, library: &Library, subject: &Subject) -> Pair {
+        let renderer = || Renderer::new(gpu, library, subject);
+        Pair { coarse: renderer(), fine: renderer(), row_ms: 1.0 }
+    }
+}
+
 /// A picture that was drawn in bands.
-struct Drawn {
+pub(super) struct Drawn {
     /// Milliseconds on the device.
     ms: f64,
     /// Those of the last band.
@@ -130,12 +140,7 @@ impl RenderThread {
         let gpu = self.gpu.clone();
         let library = job.library.clone();
         let subjects: Vec<_> = job.variants.iter().map(|variant| variant.subject.clone()).collect();
-        let pair = |subject| Pair {
-            coarse: Renderer::new(&gpu, &library, subject),
-            fine: Renderer::new(&gpu, &library, subject),
-            row_ms: 1.0,
-        };
-        let mut pairs: Vec<Pair> = subjects.iter().map(|subject| pair(subject)).collect();
+        let mut pairs: Vec<Pair> = subjects.iter().map(|subject| Pair::new(&gpu, &library, subject)).collect();
         let mut still = None;
         loop {
             let done = self.picture(&job, &mut pairs, &mut still);
@@ -234,6 +239,12 @@ impl RenderThread {
             if !std::mem::replace(&mut still.told, true) {
                 self.tell_unread(job);
             }
+            if let ([pair], Some([own]), true) = (pairs, still.own.as_deref(), job.validity) {
+                if still.validity.is_none() {
+                    still.validity = self.examine(job, own, pair)?;
+                }
+                still.validity.iter().for_each(|validity| self.tell_validity(job, validity, own, still.gpu_ms));
+            }
         }
         Ok(())
     }
@@ -284,7 +295,7 @@ impl RenderThread {
     }
 
     /// A whole picture, or one of its sub-frames, band by band into `pixels`; `None` where something else is to be done.
-    fn in_bands(
+    pub(super) fn in_bands(
         &self,
         job: &Job,
         scene: &Scene,
@@ -351,7 +362,7 @@ impl RenderThread {
 
 impl Picture {
     /// As large as the scene asks, with its samples; no images yet, and nothing known of its error.
-    fn of(job: &Job, stage: Stage, gpu_ms: f64) -> Picture {
+    pub(super) fn of(job: &Job, stage: Stage, gpu_ms: f64) -> Picture {
         let scene = &job.variants[0].scene;
         let (size, samples) = (scene.image.size, scene.quality.samples);
         Picture { number: job.number, size, samples, stage, gpu_ms, ..Picture::default() }

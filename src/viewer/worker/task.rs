@@ -16,8 +16,25 @@ use std::sync::atomic::Ordering;
 /// Frames per second of a recording.
 const FPS: f64 = 25.0;
 
-/// Thrown through a search that nobody waits for any more.
+/// Thrown through a computation that nobody waits for any more.
 struct Stopped;
+
+/// Leaves [`unless_stopped`] where it `stops`. Unwinding is the one way out of a computation that spans threads; nothing of
+/// it is kept.
+pub(super) fn leave_where(stops: bool) {
+    if stops {
+        panic::resume_unwind(Box::new(Stopped));
+    }
+}
+
+/// What `work` gives; none where it was left.
+pub(super) fn unless_stopped<T>(work: impl FnOnce() -> T) -> Option<T> {
+    match panic::catch_unwind(AssertUnwindSafe(work)) {
+        Ok(done) => Some(done),
+        Err(reason) if reason.is::<Stopped>() => None,
+        Err(reason) => panic::resume_unwind(reason),
+    }
+}
 
 impl RenderThread {
     pub(super) fn work(&self, task: Task) -> Result<(), RenderError> {
@@ -79,24 +96,18 @@ impl RenderThread {
 
     fn pick(&self, library: &Library, variant: &Variant, bound: ErrorBound) -> Result<(), RenderError> {
         let Variant { scene, subject } = variant;
-        let (tell, shared) = (&self.tell, &self.shared);
         let progress = |done: f32| {
-            if shared.quits() || shared.stop.load(Ordering::Relaxed) {
-                // Unwinding is the one way out of a computation that spans threads; nothing of it is kept.
-                panic::resume_unwind(Box::new(Stopped));
-            }
-            tell(Event::Picking(done));
+            leave_where(self.stops());
+            (self.tell)(Event::Picking(done));
         };
         let stage = Stage { gpu: &self.gpu, library, subject, worker: None, stop: &|| false };
-        let search = || pick(stage, scene, bound, &progress);
-        let found = match panic::catch_unwind(AssertUnwindSafe(search)) {
-            Ok(Ok(found)) => Event::Picked(Some(Box::new(found))),
-            Ok(Err(PickError::Render(error))) => return Err(error),
-            Ok(Err(error)) => Event::Failed(error.to_string()),
-            Err(reason) if reason.is::<Stopped>() => Event::Picked(None),
-            Err(reason) => panic::resume_unwind(reason),
+        let found = match unless_stopped(|| pick(stage, scene, bound, &progress)) {
+            Some(Ok(found)) => Event::Picked(Some(Box::new(found))),
+            Some(Err(PickError::Render(error))) => return Err(error),
+            Some(Err(error)) => Event::Failed(error.to_string()),
+            None => Event::Picked(None),
         };
-        tell(found);
+        (self.tell)(found);
         Ok(())
     }
 }

@@ -1,0 +1,321 @@
+//! The header of a NIfTI file.
+//!
+//! Role: where the fields of both versions are, and from these bytes to a [`Raster`]. Invariant: what changes the values or
+//! their places is understood or refused. Sources: R. Cox et al., "nifti1.h" and "nifti2.h", nifti.nimh.nih.gov.
+
+use super::axes::lengths;
+use super::error::{Location, ShapeError, quoted};
+use super::placement::{self, Placement};
+use super::raster::{MAX_UNPACKED_SKIP, Packing, Raster};
+use super::source::Source;
+use super::{Content, SampleType};
+use glam::{DMat3, DQuat, DVec3};
+
+/// What the description says where values are signed distances.
+pub(super) const SIGNED_DISTANCE: &[u8] = b"hypertexture signed distance";
+/// Squares of the real part of a quaternion that are smaller are what rounding left of 0: half a turn.
+const HALF_TURN: f64 = 4e-7;
+
+/// Where the fields of a header are, from its first byte.
+pub(super) struct Places {
+    /// Bytes of the header, which its first 4 bytes say.
+    pub bytes: usize,
+    /// The magic, and what it is where the data follows or is in a file of its own.
+    pub magic: usize,
+    pub single: &'static [u8],
+    pub pair: &'static [u8],
+    /// Number of dimensions and 7 sizes.
+    pub dim: usize,
+    pub datatype: usize,
+    pub bitpix: usize,
+    /// Side of the qform, and 7 distances between samples.
+    pub pixdim: usize,
+    /// Where the data begins.
+    pub offset: usize,
+    /// Slope and intercept.
+    pub scale: usize,
+    /// 80 characters.
+    pub description: usize,
+    /// Codes of qform and sform.
+    pub codes: usize,
+    /// Quaternion, its shift, and the rows of the sform.
+    pub forms: usize,
+    /// 16 characters.
+    pub intent: usize,
+    /// Whether sizes have 8 bytes, numbers 8 and codes 4, else 2, 4 and 2.
+    pub is_wide: bool,
+}
+
+/// NIfTI-1.
+pub(super) const FIRST: Places = Places {
+    bytes: 348,
+    magic: 344,
+    single: b"n+1\0",
+    pair: b"ni1\0",
+    dim: 40,
+    datatype: 70,
+    bitpix: 72,
+    pixdim: 76,
+    offset: 108,
+    scale: 112,
+    description: 148,
+    codes: 252,
+    forms: 256,
+    intent: 328,
+    is_wide: false,
+};
+
+/// NIfTI-2.
+pub(super) const SECOND: Places = Places {
+    bytes: 540,
+    magic: 4,
+    single: b"n+2\0\r\n\x1a\n",
+    pair: b"ni2\0\r\n\x1a\n",
+    dim: 16,
+    datatype: 12,
+    bitpix: 14,
+    pixdim: 104,
+    offset: 168,
+    scale: 176,
+    description: 240,
+    codes: 344,
+    forms: 352,
+    intent: 508,
+    is_wide: true,
+};
+
+impl Places {
+    /// Bytes of a number, of a size and of a code.
+    pub fn widths(&self) -> (usize, usize, usize) {
+        if self.is_wide { (8, 8, 4) } else { (4, 2, 2) }
+    }
+}
+
+/// Codes and names of types.
+const TYPES: [(i64, Result<SampleType, &str>); 17] = [
+    (1, Err("bits")),
+    (2, Ok(SampleType::U8)),
+    (4, Ok(SampleType::I16)),
+    (8, Ok(SampleType::I32)),
+    (16, Ok(SampleType::F32)),
+    (32, Err("complex64")),
+    (64, Ok(SampleType::F64)),
+    (128, Err("RGB24")),
+    (256, Ok(SampleType::I8)),
+    (512, Ok(SampleType::U16)),
+    (768, Ok(SampleType::U32)),
+    (1024, Ok(SampleType::I64)),
+    (1280, Ok(SampleType::U64)),
+    (1536, Err("float128")),
+    (1792, Err("complex128")),
+    (2048, Err("complex256")),
+    (2304, Err("RGBA32")),
+];
+
+/// The bytes of a header, and how they are read.
+pub(super) struct Header<'a> {
+    file: &'a str,
+    bytes: &'a [u8],
+    big_endian: bool,
+    places: &'static Places,
+}
+
+/// The version and the order of bytes of what begins with these.
+pub(super) fn version(start: &[u8]) -> Option<(&'static Places, bool)> {
+    let first = *start.first_chunk()?;
+    let versions = [&FIRST, &SECOND].into_iter().flat_map(|places| [(places, false), (places, true)]);
+    versions.into_iter().find(|(places, big_endian)| {
+        let size = if *big_endian { u32::from_be_bytes(first) } else { u32::from_le_bytes(first) };
+        size as usize == places.bytes
+    })
+}
+
+impl<'a> Header<'a> {
+    /// The header that `bytes` begin with.
+    pub fn new(source: &'a Source, bytes: &'a [u8]) -> Result<Header<'a>, ShapeError> {
+        let malformed = |at: usize, expected, found| source.malformed_at(Location::Byte(at as u64), expected, found);
+        let Some((places, big_endian)) = version(bytes) else {
+            let found = quoted(&bytes[..bytes.len().min(4)]);
+            return Err(malformed(0, "348 or 540, the size of a NIfTI header", found));
+        };
+        if bytes.len() < places.bytes {
+            return Err(malformed(
+                bytes.len(),
+                "a header of 348 bytes, or 540 of NIfTI-2",
+                "the end of the file".into(),
+            ));
+        }
+        let header = Header { file: &source.file, bytes: &bytes[..places.bytes], big_endian, places };
+        let magic = &bytes[places.magic..][..places.single.len()];
+        if magic != places.single && magic != places.pair {
+            return Err(malformed(places.magic, "`n+1` or `ni1`, for NIfTI-2 `n+2` or `ni2`", quoted(magic)));
+        }
+        Ok(header)
+    }
+
+    /// Whether the data is in a file of its own.
+    pub fn is_pair(&self) -> bool {
+        self.bytes[self.places.magic..].starts_with(self.places.pair)
+    }
+
+    /// Byte at which the data begins, in its file.
+    pub fn offset(&self) -> Result<u64, ShapeError> {
+        let at = self.places.offset;
+        let offset = if self.places.is_wide { self.integer(at, 8) as f64 } else { self.number(at) };
+        // Behind the header is the word that says whether there are extensions.
+        let least = if self.is_pair() { 0 } else { self.places.bytes + 4 };
+        if offset.fract() != 0.0 || !(least as f64..=MAX_UNPACKED_SKIP as f64).contains(&offset) {
+            let expected = "a vox_offset of whole bytes behind the header (352, for NIfTI-2 544, or more, up to 2^28)";
+            return Err(self.malformed(at, expected, offset.to_string()));
+        }
+        Ok(offset as u64)
+    }
+
+    /// What the samples are and where.
+    pub fn raster(&self, packing: Packing) -> Result<Raster, ShapeError> {
+        let (size, kind, scale) = (self.size()?, self.kind()?, self.scale()?);
+        let (origin, steps) = self.placement()?;
+        let description = &self.bytes[self.places.description..][..80];
+        let is_distance = description.strip_prefix(SIGNED_DISTANCE).is_some_and(|rest| rest[0] == 0);
+        let content = if is_distance { Content::SignedDistance } else { Content::Scalar };
+        let placement = Placement { size, origin, steps, content };
+        Ok(Raster { kind, big_endian: self.big_endian, packing, scale, placement })
+    }
+
+    /// A whole number of so many bytes.
+    fn integer(&self, at: usize, bytes: usize) -> i64 {
+        let mut number = [0; 8];
+        for (i, byte) in self.bytes[at..][..bytes].iter().enumerate() {
+            number[if self.big_endian { bytes - 1 - i } else { i }] = *byte;
+        }
+        let unused = 64 - 8 * bytes as u32;
+        i64::from_le_bytes(number) << unused >> unused
+    }
+
+    /// A number, of 4 or 8 bytes as all are.
+    fn number(&self, at: usize) -> f64 {
+        if self.places.is_wide {
+            f64::from_bits(self.integer(at, 8) as u64)
+        } else {
+            f64::from(f32::from_bits(self.integer(at, 4) as u32))
+        }
+    }
+
+    fn numbers<const N: usize>(&self, at: usize) -> [f64; N] {
+        let (width, ..) = self.places.widths();
+        std::array::from_fn(|i| self.number(at + i * width))
+    }
+
+    fn malformed(&self, at: usize, expected: &'static str, found: String) -> ShapeError {
+        ShapeError::Malformed { file: self.file.to_owned(), place: Location::Byte(at as u64), expected, found }
+    }
+
+    fn unsupported(&self, at: usize, what: &'static str, found: String, remedy: &'static str) -> ShapeError {
+        ShapeError::Unsupported { file: self.file.to_owned(), place: Location::Byte(at as u64), what, found, remedy }
+    }
+
+    fn size(&self) -> Result<[u32; 3], ShapeError> {
+        let (at, (_, width, _)) = (self.places.dim, self.places.widths());
+        let dimensions = self.integer(at, width);
+        if !(1..=7).contains(&dimensions) {
+            return Err(self.malformed(at, "1 to 7 dimensions", dimensions.to_string()));
+        }
+        let sizes: Vec<i64> = (1..=dimensions as usize).map(|i| self.integer(at + i * width, width)).collect();
+        let shown = || sizes.iter().map(|size| size.to_string()).collect::<Vec<_>>().join(" x ");
+        if sizes.iter().any(|size| *size < 1) {
+            return Err(self.malformed(at + width, "sizes of at least 1", shown()));
+        }
+        match sizes[..] {
+            [x, y, z, ref more @ ..] if more.iter().all(|size| *size == 1) => {
+                placement::checked(self.file, [x, y, z].map(|n| n as u64))
+            }
+            _ => {
+                let remedy = "extract one volume of 3 dimensions (`fslroi` does, or nibabel's `four_to_three`)";
+                Err(self.unsupported(at, "an image of", shown(), remedy))
+            }
+        }
+    }
+
+    fn kind(&self) -> Result<SampleType, ShapeError> {
+        let at = self.places.datatype;
+        let code = self.integer(at, 2);
+        let known = TYPES.iter().find(|(known, _)| *known == code).map(|(_, kind)| *kind);
+        match known {
+            Some(Ok(kind)) => {
+                let bits = self.integer(self.places.bitpix, 2);
+                if bits != 0 && bits as u64 != 8 * kind.bytes() {
+                    let expected = "as many bits as the datatype has";
+                    return Err(self.malformed(self.places.bitpix, expected, format!("{bits} for {kind}")));
+                }
+                Ok(kind)
+            }
+            other => {
+                let name = other.and_then(Result::err).map_or(String::new(), |name| format!("{name}, "));
+                let remedy = "convert it to one number for each voxel: integers, float or double";
+                Err(self.unsupported(at, "the datatype", format!("{name}{code}"), remedy))
+            }
+        }
+    }
+
+    fn scale(&self) -> Result<Option<[f64; 2]>, ShapeError> {
+        let scale @ [slope, rest] = self.numbers(self.places.scale);
+        if slope == 0.0 || scale == [1.0, 0.0] {
+            return Ok(None);
+        }
+        if !slope.is_finite() || !rest.is_finite() {
+            let expected = "a finite scl_slope and scl_inter (a slope of 0 for none)";
+            return Err(self.malformed(self.places.scale, expected, format!("{slope} and {rest}")));
+        }
+        Ok(Some(scale))
+    }
+
+    /// World position of the first sample, and the steps to the next on each axis: by the sform, else by the qform, else
+    /// by distances alone.
+    fn placement(&self) -> Result<(DVec3, DMat3), ShapeError> {
+        let (places, (number, _, code)) = (self.places, self.places.widths());
+        let [qform, sform] = [0, 1].map(|i| self.integer(places.codes + i * code, code));
+        let rows_at = places.forms + 6 * number;
+        let (at, origin, steps) = if sform > 0 {
+            let [x, y, z] = [0, 4, 8].map(|i| self.numbers::<4>(rows_at + i * number));
+            let column = |i: usize| DVec3::new(x[i], y[i], z[i]);
+            (rows_at, column(3), DMat3::from_cols(column(0), column(1), column(2)))
+        } else {
+            let [side, sizes @ ..]: [f64; 4] = self.numbers(places.pixdim);
+            if sizes.iter().any(|size| *size <= 0.0) {
+                return Err(self.malformed(places.pixdim + number, placement::STEPS, shown(&sizes)));
+            }
+            let sizes = DMat3::from_diagonal(DVec3::from(sizes));
+            if qform > 0 {
+                let side = DVec3::new(1.0, 1.0, if side < 0.0 { -1.0 } else { 1.0 });
+                let turn = self.turn()? * DMat3::from_diagonal(side);
+                (places.pixdim, DVec3::from(self.numbers(places.forms + 3 * number)), turn * sizes)
+            } else {
+                (places.pixdim, DVec3::ZERO, sizes)
+            }
+        };
+        if !origin.is_finite() {
+            return Err(self.malformed(at, "a finite place of the first sample", shown(&origin.to_array())));
+        }
+        if !placement::are_lengths(lengths(&steps)) {
+            return Err(self.malformed(at, placement::STEPS, shown(&lengths(&steps).to_array())));
+        }
+        Ok((origin, steps))
+    }
+
+    /// The rotation of the qform.
+    fn turn(&self) -> Result<DMat3, ShapeError> {
+        let parts: [f64; 3] = self.numbers(self.places.forms);
+        let vector = DVec3::from(parts);
+        let square = 1.0 - vector.length_squared();
+        if !square.is_finite() || square < -1e-5 {
+            let expected = "a quaternion whose parts have squares of 1 together at most";
+            return Err(self.malformed(self.places.forms, expected, shown(&parts)));
+        }
+        let real = if square < HALF_TURN { 0.0 } else { square.sqrt() };
+        Ok(DMat3::from_quat(DQuat::from_xyzw(vector.x, vector.y, vector.z, real).normalize()))
+    }
+}
+
+fn shown(numbers: &[f64]) -> String {
+    numbers.iter().map(|number| format!("{number:.9}")).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,34 @@
+//! The values of a volume as bytes: what all formats that are written share.
+
+use super::Volume;
+use flate2::Compression;
+use std::io::{self, Write};
+
+/// Bytes encoded at a time.
+const BLOCK_BYTES: usize = 64 * 1024;
+/// Measured on a distance field and on a CT scan: level 1 saves a quarter of the time and makes files 7 to 50 percent larger,
+/// level 6 makes them up to 5 percent smaller and takes up to twice as long.
+pub(super) const LEVEL: Compression = Compression::new(3);
+
+/// An error where there are not as many values as the sizes ask for.
+pub(super) fn check(volume: &Volume) -> io::Result<()> {
+    let [x, y, z] = volume.size;
+    let voxels = volume.size.iter().try_fold(1_usize, |product, &n| product.checked_mul(n as usize));
+    if voxels == Some(volume.values.len()) {
+        return Ok(());
+    }
+    let found = volume.values.len();
+    let message = format!("a volume of {x} x {y} x {z} needs their product of values, it has {found}");
+    Err(io::Error::new(io::ErrorKind::InvalidInput, message))
+}
+
+/// Writes the values, the lowest byte first.
+pub(super) fn write_values(volume: &Volume, to: &mut dyn Write) -> io::Result<()> {
+    let mut block = Vec::with_capacity(BLOCK_BYTES);
+    for values in volume.values.chunks(BLOCK_BYTES / 4) {
+        block.clear();
+        block.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+        to.write_all(&block)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,97 @@
+//! Volumes as files.
+//!
+//! Role: a [`Volume`] in the formats that other programs read. Invariant: what is written is read back bit for bit, where
+//! the format can say where the samples are.
+
+use super::axes::{directions, lengths};
+use super::values::{LEVEL, check, write_values};
+use super::{Content, Volume, meta, write_nifti, write_nrrd};
+use flate2::write::{GzEncoder, ZlibEncoder};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// A format that volumes are written in: always as 32-bit floats, little endian, x fastest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VolumeFormat {
+    /// NRRD in one file, gzip: see [`write_nrrd`].
+    Nrrd,
+    /// MetaImage in one file, zlib. A signed distance is marked by its comment.
+    MetaImage,
+    /// NIfTI-1, or NIfTI-2 where a side is longer than 32767 samples. A signed distance is marked by its description.
+    Nifti,
+    /// The same, gzip.
+    NiftiGzip,
+    /// An array of numpy, of shape (z, y, x). Where its samples are in the world and what they mean is not kept.
+    Npy,
+}
+
+impl VolumeFormat {
+    /// Names of files of each format end like this, small or large.
+    const ENDS: [(VolumeFormat, &'static str); 5] = [
+        (VolumeFormat::Nrrd, ".nrrd"),
+        (VolumeFormat::MetaImage, ".mha"),
+        (VolumeFormat::Nifti, ".nii"),
+        (VolumeFormat::NiftiGzip, ".nii.gz"),
+        (VolumeFormat::Npy, ".npy"),
+    ];
+
+    /// The format that the end of a name asks for: .nrrd, .mha, .nii, .nii.gz or .npy.
+    pub fn from_path(path: &Path) -> Option<VolumeFormat> {
+        let name = path.file_name()?.to_str()?.to_ascii_lowercase();
+        VolumeFormat::ENDS.iter().find(|(_, end)| name.ends_with(end)).map(|(format, _)| *format)
+    }
+
+    /// Writes a volume. [`open`](super::open) reads it back bit for bit, except from [`VolumeFormat::Npy`], if the values
+    /// are finite and the samples within 131072 voxels of the origin. Axes that are those of the world, but exchanged or
+    /// backwards, come back in order.
+    ///
+    /// # Errors
+    /// What `to` returns, and `InvalidInput` where the number of values is not the product of the sizes.
+    pub fn write(&self, volume: &Volume, mut to: impl Write) -> io::Result<()> {
+        check(volume)?;
+        match self {
+            VolumeFormat::Nrrd => write_nrrd(volume, to),
+            VolumeFormat::MetaImage => write_meta(volume, to),
+            VolumeFormat::Nifti => {
+                write_nifti::write(volume, &mut to)?;
+                to.flush()
+            }
+            VolumeFormat::NiftiGzip => {
+                let mut encoder = GzEncoder::new(to, LEVEL);
+                write_nifti::write(volume, &mut encoder)?;
+                encoder.finish()?.flush()
+            }
+            VolumeFormat::Npy => {
+                let [x, y, z] = volume.size;
+                let about = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({z}, {y}, {x}), }}");
+                let length = (10 + about.len() + 1).next_multiple_of(64) - 10;
+                to.write_all(b"\x93NUMPY\x01\0")?;
+                to.write_all(&(length as u16).to_le_bytes())?;
+                writeln!(to, "{about:<width$}", width = length - 1)?;
+                write_values(volume, &mut to)?;
+                to.flush()
+            }
+        }
+    }
+}
+
+fn write_meta(volume: &Volume, mut to: impl Write) -> io::Result<()> {
+    let ([x, y, z], origin, steps) = (volume.size, volume.origin, volume.steps.as_dmat3());
+    let numbers = |numbers: &[f64]| numbers.iter().map(|number| number.to_string()).collect::<Vec<_>>().join(" ");
+    writeln!(to, "ObjectType = Image\nNDims = 3")?;
+    if volume.content == Content::SignedDistance {
+        writeln!(to, "Comment = {}", meta::SIGNED_DISTANCE)?;
+    }
+    // Readers ask for the length before the data.
+    let mut encoder = ZlibEncoder::new(Vec::new(), LEVEL);
+    write_values(volume, &mut encoder)?;
+    let data = encoder.finish()?;
+    writeln!(to, "BinaryData = True\nBinaryDataByteOrderMSB = False")?;
+    writeln!(to, "CompressedData = True\nCompressedDataSize = {}", data.len())?;
+    writeln!(to, "TransformMatrix = {}", numbers(&directions(&steps).to_cols_array()))?;
+    writeln!(to, "Offset = {} {} {}", origin.x, origin.y, origin.z)?;
+    writeln!(to, "CenterOfRotation = 0 0 0\nElementSpacing = {}", numbers(&lengths(&steps).to_array()))?;
+    writeln!(to, "DimSize = {x} {y} {z}\nElementType = MET_FLOAT\nElementDataFile = LOCAL")?;
+    to.write_all(&data)?;
+    to.flush()
+}
