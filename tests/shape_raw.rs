@@ -61,14 +61,14 @@ fn every_type_and_order_gives_the_values_in_their_place() {
             }
         )*};
     }
-    check!("u8" u8, "i8" i8, "u16" u16, "i16" i16, "u32" u32, "i32" i32, "u64" u64, "i64" i64, "f32" f32, "f64" f64);
+    check!("uint8" u8, "int8" i8, "uint16" u16, "int16" i16, "uint32" u32, "int32" i32, "uint64" u64, "int64" i64, "float32" f32, "float64" f64);
 }
 
 #[test]
 fn names_of_types_are_told_where_one_is_wrong() {
-    for wrong in ["", "U8", "uint8", "u128", "f16", "float", "u8 "] {
+    for wrong in ["", "UINT8", "u8", "uint128", "float16", "float", "uint8 "] {
         let line = wrong.parse::<SampleType>().unwrap_err().to_string();
-        let known = "choose one of u8, i8, u16, i16, u32, i32, u64, i64, f32, f64";
+        let known = "choose one of uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32, float64";
         assert_eq!(line, format!("no type is called `{wrong}`; {known}"));
     }
     assert!("x".repeat(1 << 20).parse::<SampleType>().unwrap_err().to_string().len() < 200);
@@ -111,11 +111,11 @@ fn a_layout_that_the_file_does_not_fit_to_is_refused() {
 
 #[test]
 fn without_a_layout_the_flags_are_named_and_what_the_file_may_be() {
-    let remedy = "nothing says what they are{}; `hypertexture convert` makes a volume of it by --dims X,Y,Z --type u16 (u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64)";
+    let remedy = "nothing says what they are{}; `hypertexture convert` makes a volume of it by --dims X,Y,Z --type uint16 (uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64)";
     for (bytes, guess) in [
-        (16 * 16 * 16, " (16 x 16 x 16 of u8?)"),
-        (2 * 17 * 17 * 17, " (17 x 17 x 17 of u16?)"),
-        (4 * 15 * 15 * 15, " (15 x 15 x 15 of f32?)"),
+        (16 * 16 * 16, " (16 x 16 x 16 of uint8?)"),
+        (2 * 17 * 17 * 17, " (17 x 17 x 17 of uint16?)"),
+        (4 * 15 * 15 * 15, " (15 x 15 x 15 of float32?)"),
         (1001, ""),
         (1, ""),
     ] {

@@ -19,7 +19,7 @@ pub struct Convert {
     /// Values without a header: how many along x, y and z, x fastest.
     #[arg(long, value_delimiter = ',', value_name = "X,Y,Z")]
     pub dims: Option<Vec<u32>>,
-    /// Their type: u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64.
+    /// Their type, as NumPy calls it: uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64.
     #[arg(long = "type", requires = "dims", value_name = "TYPE")]
     pub kind: Option<SampleType>,
     /// Which of their bytes is first.
@@ -42,7 +42,7 @@ pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
     let shape = match &command.dims {
         Some(dims) => {
             let size = three(dims).ok_or("--dims: give 3 numbers, such as 256,256,128")?;
-            let kind = command.kind.ok_or("--dims: say the type of the values too, such as --type u16")?;
+            let kind = command.kind.ok_or("--dims: say the type of the values too, such as --type uint16")?;
             let spacing = match &command.spacing {
                 Some(spacing) => three(spacing).ok_or("--spacing: give 3 numbers, such as 0.5,0.5,2")?,
                 None => [1.0; 3],

@@ -5,7 +5,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Type of a value in a file; its name is that of Rust: `u16`, `f32`.
+/// Type of a value in a file; its name is that of NumPy: `uint16`, `float32`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SampleType {
     /// Unsigned 8 bits.
@@ -32,22 +32,22 @@ pub enum SampleType {
 
 /// A name that is none of a type.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no type is called `{0}`; choose one of u8, i8, u16, i16, u32, i32, u64, i64, f32, f64")]
+#[error("no type is called `{0}`; choose one of uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32, float64")]
 pub struct UnknownSampleType(pub String);
 
 impl SampleType {
     /// All of them, with their names.
     const NAMES: [(SampleType, &'static str); 10] = [
-        (SampleType::U8, "u8"),
-        (SampleType::I8, "i8"),
-        (SampleType::U16, "u16"),
-        (SampleType::I16, "i16"),
-        (SampleType::U32, "u32"),
-        (SampleType::I32, "i32"),
-        (SampleType::U64, "u64"),
-        (SampleType::I64, "i64"),
-        (SampleType::F32, "f32"),
-        (SampleType::F64, "f64"),
+        (SampleType::U8, "uint8"),
+        (SampleType::I8, "int8"),
+        (SampleType::U16, "uint16"),
+        (SampleType::I16, "int16"),
+        (SampleType::U32, "uint32"),
+        (SampleType::I32, "int32"),
+        (SampleType::U64, "uint64"),
+        (SampleType::I64, "int64"),
+        (SampleType::F32, "float32"),
+        (SampleType::F64, "float64"),
     ];
 
     /// Bytes of a value.

@@ -355,7 +355,7 @@ fn values_without_a_header_become_a_volume_of_any_format() {
     let values = (0..24u16).flat_map(|at| (at * 100).to_be_bytes());
     desk.write("scan.raw", b"head:".iter().copied().chain(values).collect::<Vec<u8>>());
     for name in ["a.nrrd", "a.mha", "a.nii", "a.nii.gz"] {
-        let layout = "--dims 4,3,2 --type u16 --endian big --spacing 0.5,1,2 --skip 5";
+        let layout = "--dims 4,3,2 --type uint16 --endian big --spacing 0.5,1,2 --skip 5";
         desk.good(&format!("convert scan.raw {layout} -o {name}"));
         let known: serde_json::Value = serde_json::from_str(&desk.good(&format!("info {name} --json"))).unwrap();
         assert_eq!(known["voxels"], serde_json::json!([4, 3, 2]), "{name}");
