@@ -15,7 +15,7 @@ use super::error::{Location, ShapeError, shown, unreadable};
 use super::source::Source;
 use crate::support::open;
 use header::{MARK, MARK_AT};
-use image::Image;
+use image::{Image, MAX_FRAMES};
 use series::{Layout, Member, layout};
 use std::fs;
 use std::io::BufReader;
@@ -83,27 +83,34 @@ fn members(name: &str, folder: &Path) -> Result<Vec<Member>, ShapeError> {
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
-        if path.is_file() {
+        if path.metadata().is_ok_and(|about| about.is_file() && about.len() > MARK_AT as u64) {
             paths.push(path);
         }
         if paths.len() > MAX_FILES {
-            let (file, found) = (name.into(), format!("more than {MAX_FILES} files"));
-            let remedy = "put the slices into a folder of their own";
-            return Err(ShapeError::Unsupported { file, place: Location::Folder, what: "a folder of", found, remedy });
+            return Err(too_many(name, format!("more than {MAX_FILES} files")));
         }
     }
     paths.sort();
-    let mut members = Vec::new();
+    let (mut members, mut frames) = (Vec::new(), 0);
     for path in paths {
         let image = with_file(&path, |source| {
             let is_dicom = recognizes(source.peek()?, 0);
             is_dicom.then(|| Image::read(source)).transpose()
         })?;
         if let Some(image) = image.filter(Image::is_picture) {
+            frames += image.frames.len();
             members.push(Member { path, image });
+        }
+        if frames > MAX_FRAMES {
+            return Err(too_many(name, format!("more than {MAX_FRAMES} frames")));
         }
     }
     Ok(members)
+}
+
+fn too_many(name: &str, found: String) -> ShapeError {
+    let (file, remedy) = (name.into(), "put the slices of the scan into a folder of their own");
+    ShapeError::Unsupported { file, place: Location::Folder, what: "a folder of", found, remedy }
 }
 
 /// The volume of all frames of `members`.

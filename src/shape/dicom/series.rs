@@ -142,9 +142,10 @@ fn step(slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> Result<DVec3, Wron
     let (Some(first), Some(last), true) = (slices.first(), slices.last(), slices.len() > 1) else {
         return Err(("at least 2 slices of a series in a folder", slices.len().to_string()));
     };
-    let mut gaps: Vec<f64> = slices.windows(2).map(|pair| pair[1].height - pair[0].height).collect();
+    let gaps = slices.windows(2).map(|pair| pair[1].height - pair[0].height);
+    let mut gaps: Vec<f64> = gaps.filter(|gap| *gap > 0.0).collect();
     gaps.sort_by(f64::total_cmp);
-    let usual = gaps[gaps.len() / 2];
+    let usual = gaps.get(gaps.len().saturating_sub(1) / 2).copied().unwrap_or_default();
     for pair in slices.windows(2) {
         let gap = pair[1].height - pair[0].height;
         let between = || format!("{} and {}", name(&pair[0]), name(&pair[1]));
