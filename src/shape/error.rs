@@ -30,7 +30,7 @@ pub enum ShapeError {
         file: String,
     },
     /// A directory, a device or a pipe.
-    #[error("{file}: is {kind}, not a file; name the mesh or volume file itself")]
+    #[error("{file}: is {kind}, not a file; name the mesh or volume file itself, or a folder with slices of DICOM")]
     NotAFile {
         /// The path.
         file: String,
@@ -241,6 +241,8 @@ pub enum Location {
     Line(u64),
     /// The header as a whole: something is not there.
     Header,
+    /// The files of a folder together.
+    Folder,
     /// What was said about a file that says nothing itself.
     Layout,
     /// A byte, from 0.
@@ -267,6 +269,7 @@ impl fmt::Display for Location {
         match self {
             Location::Line(line) => write!(f, "line {line}"),
             Location::Header => write!(f, "header"),
+            Location::Folder => write!(f, "folder"),
             Location::Layout => write!(f, "layout"),
             Location::Byte(byte) => write!(f, "byte {byte}"),
             Location::Face(face) => write!(f, "face {face} (from 0)"),

@@ -6,9 +6,10 @@
 //! [`open`] is the way in, [`open_raw`] where a file does not say what it holds; [`VolumeFormat`] is the way back out for
 //! volumes. World space is right-handed with y up for the built-in objects; files keep the coordinates they have. Sources
 //! are named where they are used: Newell's teapot in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`],
-//! the file formats in `obj`, `ply`, `stl`, `gltf`, `nrrd`, `meta`, `nifti` and `vdb`.
+//! the file formats in `obj`, `ply`, `stl`, `gltf`, `nrrd`, `meta`, `nifti`, `dicom` and `vdb`.
 
 mod axes;
+mod dicom;
 mod error;
 mod files;
 mod generated;

@@ -5,7 +5,7 @@
 
 use super::error::{quoted, shown, unreadable};
 use super::source::Source;
-use super::{BUILT_IN, Shape, ShapeError, generated, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
+use super::{BUILT_IN, Shape, ShapeError, dicom, generated, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
 use crate::support::open::{self as plain, OpenError};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -25,6 +25,7 @@ const FORMATS: &[Format] = &[
     Format { extensions: &["nrrd", "nhdr"], recognizes: nrrd::recognizes, read: nrrd::read },
     Format { extensions: &["mhd", "mha"], recognizes: meta::recognizes, read: meta::read },
     Format { extensions: &["gltf", "glb"], recognizes: gltf::recognizes, read: gltf::read },
+    Format { extensions: &["dcm"], recognizes: dicom::recognizes, read: dicom::read },
     Format { extensions: &["vdb"], recognizes: vdb::recognizes, read: vdb::read },
     Format { extensions: &["nii", "nii.gz", "hdr", "hdr.gz"], recognizes: nifti::recognizes, read: nifti::read },
     Format { extensions: &["raw"], recognizes: |_, _| false, read: raw::refuse },
@@ -36,8 +37,9 @@ const FORMATS: &[Format] = &[
 /// Opens a built-in object or a file.
 ///
 /// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a file
-/// is chosen by its content where the content tells (NRRD, MetaImage, OpenVDB, NIfTI, glTF, PLY, STL), else by its
-/// extension (OBJ). Coordinates stay as they are in the file. Directories, devices and pipes are refused. Each note of
+/// is chosen by its content where the content tells (NRRD, MetaImage, DICOM, OpenVDB, NIfTI, glTF, PLY, STL), else by its
+/// extension (OBJ). Coordinates stay as they are in the file, but those of DICOM are turned to the axes of NIfTI. A folder is
+/// the DICOM series in it, and a slice stands for its series; other folders, devices and pipes are refused. Each note of
 /// [`open_noted`] becomes a warning in the log.
 ///
 /// # Errors
@@ -56,6 +58,9 @@ pub fn open_noted(name_or_path: &str) -> Result<(Shape, Vec<String>), ShapeError
         return Ok((shape, Vec::new()));
     }
     let path = Path::new(name_or_path);
+    if path.is_dir() {
+        return Ok((dicom::read_folder(&shown(name_or_path), path)?, Vec::new()));
+    }
     let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
     parse(name_or_path, len, Some(folder), &mut BufReader::new(opened))
@@ -156,7 +161,7 @@ mod tests {
         assert!(
             message.contains("sphere, cube, torus")
                 && message.contains(
-                    ".nrrd, .nhdr, .mhd, .mha, .gltf, .glb, .vdb, .nii, .nii.gz, .hdr, .hdr.gz, .raw, .ply, .stl, .obj"
+                    ".nrrd, .nhdr, .mhd, .mha, .gltf, .glb, .dcm, .vdb, .nii, .nii.gz, .hdr, .hdr.gz, .raw, .ply, .stl, .obj"
                 ),
             "{message}"
         );

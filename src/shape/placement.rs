@@ -5,8 +5,9 @@
 
 use super::axes::{Axes, directions, lengths};
 use super::error::{Location, ShapeError};
-use super::source::Source;
+use super::source::check_positions;
 use super::{Content, MAX_COORDINATE, MAX_VOXELS, Volume};
+use crate::support::memory;
 use glam::{BVec3, DMat3, DVec3};
 use std::collections::TryReserveError;
 
@@ -63,9 +64,9 @@ impl Placement {
     }
 
     /// An error where f32 cannot tell the samples apart, or where they would not mean what they should.
-    pub fn check(&self, source: &Source) -> Result<(), ShapeError> {
+    pub fn check(&self, file: &str) -> Result<(), ShapeError> {
         let unsupported = |what, found, remedy| {
-            let (file, place) = (source.file.clone(), Location::Header);
+            let (file, place) = (file.to_owned(), Location::Header);
             Err(ShapeError::Unsupported { file, place, what, found, remedy })
         };
         let determinant = directions(&self.steps).determinant();
@@ -76,7 +77,7 @@ impl Placement {
         let last = DVec3::from(self.size.map(|n| f64::from(n) - 1.0));
         let corner = |i: u32| DVec3::select(BVec3::new(i & 1 > 0, i & 2 > 0, i & 4 > 0), last, DVec3::ZERO);
         let corners: [DVec3; 8] = std::array::from_fn(|i| self.origin + self.steps * corner(i as u32));
-        source.check_positions("volume corners", &corners.map(DVec3::as_vec3))?;
+        check_positions(file, "volume corners", &corners.map(DVec3::as_vec3))?;
         let axes = Axes::new(DVec3::ZERO, self.steps);
         let voxels_away = corners.iter().map(|&corner| axes.sensitivity(corner).max_element()).fold(0.0, f64::max);
         if voxels_away > MAX_VOXELS_FROM_ORIGIN {
@@ -96,8 +97,29 @@ impl Placement {
         Ok(())
     }
 
-    /// The volume with these values, in the order of the file; none where there is no memory to put them into another.
-    pub fn volume(self, mut values: Vec<f32>) -> Result<Volume, TryReserveError> {
+    /// Room for the values of a volume, all `value`.
+    pub fn filled(&self, file: &str, value: f32) -> Result<Vec<f32>, ShapeError> {
+        let bytes = 4 * self.voxels();
+        let refused = || ShapeError::OutOfMemory { file: file.to_owned(), bytes };
+        // What is asked for is given by some systems, and taken back together with the process when it is used.
+        if memory::available().is_some_and(|left| bytes > left) {
+            return Err(refused());
+        }
+        let mut values = Vec::new();
+        values.try_reserve_exact(self.voxels() as usize).map_err(|_| refused())?;
+        values.resize(self.voxels() as usize, value);
+        Ok(values)
+    }
+
+    /// The volume with these values, in the order of the file. An error where one of them is not finite, or where there is
+    /// no memory to put them into another order.
+    pub fn volume(self, file: &str, mut values: Vec<f32>) -> Result<Volume, ShapeError> {
+        if let Some(first) = values.iter().position(|value| !value.is_finite()) {
+            let count = values.iter().filter(|value| !value.is_finite()).count();
+            let (file, total) = (file.to_owned(), values.len());
+            return Err(ShapeError::NotFinite { file, what: "voxels", count, total, first });
+        }
+        let bytes = 4 * self.voxels();
         let mut steps = self.straight();
         let Placement { mut size, mut origin, content, .. } = self;
         if let Some(order) = order(&steps) {
@@ -110,7 +132,8 @@ impl Placement {
                 block *= n;
             }
             if order != [0, 1, 2] {
-                values = exchanged(&values, size, order)?;
+                let refused = |_| ShapeError::OutOfMemory { file: file.to_owned(), bytes };
+                values = exchanged(&values, size, order).map_err(refused)?;
                 size = order.map(|axis| size[axis]);
             }
             steps = DMat3::from_diagonal(DVec3::from(std::array::from_fn(|row| steps.row(row).abs().max_element())));

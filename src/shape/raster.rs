@@ -85,7 +85,7 @@ impl Data {
 impl Raster {
     /// Reads the data.
     pub fn read(self, source: &mut Source, data: &Data) -> Result<Shape, ShapeError> {
-        self.placement.check(source)?;
+        self.placement.check(&source.file)?;
         let (mut values, voxels) = (Vec::new(), self.placement.voxels());
         match &data.files {
             None => self.append(source, data, voxels, &mut values)?,
@@ -97,13 +97,7 @@ impl Raster {
                 }
             }
         }
-        if let Some(first) = values.iter().position(|value| !value.is_finite()) {
-            let count = values.iter().filter(|value| !value.is_finite()).count();
-            let (file, total) = (source.file.clone(), values.len());
-            return Err(ShapeError::NotFinite { file, what: "voxels", count, total, first });
-        }
-        let refused = |_| ShapeError::OutOfMemory { file: source.file.clone(), bytes: 8 * voxels };
-        self.placement.volume(values).map(Shape::Volume).map_err(refused)
+        self.placement.volume(&source.file, values).map(Shape::Volume)
     }
 
     /// Appends the `count` values of one file.

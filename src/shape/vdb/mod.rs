@@ -13,7 +13,6 @@ use super::error::{Location, ShapeError, quoted};
 use super::placement::{self, Placement};
 use super::source::Source;
 use super::{Content, Shape, axes};
-use crate::support::memory;
 use head::{Descriptor, Metadata};
 use std::ops::RangeInclusive;
 use tree::{Dense, Tree};
@@ -156,34 +155,9 @@ fn volume(
         return Err(source.malformed_at(Location::Header, placement::STEPS, found));
     }
     let placement = Placement { size, origin: zero + steps * min.as_dvec3(), steps, content };
-    placement.check(source)?;
-    let mut values = filled(&source.file, size, coding.background)?;
+    placement.check(&source.file)?;
+    let mut values = placement.filled(&source.file, coding.background)?;
     tree.fill(source, &coding, Dense { min, size, values: &mut values })?;
     check(source, about.as_ref().map_or(0, |about| about.end), "the offset of the end of a grid")?;
-    check_finite(&source.file, &values)?;
-    let bytes = 4 * placement.voxels();
-    let refused = |_| ShapeError::OutOfMemory { file: source.file.clone(), bytes };
-    placement.volume(values).map(Shape::Volume).map_err(refused)
-}
-
-/// Room for the values of a volume, all `value`.
-fn filled(file: &str, size: [u32; 3], value: f32) -> Result<Vec<f32>, ShapeError> {
-    let voxels: u64 = size.iter().map(|&n| u64::from(n)).product();
-    let bytes = 4 * voxels;
-    let refused = || ShapeError::OutOfMemory { file: file.into(), bytes };
-    // What is asked for is given by some systems, and taken back together with the process when it is used.
-    if memory::available().is_some_and(|left| bytes > left) {
-        return Err(refused());
-    }
-    let mut values = Vec::new();
-    values.try_reserve_exact(voxels as usize).map_err(|_| refused())?;
-    values.resize(voxels as usize, value);
-    Ok(values)
-}
-
-/// An error where a value is NaN or infinite.
-fn check_finite(file: &str, values: &[f32]) -> Result<(), ShapeError> {
-    let Some(first) = values.iter().position(|value| !value.is_finite()) else { return Ok(()) };
-    let count = values.iter().filter(|value| !value.is_finite()).count();
-    Err(ShapeError::NotFinite { file: file.into(), what: "voxels", count, total: values.len(), first })
+    placement.volume(&source.file, values).map(Shape::Volume)
 }

@@ -1,0 +1,90 @@
+//! The header of a DICOM file.
+//!
+//! Role: the mark, and how the rest of the file is written. Invariant: one of the three ways that leave pixels as they are,
+//! or a name for the other one. Source: NEMA PS3.10, 7, and PS3.5, annex A.
+
+use super::super::error::{Location, ShapeError, quoted};
+use super::super::source::Source;
+use super::elements::{Elements, Syntax, shown};
+use super::image::Refusal;
+
+/// Where the mark of a file is, and the mark.
+pub(super) const MARK_AT: usize = 128;
+pub(super) const MARK: &[u8] = b"DICM";
+/// How elements are written where nothing else is said.
+const EXPLICIT: Syntax = Syntax { is_implicit: false, big_endian: false };
+/// What a file is that names others.
+const DIRECTORY: &str = "1.2.840.10008.1.3.10";
+/// What is read here, for messages.
+const HEADER: &str = "a DICOM header";
+
+/// What is said before the image.
+pub(super) struct Header {
+    /// How elements are written.
+    pub syntax: Syntax,
+    /// Why its pixels are not read.
+    pub refused: Option<Refusal>,
+}
+
+impl Header {
+    /// Reads a file up to its data set.
+    pub fn read(source: &mut Source) -> Result<Header, ShapeError> {
+        let start: [u8; MARK_AT + 4] = source.array(HEADER)?;
+        if &start[MARK_AT..] != MARK {
+            let (file, place) = (source.file.clone(), Location::Byte(MARK_AT as u64));
+            let (found, remedy) =
+                ("without the mark `DICM`".into(), "rewrite it with `dcmconv` of DCMTK, which adds a header");
+            return Err(ShapeError::Unsupported { file, place, what: "a DICOM file", found, remedy });
+        }
+        let mut elements = Elements::new(source, EXPLICIT);
+        let (mut end, mut syntax, mut is_directory) = (None, None, false);
+        while end.is_none_or(|end| elements.source.offset < end) {
+            let place = Location::Byte(elements.source.offset);
+            let Some(head) = elements.next()? else { break };
+            match head.tag {
+                0x0002_0000 if head.length == 4 => {
+                    let length = u32::from_le_bytes(elements.source.array(HEADER)?);
+                    end = Some(elements.source.offset + u64::from(length));
+                }
+                0x0002_0002 => is_directory = elements.text(&head)? == DIRECTORY,
+                0x0002_0010 => syntax = Some(elements.text(&head)?),
+                tag if tag >> 16 == 2 && end.is_some() => elements.skip(&head)?,
+                tag => {
+                    let expected = "a header that begins with its length (0002,0000)";
+                    return Err(source.malformed_at(place, expected, shown(tag)));
+                }
+            }
+        }
+        let Some(syntax) = syntax else {
+            return Err(source.malformed_at(Location::Header, "a transfer syntax (0002,0010)", "none".into()));
+        };
+        let read = |is_implicit, big_endian| (Syntax { is_implicit, big_endian }, None);
+        let (syntax, refused) = match &*syntax {
+            "1.2.840.10008.1.2" => read(true, false),
+            "1.2.840.10008.1.2.1" => read(false, false),
+            "1.2.840.10008.1.2.2" => read(false, true),
+            other => (EXPLICIT, Some(compressed(other))),
+        };
+        let remedy = "it only names files: open the folder that the slices are in, or one of them";
+        let refused = if is_directory { Some(("the", "DICOMDIR".into(), remedy)) } else { refused };
+        Ok(Header { syntax, refused })
+    }
+}
+
+/// Why a transfer syntax is not read.
+fn compressed(syntax: &str) -> Refusal {
+    let number = syntax.strip_prefix("1.2.840.10008.1.2.").unwrap_or_default();
+    let name = match number {
+        "1.99" => "deflate",
+        "4.50" | "4.51" | "4.57" | "4.70" => "JPEG",
+        "4.80" | "4.81" => "JPEG-LS",
+        "4.90" | "4.91" | "4.92" | "4.93" => "JPEG 2000",
+        "4.201" | "4.202" | "4.203" => "HTJ2K",
+        "5" => "RLE",
+        _ if number.starts_with("4.10") => "MPEG",
+        _ => "unknown",
+    };
+    let found = format!("{name} ({})", quoted(syntax.as_bytes()));
+    let remedy = "unpack it with `gdcmconv --raw`, or `dcmdjpeg`, `dcmdjpls`, `dcmdrle` or `dcmconv +te` of DCMTK";
+    ("the transfer syntax", found, remedy)
+}

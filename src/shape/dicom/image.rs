@@ -1,0 +1,269 @@
+//! The image in a DICOM file: what is said of its pixels, and the pixels.
+//!
+//! Role: elements into an [`Image`], and its frames into values. Invariant: what changes the values or the places of pixels
+//! is understood, or refused once the image is used. Source: NEMA PS3.3, C.7.6.2, C.7.6.3, C.7.6.16 and C.11.1, and PS3.5, 8.
+
+use super::super::error::{Found, Location, ShapeError, quoted};
+use super::super::source::Source;
+use super::elements::{Element, Elements, PER_FRAME, PIXELS, SHARED};
+use super::header::Header;
+
+/// Most frames of a file or folder: what is kept of one is many times as long as the shortest item of it.
+pub(super) const MAX_FRAMES: usize = 1 << 16;
+
+/// What is not read, what was found of it, and what to do.
+pub(super) type Refusal = (&'static str, String, &'static str);
+
+/// What is said of a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Frame {
+    /// Center of the first pixel, in mm.
+    pub position: Option<[f64; 3]>,
+    /// Directions in which columns and rows are counted.
+    pub orientation: Option<[f64; 6]>,
+    /// Distance of rows and of columns, in mm.
+    pub spacing: Option<[f64; 2]>,
+    /// What pixels are multiplied by.
+    pub slope: Option<f64>,
+    /// What is added then.
+    pub intercept: Option<f64>,
+}
+
+/// What is said of an image.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Image {
+    /// Identifier of its series.
+    pub series: String,
+    /// Pixels along y.
+    pub rows: u16,
+    /// Pixels along x.
+    pub columns: u16,
+    /// What is said of each frame.
+    pub frames: Vec<Frame>,
+    /// How many frames it says to have.
+    count: u64,
+    samples: u16,
+    photometric: String,
+    /// Bits of a pixel, those of its value, and the place of the highest of these.
+    bits: [u16; 3],
+    is_signed: bool,
+    /// Something that is not read, and what to do.
+    refused: Option<Refusal>,
+    data: Option<Pixels>,
+}
+
+/// How pixels are written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Pixels {
+    big_endian: bool,
+    /// Their bytes as declared, where they begin, and the bytes from there to the end of the file.
+    bytes: u32,
+    offset: u64,
+    left: u64,
+}
+
+impl Frame {
+    /// What it says, else what `common` says.
+    fn or(self, common: Frame) -> Frame {
+        Frame {
+            position: self.position.or(common.position),
+            orientation: self.orientation.or(common.orientation),
+            spacing: self.spacing.or(common.spacing),
+            slope: self.slope.or(common.slope),
+            intercept: self.intercept.or(common.intercept),
+        }
+    }
+
+    /// Takes over an element that is of frames; whether it is one.
+    fn takes(&mut self, elements: &mut Elements, head: &Element) -> Result<bool, ShapeError> {
+        match head.tag {
+            0x0020_0032 => self.position = Some(numbers(elements, head, "ImagePositionPatient of 3 numbers")?),
+            0x0020_0037 => self.orientation = Some(numbers(elements, head, "ImageOrientationPatient of 6 numbers")?),
+            0x0028_0030 => self.spacing = Some(numbers(elements, head, "PixelSpacing of 2 numbers")?),
+            0x0028_1052 => self.intercept = Some(number(elements, head, "RescaleIntercept of one number")?),
+            0x0028_1053 => self.slope = Some(number(elements, head, "RescaleSlope of one number")?),
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+}
+
+/// The decimal numbers of an element.
+fn numbers<const N: usize>(
+    elements: &mut Elements,
+    head: &Element,
+    expected: &'static str,
+) -> Result<[f64; N], ShapeError> {
+    let place = Location::Byte(elements.source.offset);
+    let text = elements.text(head)?;
+    let finite = |part: &str| part.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    let parts: Option<Vec<f64>> = text.split('\\').map(finite).collect();
+    let parts = parts.and_then(|parts| parts.try_into().ok());
+    parts.ok_or_else(|| elements.source.malformed_at(place, expected, quoted(text.as_bytes())))
+}
+
+fn number(elements: &mut Elements, head: &Element, expected: &'static str) -> Result<f64, ShapeError> {
+    numbers::<1>(elements, head, expected).map(|[number]| number)
+}
+
+impl Image {
+    /// Reads a file up to the pixels, or to its end where there are none.
+    pub fn read(source: &mut Source) -> Result<Image, ShapeError> {
+        let Header { syntax, refused } = Header::read(source)?;
+        let mut image = Image { count: 1, samples: 1, refused, ..Image::default() };
+        let (mut common, mut shared) = (Frame::default(), Frame::default());
+        let mut elements = Elements::new(source, syntax);
+        while let Some(head) = elements.next()? {
+            if head.tag == PIXELS {
+                if syntax.big_endian && &head.kind == b"OW" && image.bits[0] != 16 {
+                    let (found, remedy) =
+                        (image.bits[0].to_string(), "rewrite it by `dcmconv +te`, the lowest byte first");
+                    image.refused = Some(("in words with the highest byte first, BitsAllocated", found, remedy));
+                }
+                let (offset, left) = (elements.source.offset, elements.source.remaining());
+                image.data = Some(Pixels { big_endian: syntax.big_endian, bytes: head.length, offset, left });
+                break;
+            }
+            let is_taken = match elements.group() {
+                None => common.takes(&mut elements, &head)? || image.takes(&mut elements, &head)?,
+                Some((PER_FRAME, index)) => {
+                    if index >= MAX_FRAMES {
+                        let place = Location::Byte(elements.source.offset);
+                        let expected = "at most 65536 frames in a file";
+                        return Err(elements.source.malformed_at(place, expected, "more".into()));
+                    }
+                    image.frames.resize(image.frames.len().max(index + 1), Frame::default());
+                    image.frames[index].takes(&mut elements, &head)?
+                }
+                Some((SHARED, _)) => shared.takes(&mut elements, &head)?,
+                Some(_) => false,
+            };
+            if !is_taken {
+                elements.skip(&head)?;
+            }
+        }
+        if elements.has_table {
+            let remedy = "write its values into the pixels";
+            image.refused = Some(("an image with", "a ModalityLUTSequence".into(), remedy));
+        }
+        if image.frames.is_empty() && image.count == 1 {
+            image.frames.push(Frame::default());
+        }
+        image.frames.iter_mut().for_each(|frame| *frame = frame.or(shared).or(common));
+        Ok(image)
+    }
+
+    /// Takes over an element that is of the whole image; whether it is one.
+    fn takes(&mut self, elements: &mut Elements, head: &Element) -> Result<bool, ShapeError> {
+        match head.tag {
+            0x0020_000e => self.series = elements.text(head)?,
+            0x0028_0002 => self.samples = elements.short(head)?,
+            0x0028_0004 => self.photometric = elements.text(head)?,
+            0x0028_0008 => self.count = number(elements, head, "NumberOfFrames of one number")? as u64,
+            0x0028_0010 => self.rows = elements.short(head)?,
+            0x0028_0011 => self.columns = elements.short(head)?,
+            0x0028_0100 => self.bits[0] = elements.short(head)?,
+            0x0028_0101 => self.bits[1] = elements.short(head)?,
+            0x0028_0102 => self.bits[2] = elements.short(head)?,
+            0x0028_0103 => self.is_signed = elements.short(head)? != 0,
+            0x7fe0_0008 | 0x7fe0_0009 => {
+                let remedy = "convert them to integers with RescaleSlope and RescaleIntercept";
+                self.refused = Some(("an image of", "floats".into(), remedy));
+                elements.skip(head)?;
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// Whether there is a picture in the file.
+    pub fn is_picture(&self) -> bool {
+        self.rows > 0 && self.columns > 0 && (self.data.is_some() || self.refused.is_some())
+    }
+
+    /// Whether the picture is one slice of a series.
+    pub fn is_slice(&self) -> bool {
+        self.is_picture() && self.frames.len() < 2 && self.count < 2
+    }
+
+    /// Pixels of a frame.
+    pub fn pixels(&self) -> usize {
+        usize::from(self.rows) * usize::from(self.columns)
+    }
+
+    /// Bytes of a frame.
+    fn frame_bytes(&self) -> u64 {
+        self.pixels() as u64 * u64::from(self.bits[0] / 8)
+    }
+
+    /// An error where its pixels are not what is read here.
+    pub fn check(&self, file: &str) -> Result<(), ShapeError> {
+        let place = Location::Header;
+        let unsupported =
+            |what, found, remedy| Err(ShapeError::Unsupported { file: file.into(), place, what, found, remedy });
+        let wrong = |expected, found| Err(ShapeError::Malformed { file: file.into(), place, expected, found });
+        if let Some((what, found, remedy)) = &self.refused {
+            return unsupported(what, found.clone(), remedy);
+        }
+        let Some(pixels) = self.data.filter(|_| self.is_picture()) else {
+            return wrong("Rows, Columns and pixels (7FE0,0010)", "no picture".into());
+        };
+        if self.samples != 1 {
+            return unsupported("SamplesPerPixel", self.samples.to_string(), "convert it to grey values: 1 is read");
+        }
+        if self.photometric != "MONOCHROME2" {
+            let found = quoted(self.photometric.as_bytes());
+            return unsupported("PhotometricInterpretation", found, "convert it to MONOCHROME2");
+        }
+        let [allocated, stored, high] = self.bits;
+        if !matches!(allocated, 8 | 16 | 32) {
+            return unsupported("BitsAllocated", allocated.to_string(), "8, 16 and 32 are read");
+        }
+        if stored == 0 || high >= allocated || high + 1 < stored {
+            let found = format!("{stored} bits up to bit {high} of {allocated}");
+            return wrong("BitsStored and HighBit inside of BitsAllocated", found);
+        }
+        if self.count == 0 || self.count != self.frames.len() as u64 {
+            let found = format!("{} frames, {} of them with a place", self.count, self.frames.len());
+            return unsupported("a file of", found, "each needs one (5200,9230): save each frame as a file");
+        }
+        if self.frames.iter().any(|frame| frame.slope == Some(0.0)) {
+            return wrong("RescaleSlope that is not 0", "0".into());
+        }
+        let declared = self.frame_bytes() * self.count;
+        if u64::from(pixels.bytes) != declared && u64::from(pixels.bytes) != declared + declared % 2 {
+            let found = format!(
+                "{} for {} x {} x {} pixels of {allocated} bits",
+                pixels.bytes, self.columns, self.rows, self.count
+            );
+            return wrong("as many bytes of pixels as Rows, Columns and BitsAllocated say", found);
+        }
+        if declared > pixels.left {
+            let (file, what, found) = (file.into(), "pixels".into(), Found::Bytes(pixels.left));
+            return Err(ShapeError::DataSize { file, offset: pixels.offset, declared, what, found });
+        }
+        Ok(())
+    }
+
+    /// Reads the values of the next frame, which is `frame`: its pixels are next in the source.
+    pub fn values(&self, source: &mut Source, frame: &Frame, values: &mut [f32]) -> Result<(), ShapeError> {
+        let [allocated, stored, high] = self.bits.map(u32::from);
+        let Some(pixels) = self.data else { return Ok(()) };
+        let block = source.block(self.frame_bytes(), "pixels of a frame")?;
+        let (slope, intercept) = (frame.slope.unwrap_or(1.0), frame.intercept.unwrap_or(0.0));
+        // To the left the bits above the value fall off, to the right those below it, and a sign comes along.
+        let (left, right) = (31 - high, 32 - stored);
+        let width = allocated as usize / 8;
+        for (value, pixel) in values.iter_mut().zip(block.chunks_exact(width)) {
+            let mut raw = [0; 4];
+            raw[..width].copy_from_slice(pixel);
+            if pixels.big_endian {
+                raw[..width].reverse();
+            }
+            let raw = u32::from_le_bytes(raw) << left;
+            let stored = if self.is_signed { f64::from(raw as i32 >> right) } else { f64::from(raw >> right) };
+            *value = (slope * stored + intercept) as f32;
+        }
+        Ok(())
+    }
+}

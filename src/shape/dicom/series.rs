@@ -1,0 +1,181 @@
+//! The places of the slices of a DICOM series.
+//!
+//! Role: positions and orientations of slices into one grid. Invariant: each slice is within 1/50 of a gap of where the grid
+//! has it; a slice too few or too many is refused. Source: NEMA PS3.3, C.7.6.2.1.1.
+
+use super::super::Content;
+use super::super::axes::lengths;
+use super::super::error::{Location, ShapeError, quoted};
+use super::super::placement::{self, Placement};
+use super::image::{Frame, Image};
+use glam::{DMat3, DVec3};
+use std::path::PathBuf;
+
+/// How far a slice may be from its place, in gaps: what scanners round their positions by.
+const OFF: f64 = 0.02;
+/// How far orientations may be from each other, from length 1 and from right angles: what is left of 16 characters, and more.
+const TURN: f64 = 1e-3;
+
+/// From the coordinates of DICOM to those of NIfTI: the first two run the other way.
+const TO_WORLD: DMat3 = DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0));
+
+/// A file of a series.
+pub(super) struct Member {
+    /// Where it is; nowhere if it is in memory.
+    pub path: PathBuf,
+    /// Its image.
+    pub image: Image,
+}
+
+/// A grid, and which slice of it each frame of each file is.
+pub(super) struct Layout {
+    /// Where the pixels are.
+    pub placement: Placement,
+    /// The slice of each frame of each file.
+    pub slices: Vec<Vec<usize>>,
+}
+
+/// A frame and where it is.
+struct Slice {
+    file: usize,
+    frame: usize,
+    position: DVec3,
+    /// Along the normal of the slices, in mm.
+    height: f64,
+}
+
+impl Member {
+    /// Its name for a message.
+    pub fn name(&self) -> String {
+        quoted(self.path.file_name().unwrap_or_default().to_string_lossy().as_bytes())
+    }
+
+    /// A frame for a message.
+    fn shown(&self, frame: usize) -> String {
+        match (self.image.frames.len() > 1, self.path.file_name()) {
+            (true, None) => format!("frame {}", frame + 1),
+            (true, Some(_)) => format!("frame {} of {}", frame + 1, self.name()),
+            (false, _) => self.name(),
+        }
+    }
+}
+
+/// The grid that the frames of `members` make, for messages about `file`.
+pub(super) fn layout(file: &str, members: &[Member]) -> Result<Layout, ShapeError> {
+    let place = if members.len() > 1 { Location::Folder } else { Location::Header };
+    let wrong = |expected, found| ShapeError::Malformed { file: file.into(), place, expected, found };
+    let frames = || {
+        let of = |(file, member): (usize, &'_ Member)| (0..member.image.frames.len()).map(move |frame| (file, frame));
+        members.iter().enumerate().flat_map(of)
+    };
+    let Some(first) = members.first().and_then(|member| Some((member, member.image.frames.first()?))) else {
+        return Err(wrong("slices", "none".into()));
+    };
+    let (columns, rows) = (first.0.image.columns, first.0.image.rows);
+    let (x, y, spacing) =
+        plane(first.1).map_err(|(expected, found)| wrong(expected, format!("{found} in {}", first.0.shown(0))))?;
+    let normal = x.cross(y);
+    let mut slices = Vec::new();
+    for (file, frame) in frames() {
+        let member = &members[file];
+        let of_this = |found: String| format!("{found} in {}", member.shown(frame));
+        let about = &member.image.frames[frame];
+        let (its_x, its_y, its_spacing) = plane(about).map_err(|(expected, found)| wrong(expected, of_this(found)))?;
+        if (member.image.columns, member.image.rows) != (columns, rows) {
+            let found = format!("{} x {} and {columns} x {rows}", member.image.columns, member.image.rows);
+            return Err(wrong("as many rows and columns in all slices", of_this(found)));
+        }
+        if its_x.distance(x).max(its_y.distance(y)) > TURN {
+            let found = format!("{} {} and {} {}", vector(its_x), vector(its_y), vector(x), vector(y));
+            return Err(wrong("the same orientation of all slices", of_this(found)));
+        }
+        if its_spacing.iter().zip(spacing).any(|(its, first)| (its - first).abs() > TURN * first) {
+            let found = format!("{its_spacing:?} and {spacing:?} mm");
+            return Err(wrong("the same PixelSpacing in all slices", of_this(found)));
+        }
+        let position =
+            DVec3::from(about.position.ok_or_else(|| wrong("an ImagePositionPatient", of_this("none".into())))?);
+        slices.push(Slice { file, frame, position, height: position.dot(normal) });
+    }
+    slices.sort_by(|a, b| a.height.total_cmp(&b.height));
+    let name = |slice: &Slice| members[slice.file].shown(slice.frame);
+    let step = step(&slices, &name).map_err(|(expected, found)| wrong(expected, found))?;
+    let size = [columns.into(), rows.into(), slices.len() as u64];
+    let size = placement::checked(file, size)?;
+    let mut order: Vec<Vec<usize>> = members.iter().map(|member| vec![0; member.image.frames.len()]).collect();
+    for (index, slice) in slices.iter().enumerate() {
+        order[slice.file][slice.frame] = index;
+    }
+    // Columns are counted along x, so that their distance is the second.
+    let steps = TO_WORLD * DMat3::from_cols(x * spacing[1], y * spacing[0], step);
+    if !placement::are_lengths(lengths(&steps)) {
+        return Err(wrong(placement::STEPS, vector(lengths(&steps))));
+    }
+    let placement = Placement { size, origin: TO_WORLD * slices[0].position, steps, content: Content::Scalar };
+    placement.check(file)?;
+    Ok(Layout { placement, slices: order })
+}
+
+/// What was expected, and what was found.
+type Wrong = (&'static str, String);
+
+/// The directions of columns and rows, of length 1, and the distances of rows and columns.
+fn plane(frame: &Frame) -> Result<(DVec3, DVec3, [f64; 2]), Wrong> {
+    let [a, b, c, d, e, f] = frame.orientation.ok_or_else(|| ("an ImageOrientationPatient", "none".to_string()))?;
+    let (x, y) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
+    let off = (x.length() - 1.0).abs().max((y.length() - 1.0).abs()).max(x.dot(y).abs());
+    if off.is_nan() || off > TURN {
+        return Err((
+            "an ImageOrientationPatient of two directions at right angles",
+            format!("{} {}", vector(x), vector(y)),
+        ));
+    }
+    let spacing = frame.spacing.ok_or_else(|| ("a PixelSpacing", "none".to_string()))?;
+    if spacing.iter().any(|spacing| *spacing <= 0.0) {
+        return Err(("a PixelSpacing above 0", format!("{spacing:?}")));
+    }
+    Ok((x.normalize(), y.normalize(), spacing))
+}
+
+/// The way from a slice to the next one.
+fn step(slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> Result<DVec3, Wrong> {
+    let (Some(first), Some(last), true) = (slices.first(), slices.last(), slices.len() > 1) else {
+        return Err(("at least 2 slices of a series in a folder", slices.len().to_string()));
+    };
+    let gaps = slices.windows(2).map(|pair| pair[1].height - pair[0].height);
+    let mut gaps: Vec<f64> = gaps.filter(|gap| *gap > 0.0).collect();
+    gaps.sort_by(f64::total_cmp);
+    let usual = gaps.get(gaps.len().saturating_sub(1) / 2).copied().unwrap_or_default();
+    for pair in slices.windows(2) {
+        let gap = pair[1].height - pair[0].height;
+        let between = || format!("{} and {}", name(&pair[0]), name(&pair[1]));
+        if gap <= OFF * usual {
+            let found = format!("{} both at {} mm", between(), shown_mm(pair[0].height));
+            return Err(("one slice at each place", found));
+        }
+        if (gap - usual).abs() > OFF * usual {
+            let found = format!("{} mm between {}, others are {} mm apart", shown_mm(gap), between(), shown_mm(usual));
+            return Err(("slices at even distances, none missing", found));
+        }
+    }
+    let step = (last.position - first.position) / (slices.len() - 1) as f64;
+    for (index, slice) in slices.iter().enumerate() {
+        let off = slice.position.distance(first.position + step * index as f64);
+        if off > OFF * step.length() {
+            let found = format!("{} {} mm off it", name(slice), shown_mm(off));
+            return Err(("slices on a straight line at even distances", found));
+        }
+    }
+    Ok(step)
+}
+
+/// A length for a message: to a micrometer.
+fn shown_mm(length: f64) -> String {
+    format!("{:?}", (length * 1e3).round() / 1e3)
+}
+
+/// A vector for a message.
+fn vector(vector: DVec3) -> String {
+    let [x, y, z] = vector.to_array();
+    format!("({x:?},{y:?},{z:?})")
+}
