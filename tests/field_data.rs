@@ -51,7 +51,7 @@ fn measure(name: &str, shape: Shape, request: Request) -> (DistanceField, FieldR
 }
 
 fn request(resolution: u32, side: f32, iso: f32) -> Request {
-    Request { resolution, margin: 0.1 * side, band: 0.12 * side, iso }
+    Request { resolution, margin: 0.1 * side, band: 0.12 * side, iso, shell: 0.0 }
 }
 
 #[test]

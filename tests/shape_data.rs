@@ -106,7 +106,7 @@ fn the_ct_head_has_its_known_voxels() {
 #[test]
 #[cfg_attr(not(test_data), ignore = "needs HYPERTEXTURE_DATA")]
 fn formats_that_are_not_read_are_named_as_unknown() {
-    assert!(matches!(open(&path("duck.glb")), Err(ShapeError::UnknownFormat { .. })));
+    assert!(matches!(open(&path("README.md")), Err(ShapeError::UnknownFormat { .. })));
 }
 
 /// Largest distance from a vertex of `from` to the surface of `to`.

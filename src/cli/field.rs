@@ -5,10 +5,11 @@ use super::scene_arguments::ObjectFlags;
 use super::{absolute, say, with_progress};
 use crate::render::{open, request};
 use crate::scene::{Object, Scene};
-use crate::shape::VolumeFormat;
+use crate::shape::{Mesh, Shape, VolumeFormat};
 use crate::support::write_whole;
 use crate::{field, output};
 use clap::Args;
+use glam::DVec3;
 use std::error::Error;
 use std::path::PathBuf;
 
@@ -55,6 +56,11 @@ pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
     if !quiet {
         let [x, y, z] = field.grid.size;
         let (low, high) = field.range();
+        if let Shape::Mesh(Mesh { offset, .. }) = &shape
+            && *offset != DVec3::ZERO
+        {
+            say(&format!("offset     {offset} is its origin in the coordinates of the file\n"));
+        }
         say(&format!(
             "field      {x} x {y} x {z}, spacing {:?}, distances {low:.4} to {high:.4} world units\n\
              exact      within {:.4} of the surface; a lower bound beyond\n\

@@ -1,8 +1,9 @@
 //! `info`: what a file holds, before anything is made of it.
 
 use super::say;
-use crate::shape::{self, Bounds, Content, Mesh, Shape, Solid, Volume};
+use crate::shape::{self, Content, Mesh, Shape, Solid, Volume};
 use clap::Args;
+use glam::{DVec3, Vec3};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::error::Error;
@@ -24,22 +25,26 @@ pub struct Info {
 
 /// Reads the file, and says what is in it.
 pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
-    let shape = shape::open(&command.input)?;
-    let facts = match &shape {
-        Shape::Solid(solid) => of_solid(solid),
-        Shape::Mesh(mesh) => of_mesh(mesh),
-        Shape::Volume(volume) => of_volume(volume),
+    let (shape, notes) = shape::open_noted(&command.input)?;
+    let (mut facts, offset) = match &shape {
+        Shape::Solid(solid) => (of_solid(solid), DVec3::ZERO),
+        Shape::Mesh(mesh) => (of_mesh(mesh), mesh.offset),
+        Shape::Volume(volume) => (of_volume(volume), DVec3::ZERO),
     };
+    if !notes.is_empty() {
+        facts.push(fact("ignored", notes.join("; "), &notes));
+    }
     let bounds = shape.bounds();
+    let corners = [bounds.min, bounds.max].map(|corner| corner.as_dvec3() + offset);
     if command.json {
-        let mut all = json!({ "file": command.input, "box": [bounds.min.to_array(), bounds.max.to_array()] });
+        let mut all = json!({ "file": command.input, "box": corners.map(|corner| corner.to_array()) });
         let members = facts.iter().map(|fact| (fact.name.to_string(), fact.value.clone()));
         all.as_object_mut().into_iter().for_each(|object| object.extend(members.clone()));
         say(&format!("{}\n", serde_json::to_string_pretty(&all)?));
         return Ok(());
     }
     let mut text: String = facts.iter().map(|fact| format!("{:<11}{}\n", fact.name, fact.words)).collect();
-    text += &format!("box        {}\n", in_words(&bounds));
+    text += &format!("box        {}\n", in_words(corners, bounds.size()));
     text += &format!("picture    hypertexture render {} -o picture.png{}\n", command.input, iso_flag(&shape));
     say(&text);
     Ok(())
@@ -56,10 +61,15 @@ fn fact(name: &'static str, words: impl Into<String>, value: impl Serialize) -> 
     Fact { name, words: words.into(), value: json!(value) }
 }
 
-fn in_words(bounds: &Bounds) -> String {
-    let corner = |corner: glam::Vec3| corner.to_array().map(|side| format!("{side}")).join(", ");
-    let sides = bounds.size().to_array().map(|side| format!("{side}")).join(" x ");
-    format!("({}) to ({}), {sides} world units", corner(bounds.min), corner(bounds.max))
+fn in_words(corners: [DVec3; 2], size: Vec3) -> String {
+    let [low, high] = corners.map(|corner| corner.to_array().map(short).join(", "));
+    let sides = size.to_array().map(|side| format!("{side}")).join(" x ");
+    format!("({low}) to ({high}), {sides} world units")
+}
+
+/// As few digits as tell what was an f32, or all.
+fn short(number: f64) -> String {
+    if f64::from(number as f32) == number { (number as f32).to_string() } else { number.to_string() }
 }
 
 /// The flag that names the iso-value of the picture.

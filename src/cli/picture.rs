@@ -73,7 +73,8 @@ fn nothing_seen(scene: &Scene, subject: &Subject, frame: &Frame) -> Option<Strin
             let voxel = field.grid.spacing.max_element() * subject.scale;
             format!(
                 "no voxel is inside of the object, which has no inside or is thinner than one ({voxel:.2e} object units): a \
-                 larger --resolution, or a shell around its surface by --set object.inner_iso={voxel:.2e}"
+                 larger --resolution, or a shell around its surface by --shell {:.2e}",
+                2.0 * voxel
             )
         }
         None => "no ray meets matter: look at the view (camera.zoom, camera.pan, camera.clip) and at what makes the object opaque \

@@ -39,7 +39,7 @@ impl Key {
     pub fn new(shape: &Shape, request: &Request) -> Key {
         let mut hash = blake3::Hasher::new();
         hash.update(&VERSION.to_le_bytes()).update(&request.resolution.to_le_bytes());
-        floats(&mut hash, &[request.margin, request.band]);
+        floats(&mut hash, &[request.margin, request.band, request.shell]);
         match shape {
             Shape::Solid(solid) => {
                 let (kind, sizes) = match *solid {
@@ -250,11 +250,11 @@ mod tests {
     use std::collections::HashSet;
     use std::fs;
 
-    const REQUEST: Request = Request { resolution: 8, margin: 0.1, band: 0.1, iso: 0.0 };
+    const REQUEST: Request = Request { resolution: 8, margin: 0.1, band: 0.1, iso: 0.0, shell: 0.0 };
 
     fn shape() -> Shape {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
-        Shape::Mesh(Mesh { positions, triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] })
+        Shape::Mesh(Mesh { positions, triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]], ..Mesh::default() })
     }
 
     /// The cached field, and whether it had to be computed.

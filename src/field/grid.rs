@@ -43,7 +43,7 @@ impl Grid {
         if !(8..=1024).contains(&request.resolution) {
             return Err(FieldError::Resolution { resolution: request.resolution });
         }
-        for (name, value) in [("margin", request.margin), ("band", request.band)] {
+        for (name, value) in [("shell", request.shell), ("margin", request.margin), ("band", request.band)] {
             if !value.is_finite() || value < 0.0 {
                 return Err(FieldError::Length { name, value });
             }

@@ -43,8 +43,9 @@ impl<'a> Scalar<'a> {
                         continue;
                     }
                     let cell = DVec3::new(x as f64, y as f64, z as f64);
-                    let place = |p: DVec3| local.of_f64(self.axes.world(cell + p));
-                    tetra::march(&values, |_| true, |triangle| triangles.push(triangle.map(place)));
+                    let place = |edge| local.of_f64(self.axes.world(cell + tetra::crossing(&values, edge)));
+                    let is_inside = |corner: usize| values[corner] >= 0.0;
+                    tetra::march(is_inside, |_| true, |triangle| triangles.push(triangle.map(place)));
                 }
             }
             triangles

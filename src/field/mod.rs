@@ -13,6 +13,7 @@ mod distance;
 mod face;
 mod grid;
 mod iso_surface;
+mod level_set;
 mod overlap;
 mod seal;
 mod search;
@@ -27,6 +28,7 @@ mod winding;
 
 pub use cache::{Key, cached, cached_with_closest, load_or_compute, load_or_compute_closest};
 pub use closest::ClosestPoints;
+pub use level_set::LevelSet;
 pub use transform::{transform, transform_with_closest};
 
 use glam::Vec3;
@@ -64,6 +66,9 @@ pub struct Request {
     pub band: f32,
     /// Iso-value of the surface of a scalar volume; unused by other shapes.
     pub iso: f32,
+    /// Thickness of the shell that the surface is made into, half of it to each side (world units, at least 0); 0 makes what
+    /// the surface encloses solid. A shell needs no inside.
+    pub shell: f32,
 }
 
 /// What [`transform`] did, to be shown to the user.

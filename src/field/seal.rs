@@ -6,7 +6,7 @@
 
 use super::tetra::{self, Triangle};
 use super::winding::Winding;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Room for rounding in "distances add up to less than the edge".
@@ -45,13 +45,13 @@ pub(super) fn closing_triangles(
                 let origin = Vec3::new(x as f32, y as f32, z as f32);
                 let corners = std::array::from_fn(|i| origin + Vec3::from_array(tetra::corner(i).map(|c| c as f32)));
                 let numbers = winding.around(&corners);
-                let values = std::array::from_fn(|i| {
+                let values: [f64; 8] = std::array::from_fn(|i| {
                     let level = f64::from(numbers[i].abs()) - 0.5;
                     if inside[at(i)] { level.max(OFF_HALF) } else { level.min(-OFF_HALF) }
                 });
-                let place = |p: DVec3| (origin.as_dvec3() + p).as_vec3();
+                let place = |edge| (origin.as_dvec3() + tetra::crossing(&values, edge)).as_vec3();
                 let wanted = |tetrahedron: &[usize; 4]| tetra::any_edge(tetrahedron, uncrossed);
-                tetra::march(&values, wanted, |triangle| triangles.push(triangle.map(place)));
+                tetra::march(|i| values[i] >= 0.0, wanted, |triangle| triangles.push(triangle.map(place)));
             }
         }
         triangles

@@ -18,15 +18,22 @@ pub(super) fn corner(index: usize) -> [usize; 3] {
     [index & 1, (index >> 1) & 1, index >> 2]
 }
 
-/// Triangles of the zero level of `values` inside the unit cube: corner `i` is inside where `values[i] >= 0`.
+/// An edge that a surface crosses: a corner of the cube inside, and one outside.
+pub(super) type Edge = [usize; 2];
+
+/// Triangles of the surface between the corners of a cube that are inside and the others, each corner on an edge.
 ///
 /// Only tetrahedra that `wanted` accepts (by their corner numbers) are marched. At most 12 triangles are emitted.
-pub(super) fn march(values: &[f64; 8], wanted: impl Fn(&[usize; 4]) -> bool, mut emit: impl FnMut([DVec3; 3])) {
+pub(super) fn march(
+    is_inside: impl Fn(usize) -> bool,
+    wanted: impl Fn(&[usize; 4]) -> bool,
+    mut emit: impl FnMut([Edge; 3]),
+) {
     for tetrahedron in &TETRAHEDRA {
         let (mut inside, mut outside) = ([0; 4], [0; 4]);
         let (mut ins, mut outs) = (0, 0);
         for &i in tetrahedron {
-            if values[i] >= 0.0 {
+            if is_inside(i) {
                 inside[ins] = i;
                 ins += 1;
             } else {
@@ -37,20 +44,29 @@ pub(super) fn march(values: &[f64; 8], wanted: impl Fn(&[usize; 4]) -> bool, mut
         if ins == 0 || outs == 0 || !wanted(tetrahedron) {
             continue;
         }
-        let cut = |i: usize, o: usize| {
-            let t = values[i] / (values[i] - values[o]);
-            position(i).lerp(position(o), t)
-        };
         match ins {
-            1 => emit([0, 1, 2].map(|o| cut(inside[0], outside[o]))),
-            3 => emit([0, 1, 2].map(|i| cut(inside[i], outside[0]))),
+            1 => emit([0, 1, 2].map(|o| [inside[0], outside[o]])),
+            3 => emit([0, 1, 2].map(|i| [inside[i], outside[0]])),
             _ => {
-                let ring = [(0, 0), (0, 1), (1, 1), (1, 0)].map(|(i, o)| cut(inside[i], outside[o]));
+                let ring = [(0, 0), (0, 1), (1, 1), (1, 0)].map(|(i, o)| [inside[i], outside[o]]);
                 emit([ring[0], ring[1], ring[2]]);
                 emit([ring[0], ring[2], ring[3]]);
             }
         }
     }
+}
+
+/// Where the zero level of these corner values crosses an edge, linear between its ends, in the unit cube.
+pub(super) fn crossing(values: &[f64; 8], [inside, outside]: Edge) -> DVec3 {
+    position(inside).lerp(position(outside), values[inside] / (values[inside] - values[outside]))
+}
+
+/// The same triangle, counterclockwise seen from outside.
+pub(super) fn outward([a, b, c]: [Edge; 3]) -> [Edge; 3] {
+    // Wherever an edge is crossed, the triangle turns the same way: it is enough to know it of the middles.
+    let [p, q, r] = [a, b, c].map(|[inside, outside]| position(inside) + position(outside));
+    let out = position(a[1]) - position(a[0]);
+    if (q - p).cross(r - p).dot(out) < 0.0 { [a, c, b] } else { [a, b, c] }
 }
 
 /// Whether `accept` holds for some edge of the tetrahedron, given by two corner numbers.
@@ -92,10 +108,11 @@ mod tests {
             });
             let mut count = 0;
             march(
-                &values,
+                |corner| values[corner] >= 0.0,
                 |_| true,
                 |triangle| {
                     count += 1;
+                    let triangle = triangle.map(|edge| crossing(&values, edge));
                     let center = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
                     assert!(interpolate(&values, center).abs() < 1e-12, "{pattern}");
                 },

@@ -44,6 +44,8 @@ const HANDY: RangeInclusive<f32> = 1e-6..=1e6;
 ///   samples is outside.
 /// - Level set: the same with inside where `value <= 0`.
 ///
+/// With `request.shell` above 0 inside is what is nearer than half of that to the surface of any of them, closed or not.
+///
 /// Sources: Barill et al. 2018 (winding number); Doi & Koide 1991 (tetrahedra); the lower bound far from the
 /// surface is derived in `distance.rs`.
 ///
@@ -85,13 +87,33 @@ fn compute(shape: &Shape, request: &Request, closest: bool, progress: Progress) 
     if longest > 0.0 && longest < 4.0 * MAX_COORDINATE && !HANDY.contains(&longest) {
         // By a power of two, so that nothing is rounded.
         let by = (-longest.log2().floor()).min(120.0).exp2();
-        let request = Request { margin: by * request.margin, band: by * request.band, ..*request };
+        let [margin, band, shell] = [request.margin, request.band, request.shell].map(|length| by * length);
+        let request = Request { margin, band, shell, ..*request };
         let (field, mut points, report) = compute(&shape.scaled(by), &request, closest, progress)?;
         points.iter_mut().for_each(|point| *point /= by);
         return Ok((field.scaled(1.0 / by), points, report));
     }
     let start = Instant::now();
-    let (field, points, report) = match shape {
+    let half = 0.5 * request.shell;
+    let wide = Request { margin: request.margin + half, band: request.band + half, ..*request };
+    let (mut field, mut points, report) = surface(shape, &wide, closest, progress)?;
+    if half > 0.0 {
+        let grid = field.grid;
+        let [nx, ny, _] = grid.size;
+        field.values.par_iter_mut().for_each(|value| *value = value.abs() - half);
+        points.par_iter_mut().enumerate().for_each(|(index, point)| {
+            let index = index as u32;
+            let away = grid.position(index % nx, index / nx % ny, index / (nx * ny)) - *point;
+            *point += away.normalize_or_zero() * half;
+        });
+    }
+    progress(1.0);
+    Ok((field, points, FieldReport { ms: start.elapsed().as_secs_f64() * 1e3, ..report }))
+}
+
+/// The field of a surface; of a mesh that becomes a shell without signs.
+fn surface(shape: &Shape, request: &Request, closest: bool, progress: Progress) -> Result<Computed, FieldError> {
+    Ok(match shape {
         Shape::Volume(volume) if volume.content == Content::SignedDistance => {
             let field = DistanceField::from_volume(volume)?;
             let points = if closest { ClosestPoints::of_field(&field, progress).points } else { Vec::new() };
@@ -114,9 +136,7 @@ fn compute(shape: &Shape, request: &Request, closest: bool, progress: Progress) 
             let points = if closest { sampled(&grid, &stage, |p| solid.closest(p)) } else { Vec::new() };
             (DistanceField { grid, values }, points, FieldReport { exact: grid.samples(), ..FieldReport::default() })
         }
-    };
-    progress(1.0);
-    Ok((field, points, FieldReport { ms: start.elapsed().as_secs_f64() * 1e3, ..report }))
+    })
 }
 
 fn of_mesh(
@@ -144,6 +164,14 @@ fn of_mesh(
     };
 
     let whole = Bvh::new(&soup.triangles);
+    if request.shell > 0.0 {
+        let mut distances = Distances::new(size, closest);
+        distances.add(&[&whole], band, &Stage::new(progress, 0.05, 1.0, size[2]));
+        report.exact = distances.exact() as u64;
+        let (mut values, points) = distances.into_values();
+        values.par_iter_mut().for_each(|value| *value *= grid.spacing.x);
+        return Ok((DistanceField { grid, values }, to_world(points, &grid), report));
+    }
     let winding = Winding::new(&whole);
     progress(0.05);
     let bare = || Bvh::new(&overlap::boundary(&soup.triangles, &winding));

@@ -29,7 +29,8 @@ pub fn doubts(
         is_soft.then(|| no_core(scene, subject)).flatten(),
         lost_in_target(m, scene),
         terraces(m, subject),
-        guessed_sign(subject),
+        thin_shell(scene, subject),
+        guessed_sign(scene, subject),
     ];
     Ok(all.into_iter().flatten().collect())
 }
@@ -89,12 +90,25 @@ fn terraces(m: &Measurements, subject: &Subject) -> Option<String> {
     })
 }
 
-/// An inside that nobody has said.
-fn guessed_sign(subject: &Subject) -> Option<String> {
-    let report = subject.report.as_ref()?;
-    (report.open_edges > 0).then(|| {
+/// A shell that falls between samples.
+fn thin_shell(scene: &Scene, subject: &Subject) -> Option<String> {
+    let (shell, voxel) = (scene.object.shell, subject.scale * subject.field.as_ref()?.grid.spacing.max_element());
+    (shell > 0.0 && shell < 2.0 * voxel).then(|| {
+        let needed = (scene.object.resolution as f32 * 2.0 * voxel / shell).ceil();
         format!(
-            "the mesh has {} open edges: what is inside is a guess near them, where its winding number is 1/2 or more",
+            "object.shell = {shell} is less than two voxels ({:.2e}) and may have holes; object.resolution = {needed} has none",
+            2.0 * voxel
+        )
+    })
+}
+
+/// An inside that nobody has said.
+fn guessed_sign(scene: &Scene, subject: &Subject) -> Option<String> {
+    let report = subject.report.as_ref()?;
+    (report.open_edges > 0 && scene.object.shell == 0.0).then(|| {
+        format!(
+            "the mesh has {} open edges: what is inside is a guess near them, where its winding number is 1/2 or more; \
+             object.shell makes a shell of it that has no inside to guess",
             report.open_edges
         )
     })

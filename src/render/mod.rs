@@ -19,6 +19,7 @@ mod noise_blocks;
 #[doc(hidden)] // for the tests of this crate
 pub mod pass;
 mod pixels;
+mod polygonize;
 mod prepared;
 mod renderer;
 mod shadow;
@@ -40,6 +41,7 @@ pub(crate) use cpu_inputs::{Blocks, CpuInputs};
 pub use doubts::doubts;
 pub use ignored::{idle, ignored};
 pub use made::{made_with, octaves_held};
+pub use polygonize::{PolygonizeError, Polygons, polygonize};
 pub use renderer::{Renderer, render};
 pub use shadow::{Transmittance, transmittance};
 pub use sparse::Sparse;

@@ -6,7 +6,7 @@ use crate::render::variant::Variant;
 use crate::scene::{Axis, Object, Scene};
 use crate::shader::Library;
 use crate::shape::{self, Shape, ShapeError};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
@@ -24,6 +24,8 @@ pub struct Subject {
     pub closest: Option<Arc<ClosestPoints>>,
     /// World position of the origin of object space.
     pub center: Vec3,
+    /// What was taken from the coordinates of its file, see [`shape::Mesh::offset`]; by the axes of the file.
+    pub offset: DVec3,
     /// Object units in one world unit.
     pub scale: f32,
     /// Half the size of the bounding box, object units.
@@ -103,7 +105,8 @@ impl Subject {
         let input = object.input.clone();
         let (field, report, parts) = (Some(Arc::new(field)), Some(report), BTreeMap::new());
         let closest = points.map(Arc::new);
-        Ok(Subject { input, field, closest, center, scale, half_size, radius, report, parts })
+        let offset = if let Shape::Mesh(mesh) = &shape { mesh.offset } else { DVec3::ZERO };
+        Ok(Subject { input, field, closest, center, offset, scale, half_size, radius, report, parts })
     }
 }
 
@@ -155,7 +158,7 @@ pub fn request(shape: &Shape, object: &Object, margin: f32) -> field::Request {
         _ => 0.0,
     });
     let margin = field_margin(margin) * half;
-    field::Request { resolution: object.resolution, margin, band: margin, iso }
+    field::Request { resolution: object.resolution, margin, band: margin, iso, shell: object.shell * half }
 }
 
 /// How far a field that must reach `margin` beyond its object does reach, object units.
@@ -171,8 +174,19 @@ fn formula(name: &str) -> Subject {
         _ => (Vec3::ONE, 1.0),
     };
     let (center, scale) = (Vec3::ZERO, 1.0);
-    let parts = BTreeMap::new();
-    Subject { input: name.into(), field: None, closest: None, center, scale, half_size, radius, report: None, parts }
+    let (offset, parts) = (DVec3::ZERO, BTreeMap::new());
+    Subject {
+        input: name.into(),
+        field: None,
+        closest: None,
+        center,
+        offset,
+        scale,
+        half_size,
+        radius,
+        report: None,
+        parts,
+    }
 }
 
 /// World positions of the samples inside, or of the nearest to the surface where none is.

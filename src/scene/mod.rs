@@ -96,8 +96,10 @@ pub struct Object {
     pub input: String,
     /// Voxels along the longest side of the distance field, 8 to 1024.
     pub resolution: u32,
-    /// Iso-value of the surface of a scalar volume; without one, the middle of its range.
+    /// Iso-value of the surface of a scalar volume; without one, the lowest that `info` proposes.
     pub iso: Option<f32>,
+    /// Thickness of the shell that the surface is made into, object units; 0: what it encloses is solid.
+    pub shell: f32,
     /// The axis of the file that points up: `x`, `y`, `z`, or `-x`, `-y`, `-z`.
     pub up: Axis,
     /// Factors along x, y and z of object space by which the object is stretched before it is drawn, 0.05 to 20.
@@ -120,6 +122,7 @@ impl std::default::Default for Object {
             input: "teapot".into(),
             resolution: 192,
             iso: None,
+            shell: 0.0,
             up: Axis::Y,
             stretch: [1.0; 3],
             distance: false,
@@ -137,7 +140,7 @@ pub const FORMULAS: [&str; 3] = ["sphere", "cube", "torus"];
 impl Object {
     /// Whether the object is a formula, so that there is no volume of it.
     pub fn is_formula(&self) -> bool {
-        self.source == Source::Auto && FORMULAS.contains(&self.input.as_str())
+        self.source == Source::Auto && self.shell == 0.0 && FORMULAS.contains(&self.input.as_str())
     }
 
     /// The object without what a picture does with its field: where two are equal then, they have one field.

@@ -31,6 +31,11 @@ impl Axes {
     pub fn index(&self, world: DVec3) -> DVec3 {
         self.along * (world - self.origin) / self.spacing
     }
+
+    /// How much the rounding of each coordinate of a world position moves what is there, in samples over the rounding of 1.
+    pub fn sensitivity(&self, world: DVec3) -> DVec3 {
+        self.along.abs() * world.abs() / self.spacing
+    }
 }
 
 /// Lengths of the columns.

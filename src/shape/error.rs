@@ -222,8 +222,20 @@ pub enum ShapeError {
     },
 }
 
+impl ShapeError {
+    /// The same with a place, where it only says that it is in the header.
+    pub(super) fn placed(mut self, at: Location) -> ShapeError {
+        if let ShapeError::Malformed { place: place @ Location::Header, .. }
+        | ShapeError::Unsupported { place: place @ Location::Header, .. } = &mut self
+        {
+            *place = at;
+        }
+        self
+    }
+}
+
 /// Where in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Location {
     /// A line of text, from 1.
     Line(u64),
@@ -237,6 +249,8 @@ pub enum Location {
     Byte(u64),
     /// A face or strip of a mesh, from 0.
     Face(u64),
+    /// A value in JSON by the names and numbers on the way to it, as `accessors[3].count`.
+    Json(String),
 }
 
 /// How many bytes of data a file holds.
@@ -259,6 +273,7 @@ impl fmt::Display for Location {
             Location::Layout => write!(f, "layout"),
             Location::Byte(byte) => write!(f, "byte {byte}"),
             Location::Face(face) => write!(f, "face {face} (from 0)"),
+            Location::Json(path) => write!(f, "{path}"),
         }
     }
 }

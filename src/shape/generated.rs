@@ -67,7 +67,7 @@ fn dodecahedron() -> Mesh {
         face.sort_by(|&a, &b| angle(a).total_cmp(&angle(b)));
         triangles.extend((1..4).map(|i| [face[0], face[i], face[i + 1]]));
     }
-    Mesh { positions, triangles }
+    Mesh { positions, triangles, ..Mesh::default() }
 }
 
 /// A chess pawn around the y axis from y = -1 to 1, closed.

@@ -1,11 +1,15 @@
 //! What can be asked of a [`Mesh`].
 //!
 //! Role: bounds, cleaning, open edges, volume. Invariant: nothing here changes the surface; cleaning only removes
-//! what has no area.
+//! what has no area, and moves what stands far away to where f32 can tell its corners apart.
 
 use super::{Bounds, Mesh};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
+
+/// How many times farther from the origin than its box is long a mesh may stand without an offset: f32 then still tells
+/// apart 2^19 places along the box.
+const FAR: f64 = 16.0;
 
 /// How the triangles of a mesh hang together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +27,7 @@ pub struct Edges {
 }
 
 impl Mesh {
-    /// Bounds of the positions. A mesh without positions gives the origin.
+    /// Bounds of the positions, in the mesh's own coordinates: those of the file less `offset`. A mesh without positions gives the origin.
     pub fn bounds(&self) -> Bounds {
         Bounds::around(&self.positions).unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO })
     }
@@ -90,12 +94,16 @@ impl Mesh {
 
     /// The mesh of these triangles without those of zero area, and without positions that no triangle uses.
     ///
-    /// Also returns how many triangles were dropped. Every index must be below `positions.len()`.
-    pub(super) fn cleaned(positions: Vec<Vec3>, mut triangles: Vec<[u32; 3]>) -> (Mesh, usize) {
+    /// Positions become f32 less an offset, see [`Mesh::offset`]. Also returns how many triangles were dropped. Every index
+    /// must be below `positions.len()`.
+    pub(super) fn cleaned<P: Copy + Into<DVec3>>(positions: &[P], mut triangles: Vec<[u32; 3]>) -> (Mesh, usize) {
         const UNUSED: u32 = u32::MAX;
         let before = triangles.len();
+        let place = |corner: u32| -> DVec3 { positions[corner as usize].into() };
+        let offset = offset(triangles.as_flattened().iter().map(|&corner| place(corner)));
+        let near = |corner: u32| (place(corner) - offset).as_vec3();
         triangles.retain(|triangle| {
-            let [a, b, c] = triangle.map(|corner| positions[corner as usize].as_dvec3());
+            let [a, b, c] = triangle.map(|corner| near(corner).as_dvec3());
             (b - a).cross(c - a) != DVec3::ZERO
         });
         let mut renumbered = vec![UNUSED; positions.len()];
@@ -104,29 +112,47 @@ impl Mesh {
             let new = &mut renumbered[*corner as usize];
             if *new == UNUSED {
                 *new = kept.len() as u32;
-                kept.push(positions[*corner as usize]);
+                kept.push(near(*corner));
             }
             *corner = *new;
         }
         kept.shrink_to_fit();
         let dropped = before - triangles.len();
-        (Mesh { positions: kept, triangles }, dropped)
+        (Mesh { positions: kept, triangles, offset }, dropped)
     }
 
     /// Triangles given as three corners each, one after the other, with equal corners made one vertex.
-    pub(super) fn of_corners(corners: &[Vec3]) -> (Mesh, usize) {
+    pub(super) fn of_corners<P: Copy + Into<DVec3>>(corners: &[P]) -> (Mesh, usize) {
         let (positions, indices) = weld(corners);
-        Mesh::cleaned(positions, indices.as_chunks::<3>().0.to_vec())
+        Mesh::cleaned(&positions, indices.as_chunks::<3>().0.to_vec())
     }
 }
 
+/// What is taken from coordinates before they become f32: on each axis along which the box of `corners` stands more than
+/// [`FAR`] times its longest side from the origin, its middle, rounded to a multiple of a power of two of about that side.
+///
+/// There, f32 coordinates differ from it by a multiple of their last digit and by much less than they are: the
+/// difference is exact.
+fn offset(corners: impl Iterator<Item = DVec3>) -> DVec3 {
+    let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (min, max) = corners.fold(nothing, |(min, max), corner| (min.min(corner), max.max(corner)));
+    let (longest, far) = ((max - min).max_element(), min.abs().max(max.abs()));
+    if longest.is_nan() || longest <= 0.0 {
+        return DVec3::ZERO;
+    }
+    // A power of two is a number without fraction bits.
+    let step = f64::from_bits(longest.max(far.max_element() * f64::EPSILON).to_bits() & f64::INFINITY.to_bits());
+    let middle = (0.5 * (min + max) / step).round() * step;
+    DVec3::select(far.cmpgt(DVec3::splat(FAR * longest)), middle, DVec3::ZERO)
+}
+
 /// The distinct positions in order of first use, and for each position the index of its representative.
-fn weld(positions: &[Vec3]) -> (Vec<Vec3>, Vec<u32>) {
+fn weld<P: Copy + Into<DVec3>>(positions: &[P]) -> (Vec<P>, Vec<u32>) {
     let mut distinct = Vec::new();
     let mut seen = HashMap::with_capacity(positions.len() / 4);
     let indices = positions.iter().map(|position| {
         // Adding zero turns -0 into 0, so that equal numbers have equal bits.
-        let bits = position.to_array().map(|x| (x + 0.0).to_bits());
+        let bits = (*position).into().to_array().map(|x| (x + 0.0).to_bits());
         *seen.entry(bits).or_insert_with(|| {
             distinct.push(*position);
             distinct.len() as u32 - 1
@@ -152,7 +178,11 @@ mod tests {
     use super::*;
 
     fn square() -> Mesh {
-        Mesh { positions: vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y], triangles: vec![[0, 1, 2], [0, 2, 3]] }
+        Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        }
     }
 
     #[test]
@@ -177,7 +207,7 @@ mod tests {
     fn open_edges_are_counted_after_equal_positions_are_welded() {
         let mesh = square();
         let split: Vec<Vec3> = (0..2).flat_map(|triangle| mesh.corners(triangle)).collect();
-        let split = Mesh { positions: split, triangles: vec![[0, 1, 2], [3, 4, 5]] };
+        let split = Mesh { positions: split, triangles: vec![[0, 1, 2], [3, 4, 5]], ..Mesh::default() };
         assert_eq!(split.open_edges(), 4);
     }
 
@@ -196,7 +226,7 @@ mod tests {
         let mut triangles: Vec<_> = mesh.triangles.iter().map(|t| t.map(|corner| corner + 1)).collect();
         triangles.push([1, 1, 2]);
         triangles.push([1, 2, 2]);
-        let (cleaned, dropped) = Mesh::cleaned(mesh.positions, triangles);
+        let (cleaned, dropped) = Mesh::cleaned(&mesh.positions, triangles);
         assert_eq!((cleaned.positions.len(), cleaned.triangles.len(), dropped), (4, 2, 2));
         assert_eq!(cleaned.bounds(), square().bounds());
     }

@@ -6,13 +6,14 @@
 //! [`open`] is the way in, [`open_raw`] where a file does not say what it holds; [`VolumeFormat`] is the way back out for
 //! volumes. World space is right-handed with y up for the built-in objects; files keep the coordinates they have. Sources
 //! are named where they are used: Newell's teapot in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`],
-//! the file formats in `obj`, `ply`, `stl`, `nrrd`, `meta`, `nifti`, `dicom` and `vdb`.
+//! the file formats in `obj`, `ply`, `stl`, `gltf`, `nrrd`, `meta`, `nifti`, `dicom` and `vdb`.
 
 mod axes;
 mod dicom;
 mod error;
 mod files;
 mod generated;
+mod gltf;
 pub mod head;
 mod iso_values;
 mod mesh;
@@ -48,12 +49,12 @@ pub use generated::BUILT_IN;
 pub use iso_values::Histogram;
 pub use mesh::Edges;
 pub use nrrd::write_nrrd;
-pub use open::{open, read};
+pub use open::{open, open_noted, read, read_noted};
 pub use raw::{RawLayout, open_raw};
 pub use sample_type::{SampleType, UnknownSampleType};
 pub use write_volume::VolumeFormat;
 
-use glam::{Mat3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 
 /// Largest magnitude of a coordinate in world units.
 ///
@@ -113,6 +114,11 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Corner indices into `positions`, all in range; triangles of zero area have been dropped.
     pub triangles: Vec<[u32; 3]>,
+    /// What was taken from the coordinates of the file before they became f32.
+    ///
+    /// Zero on each axis along which the mesh reaches at most 16 times the longest side of its box from the origin. On the
+    /// others the middle of the box, rounded so that the difference is exact where the file has 32-bit floats.
+    pub offset: DVec3,
 }
 
 /// Samples on a regular grid, x fastest, then y, then z.
@@ -143,7 +149,7 @@ pub enum Content {
 }
 
 impl Shape {
-    /// A box that contains the object, in world units.
+    /// A box that contains the object, in world units; that of a mesh is less its offset.
     ///
     /// Tight for a solid and a mesh. For a volume, scalar or distance, its whole extent from first to last sample:
     /// where the object ends in there depends on the iso-value.
@@ -160,7 +166,10 @@ impl Shape {
         let mut scaled = self.clone();
         match &mut scaled {
             Shape::Solid(_) => {}
-            Shape::Mesh(mesh) => mesh.positions.iter_mut().for_each(|position| *position *= by),
+            Shape::Mesh(mesh) => {
+                mesh.positions.iter_mut().for_each(|position| *position *= by);
+                mesh.offset *= f64::from(by);
+            }
             Shape::Volume(volume) => {
                 (volume.origin, volume.steps) = (by * volume.origin, by * volume.steps);
                 if volume.content != Content::Scalar {

@@ -39,7 +39,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let (file, folder) = (source.file.clone(), source.folder.clone());
     let len = source.remaining().saturating_mul(MAX_DEFLATE_RATIO);
     let reader = &mut BufReader::new(MultiGzDecoder::new(&mut *source.reader));
-    read_unpacked(&mut Source { file, len, offset: 0, line: 0, folder, reader }, Packing::Unpacked)
+    read_unpacked(&mut Source::new(file, len, folder, reader), Packing::Unpacked)
 }
 
 fn read_unpacked(source: &mut Source, packing: Packing) -> Result<Shape, ShapeError> {

@@ -9,14 +9,14 @@ use super::error::{Location, ShapeError, quoted};
 use super::polygon::{MAX_CONCAVE_CORNERS, triangulate};
 use super::source::{MAX_LINE, Source, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
-use glam::Vec3;
+use glam::DVec3;
 
 /// Reads positions and faces; polygons become triangles.
 ///
 /// Normals, texture coordinates, colors, materials, groups, points and lines have no part in the surface and are passed
 /// over, and so is a fourth coordinate (the weight of a control point). Curved surfaces are refused.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
-    let mut positions: Vec<Vec3> = Vec::new();
+    let mut positions: Vec<DVec3> = Vec::new();
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let mut polygon: Vec<u32> = Vec::new();
     let mut statement = Vec::new();
@@ -50,7 +50,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
         }
     }
     source.check_positions("vertices", &positions)?;
-    source.finish(Mesh::cleaned(positions, triangles))
+    source.finish(Mesh::cleaned(&positions, triangles))
 }
 
 /// Replaces `statement` by the next one: without its comment, and with the lines joined that end in a backslash.
@@ -77,13 +77,13 @@ fn next_statement(source: &mut Source, statement: &mut Vec<u8>) -> Result<Option
     Ok(Some(first))
 }
 
-fn position<'a>(source: &Source, mut words: impl Iterator<Item = &'a [u8]>) -> Result<Vec3, ShapeError> {
+fn position<'a>(source: &Source, mut words: impl Iterator<Item = &'a [u8]>) -> Result<DVec3, ShapeError> {
     let mut xyz = [0.0; 3];
     for x in &mut xyz {
         let word = words.next().unwrap_or_default();
         *x = number(word).ok_or_else(|| source.malformed("a coordinate (3 numbers after `v`)", word))?;
     }
-    Ok(Vec3::from(xyz))
+    Ok(DVec3::from(xyz))
 }
 
 /// The position index of `7`, `7/2`, `7//3` or `7/2/3`, counted from 1, or backwards from -1.
@@ -111,6 +111,7 @@ const _: () = assert!(3 * MAX_TRIANGLES < u32::MAX as u64);
 mod tests {
     use super::super::read as read_any;
     use super::*;
+    use glam::Vec3;
 
     const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 

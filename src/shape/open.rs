@@ -5,7 +5,7 @@
 
 use super::error::{quoted, shown, unreadable};
 use super::source::Source;
-use super::{BUILT_IN, Shape, ShapeError, dicom, generated, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
+use super::{BUILT_IN, Shape, ShapeError, dicom, generated, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
 use crate::support::open::{self as plain, OpenError};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -25,6 +25,7 @@ const FORMATS: &[Format] = &[
     Format { extensions: &["nrrd", "nhdr"], recognizes: nrrd::recognizes, read: nrrd::read },
     Format { extensions: &["mhd", "mha"], recognizes: meta::recognizes, read: meta::read },
     Format { extensions: &["dcm"], recognizes: dicom::recognizes, read: dicom::read },
+    Format { extensions: &["gltf", "glb"], recognizes: gltf::recognizes, read: gltf::read },
     Format { extensions: &["vdb"], recognizes: vdb::recognizes, read: vdb::read },
     Format { extensions: &["nii", "nii.gz", "hdr", "hdr.gz"], recognizes: nifti::recognizes, read: nifti::read },
     Format { extensions: &["raw"], recognizes: |_, _| false, read: raw::refuse },
@@ -36,19 +37,29 @@ const FORMATS: &[Format] = &[
 /// Opens a built-in object or a file.
 ///
 /// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a file
-/// is chosen by its content where the content tells (NRRD, MetaImage, DICOM, NIfTI, OpenVDB, PLY, STL), else by its extension
-/// (OBJ). Coordinates stay as they are in the file, but those of DICOM are turned to the axes of NIfTI. A folder is the DICOM
-/// series in it, and a slice stands for its series; other folders, devices and pipes are refused.
+/// is chosen by its content where the content tells (NRRD, MetaImage, DICOM, OpenVDB, NIfTI, glTF, PLY, STL), else by its
+/// extension (OBJ). Coordinates stay as they are in the file, but those of DICOM are turned to the axes of NIfTI. A folder is
+/// the DICOM series in it, and a slice stands for its series; other folders, devices and pipes are refused. Each note of
+/// [`open_noted`] becomes a warning in the log.
 ///
 /// # Errors
 /// Any [`ShapeError`]; its message is one line.
 pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
+    Ok(warned(name_or_path, open_noted(name_or_path)?))
+}
+
+/// [`open`], with what a person should know of the file besides: short sentences, each about a part of its geometry
+/// that was left out.
+///
+/// # Errors
+/// Those of [`open`].
+pub fn open_noted(name_or_path: &str) -> Result<(Shape, Vec<String>), ShapeError> {
     if let Some(shape) = generated::built_in(name_or_path) {
-        return Ok(shape);
+        return Ok((shape, Vec::new()));
     }
     let path = Path::new(name_or_path);
     if path.is_dir() {
-        return dicom::read_folder(&shown(name_or_path), path);
+        return dicom::read_folder(&shown(name_or_path), path).map(|shape| (shape, Vec::new()));
     }
     let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
@@ -56,11 +67,26 @@ pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
 }
 
 /// Reads the content of a file that is already in memory; `name` supplies the extension and the name for messages.
+/// Notes become warnings as in [`open`].
 ///
 /// # Errors
 /// Any [`ShapeError`] that the content can cause.
-pub fn read(name: &str, mut bytes: &[u8]) -> Result<Shape, ShapeError> {
+pub fn read(name: &str, bytes: &[u8]) -> Result<Shape, ShapeError> {
+    Ok(warned(name, read_noted(name, bytes)?))
+}
+
+/// [`read`], with the notes of [`open_noted`].
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_noted(name: &str, mut bytes: &[u8]) -> Result<(Shape, Vec<String>), ShapeError> {
     parse(name, bytes.len() as u64, None, &mut bytes)
+}
+
+/// The shape, once its notes are in the log.
+fn warned(name: &str, (shape, notes): (Shape, Vec<String>)) -> Shape {
+    notes.iter().for_each(|note| log::warn!("{}: {note}", shown(name)));
+    shape
 }
 
 /// Extensions of all formats, for messages.
@@ -69,15 +95,20 @@ fn known_extensions() -> String {
     all.map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
 }
 
-fn parse(name: &str, len: u64, folder: Option<PathBuf>, reader: &mut dyn BufRead) -> Result<Shape, ShapeError> {
-    let mut source = Source { file: shown(name), len, offset: 0, line: 0, folder, reader };
+fn parse(
+    name: &str,
+    len: u64,
+    folder: Option<PathBuf>,
+    reader: &mut dyn BufRead,
+) -> Result<(Shape, Vec<String>), ShapeError> {
+    let mut source = Source::new(shown(name), len, folder, reader);
     let start = source.peek()?;
     if start.is_empty() {
         return Err(ShapeError::Empty { file: source.file });
     }
     let by_content = FORMATS.iter().find(|format| (format.recognizes)(start, len));
     match by_content.or_else(|| by_extension(name)) {
-        Some(format) => (format.read)(&mut source),
+        Some(format) => Ok(((format.read)(&mut source)?, source.notes)),
         None => {
             let start = quoted(&start[..start.len().min(16)]);
             Err(ShapeError::UnknownFormat { file: source.file, start, known: known_extensions() })
@@ -130,7 +161,7 @@ mod tests {
         assert!(
             message.contains("sphere, cube, torus")
                 && message.contains(
-                    ".nrrd, .nhdr, .mhd, .mha, .dcm, .vdb, .nii, .nii.gz, .hdr, .hdr.gz, .raw, .ply, .stl, .obj"
+                    ".nrrd, .nhdr, .mhd, .mha, .dcm, .gltf, .glb, .vdb, .nii, .nii.gz, .hdr, .hdr.gz, .raw, .ply, .stl, .obj"
                 ),
             "{message}"
         );
@@ -164,8 +195,8 @@ mod tests {
 
     #[test]
     fn an_unknown_format_shows_how_the_file_begins_and_what_is_known() {
-        let message = read("duck.glb", b"glTF\x02\0\0\0rest").unwrap_err().to_string();
-        assert!(message.contains("glTF") && message.contains(".obj"), "{message}");
+        let message = read("duck.blend", b"BLENDER-v300rest").unwrap_err().to_string();
+        assert!(message.contains("BLENDER") && message.contains(".obj"), "{message}");
         assert_eq!(message.lines().count(), 1);
     }
 

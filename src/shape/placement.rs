@@ -79,7 +79,7 @@ impl Placement {
         let corners: [DVec3; 8] = std::array::from_fn(|i| self.origin + self.steps * corner(i as u32));
         check_positions(file, "volume corners", &corners.map(DVec3::as_vec3))?;
         let axes = Axes::new(DVec3::ZERO, self.steps);
-        let voxels_away = corners.iter().map(|&corner| axes.index(corner).abs().max_element()).fold(0.0, f64::max);
+        let voxels_away = corners.iter().map(|&corner| axes.sensitivity(corner).max_element()).fold(0.0, f64::max);
         if voxels_away > MAX_VOXELS_FROM_ORIGIN {
             let found = format!("{voxels_away:.0} voxels from the origin");
             let remedy =

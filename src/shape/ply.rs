@@ -8,7 +8,7 @@ use super::error::{Found, Location, ShapeError, quoted};
 use super::polygon::{MAX_CONCAVE_CORNERS, triangulate};
 use super::source::{Source, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
-use glam::Vec3;
+use glam::DVec3;
 
 /// Whether the file begins with the line `ply`.
 pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
@@ -296,7 +296,7 @@ impl Values<'_, '_> {
 /// What of a mesh has been read.
 #[derive(Default)]
 struct Parts {
-    positions: Vec<Vec3>,
+    positions: Vec<DVec3>,
     /// The corners of all faces and strips, one after another.
     corners: Vec<u32>,
     /// How many corners each has, and whether it is a strip.
@@ -323,11 +323,11 @@ impl Parts {
             values.element(element, |place, value| {
                 for (axis, own) in places.iter().enumerate() {
                     if *own == place {
-                        position[axis] = value as f32;
+                        position[axis] = value;
                     }
                 }
             })?;
-            self.positions.push(Vec3::from(position));
+            self.positions.push(DVec3::from(position));
         }
         Ok(())
     }
@@ -391,7 +391,7 @@ impl Parts {
             }
         }
         source.check_positions("vertices", &self.positions)?;
-        source.finish(Mesh::cleaned(self.positions, triangles))
+        source.finish(Mesh::cleaned(&self.positions, triangles))
     }
 }
 

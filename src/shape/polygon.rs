@@ -4,7 +4,7 @@
 //! its winding. Source: G. Meisters, "Polygons have ears", American Mathematical Monthly 82, 1975; the normal by
 //! Newell's sums.
 
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
 
 /// Most corners of a polygon that is not convex.
 ///
@@ -16,7 +16,7 @@ pub(super) const MAX_CONCAVE_CORNERS: usize = 512;
 ///
 /// The polygon is projected along its longest normal axis. Self-crossing ones have no right answer: they still give
 /// n - 2 triangles.
-pub(super) fn triangulate(polygon: &[u32], positions: &[Vec3], triangles: &mut Vec<[u32; 3]>) -> bool {
+pub(super) fn triangulate(polygon: &[u32], positions: &[DVec3], triangles: &mut Vec<[u32; 3]>) -> bool {
     let outline = flattened(polygon, positions);
     let n = polygon.len();
     let convex = n == 3 || (0..n).all(|i| turn(outline[i], outline[(i + 1) % n], outline[(i + 2) % n]) >= 0.0);
@@ -41,8 +41,8 @@ pub(super) fn triangulate(polygon: &[u32], positions: &[Vec3], triangles: &mut V
 }
 
 /// Corners in a plane, counterclockwise as a whole.
-fn flattened(polygon: &[u32], positions: &[Vec3]) -> Vec<DVec2> {
-    let corners: Vec<DVec3> = polygon.iter().map(|&corner| positions[corner as usize].as_dvec3()).collect();
+fn flattened(polygon: &[u32], positions: &[DVec3]) -> Vec<DVec2> {
+    let corners: Vec<DVec3> = polygon.iter().map(|&corner| positions[corner as usize]).collect();
     let next = corners.iter().cycle().skip(1);
     let normal: DVec3 = corners.iter().zip(next).map(|(a, b)| (*a - corners[0]).cross(*b - corners[0])).sum();
     let size = normal.abs();
@@ -79,21 +79,21 @@ mod tests {
     use super::*;
 
     /// Sum of triangle areas and length of the summed area vectors: equal where no triangle is turned over.
-    fn areas(positions: &[Vec3], triangles: &[[u32; 3]]) -> (f32, f32) {
+    fn areas(positions: &[DVec3], triangles: &[[u32; 3]]) -> (f64, f64) {
         let vectors = triangles.iter().map(|t| {
             let [a, b, c] = t.map(|corner| positions[corner as usize]);
             0.5 * (b - a).cross(c - a)
         });
-        (vectors.clone().map(Vec3::length).sum(), vectors.sum::<Vec3>().length())
+        (vectors.clone().map(DVec3::length).sum(), vectors.sum::<DVec3>().length())
     }
 
     /// An arrow head: corner 3 is concave.
-    const ARROW: [[f32; 2]; 4] = [[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [1.0, 1.0]];
+    const ARROW: [[f64; 2]; 4] = [[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [1.0, 1.0]];
 
     #[test]
     fn a_concave_polygon_is_covered_once_in_every_plane_and_direction() {
-        let planes: [fn([f32; 2]) -> Vec3; 3] =
-            [|[u, v]| Vec3::new(u, v, 5.0), |[u, v]| Vec3::new(5.0, u, v), |[u, v]| Vec3::new(v, 5.0, u)];
+        let planes: [fn([f64; 2]) -> DVec3; 3] =
+            [|[u, v]| DVec3::new(u, v, 5.0), |[u, v]| DVec3::new(5.0, u, v), |[u, v]| DVec3::new(v, 5.0, u)];
         for plane in planes {
             let positions = ARROW.map(plane);
             for polygon in [[0, 1, 2, 3], [3, 2, 1, 0], [2, 3, 0, 1]] {
@@ -108,11 +108,11 @@ mod tests {
     #[test]
     fn a_star_is_covered_once() {
         let corner = |i: u32| {
-            let (sin, cos) = (i as f32 * std::f32::consts::PI / 20.0).sin_cos();
+            let (sin, cos) = (i as f64 * std::f64::consts::PI / 20.0).sin_cos();
             let radius = if i.is_multiple_of(2) { 1.0 } else { 0.3 };
-            Vec3::new(radius * cos, radius * sin, 0.0)
+            DVec3::new(radius * cos, radius * sin, 0.0)
         };
-        let positions: Vec<Vec3> = (0..40).map(corner).collect();
+        let positions: Vec<DVec3> = (0..40).map(corner).collect();
         let polygon: Vec<u32> = (0..40).collect();
         let mut triangles = Vec::new();
         assert!(triangulate(&polygon, &positions, &mut triangles));
@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn a_convex_polygon_is_a_fan() {
-        let positions = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y];
+        let positions = [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
         let mut triangles = Vec::new();
         assert!(triangulate(&[0, 1, 2, 3], &positions, &mut triangles));
         assert_eq!(triangles, [[0, 1, 2], [0, 2, 3]]);
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn nan_and_crossing_outlines_end() {
-        let positions = [Vec3::ZERO, Vec3::X, Vec3::NAN, Vec3::Y, Vec3::Z, Vec3::ONE];
+        let positions = [DVec3::ZERO, DVec3::X, DVec3::NAN, DVec3::Y, DVec3::Z, DVec3::ONE];
         for polygon in [vec![0, 1, 2, 3, 4, 5], vec![0, 5, 1, 3, 0, 1, 5]] {
             let mut triangles = Vec::new();
             assert!(triangulate(&polygon, &positions, &mut triangles));

@@ -37,7 +37,7 @@ pub fn open_raw(path: &str, layout: &RawLayout) -> Result<Shape, ShapeError> {
     let file = shown(path);
     let (opened, len) = plain::open(Path::new(path), u64::MAX).map_err(|error| unreadable(file.clone(), error))?;
     let mut reader = BufReader::new(opened);
-    let mut source = Source { file, len, offset: 0, line: 0, folder: None, reader: &mut reader };
+    let mut source = Source::new(file, len, None, &mut reader);
     let wrong = |expected, found: String| source.malformed_at(Location::Layout, expected, quoted(found.as_bytes()));
     if layout.size.contains(&0) {
         return Err(wrong("3 sizes of at least 1", sides(layout.size)));

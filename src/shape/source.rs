@@ -6,9 +6,10 @@
 use super::error::{Found, Location, ShapeError, quoted, shown};
 use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
 use crate::support::open;
-use glam::Vec3;
+use glam::DVec3;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
+use std::str::FromStr;
 
 /// The longest line, in bytes, its end included.
 pub(super) const MAX_LINE: usize = 1 << 20;
@@ -29,11 +30,18 @@ pub(super) struct Source<'a> {
     pub line: u64,
     /// Where files beside it are; none where it is in memory.
     pub folder: Option<PathBuf>,
+    /// What a person should know about the shape besides: see [`Source::note`].
+    pub notes: Vec<String>,
     /// What is left.
     pub reader: &'a mut dyn BufRead,
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
+    /// The start of `len` bytes of which nothing is consumed.
+    pub fn new(file: String, len: u64, folder: Option<PathBuf>, reader: &'a mut dyn BufRead) -> Source<'a> {
+        Source { file, len, offset: 0, line: 0, folder, notes: Vec::new(), reader }
+    }
+
     /// Reads a file beside this one, or below its folder.
     pub fn beside<T>(
         &self,
@@ -58,7 +66,12 @@ impl Source<'_> {
             reason: error.into(),
         })?;
         let mut reader = BufReader::new(opened);
-        read(&mut Source { file, len, offset: 0, line: 0, folder: None, reader: &mut reader })
+        read(&mut Source::new(file, len, None, &mut reader))
+    }
+
+    /// Remembers a part of the file that changes its geometry and is left out: a short sentence without the file's name.
+    pub fn note(&mut self, text: String) {
+        self.notes.push(text);
     }
 
     /// Bytes that are not consumed yet.
@@ -171,7 +184,7 @@ impl Source<'_> {
     }
 
     /// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].
-    pub fn check_positions(&self, what: &'static str, positions: &[Vec3]) -> Result<(), ShapeError> {
+    pub fn check_positions(&self, what: &'static str, positions: &[impl Copy + Into<DVec3>]) -> Result<(), ShapeError> {
         check_positions(&self.file, what, positions)
     }
 
@@ -180,19 +193,27 @@ impl Source<'_> {
         if mesh.triangles.is_empty() {
             return Err(ShapeError::NoTriangles { file: self.file.clone(), zero_area });
         }
+        if zero_area > 0 {
+            log::info!("{}: {zero_area} triangles of zero area are dropped", self.file);
+        }
         Ok(Shape::Mesh(mesh))
     }
 }
 
 /// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].
-pub(super) fn check_positions(file: &str, what: &'static str, positions: &[Vec3]) -> Result<(), ShapeError> {
-    if let Some(first) = positions.iter().position(|p| !p.is_finite()) {
-        let count = positions.iter().filter(|p| !p.is_finite()).count();
+pub(super) fn check_positions(
+    file: &str,
+    what: &'static str,
+    positions: &[impl Copy + Into<DVec3>],
+) -> Result<(), ShapeError> {
+    let near = || positions.iter().map(|&position| -> DVec3 { position.into() }).map(DVec3::as_vec3);
+    if let Some(first) = near().position(|p| !p.is_finite()) {
+        let count = near().filter(|p| !p.is_finite()).count();
         return Err(ShapeError::NotFinite { file: file.into(), what, count, total: positions.len(), first });
     }
-    match positions.iter().position(|p| p.abs().max_element() > MAX_COORDINATE) {
-        Some(index) => {
-            let value = positions[index].abs().max_element();
+    let mut sizes = near().map(|p| p.abs().max_element()).enumerate();
+    match sizes.find(|(_, size)| *size > MAX_COORDINATE) {
+        Some((index, value)) => {
             Err(ShapeError::CoordinateRange { file: file.into(), what, index, value, limit: MAX_COORDINATE })
         }
         None => Ok(()),
@@ -200,7 +221,7 @@ pub(super) fn check_positions(file: &str, what: &'static str, positions: &[Vec3]
 }
 
 /// A number as text; NaN and infinities pass, they are counted later.
-pub(super) fn number(token: &[u8]) -> Option<f32> {
+pub(super) fn number<T: FromStr>(token: &[u8]) -> Option<T> {
     std::str::from_utf8(token).ok()?.parse().ok()
 }
 

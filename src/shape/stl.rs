@@ -8,7 +8,7 @@
 use super::error::{Found, Location, ShapeError};
 use super::source::{Source, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Bytes before the first triangle of a binary file: 80 of free text and the count.
 const HEADER_BYTES: u64 = 84;
@@ -26,9 +26,18 @@ pub(super) fn recognizes(start: &[u8], len: u64) -> bool {
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let len = source.len;
     let start = source.peek()?;
-    let corners = if !is_binary(start, len) && is_text(start) { text(source)? } else { binary(source)? };
-    source.check_positions("triangle corners", &corners)?;
-    source.finish(Mesh::of_corners(&corners))
+    if !is_binary(start, len) && is_text(start) {
+        let corners = text(source)?;
+        finish(source, &corners)
+    } else {
+        let corners = binary(source)?;
+        finish(source, &corners)
+    }
+}
+
+fn finish(source: &Source, corners: &[impl Copy + Into<DVec3>]) -> Result<Shape, ShapeError> {
+    source.check_positions("triangle corners", corners)?;
+    source.finish(Mesh::of_corners(corners))
 }
 
 /// The triangle count of a binary header, if there are enough bytes for one.
@@ -69,7 +78,7 @@ fn binary(source: &mut Source) -> Result<Vec<Vec3>, ShapeError> {
     Ok(corners)
 }
 
-fn text(source: &mut Source) -> Result<Vec<Vec3>, ShapeError> {
+fn text(source: &mut Source) -> Result<Vec<DVec3>, ShapeError> {
     let mut corners = Vec::new();
     let mut in_loop = None;
     let mut in_solid = false;
@@ -88,7 +97,7 @@ fn text(source: &mut Source) -> Result<Vec<Vec3>, ShapeError> {
                 let (Some(x), Some(y), Some(z)) = (coordinate(), coordinate(), coordinate()) else {
                     return Err(source.malformed("3 numbers after `vertex`", &line));
                 };
-                corners.push(Vec3::new(x, y, z));
+                corners.push(DVec3::new(x, y, z));
                 in_loop = Some(count + 1);
             }
             (b"endloop", Some(3)) => {

@@ -12,7 +12,7 @@ fn assert_continuous(field: &DistanceField, band: f32) {
 fn without(mesh: &Mesh, drop: impl Fn(Vec3) -> bool) -> Mesh {
     let center = |t: &[u32; 3]| t.iter().map(|&i| mesh.positions[i as usize]).sum::<Vec3>() / 3.0;
     let triangles = mesh.triangles.iter().copied().filter(|t| !drop(center(t))).collect();
-    Mesh { positions: mesh.positions.clone(), triangles }
+    Mesh { positions: mesh.positions.clone(), triangles, ..Mesh::default() }
 }
 
 #[test]
@@ -38,7 +38,7 @@ fn an_open_cylinder_is_closed_at_both_ends() {
     };
     let positions = ring(-1.0).chain(ring(1.0)).collect();
     let triangles = (0..n).flat_map(|i| [[i, (i + 1) % n, n + (i + 1) % n], [i, n + (i + 1) % n, n + i]]).collect();
-    let (field, report) = field_of(&Mesh { positions, triangles }, 64, 0.5, 0.6);
+    let (field, report) = field_of(&Mesh { positions, triangles, ..Mesh::default() }, 64, 0.5, 0.6);
     assert_eq!(report.open_edges, 2 * n as usize);
     assert!(report.closing_triangles > 100);
     assert_continuous(&field, 0.6);
@@ -95,7 +95,7 @@ fn a_mesh_without_shared_vertices_counts_as_whole() {
     let mesh = icosphere(Vec3::ZERO, 1.0, 2);
     let positions: Vec<Vec3> = mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize]).collect();
     let triangles = (0..positions.len() as u32 / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-    assert_eq!(field_of(&Mesh { positions, triangles }, 16, 0.3, 0.2).1.open_edges, 0);
+    assert_eq!(field_of(&Mesh { positions, triangles, ..Mesh::default() }, 16, 0.3, 0.2).1.open_edges, 0);
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn any_soup_of_triangles_gives_a_continuous_field() {
     for count in [1, 2, 30] {
         let positions = (0..3 * count).map(|_| Vec3::new(random(), random(), random())).collect();
         let triangles = (0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-        let (field, report) = field_of(&Mesh { positions, triangles }, 40, 0.2, 1.0);
+        let (field, report) = field_of(&Mesh { positions, triangles, ..Mesh::default() }, 40, 0.2, 1.0);
         assert!(report.open_edges > 0);
         assert_continuous(&field, 1.0);
     }

@@ -4,14 +4,18 @@ use super::*;
 use crate::field::{ClosestPoints, Grid, transform_with_closest};
 use crate::shape::{Solid, Volume};
 
-const REQUEST: Request = Request { resolution: 40, margin: 0.3, band: 0.3, iso: 0.0 };
+const REQUEST: Request = Request { resolution: 40, margin: 0.3, band: 0.3, iso: 0.0, shell: 0.0 };
 
 /// A cube around the origin, wound outward.
 fn block(half: f32) -> Mesh {
     let sign = |bit: u32, corner: u32| if corner >> bit & 1 == 1 { half } else { -half };
     let positions = (0..8).map(|c| Vec3::new(sign(0, c), sign(1, c), sign(2, c))).collect();
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    Mesh { positions, triangles: quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect() }
+    Mesh {
+        positions,
+        triangles: quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        ..Mesh::default()
+    }
 }
 
 /// The worst of: a point's distance from the surface, and how much farther or nearer it is than the field says, where

@@ -48,7 +48,11 @@ fn needles_slivers_and_points_are_measured_as_edges() {
         Vec3::new(0.9, 0.1, 0.7),
         Vec3::new(0.55, 0.45, 0.500001),
     ];
-    let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 1, 3], [4, 4, 4], [4, 5, 5], [4, 5, 6], [3, 3, 6]] };
+    let mesh = Mesh {
+        positions,
+        triangles: vec![[0, 1, 2], [0, 1, 3], [4, 4, 4], [4, 5, 5], [4, 5, 6], [3, 3, 6]],
+        ..Mesh::default()
+    };
     let (field, _) = field_of(&mesh, 33, 0.2, 10.0);
     for (_, p, value) in samples(&field) {
         let exact = brute_force(&mesh, p);
@@ -87,7 +91,7 @@ fn gradients_outside_the_band_point_away_from_the_surface() {
 #[test]
 fn formulas_are_sampled() {
     for solid in [Solid::Sphere { radius: 1.0 }, Solid::Cube { half: 0.5 }, Solid::Torus { major: 1.0, minor: 0.3 }] {
-        let request = Request { resolution: 20, margin: 0.25, band: 0.1, iso: 0.0 };
+        let request = Request { resolution: 20, margin: 0.25, band: 0.1, iso: 0.0, shell: 0.0 };
         let (field, report) = transform(&Shape::Solid(solid), &request, &|_| {}).unwrap();
         assert_eq!(field.grid.size.iter().max(), Some(&20));
         assert_eq!(report.exact, field.grid.samples());
@@ -113,7 +117,7 @@ fn one_thread_and_many_give_the_same_bits() {
 fn progress_rises_to_one() {
     let last = std::sync::Mutex::new(0.0f32);
     let shape = Shape::Mesh(icosphere(Vec3::ZERO, 1.0, 2));
-    let request = Request { resolution: 32, margin: 0.1, band: 0.1, iso: 0.0 };
+    let request = Request { resolution: 32, margin: 0.1, band: 0.1, iso: 0.0, shell: 0.0 };
     transform(&shape, &request, &|fraction| {
         assert!((0.0..=1.0).contains(&fraction));
         let mut last = last.lock().unwrap();

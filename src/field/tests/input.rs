@@ -9,7 +9,7 @@ fn error(shape: Shape, request: Request) -> FieldError {
     transform(&shape, &request, &|_| {}).unwrap_err()
 }
 
-const REQUEST: Request = Request { resolution: 16, margin: 0.1, band: 0.1, iso: 0.0 };
+const REQUEST: Request = Request { resolution: 16, margin: 0.1, band: 0.1, iso: 0.0, shell: 0.0 };
 
 #[test]
 fn a_bad_request_names_the_value_and_the_remedy() {
@@ -29,7 +29,7 @@ fn a_bad_request_names_the_value_and_the_remedy() {
 #[test]
 fn empty_and_damaged_shapes_are_refused() {
     assert_eq!(error(Shape::Mesh(Mesh::default()), REQUEST), FieldError::EmptyMesh);
-    let damaged = Mesh { positions: vec![Vec3::ZERO, Vec3::X], triangles: vec![[0, 1, 2]] };
+    let damaged = Mesh { positions: vec![Vec3::ZERO, Vec3::X], triangles: vec![[0, 1, 2]], ..Mesh::default() };
     assert_eq!(error(Shape::Mesh(damaged), REQUEST), FieldError::Corner { index: 2, vertices: 2 });
     for (size, content) in
         [([2, 2, 2], Content::Scalar), ([0, 3, 3], Content::SignedDistance), ([u32::MAX; 3], Content::Scalar)]
@@ -48,8 +48,12 @@ fn no_finite_mesh_panics() {
             let reach = 3 + round % (wild.len() - 2);
             let mut coordinate = || wild[random.next() as usize % reach];
             let positions = (0..9).map(|_| Vec3::new(coordinate(), coordinate(), coordinate())).collect();
-            let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [3, 4, 5], [6, 7, 8], [0, 3, 6], [1, 1, 2]] };
-            let request = Request { resolution: 9, margin, band: 1.0, iso: 0.0 };
+            let mesh = Mesh {
+                positions,
+                triangles: vec![[0, 1, 2], [3, 4, 5], [6, 7, 8], [0, 3, 6], [1, 1, 2]],
+                ..Mesh::default()
+            };
+            let request = Request { resolution: 9, margin, band: 1.0, iso: 0.0, shell: 0.0 };
             if let Ok((field, _)) = transform(&Shape::Mesh(mesh), &request, &|_| {}) {
                 assert!(field.values.iter().all(|v| v.is_finite()));
             }
@@ -74,7 +78,7 @@ fn tiny_huge_and_distant_meshes_have_the_same_field() {
 
 #[test]
 fn a_shape_without_extent_needs_a_margin() {
-    let point = Mesh { positions: vec![Vec3::ONE], triangles: vec![[0, 0, 0]] };
+    let point = Mesh { positions: vec![Vec3::ONE], triangles: vec![[0, 0, 0]], ..Mesh::default() };
     assert!(matches!(error(Shape::Mesh(point.clone()), Request { margin: 0.0, ..REQUEST }), FieldError::Extent { .. }));
     let (field, _) = field_of(&point, 16, 1.0, 10.0);
     assert!((field.sample(Vec3::new(1.0, 1.0, 1.9)) - 0.9).abs() < 0.05);

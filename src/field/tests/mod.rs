@@ -6,6 +6,7 @@ mod exactness;
 mod input;
 mod oblique;
 mod scalar;
+mod shell;
 
 use super::{DistanceField, FieldReport, Request, transform};
 use crate::shape::{Mesh, Shape};
@@ -14,7 +15,7 @@ use std::collections::HashMap;
 
 /// The field of a mesh: `resolution` samples, margin and band in world units.
 fn field_of(mesh: &Mesh, resolution: u32, margin: f32, band: f32) -> (DistanceField, FieldReport) {
-    transform(&Shape::Mesh(mesh.clone()), &Request { resolution, margin, band, iso: 0.0 }, &|_| {}).unwrap()
+    transform(&Shape::Mesh(mesh.clone()), &Request { resolution, margin, band, iso: 0.0, shell: 0.0 }, &|_| {}).unwrap()
 }
 
 /// A sphere of `20 * 4^levels` triangles with its vertices on the sphere, wound outward.
@@ -56,7 +57,7 @@ fn icosphere(center: Vec3, radius: f32, levels: u32) -> Mesh {
             })
             .collect();
     }
-    Mesh { positions: positions.iter().map(|p| center + radius * *p).collect(), triangles }
+    Mesh { positions: positions.iter().map(|p| center + radius * *p).collect(), triangles, ..Mesh::default() }
 }
 
 /// A torus around the y axis, wound outward.
@@ -72,7 +73,7 @@ fn torus(major: f32, minor: f32, around: u32, across: u32) -> Mesh {
     let quads = (0..around)
         .flat_map(|i| (0..across).map(move |j| [index(i, j), index(i, j + 1), index(i + 1, j + 1), index(i + 1, j)]));
     let triangles = quads.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh { positions, triangles }
+    Mesh { positions, triangles, ..Mesh::default() }
 }
 
 /// Two meshes as one.

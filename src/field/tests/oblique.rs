@@ -60,7 +60,7 @@ fn the_field_of_a_scan_does_not_depend_on_how_its_grid_stands() {
         for steps in [DMat3::from_diagonal(DVec3::splat(step)), slanted, mirrored] {
             let volume = scan(&ellipsoid, steps);
             // Chords over a step miss the surface by the square of the step, which is little next to these voxels.
-            let request = Request { resolution: 12, margin: 0.1, band: 0.4, iso: 0.0 };
+            let request = Request { resolution: 12, margin: 0.1, band: 0.4, iso: 0.0, shell: 0.0 };
             let is_aligned = volume.is_aligned();
             let (field, _) = transform(&Shape::Volume(volume), &request, &|_| {}).unwrap();
             let (voxel, mut worst, mut near) = (f64::from(field.grid.spacing.x), 0.0f64, 0);
@@ -82,7 +82,7 @@ fn the_field_of_a_scan_does_not_depend_on_how_its_grid_stands() {
 fn signed_distances_that_are_not_aligned_are_refused() {
     let volume = scan(&Ellipsoid(DVec3::ONE), slanted(0.5));
     let volume = Volume { content: Content::SignedDistance, ..volume };
-    let request = Request { resolution: 12, margin: 0.1, band: 0.4, iso: 0.0 };
+    let request = Request { resolution: 12, margin: 0.1, band: 0.4, iso: 0.0, shell: 0.0 };
     let error = transform(&Shape::Volume(volume), &request, &|_| {}).unwrap_err();
     assert_eq!(error, FieldError::Oblique);
 }

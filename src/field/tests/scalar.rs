@@ -17,7 +17,7 @@ fn ball(size: [u32; 3], spacing: Vec3, radius: f32) -> Volume {
 
 /// RMS and largest error in voxels within three voxels of a sphere.
 fn errors(volume: Volume, resolution: u32, radius: f32) -> (f64, f64) {
-    let request = Request { resolution, margin: 0.0, band: 0.3 * radius, iso: 0.0 };
+    let request = Request { resolution, margin: 0.0, band: 0.3 * radius, iso: 0.0, shell: 0.0 };
     let (field, report) = transform(&Shape::Volume(volume), &request, &|_| {}).unwrap();
     assert!(report.triangles > 1000);
     let voxel = field.grid.spacing.x;
@@ -51,7 +51,7 @@ fn uneven_spacing_is_measured_in_world_units() {
 #[test]
 fn an_object_cut_by_the_border_is_closed_there() {
     let volume = ball([32, 32, 16], Vec3::splat(1.0), 12.0);
-    let request = Request { resolution: 50, margin: 4.0, band: 100.0, iso: 0.0 };
+    let request = Request { resolution: 50, margin: 4.0, band: 100.0, iso: 0.0, shell: 0.0 };
     let top = volume.origin.z + 15.0;
     let (field, _) = transform(&Shape::Volume(volume), &request, &|_| {}).unwrap();
     let above = field.sample(Vec3::new(3.0, -1.0, top + 2.0));
@@ -65,7 +65,7 @@ fn a_volume_one_sample_thick_has_a_field() {
     let mut volume = ball([20, 20, 1], Vec3::splat(1.0), 6.0);
     volume.values[0] = f32::MAX;
     volume.values[1] = -f32::MAX;
-    let request = Request { resolution: 24, margin: 2.0, band: 1.0, iso: 0.0 };
+    let request = Request { resolution: 24, margin: 2.0, band: 1.0, iso: 0.0, shell: 0.0 };
     let (field, _) = transform(&Shape::Volume(volume), &request, &|_| {}).unwrap();
     assert!(field.values.iter().all(|v| v.is_finite()));
 }
@@ -75,7 +75,7 @@ fn an_iso_value_without_surface_names_the_range() {
     let volume = ball([16; 3], Vec3::splat(1.0), 5.0);
     let (min, max) = crate::field::grid::range(&volume.values);
     for iso in [min, max + 1.0, f32::NAN, f32::INFINITY] {
-        let request = Request { resolution: 16, margin: 0.0, band: 1.0, iso };
+        let request = Request { resolution: 16, margin: 0.0, band: 1.0, iso, shell: 0.0 };
         let error = transform(&Shape::Volume(volume.clone()), &request, &|_| {}).unwrap_err();
         assert!(matches!(error, FieldError::NoSurface { .. }));
         assert!(error.to_string().contains(&max.to_string()));
@@ -85,7 +85,7 @@ fn an_iso_value_without_surface_names_the_range() {
 #[test]
 fn signed_distances_are_used_as_they_are() {
     let volume = Volume { content: Content::SignedDistance, ..ball([16, 12, 5], Vec3::new(1.0, 2.0, 3.0), 5.0) };
-    let request = Request { resolution: 64, margin: 0.0, band: 1.0, iso: 0.0 };
+    let request = Request { resolution: 64, margin: 0.0, band: 1.0, iso: 0.0, shell: 0.0 };
     let (field, _) = transform(&Shape::Volume(volume.clone()), &request, &|_| {}).unwrap();
     assert_eq!((field.grid.size, field.grid.spacing, field.values), (volume.size, volume.spacing(), volume.values));
 }
@@ -93,7 +93,7 @@ fn signed_distances_are_used_as_they_are() {
 #[test]
 fn e37_a_tiny_and_a_huge_scan_have_the_field_of_a_handy_one() {
     let ball = || Shape::Volume(ball([24, 20, 16], Vec3::new(1.0, 1.0, 1.5), 7.0));
-    let request = Request { resolution: 32, margin: 2.0, band: 100.0, iso: 0.5 };
+    let request = Request { resolution: 32, margin: 2.0, band: 100.0, iso: 0.5, shell: 0.0 };
     let (handy, _) = transform(&ball(), &request, &|_| {}).unwrap();
     for by in [-100f32, -66.0, 45.0].map(f32::exp2) {
         let other = Request { margin: by * 2.0, band: by * 100.0, ..request };

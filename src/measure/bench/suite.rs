@@ -232,7 +232,7 @@ fn cut(mesh: &Mesh) -> Mesh {
             [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]].map(|corners| corners.map(|corner: u32| first + corner)),
         );
     }
-    Mesh { positions, triangles }
+    Mesh { positions, triangles, ..Mesh::default() }
 }
 
 #[cfg(test)]

@@ -139,8 +139,8 @@ pub(super) fn meshes(_: &Lab<'_>) -> Result<Vec<Row>, StressError> {
         ("cube with faces twice", twice),
         ("cube turned inside out", whole.iter().map(|[a, b, c]| [*a, *c, *b]).collect()),
     ] {
-        let shape = Shape::Mesh(Mesh { positions: corners.clone(), triangles });
-        let request = Request { resolution: 24, margin: 0.5, band: 0.5, iso: 0.0 };
+        let shape = Shape::Mesh(Mesh { positions: corners.clone(), triangles, ..Mesh::default() });
+        let request = Request { resolution: 24, margin: 0.5, band: 0.5, iso: 0.0, shell: 0.0 };
         let (field, _) = field::transform(&shape, &request, &|_| ()).map_err(RenderError::from)?;
         let [x, y, z] = field.grid.size;
         let places = (0..z).flat_map(|k| (0..y).flat_map(move |j| (0..x).map(move |i| (i, j, k))));

@@ -205,7 +205,7 @@ pub(super) fn sizes(_: &Lab<'_>) -> Result<Vec<Row>, StressError> {
     let mut rows = Vec::new();
     for exponent in [-36, -30, -20, -10, 0, 10, 20, 30] {
         let unit = 10f32.powi(exponent);
-        let request = Request { resolution: 64, margin: 0.1 * unit, band: 0.2 * unit, iso: 0.0 };
+        let request = Request { resolution: 64, margin: 0.1 * unit, band: 0.2 * unit, iso: 0.0, shell: 0.0 };
         let (field, _) = field::transform(&scan(unit, Vec3::ONE), &request, &|_| ()).map_err(RenderError::from)?;
         let inside = field.values.iter().filter(|value| **value < 0.0).count() as f64;
         let cell = (field.grid.spacing.as_dvec3() / f64::from(unit)).element_product();
@@ -224,7 +224,7 @@ pub(super) fn sizes(_: &Lab<'_>) -> Result<Vec<Row>, StressError> {
     }
     for ratio in [4.0f32, 1000.0] {
         let stretch = Vec3::new(1.0, 1.0, 1.0 / ratio);
-        let request = Request { resolution: 64, margin: 0.0, band: 0.2, iso: 0.0 };
+        let request = Request { resolution: 64, margin: 0.0, band: 0.2, iso: 0.0, shell: 0.0 };
         let found = field::transform(&scan(1.0, stretch), &request, &|_| ());
         // The ball goes through both ends of so short an axis: all that is near to the axis is inside.
         let row = match found {

@@ -32,7 +32,8 @@ pub fn homogeneous(object: &str, rate: f32, projection: Projection) -> Scene {
 pub fn box_subject(half_size: Vec3) -> Subject {
     let (center, scale, radius) = (Vec3::ZERO, 1.0, half_size.length());
     let parts = BTreeMap::new();
-    Subject { input: "cube".into(), field: None, closest: None, center, scale, half_size, radius, report: None, parts }
+    let (input, offset) = ("cube".into(), glam::DVec3::ZERO);
+    Subject { input, field: None, closest: None, center, offset, scale, half_size, radius, report: None, parts }
 }
 
 /// Half sides of the slabs, whose faces lie between two slices where these are a multiple of 12.

@@ -126,6 +126,18 @@ impl Variant {
         self.of_light(scene, library, CELL_ENTRIES)
     }
 
+    /// The same with another module in the slot of opacity.
+    ///
+    /// # Errors
+    /// As [`Variant::shadow`].
+    pub(super) fn cells_by(&self, opacity: &str, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        let mut variant = self.cells(scene, library)?;
+        if let Some(names) = variant.slots.get_mut("opacity") {
+            *names = vec![opacity.into()];
+        }
+        Ok(variant)
+    }
+
     fn of_light(&self, scene: &Scene, library: &Library, entries: [&'static str; 2]) -> Result<Variant, VariantError> {
         let mut scene = scene.clone();
         scene.quality.integration = Integration::Point; // a segment of the light holds many samples

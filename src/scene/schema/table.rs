@@ -154,7 +154,8 @@ pub const SETTINGS: &[Setting] = &[
 
     setting("object.input", Text, Field, "A built-in name (sphere, cube, torus, teapot, knot, ...), or the path of a mesh, a scalar volume or a distance field."),
     setting("object.resolution", whole(8.0, 1024.0), Field, "Voxels along the longest side of the distance field.").flag("resolution"),
-    setting("object.iso", Kind::Number(ANY), Field, "Iso-value of the surface of a scalar volume; without one, the middle of its range.").optional("0.5").flag("iso"),
+    setting("object.iso", Kind::Number(ANY), Field, "Iso-value of the surface of a scalar volume; without one, the lowest that info proposes.").optional("0.5").flag("iso"),
+    setting("object.shell", number(0.0, 2.0), Field, "Thickness of the shell that the surface is made into, half of it to each side, object units; 0 makes what it encloses solid.").flag("shell"),
     setting("object.up", UP, Field, "The axis of the file that points up.").flag("up"),
     setting("object.stretch", Numbers(3, range(0.05, 20.0)), Images, "Factors along x, y and z by which the object is stretched before it is drawn.").usual(0.05, 4.0).flag("stretch"),
     setting("object.distance", Switch, Field, "Whether a volume holds signed distances, positive outside, although its file does not say so.").flag_alone("distance", "true"),

@@ -198,10 +198,12 @@ impl Image {
 
     /// An error where its pixels are not what is read here.
     pub fn check(&self, file: &str) -> Result<(), ShapeError> {
-        let place = Location::Header;
-        let unsupported =
-            |what, found, remedy| Err(ShapeError::Unsupported { file: file.into(), place, what, found, remedy });
-        let wrong = |expected, found| Err(ShapeError::Malformed { file: file.into(), place, expected, found });
+        let unsupported = |what, found, remedy| {
+            Err(ShapeError::Unsupported { file: file.into(), place: Location::Header, what, found, remedy })
+        };
+        let wrong = |expected, found| {
+            Err(ShapeError::Malformed { file: file.into(), place: Location::Header, expected, found })
+        };
         if let Some((what, found, remedy)) = &self.refused {
             return unsupported(what, found.clone(), remedy);
         }

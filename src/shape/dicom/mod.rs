@@ -135,7 +135,7 @@ fn with_file<T>(path: &Path, read: impl FnOnce(&mut Source) -> Result<T, ShapeEr
     let file = shown(&path.to_string_lossy());
     let (opened, len) = open::open(path, u64::MAX).map_err(|error| unreadable(file.clone(), error))?;
     let mut reader = BufReader::new(opened);
-    read(&mut Source { file, len, offset: 0, line: 0, folder: None, reader: &mut reader })
+    read(&mut Source::new(file, len, None, &mut reader))
 }
 
 /// Reads the frames of an image, whose pixels are next in the source, into their slices.

@@ -62,8 +62,10 @@ impl Member {
 
 /// The grid that the frames of `members` make, for messages about `file`.
 pub(super) fn layout(file: &str, members: &[Member]) -> Result<Layout, ShapeError> {
-    let place = if members.len() > 1 { Location::Folder } else { Location::Header };
-    let wrong = |expected, found| ShapeError::Malformed { file: file.into(), place, expected, found };
+    let wrong = |expected, found| {
+        let place = if members.len() > 1 { Location::Folder } else { Location::Header };
+        ShapeError::Malformed { file: file.into(), place, expected, found }
+    };
     let frames = || {
         let of = |(file, member): (usize, &'_ Member)| (0..member.image.frames.len()).map(move |frame| (file, frame));
         members.iter().enumerate().flat_map(of)

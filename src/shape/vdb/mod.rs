@@ -69,7 +69,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
             if let Some(content) = content {
                 if metadata.is_half != about.is_half {
                     let expected = "`is_saved_as_half_float` as the type of the grid says it";
-                    return Err(source.malformed_at(about.place, expected, format!("{}", metadata.is_half)));
+                    return Err(source.malformed_at(about.place.clone(), expected, format!("{}", metadata.is_half)));
                 }
                 let coding = Coding { version, is_double, is_half: about.is_half, flags, background: 0.0 };
                 return volume(source, coding, (content, metadata.corners), has_offsets.then_some(about));
@@ -84,7 +84,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
             let skipped = about.end.checked_sub(source.offset).filter(|_| has_offsets);
             let Some(skipped) = skipped else {
                 let (expected, found) = ("the offset of the end of a grid behind it", about.end.to_string());
-                return Err(source.malformed_at(about.place, expected, found));
+                return Err(source.malformed_at(about.place.clone(), expected, found));
             };
             source.skip(skipped, "a grid")?;
         }
@@ -143,7 +143,7 @@ fn volume(
     let check = |source: &Source, offset: u64, expected| match &about {
         Some(about) if offset != source.offset => {
             let found = format!("{offset} instead of {}", source.offset);
-            Err(source.malformed_at(about.place, expected, found))
+            Err(source.malformed_at(about.place.clone(), expected, found))
         }
         _ => Ok(()),
     };

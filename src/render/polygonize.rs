@@ -1,0 +1,261 @@
+//! The surface where the density of a scene crosses a value, as a mesh.
+//!
+//! Role: a hypertextured object becomes a solid that other programs open, print or cut. Invariant: the density is that of the
+//! scene's own program, evaluated by [`exact`] in f64, so that nothing of a formula is written a second time; blocks of
+//! samples are left out only where bounds prove on which side of the surface they are; the mesh is closed.
+
+use super::cpu_inputs::CpuInputs;
+use super::shot::Shot;
+use super::{OCTAVES_ID, RenderError, Subject};
+use crate::exact::{self, Device, ExactError, Interval};
+use crate::field::{LevelSet, Progress};
+use crate::render::variant::{Variant, VariantError};
+use crate::scene::{Axis, Scene};
+use crate::shader::{Library, Linker};
+use crate::shape::Mesh;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The opacity of the program: the density itself, of whatever path.
+const DENSITY: &str = "// The density in place of the opacity of a path.
+float opacity(float density, float amount) { return density; }
+float segment_opacity(float d0, float d1, float amount) { return 0.5 * (d0 + d1); }
+";
+/// Samples along the side of a block that bounds are computed of. Fewer: more bounds. More: they say less.
+const BLOCK: u32 = 8;
+/// Blocks, and edges, that a thread works on at a time.
+const BLOCKS: usize = 16;
+const EDGES: usize = 1024;
+/// How often the part of an edge in which the surface lies is halved: 2^-13 of an edge is below what f32 tells apart.
+const HALVINGS: u32 = 12;
+
+/// What to make a mesh of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Polygons {
+    /// Samples along the longest side of the box around the soft region; 8 to 1024.
+    pub grid: u32,
+    /// The density of the surface, above 0, up to 1; a hard object has 1 inside and 0 outside.
+    pub density: f32,
+}
+
+/// Why there is no mesh.
+#[derive(Debug, thiserror::Error)]
+pub enum PolygonizeError {
+    /// The scene has no program.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The program cannot be evaluated.
+    #[error("no mesh of this scene: {0}")]
+    Exact(#[from] ExactError),
+    /// The grid is out of range.
+    #[error("grid {0} is not in 8 to 1024; 64 to 256 suit most objects")]
+    Grid(u32),
+    /// The density is out of range.
+    #[error("density {0} is not above 0 and up to 1; 0.5 suits most objects")]
+    Density(f32),
+    /// No sample is inside.
+    #[error("no sample has a density of {level}: the largest is {largest:.3}; lower it, or take more samples")]
+    NoSurface {
+        /// The density that was asked for.
+        level: f64,
+        /// The largest that a sample has.
+        largest: f64,
+    },
+}
+
+impl From<VariantError> for PolygonizeError {
+    fn from(error: VariantError) -> PolygonizeError {
+        PolygonizeError::Render(error.into())
+    }
+}
+
+/// First and last sample on each axis.
+type Block = [[u32; 2]; 3];
+
+/// Samples of object space.
+struct Samples {
+    size: [u32; 3],
+    low: DVec3,
+    step: f64,
+}
+
+impl Samples {
+    /// Around a box, with one layer outside of it.
+    fn around(low: DVec3, high: DVec3, grid: u32) -> Samples {
+        let extent = high - low;
+        let step = extent.max_element() / f64::from(grid - 3);
+        let size = extent.to_array().map(|side| (side / step - 1e-9).ceil().max(1.0) as u32 + 3);
+        let spare = DVec3::from_array(size.map(|side| f64::from(side - 1))) * step - extent;
+        Samples { size, low: low - 0.5 * spare, step }
+    }
+
+    fn place(&self, at: [u32; 3]) -> DVec3 {
+        self.low + self.step * DVec3::from_array(at.map(f64::from))
+    }
+
+    fn count(&self) -> usize {
+        self.size.iter().map(|side| *side as usize).product()
+    }
+
+    fn index(&self, [x, y, z]: [u32; 3]) -> u32 {
+        (z * self.size[1] + y) * self.size[0] + x
+    }
+
+    fn of_index(&self, index: u32) -> [u32; 3] {
+        let [x, y, _] = self.size;
+        [index % x, index / x % y, index / x / y]
+    }
+
+    /// The indices of the samples of a block.
+    fn within(&self, [xs, ys, zs]: Block) -> impl Iterator<Item = u32> {
+        let all = |[first, last]: [u32; 2]| first..=last;
+        all(zs).flat_map(move |z| all(ys).flat_map(move |y| all(xs).map(move |x| self.index([x, y, z]))))
+    }
+
+    fn blocks(&self) -> Vec<Block> {
+        let spans =
+            self.size.map(|side| (0..side).step_by(BLOCK as usize).map(move |at| [at, (at + BLOCK).min(side) - 1]));
+        let [xs, ys, zs] = spans.map(|span| span.collect::<Vec<_>>());
+        zs.iter().flat_map(|z| ys.iter().flat_map(|y| xs.iter().map(|x| [*x, *y, *z]))).collect()
+    }
+}
+
+/// The program of a density, and what it reads.
+struct Density<'a> {
+    bound: exact::BoundProgram<'a>,
+    level: f64,
+}
+
+impl Density<'_> {
+    /// At places in object space.
+    fn at(&self, places: &[DVec3]) -> Result<Vec<f64>, ExactError> {
+        let places = places.iter().map(|place| [place.x, place.y, place.z, 0.0]).collect();
+        let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+        let outputs = self.bound.run::<f64>(&lanes)?;
+        Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
+    }
+
+    /// On which side boxes are: true where all is inside, false where nothing is.
+    fn sides(&self, boxes: &[[DVec3; 2]]) -> Result<Vec<Option<bool>>, ExactError> {
+        let interval = |lo, hi| Device(Interval { lo, hi });
+        let places = boxes.iter().map(|[low, high]| {
+            let [x, y, z] = [0, 1, 2].map(|axis| interval(low[axis], high[axis]));
+            [x, y, z, interval(0.0, 0.0)]
+        });
+        let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+        let outputs = self.bound.run::<Device>(&lanes)?;
+        let side = |density: Interval| match density {
+            Interval { lo, .. } if lo >= self.level => Some(true),
+            Interval { hi, .. } if hi < self.level => Some(false),
+            _ => None,
+        };
+        Ok(outputs[&0].iter().map(|[density, ..]| side(density.0)).collect())
+    }
+}
+
+/// The mesh of a scene at its first moment: closed, wound outward, in the world units and axes of its first object.
+///
+/// Vertices are within 2^-13 of the distance between samples of the surface along an edge; matter thinner than that distance
+/// may be overlooked. `progress` is called with the part that is done, from any thread.
+///
+/// # Errors
+/// The scene has no program, one that [`exact`] does not cover, or no matter as dense; resolution or density out of range.
+pub fn polygonize(
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    polygons: Polygons,
+    progress: Progress<'_>,
+) -> Result<Mesh, PolygonizeError> {
+    let Polygons { grid, density } = polygons;
+    if !(8..=1024).contains(&grid) {
+        return Err(PolygonizeError::Grid(grid));
+    }
+    if !(density > 0.0 && density <= 1.0) {
+        return Err(PolygonizeError::Density(density));
+    }
+    let library = library.clone().with_module("opacity", "density", DENSITY);
+    let variant = Variant::of(scene, &library)?;
+    let program =
+        variant.cells_by("density", scene, &library)?.program(&library, Linker::new).map_err(RenderError::from)?;
+    let cpu_inputs = CpuInputs::new(&library, scene, subject, &variant, &program)?;
+    let mut inputs = cpu_inputs.exact();
+    inputs.blocks = cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
+    let code = exact::Program::read_channel(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)], (0, 3))?;
+    let density = Density { bound: code.bind(&inputs)?, level: f64::from(density) };
+    let view = Shot::of(scene, subject, &variant).view;
+    let samples = Samples::around(view.box_min.as_dvec3(), view.box_max.as_dvec3(), grid);
+
+    let inside = inside(&density, &samples, &|done| progress(0.5 * done))?;
+    let set = LevelSet::of(samples.size, |index| inside[index as usize]);
+    let done = AtomicUsize::new(0);
+    let chunks = set.edges.par_chunks(EDGES).map(|edges| {
+        let found = crossings(&density, &samples, edges)?;
+        let done = done.fetch_add(edges.len(), Ordering::Relaxed) + edges.len();
+        progress(0.5 + 0.5 * done as f32 / set.edges.len() as f32);
+        Ok(found.into_iter().map(|place| world(subject, scene.object.up, place)).collect())
+    });
+    let positions: Vec<Vec<Vec3>> = chunks.collect::<Result<_, ExactError>>()?;
+    Ok(Mesh { positions: positions.concat(), triangles: set.triangles, offset: subject.offset })
+}
+
+/// Which samples are inside.
+fn inside(density: &Density<'_>, samples: &Samples, progress: Progress<'_>) -> Result<Vec<bool>, PolygonizeError> {
+    let blocks = samples.blocks();
+    let (blocks_in_all, done) = (blocks.len() as f32, AtomicUsize::new(0));
+    let decided = blocks.par_chunks(BLOCKS).map(|blocks| {
+        let corners = |block: &Block| [0, 1].map(|end| samples.place(block.map(|span| span[end])));
+        let sides = density.sides(&blocks.iter().map(corners).collect::<Vec<_>>())?;
+        let open: Vec<u32> = (blocks.iter().zip(&sides).filter(|(_, side)| side.is_none()))
+            .flat_map(|(block, _)| samples.within(*block))
+            .collect();
+        let places: Vec<DVec3> = open.iter().map(|index| samples.place(samples.of_index(*index))).collect();
+        let densities = density.at(&places)?;
+        progress((done.fetch_add(blocks.len(), Ordering::Relaxed) + blocks.len()) as f32 / blocks_in_all);
+        let full: Vec<u32> = (blocks.iter().zip(&sides).filter(|(_, side)| **side == Some(true)))
+            .flat_map(|(block, _)| samples.within(*block))
+            .collect();
+        Ok((full, open, densities))
+    });
+    let decided: Vec<(Vec<u32>, Vec<u32>, Vec<f64>)> = decided.collect::<Result<_, ExactError>>()?;
+    let mut inside = vec![false; samples.count()];
+    let (mut largest, mut any) = (0.0_f64, false);
+    for (full, open, densities) in decided {
+        any |= !full.is_empty();
+        full.into_iter().for_each(|index| inside[index as usize] = true);
+        for (index, found) in open.into_iter().zip(densities) {
+            largest = largest.max(found);
+            inside[index as usize] = found >= density.level;
+        }
+    }
+    any |= largest >= density.level;
+    match any {
+        true => Ok(inside),
+        false => Err(PolygonizeError::NoSurface { level: density.level, largest }),
+    }
+}
+
+/// Where the surface crosses edges, in object space.
+fn crossings(density: &Density<'_>, samples: &Samples, edges: &[[u32; 2]]) -> Result<Vec<DVec3>, ExactError> {
+    let ends: Vec<[DVec3; 2]> = edges.iter().map(|edge| edge.map(|end| samples.place(samples.of_index(end)))).collect();
+    let mut spans = vec![[0.0, 1.0]; edges.len()];
+    let middle = |ends: &[DVec3; 2], [from, to]: &[f64; 2]| ends[0].lerp(ends[1], 0.5 * (from + to));
+    for _ in 0..HALVINGS {
+        let places: Vec<DVec3> = ends.iter().zip(&spans).map(|(ends, span)| middle(ends, span)).collect();
+        for (span, found) in spans.iter_mut().zip(density.at(&places)?) {
+            span[usize::from(found < density.level)] = 0.5 * (span[0] + span[1]);
+        }
+    }
+    Ok(ends.iter().zip(&spans).map(|(ends, span)| middle(ends, span)).collect())
+}
+
+/// A place in object space, in the world and by the axes of the file that the object is from.
+fn world(subject: &Subject, up: Axis, place: DVec3) -> Vec3 {
+    let turned = subject.center.as_dvec3() + place / f64::from(subject.scale);
+    let mut world = DVec3::ZERO;
+    for (axis, (own, reversed)) in up.turn().into_iter().enumerate() {
+        world[own] = if reversed { -turned[axis] } else { turned[axis] };
+    }
+    world.as_vec3()
+}
