@@ -337,7 +337,7 @@ fn what_is_wrong_is_said_with_its_place() {
         (vec![Datatype(2048)], "the datatype complex256, 2048 is not supported"),
         (vec![Datatype(2304)], "the datatype RGBA32, 2304 is not supported"),
         (vec![Datatype(-2)], "the datatype -2 is not supported"),
-        (vec![Datatype(16)], "byte 72: expected as many bits as the datatype has, found 8 for f32"),
+        (vec![Datatype(16)], "byte 72: expected as many bits as the datatype has, found 8 for float32"),
         (vec![Bitpix(16)], "byte 72: expected as many bits as the datatype has, found 16 for uint8"),
         (vec![Bitpix(-8)], "byte 72: expected as many bits"),
         (vec![Offset(0.0)], "byte 108: expected a vox_offset of whole bytes behind the header"),

@@ -6,11 +6,12 @@ use hypertexture::shape::{Content, Shape, Volume, VolumeFormat, read};
 use proptest::prelude::*;
 use std::path::Path;
 
-const FORMATS: [(VolumeFormat, &str); 4] = [
+const FORMATS: [(VolumeFormat, &str); 5] = [
     (VolumeFormat::Nrrd, "a.nrrd"),
     (VolumeFormat::MetaImage, "a.mha"),
     (VolumeFormat::Nifti, "a.nii"),
     (VolumeFormat::NiftiGzip, "a.nii.gz"),
+    (VolumeFormat::OpenVdb, "a.vdb"),
 ];
 
 fn written(format: VolumeFormat, volume: &Volume) -> Vec<u8> {
@@ -46,6 +47,7 @@ fn the_end_of_a_name_tells_the_format() {
         ("b/a.MHA", Some(VolumeFormat::MetaImage)),
         ("a.b.nii", Some(VolumeFormat::Nifti)),
         ("a.Nii.Gz", Some(VolumeFormat::NiftiGzip)),
+        ("a.vdb", Some(VolumeFormat::OpenVdb)),
         ("a.npy", Some(VolumeFormat::Npy)),
         ("a.gz", None),
         ("a.mhd", None),

@@ -41,7 +41,7 @@ pub enum Command {
     View(Box<ViewArguments>),
     /// Join the shards of a picture, as `render --shard` writes them.
     Merge(Merge),
-    /// Compute the distance field of an object and write it as NRRD, MetaImage, NIfTI or .npy.
+    /// Compute the distance field of an object and write it as NRRD, MetaImage, NIfTI, OpenVDB or .npy.
     Field(Field),
     /// Write the surface of a hypertextured object, where its density crosses a value, as a closed mesh.
     Mesh(Box<Mesh>),

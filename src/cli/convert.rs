@@ -13,7 +13,7 @@ use std::path::PathBuf;
 pub struct Convert {
     /// A volume or a mesh: any that `render` takes, or values without a header and what they are.
     pub input: String,
-    /// Where it goes: .nrrd, .mha, .nii, .nii.gz or .npy; a mesh .stl, .ply, .obj or .glb.
+    /// Where it goes: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy; a mesh .stl, .ply, .obj or .glb.
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
     /// Values without a header: how many along x, y and z, x fastest.
@@ -86,4 +86,4 @@ fn three<T: Copy>(numbers: &[T]) -> Option<[T; 3]> {
 /// Ends of names of meshes that are written.
 pub(super) const MESH_ENDS: &str = ".stl, .ply, .obj or .glb";
 /// Ends of names of volumes that are written.
-pub(super) const ENDS: &str = ".nrrd, .mha, .nii, .nii.gz or .npy";
+pub(super) const ENDS: &str = ".nrrd, .mha, .nii, .nii.gz, .vdb or .npy";

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 pub struct Field {
     /// A built-in object, a mesh, a scalar volume or a distance field.
     pub input: String,
-    /// Where the field goes: .nrrd, .mha, .nii, .nii.gz or .npy.
+    /// Where the field goes: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy.
     #[arg(long, short, default_value = "field.nrrd", value_name = "FILE")]
     pub output: PathBuf,
     /// The object.

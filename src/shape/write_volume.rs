@@ -5,7 +5,7 @@
 
 use super::axes::{directions, lengths};
 use super::values::{LEVEL, check, write_values};
-use super::{Content, Volume, meta, write_nifti, write_nrrd};
+use super::{Content, Volume, meta, vdb, write_nifti, write_nrrd};
 use flate2::write::{GzEncoder, ZlibEncoder};
 use std::io::{self, Write};
 use std::path::Path;
@@ -21,21 +21,25 @@ pub enum VolumeFormat {
     Nifti,
     /// The same, gzip.
     NiftiGzip,
+    /// OpenVDB: one grid of zip, `surface` of the class `level set` of distances, else `density` of `fog volume`. The
+    /// background is the largest distance, or the first value. A file that is nearly empty is not read back above 2^26 voxels.
+    OpenVdb,
     /// An array of numpy, of shape (z, y, x). Where its samples are in the world and what they mean is not kept.
     Npy,
 }
 
 impl VolumeFormat {
     /// Names of files of each format end like this, small or large.
-    const ENDS: [(VolumeFormat, &'static str); 5] = [
+    const ENDS: [(VolumeFormat, &'static str); 6] = [
         (VolumeFormat::Nrrd, ".nrrd"),
         (VolumeFormat::MetaImage, ".mha"),
         (VolumeFormat::Nifti, ".nii"),
         (VolumeFormat::NiftiGzip, ".nii.gz"),
+        (VolumeFormat::OpenVdb, ".vdb"),
         (VolumeFormat::Npy, ".npy"),
     ];
 
-    /// The format that the end of a name asks for: .nrrd, .mha, .nii, .nii.gz or .npy.
+    /// The format that the end of a name asks for: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy.
     pub fn from_path(path: &Path) -> Option<VolumeFormat> {
         let name = path.file_name()?.to_str()?.to_ascii_lowercase();
         VolumeFormat::ENDS.iter().find(|(_, end)| name.ends_with(end)).map(|(format, _)| *format)
@@ -60,6 +64,10 @@ impl VolumeFormat {
                 let mut encoder = GzEncoder::new(to, LEVEL);
                 write_nifti::write(volume, &mut encoder)?;
                 encoder.finish()?.flush()
+            }
+            VolumeFormat::OpenVdb => {
+                vdb::write(volume, &mut to)?;
+                to.flush()
             }
             VolumeFormat::Npy => {
                 let [x, y, z] = volume.size;

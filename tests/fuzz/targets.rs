@@ -1,14 +1,14 @@
 //! The parsers, each of any bytes: what it says does not matter, but it comes back, and what it gives can be trusted.
 
 use blake3::Hash;
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 use hypertexture::measure::verify::library;
 use hypertexture::output::shard::{self, Shard, Whole};
 use hypertexture::output::{Depth, Provenance};
 use hypertexture::render::Frame;
 use hypertexture::scene::{self, Scene};
 use hypertexture::shader::{Formula, Library, Slots, shipped};
-use hypertexture::shape::{self, Mesh, MeshFormat, Shape};
+use hypertexture::shape::{self, Content, Mesh, MeshFormat, Shape, Volume, VolumeFormat};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -21,7 +21,7 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-pub const TARGETS: [Target; 14] = [
+pub const TARGETS: [Target; 15] = [
     Target { name: "obj", seeds: || vec![OBJ.into()], run: |bytes| mesh(shape::read("a.obj", bytes)) },
     Target { name: "stl", seeds: || vec![STL.into(), binary_stl()], run: |bytes| mesh(shape::read("a.stl", bytes)) },
     Target { name: "ply", seeds: || vec![PLY.into(), binary_ply()], run: |bytes| mesh(shape::read("a.ply", bytes)) },
@@ -33,6 +33,7 @@ pub const TARGETS: [Target; 14] = [
         run: |bytes| mesh(shape::read("a.nii", bytes)),
     },
     Target { name: "gltf", seeds: || vec![GLTF.into(), glb()], run: |bytes| mesh(shape::read("a.gltf", bytes)) },
+    Target { name: "vdb", seeds: || vec![vdb()], run: |bytes| mesh(shape::read("a.vdb", bytes)) },
     Target { name: "dicom", seeds: || vec![dicom()], run: |bytes| mesh(shape::read("a.dcm", bytes)) },
     Target { name: "scene", seeds: || vec![SCENE.into(), PRESET.into()], run: scene_of },
     Target { name: "value", seeds: || ["[1, 2.5, 3]", "\"#ffe0c0\"", "true"].map(Vec::from).into(), run: value },
@@ -62,6 +63,16 @@ fn glb() -> Vec<u8> {
     let mut bytes = Vec::new();
     let mesh = Mesh { positions, triangles, offset: DVec3::new(1e6, 0.0, 0.0) };
     MeshFormat::Glb.write(&mesh, &mut bytes).expect("memory takes all bytes");
+    bytes
+}
+
+/// Two leaves.
+fn vdb() -> Vec<u8> {
+    let values = (0..60).map(|index| index as f32 % 7.0).collect();
+    let (origin, steps, content) = (Vec3::splat(6.0), Mat3::IDENTITY, Content::Scalar);
+    let volume = Volume { size: [3, 4, 5], origin, steps, values, content };
+    let mut bytes = Vec::new();
+    VolumeFormat::OpenVdb.write(&volume, &mut bytes).expect("memory takes all bytes");
     bytes
 }
 

@@ -5,10 +5,14 @@
 
 use super::super::error::{Location, ShapeError, quoted};
 use super::super::source::Source;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, IVec3};
 
 /// The longest name, in bytes: longer, and it is no name.
 const MAX_NAME: u32 = 4096;
+/// Names of metadata of a volume that was written here: its first and last voxel, and what its values are.
+pub(super) const CORNERS: [&str; 2] = ["hypertexture_min", "hypertexture_max"];
+pub(super) const CONTENT: &str = "hypertexture_content";
+pub(super) const SIGNED_DISTANCE: &str = "signed distance";
 /// The end of the type of a grid whose values are stored in 16 bits.
 const HALF: &str = "_HalfFloat";
 
@@ -35,6 +39,10 @@ pub(super) struct Metadata {
     pub class: String,
     /// Whether values are stored in 16 bits.
     pub is_half: bool,
+    /// Whether values are distances everywhere.
+    pub is_distance: bool,
+    /// First and last voxel, where the box is told.
+    pub corners: [Option<IVec3>; 2],
 }
 
 /// A name, or a text no longer than one.
@@ -73,6 +81,12 @@ impl Metadata {
                 ("class", "string") => metadata.class = name(source, WHAT)?,
                 ("is_saved_as_half_float", "bool") => {
                     metadata.is_half = source.array::<5>(WHAT)? != [1, 0, 0, 0, 0]; // its length, and 0
+                }
+                (CONTENT, "string") => metadata.is_distance = name(source, WHAT)? == SIGNED_DISTANCE,
+                (key, "vec3i") if CORNERS.contains(&key) => {
+                    let mut part = || source.array(WHAT).map(i32::from_le_bytes);
+                    let [_, x, y, z] = [part()?, part()?, part()?, part()?]; // behind its length
+                    metadata.corners[usize::from(key == CORNERS[1])] = Some(IVec3::new(x, y, z));
                 }
                 _ => {
                     let length = u32::from_le_bytes(source.array(WHAT)?);

@@ -1,6 +1,6 @@
 //! OpenVDB: sparse level sets and fog volumes.
 //!
-//! Role: the first grid of a file that is one of these into a dense [`Volume`]. Invariant: nothing is allocated for a box
+//! Role: the first grid of a file that is one of these into a dense [`Volume`](super::Volume), and back. Invariant: nothing is allocated for a box
 //! before the nodes that span it have been read. Read here and not by the crate `vdb-rs`, which knows no files before version
 //! 224. Source: OpenVDB 10, `io/Archive.cc` and what the parts of this module name.
 
@@ -8,20 +8,25 @@ mod blosc;
 mod head;
 mod tree;
 mod values;
+mod write;
 
 use super::error::{Location, ShapeError, quoted};
 use super::placement::{self, Placement};
 use super::source::Source;
 use super::{Content, Shape, axes};
+use glam::IVec3;
 use head::{Descriptor, Metadata};
 use std::ops::RangeInclusive;
 use tree::{Dense, Tree};
 use values::{Coding, KNOWN_FLAGS, NODE_MASKS, ZIP};
+pub(super) use write::write;
 
 /// The first bytes of a file.
 const MAGIC: &[u8] = b" BDV\0\0\0\0";
 /// The versions that are read: 220 says what is compressed, 225 has further types of grids.
 const VERSIONS: RangeInclusive<u32> = 220..=225;
+/// The version that is written, of OpenVDB 6.2 and all behind it.
+const WRITTEN: u32 = 224;
 /// Most voxels of a box: as many for each byte of the file, or 256 MiB. Real level sets have less than a tenth, and two
 /// voxels far from each other would take all memory.
 const MAX_VOXELS_PER_BYTE: u64 = 1024;
@@ -35,7 +40,7 @@ pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
 }
 
 /// Reads the first grid of floats or doubles that is a level set or a fog volume: the box around its active voxels and one
-/// voxel more on each side, with all values that the tree has there. Values may be halves, masked, zip or Blosc; doubles are
+/// voxel more on each side, or the one that was written here, with all values that the tree has there. Values may be halves, masked, zip or Blosc; doubles are
 /// rounded to f32.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let (version, has_offsets, is_zip) = header(source)?;
@@ -56,6 +61,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
             let flags = flags(source, version, is_zip)?;
             let metadata = Metadata::read(source)?;
             let content = match &*metadata.class {
+                "level set" if metadata.is_distance => Some(Content::SignedDistance),
                 "level set" => Some(Content::LevelSet),
                 "fog volume" => Some(Content::Scalar),
                 _ => None,
@@ -66,7 +72,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
                     return Err(source.malformed_at(about.place.clone(), expected, format!("{}", metadata.is_half)));
                 }
                 let coding = Coding { version, is_double, is_half: about.is_half, flags, background: 0.0 };
-                return volume(source, coding, content, has_offsets.then_some(about));
+                return volume(source, coding, (content, metadata.corners), has_offsets.then_some(about));
             }
             let class = if metadata.class.is_empty() { "unknown" } else { &metadata.class };
             found = format!("class {}", quoted(class.as_bytes()));
@@ -124,11 +130,12 @@ fn flags(source: &mut Source, version: u32, is_zip: bool) -> Result<u32, ShapeEr
     Err(ShapeError::Unsupported { file, place, what: "compression", found, remedy })
 }
 
-/// The grid behind its metadata; `about` says where its parts are, if anything does.
+/// The grid behind its metadata, which say what it is and may tell its corners; `about` says where its parts are, if anything
+/// does.
 fn volume(
     source: &mut Source,
     mut coding: Coding,
-    content: Content,
+    (content, corners): (Content, [Option<IVec3>; 2]),
     about: Option<Descriptor>,
 ) -> Result<Shape, ShapeError> {
     let (zero, steps) = head::transform(source)?;
@@ -141,12 +148,18 @@ fn volume(
         _ => Ok(()),
     };
     check(source, about.as_ref().map_or(0, |about| about.blocks), "the offset of the leaves of a grid")?;
-    let Some(active) = tree.active else {
-        let (place, found) = (Location::Byte(source.offset), "none".into());
-        return Err(source.malformed_at(place, "a grid with active voxels", found));
+    let wrong = |expected, found: &str| Err(source.malformed_at(Location::Byte(source.offset), expected, found.into()));
+    let (min, max) = match (corners, tree.active) {
+        ([Some(min), Some(max)], active) => {
+            let [low, high] = active.unwrap_or([min, max]);
+            if !(min.cmple(low) & low.cmple(high) & high.cmple(max)).all() {
+                return wrong("active voxels between the corners in the metadata", "others");
+            }
+            (min.as_i64vec3(), max.as_i64vec3())
+        }
+        (_, Some([min, max])) => (min.as_i64vec3() - 1, max.as_i64vec3() + 1),
+        _ => return wrong("a grid with active voxels", "none"),
     };
-    let [min, max] = active.map(|corner| corner.as_i64vec3());
-    let (min, max) = (min - 1, max + 1);
     let size = (max - min + 1).to_array().map(|n| n as u64);
     let most = SMALL.max(source.len.saturating_mul(MAX_VOXELS_PER_BYTE));
     let size = placement::at_most(&source.file, "voxels in the box around the active ones", size, most)?;

@@ -14,7 +14,7 @@ use std::io;
 pub(super) const NODE_MASKS: u32 = 222;
 /// Flags of the compression of a grid.
 pub(super) const ZIP: u32 = 1;
-const ACTIVE_ONLY: u32 = 2;
+pub(super) const ACTIVE_ONLY: u32 = 2;
 const BLOSC: u32 = 4;
 /// All flags that are known.
 pub(super) const KNOWN_FLAGS: u32 = ZIP | ACTIVE_ONLY | BLOSC;

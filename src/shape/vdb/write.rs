@@ -1,0 +1,219 @@
+//! Volumes as OpenVDB.
+//!
+//! Role: a dense volume as one grid of floats of version 224, its values in zip. Invariant: active is what differs from the
+//! background, and the box of the volume is in the metadata, so that all of it is read back bit for bit. Source: as for what
+//! reads it, and OpenVDB 10, `tree/InternalNode.h` and `tree/LeafNode.h`.
+
+use super::super::values::LEVEL;
+use super::super::{Content, Volume};
+use super::head::{CONTENT, CORNERS, SIGNED_DISTANCE};
+use super::values::{ACTIVE_ONLY, ZIP};
+use super::{MAGIC, WRITTEN};
+use flate2::{Compress, FlushCompress};
+use std::io::{self, Write};
+
+/// Places of a node along each side as a power of two, and voxels along a place: of the root, as it is read here, of the nodes
+/// below it, and of leaves.
+const LEVELS: [(u32, u32); 3] = [(5, 128), (4, 8), (3, 1)];
+/// Voxels along a child of the root.
+const ROOT_CHILD: u32 = 4096;
+
+/// A file, or a part of one.
+#[derive(Default)]
+struct Bytes(Vec<u8>);
+
+impl Bytes {
+    fn u32(&mut self, number: u32) {
+        self.0.extend(number.to_le_bytes());
+    }
+
+    fn text(&mut self, text: &str) {
+        self.u32(text.len() as u32);
+        self.0.extend(text.as_bytes());
+    }
+
+    fn entry(&mut self, key: &str, kind: &str, value: &[u8]) {
+        self.text(key);
+        self.text(kind);
+        self.u32(value.len() as u32);
+        self.0.extend(value);
+    }
+
+    fn doubles(&mut self, numbers: &[f64]) {
+        self.0.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+    }
+}
+
+/// Writes a volume whose number of values has been checked. Takes memory for the packed values.
+pub(in super::super) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result<()> {
+    let mut tree =
+        Tree { volume, background: background(volume), packer: Compress::new(LEVEL, true), leaves: Vec::new() };
+    let topology = tree.root()?;
+    let mut file = Bytes(MAGIC.to_vec());
+    [WRITTEN, 10, 0].into_iter().for_each(|number| file.u32(number)); // and the version of the library
+    file.0.push(1); // the places of grids are told
+    file.0.extend(b"00000000-0000-0000-0000-000000000000");
+    file.u32(0);
+    file.u32(1);
+    let is_scalar = volume.content == Content::Scalar;
+    let name = if is_scalar { "density" } else { "surface" };
+    [name, "Tree_float_5_4_3", ""].into_iter().for_each(|text| file.text(text));
+    let grid = about(volume, name);
+    let start = (file.0.len() + 24) as u64;
+    let blocks = start + (grid.0.len() + topology.0.len()) as u64;
+    for offset in [start, blocks, blocks + tree.leaves.len() as u64] {
+        file.0.extend(offset.to_le_bytes());
+    }
+    [&file.0, &grid.0, &topology.0, &tree.leaves].iter().try_for_each(|part| to.write_all(part))
+}
+
+/// The value where the tree has none: of a distance the largest one, at least a voxel, else the first value.
+fn background(volume: &Volume) -> f32 {
+    match volume.content {
+        Content::Scalar => volume.values.first().copied().unwrap_or_default(),
+        _ => volume.values.iter().copied().fold(volume.spacing().max_element(), f32::max),
+    }
+}
+
+/// Compression, metadata and transform.
+fn about(volume: &Volume, name: &str) -> Bytes {
+    let mut grid = Bytes::default();
+    grid.u32(ZIP | ACTIVE_ONLY);
+    let is_distance = volume.content == Content::SignedDistance;
+    grid.u32(5 + u32::from(is_distance));
+    let class = if volume.content == Content::Scalar { "fog volume" } else { "level set" };
+    grid.entry("class", "string", class.as_bytes());
+    if is_distance {
+        grid.entry(CONTENT, "string", SIGNED_DISTANCE.as_bytes());
+    }
+    let corners = [[0; 3], volume.size.map(|n| n.saturating_sub(1))];
+    for (key, corner) in CORNERS.iter().zip(corners) {
+        grid.entry(key, "vec3i", &corner.map(u32::to_le_bytes).concat());
+    }
+    grid.entry("is_saved_as_half_float", "bool", &[0]);
+    grid.entry("name", "string", name.as_bytes());
+    let (origin, steps) = (volume.origin.as_dvec3().to_array(), volume.steps.as_dmat3());
+    if volume.is_aligned() {
+        let scale = [steps.x_axis.x, steps.y_axis.y, steps.z_axis.z];
+        let is_uniform = scale == [scale[0]; 3];
+        grid.text(if is_uniform { "UniformScaleTranslateMap" } else { "ScaleTranslateMap" });
+        // Kept by OpenVDB for its operators: the inverse, its square, and its half.
+        let inverse = scale.map(|scale| 1.0 / scale);
+        let (squares, halves) = (inverse.map(|inverse| inverse * inverse), inverse.map(|inverse| 0.5 * inverse));
+        grid.doubles([origin, scale, scale, inverse, squares, halves].as_flattened());
+    } else {
+        grid.text("AffineMap");
+        for axis in [steps.x_axis, steps.y_axis, steps.z_axis] {
+            grid.doubles(&axis.extend(0.0).to_array());
+        }
+        grid.doubles(&[origin[0], origin[1], origin[2], 1.0]);
+    }
+    grid
+}
+
+/// The tree of a volume whose first voxel is that of the tree.
+struct Tree<'a> {
+    volume: &'a Volume,
+    background: f32,
+    packer: Compress,
+    /// Masks and values of the leaves so far.
+    leaves: Vec<u8>,
+}
+
+impl Tree<'_> {
+    /// All but the values of the leaves.
+    fn root(&mut self) -> io::Result<Bytes> {
+        let (mut children, mut below) = (0, Vec::new());
+        for min in self.corners([0; 3], u32::MAX, ROOT_CHILD) {
+            if let Some(node) = self.node(min, 0)? {
+                children += 1;
+                below.extend(min.iter().flat_map(|part| part.to_le_bytes()));
+                below.extend(node);
+            }
+        }
+        let mut root = Bytes::default();
+        root.u32(1);
+        root.0.extend(self.background.to_le_bytes());
+        root.u32(0);
+        root.u32(children);
+        root.0.extend(below);
+        Ok(root)
+    }
+
+    /// First voxels of the boxes of `step` voxels a side that have a part in the volume and in the box of `side` voxels that
+    /// begins at `min`: x is the slowest.
+    fn corners(&self, min: [u32; 3], side: u32, step: u32) -> impl Iterator<Item = [u32; 3]> + use<> {
+        let along = |axis: usize| {
+            (min[axis]..self.volume.size[axis].min(min[axis].saturating_add(side))).step_by(step as usize)
+        };
+        let [x, y, z] = [along(0), along(1), along(2)];
+        x.flat_map(move |x| {
+            let z = z.clone();
+            y.clone().flat_map(move |y| z.clone().map(move |z| [x, y, z]))
+        })
+    }
+
+    /// The node of a level, but the values of its leaves; none where all is background.
+    fn node(&mut self, min: [u32; 3], level: usize) -> io::Result<Option<Vec<u8>>> {
+        let (log, step) = LEVELS[level];
+        if level == 2 {
+            return self.leaf(min);
+        }
+        let (mut mask, mut below) = (vec![0; 1 << (3 * log - 3)], Vec::new());
+        for corner in self.corners(min, step << log, step) {
+            if let Some(child) = self.node(corner, level + 1)? {
+                let place = place(min, corner, LEVELS[level]);
+                mask[place / 8] |= 1 << (place % 8);
+                below.extend(child);
+            }
+        }
+        // No place without a child is active; all of these are background, and none of their values is stored.
+        let active = vec![0; mask.len()];
+        Ok((!below.is_empty()).then(|| [&mask, &active, &[0; 1 + 8][..], &below].concat()))
+    }
+
+    /// The mask of a leaf, whose values go to the others.
+    fn leaf(&mut self, min: [u32; 3]) -> io::Result<Option<Vec<u8>>> {
+        let [nx, ny, _] = self.volume.size.map(|n| n as usize);
+        let (mut mask, mut values) = (vec![0; 64], Vec::with_capacity(2048));
+        for corner in self.corners(min, 8, 1) {
+            let [x, y, z] = corner.map(|part| part as usize);
+            let value = self.volume.values[(z * ny + y) * nx + x];
+            if value.to_bits() != self.background.to_bits() {
+                let place = place(min, corner, LEVELS[2]);
+                mask[place / 8] |= 1 << (place % 8);
+                values.extend(value.to_le_bytes());
+            }
+        }
+        if values.is_empty() {
+            return Ok(None);
+        }
+        self.leaves.extend(&mask);
+        self.leaves.push(0); // what is not active is background
+        self.pack(&values)?;
+        Ok(Some(mask))
+    }
+
+    /// Appends values in zip behind their length, or as they are behind its negative where they are no longer.
+    fn pack(&mut self, values: &[u8]) -> io::Result<()> {
+        let start = self.leaves.len();
+        self.leaves.extend([0; 8]);
+        self.leaves.reserve(2 * values.len() + 64);
+        self.packer.reset();
+        self.packer.compress_vec(values, &mut self.leaves, FlushCompress::Finish).map_err(io::Error::from)?;
+        let mut length = (self.leaves.len() - start - 8) as i64;
+        if length >= values.len() as i64 {
+            self.leaves.truncate(start + 8);
+            self.leaves.extend(values);
+            length = -(values.len() as i64);
+        }
+        self.leaves[start..start + 8].copy_from_slice(&length.to_le_bytes());
+        Ok(())
+    }
+}
+
+/// Where a corner is in the node that begins at `min`.
+fn place(min: [u32; 3], corner: [u32; 3], (log, step): (u32, u32)) -> usize {
+    let [x, y, z] = std::array::from_fn(|axis| ((corner[axis] - min[axis]) / step) as usize);
+    x << (2 * log) | y << log | z
+}
