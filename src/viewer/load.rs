@@ -12,20 +12,20 @@ use std::thread;
 /// Subjects that are kept: those of the last presets and variants.
 const KEPT: usize = 6;
 
-/// What decides the subject of a scene: each object, how far its field must reach at least, and whether it has closest
-/// points.
+/// What decides the subject of a scene: each object, whether it is aligned with the first, how far its field must reach at
+/// least, and whether it has closest points.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Key(Vec<(Object, f32, bool)>);
+pub(super) struct Key(Vec<((Object, bool), f32, bool)>);
 
 impl Key {
     /// The key of a scene.
     pub(super) fn of(scene: &Scene, library: &Library) -> Result<Key, VariantError> {
         let variant = Variant::of(scene, library)?;
         let main = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
-        let mut objects = vec![(scene.object.without_look(), main, variant.reads_closest())];
+        let mut objects = vec![((scene.object.without_look(), false), main, variant.reads_closest())];
         for (name, part) in &scene.parts {
             let outer = variant.parts[name].outer_iso().unwrap_or(part.object.outer_iso);
-            objects.push((part.object.without_look(), outer, variant.part_reads_closest(name)));
+            objects.push(((part.object.without_look(), part.transform.aligned), outer, variant.part_reads_closest(name)));
         }
         Ok(Key(objects))
     }
