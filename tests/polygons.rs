@@ -54,6 +54,7 @@ fn the_surface_of_a_hard_object_is_its_own() {
 fn the_surface_of_a_soft_object_is_where_its_density_is() {
     let mut scene = of("noisy_sphere", "sphere");
     scene.effect.warp.clear();
+    scene.parameters.clear();
     (scene.object.inner_iso, scene.object.outer_iso) = (-0.25, 0.35);
     scene.effect.softness = "linear".into();
     for density in [0.1, 0.5, 0.75, 1.0] {
@@ -88,22 +89,25 @@ fn a_mesh_has_the_place_the_size_and_the_axes_of_its_input() {
     for up in ["y", "z", "-x"] {
         let mut scene = of("lit", path.to_str().unwrap());
         scene.set_field("object.up", up).unwrap();
-        let bounds = mesh(&scene, POLYGONS).bounds();
-        // Half a voxel of the field: its corners are round there.
-        assert!(bounds.min.distance(low) < 0.1 && bounds.max.distance(high) < 0.1, "{up}: {bounds:?}");
+        let found = mesh(&scene, POLYGONS);
+        let [min, max] = [found.bounds().min, found.bounds().max].map(|corner| corner.as_dvec3() + found.offset);
+        // A voxel of the field: its corners are round.
+        assert!(min.distance(low.as_dvec3()) < 0.1 && max.distance(high.as_dvec3()) < 0.1, "{up}: {min} {max}");
+        // It stands so far away along z that f32 has less of it there.
+        assert!(found.offset.z > 99.0 && found.offset.truncate() == glam::DVec2::ZERO, "{}", found.offset);
     }
 }
 
 #[test]
 fn what_has_no_surface_is_one_line() {
     let fails = |polygons| try_mesh(&of("lit", "sphere"), polygons).unwrap_err().to_string();
-    assert_eq!(fails(Polygons { grid: 7, ..POLYGONS }), "grid 7 is not in 8 to 1024; 64 to 256 suit most objects");
+    assert_eq!(fails(Polygons { grid: 7, ..POLYGONS }), "grid 7: not in 8 to 1024; 64 to 256 suit most objects");
     assert_eq!(
         fails(Polygons { grid: 1025, ..POLYGONS }),
-        "grid 1025 is not in 8 to 1024; 64 to 256 suit most objects"
+        "grid 1025: not in 8 to 1024; 64 to 256 suit most objects"
     );
     for density in [0.0, -1.0, 1.5, f32::NAN] {
-        assert!(fails(Polygons { density, ..POLYGONS }).contains("is not above 0 and up to 1"), "{density}");
+        assert!(fails(Polygons { density, ..POLYGONS }).contains(": not above 0 and up to 1"), "{density}");
     }
     let mut thin = of("noisy_sphere", "sphere");
     (thin.object.inner_iso, thin.object.outer_iso) = (-1.2, 0.5);

@@ -8,6 +8,7 @@ use super::field::Field;
 use super::gallery::GalleryArguments;
 use super::info::Info;
 use super::merge::Merge;
+use super::mesh::Mesh;
 use super::render::Render;
 use super::stress::Stress;
 use super::verify::Verify;
@@ -42,6 +43,8 @@ pub enum Command {
     Merge(Merge),
     /// Compute the distance field of an object and write it as NRRD, MetaImage, NIfTI or .npy.
     Field(Field),
+    /// Write the surface of a hypertextured object, where its density crosses a value, as a closed mesh.
+    Mesh(Box<Mesh>),
     /// Render every example scene, or the six effects on one object, with a page that explains them.
     Gallery(GalleryArguments),
     /// Measure error against run time: noise implementations, samples, blocks, formats and integrations, with a report.
@@ -50,7 +53,7 @@ pub enum Command {
     Explain(Box<Explain>),
     /// What a mesh or a volume holds: counts, box, open edges, range of values, iso-values worth looking at.
     Info(Info),
-    /// Write a volume in another format, or values without a header as a volume.
+    /// Write a volume or a mesh in another format, or values without a header as a volume.
     Convert(Convert),
     /// Measure what effects, example scenes and fields cost on this device, and what got slower since a saved run.
     Bench(Bench),

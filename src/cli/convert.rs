@@ -1,8 +1,8 @@
-//! `convert`: a volume in another format, and values without a header as a volume.
+//! `convert`: a volume or a mesh in another format, and values without a header as a volume.
 
 use super::{absolute, say};
 use crate::output;
-use crate::shape::{self, RawLayout, SampleType, Shape, VolumeFormat};
+use crate::shape::{self, MeshFormat, RawLayout, SampleType, Shape, VolumeFormat};
 use crate::support::write_whole;
 use clap::Args;
 use std::error::Error;
@@ -11,9 +11,9 @@ use std::path::PathBuf;
 /// Arguments of `convert`.
 #[derive(Args)]
 pub struct Convert {
-    /// A volume: any that `render` takes, or values without a header and what they are.
+    /// A volume or a mesh: any that `render` takes, or values without a header and what they are.
     pub input: String,
-    /// Where the volume goes: .nrrd, .mha, .nii, .nii.gz or .npy.
+    /// Where it goes: .nrrd, .mha, .nii, .nii.gz or .npy; a mesh .stl, .ply, .obj or .glb.
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
     /// Values without a header: how many along x, y and z, x fastest.
@@ -33,11 +33,13 @@ pub struct Convert {
     pub skip: Option<u64>,
 }
 
-/// Reads the volume, and writes it.
+/// Reads it, and writes it.
 pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> {
     let path = &command.output;
-    let known = VolumeFormat::from_path(path);
-    let format = known.ok_or_else(|| format!("--output {}: end the name in {ENDS}", path.display()))?;
+    let (volume, mesh) = (VolumeFormat::from_path(path), MeshFormat::from_path(path));
+    if volume.is_none() && mesh.is_none() {
+        return Err(format!("--output {}: end the name in {ENDS}, or of a mesh in {MESH_ENDS}", path.display()).into());
+    }
     output::check_folder(path)?;
     let shape = match &command.dims {
         Some(dims) => {
@@ -53,17 +55,25 @@ pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
         }
         None => shape::open(&command.input)?,
     };
-    let Shape::Volume(volume) = shape else {
-        let input = &command.input;
-        return Err(format!("{input}: is no volume; `hypertexture field {input}` writes its distance field").into());
+    let (input, mut bytes) = (&command.input, Vec::new());
+    let about = match (&shape, volume, mesh) {
+        (Shape::Volume(volume), Some(format), _) => {
+            format.write(volume, &mut bytes)?;
+            let (low, high) = volume.range();
+            format!("volume     {}, values {low} to {high}", volume.size.map(|n| n.to_string()).join(" x "))
+        }
+        (Shape::Mesh(mesh), _, Some(format)) => {
+            format.write(mesh, &mut bytes)?;
+            format!("mesh       {} vertices, {} triangles", mesh.positions.len(), mesh.triangles.len())
+        }
+        (_, Some(_), _) => {
+            return Err(format!("{input}: is no volume; `hypertexture field {input}` writes its distance field").into());
+        }
+        _ => return Err(format!("{input}: is no mesh; `hypertexture mesh {input}` writes its surface as one").into()),
     };
-    let mut bytes = Vec::new();
-    format.write(&volume, &mut bytes)?;
     write_whole(path, &bytes).map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
-        let (low, high) = volume.range();
-        let size = volume.size.map(|n| n.to_string()).join(" x ");
-        say(&format!("volume     {size}, values {low} to {high}\nwrote {}\n", absolute(path)));
+        say(&format!("{about}\nwrote {}\n", absolute(path)));
     }
     Ok(())
 }
@@ -73,5 +83,7 @@ fn three<T: Copy>(numbers: &[T]) -> Option<[T; 3]> {
     numbers.try_into().ok()
 }
 
+/// Ends of names of meshes that are written.
+pub(super) const MESH_ENDS: &str = ".stl, .ply, .obj or .glb";
 /// Ends of names of volumes that are written.
 pub(super) const ENDS: &str = ".nrrd, .mha, .nii, .nii.gz or .npy";

@@ -28,7 +28,10 @@ impl<const OBJECT: bool> Flags<OBJECT> {
     /// # Errors
     /// A value that the setting does not take.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), SceneError> {
-        self.0.iter().try_for_each(|(setting, text)| scene.set_field(setting.name, &value(setting, text)?))
+        self.0.iter().try_for_each(|(setting, text)| match setting.name {
+            "object.iso" => scene.set_isos(text),
+            name => scene.set_field(name, &value(setting, text)?),
+        })
     }
 }
 

@@ -21,6 +21,7 @@ mod line_tests;
 mod log;
 mod manual;
 mod merge;
+mod mesh;
 mod modules;
 mod paper;
 mod picture;
@@ -155,6 +156,7 @@ fn carry_out(command: Command, options: &Options, quiet: bool) -> Result<(), Box
         Command::View(command) => view::run(*command, options.clone()),
         Command::Merge(command) => merge::run(&command, quiet),
         Command::Field(command) => field::run(&command, quiet),
+        Command::Mesh(command) => mesh::run(&command, quiet),
         Command::Gallery(command) => gallery::run(&command, options, quiet),
         Command::Compare(command) if command.paper => paper::run(&command, options, quiet),
         Command::Compare(command) => compare::run(&command, options, quiet),

@@ -134,7 +134,7 @@ impl SceneArguments {
             }
             (false, effect) => {
                 let mut scene = scene::preset(effect.as_deref().unwrap_or("lit"))?;
-                scene.object.input = input.into();
+                scene.bring(input);
                 scene
             }
         })

@@ -9,8 +9,8 @@ use crate::shape::BUILT_IN;
 use crate::support::open;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 /// Name of the chunk or attribute.
 pub(super) const KEY: &str = "hypertexture";
@@ -30,7 +30,7 @@ pub struct Provenance {
     pub scene_hash: String,
     /// The scene, complete with defaults, as a scene file.
     pub scene: String,
-    /// BLAKE3 hashes of the files that the scene reads, by path as in the scene.
+    /// BLAKE3 hashes of the files that the scene reads, by path as in the scene; of a folder, that of its files.
     #[serde(default)]
     pub inputs: BTreeMap<String, String>,
 }
@@ -155,15 +155,27 @@ impl Provenance {
     /// Where an input of the picture is now.
     fn place(&self, input: &str, picture: &Path) -> String {
         let beside = picture.parent().unwrap_or(Path::new("")).join(input);
-        match !Path::new(input).is_file() && beside.is_file() {
+        match !Path::new(input).exists() && beside.exists() {
             true => beside.display().to_string(),
             false => input.into(),
         }
     }
 }
 
+/// Of a file; of a folder that of the names of its files, and of what is in them.
 fn hash_of(path: &Path) -> io::Result<String> {
-    Ok(open::hash(path)?.to_string())
+    if !path.is_dir() {
+        return Ok(open::hash(path)?.to_string());
+    }
+    let paths: Vec<PathBuf> = fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect::<io::Result<_>>()?;
+    let mut files: Vec<PathBuf> = paths.into_iter().filter(|path| path.is_file()).collect();
+    files.sort();
+    let mut all = blake3::Hasher::new();
+    for file in files {
+        let name = file.file_name().unwrap_or_default().as_encoded_bytes();
+        all.update(&(name.len() as u64).to_le_bytes()).update(name).update(open::hash(&file)?.as_bytes());
+    }
+    Ok(all.finalize().to_string())
 }
 
 #[cfg(test)]
@@ -182,6 +194,25 @@ mod tests {
         assert_eq!(read, whole);
         assert_eq!(read.scene(Path::new("x.png"), Reach::Anywhere).unwrap(), scene);
         assert_eq!(read.inputs[&scene.object.input], blake3::hash(b"v 0 0 0").to_string());
+    }
+
+    #[test]
+    fn a_folder_of_slices_is_known_by_its_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let scan = folder.path().join("scan");
+        fs::create_dir(&scan).unwrap();
+        ["a", "b"].map(|name| fs::write(scan.join(name), name).unwrap());
+        let mut scene = Scene::default();
+        scene.object.input = scan.display().to_string();
+        let whole = Provenance::of(&scene, "a device", "surface=lit").unwrap();
+        let is_same = || whole.check_inputs(&folder.path().join("x.png")).is_ok();
+        assert!(is_same());
+        fs::rename(scan.join("b"), scan.join("c")).unwrap();
+        assert!(!is_same());
+        fs::rename(scan.join("c"), scan.join("b")).unwrap();
+        assert!(is_same());
+        fs::write(scan.join("b"), "a").unwrap();
+        assert!(!is_same());
     }
 
     #[test]

@@ -8,6 +8,8 @@ use crate::shape::{self, Shape, Solid};
 
 /// Less opacity than this cannot be seen: half a code of 8 bits.
 const UNSEEN: f32 = 1.0 / 510.0;
+/// A core that is as dense as this is dense enough: samples meet no deepest place exactly.
+const CORE: f32 = 0.75;
 /// Part of a voxel by which a stored distance may be off before its normals show steps: 8 bits over four voxels to each side.
 const TERRACE: f32 = 0.016;
 
@@ -26,11 +28,12 @@ pub fn doubts(
     let outer = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
     let all = [
         is_soft.then(|| no_width(scene, outer)).flatten(),
-        is_soft.then(|| no_core(scene, subject)).flatten(),
+        is_soft.then(|| no_core(scene, outer, subject)).flatten(),
         lost_in_target(m, scene),
         terraces(m, subject),
         thin_shell(scene, subject),
         guessed_sign(scene, subject),
+        proposed_iso(subject),
     ];
     Ok(all.into_iter().flatten().collect())
 }
@@ -44,7 +47,7 @@ fn no_width(scene: &Scene, outer: f32) -> Option<String> {
 }
 
 /// Matter that is nowhere as dense as it may be.
-fn no_core(scene: &Scene, subject: &Subject) -> Option<String> {
+fn no_core(scene: &Scene, outer: f32, subject: &Subject) -> Option<String> {
     let deepest = match &subject.field {
         Some(field) => field.range().0,
         // Only formulas have no field: no file is read here.
@@ -55,10 +58,11 @@ fn no_core(scene: &Scene, subject: &Subject) -> Option<String> {
             _ => return None,
         },
     } * subject.scale;
-    let inner = scene.object.inner_iso;
-    (inner < deepest).then(|| {
+    let (inner, outer) = (scene.object.inner_iso, outer);
+    let densest = (outer - deepest) / (outer - inner);
+    (densest < CORE).then(|| {
         format!(
-            "no place lies as deep as object.inner_iso = {inner}, the deepest at {deepest:.3}: the density reaches 1 nowhere"
+            "no place lies as deep as object.inner_iso = {inner}, the deepest at {deepest:.3}: the density is {densest:.2} at most"
         )
     })
 }
@@ -87,6 +91,16 @@ fn terraces(m: &Measurements, subject: &Subject) -> Option<String> {
             "distances are stored to {:.3} of a voxel, and normals show it as steps; object.source = \"normals16\" does not",
             m.quantization / voxel
         )
+    })
+}
+
+/// A surface of a scan that nobody has chosen.
+fn proposed_iso(subject: &Subject) -> Option<String> {
+    let parts = subject.parts.iter().filter_map(|(name, part)| Some(format!("{name} of {}", part.proposed_iso?)));
+    let own = subject.proposed_iso.map(|iso| iso.to_string());
+    let all: Vec<String> = own.into_iter().chain(parts).collect();
+    (!all.is_empty()).then(|| {
+        format!("no iso-value was given: that of the surface is {}; `hypertexture info` tells others", all.join(", "))
     })
 }
 

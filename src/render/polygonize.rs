@@ -49,10 +49,10 @@ pub enum PolygonizeError {
     #[error("no mesh of this scene: {0}")]
     Exact(#[from] ExactError),
     /// The grid is out of range.
-    #[error("grid {0} is not in 8 to 1024; 64 to 256 suit most objects")]
+    #[error("grid {0}: not in 8 to 1024; 64 to 256 suit most objects")]
     Grid(u32),
     /// The density is out of range.
-    #[error("density {0} is not above 0 and up to 1; 0.5 suits most objects")]
+    #[error("density {0}: not above 0 and up to 1; 0.5 suits most objects")]
     Density(f32),
     /// No sample is inside.
     #[error("no sample has a density of {level}: the largest is {largest:.3}; lower it, or take more samples")]
@@ -252,10 +252,5 @@ fn crossings(density: &Density<'_>, samples: &Samples, edges: &[[u32; 2]]) -> Re
 
 /// A place in object space, in the world and by the axes of the file that the object is from.
 fn world(subject: &Subject, up: Axis, place: DVec3) -> Vec3 {
-    let turned = subject.center.as_dvec3() + place / f64::from(subject.scale);
-    let mut world = DVec3::ZERO;
-    for (axis, (own, reversed)) in up.turn().into_iter().enumerate() {
-        world[own] = if reversed { -turned[axis] } else { turned[axis] };
-    }
-    world.as_vec3()
+    up.turned_back(subject.center.as_dvec3() + place / f64::from(subject.scale)).as_vec3()
 }

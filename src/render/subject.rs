@@ -34,6 +34,8 @@ pub struct Subject {
     pub radius: f32,
     /// How the field was made.
     pub report: Option<field::FieldReport>,
+    /// The iso-value of a scan for which none was given.
+    pub proposed_iso: Option<f32>,
     /// The additional objects of the scene, each in a space of its own.
     pub parts: BTreeMap<String, Subject>,
 }
@@ -61,7 +63,12 @@ impl Subject {
             let outer = variant.parts[name].outer_iso().unwrap_or(part.object.outer_iso);
             let progress = |done| progress((f32::from(before) + done) / count);
             let closest = variant.part_reads_closest(name);
-            let loaded = Subject::load_with_margin(&part.object, outer, closest, &progress)?;
+            let beside = part.transform.aligned.then_some(&subject);
+            let mut object = part.object.clone();
+            if part.transform.aligned {
+                object.up = scene.object.up;
+            }
+            let loaded = Subject::load_beside(beside, &object, outer, closest, &progress)?;
             subject.parts.insert(name.clone(), loaded);
         }
         Ok(subject)
@@ -78,11 +85,31 @@ impl Subject {
         closest: bool,
         progress: Progress<'_>,
     ) -> Result<Subject, RenderError> {
+        Subject::load_beside(None, object, margin, closest, progress)
+    }
+
+    /// The same in the object space of another one, if there is one.
+    fn load_beside(
+        other: Option<&Subject>,
+        object: &Object,
+        margin: f32,
+        closest: bool,
+        progress: Progress<'_>,
+    ) -> Result<Subject, RenderError> {
         if object.is_formula() {
             return Ok(formula(&object.input));
         }
         let shape = open(object)?;
-        let request = request(&shape, object, margin);
+        let mut request = request(&shape, object, margin);
+        if let Some(other) = other {
+            let margin = field_margin(margin) / other.scale;
+            (request.margin, request.band) = (margin, margin);
+        }
+        let is_brought = object.iso.is_none() && is_scan(&shape, &object.input);
+        if let Some(iso) = other.filter(|_| is_brought).and_then(|_| proposed(&shape, &object.input, true)) {
+            request.iso = iso;
+        }
+        let proposed_iso = is_brought.then_some(request.iso);
         let (mut field, mut points, report) = if closest {
             let (field, points, report) = field::load_or_compute_closest(&shape, &request, progress)?;
             (field, Some(points), report)
@@ -95,18 +122,20 @@ impl Subject {
             points = points.map(|points| points.turned(object.up.turn()));
         }
         let (low, high) = inside_bounds(&field);
-        let center = 0.5 * (low + high);
-        let scale = 2.0 / (high - low).max_element();
+        let offset = if let Shape::Mesh(mesh) = &shape { mesh.offset } else { DVec3::ZERO };
+        let (center, scale) = match other {
+            None => (0.5 * (low + high), 2.0 / (high - low).max_element()),
+            Some(other) => (other.center + object.up.turned(other.offset - offset).as_vec3(), other.scale),
+        };
         // Squares of tiny lengths leave f32; a power of two rounds nothing.
         let handy = scale.log2().floor().exp2();
         let radius =
             inside_points(&field).map(|p| ((p - center) * handy).length()).fold(0.0, f32::max) * (scale / handy);
-        let half_size = 0.5 * scale * (high - low);
+        let half_size = scale * (high - center).max(center - low);
         let input = object.input.clone();
         let (field, report, parts) = (Some(Arc::new(field)), Some(report), BTreeMap::new());
         let closest = points.map(Arc::new);
-        let offset = if let Shape::Mesh(mesh) = &shape { mesh.offset } else { DVec3::ZERO };
-        Ok(Subject { input, field, closest, center, offset, scale, half_size, radius, report, parts })
+        Ok(Subject { input, field, closest, center, offset, scale, half_size, radius, report, proposed_iso, parts })
     }
 }
 
@@ -137,26 +166,38 @@ pub fn open(object: &Object) -> Result<Shape, ShapeError> {
     Ok(shape)
 }
 
-/// The iso-value of a scan where none is given: the lowest that lies between two materials, which is most often the outside of
-/// all; else, and for what is built in, the middle of the range.
-fn proposed(volume: &shape::Volume, input: &str) -> f32 {
-    let (low, high) = volume.range();
-    let isos = if shape::BUILT_IN.contains(&input) { Vec::new() } else { volume.iso_values() };
-    isos.first().copied().filter(|iso| low < *iso && *iso <= high).unwrap_or(0.5 * (low + high))
+/// Whether it is a volume of scalars that was brought.
+fn is_scan(shape: &Shape, input: &str) -> bool {
+    let is_scalar = matches!(shape, Shape::Volume(volume) if volume.content == shape::Content::Scalar);
+    is_scalar && !shape::BUILT_IN.contains(&input)
 }
 
-/// The request for a shape's field, in world units.
+/// The iso-value of a scan that was brought where none is given: the lowest that lies between two materials, which is most
+/// often the outside of all; of an object within another the highest.
+fn proposed(shape: &Shape, input: &str, within: bool) -> Option<f32> {
+    let Shape::Volume(volume) = shape else { return None };
+    if !is_scan(shape, input) {
+        return None;
+    }
+    let (low, high) = volume.range();
+    let isos: Vec<f32> = volume.iso_values().into_iter().filter(|iso| low < *iso && *iso <= high).collect();
+    if within { isos.last().copied() } else { isos.first().copied() }
+}
+
+/// The request for a shape's field, in world units. The iso-value of a volume where none is given is the one that is proposed,
+/// else the middle of the range.
 pub fn request(shape: &Shape, object: &Object, margin: f32) -> field::Request {
     let bounds = shape.bounds();
     let half = 0.5 * (bounds.max - bounds.min).max_element();
-    let iso = object.iso.unwrap_or(match shape {
+    let middle = || match shape {
         Shape::Volume(volume) if volume.content == shape::Content::Scalar => {
-            let iso = proposed(volume, &object.input);
-            log::info!("{}: iso-value {iso}", object.input);
-            iso
+            let (low, high) = volume.range();
+            0.5 * (low + high)
         }
         _ => 0.0,
-    });
+    };
+    let own = (object.input == "head").then_some(shape::head::SKIN);
+    let iso = object.iso.or(own).or_else(|| proposed(shape, &object.input, false)).unwrap_or_else(middle);
     let margin = field_margin(margin) * half;
     field::Request { resolution: object.resolution, margin, band: margin, iso, shell: object.shell * half }
 }

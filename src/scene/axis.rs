@@ -1,5 +1,6 @@
 //! Which way is up in a file.
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// A direction along an axis.
@@ -25,6 +26,20 @@ pub enum Axis {
 }
 
 impl Axis {
+    /// A vector by the axes of a file, by those of the scene.
+    pub fn turned(self, vector: DVec3) -> DVec3 {
+        self.turn().map(|(axis, reversed)| if reversed { -vector[axis] } else { vector[axis] }).into()
+    }
+
+    /// A vector by the axes of the scene, by those of the file.
+    pub fn turned_back(self, vector: DVec3) -> DVec3 {
+        let mut own = DVec3::ZERO;
+        for (axis, (from, reversed)) in self.turn().into_iter().enumerate() {
+            own[from] = if reversed { -vector[axis] } else { vector[axis] };
+        }
+        own
+    }
+
     /// For each axis of a space whose y axis is this direction: the axis it comes from, and whether it is reversed. The
     /// turn is a rotation, so that nothing is mirrored.
     pub fn turn(self) -> [(usize, bool); 3] {

@@ -3,6 +3,7 @@
 use super::field::flatten;
 use super::schema::{Kind, Setting, setting};
 use super::{Reach, Scene, SceneError, nearest, preset_texts};
+use crate::shape::BUILT_IN;
 use crate::support::open;
 use std::path::Path;
 
@@ -24,7 +25,8 @@ pub fn load(path: &Path, reach: Reach) -> Result<Scene, SceneError> {
     })?;
     for file in scene.files_mut() {
         let beside = path.parent().unwrap_or(Path::new("")).join(&*file);
-        if beside.is_file() {
+        let is_series = || beside.is_dir() && !file.is_empty() && !BUILT_IN.contains(&file.as_str());
+        if beside.is_file() || is_series() {
             *file = beside.display().to_string();
         }
     }

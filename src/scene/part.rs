@@ -42,11 +42,14 @@ pub struct Transform {
     pub turn: [f32; 3],
     /// Its size against that of the scene's own object, 0.01 to 100.
     pub scale: f32,
+    /// Whether it starts from where its file has it beside that of the scene's own object, in the same units, and not from a
+    /// size of 2 around the origin. A formula is in no file.
+    pub aligned: bool,
 }
 
 impl std::default::Default for Transform {
     fn default() -> Transform {
-        Transform { at: [0.0; 3], turn: [0.0; 3], scale: 1.0 }
+        Transform { at: [0.0; 3], turn: [0.0; 3], scale: 1.0, aligned: false }
     }
 }
 
@@ -56,6 +59,41 @@ impl Transform {
         let [x, y, z] = self.turn.map(f32::to_radians);
         let turn = Quat::from_euler(EulerRot::ZYX, z, y, x);
         Mat4::from_scale_rotation_translation(Vec3::splat(self.scale), turn, Vec3::from(self.at))
+    }
+}
+
+impl Scene {
+    /// Puts an object in the place of the scene's own, and of those that are aligned with it in the same file. The iso-values
+    /// of another file mean nothing in this one.
+    pub fn bring(&mut self, input: &str) {
+        let before = std::mem::replace(&mut self.object.input, input.into());
+        let aligned = self.parts.values_mut().filter(|part| part.transform.aligned && part.object.input == before);
+        for object in aligned.map(|part| &mut part.object).chain([&mut self.object]) {
+            object.input = input.into();
+            if before != input {
+                object.iso = None;
+            }
+        }
+    }
+
+    /// Sets the iso-value of the scene's own object, and behind commas those of the aligned ones in the order of their names.
+    ///
+    /// # Errors
+    /// A value that is none, or more of them than objects.
+    pub fn set_isos(&mut self, values: &str) -> Result<(), SceneError> {
+        let aligned = self.parts.iter().filter(|(_, part)| part.transform.aligned);
+        let aligned: Vec<String> = aligned.map(|(name, _)| format!("parts.{name}.object.iso")).collect();
+        let mut names = std::iter::once("object.iso").chain(aligned.iter().map(String::as_str));
+        for value in values.split(',') {
+            let limit = || match aligned.len() {
+                0 => "one number; a scene with an object in another, such as --effect anatomy, takes one for each".into(),
+                more => format!("at most {} numbers, one for each object", more + 1),
+            };
+            let (field, value) = ("object.iso", value.trim().trim_start_matches("none"));
+            let excess = || SceneError::Value { field: field.into(), value: values.into(), limit: limit() };
+            self.set_field(names.next().ok_or_else(excess)?, value)?;
+        }
+        Ok(())
     }
 }
 

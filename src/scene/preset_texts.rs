@@ -12,7 +12,7 @@ macro_rules! shipped {
 /// Every preset: name and text.
 #[rustfmt::skip] // it would give each name a line
 const PRESETS: &[(&str, &str)] = shipped![
-    "lit", "solid", "bump", "fur", "melting", "fire", "shells", "noisy_sphere", "high_frequency_sphere",
+    "lit", "solid", "bump", "fur", "melting", "fire", "shells", "anatomy", "noisy_sphere", "high_frequency_sphere",
     "high_amplitude_sphere", "fractal_sphere", "dripping_sphere", "fire_ball", "furry_donut", "tribble",
     "furry_teapot", "burning_head", "smoke", "clouds", "woven", "flow", "glow", "nebula", "eroded_cube", "weathered",
     "tank", "burning_bush", "ensemble", "blue_glass", "wax",

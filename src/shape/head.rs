@@ -1,4 +1,4 @@
-//! A human head: skull, face, ears and neck as soft parts that blend into each other.
+//! A human head: face, ears, neck and the skull within as soft parts that blend into each other.
 //!
 //! Role: a scalar volume that reads as a head at first sight. Invariant: left and right are the same.
 //! Sources: PH 2.2 (soft objects are blended by their densities); I. Quilez, "Smooth minimum", 2013 (the blend); the
@@ -19,6 +19,9 @@ const LOW: Vec3 = Vec3::new(-0.86, -1.48, -0.98);
 const HIGH: Vec3 = Vec3::new(0.86, 1.03, 0.96);
 /// Distance over which values run from the middle to 0 and to 1, in samples: smaller would round off the surface.
 const RAMP: f32 = 4.0;
+
+/// The iso-value of the skin.
+pub const SKIN: f32 = 0.5;
 
 /// One soft part of the half where x is positive; the other half is its mirror image.
 struct Part {
@@ -90,6 +93,41 @@ const PARTS: &[Part] = &[
     carve(0.04, Ellipsoid([0.745, -0.06, -0.06], [0.050, 0.075, 0.045], LEVEL)),
 ];
 
+/// The skull, without what of it is nearer than [`FLESH`] to the skin.
+const SKULL: &[Part] = &[
+    // Braincase and face.
+    add(0.0, Ellipsoid([0.0, 0.26, -0.14], [0.62, 0.65, 0.73], LEVEL)),
+    add(0.15, Ellipsoid([0.0, 0.22, 0.14], [0.50, 0.48, 0.48], LEVEL)),
+    add(0.12, Ellipsoid([0.0, -0.22, 0.32], [0.30, 0.30, 0.33], LEVEL)),
+    carve(0.12, Ellipsoid([0.66, 0.04, 0.24], [0.15, 0.24, 0.17], LEVEL)),
+    // Brow, cheekbones and their arches to the ears.
+    add(0.08, Limb([0.05, 0.17, 0.60], [0.40, 0.14, 0.48], [0.07, 0.06])),
+    add(0.05, Limb([0.40, 0.14, 0.48], [0.40, -0.14, 0.46], [0.055, 0.07])),
+    add(0.05, Limb([0.40, -0.14, 0.46], [0.63, -0.10, 0.02], [0.07, 0.04])),
+    // Eye sockets, nose.
+    carve(0.05, Ellipsoid([0.235, 0.0, 0.62], [0.145, 0.125, 0.30], LEVEL)),
+    add(0.04, Limb([0.0, 0.12, 0.56], [0.0, -0.08, 0.66], [0.045, 0.035])),
+    carve(0.03, Ellipsoid([0.045, -0.26, 0.66], [0.065, 0.13, 0.20], LEVEL)),
+    // The hollow of the brain, and that behind the teeth.
+    carve(0.04, Ellipsoid([0.0, 0.28, -0.14], [0.55, 0.58, 0.65], LEVEL)),
+    carve(0.05, Ellipsoid([0.0, -0.58, 0.10], [0.25, 0.26, 0.36], LEVEL)),
+    // Teeth, and the jaw below them.
+    add(0.03, Ellipsoid([0.0, -0.47, 0.44], [0.22, 0.085, 0.23], LEVEL)),
+    add(0.03, Ellipsoid([0.0, -0.62, 0.43], [0.21, 0.085, 0.22], LEVEL)),
+    add(0.05, Ellipsoid([0.0, -0.80, 0.44], [0.17, 0.10, 0.13], LEVEL)),
+    add(0.06, Limb([0.10, -0.80, 0.42], [0.40, -0.60, 0.00], [0.09, 0.085])),
+    add(0.05, Limb([0.40, -0.60, 0.00], [0.50, -0.12, -0.08], [0.08, 0.05])),
+    carve(0.01, Ellipsoid([0.0, -0.545, 0.55], [0.40, 0.012, 0.30], LEVEL)),
+    carve(0.02, Ellipsoid([0.0, -0.60, 0.10], [0.19, 0.30, 0.46], LEVEL)),
+    // Spine.
+    add(0.04, Limb([0.0, -0.36, -0.24], [0.0, -1.7, -0.32], [0.13, 0.15])),
+];
+
+/// Depth of the bone that is nearest to the skin: no value between the two belongs to both.
+const FLESH: f32 = 0.055;
+/// Distance over which values run from flesh to bone, in samples.
+const RAMP_OF_BONE: f32 = 2.0;
+
 /// The cut through the neck.
 const NECK_END: f32 = -1.45;
 
@@ -113,20 +151,20 @@ fn blend(a: f32, b: f32, width: f32) -> f32 {
 }
 
 /// What undoes the turn of each part.
-fn turns() -> Vec<Mat3> {
+fn turns(parts: &[Part]) -> Vec<Mat3> {
     let of = |part: &Part| match part.form {
         Ellipsoid(_, _, [back, out]) => {
             Mat3::from_rotation_x(back.to_radians()) * Mat3::from_rotation_y(-out.to_radians())
         }
         Limb(..) => Mat3::IDENTITY,
     };
-    PARTS.iter().map(of).collect()
+    parts.iter().map(of).collect()
 }
 
-/// Signed distance at `p` in head units, to first order, positive outside; less than the distance where parts blend.
-fn distance(p: Vec3, turns: &[Mat3]) -> f32 {
+/// Signed distance of parts at `p` in head units, to first order, positive outside; less than the distance where they blend.
+fn distance(p: Vec3, parts: &[Part], turns: &[Mat3]) -> f32 {
     let p = Vec3::new(p.x.abs(), p.y, p.z);
-    let soft = PARTS.iter().zip(turns).fold(f32::MAX, |before, (part, turn)| {
+    let soft = parts.iter().zip(turns).fold(f32::MAX, |before, (part, turn)| {
         let own = match part.form {
             Ellipsoid(center, axes, _) => ellipsoid(*turn * (p - Vec3::from(center)), Vec3::from(axes)),
             Limb(a, b, radii) => limb(p, Vec3::from(a), Vec3::from(b), radii),
@@ -136,19 +174,23 @@ fn distance(p: Vec3, turns: &[Mat3]) -> f32 {
     -blend(-soft, p.y - NECK_END, 0.1)
 }
 
-/// The head: scalars from 0 outside to 1 inside; the surface is at 0.5. It fits into [-1, 1]^3, face towards +z.
+/// The head: scalars from 0 outside by 1 in the flesh to 2 in the bone, as a scan has them; skin is at [`SKIN`], bone at 1.5.
+/// It fits into [-1, 1]^3, face towards +z.
 pub fn head() -> Volume {
     let scale = 2.0 / (HIGH - LOW).max_element();
     let step = (HIGH - LOW).max_element() / (SIZE - 1) as f32;
     let size = ((HIGH - LOW) / step).floor().as_uvec3() + 1;
     let low = 0.5 * (LOW + HIGH - step * (size - 1).as_vec3()); // in the middle, so that left and right are alike
     let [nx, ny, nz] = size.to_array().map(|n| n as usize);
-    let turns = turns();
+    let (turns, turns_of_bone) = (turns(PARTS), turns(SKULL));
+    let ramp = |distance: f32, samples: f32| (0.5 - 0.5 * distance / (samples * step)).clamp(0.0, 1.0);
     let mut values = vec![0.0; nx * ny * nz];
     values.par_chunks_mut(nx).enumerate().for_each(|(row, values)| {
         for (x, value) in values.iter_mut().enumerate() {
             let p = low + step * Vec3::new(x as f32, (row % ny) as f32, (row / ny) as f32);
-            *value = (0.5 - 0.5 * distance(p, &turns) / (RAMP * step)).clamp(0.0, 1.0);
+            let skin = distance(p, PARTS, &turns);
+            let bone = if skin < 0.0 { distance(p, SKULL, &turns_of_bone).max(skin + FLESH) } else { f32::MAX };
+            *value = ramp(skin, RAMP) + ramp(bone, RAMP_OF_BONE);
         }
     });
     let origin = scale * (low - 0.5 * (LOW + HIGH));
@@ -161,13 +203,15 @@ mod tests {
     use super::*;
 
     /// Where the surface is, seen from far away along -z at this place of the face, head units.
-    fn relief(x: f32, y: f32) -> f32 {
-        let turns = turns();
-        (0..2000).map(|i| 1.2 - i as f32 * 1e-3).find(|&z| distance(Vec3::new(x, y, z), &turns) <= 0.0).unwrap_or(-1.0)
+    fn relief(parts: &[Part], x: f32, y: f32) -> f32 {
+        let turns = turns(parts);
+        let is_in = |z: &f32| distance(Vec3::new(x, y, *z), parts, &turns) <= 0.0;
+        (0..2000).map(|i| 1.2 - i as f32 * 1e-3).find(is_in).unwrap_or(-1.0)
     }
 
     #[test]
     fn the_face_has_its_features_where_they_belong() {
+        let relief = |x, y| relief(PARTS, x, y);
         let (tip, brow, eye) = (relief(0.0, -0.3), relief(0.2, 0.17), relief(0.26, 0.03));
         assert!(tip > brow + 0.15 && brow > eye + 0.05, "{tip} {brow} {eye}");
         let (upper, between, lower) = (relief(0.0, -0.54), relief(0.0, -0.59), relief(0.0, -0.65));
@@ -175,7 +219,7 @@ mod tests {
         let (under, chin) = (relief(0.0, -0.76), relief(0.0, -0.87));
         assert!(under < lower && under < chin + 0.02, "{under} {chin}");
         // Ears stand off at the height of eyes and nose; above and below them the head is narrower.
-        let solid = |x: f32, y: f32| distance(Vec3::new(x, y, -0.15), &turns()) <= 0.0;
+        let solid = |x: f32, y: f32| distance(Vec3::new(x, y, -0.15), PARTS, &turns(PARTS)) <= 0.0;
         let wide = |y: f32| (0..1000).map(|i| 1.0 - i as f32 * 1e-3).find(|&x| solid(x, y));
         let [above, ear, below] = [0.5, 0.0, -0.6].map(|y| wide(y).unwrap());
         assert!(ear > above + 0.08 && ear > below + 0.15, "{above} {ear} {below}");
@@ -188,9 +232,29 @@ mod tests {
         let value = |x: usize, y: usize, z: usize| head.values[(z * ny + y) * nx + x];
         let border = |x, y, z| x == 0 || y == 0 || z == 0 || x == nx - 1 || y == ny - 1 || z == nz - 1;
         for (z, y, x) in (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| (z, y, x)))) {
-            assert!(!border(x, y, z) || value(x, y, z) < 0.5, "{x} {y} {z}");
+            assert!(!border(x, y, z) || value(x, y, z) < SKIN, "{x} {y} {z}");
             assert!((value(x, y, z) - value(nx - 1 - x, y, z)).abs() < 1e-3, "{x} {y} {z} is not mirrored");
         }
-        assert_eq!(head.range(), (0.0, 1.0));
+        assert_eq!(head.range(), (0.0, 2.0));
+    }
+
+    #[test]
+    fn the_skull_lies_in_the_flesh_and_has_its_hollows() {
+        let head = head();
+        let step = f64::from(head.steps.x_axis.x);
+        let wall = |a: f32, b: f32| (a > 1.0) != (b > 1.0) && (a < 0.5 || b < 0.5);
+        let [nx, ny, _] = head.size.map(|n| n as usize);
+        for (index, value) in head.values.iter().enumerate() {
+            for stride in [1, nx, nx * ny] {
+                let next = head.values.get(index + stride).copied().unwrap_or(0.0);
+                assert!(!wall(*value, next), "skin and bone within {step}");
+            }
+        }
+        let relief = |x, y| relief(SKULL, x, y);
+        assert!(relief(0.24, 0.0) < relief(0.24, 0.17) - 0.2, "eye socket");
+        assert!(relief(0.05, -0.25) < relief(0.0, -0.46) - 0.1, "nose");
+        let turns = turns(SKULL);
+        let is_bone = |x: f32, y: f32, z: f32| distance(Vec3::new(x, y, z), SKULL, &turns) <= 0.0;
+        assert!(!is_bone(0.0, 0.3, -0.1) && is_bone(0.0, 0.3, -0.83), "braincase");
     }
 }

@@ -3,8 +3,8 @@
 //! Role: turn a file, a name or a formula into a [`Shape`]. Invariant: every coordinate and value is finite.
 //! This layer imports nothing else of the crate and needs no GPU.
 //!
-//! [`open`] is the way in, [`open_raw`] where a file does not say what it holds; [`VolumeFormat`] is the way back out for
-//! volumes. World space is right-handed with y up for the built-in objects; files keep the coordinates they have. Sources
+//! [`open`] is the way in, [`open_raw`] where a file does not say what it holds; [`VolumeFormat`] and [`MeshFormat`] are the
+//! ways back out. World space is right-handed with y up for the built-in objects; files keep the coordinates they have. Sources
 //! are named where they are used: Newell's teapot in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`],
 //! the file formats in `obj`, `ply`, `stl`, `gltf`, `nrrd`, `meta`, `nifti`, `dicom` and `vdb`.
 
@@ -40,6 +40,7 @@ mod teapot_data;
 mod values;
 mod vdb;
 mod volume;
+mod write_mesh;
 mod write_nifti;
 mod write_volume;
 
@@ -52,6 +53,7 @@ pub use nrrd::write_nrrd;
 pub use open::{open, open_noted, read, read_noted};
 pub use raw::{RawLayout, open_raw};
 pub use sample_type::{SampleType, UnknownSampleType};
+pub use write_mesh::MeshFormat;
 pub use write_volume::VolumeFormat;
 
 use glam::{DVec3, Mat3, Vec3};

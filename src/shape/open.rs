@@ -24,8 +24,8 @@ struct Format {
 const FORMATS: &[Format] = &[
     Format { extensions: &["nrrd", "nhdr"], recognizes: nrrd::recognizes, read: nrrd::read },
     Format { extensions: &["mhd", "mha"], recognizes: meta::recognizes, read: meta::read },
-    Format { extensions: &["dcm"], recognizes: dicom::recognizes, read: dicom::read },
     Format { extensions: &["gltf", "glb"], recognizes: gltf::recognizes, read: gltf::read },
+    Format { extensions: &["dcm"], recognizes: dicom::recognizes, read: dicom::read },
     Format { extensions: &["vdb"], recognizes: vdb::recognizes, read: vdb::read },
     Format { extensions: &["nii", "nii.gz", "hdr", "hdr.gz"], recognizes: nifti::recognizes, read: nifti::read },
     Format { extensions: &["raw"], recognizes: |_, _| false, read: raw::refuse },
@@ -59,7 +59,7 @@ pub fn open_noted(name_or_path: &str) -> Result<(Shape, Vec<String>), ShapeError
     }
     let path = Path::new(name_or_path);
     if path.is_dir() {
-        return dicom::read_folder(&shown(name_or_path), path).map(|shape| (shape, Vec::new()));
+        return Ok((dicom::read_folder(&shown(name_or_path), path)?, Vec::new()));
     }
     let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
     let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
@@ -161,7 +161,7 @@ mod tests {
         assert!(
             message.contains("sphere, cube, torus")
                 && message.contains(
-                    ".nrrd, .nhdr, .mhd, .mha, .dcm, .gltf, .glb, .vdb, .nii, .nii.gz, .hdr, .hdr.gz, .raw, .ply, .stl, .obj"
+                    ".nrrd, .nhdr, .mhd, .mha, .gltf, .glb, .dcm, .vdb, .nii, .nii.gz, .hdr, .hdr.gz, .raw, .ply, .stl, .obj"
                 ),
             "{message}"
         );

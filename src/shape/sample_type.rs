@@ -32,7 +32,9 @@ pub enum SampleType {
 
 /// A name that is none of a type.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no type is called `{0}`; choose one of uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32, float64")]
+#[error(
+    "no type is called `{0}`; choose one of uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32, float64"
+)]
 pub struct UnknownSampleType(pub String);
 
 impl SampleType {

@@ -64,10 +64,43 @@ fn an_empty_picture_says_why() {
     };
     let flat = empty("flat.obj");
     assert!(flat.contains("no voxel is inside of the object") && flat.contains("--resolution"), "{flat}");
-    let remedy = flat.rsplit(' ').next().unwrap();
-    assert_eq!(empty(&format!("flat.obj --set {remedy}")), "", "the remedy shows it");
+    let remedy = flat.split_once("--shell").unwrap().1;
+    assert_eq!(empty(&format!("flat.obj --shell {remedy}")), "", "the remedy shows it");
     assert!(empty("torus --clip 0,0,1,-2").contains("no ray meets matter"));
     assert_eq!(empty("torus"), "");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_surface_becomes_a_mesh_that_is_rendered_as_the_object() {
+    let desk = Desk::new();
+    for end in ["stl", "ply", "obj", "glb"] {
+        let out = desk.good(&format!("mesh torus -o torus.{end} --grid 40"));
+        assert!(out.contains("1 body; watertight") && out.contains("size       2."), "{out}");
+        let told = desk.good(&format!("info torus.{end}"));
+        assert!(told.contains("bodies     1") && told.contains("0 open, 0 crowded, 0 turned"), "{told}");
+        desk.good(&format!("convert torus.{end} -o again.ply"));
+    }
+    let same = desk.good("convert torus.glb -o other.obj");
+    assert!(same.starts_with("mesh "), "{same}");
+    desk.good(&format!("render other.obj -o other.png {SMALL}"));
+    desk.good(&format!("render torus -o torus.png {SMALL}"));
+    let [other, own] = ["other.png", "torus.png"].map(|name| image::open(desk.file(name)).unwrap().to_rgba8());
+    let seen = |image: &image::RgbaImage| image.pixels().filter(|pixel| pixel[3] > 0).count() as f64;
+    assert!((seen(&other) / seen(&own) - 1.0).abs() < 0.05, "{} {}", seen(&other), seen(&own));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn layers_of_a_scan_have_an_iso_value_each() {
+    let desk = Desk::new();
+    desk.good("convert head -o scan.nrrd");
+    let said = desk.run(&format!("render scan.nrrd --effect anatomy --resolution 48 -o a.png {SMALL}"));
+    assert!(said.contains("no iso-value was given") && said.contains("bone of"), "{said}");
+    desk.good(&format!("render scan.nrrd --effect anatomy --iso 0.5,1.5 --resolution 48 -o b.png {SMALL}"));
+    desk.good(&format!("render head --effect anatomy --resolution 48 -o c.png {SMALL}"));
+    let [brought, own] = ["b.png", "c.png"].map(|name| image::open(desk.file(name)).unwrap().to_rgba8());
+    assert_eq!(brought, own, "the same volume");
 }
 
 #[test]

@@ -1,13 +1,14 @@
 //! The parsers, each of any bytes: what it says does not matter, but it comes back, and what it gives can be trusted.
 
 use blake3::Hash;
+use glam::{DVec3, Vec3};
 use hypertexture::measure::verify::library;
 use hypertexture::output::shard::{self, Shard, Whole};
 use hypertexture::output::{Depth, Provenance};
 use hypertexture::render::Frame;
 use hypertexture::scene::{self, Scene};
 use hypertexture::shader::{Formula, Library, Slots, shipped};
-use hypertexture::shape::{self, Shape};
+use hypertexture::shape::{self, Mesh, MeshFormat, Shape};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -20,7 +21,7 @@ pub struct Target {
     pub run: fn(&[u8]),
 }
 
-pub const TARGETS: [Target; 12] = [
+pub const TARGETS: [Target; 14] = [
     Target { name: "obj", seeds: || vec![OBJ.into()], run: |bytes| mesh(shape::read("a.obj", bytes)) },
     Target { name: "stl", seeds: || vec![STL.into(), binary_stl()], run: |bytes| mesh(shape::read("a.stl", bytes)) },
     Target { name: "ply", seeds: || vec![PLY.into(), binary_ply()], run: |bytes| mesh(shape::read("a.ply", bytes)) },
@@ -31,6 +32,8 @@ pub const TARGETS: [Target; 12] = [
         seeds: || vec![nifti(false, b"n+1\0"), nifti(true, b"n+1\0"), nifti(false, b"ni1\0")],
         run: |bytes| mesh(shape::read("a.nii", bytes)),
     },
+    Target { name: "gltf", seeds: || vec![GLTF.into(), glb()], run: |bytes| mesh(shape::read("a.gltf", bytes)) },
+    Target { name: "dicom", seeds: || vec![dicom()], run: |bytes| mesh(shape::read("a.dcm", bytes)) },
     Target { name: "scene", seeds: || vec![SCENE.into(), PRESET.into()], run: scene_of },
     Target { name: "value", seeds: || ["[1, 2.5, 3]", "\"#ffe0c0\"", "true"].map(Vec::from).into(), run: value },
     Target { name: "header", seeds: || vec![HEADER.into()], run: header },
@@ -49,6 +52,48 @@ const ASCII: &str = "NRRD0005\ntype: float\ndimension: 3\nspace: left-posterior-
 const SCENE: &str = "about = \"a\"\ncombine = \"main | b\"\n[object]\ninput = \"torus\"\nstretch = [1, 2, 1]\n[effect]\ndmf = [\"fur\"]\n[camera]\nclip = [1, 0, 0, 0.5]\n[transfer]\nstops = [{ at = 0.0, color = \"#000000\", density = 0.0, index = 1.0 }]\n[parts.b.object]\ninput = \"sphere\"\n[modules.dmf]\n";
 const HEADER: &str = "// A.\n// Source: -\n// @param a = 0.5 in [0, 1]: A.\n// @color b = #102030: B.\n// @outer a\n// @move +y 0.5 * a + 1\n// @grow a\n// @drift a * 0.5\n// @bound 1\n// @needs normal\n// @exact procedural never\n// @loops 2\n// @places 1\n// @octaves 4\n// @period memory\n// @outside empty\n// @segments c\n#include \"hash.glsl\"\n#include <noise>\nfloat a_(float density, Sample s) { return density; }\n";
 const PRESET: &str = "preset = \"fur\"\n[parameters]\nfineness = 60\n";
+
+const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"scale":[1,-1,1]},{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,2,0,0,1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":5}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":1,"componentType":5121},"values":{"bufferView":0}}}],"bufferViews":[{"buffer":0,"byteLength":48},{"buffer":0,"byteOffset":1,"byteLength":1}],"buffers":[{"byteLength":48,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/"}]}"#;
+
+/// A tetrahedron.
+fn glb() -> Vec<u8> {
+    let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let mut bytes = Vec::new();
+    let mesh = Mesh { positions, triangles, offset: DVec3::new(1e6, 0.0, 0.0) };
+    MeshFormat::Glb.write(&mesh, &mut bytes).expect("memory takes all bytes");
+    bytes
+}
+
+/// Two frames of 2 x 2 pixels of 16 bits.
+fn dicom() -> Vec<u8> {
+    let mut bytes = [&[0; 128][..], b"DICM"].concat();
+    let mut put = |group: u16, number: u16, kind: &[u8; 2], value: &[u8]| {
+        bytes.extend([group.to_le_bytes(), number.to_le_bytes(), *kind].concat());
+        match kind {
+            b"OW" => bytes.extend([&[0; 2][..], &(value.len() as u32).to_le_bytes()].concat()),
+            _ => bytes.extend((value.len() as u16).to_le_bytes()),
+        }
+        bytes.extend(value);
+    };
+    put(2, 0, b"UL", &28_u32.to_le_bytes());
+    put(2, 0x10, b"UI", b"1.2.840.10008.1.2.1\0");
+    put(8, 0x60, b"CS", b"CT");
+    put(0x18, 0x50, b"DS", b"2 ");
+    put(0x28, 2, b"US", &[1, 0]);
+    put(0x28, 4, b"CS", b"MONOCHROME2 ");
+    put(0x28, 8, b"IS", b"2 ");
+    put(0x28, 0x10, b"US", &[2, 0]);
+    put(0x28, 0x11, b"US", &[2, 0]);
+    put(0x28, 0x30, b"DS", b"1\\0.5 ");
+    for (number, value) in [(0x100, 16), (0x101, 12), (0x102, 11), (0x103, 0)] {
+        put(0x28, number, b"US", &[value, 0]);
+    }
+    put(0x28, 0x1052, b"DS", b"-1024 ");
+    put(0x28, 0x1053, b"DS", b"1 ");
+    put(0x7fe0, 0x10, b"OW", &[7; 16]);
+    bytes
+}
 
 /// One triangle.
 fn binary_ply() -> Vec<u8> {

@@ -209,8 +209,8 @@ pub(super) fn told(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
     type Doubtful = (u32, &'static str, &'static [(&'static str, &'static str)], &'static str);
     const DOUBTFUL: [Doubtful; 7] = [
         (6, "sphere", &[("object.outer_iso", "0")], "the object is hard"),
-        (7, "sphere", &[("object.inner_iso", "-1.5")], "reaches 1 nowhere"),
-        (7, "knot", &[("object.inner_iso", "-1")], "reaches 1 nowhere"),
+        (7, "sphere", &[("object.inner_iso", "-1.5")], "the density is"),
+        (7, "knot", &[("object.inner_iso", "-1")], "the density is"),
         (43, "sphere", &[("quality.pass", "slices"), ("quality.target", "float16")], "float32 holds it"),
         (43, "sphere", &[("quality.pass", "slices"), ("quality.target", "unorm8")], "float32 holds it"),
         (20, "knot", &[("object.source", "normals8"), ("object.outer_iso", "1")], "as steps"),

@@ -33,7 +33,19 @@ pub fn box_subject(half_size: Vec3) -> Subject {
     let (center, scale, radius) = (Vec3::ZERO, 1.0, half_size.length());
     let parts = BTreeMap::new();
     let (input, offset) = ("cube".into(), glam::DVec3::ZERO);
-    Subject { input, field: None, closest: None, center, offset, scale, half_size, radius, report: None, parts }
+    Subject {
+        input,
+        field: None,
+        closest: None,
+        center,
+        offset,
+        scale,
+        half_size,
+        radius,
+        report: None,
+        proposed_iso: None,
+        parts,
+    }
 }
 
 /// Half sides of the slabs, whose faces lie between two slices where these are a multiple of 12.

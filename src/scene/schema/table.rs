@@ -154,7 +154,7 @@ pub const SETTINGS: &[Setting] = &[
 
     setting("object.input", Text, Field, "A built-in name (sphere, cube, torus, teapot, knot, ...), or the path of a mesh, a scalar volume or a distance field."),
     setting("object.resolution", whole(8.0, 1024.0), Field, "Voxels along the longest side of the distance field.").flag("resolution"),
-    setting("object.iso", Kind::Number(ANY), Field, "Iso-value of the surface of a scalar volume; without one, the lowest that info proposes.").optional("0.5").flag("iso"),
+    setting("object.iso", Kind::Number(ANY), Field, "Iso-value of the surface of a scalar volume; without one, the lowest that info proposes; --iso 500,1300 sets those of aligned objects too.").optional("0.5").flag("iso"),
     setting("object.shell", number(0.0, 2.0), Field, "Thickness of the shell that the surface is made into, half of it to each side, object units; 0 makes what it encloses solid.").flag("shell"),
     setting("object.up", UP, Field, "The axis of the file that points up.").flag("up"),
     setting("object.stretch", Numbers(3, range(0.05, 20.0)), Images, "Factors along x, y and z by which the object is stretched before it is drawn.").usual(0.05, 4.0).flag("stretch"),
@@ -167,6 +167,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("transform.at", Numbers(3, range(-100.0, 100.0)), Images, "Position of the center of an additional object in object space of the scene.").usual(-2.0, 2.0),
     setting("transform.turn", Numbers(3, range(-1e6, 1e6)), Images, "Degrees about x, y and z.").usual(-180.0, 180.0),
     setting("transform.scale", number(0.01, 100.0), Images, "Its size against that of the scene's own object.").usual(0.01, 4.0),
+    setting("transform.aligned", Switch, Field, "Whether it starts from where its file has it beside that of the scene's own object, such as bone in skin, and not from the middle."),
 
     setting("effect.dmf", Stack, Images, "Density modulation functions, applied from first to last; a mask says where one acts."),
     setting("effect.warp", Stack, Images, "Displacements of the position that is looked up, applied from first to last."),

@@ -220,7 +220,7 @@ impl Model {
     pub fn open(&mut self, path: &Path) -> bool {
         let name = path.display().to_string();
         if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml")) {
-            return self.edit("object.input", |scene| scene.object.input = name);
+            return self.edit("object.input", |scene| scene.bring(&name));
         }
         match scene::load(path, Reach::Beside) {
             Err(error) => {

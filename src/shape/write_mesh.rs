@@ -1,0 +1,157 @@
+//! Meshes as files.
+//!
+//! Role: a [`Mesh`] in the formats that other programs read. Invariant: what is written is read back bit for bit; where a
+//! format holds no offset, coordinates are those of the file, as exact as it can say them.
+//! Sources: 3D Systems, "StereoLithography Interface Specification", 1989; G. Turk, "The PLY Polygon File Format", 1994;
+//! Wavefront, "Object Files", 1995; Khronos, "glTF 2.0 Specification".
+
+use super::Mesh;
+use glam::DVec3;
+use serde_json::json;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// A format that meshes are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshFormat {
+    /// Binary STL: triangles without common corners.
+    Stl,
+    /// Binary PLY, little endian: floats, or doubles where the mesh has an offset.
+    Ply,
+    /// Wavefront OBJ, with as many digits as coordinates have.
+    Obj,
+    /// Binary glTF 2.0; an offset is the place of its node.
+    Glb,
+}
+
+impl MeshFormat {
+    /// Names of files of each format end like this, small or large.
+    const ENDS: [(MeshFormat, &'static str); 4] =
+        [(MeshFormat::Stl, "stl"), (MeshFormat::Ply, "ply"), (MeshFormat::Obj, "obj"), (MeshFormat::Glb, "glb")];
+
+    /// The format that the end of a name asks for: .stl, .ply, .obj or .glb.
+    pub fn from_path(path: &Path) -> Option<MeshFormat> {
+        let own = path.extension()?;
+        MeshFormat::ENDS.iter().find(|(_, end)| own.eq_ignore_ascii_case(end)).map(|(format, _)| *format)
+    }
+
+    /// Writes a mesh with at least one triangle, at most 2^32 - 1 corners and finite coordinates.
+    ///
+    /// # Errors
+    /// What `to` returns, and `InvalidInput` where the mesh is none that a file can hold.
+    pub fn write(&self, mesh: &Mesh, mut to: impl Write) -> io::Result<()> {
+        let vertices = mesh.positions.len();
+        let is_known = |corner: &u32| (*corner as usize) < vertices;
+        let is_whole = mesh.triangles.as_flattened().iter().all(is_known) && u32::try_from(vertices).is_ok();
+        let is_finite = mesh.positions.iter().all(|place| place.is_finite()) && mesh.offset.is_finite();
+        if mesh.triangles.is_empty() || !is_whole || !is_finite {
+            let reason = "a mesh is written with triangles between its corners, and with finite coordinates";
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
+        }
+        match self {
+            MeshFormat::Stl => write_stl(mesh, &mut to),
+            MeshFormat::Ply => write_ply(mesh, &mut to),
+            MeshFormat::Obj => write_obj(mesh, &mut to),
+            MeshFormat::Glb => write_glb(mesh, &mut to),
+        }?;
+        to.flush()
+    }
+}
+
+/// The corners in the coordinates of the file.
+fn places(mesh: &Mesh) -> impl Iterator<Item = DVec3> {
+    mesh.positions.iter().map(|place| place.as_dvec3() + mesh.offset)
+}
+
+fn write_floats(numbers: &[f32], to: &mut impl Write) -> io::Result<()> {
+    numbers.iter().try_for_each(|number| to.write_all(&number.to_le_bytes()))
+}
+
+fn write_stl(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
+    let count = u32::try_from(mesh.triangles.len()).map_err(io::Error::other)?;
+    to.write_all(&[b' '; 80])?;
+    to.write_all(&count.to_le_bytes())?;
+    for index in 0..mesh.triangles.len() {
+        let corners = mesh.corners(index);
+        let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+        let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+        let places = corners.map(|corner| (corner.as_dvec3() + mesh.offset).as_vec3());
+        [normal, places[0], places[1], places[2]].iter().try_for_each(|vector| write_floats(&vector.to_array(), to))?;
+        to.write_all(&[0; 2])?; // attributes
+    }
+    Ok(())
+}
+
+fn write_ply(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
+    let is_far = mesh.offset != DVec3::ZERO;
+    let kind = if is_far { "double" } else { "float" };
+    writeln!(to, "ply\nformat binary_little_endian 1.0\nelement vertex {}", mesh.positions.len())?;
+    ["x", "y", "z"].iter().try_for_each(|axis| writeln!(to, "property {kind} {axis}"))?;
+    writeln!(to, "element face {}\nproperty list uchar uint vertex_indices\nend_header", mesh.triangles.len())?;
+    for (near, far) in mesh.positions.iter().zip(places(mesh)) {
+        match is_far {
+            true => far.to_array().iter().try_for_each(|number| to.write_all(&number.to_le_bytes()))?,
+            false => write_floats(&near.to_array(), to)?,
+        }
+    }
+    for triangle in &mesh.triangles {
+        to.write_all(&[3])?;
+        triangle.iter().try_for_each(|corner| to.write_all(&corner.to_le_bytes()))?;
+    }
+    Ok(())
+}
+
+fn write_obj(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
+    let is_far = mesh.offset != DVec3::ZERO;
+    for (near, far) in mesh.positions.iter().zip(places(mesh)) {
+        match is_far {
+            true => writeln!(to, "v {} {} {}", far.x, far.y, far.z)?,
+            false => writeln!(to, "v {} {} {}", near.x, near.y, near.z)?,
+        }
+    }
+    let corner = |corner: u32| u64::from(corner) + 1;
+    mesh.triangles.iter().try_for_each(|[a, b, c]| writeln!(to, "f {} {} {}", corner(*a), corner(*b), corner(*c)))
+}
+
+fn write_glb(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
+    let (vertices, indices) = (mesh.positions.len(), 3 * mesh.triangles.len());
+    let (places, corners) = (12 * vertices as u64, 4 * indices as u64);
+    let bounds = mesh.bounds();
+    let mut node = json!({ "mesh": 0 });
+    if mesh.offset != DVec3::ZERO {
+        node["translation"] = json!(mesh.offset.to_array());
+    }
+    let document = json!({
+        "asset": { "version": "2.0", "generator": "hypertexture" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0] }],
+        "nodes": [node],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }],
+        "accessors": [
+            {
+                "bufferView": 0, "componentType": 5126, "count": vertices, "type": "VEC3",
+                "min": bounds.min.to_array(), "max": bounds.max.to_array(),
+            },
+            { "bufferView": 1, "componentType": 5125, "count": indices, "type": "SCALAR" },
+        ],
+        "bufferViews": [
+            { "buffer": 0, "byteLength": places, "target": 34962 },
+            { "buffer": 0, "byteOffset": places, "byteLength": corners, "target": 34963 },
+        ],
+        "buffers": [{ "byteLength": places + corners }],
+    });
+    let mut text = document.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    // A header of 12 bytes, and 8 before each chunk.
+    let length = |bytes: u64| u32::try_from(bytes).map_err(|_| io::Error::other("a glTF file ends at 4 GiB"));
+    let whole = length(28 + text.len() as u64 + places + corners)?;
+    to.write_all(b"glTF\x02\0\0\0")?;
+    to.write_all(&whole.to_le_bytes())?;
+    to.write_all(&(text.len() as u32).to_le_bytes())?;
+    to.write_all(b"JSON")?;
+    to.write_all(&text)?;
+    to.write_all(&length(places + corners)?.to_le_bytes())?;
+    to.write_all(b"BIN\0")?;
+    mesh.positions.iter().try_for_each(|place| write_floats(&place.to_array(), to))?;
+    mesh.triangles.as_flattened().iter().try_for_each(|corner| to.write_all(&corner.to_le_bytes()))
+}
