@@ -140,7 +140,12 @@ fn m63_a_placed_object_is_where_and_as_large_as_its_place_says() {
     let mut part = Part {
         effect: scene.effect.clone(),
         material: scene.material.clone(),
-        transform: Transform { at: center.as_vec3().to_array(), turn: [30.0, -50.0, 70.0], scale: radius as f32 },
+        transform: Transform {
+            at: center.as_vec3().to_array(),
+            turn: [30.0, -50.0, 70.0],
+            scale: radius as f32,
+            aligned: false,
+        },
         ..Part::default()
     };
     part.object.input = "sphere".into();

@@ -201,7 +201,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let scan = folder.path().join("scan");
         fs::create_dir(&scan).unwrap();
-        ["a", "b"].map(|name| fs::write(scan.join(name), name).unwrap());
+        ["a", "b"].iter().for_each(|name| fs::write(scan.join(name), name).unwrap());
         let mut scene = Scene::default();
         scene.object.input = scan.display().to_string();
         let whole = Provenance::of(&scene, "a device", "surface=lit").unwrap();

@@ -226,6 +226,7 @@ fn formula(name: &str) -> Subject {
         half_size,
         radius,
         report: None,
+        proposed_iso: None,
         parts,
     }
 }

@@ -188,7 +188,6 @@ fn arguments() -> Vec<Bad> {
         ("mesh torus --density 0", "--density 0"),
         ("mesh torus --density nan", "--density NaN"),
         ("mesh none.obj", "none.obj"),
-        ("mesh torus --clip 0,0,0,0 --set effect.classify=post --density 1 --grid 8", "density"),
         ("render torus --shell -1", "object.shell"),
         ("render torus --shell thick", "object.shell"),
         ("render torus --iso 1,2", "object.iso"),

@@ -95,7 +95,8 @@ fn a_surface_becomes_a_mesh_that_is_rendered_as_the_object() {
 fn layers_of_a_scan_have_an_iso_value_each() {
     let desk = Desk::new();
     desk.good("convert head -o scan.nrrd");
-    let said = desk.run(&format!("render scan.nrrd --effect anatomy --resolution 48 -o a.png {SMALL}"));
+    let output = desk.run(&format!("render scan.nrrd --effect anatomy --resolution 48 -o a.png {SMALL}"));
+    let said = text(&output.stdout) + &text(&output.stderr);
     assert!(said.contains("no iso-value was given") && said.contains("bone of"), "{said}");
     desk.good(&format!("render scan.nrrd --effect anatomy --iso 0.5,1.5 --resolution 48 -o b.png {SMALL}"));
     desk.good(&format!("render head --effect anatomy --resolution 48 -o c.png {SMALL}"));
