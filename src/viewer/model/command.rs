@@ -16,7 +16,7 @@ pub(super) fn line(scene: &Scene, library: &Library) -> String {
     let lines = starts.flat_map(|(name, preset)| {
         let figure = (vec![name.to_string()], preset.clone());
         let mut over = preset;
-        over.object.input.clone_from(&scene.object.input);
+        over.bring(&scene.object.input);
         let effect: &[&str] = if name == "lit" { &[] } else { &["--effect", name] };
         let words = [&scene.object.input].into_iter().cloned().chain(effect.iter().map(|word| word.to_string()));
         let input = is_plain_input(&scene.object.input).then(|| (words.collect(), over));
