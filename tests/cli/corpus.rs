@@ -195,7 +195,7 @@ fn arguments() -> Vec<Bad> {
         ("render head --effect anatomy --iso 0.5,bone", "object.iso"),
         ("convert none.raw -o a.nrrd --dims 2,2,2 --type uint8", "none.raw"),
         ("convert a.raw -o a.nrrd --type uint8", "--dims"),
-        ("field torus -o field.vdb", "field.vdb"),
+        ("field torus -o field.vtk", "field.vtk"),
         ("field", "<INPUT>"),
         ("completions none", "none"),
     ] {
