@@ -7,9 +7,12 @@ use glam::{DVec3, Vec3};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::error::Error;
+use std::ops::RangeInclusive;
 
 /// Rows of the histogram.
 const ROWS: usize = 16;
+/// How much scalars that are distances change per world unit where they are 0.
+const SLOPE: RangeInclusive<f32> = 0.95..=1.05;
 /// Characters of its longest bar.
 const BAR: f64 = 40.0;
 
@@ -45,7 +48,7 @@ pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
     }
     let mut text: String = facts.iter().map(|fact| format!("{:<11}{}\n", fact.name, fact.words)).collect();
     text += &format!("box        {}\n", in_words(corners, bounds.size()));
-    text += &format!("picture    hypertexture render {} -o picture.png{}\n", command.input, iso_flag(&shape));
+    text += &format!("picture    hypertexture render {} -o picture.png{}\n", command.input, surface_flag(&shape));
     say(&text);
     Ok(())
 }
@@ -72,9 +75,17 @@ fn short(number: f64) -> String {
     if f64::from(number as f32) == number { (number as f32).to_string() } else { number.to_string() }
 }
 
-/// The flag that names the iso-value of the picture.
-fn iso_flag(shape: &Shape) -> String {
+/// The slope at 0 of scalars that change there as distances do.
+fn own_slope(volume: &Volume) -> Option<f32> {
+    volume.slope_at_zero().filter(|slope| SLOPE.contains(slope))
+}
+
+/// The flag that says what the surface of the picture is.
+fn surface_flag(shape: &Shape) -> String {
     let first = match shape {
+        Shape::Volume(volume) if volume.content == Content::Scalar && own_slope(volume).is_some() => {
+            return " --distance".into();
+        }
         Shape::Volume(volume) if volume.content == Content::Scalar => volume.iso_values().first().copied(),
         _ => None,
     };
@@ -140,6 +151,10 @@ fn of_volume(volume: &Volume) -> Vec<Fact> {
         let words = slope.map_or("no surface".into(), |slope| format!("{slope:.3} per world unit at the surface"));
         facts.push(fact("slope", format!("{words}; 1 for a distance"), slope));
         return facts;
+    }
+    if let Some(slope) = own_slope(volume) {
+        let words = format!("{slope:.3} per world unit at 0, as signed distances have it: if they are, say --distance");
+        facts.push(fact("slope", words, slope));
     }
     let isos = volume.iso_values();
     let words = match &isos[..] {

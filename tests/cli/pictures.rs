@@ -377,6 +377,16 @@ fn what_a_mesh_and_a_volume_hold_is_told_in_words_and_as_json() {
         (&known["voxels"], &known["values"]),
         (&serde_json::json!([16, 16, 16]), &serde_json::json!([10.0, 200.0]))
     );
+    assert!(known["slope"].is_null(), "{known}");
+    // Distances of another program.
+    let far = |at: i32| ((at % 9 - 4).pow(2) + (at / 9 % 9 - 4).pow(2) + (at / 81 - 4).pow(2)) as f32;
+    let mut ball = b"NRRD0004\ntype: float\ndimension: 3\nsizes: 9 9 9\nendian: little\nencoding: raw\n\n".to_vec();
+    ball.extend((0..729).flat_map(|at| (far(at).sqrt() - 3.1).to_le_bytes()));
+    desk.write("ball.nrrd", ball);
+    let said = desk.good("info ball.nrrd");
+    assert!(
+        said.contains("if they are, say --distance") && said.contains("render ball.nrrd -o picture.png --distance")
+    );
     let isos = known["iso-values"].as_array().unwrap();
     assert!(isos.len() == 1 && (70.0..=140.0).contains(&isos[0].as_f64().unwrap()), "{isos:?}");
     assert!(desk.good("info wall.nrrd").contains(&format!("--iso {}", isos[0].as_f64().unwrap())));
