@@ -379,9 +379,9 @@ fn what_a_mesh_and_a_volume_hold_is_told_in_words_and_as_json() {
     );
     assert!(known["slope"].is_null(), "{known}");
     // Distances of another program.
-    let far = |at: i32| ((at % 9 - 4).pow(2) + (at / 9 % 9 - 4).pow(2) + (at / 81 - 4).pow(2)) as f32;
-    let mut ball = b"NRRD0004\ntype: float\ndimension: 3\nsizes: 9 9 9\nendian: little\nencoding: raw\n\n".to_vec();
-    ball.extend((0..729).flat_map(|at| (far(at).sqrt() - 3.1).to_le_bytes()));
+    let far = |at: i32| ((at % 33 - 16).pow(2) + (at / 33 % 33 - 16).pow(2) + (at / 1089 - 16).pow(2)) as f32;
+    let mut ball = b"NRRD0004\ntype: float\ndimension: 3\nsizes: 33 33 33\nendian: little\nencoding: raw\n\n".to_vec();
+    ball.extend((0..35_937).flat_map(|at| (far(at).sqrt() - 12.1).to_le_bytes()));
     desk.write("ball.nrrd", ball);
     let said = desk.good("info ball.nrrd");
     assert!(
