@@ -22,7 +22,7 @@ pub struct Mesh {
     /// The density of the surface, above 0, up to 1.
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
     pub density: f32,
-    /// Samples along the longest side of the mesh, 8 to 1024.
+    /// Samples along the longest side of the mesh, 8 to 512.
     #[arg(long, default_value_t = 128)]
     pub grid: u32,
     /// The object.
@@ -42,6 +42,9 @@ pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     let scene = command.arguments.scene(&command.input, &command.object)?;
     let library = super::library(&scene)?;
     scene.check(&library)?;
+    if scene.camera.clip.is_some() {
+        ::log::warn!("camera.clip cuts pictures; the mesh is whole");
+    }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let polygons = Polygons { grid: command.grid, density: command.density };
     let mesh = with_progress(quiet, "mesh", |progress| polygonize(&library, &scene, &subject, polygons, progress))

@@ -10,7 +10,7 @@ use super::{OCTAVES_ID, RenderError, Subject};
 use crate::exact::{self, Device, ExactError, Interval};
 use crate::field::{LevelSet, Progress};
 use crate::render::variant::{Variant, VariantError};
-use crate::scene::{Axis, Scene};
+use crate::scene::{Object, Scene};
 use crate::shader::{Library, Linker};
 use crate::shape::Mesh;
 use glam::{DVec3, Vec3};
@@ -33,7 +33,7 @@ const HALVINGS: u32 = 12;
 /// What to make a mesh of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polygons {
-    /// Samples along the longest side of the box around the soft region; 8 to 1024.
+    /// Samples along the longest side of the box around the soft region; 8 to 512.
     pub grid: u32,
     /// The density of the surface, above 0, up to 1; a hard object has 1 inside and 0 outside.
     pub density: f32,
@@ -49,7 +49,7 @@ pub enum PolygonizeError {
     #[error("no mesh of this scene: {0}")]
     Exact(#[from] ExactError),
     /// The grid is out of range.
-    #[error("grid {0}: not in 8 to 1024; 64 to 256 suit most objects")]
+    #[error("grid {0}: not in 8 to 512; 64 to 256 suit most objects")]
     Grid(u32),
     /// The density is out of range.
     #[error("density {0}: not above 0 and up to 1; 0.5 suits most objects")]
@@ -169,7 +169,7 @@ pub fn polygonize(
     progress: Progress<'_>,
 ) -> Result<Mesh, PolygonizeError> {
     let Polygons { grid, density } = polygons;
-    if !(8..=1024).contains(&grid) {
+    if !(8..=512).contains(&grid) {
         return Err(PolygonizeError::Grid(grid));
     }
     if !(density > 0.0 && density <= 1.0) {
@@ -194,7 +194,7 @@ pub fn polygonize(
         let found = crossings(&density, &samples, edges)?;
         let done = done.fetch_add(edges.len(), Ordering::Relaxed) + edges.len();
         progress(0.5 + 0.5 * done as f32 / set.edges.len() as f32);
-        Ok(found.into_iter().map(|place| world(subject, scene.object.up, place)).collect())
+        Ok(found.into_iter().map(|place| world(subject, &scene.object, place)).collect())
     });
     let positions: Vec<Vec<Vec3>> = chunks.collect::<Result<_, ExactError>>()?;
     Ok(Mesh { positions: positions.concat(), triangles: set.triangles, offset: subject.offset })
@@ -213,27 +213,20 @@ fn inside(density: &Density<'_>, samples: &Samples, progress: Progress<'_>) -> R
         let places: Vec<DVec3> = open.iter().map(|index| samples.place(samples.of_index(*index))).collect();
         let densities = density.at(&places)?;
         progress((done.fetch_add(blocks.len(), Ordering::Relaxed) + blocks.len()) as f32 / blocks_in_all);
-        let full: Vec<u32> = (blocks.iter().zip(&sides).filter(|(_, side)| **side == Some(true)))
-            .flat_map(|(block, _)| samples.within(*block))
-            .collect();
-        Ok((full, open, densities))
+        let full = blocks.iter().zip(&sides).filter(|(_, side)| **side == Some(true));
+        let full = full.flat_map(|(block, _)| samples.within(*block));
+        let dense = open.iter().zip(&densities).filter(|(_, found)| **found >= density.level);
+        let inside: Vec<u32> = full.chain(dense.map(|(index, _)| *index)).collect();
+        Ok((inside, densities.into_iter().fold(0.0, f64::max)))
     });
-    let decided: Vec<(Vec<u32>, Vec<u32>, Vec<f64>)> = decided.collect::<Result<_, ExactError>>()?;
+    let decided: Vec<(Vec<u32>, f64)> = decided.collect::<Result<_, ExactError>>()?;
+    if decided.iter().all(|(inside, _)| inside.is_empty()) {
+        let largest = decided.iter().map(|(_, largest)| *largest).fold(0.0, f64::max);
+        return Err(PolygonizeError::NoSurface { level: density.level, largest });
+    }
     let mut inside = vec![false; samples.count()];
-    let (mut largest, mut any) = (0.0_f64, false);
-    for (full, open, densities) in decided {
-        any |= !full.is_empty();
-        full.into_iter().for_each(|index| inside[index as usize] = true);
-        for (index, found) in open.into_iter().zip(densities) {
-            largest = largest.max(found);
-            inside[index as usize] = found >= density.level;
-        }
-    }
-    any |= largest >= density.level;
-    match any {
-        true => Ok(inside),
-        false => Err(PolygonizeError::NoSurface { level: density.level, largest }),
-    }
+    decided.into_iter().flat_map(|(indices, _)| indices).for_each(|index| inside[index as usize] = true);
+    Ok(inside)
 }
 
 /// Where the surface crosses edges, in object space.
@@ -251,6 +244,7 @@ fn crossings(density: &Density<'_>, samples: &Samples, edges: &[[u32; 2]]) -> Re
 }
 
 /// A place in object space, in the world and by the axes of the file that the object is from.
-fn world(subject: &Subject, up: Axis, place: DVec3) -> Vec3 {
-    up.turned_back(subject.center.as_dvec3() + place / f64::from(subject.scale)).as_vec3()
+fn world(subject: &Subject, object: &Object, place: DVec3) -> Vec3 {
+    let stretched = place * Vec3::from(object.stretch).as_dvec3() / f64::from(subject.scale);
+    object.up.turned_back(subject.center.as_dvec3() + stretched).as_vec3()
 }
