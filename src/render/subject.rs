@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// The object of a scene, ready to be drawn in any effect.
 ///
 /// Clones share its field. Object space is centered on the object, and the longest side of its bounding box spans [-1, 1] there.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Subject {
     /// What the scene calls it.
     pub input: String,
@@ -214,21 +214,7 @@ fn formula(name: &str) -> Subject {
         "torus" => (Vec3::new(1.0, 0.3, 1.0), 1.0),
         _ => (Vec3::ONE, 1.0),
     };
-    let (center, scale) = (Vec3::ZERO, 1.0);
-    let (offset, parts) = (DVec3::ZERO, BTreeMap::new());
-    Subject {
-        input: name.into(),
-        field: None,
-        closest: None,
-        center,
-        offset,
-        scale,
-        half_size,
-        radius,
-        report: None,
-        proposed_iso: None,
-        parts,
-    }
+    Subject { input: name.into(), scale: 1.0, half_size, radius, ..Subject::default() }
 }
 
 /// World positions of the samples inside, or of the nearest to the surface where none is.

@@ -7,7 +7,6 @@ use crate::render::Subject;
 use crate::scene::{Color, Integration, Projection, Scene};
 use crate::shader;
 use glam::Vec3;
-use std::collections::BTreeMap;
 
 /// A homogeneous white object with Beer-Lambert opacity, seen along -z: small, unlit, one modulated density.
 pub fn homogeneous(object: &str, rate: f32, projection: Projection) -> Scene {
@@ -30,22 +29,7 @@ pub fn homogeneous(object: &str, rate: f32, projection: Projection) -> Scene {
 /// The stack of slices spans the box's diagonal: with half sides (2, 2, 1) / 3 it is [-1, 1], so that a face can lie
 /// between two slices.
 pub fn box_subject(half_size: Vec3) -> Subject {
-    let (center, scale, radius) = (Vec3::ZERO, 1.0, half_size.length());
-    let parts = BTreeMap::new();
-    let (input, offset) = ("cube".into(), glam::DVec3::ZERO);
-    Subject {
-        input,
-        field: None,
-        closest: None,
-        center,
-        offset,
-        scale,
-        half_size,
-        radius,
-        report: None,
-        proposed_iso: None,
-        parts,
-    }
+    Subject { input: "cube".into(), scale: 1.0, half_size, radius: half_size.length(), ..Subject::default() }
 }
 
 /// Half sides of the slabs, whose faces lie between two slices where these are a multiple of 12.
