@@ -86,7 +86,9 @@ impl Scene {
         let mut names = std::iter::once("object.iso").chain(aligned.iter().map(String::as_str));
         for value in values.split(',') {
             let limit = || match aligned.len() {
-                0 => "one number; a scene with an object in another, such as --effect anatomy, takes one for each".into(),
+                0 => {
+                    "one number; a scene with an object in another, such as --effect anatomy, takes one for each".into()
+                }
                 more => format!("at most {} numbers, one for each object", more + 1),
             };
             let (field, value) = ("object.iso", value.trim().trim_start_matches("none"));

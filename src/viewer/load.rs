@@ -25,7 +25,11 @@ impl Key {
         let mut objects = vec![((scene.object.without_look(), false), main, variant.reads_closest())];
         for (name, part) in &scene.parts {
             let outer = variant.parts[name].outer_iso().unwrap_or(part.object.outer_iso);
-            objects.push(((part.object.without_look(), part.transform.aligned), outer, variant.part_reads_closest(name)));
+            objects.push((
+                (part.object.without_look(), part.transform.aligned),
+                outer,
+                variant.part_reads_closest(name),
+            ));
         }
         Ok(Key(objects))
     }
