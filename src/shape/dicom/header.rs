@@ -6,7 +6,9 @@
 use super::super::error::{Location, ShapeError, quoted};
 use super::super::source::Source;
 use super::elements::{Elements, Syntax, shown};
-use super::image::Refusal;
+
+/// What is not read, what was found of it, and what to do.
+pub(super) type Refusal = (&'static str, String, &'static str);
 
 /// Where the mark of a file is, and the mark.
 pub(super) const MARK_AT: usize = 128;

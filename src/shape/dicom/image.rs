@@ -6,13 +6,10 @@
 use super::super::error::{Found, Location, ShapeError, quoted};
 use super::super::source::Source;
 use super::elements::{Element, Elements, PER_FRAME, PIXELS, SHARED};
-use super::header::Header;
+use super::header::{Header, Refusal};
 
 /// Most frames of a file or folder: what is kept of one is many times as long as the shortest item of it.
 pub(super) const MAX_FRAMES: usize = 1 << 16;
-
-/// What is not read, what was found of it, and what to do.
-pub(super) type Refusal = (&'static str, String, &'static str);
 
 /// What is said of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
