@@ -4,9 +4,10 @@
 //! has them, it is said and nothing is compared.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
-mod common;
+#[path = "common/program.rs"]
+mod program;
 
-use common::program::run;
+use program::run;
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::path::Path;

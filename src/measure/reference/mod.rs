@@ -114,12 +114,16 @@ pub fn truth_of(scene: &Scene, library: &Library) -> Result<Scene, LibraryError>
     truth.quality.block_format = BlockFormat::Auto;
     // What is not read makes no difference.
     if let Ok(variant) = Variant::of(&truth, library) {
-        let (effect, default) = (&mut truth.effect, Effect::default());
-        if !variant.reads("noise") {
-            (effect.noise, effect.noise_repeat) = (default.noise, default.noise_repeat);
-        }
-        if !variant.reads("turbulence") {
-            (effect.turbulence, effect.turbulence_repeat) = (default.turbulence, default.turbulence_repeat);
+        let (unread, default) = (|slot| !variant.reads(slot), Effect::default());
+        // All objects share them.
+        let parts = truth.parts.values_mut().map(|part| &mut part.effect);
+        for effect in parts.chain([&mut truth.effect]) {
+            if unread("noise") {
+                (effect.noise, effect.noise_repeat) = (default.noise.clone(), default.noise_repeat);
+            }
+            if unread("turbulence") {
+                (effect.turbulence, effect.turbulence_repeat) = (default.turbulence.clone(), default.turbulence_repeat);
+            }
         }
     }
     // Where nothing repeats as a block does, its size makes no difference.
