@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 #[path = "common/program.rs"]
+#[allow(dead_code, reason = "each file of tests uses its part of this")]
 mod program;
 
 use program::run;
