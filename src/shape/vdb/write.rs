@@ -10,6 +10,7 @@ use super::head::{CONTENT, CORNERS, SIGNED_DISTANCE};
 use super::values::{ACTIVE_ONLY, ZIP};
 use super::{MAGIC, WRITTEN};
 use flate2::{Compress, FlushCompress};
+use rayon::prelude::*;
 use std::io::{self, Write};
 
 /// Places of a node along each side as a power of two, and voxels along a place: of the root, as it is read here, of the nodes
@@ -44,11 +45,9 @@ impl Bytes {
     }
 }
 
-/// Writes a volume whose number of values has been checked. Takes memory for the packed values.
+/// Writes a volume whose number of values has been checked. Takes memory for the packed values, twice.
 pub(in super::super) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result<()> {
-    let mut tree =
-        Tree { volume, background: background(volume), packer: Compress::new(LEVEL, true), leaves: Vec::new() };
-    let topology = tree.root()?;
+    let tree = Tree { volume, background: background(volume) }.root()?;
     let mut file = Bytes(MAGIC.to_vec());
     [WRITTEN, 10, 0].into_iter().for_each(|number| file.u32(number)); // and the version of the library
     file.0.push(1); // the places of grids are told
@@ -60,11 +59,11 @@ pub(in super::super) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result
     [name, "Tree_float_5_4_3", ""].into_iter().for_each(|text| file.text(text));
     let grid = about(volume, name);
     let start = (file.0.len() + 24) as u64;
-    let blocks = start + (grid.0.len() + topology.0.len()) as u64;
+    let blocks = start + (grid.0.len() + tree.topology.len()) as u64;
     for offset in [start, blocks, blocks + tree.leaves.len() as u64] {
         file.0.extend(offset.to_le_bytes());
     }
-    [&file.0, &grid.0, &topology.0, &tree.leaves].iter().try_for_each(|part| to.write_all(part))
+    [&file.0, &grid.0, &tree.topology, &tree.leaves].iter().try_for_each(|part| to.write_all(part))
 }
 
 /// The value where the tree has none: of a distance the largest one, at least a voxel, else the first value.
@@ -115,20 +114,26 @@ fn about(volume: &Volume, name: &str) -> Bytes {
 struct Tree<'a> {
     volume: &'a Volume,
     background: f32,
-    packer: Compress,
-    /// Masks and values of the leaves so far.
+}
+
+/// A node of the tree with all below it.
+struct Node {
+    /// All but the values of its leaves.
+    topology: Vec<u8>,
+    /// Masks and values of its leaves.
     leaves: Vec<u8>,
 }
 
 impl Tree<'_> {
-    /// All but the values of the leaves.
-    fn root(&mut self) -> io::Result<Bytes> {
-        let (mut children, mut below) = (0, Vec::new());
+    /// The root with all below it.
+    fn root(&self) -> io::Result<Node> {
+        let (mut children, mut below, mut leaves) = (0, Vec::new(), Vec::new());
         for min in self.corners([0; 3], u32::MAX, ROOT_CHILD) {
-            if let Some(node) = self.node(min, 0)? {
+            if let Some(node) = self.upper(min)? {
                 children += 1;
                 below.extend(min.iter().flat_map(|part| part.to_le_bytes()));
-                below.extend(node);
+                below.extend(node.topology);
+                leaves.extend(node.leaves);
             }
         }
         let mut root = Bytes::default();
@@ -137,7 +142,7 @@ impl Tree<'_> {
         root.u32(0);
         root.u32(children);
         root.0.extend(below);
-        Ok(root)
+        Ok(Node { topology: root.0, leaves })
     }
 
     /// First voxels of the boxes of `step` voxels a side that have a part in the volume and in the box of `side` voxels that
@@ -153,30 +158,33 @@ impl Tree<'_> {
         })
     }
 
-    /// The node of a level, but the values of its leaves; none where all is background.
-    fn node(&mut self, min: [u32; 3], level: usize) -> io::Result<Option<Vec<u8>>> {
-        let (log, step) = LEVELS[level];
-        if level == 2 {
-            return self.leaf(min);
-        }
-        let (mut mask, mut below) = (vec![0; 1 << (3 * log - 3)], Vec::new());
-        for corner in self.corners(min, step << log, step) {
-            if let Some(child) = self.node(corner, level + 1)? {
-                let place = place(min, corner, LEVELS[level]);
-                mask[place / 8] |= 1 << (place % 8);
-                below.extend(child);
-            }
-        }
-        // No place without a child is active; all of these are background, and none of their values is stored.
-        let active = vec![0; mask.len()];
-        Ok((!below.is_empty()).then(|| [&mask, &active, &[0; 1 + 8][..], &below].concat()))
+    /// A child of the root, whose own children are made side by side.
+    fn upper(&self, min: [u32; 3]) -> io::Result<Option<Node>> {
+        let corners: Vec<_> = self.children(min, 0).collect();
+        let nodes: Vec<_> = corners
+            .into_par_iter()
+            .map_init(|| Compress::new(LEVEL, true), |packer, corner| Ok((corner, self.lower(corner, packer)?)))
+            .collect::<io::Result<_>>()?;
+        Ok(joined(min, 0, nodes))
     }
 
-    /// The mask of a leaf, whose values go to the others.
-    fn leaf(&mut self, min: [u32; 3]) -> io::Result<Option<Vec<u8>>> {
+    /// A node whose children are leaves.
+    fn lower(&self, min: [u32; 3], packer: &mut Compress) -> io::Result<Option<Node>> {
+        let leaves = self.children(min, 1).map(|corner| Ok((corner, self.leaf(corner, packer)?)));
+        Ok(joined(min, 1, leaves.collect::<io::Result<_>>()?))
+    }
+
+    /// Where the children of a node of a level begin.
+    fn children(&self, min: [u32; 3], level: usize) -> impl Iterator<Item = [u32; 3]> + use<> {
+        let (log, step) = LEVELS[level];
+        self.corners(min, step << log, step)
+    }
+
+    /// A leaf; none where all is background.
+    fn leaf(&self, min: [u32; 3], packer: &mut Compress) -> io::Result<Option<Node>> {
         let [nx, ny, _] = self.volume.size.map(|n| n as usize);
         let (mut mask, mut values) = (vec![0; 64], Vec::with_capacity(2048));
-        for corner in self.corners(min, 8, 1) {
+        for corner in self.children(min, 2) {
             let [x, y, z] = corner.map(|part| part as usize);
             let value = self.volume.values[(z * ny + y) * nx + x];
             if value.to_bits() != self.background.to_bits() {
@@ -188,28 +196,43 @@ impl Tree<'_> {
         if values.is_empty() {
             return Ok(None);
         }
-        self.leaves.extend(&mask);
-        self.leaves.push(0); // what is not active is background
-        self.pack(&values)?;
-        Ok(Some(mask))
+        let mut leaves = mask.clone();
+        leaves.push(0); // what is not active is background
+        pack(&values, packer, &mut leaves)?;
+        Ok(Some(Node { topology: mask, leaves }))
     }
+}
 
-    /// Appends values in zip behind their length, or as they are behind its negative where they are no longer.
-    fn pack(&mut self, values: &[u8]) -> io::Result<()> {
-        let start = self.leaves.len();
-        self.leaves.extend([0; 8]);
-        self.leaves.reserve(2 * values.len() + 64);
-        self.packer.reset();
-        self.packer.compress_vec(values, &mut self.leaves, FlushCompress::Finish).map_err(io::Error::from)?;
-        let mut length = (self.leaves.len() - start - 8) as i64;
-        if length >= values.len() as i64 {
-            self.leaves.truncate(start + 8);
-            self.leaves.extend(values);
-            length = -(values.len() as i64);
-        }
-        self.leaves[start..start + 8].copy_from_slice(&length.to_le_bytes());
-        Ok(())
+/// The node of a level that begins at `min` and has these children; none where all is background.
+fn joined(min: [u32; 3], level: usize, children: Vec<([u32; 3], Option<Node>)>) -> Option<Node> {
+    let mut mask = vec![0; 1 << (3 * LEVELS[level].0 - 3)];
+    let (mut below, mut leaves) = (Vec::new(), Vec::new());
+    for (corner, child) in children.into_iter().filter_map(|(corner, child)| Some((corner, child?))) {
+        let place = place(min, corner, LEVELS[level]);
+        mask[place / 8] |= 1 << (place % 8);
+        below.extend(child.topology);
+        leaves.extend(child.leaves);
     }
+    // No place without a child is active; all of these are background, and none of their values is stored.
+    let active = vec![0; mask.len()];
+    (!below.is_empty()).then(|| Node { topology: [&mask, &active, &[0; 1 + 8][..], &below].concat(), leaves })
+}
+
+/// Appends values in zip behind their length, or as they are behind its negative where they are no longer.
+fn pack(values: &[u8], packer: &mut Compress, to: &mut Vec<u8>) -> io::Result<()> {
+    let start = to.len();
+    to.extend([0; 8]);
+    to.reserve(2 * values.len() + 64);
+    packer.reset();
+    packer.compress_vec(values, to, FlushCompress::Finish).map_err(io::Error::from)?;
+    let mut length = (to.len() - start - 8) as i64;
+    if length >= values.len() as i64 {
+        to.truncate(start + 8);
+        to.extend(values);
+        length = -(values.len() as i64);
+    }
+    to[start..start + 8].copy_from_slice(&length.to_le_bytes());
+    Ok(())
 }
 
 /// Where a corner is in the node that begins at `min`.
