@@ -11,6 +11,7 @@
 mod axes;
 mod dicom;
 mod error;
+mod facts;
 mod files;
 mod generated;
 mod gltf;
@@ -46,6 +47,7 @@ mod write_volume;
 
 pub(crate) use axes::Axes;
 pub use error::{Found, Location, ShapeError};
+pub use facts::{Fact, Facts};
 pub use generated::BUILT_IN;
 pub use iso_values::Histogram;
 pub use mesh::Edges;

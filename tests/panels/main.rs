@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a control is not as described")]
 
 mod paint;
+mod scan;
 
 use egui::accesskit::{Action, ActionData, ActionRequest, Role};
 use egui::{Event, PointerButton, Pos2};

@@ -7,6 +7,7 @@
 mod accuracy;
 mod editor;
 mod effect;
+mod facts;
 mod figures;
 mod object;
 mod parameters;
@@ -88,6 +89,7 @@ pub struct Panels {
     selected: Option<String>,
     /// The stop of the transfer map that is being edited.
     stop: usize,
+    known: facts::Known,
     /// Scene file, picture.
     paths: [String; 2],
     author: Author,
@@ -156,7 +158,8 @@ impl Panels {
         let (slot, name) = first.unwrap_or(("surface", &effect.surface));
         let author = Author::new(program, model.library(), slot, name)?;
         let paths = ["scene.toml".into(), "picture.png".into()];
-        Ok(Panels { selected: None, stop: 0, paths, author, author_is_open: false, shows_all: false })
+        let known = facts::Known::default();
+        Ok(Panels { selected: None, stop: 0, known, paths, author, author_is_open: false, shows_all: false })
     }
 
     /// The module that is being edited.
@@ -220,6 +223,7 @@ impl Panels {
         let part = self.selected.clone();
         let part = part.as_deref();
         section(ui, "Object", false, |ui| object::show(ui, pass, part));
+        section(ui, "What it holds", false, |ui| facts::show(ui, pass, part, &mut self.known));
         section(ui, "Parameters", true, |ui| parameters::show(ui, pass, part));
         section(ui, "Effect", true, |ui| effect::show(ui, pass, part));
         section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.stop));

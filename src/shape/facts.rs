@@ -1,0 +1,157 @@
+//! What a file holds, before anything is made of it.
+//!
+//! Role: a shape -> a few lines for a person and for a program, and the histogram of a scan. Invariant: the file is all that is
+//! looked at; how a scene reads it changes nothing.
+
+use super::{Content, Histogram, Mesh, Shape, ShapeError, Solid, Volume, open_noted};
+use glam::{DVec3, Vec3};
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::ops::RangeInclusive;
+
+/// How much scalars that are distances change per world unit where they are 0.
+const SLOPE: RangeInclusive<f32> = 0.95..=1.05;
+
+/// One line of what is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fact {
+    /// What it is about, one word.
+    pub name: &'static str,
+    /// For a person.
+    pub words: String,
+    /// For a program.
+    pub value: Value,
+}
+
+/// What a file, or a built-in object, holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Facts {
+    /// Each in a line; what was left out of the file is among them.
+    pub lines: Vec<Fact>,
+    /// The corners of the box that contains it, world units of the file.
+    pub corners: [DVec3; 2],
+    /// Values and their change; of scalars alone.
+    pub histogram: Option<Histogram>,
+    /// Iso-values between materials, from the lowest; of scalars alone.
+    pub iso_values: Vec<f32>,
+    /// Whether they are scalars that change at 0 as signed distances do.
+    pub is_like_distances: bool,
+}
+
+impl Facts {
+    /// Reads a file, or makes a built-in object, and looks at it.
+    ///
+    /// # Errors
+    /// Those of [`open`](super::open).
+    pub fn of(input: &str) -> Result<Facts, ShapeError> {
+        let (shape, notes) = open_noted(input)?;
+        let mut facts = match &shape {
+            Shape::Solid(solid) => of_solid(solid),
+            Shape::Mesh(mesh) => of_mesh(mesh),
+            Shape::Volume(volume) => of_volume(volume),
+        };
+        if !notes.is_empty() {
+            facts.lines.push(fact("ignored", notes.join("; "), &notes));
+        }
+        let offset = if let Shape::Mesh(mesh) = &shape { mesh.offset } else { DVec3::ZERO };
+        let bounds = shape.bounds();
+        facts.corners = [bounds.min, bounds.max].map(|corner| corner.as_dvec3() + offset);
+        facts.lines.push(fact(
+            "box",
+            in_words(facts.corners, bounds.size()),
+            facts.corners.map(|corner| corner.to_array()),
+        ));
+        Ok(facts)
+    }
+}
+
+fn fact(name: &'static str, words: impl Into<String>, value: impl Serialize) -> Fact {
+    Fact { name, words: words.into(), value: json!(value) }
+}
+
+fn in_words(corners: [DVec3; 2], size: Vec3) -> String {
+    let [low, high] = corners.map(|corner| corner.to_array().map(short).join(", "));
+    let sides = size.to_array().map(|side| format!("{side}")).join(" x ");
+    format!("({low}) to ({high}), {sides} world units")
+}
+
+/// As few digits as tell what was an f32, or all.
+fn short(number: f64) -> String {
+    if f64::from(number as f32) == number { (number as f32).to_string() } else { number.to_string() }
+}
+
+fn of_solid(solid: &Solid) -> Facts {
+    Facts { lines: vec![fact("kind", format!("a formula: {solid:?}"), "formula")], ..Facts::default() }
+}
+
+fn of_mesh(mesh: &Mesh) -> Facts {
+    let edges = mesh.edges();
+    let (triangles, vertices) = (mesh.triangles.len(), edges.vertices);
+    let volume = mesh.signed_volume();
+    let closed = edges.open == 0;
+    let solid = match (closed, edges.turned, volume < 0.0) {
+        (false, ..) => format!("open: {} edges have one triangle; holes are closed by the winding number", edges.open),
+        (_, 1.., _) => format!("closed, but at {} edges the triangles disagree; they are turned", edges.turned),
+        (_, _, true) => "closed, inside out: it is taken as solid either way".into(),
+        _ => "closed".into(),
+    };
+    let lines = vec![
+        fact("kind", "a mesh", "mesh"),
+        fact("triangles", format!("{triangles}, {vertices} vertices at different places"), triangles),
+        fact("vertices", format!("{vertices}"), vertices),
+        fact("bodies", format!("{}", edges.bodies), edges.bodies),
+        fact("surface", solid, if closed { "closed" } else { "open" }),
+        fact(
+            "edges",
+            format!("{} open, {} crowded, {} turned", edges.open, edges.crowded, edges.turned),
+            [edges.open, edges.crowded, edges.turned],
+        ),
+        fact(
+            "volume",
+            format!("{volume:.6} cubic world units{}", if closed { "" } else { ", if it were closed" }),
+            volume,
+        ),
+    ];
+    Facts { lines, ..Facts::default() }
+}
+
+fn of_volume(volume: &Volume) -> Facts {
+    let size = volume.size.map(|n| n.to_string()).join(" x ");
+    let spacing = volume.spacing();
+    let (low, high) = volume.range();
+    let content = match volume.content {
+        Content::Scalar => "scalars",
+        Content::SignedDistance => "signed distances",
+        Content::LevelSet => "a level set",
+    };
+    let spacings = spacing.to_array().map(|side| side.to_string()).join(" x ");
+    let mut lines = vec![
+        fact("kind", format!("a volume of {content}"), content),
+        fact(
+            "voxels",
+            format!("{size}, spacing {spacings}{}", if volume.is_aligned() { "" } else { ", oblique" }),
+            volume.size,
+        ),
+        fact("steps", format!("{:?}", volume.steps.to_cols_array_2d()), volume.steps.to_cols_array_2d()),
+        fact("values", format!("{low} to {high}"), [low, high]),
+    ];
+    if volume.content != Content::Scalar {
+        let slope = volume.slope_at_zero();
+        let words = slope.map_or("no surface".into(), |slope| format!("{slope:.3} per world unit at the surface"));
+        lines.push(fact("slope", format!("{words}; 1 for a distance"), slope));
+        return Facts { lines, ..Facts::default() };
+    }
+    let own_slope = volume.slope_at_zero().filter(|slope| SLOPE.contains(slope));
+    if let Some(slope) = own_slope {
+        let words = format!("{slope:.3} per world unit at 0, as signed distances have it: if they are, say --distance");
+        lines.push(fact("slope", words, slope));
+    }
+    let histogram = volume.histogram();
+    let iso_values = histogram.as_ref().map(Histogram::boundaries).unwrap_or_default();
+    let words = match &iso_values[..] {
+        [] => format!("no boundary stands out; {} is the middle of the values", 0.5 * (low + high)),
+        isos => isos.iter().map(f32::to_string).collect::<Vec<_>>().join(", ") + ": there the values change most",
+    };
+    lines.push(fact("iso-values", words, &iso_values));
+    Facts { lines, histogram, iso_values, is_like_distances: own_slope.is_some(), ..Facts::default() }
+}

@@ -1,0 +1,54 @@
+//! What the file of an object holds, on its panel.
+
+use super::Hand;
+use egui_kittest::kittest::Queryable;
+use hypertexture::scene::preset;
+use hypertexture::shape::Facts;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// What a file holds is read when it is looked at, and an iso-value that it proposes is taken by a click.
+#[test]
+fn what_a_scan_holds_is_shown_and_its_iso_values_are_offered() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ball.nrrd");
+    let size = 24u32;
+    let value = |index: u32| {
+        let [x, y, z] = [index % size, index / size % size, index / size / size].map(|n| n as f32 - 11.5);
+        100.0 * (8.0 - (x * x + y * y + z * z).sqrt()).clamp(-1.0, 1.0) + 100.0
+    };
+    let header = "NRRD0004\ntype: float\ndimension: 3\nsizes: 24 24 24\nencoding: raw\nendian: little\n\n";
+    let values = (0..size * size * size).flat_map(|index| value(index).to_le_bytes());
+    std::fs::write(&path, header.bytes().chain(values).collect::<Vec<u8>>()).unwrap();
+    let mut scene = preset("lit").unwrap();
+    scene.object.input = path.to_str().unwrap().into();
+
+    let told = Facts::of(&scene.object.input).unwrap();
+    let [iso] = told.iso_values[..] else { panic!("one boundary: {:?}", told.iso_values) };
+    assert!((50.0..150.0).contains(&iso), "{iso}");
+    let mut hand = Hand::new(scene);
+    hand.click("What it holds");
+    let offered = format!("object.iso={iso}");
+    let start = Instant::now();
+    while hand.0.query_by_label(&offered).is_none() {
+        assert!(start.elapsed() < Duration::from_secs(600)); // a test that fails ends
+        sleep(Duration::from_millis(10));
+        hand.0.run_steps(2);
+    }
+    hand.0.get_by_label("object.histogram");
+    hand.0.get_by_label("24 x 24 x 24, spacing 1 x 1 x 1");
+    hand.click(&offered);
+    hand.picture("scan");
+    assert_eq!(hand.scene().object.iso, Some(iso));
+
+    // Another object is another file; what cannot be read is said.
+    hand.model().edit("object.input", |scene| scene.object.input = "nowhere.obj".into());
+    hand.0.run_steps(2);
+    assert!(hand.0.query_by_label("object.histogram").is_none());
+    let start = Instant::now();
+    while hand.0.query_by_label_contains("nowhere.obj: ").is_none() {
+        assert!(start.elapsed() < Duration::from_secs(600));
+        sleep(Duration::from_millis(10));
+        hand.0.run_steps(2);
+    }
+}
