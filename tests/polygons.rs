@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use glam::Vec3;
-use hypertexture::render::{PolygonizeError, Polygons, Subject, polygonize};
+use hypertexture::render::{PolygonizeError, Polygons, Subject, densities, polygonize};
 use hypertexture::scene::{Scene, preset};
 use hypertexture::shader;
 use hypertexture::shape::Mesh;
@@ -56,13 +56,35 @@ fn the_surface_of_a_hard_object_is_its_own() {
     assert!(coarse < 0.02 && fine < 0.35 * coarse, "{coarse} {fine}");
 }
 
-#[test]
-fn the_surface_of_a_soft_object_is_where_its_density_is() {
+/// A ball whose density falls linearly from 1 at a radius of 0.75 to 0 at 1.35.
+fn soft_ball() -> Scene {
     let mut scene = of("noisy_sphere", "sphere");
     scene.effect.warp.clear();
     scene.parameters.clear();
     (scene.object.inner_iso, scene.object.outer_iso) = (-0.25, 0.35);
     scene.effect.softness = "linear".into();
+    scene
+}
+
+#[test]
+fn as_much_of_an_object_has_a_density_as_its_shells_hold() {
+    let (scene, library) = (soft_ball(), shader::shipped());
+    let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+    let counts = densities(&library, &scene, &subject, 1 << 15, 6).unwrap();
+    let all = f64::from(counts.iter().sum::<u32>());
+    let inside = |density: f64| (1.35 - 0.6 * density).powi(3);
+    for (bin, count) in counts.iter().enumerate() {
+        let [from, to] = [bin, bin + 1].map(|end| end as f64 / 6.0);
+        // The last one holds the core besides.
+        let part = (inside(from) - if bin == 5 { 0.0 } else { inside(to) }) / inside(0.0);
+        let expected = part * all;
+        assert!((f64::from(*count) - expected).abs() < 2.0 * expected.sqrt(), "{bin}: {count}, not {expected}");
+    }
+}
+
+#[test]
+fn the_surface_of_a_soft_object_is_where_its_density_is() {
+    let scene = soft_ball();
     for density in [0.1, 0.5, 0.75, 1.0] {
         let radius = 1.0 + 0.35 - density * 0.6;
         for place in &mesh(&scene, Polygons { density, ..POLYGONS }).positions {

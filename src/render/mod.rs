@@ -6,6 +6,7 @@
 mod bind;
 mod cells;
 mod cpu_inputs;
+mod density;
 mod doubts;
 mod encoded;
 mod half_angle;
@@ -38,6 +39,7 @@ mod watch;
 pub use cells::Found;
 #[cfg(feature = "measure")]
 pub(crate) use cpu_inputs::{Blocks, CpuInputs};
+pub use density::densities;
 pub use doubts::doubts;
 pub use ignored::{idle, ignored};
 pub use made::{made_with, octaves_held};

@@ -4,24 +4,18 @@
 //! scene's own program, evaluated by [`exact`] in f64, so that nothing of a formula is written a second time; blocks of
 //! samples are left out only where bounds prove on which side of the surface they are; the mesh is closed.
 
-use super::cpu_inputs::CpuInputs;
-use super::shot::Shot;
-use super::{OCTAVES_ID, RenderError, Subject};
-use crate::exact::{self, Device, ExactError, Interval};
+use super::density::{Density, DensityProgram};
+use super::{RenderError, Subject};
+use crate::exact::ExactError;
 use crate::field::{LevelSet, Progress};
-use crate::render::variant::{Variant, VariantError};
+use crate::render::variant::VariantError;
 use crate::scene::{Object, Scene};
-use crate::shader::{Library, Linker};
+use crate::shader::Library;
 use crate::shape::Mesh;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The opacity of the program: the density itself, of whatever path.
-const DENSITY: &str = "// The density in place of the opacity of a path.
-float opacity(float density, float amount) { return density; }
-float segment_opacity(float d0, float d1, float amount) { return 0.5 * (d0 + d1); }
-";
 /// Samples along the side of a block that bounds are computed of. Fewer: more bounds. More: they say less.
 const BLOCK: u32 = 8;
 /// Blocks, and edges, that a thread works on at a time.
@@ -121,39 +115,6 @@ impl Samples {
     }
 }
 
-/// The program of a density, and what it reads.
-struct Density<'a> {
-    bound: exact::BoundProgram<'a>,
-    level: f64,
-}
-
-impl Density<'_> {
-    /// At places in object space.
-    fn at(&self, places: &[DVec3]) -> Result<Vec<f64>, ExactError> {
-        let places = places.iter().map(|place| [place.x, place.y, place.z, 0.0]).collect();
-        let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
-        let outputs = self.bound.run::<f64>(&lanes)?;
-        Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
-    }
-
-    /// On which side boxes are: true where all is inside, false where nothing is.
-    fn sides(&self, boxes: &[[DVec3; 2]]) -> Result<Vec<Option<bool>>, ExactError> {
-        let interval = |lo, hi| Device(Interval { lo, hi });
-        let places = boxes.iter().map(|[low, high]| {
-            let [x, y, z] = [0, 1, 2].map(|axis| interval(low[axis], high[axis]));
-            [x, y, z, interval(0.0, 0.0)]
-        });
-        let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
-        let outputs = self.bound.run::<Device>(&lanes)?;
-        let side = |density: Interval| match density {
-            Interval { lo, .. } if lo >= self.level => Some(true),
-            Interval { hi, .. } if hi < self.level => Some(false),
-            _ => None,
-        };
-        Ok(outputs[&0].iter().map(|[density, ..]| side(density.0)).collect())
-    }
-}
-
 /// The mesh of a scene at its first moment: closed, wound outward, in the world units and axes of its first object.
 ///
 /// Vertices are within 2^-13 of the distance between samples of the surface along an edge; matter thinner than that distance
@@ -175,16 +136,8 @@ pub fn polygonize(
     if !(density > 0.0 && density <= 1.0) {
         return Err(PolygonizeError::Density(density));
     }
-    let library = library.clone().with_module("opacity", "density", DENSITY);
-    let variant = Variant::of(scene, &library)?;
-    let program =
-        variant.cells_by("density", scene, &library)?.program(&library, Linker::new).map_err(RenderError::from)?;
-    let cpu_inputs = CpuInputs::new(&library, scene, subject, &variant, &program)?;
-    let mut inputs = cpu_inputs.exact();
-    inputs.blocks = cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
-    let code = exact::Program::read_channel(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)], (0, 3))?;
-    let density = Density { bound: code.bind(&inputs)?, level: f64::from(density) };
-    let view = Shot::of(scene, subject, &variant).view;
+    let program = DensityProgram::of(library, scene, subject)?;
+    let (density, view) = (program.bound(f64::from(density))?, &program.view);
     let samples = Samples::around(view.box_min.as_dvec3(), view.box_max.as_dvec3(), grid);
 
     let inside = inside(&density, &samples, &|done| progress(0.5 * done))?;

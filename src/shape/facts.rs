@@ -12,6 +12,9 @@ use std::ops::RangeInclusive;
 /// How much scalars that are distances change per world unit where they are 0.
 const SLOPE: RangeInclusive<f32> = 0.95..=1.05;
 
+/// The lowest value of a scan in Hounsfield units: air is -1000, and scanners write some less where they know nothing.
+const AIR: RangeInclusive<f32> = -3100.0..=-900.0;
+
 /// One line of what is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fact {
@@ -115,6 +118,15 @@ fn of_mesh(mesh: &Mesh) -> Facts {
     Facts { lines, ..Facts::default() }
 }
 
+/// What begins at a value in Hounsfield units: fat is at -100, muscle and organs are at 10 to 60, bone from 200 on.
+fn boundary(iso: f32) -> &'static str {
+    match iso {
+        ..-150.0 => "skin",
+        ..150.0 => "soft tissue",
+        _ => "bone",
+    }
+}
+
 fn of_volume(volume: &Volume) -> Facts {
     let size = volume.size.map(|n| n.to_string()).join(" x ");
     let spacing = volume.spacing();
@@ -150,8 +162,48 @@ fn of_volume(volume: &Volume) -> Facts {
     let iso_values = histogram.as_ref().map(Histogram::boundaries).unwrap_or_default();
     let words = match &iso_values[..] {
         [] => format!("no boundary stands out; {} is the middle of the values", 0.5 * (low + high)),
-        isos => isos.iter().map(f32::to_string).collect::<Vec<_>>().join(", ") + ": there the values change most",
+        isos => {
+            let is_ct = AIR.contains(&low);
+            let named = |iso: &f32| if is_ct { format!("{iso} ({})", boundary(*iso)) } else { iso.to_string() };
+            let units = if is_ct { "; the values are taken for Hounsfield units" } else { "" };
+            isos.iter().map(named).collect::<Vec<_>>().join(", ") + ": there the values change most" + units
+        }
     };
     lines.push(fact("iso-values", words, &iso_values));
     Facts { lines, histogram, iso_values, is_like_distances: own_slope.is_some(), ..Facts::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Mat3;
+
+    /// A ball of tissue around one of bone in air, less `offset`; blurred over two voxels.
+    fn scan(offset: f32) -> Volume {
+        let size = [48; 3];
+        let mut volume = Volume {
+            size,
+            origin: Vec3::splat(-23.5),
+            steps: Mat3::IDENTITY,
+            values: Vec::new(),
+            content: Content::Scalar,
+        };
+        for index in 0..48 * 48 * 48 {
+            let radius = volume.position([index % 48, index / 48 % 48, index / 2304]).length();
+            let step = |at: f32| 0.5 - 0.5 * ((radius - at) / 1.2).clamp(-1.0, 1.0);
+            volume.values.push(1040.0 * step(19.0) + 960.0 * step(11.0) - offset);
+        }
+        volume
+    }
+
+    #[test]
+    fn boundaries_in_hounsfield_units_have_names_and_others_have_none() {
+        let words =
+            |offset| of_volume(&scan(offset)).lines.into_iter().find(|line| line.name == "iso-values").unwrap().words;
+        let ct = words(1000.0);
+        let [skin, bone] = ["(skin), ", "(bone): "].map(|name| ct.find(name).unwrap_or_else(|| panic!("{ct}")));
+        assert!(skin < bone && ct.ends_with("Hounsfield units"), "{ct}");
+        let shifted = words(0.0);
+        assert!(!shifted.contains("skin") && !shifted.contains("Hounsfield"), "{shifted}");
+    }
 }

@@ -10,6 +10,7 @@
 mod app;
 #[doc(hidden)] // for the tests of this crate
 pub mod author;
+mod densities;
 mod error;
 mod host;
 mod keys;

@@ -340,6 +340,9 @@ fn the_transfer_map_is_edited_by_hand() {
     assert!((moved.density - 0.35).abs() < 0.03, "{moved:?}");
     hand.write("transfer.stop.color.code", "#00ff00");
     assert_eq!(hand.scene().transfer.stops[1].color, Color([0, 255, 0]));
+    assert!(hand.0.state().requests.contains(&Request::Densities));
+    hand.0.state_mut().status.densities = Some((0..64).map(|bar| 64 - bar).collect());
+    hand.0.run_steps(2);
     hand.picture("transfer");
     let bar = hand.rect("transfer.bar.1").center();
     hand.drag(bar, bar - egui::vec2(1000.0, 0.0));
@@ -416,7 +419,9 @@ fn presets_files_and_requests() {
         Request::Validity(true),
         Request::Quit,
     ];
-    assert_eq!(requests[..], all);
+    // Wherever the transfer map is looked at, its histogram is asked for.
+    let asked: Vec<&Request> = requests.iter().filter(|request| **request != Request::Densities).collect();
+    assert_eq!(asked, all.iter().collect::<Vec<_>>());
     let line = hand.model().command_line();
     let copied = hand.click("copy");
     assert!(copied.iter().any(|command| matches!(command, egui::OutputCommand::CopyText(text) if *text == line)));

@@ -77,6 +77,12 @@ impl App {
                     self.stop(); // what is looked for is no longer asked for
                 }
             }
+            Request::Densities => {
+                if let Some(job) = self.posted.as_ref().filter(|job| !job.moving) {
+                    let notify = self.notify.clone();
+                    self.densities.want(job, move || notify());
+                }
+            }
             Request::Quit => self.quit = true,
         }
     }

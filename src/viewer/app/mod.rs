@@ -6,6 +6,7 @@ mod overlay;
 
 use super::ViewError;
 use super::author::Author;
+use super::densities::Densities;
 use super::keys;
 use super::load::Loader;
 use super::model::Model;
@@ -84,6 +85,7 @@ pub(super) struct App {
     max_error: Option<f64>,
     /// Whether pixels that are not to be trusted are shown.
     validity: bool,
+    densities: Densities,
     /// The error that a way to draw is still to be looked for.
     pick: Option<f64>,
     /// The scene that one is being looked for.
@@ -129,6 +131,7 @@ impl App {
             kept: None,
             max_error: start.max_error,
             validity: false,
+            densities: Densities::default(),
             pick: start.max_error,
             picked_for: None,
             posted: None,
@@ -290,7 +293,7 @@ impl App {
         self.pick(ui, now);
     }
 
-    fn status(&self) -> Status {
+    fn status(&mut self) -> Status {
         let Figures { error, standard_error, size, samples, recording, .. } = &self.figures;
         let recent = &self.figures.recent_ms;
         let mean = recent.iter().sum::<f64>() / recent.len().max(1) as f64;
@@ -317,6 +320,7 @@ impl App {
             split: self.kept.is_some(),
             max_error: self.max_error,
             validity: self.validity,
+            densities: self.densities.poll(),
         }
     }
 

@@ -23,6 +23,7 @@ use crate::scene::{Effect, ParameterValue, Scene, Transfer};
 use egui::{CollapsingHeader, Panel, RichText, ScrollArea, Ui};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 use widgets::Touch;
 
 /// What the window knows and the panels show.
@@ -60,6 +61,8 @@ pub struct Status {
     pub max_error: Option<f64>,
     /// Whether pixels that are not to be trusted are shown.
     pub validity: bool,
+    /// How many points of the object have which density, from 0 to 1, where that is known.
+    pub densities: Option<Arc<[u32]>>,
 }
 
 /// What only the window can do.
@@ -79,6 +82,8 @@ pub enum Request {
     MaxError(Option<f64>),
     /// Show which pixels are not to be trusted, or the picture again.
     Validity(bool),
+    /// Find how many points of the object have which density, in time: the transfer map is looked at.
+    Densities,
     /// End the program.
     Quit,
 }

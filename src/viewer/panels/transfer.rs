@@ -3,10 +3,12 @@
 //! A click selects a stop, a drag moves it, a double click adds one or takes one away.
 
 use super::widgets::{button, color, field, named, number, painted};
-use super::{Pass, own, prefix, settings};
+use super::{Pass, Request, own, prefix, settings};
 use crate::render::texture::evaluate;
 use crate::scene::{Color, Stop, Transfer, linear_to_srgb};
-use egui::{Color32, CornerRadius, Pos2, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
+use egui::{
+    Align2, Color32, CornerRadius, FontId, Pos2, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
+};
 
 /// Height of the curve and of the bar, points.
 const HEIGHTS: [f32; 2] = [110.0, 22.0];
@@ -28,10 +30,11 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
         );
     }
     settings::show(ui, pass, &prefix(part), "transfer.curve");
+    pass.requests.push(Request::Densities);
     let touch = &mut pass.touch;
     let transfer = own(&mut pass.draft, part).transfer;
     let before = transfer.clone();
-    curve(ui, transfer, selected, &at("curve_editor"));
+    curve(ui, transfer, pass.status.densities.as_deref().unwrap_or_default(), selected, &at("curve_editor"));
     bar(ui, transfer, selected, &at("bar"));
     ui.horizontal(|ui| {
         if button(ui, "add stop", &at("add"), "Add a stop behind the one that is selected.").clicked() {
@@ -74,9 +77,10 @@ fn reads_map(pass: &Pass<'_>, part: Option<&str>) -> bool {
         || media.chain([("surface", effect.surface.as_str())]).filter_map(source).any(|text| text.contains("transfer"))
 }
 
-/// Density by density, with a point for each stop.
-fn curve(ui: &mut Ui, transfer: &mut Transfer, selected: &mut usize, name: &str) {
+/// Opacity by density, with a point for each stop, over how much of the object has which density.
+fn curve(ui: &mut Ui, transfer: &mut Transfer, densities: &[u32], selected: &mut usize, name: &str) {
     let (area, rect) = field_of(ui, HEIGHTS[0], name);
+    histogram(ui, rect, densities);
     let place =
         |at: f32, density: f32| pos2(egui::lerp(rect.x_range(), at), egui::lerp(rect.bottom()..=rect.top(), density));
     let part = |index: usize| index as f32 / (PIECES - 1) as f32;
@@ -121,6 +125,25 @@ fn curve(ui: &mut Ui, transfer: &mut Transfer, selected: &mut usize, name: &str)
             }
         }
         None => {}
+    }
+}
+
+/// Bars of how many points of the object have a density, logarithmic, and what the axes are.
+fn histogram(ui: &Ui, rect: Rect, densities: &[u32]) {
+    let (painter, visuals) = (ui.painter_at(rect), ui.visuals());
+    let height = |count: u32| (f64::from(count) + 1.0).ln() as f32;
+    let most = height(densities.iter().copied().max().unwrap_or(1).max(1));
+    let width = rect.width() / densities.len().max(1) as f32;
+    for (index, count) in densities.iter().enumerate() {
+        let corner = pos2(rect.left() + index as f32 * width, rect.bottom());
+        let bar = Rect::from_two_pos(corner, corner + vec2(width, -rect.height() * height(*count) / most));
+        painter.rect_filled(bar, 0.0, visuals.widgets.inactive.bg_fill);
+    }
+    let font = FontId::proportional(11.0);
+    for (align, corner, text) in
+        [(Align2::LEFT_TOP, rect.left_top(), " opacity"), (Align2::RIGHT_BOTTOM, rect.right_bottom(), "density ")]
+    {
+        painter.text(corner, align, text, font.clone(), visuals.text_color());
     }
 }
 

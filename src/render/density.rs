@@ -1,0 +1,114 @@
+//! The density of a scene anywhere in object space.
+//!
+//! Role: what is measured of matter without a picture: its surface, and how much of it there is of each density. Invariant:
+//! the density is that of the scene's own program, evaluated by [`exact`] in f64.
+
+use super::cpu_inputs::CpuInputs;
+use super::shot::Shot;
+use super::view::View;
+use super::{OCTAVES_ID, PolygonizeError, RenderError, Subject};
+use crate::exact::{self, Device, ExactError, Interval};
+use crate::render::variant::Variant;
+use crate::scene::Scene;
+use crate::shader::{Library, Linker};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The opacity of the program: the density itself, of whatever path.
+const DENSITY: &str = "// The density in place of the opacity of a path.
+float opacity(float density, float amount) { return density; }
+float segment_opacity(float d0, float d1, float amount) { return 0.5 * (d0 + d1); }
+";
+/// Places that are evaluated together.
+const TOGETHER: usize = 1024;
+
+/// What gives the density of a scene at its first moment.
+pub(super) struct DensityProgram {
+    code: exact::Program,
+    inputs: exact::Inputs,
+    /// Where the soft region is.
+    pub view: View,
+}
+
+impl DensityProgram {
+    /// That of a scene.
+    pub fn of(library: &Library, scene: &Scene, subject: &Subject) -> Result<DensityProgram, PolygonizeError> {
+        let library = library.clone().with_module("opacity", "density", DENSITY);
+        let variant = Variant::of(scene, &library)?;
+        let program =
+            variant.cells_by("density", scene, &library)?.program(&library, Linker::new).map_err(RenderError::from)?;
+        let cpu_inputs = CpuInputs::new(&library, scene, subject, &variant, &program)?;
+        let mut inputs = cpu_inputs.exact();
+        inputs.blocks = cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
+        let code = exact::Program::read_channel(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)], (0, 3))?;
+        Ok(DensityProgram { code, inputs, view: Shot::of(scene, subject, &variant).view })
+    }
+
+    /// With what it reads.
+    pub fn bound(&self, level: f64) -> Result<Density<'_>, ExactError> {
+        Ok(Density { bound: self.code.bind(&self.inputs)?, level })
+    }
+}
+
+/// The program of a density, and what it reads.
+pub(super) struct Density<'a> {
+    bound: exact::BoundProgram<'a>,
+    /// What is inside is at least as dense.
+    pub level: f64,
+}
+
+impl Density<'_> {
+    /// At places in object space.
+    pub fn at(&self, places: &[DVec3]) -> Result<Vec<f64>, ExactError> {
+        let places = places.iter().map(|place| [place.x, place.y, place.z, 0.0]).collect();
+        let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+        let outputs = self.bound.run::<f64>(&lanes)?;
+        Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
+    }
+
+    /// On which side boxes are: true where all is inside, false where nothing is.
+    pub fn sides(&self, boxes: &[[DVec3; 2]]) -> Result<Vec<Option<bool>>, ExactError> {
+        let interval = |lo, hi| Device(Interval { lo, hi });
+        let places = boxes.iter().map(|[low, high]| {
+            let [x, y, z] = [0, 1, 2].map(|axis| interval(low[axis], high[axis]));
+            [x, y, z, interval(0.0, 0.0)]
+        });
+        let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+        let outputs = self.bound.run::<Device>(&lanes)?;
+        let side = |density: Interval| match density {
+            Interval { lo, .. } if lo >= self.level => Some(true),
+            Interval { hi, .. } if hi < self.level => Some(false),
+            _ => None,
+        };
+        Ok(outputs[&0].iter().map(|[density, ..]| side(density.0)).collect())
+    }
+}
+
+/// How much of the soft region has which density, at the first moment of a scene: counts of `places` points, spread evenly
+/// by the sequence of the plastic number (M. Roberts 2018), in `bins` equal parts of the densities above 0, up to 1.
+///
+/// Each count is within about sqrt(count) of its part of the region; points without matter are in none.
+///
+/// # Errors
+/// Those of [`polygonize`](super::polygonize), but for its settings.
+pub fn densities(
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    places: u32,
+    bins: usize,
+) -> Result<Vec<u32>, PolygonizeError> {
+    let program = DensityProgram::of(library, scene, subject)?;
+    let density = program.bound(0.0)?;
+    let (low, high) = (program.view.box_min.as_dvec3(), program.view.box_max.as_dvec3());
+    const PLASTIC: f64 = 1.220_744_084_605_759_5; // x^4 = x + 1
+    let steps = DVec3::from([1, 2, 3].map(|power| PLASTIC.powi(-power)));
+    let all: Vec<DVec3> =
+        (0..places).map(|index| low + (high - low) * (0.5 + steps * f64::from(index)).fract()).collect();
+    let found: Vec<Vec<f64>> = all.par_chunks(TOGETHER).map(|places| density.at(places)).collect::<Result<_, _>>()?;
+    let mut counts = vec![0; bins];
+    for density in found.into_iter().flatten().filter(|density| *density > 0.0) {
+        counts[((density * bins as f64) as usize).min(bins - 1)] += 1;
+    }
+    Ok(counts)
+}
