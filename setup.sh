@@ -15,7 +15,7 @@ present() { for package in "$@"; do dpkg -s "$package" >/dev/null 2>&1 || return
 build="g++ libshaderc-dev spirv-tools"
 run="libvulkan1 mesa-vulkan-drivers vulkan-validationlayers"
 # The window on X11 (Wayland's library comes with Mesa), and a display that nobody sees, for its tests.
-window="libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 xvfb"
+window="libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon-x11-0 xvfb xclip"
 # Rust: what Cargo.toml asks for.
 needed=$(sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 found() { rustc --version 2>/dev/null | sed -n 's/^rustc \([0-9.]*\).*/\1/p'; }

@@ -323,3 +323,50 @@ fn a_scene_that_was_not_saved_opens_again_with_its_own_modules() {
     assert_eq!(library.source("dmf/pelt.glsl"), Some(author.text.as_str()));
     scene.check(&library).unwrap();
 }
+
+#[test]
+fn of_a_file_and_a_text_that_have_both_changed_one_is_taken_and_none_is_lost_before() {
+    let (mut author, mut model) = desk("fur");
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("ripples.glsl");
+    let [theirs, later] = ["// theirs\n", "// later\n"].map(|line| format!("{line}{RIPPLES}"));
+    fs::write(&file, RIPPLES).unwrap();
+    author.watch(model.library(), &file).unwrap();
+    let mine = format!("{RIPPLES}// typed here\n");
+    let look = |author: &mut Author, model: &mut Model, contested: bool| {
+        let start = Instant::now();
+        while author.is_contested() != contested {
+            assert!(start.elapsed() < FOREVER, "the file is not looked at");
+            author.poll(model);
+            sleep(Duration::from_millis(10));
+        }
+    };
+    author.text.clone_from(&mine);
+    author.touch();
+    fs::write(&file, &theirs).unwrap();
+    look(&mut author, &mut model, true);
+    assert_eq!(author.text, mine, "what was typed stays");
+    assert!(author.complaint().unwrap().contains("ripples.glsl was changed by another program"));
+    author.settle(false);
+    assert!(!author.is_contested() && author.text == mine);
+    fs::write(&file, &later).unwrap();
+    look(&mut author, &mut model, true);
+    author.settle(true);
+    assert!(!author.is_contested() && author.text == later);
+    // A text that is that of the file follows it without a word.
+    fs::write(&file, &theirs).unwrap();
+    let start = Instant::now();
+    while author.text != theirs {
+        assert!(start.elapsed() < FOREVER && !author.is_contested());
+        author.poll(&mut model);
+        sleep(Duration::from_millis(10));
+    }
+    // What is wrong with it is said where the editor is closed, too.
+    fs::write(&file, "float ripples(").unwrap();
+    let start = Instant::now();
+    while !author.complaint().is_some_and(|line| line.contains("ripples.glsl")) {
+        assert!(start.elapsed() < FOREVER, "{:?}", author.state());
+        author.poll(&mut model);
+        sleep(Duration::from_millis(10));
+    }
+}

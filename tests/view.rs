@@ -376,3 +376,64 @@ fn what_goes_wrong_in_an_automated_run_is_its_exit_code() {
     let refused = view(&display, &["torus", "--frames", "1", "--screenshot", "out.jpg"]);
     assert_eq!(refused.status.code(), Some(2));
 }
+
+/// What the clipboard of a display holds; none where there is no program that tells it.
+fn clipboard(display: &Display) -> Option<String> {
+    let mut command = Command::new("xclip");
+    command.args(["-o", "-selection", "clipboard"]).env("DISPLAY", &display.name).stderr(Stdio::null());
+    Some(String::from_utf8(command.output().ok()?.stdout).unwrap())
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_signal_keeps_what_is_not_saved_and_the_next_window_offers_it_and_the_clipboard_is_that_of_the_system() {
+    let display = Display::new();
+    for signal in ["-TERM", "-INT", "-HUP"] {
+        let folder = tempfile::tempdir().unwrap();
+        let [script, cache, shot, rendered] =
+            ["script", "cache", "shot.png", "rendered.png"].map(|name| folder.path().join(name));
+        std::fs::write(&script, "wait picture\nset parameters.fury 2.5\nclick copy\nwait picture\nframes 4000000000\n")
+            .unwrap();
+        let small = ["torus", "--effect", "fire", "--size", "48x32", "--samples", "32"];
+        let mut command = program();
+        command.env("DISPLAY", &display.name).env("HYPERTEXTURE_CACHE", &cache).arg("view").args(small);
+        command.args(["--window", "560x240", "--script"]).arg(&script).stdout(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let mut output = BufReader::new(child.stdout.take().unwrap());
+        let mut first = String::new();
+        output.read_line(&mut first).unwrap();
+        assert!(first.starts_with("first picture"), "{first}");
+        let start = std::time::Instant::now();
+        // The command holds the value once the script has set it.
+        loop {
+            match clipboard(&display) {
+                None => {
+                    println!("the clipboard is not looked at: there is no xclip");
+                    std::thread::sleep(std::time::Duration::from_secs(5));
+                    break;
+                }
+                Some(text) if text.contains("fury=2.5") => {
+                    assert!(text.starts_with("hypertexture render torus"), "{text}");
+                    break;
+                }
+                Some(text) => assert!(start.elapsed().as_secs() < 600, "{text}"),
+            }
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
+        assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+        let mut said = String::new();
+        output.read_line(&mut said).unwrap();
+        assert!(child.wait().unwrap().success() && said.starts_with("what was not saved is in "), "{signal}: {said}");
+
+        let again = format!("wait picture\nclick kept.open\nwait picture\nshot {}\nquit\n", shot.display());
+        std::fs::write(&script, again).unwrap();
+        let mut next = program();
+        next.env("DISPLAY", &display.name)
+            .env("HYPERTEXTURE_CACHE", &cache)
+            .args(["view", "sphere", "--window", "560x240"]);
+        assert_good(&next.arg("--script").arg(&script).output().unwrap());
+        render(&[&small[..], &["--set", "fury=2.5"]].concat(), &rendered);
+        let pixels = |path: &Path| image::open(path).unwrap().into_rgba8();
+        assert_eq!(pixels(&shot), pixels(&rendered), "{signal}");
+    }
+}

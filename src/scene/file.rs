@@ -8,7 +8,7 @@ use crate::support::open;
 use std::path::Path;
 
 /// The largest scene file that is read, in bytes: more is no scene.
-const MAX_BYTES: u64 = 1 << 20;
+pub(crate) const MAX_BYTES: u64 = 1 << 20;
 
 /// Reads a scene file and checks it; a path of an object or a module in it is relative to the file.
 ///

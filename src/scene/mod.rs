@@ -29,6 +29,8 @@ pub use color::{Color, linear_to_srgb, srgb_to_linear};
 pub use effect::{Effect, RayPath};
 pub use error::{SceneError, nearest};
 pub use field::parse_value;
+#[cfg(feature = "viewer")]
+pub(crate) use file::MAX_BYTES;
 pub use file::{load, parse, to_text};
 pub use light::{Light, LightMethod};
 pub use parameters::{Parameters, Spread};

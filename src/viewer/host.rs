@@ -7,6 +7,7 @@ use crate::gpu::{Canvas, GpuError, Messages, Presented, has_library};
 use egui::{Context, Theme, ViewportId};
 use std::io::{self, Write};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::dpi::{LogicalSize, PhysicalSize};
@@ -16,6 +17,9 @@ use winit::window::{Fullscreen, Window, WindowId};
 
 /// While a script runs, the next frame comes after this: it waits for no person.
 const SCRIPT_PACE: Duration = Duration::from_millis(16);
+
+/// The exit code after a second signal: as shells have it for Ctrl-C.
+const INTERRUPTED: i32 = 130;
 
 /// Something came from another thread.
 struct Wake;
@@ -53,6 +57,16 @@ pub fn run(start: Start) -> Result<(), ViewError> {
     let proxy = event_loop.create_proxy();
     // A loop that has ended needs no waking.
     let notify: Notify = Arc::new(move || drop(proxy.send_event(Wake)));
+    let told_to_end = Arc::new(AtomicBool::new(false));
+    let (told, wake) = (told_to_end.clone(), notify.clone());
+    // What is not saved is kept; the second signal ends the program at once.
+    let handled = ctrlc::set_handler(move || match told.swap(true, Ordering::Relaxed) {
+        true => std::process::exit(INTERRUPTED),
+        false => wake(),
+    });
+    if let Err(error) = handled {
+        log::warn!("no handler for signals, which end the program with what is not saved: {error}");
+    }
     let app = App::new(&start, notify)?;
     let (messages, outcome) = {
         let mut host = Host {
@@ -65,9 +79,10 @@ pub fn run(start: Start) -> Result<(), ViewError> {
             revived: false,
             minimized: false,
             waiting: true,
+            told_to_end,
         };
         let ran = event_loop.run_app(&mut host).map_err(|error| ViewError::Window(error.to_string()));
-        if host.script.is_none() {
+        if host.script.is_none() || host.told_to_end.load(Ordering::Relaxed) {
             host.app.keep_unsaved();
         }
         (host.messages, ran.and(host.outcome))
@@ -93,6 +108,8 @@ struct Host {
     minimized: bool,
     /// Whether the first picture is yet to come.
     waiting: bool,
+    /// Whether a signal has asked the program to end.
+    told_to_end: Arc<AtomicBool>,
 }
 
 /// What there is while there is a window.
@@ -150,7 +167,10 @@ impl ApplicationHandler<Wake> for Host {
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(live) = &mut self.live else { return };
         match &event {
-            WindowEvent::CloseRequested => return event_loop.exit(),
+            WindowEvent::CloseRequested => {
+                self.app.ask_to_quit();
+                return self.ask_for_frame();
+            }
             WindowEvent::RedrawRequested => {
                 let drawn = self.frame(event_loop);
                 return self.end_on_error(event_loop, drawn);
@@ -168,7 +188,7 @@ impl ApplicationHandler<Wake> for Host {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
-        if self.app.quit {
+        if self.app.quit || self.told_to_end.load(Ordering::Relaxed) {
             event_loop.exit();
         }
     }

@@ -19,6 +19,8 @@ pub(super) enum Action {
     Redo,
     FullScreen,
     Leave,
+    Save,
+    Open,
 }
 
 /// A key, how it is written, and what it does.
@@ -34,8 +36,12 @@ const fn plain(key: Key, name: &'static str, action: Action, what: &'static str)
     Binding { key, modifiers: Modifiers::NONE, name, action, what }
 }
 
+const fn command(key: Key, name: &'static str, action: Action, what: &'static str) -> Binding {
+    Binding { key, modifiers: Modifiers::COMMAND, name, action, what }
+}
+
 /// Every key, in the order in which they are listed. The first of two with the same name is the one that is listed.
-pub(super) const KEYS: [Binding; 15] = [
+pub(super) const KEYS: [Binding; 17] = [
     plain(Key::Questionmark, "? or H", Action::Help, "this list"),
     plain(Key::H, "? or H", Action::Help, ""),
     plain(Key::Space, "Space", Action::Play, "let time run, or stop it"),
@@ -50,7 +56,9 @@ pub(super) const KEYS: [Binding; 15] = [
     plain(Key::Z, "Z", Action::Undo, "undo"),
     plain(Key::Y, "Y", Action::Redo, "redo"),
     plain(Key::F, "F", Action::FullScreen, "the whole screen"),
-    plain(Key::Escape, "Esc", Action::Leave, "close this list, then the window"),
+    plain(Key::Escape, "Esc", Action::Leave, "leave what is written, this list, the whole screen; then the window"),
+    command(Key::S, "Ctrl+S", Action::Save, "save the scene"),
+    command(Key::O, "Ctrl+O", Action::Open, "open a scene, a mesh, a scan or a module"),
 ];
 
 /// What the mouse does.
@@ -61,24 +69,24 @@ pub(super) const MOUSE: [(&str, &str); 4] = [
     ("drop a file", "show a mesh, a scan or a scene"),
 ];
 
-/// What was asked for by keys since the last frame; nothing while text is being written or a list is open, which has keys
-/// of its own.
+/// What was asked for by keys since the last frame; while text is being written or a list is open, which has keys of its
+/// own, only by those that write nothing.
 pub(super) fn pressed(ctx: &Context) -> Vec<Action> {
-    if ctx.egui_wants_keyboard_input() || Popup::is_any_open(ctx) {
-        return Vec::new();
-    }
+    let is_taken = ctx.egui_wants_keyboard_input() || Popup::is_any_open(ctx);
     ctx.input_mut(|input| {
         let hit = |binding: &&Binding| {
             // A question mark needs Shift on some keyboards, and none on others.
             let shift = Modifiers { shift: input.modifiers.shift, ..binding.modifiers };
-            input.modifiers.matches_exact(shift) && input.key_pressed(binding.key)
+            let is_free = !is_taken || binding.modifiers.command;
+            is_free && input.modifiers.matches_exact(shift) && input.key_pressed(binding.key)
         };
         KEYS.iter().filter(hit).map(|binding| binding.action).collect()
     })
 }
 
-/// The key of that name: one of the list, or any that egui knows.
-pub(super) fn named(name: &str) -> Option<Key> {
+/// The key of that name and what is held with it: one of the list, or any that egui knows.
+pub(super) fn named(name: &str) -> Option<(Key, Modifiers)> {
     let listed = KEYS.iter().find(|binding| binding.name.eq_ignore_ascii_case(name));
-    listed.map(|binding| binding.key).or_else(|| Key::from_name(name))
+    let plain = || Some((Key::from_name(name)?, Modifiers::NONE));
+    listed.map(|binding| (binding.key, binding.modifiers)).or_else(plain)
 }

@@ -268,7 +268,7 @@ fn parse(line: &str) -> Result<Step, String> {
         ("restore", "") => Step::Do(ScriptEvent::Minimize(false)),
         ("key", name) => {
             let named = keys::named(name).ok_or_else(|| format!("no key `{name}`"))?;
-            Step::Do(ScriptEvent::Events(key(named, Modifiers::NONE).into()))
+            Step::Do(ScriptEvent::Events(key(named.0, named.1).into()))
         }
         ("drag", _) => {
             let places = numbers(4)?;

@@ -34,6 +34,26 @@ pub fn keep(model: &Model, author: &Author, folder: &Path) -> Result<bool, Strin
     Ok(!files.is_empty())
 }
 
+/// Folders of the cache in which something was kept, the newest first.
+pub(super) fn kept() -> Vec<PathBuf> {
+    let root = crate::support::disk_cache::default_folder().map(|folder| folder.join("unsaved"));
+    let entries = root.and_then(|root| fs::read_dir(root).ok()).into_iter().flatten();
+    let holds = |folder: &PathBuf| fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
+    let mut folders: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(holds).collect();
+    folders.sort();
+    folders.reverse();
+    folders
+}
+
+/// The texts of modules in such a folder.
+pub(super) fn modules(folder: &Path) -> Vec<PathBuf> {
+    let within =
+        |folder: &Path| fs::read_dir(folder).into_iter().flatten().filter_map(|entry| Some(entry.ok()?.path()));
+    let mut files: Vec<PathBuf> = within(folder).flat_map(|slot| within(&slot).collect::<Vec<_>>()).collect();
+    files.sort();
+    files
+}
+
 /// A folder of the cache that nothing was kept in yet.
 pub(super) fn folder() -> Option<PathBuf> {
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();

@@ -2,6 +2,7 @@
 #![cfg(feature = "viewer")]
 #![expect(clippy::unwrap_used, reason = "a test fails where a control is not as described")]
 
+mod loss;
 mod paint;
 mod scan;
 

@@ -6,7 +6,8 @@ use crate::measure::pick::{ErrorBound, Pick};
 use crate::scene::{self, Camera, Scene};
 use crate::shader::Library;
 use crate::viewer::keys::Action;
-use crate::viewer::panels::Request;
+use crate::viewer::panels::{Question, Request};
+use crate::viewer::unsaved;
 use crate::viewer::worker::{Task, Variant};
 use egui::Ui;
 use std::path::{Path, PathBuf};
@@ -42,7 +43,10 @@ impl App {
             Action::Redo => drop(self.model.redo()),
             Action::FullScreen => self.full_screen = !self.full_screen,
             Action::Leave if self.help => self.help = false,
-            Action::Leave => self.quit = true,
+            Action::Leave if self.full_screen => self.full_screen = false,
+            Action::Leave => self.panels.ask(Question::Quit),
+            Action::Save => self.panels.save(&mut self.model),
+            Action::Open => self.panels.choose_file(),
         }
     }
 
@@ -83,8 +87,15 @@ impl App {
                     self.densities.want(job, move || notify());
                 }
             }
+            Request::Open(path) => self.open(&path),
             Request::Quit => self.quit = true,
         }
+    }
+
+    /// Ends the window; where there is something that no file holds, it asks.
+    pub(in crate::viewer) fn ask_to_quit(&mut self) {
+        let holds_all = !self.model.is_dirty() && unsaved::texts(&self.model, self.panels.author()).is_empty();
+        if holds_all { self.quit = true } else { self.panels.ask(Question::Quit) }
     }
 
     /// The preset before or after the one whose effect is shown.

@@ -19,10 +19,11 @@ use super::worker::{Event, Job, Variant, Worker};
 use crate::gpu::{Gpu, Options};
 use crate::scene::{self, Camera, Scene};
 use crate::shader::Library;
+use crate::support::disk_cache;
 use egui::{Rect, Sense, Ui};
 use glam::DVec3;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -111,7 +112,13 @@ impl App {
     pub(super) fn new(start: &Start, notify: Notify) -> Result<App, ViewError> {
         let model = Model::new(start.scene.clone(), start.library.clone())?;
         let program = std::env::current_exe().unwrap_or_else(|_| PathBuf::from("hypertexture"));
-        let panels = Panels::new(program, &model).map_err(scene::SceneError::from)?;
+        let mut panels = Panels::new(program, &model).map_err(scene::SceneError::from)?;
+        panels.remember(unsaved::kept(), disk_cache::default_folder());
+        // A module that was given as a file is followed from the beginning.
+        if let Some(file) = model.scene().modules.values().next() {
+            let followed = panels.author().watch(model.library(), Path::new(file));
+            followed.unwrap_or_else(|error| log::warn!("{error}"));
+        }
         let (now, camera) = (Instant::now(), model.scene().camera.clone());
         Ok(App {
             library: Arc::new(model.library().clone()),
@@ -260,8 +267,8 @@ impl App {
         let now = Instant::now();
         let passed = now.duration_since(self.last_frame).as_secs_f64();
         self.last_frame = now;
-        for action in keys::pressed(ui.ctx()) {
-            self.act(action);
+        if !self.panels.is_asking() {
+            keys::pressed(ui.ctx()).into_iter().for_each(|action| self.act(action));
         }
         let status = self.status();
         let angles = |camera: &Camera| (camera.azimuth, camera.elevation);

@@ -56,6 +56,10 @@ struct Watched {
     is_own: bool,
     seen: Option<(SystemTime, u64)>,
     looked: Instant,
+    /// The text that it had when it was read or written here.
+    text: String,
+    /// What another program has written since, while there is something else here that no file holds.
+    other: Option<String>,
 }
 
 impl Author {
@@ -97,6 +101,38 @@ impl Author {
     /// The file that is watched.
     pub fn file(&self) -> Option<&Path> {
         self.file.as_ref().map(|file| file.path.as_path())
+    }
+
+    /// Whether another program has written to the file while the text was edited here: one of the two is to be taken.
+    pub fn is_contested(&self) -> bool {
+        self.file.as_ref().is_some_and(|file| file.other.is_some())
+    }
+
+    /// Takes the text of the file, or stays with the one here; what the file holds is gone once that is saved.
+    pub fn settle(&mut self, by_file: bool) {
+        let Some(file) = &mut self.file else { return };
+        if let Some(other) = file.other.take() {
+            if by_file {
+                self.text.clone_from(&other);
+                self.changed = Instant::now() - REST;
+            }
+            file.text = other;
+        }
+    }
+
+    /// What is wrong with a file that is followed, one line.
+    pub fn complaint(&self) -> Option<String> {
+        let file = self.file.as_ref()?.path.display();
+        match &self.state {
+            _ if self.is_contested() => {
+                Some(format!("{file} was changed by another program, and here: open the editor"))
+            }
+            State::Bad(faults) => faults.first().map(|fault| match &fault.at {
+                Some((_, line)) => format!("{file}:{line}: {}", fault.text),
+                None => format!("{file}: {}", fault.text),
+            }),
+            _ => None,
+        }
     }
 
     /// What became of the text.
@@ -169,7 +205,8 @@ impl Author {
 
     fn watched(&self, path: &Path) -> Watched {
         let is_own = shader::shipped().source(&self.path()).is_none();
-        Watched { path: path.into(), is_own, seen: stamp(path), looked: Instant::now() }
+        let (seen, text) = (stamp(path), self.text.clone());
+        Watched { path: path.into(), is_own, seen, looked: Instant::now(), text, other: None }
     }
 
     /// Writes the text to a file, and follows that file.
@@ -248,7 +285,13 @@ impl Author {
             match read(&file.path) {
                 Ok(text) => {
                     file.seen = now;
-                    (self.text, self.changed) = (text, Instant::now() - REST);
+                    if self.text == file.text || self.text == text {
+                        (self.text, file.other) = (text.clone(), None);
+                        self.changed = Instant::now() - REST;
+                        file.text = text;
+                    } else {
+                        file.other = Some(text);
+                    }
                 }
                 Err(error) => {
                     let text = format!("{}: {error}", file.path.display());

@@ -9,7 +9,7 @@ use super::programs::programs;
 use crate::scene::{self, Camera, ParameterValue, Parameters, Part, Reach, Scene, SceneError, schema};
 use crate::shader::ParameterKind;
 use crate::shader::{self, Library, Slots};
-use crate::support::write_whole;
+use crate::support::{open, write_whole};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 
@@ -29,6 +29,8 @@ pub struct Model {
     open: Option<String>,
     saved: Scene,
     file: Option<PathBuf>,
+    /// What was written to files from here.
+    written: BTreeMap<PathBuf, String>,
     home: Camera,
     message: Option<String>,
 }
@@ -58,6 +60,7 @@ impl Model {
             open: None,
             saved,
             file: None,
+            written: BTreeMap::new(),
             home,
             message: None,
         })
@@ -258,10 +261,18 @@ impl Model {
         }))
     }
 
+    /// Whether a file is there that holds something else than what was written to it from here.
+    pub fn would_replace(&self, path: &Path) -> bool {
+        let held = open::text(path, scene::MAX_BYTES).ok();
+        path.exists() && (held.is_none() || held.as_ref() != self.written.get(path))
+    }
+
     /// Writes the scene, complete with defaults; what was in the file before is gone only when the new text is there.
     pub fn save(&mut self, path: &Path) -> bool {
-        match write_whole(path, scene::to_text(&self.scene).as_bytes()) {
+        let text = scene::to_text(&self.scene);
+        match write_whole(path, text.as_bytes()) {
             Ok(()) => {
+                self.written.insert(path.into(), text);
                 (self.saved, self.file) = (self.scene.clone(), Some(path.into()));
                 let edited = self.edited();
                 let missing = if edited.is_empty() {

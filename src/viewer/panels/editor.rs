@@ -5,7 +5,7 @@ use crate::shader::compile::Fault;
 use crate::viewer::author::{Author, State, WATCH};
 use crate::viewer::model::Model;
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Align2, Color32, FontId, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Align2, Color32, FontId, Id, RichText, ScrollArea, TextEdit, Ui};
 use std::path::PathBuf;
 
 /// Background of a line that is wrong.
@@ -41,6 +41,7 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &mut Model) {
         }
     });
     ui.horizontal_wrapped(|ui| files(ui, author, model));
+    contest(ui, author);
     verdict(ui, author);
     ui.separator();
     text(ui, author);
@@ -110,6 +111,24 @@ fn files(ui: &mut Ui, author: &mut Author, model: &mut Model) {
     }
 }
 
+/// The text here and that of the file, where both have changed.
+fn contest(ui: &mut Ui, author: &mut Author) {
+    if author.is_contested() {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(
+                RichText::new("another program has written to the file, and the text here is another").color(WRONG),
+            );
+            if button(ui, "take the file", "author.theirs", "What was typed here since is gone.").clicked() {
+                author.settle(true);
+            }
+            if button(ui, "keep this text", "author.ours", "`save as` replaces what the other program wrote.").clicked()
+            {
+                author.settle(false);
+            }
+        });
+    }
+}
+
 /// What became of the text, with every fault.
 fn verdict(ui: &mut Ui, author: &Author) {
     match author.state() {
@@ -150,7 +169,12 @@ fn text(ui: &mut Ui, author: &mut Author) {
             let mut layouter = |ui: &Ui, buffer: &dyn egui::TextBuffer, _: f32| {
                 ui.fonts_mut(|fonts| fonts.layout_job(layout(buffer.as_str(), &here)))
             };
-            let edit = TextEdit::multiline(&mut author.text).font(FONT).desired_width(f32::INFINITY).desired_rows(24);
+            // Whatever comes and goes around it, it is the same field, and keeps the keys.
+            let edit = TextEdit::multiline(&mut author.text)
+                .id(Id::new("author.text"))
+                .font(FONT)
+                .desired_width(f32::INFINITY)
+                .desired_rows(24);
             let shown = edit.lock_focus(true).layouter(&mut layouter).show(ui);
             named(ui, &shown.response, "author.text");
             for (row, line) in shown.galley.rows.iter().zip(1..) {

@@ -10,9 +10,9 @@ const MESSAGE: Color32 = Color32::from_rgb(236, 196, 120);
 /// What goes wrong or was done, and below it what is known of the picture.
 ///
 /// The first line is there when it is empty too: the picture keeps its size when something is said.
-pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status) {
+pub(super) fn show(ui: &mut Ui, model: &Model, status: &Status, complaint: Option<String>) {
     ui.horizontal(|ui| {
-        let message = model.message().or(status.message.as_deref()).unwrap_or(" ");
+        let message = complaint.as_deref().or(model.message()).or(status.message.as_deref()).unwrap_or(" ");
         ui.add(Label::new(RichText::new(message).color(MESSAGE)).truncate()).on_hover_text(message);
         if !status.ignored.is_empty() {
             let line = format!("ignored: {}", status.ignored.join(", "));

@@ -5,6 +5,7 @@
 //! its field in a scene file.
 
 mod accuracy;
+mod ask;
 mod editor;
 mod effect;
 mod facts;
@@ -16,6 +17,8 @@ mod settings;
 mod stage;
 mod transfer;
 pub mod widgets;
+
+pub use ask::Question;
 
 use super::author::Author;
 use super::model::Model;
@@ -84,6 +87,8 @@ pub enum Request {
     Validity(bool),
     /// Find how many points of the object have which density, in time: the transfer map is looked at.
     Densities,
+    /// Show a mesh, a scan, a scene or a module.
+    Open(PathBuf),
     /// End the program.
     Quit,
 }
@@ -95,6 +100,7 @@ pub struct Panels {
     /// The stop of the transfer map that is being edited.
     stop: usize,
     known: facts::Known,
+    asked: ask::Asked,
     /// Scene file, picture.
     paths: [String; 2],
     author: Author,
@@ -108,7 +114,9 @@ enum Act {
     Undo,
     Redo,
     Preset { name: String, effect_only: bool },
+    Choose,
     Open(PathBuf),
+    Restore(PathBuf),
     Save(PathBuf),
     AddPart,
     RemovePart(String),
@@ -164,7 +172,8 @@ impl Panels {
         let author = Author::new(program, model.library(), slot, name)?;
         let paths = ["scene.toml".into(), "picture.png".into()];
         let known = facts::Known::default();
-        Ok(Panels { selected: None, stop: 0, known, paths, author, author_is_open: false, shows_all: false })
+        let asked = ask::Asked::default();
+        Ok(Panels { selected: None, stop: 0, known, asked, paths, author, author_is_open: false, shows_all: false })
     }
 
     /// The module that is being edited.
@@ -177,12 +186,39 @@ impl Panels {
         self.author_is_open = open;
     }
 
+    /// Offers what windows before this one have kept in folders, and the files that they have opened, which are listed in a
+    /// folder of the cache, as those of this one will be.
+    pub fn remember(&mut self, kept: Vec<PathBuf>, folder: Option<PathBuf>) {
+        self.asked.remember(kept, folder);
+    }
+
+    /// Asks a question, until it is answered.
+    pub fn ask(&mut self, question: Question) {
+        self.asked.question = Some(question);
+    }
+
+    /// Whether a question or the dialog of files is open, which have all keys.
+    pub fn is_asking(&self) -> bool {
+        self.asked.is_open()
+    }
+
+    /// Asks which file is to be opened.
+    pub fn choose_file(&mut self) {
+        self.asked.choose();
+    }
+
+    /// Writes the scene to its file, or to the one that the panel names; over what others wrote it asks.
+    pub fn save(&mut self, model: &mut Model) {
+        self.asked.scene(ask::target(model, &self.paths[0]), model);
+    }
+
     /// Shows every panel in what is left of `ui`; what they leave is for the picture. To be called once for each frame.
     pub fn show(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
         ui.spacing_mut().item_spacing.y = 5.0;
         ui.spacing_mut().slider_width = 118.0;
-        Panel::bottom("status").show(ui, |ui| figures::show(ui, model, status));
-        let requests = Panel::right("scene").default_size(376.0).size_range(320.0..=640.0).show(ui, |ui| {
+        let complaint = self.author.complaint().filter(|_| !self.author_is_open);
+        Panel::bottom("status").show(ui, |ui| figures::show(ui, model, status, complaint));
+        let mut requests = Panel::right("scene").default_size(376.0).size_range(320.0..=640.0).show(ui, |ui| {
             let requests = self.controls(ui, model, status);
             ui.take_available_width();
             requests
@@ -195,6 +231,7 @@ impl Panels {
         } else if self.author.poll(model) {
             ui.ctx().request_repaint();
         }
+        requests.inner.extend(self.asked.show(ui, model, &self.paths[0]));
         requests.inner
     }
 
@@ -205,15 +242,18 @@ impl Panels {
         let shows_all = self.shows_all;
         let mut pass = Pass { draft, values, refused: None, touch: None, acts, requests, model, status, shows_all };
         ui.add_space(4.0);
+        self.asked.offer(ui, &mut pass.acts);
         session::history(ui, &mut pass, &mut self.author_is_open);
         ui.separator();
         ScrollArea::vertical().id_salt("controls").auto_shrink(false).show(ui, |ui| self.sections(ui, &mut pass));
-        let Pass { draft, touch, refused, acts, requests, .. } = pass;
+        let Pass { draft, touch, refused, acts, mut requests, .. } = pass;
         if let Some(what) = touch {
             model.propose(&what, draft);
         }
         refused.into_iter().for_each(|line| model.say(line));
         acts.into_iter().for_each(|act| self.act(act, model));
+        // A picture that another program wrote is replaced by those who say so, and unsaved work is not left by one click.
+        requests = requests.into_iter().filter_map(|request| self.asking(request, model)).collect();
         // A drag is one step of the history, and a pair of keys is two.
         if !ui.ctx().input(|input| input.pointer.any_down()) {
             model.end_undo_group();
@@ -223,7 +263,8 @@ impl Panels {
 
     fn sections(&mut self, ui: &mut Ui, pass: &mut Pass<'_>) {
         section(ui, "Presets", false, |ui| session::presets(ui, pass));
-        section(ui, "File", false, |ui| session::files(ui, pass, &mut self.paths));
+        let recent = &self.asked.recent;
+        section(ui, "File", false, |ui| session::files(ui, pass, &mut self.paths, recent));
         section(ui, "Objects", false, |ui| object::list(ui, pass, &mut self.selected));
         let part = self.selected.clone();
         let part = part.as_deref();
@@ -251,13 +292,30 @@ impl Panels {
         }
     }
 
+    /// A request that nothing is lost by; of others it is asked.
+    fn asking(&mut self, request: Request, model: &Model) -> Option<Request> {
+        match request {
+            Request::Screenshot(path) => self.asked.picture(path),
+            Request::Quit if model.is_dirty() => {
+                self.ask(Question::Quit);
+                None
+            }
+            other => Some(other),
+        }
+    }
+
     fn act(&mut self, act: Act, model: &mut Model) {
         match act {
             Act::Undo => drop(model.undo()),
             Act::Redo => drop(model.redo()),
             Act::Preset { name, effect_only } => drop(model.take_preset(&name, effect_only)),
+            Act::Choose => self.asked.choose(),
             Act::Open(path) => drop(model.open(&path)),
-            Act::Save(path) => drop(model.save(&path)),
+            Act::Restore(folder) => {
+                ask::restore(&folder, model, &mut self.author);
+                self.author_is_open |= self.author.file().is_some();
+            }
+            Act::Save(path) => self.asked.scene(path, model),
             Act::AddPart => self.selected = model.add_part("sphere").or(self.selected.take()),
             Act::RemovePart(name) => drop(model.remove_part(&name)),
         }

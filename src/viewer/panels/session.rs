@@ -70,7 +70,7 @@ pub(super) fn presets(ui: &mut Ui, pass: &mut Pass<'_>) {
 }
 
 /// Reading and writing.
-pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2]) {
+pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2], recent: &[PathBuf]) {
     let state = match (pass.model.file(), pass.model.is_dirty()) {
         (None, false) => "as it began".into(),
         (None, true) => "not saved".into(),
@@ -88,6 +88,9 @@ pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2]) {
         if button(ui, "open", "file.open", "Read a scene file (.toml), or take another file as the object.").clicked() {
             pass.acts.push(Act::Open(PathBuf::from(file.trim())));
         }
+        if button(ui, "browse", "file.browse", "Choose a file (Ctrl+O).").clicked() {
+            pass.acts.push(Act::Choose);
+        }
         if button(ui, "save", "file.save", "Write the scene, complete with defaults.").clicked() {
             pass.acts.push(Act::Save(PathBuf::from(file.trim())));
         }
@@ -98,4 +101,10 @@ pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2]) {
             pass.requests.push(Request::Screenshot(PathBuf::from(picture.trim())));
         }
     });
+    for path in recent {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if button(ui, &name, &format!("recent {}", path.display()), &path.display().to_string()).clicked() {
+            pass.acts.push(Act::Open(path.clone()));
+        }
+    }
 }

@@ -1,0 +1,133 @@
+//! Nothing is lost: what is typed, what others have written, and what no file holds.
+
+use super::Hand;
+use egui::{Event, Key};
+use egui_kittest::kittest::Queryable;
+use hypertexture::scene::preset;
+use hypertexture::viewer::author::State;
+use hypertexture::viewer::panels::Request;
+use std::fs;
+use std::path::PathBuf;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// The editor keeps its keys while errors come and go above and beside it.
+#[test]
+fn a_long_broken_text_is_typed_whole_while_errors_come_and_go() {
+    let mut hand = Hand::new(preset("fur").unwrap());
+    hand.click("author");
+    hand.act("author.text", egui::accesskit::Action::Focus, None);
+    hand.0.key_press_modifiers(egui::Modifiers::COMMAND, Key::End);
+    hand.0.run_steps(1);
+    let before = hand.0.state_mut().panels.author().text.clone();
+    let typed = "\nfloat x = ; for (int i = 0; i < 9; i++) { fhsztv }\nfloat whole() { return 1.0; }\n";
+    let mut verdicts = [0, 0];
+    for (index, letter) in typed.chars().enumerate() {
+        match letter {
+            '\n' => hand.0.key_press(Key::Enter),
+            _ => hand.0.event(Event::Text(letter.into())),
+        }
+        hand.0.run_steps(1);
+        if index % 20 == 0 {
+            // Time for the compiler, whose answer changes what is around the text.
+            let start = Instant::now();
+            sleep(Duration::from_millis(150));
+            hand.0.run_steps(2);
+            while *hand.0.state_mut().panels.author().state() == State::Compiling {
+                assert!(start.elapsed() < Duration::from_secs(600)); // a test that fails ends
+                sleep(Duration::from_millis(10));
+                hand.0.run_steps(1);
+            }
+            verdicts[usize::from(matches!(hand.0.state_mut().panels.author().state(), State::Bad(_)))] += 1;
+        }
+    }
+    assert!(verdicts[0] > 0 && verdicts[1] > 0, "good and bad: {verdicts:?}");
+    assert_eq!(hand.0.state_mut().panels.author().text, format!("{before}{typed}"));
+    assert_eq!(hand.0.state().requests, [], "no letter was a shortcut");
+}
+
+#[test]
+fn a_file_that_others_wrote_is_replaced_once_a_person_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let [scene, picture] = ["scene.toml", "picture.png"].map(|name| folder.path().join(name));
+    [&scene, &picture].into_iter().for_each(|path| fs::write(path, "of somebody else").unwrap());
+    let mut hand = Hand::open(preset("fur").unwrap());
+    hand.write("file.scene", scene.to_str().unwrap());
+    let held = || fs::read_to_string(&scene).unwrap();
+    hand.click("file.save");
+    assert_eq!(held(), "of somebody else");
+    hand.click("ask.no");
+    assert!(hand.0.query_by_label("ask.yes").is_none() && held() == "of somebody else");
+    hand.click("file.save");
+    hand.picture("replace");
+    hand.click("ask.yes");
+    assert!(held().contains("[effect]"), "{}", held());
+    // What the window wrote itself it writes again, until somebody else has.
+    hand.set("material.specular", 0.75);
+    hand.click("file.save");
+    assert!(hand.0.query_by_label("ask.yes").is_none() && held().contains("specular = 0.75"));
+    fs::write(&scene, "of somebody else").unwrap();
+    hand.click("file.save");
+    assert_eq!(held(), "of somebody else");
+    hand.0.key_press(Key::Escape);
+    hand.0.run_steps(2);
+    assert!(hand.0.query_by_label("ask.yes").is_none() && held() == "of somebody else");
+
+    hand.write("file.picture", picture.to_str().unwrap());
+    hand.click("file.screenshot");
+    let shots = |hand: &Hand| {
+        let is_shot = |request: &&Request| matches!(request, Request::Screenshot(_));
+        hand.0.state().requests.iter().filter(is_shot).count()
+    };
+    assert_eq!(shots(&hand), 0);
+    hand.click("ask.yes");
+    assert_eq!(shots(&hand), 1);
+    hand.click("file.screenshot");
+    assert_eq!(shots(&hand), 2, "it is the window's own now");
+}
+
+#[test]
+fn a_window_with_unsaved_work_asks_before_it_closes() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.toml");
+    let mut hand = Hand::open(preset("fur").unwrap());
+    let quits = |hand: &Hand| hand.0.state().requests.contains(&Request::Quit);
+    hand.set("material.specular", 0.75);
+    hand.write("file.scene", scene.to_str().unwrap());
+    hand.click("quit");
+    assert!(!quits(&hand));
+    hand.picture("quit");
+    hand.click("ask.no");
+    assert!(!quits(&hand) && hand.0.query_by_label("ask.yes").is_none());
+    hand.click("quit");
+    hand.click("ask.save");
+    assert!(quits(&hand) && fs::read_to_string(&scene).unwrap().contains("specular = 0.75"));
+}
+
+#[test]
+fn what_was_kept_is_offered_and_comes_back_and_opened_files_are_remembered() {
+    let folder = tempfile::tempdir().unwrap();
+    let kept = folder.path().join("unsaved").join("1");
+    fs::create_dir_all(kept.join("dmf")).unwrap();
+    let mut scene = preset("fire").unwrap();
+    scene.material.specular = 0.125;
+    fs::write(kept.join("scene.toml"), hypertexture::scene::to_text(&scene)).unwrap();
+    let own = "// Half.\nfloat half_of(float density, Sample s) { return 0.5 * density; }\n";
+    fs::write(kept.join("dmf").join("half_of.glsl"), own).unwrap();
+
+    let mut hand = Hand::new(preset("fur").unwrap());
+    let cache: Option<PathBuf> = Some(folder.path().into());
+    hand.0.state_mut().panels.remember(vec![kept.clone()], cache.clone());
+    hand.0.run_steps(2);
+    hand.picture("kept");
+    hand.click("kept.open");
+    assert_eq!(hand.scene(), scene);
+    assert_eq!(hand.0.state_mut().panels.author().text, own);
+    assert!(hand.0.query_by_label("kept.open").is_none() && kept.join("scene.toml").exists());
+    // The next window knows the file.
+    let mut next = Hand::new(preset("fur").unwrap());
+    next.0.state_mut().panels.remember(Vec::new(), cache);
+    next.click("File");
+    next.click(&format!("recent {}", kept.join("scene.toml").display()));
+    assert_eq!(next.scene(), scene);
+}
