@@ -1,7 +1,7 @@
 //! The surface where the density of a scene crosses a value, as a mesh.
 //!
 //! Role: a hypertextured object becomes a solid that other programs open, print or cut. Invariant: the density is that of the
-//! scene's own program, evaluated by [`exact`] in f64, so that nothing of a formula is written a second time; blocks of
+//! scene's own program, evaluated by [`exact`](crate::exact) in f64, so that nothing of a formula is written a second time; blocks of
 //! samples are left out only where bounds prove on which side of the surface they are; the mesh is closed.
 
 use super::density::{Density, DensityProgram};
@@ -121,7 +121,7 @@ impl Samples {
 /// may be overlooked. `progress` is called with the part that is done, from any thread.
 ///
 /// # Errors
-/// The scene has no program, one that [`exact`] does not cover, or no matter as dense; resolution or density out of range.
+/// The scene has no program, one that [`exact`](crate::exact) does not cover, or no matter as dense; resolution or density out of range.
 pub fn polygonize(
     library: &Library,
     scene: &Scene,
