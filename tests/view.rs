@@ -22,6 +22,11 @@ impl Display {
         {
             return Display { server: None, name };
         }
+        Display::own()
+    }
+
+    /// One that nobody sees, with a clipboard that nobody else writes to.
+    fn own() -> Display {
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"])
             .stdout(Stdio::piped())
@@ -387,13 +392,13 @@ fn clipboard(display: &Display) -> Option<String> {
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
 fn a_signal_keeps_what_is_not_saved_and_the_next_window_offers_it_and_the_clipboard_is_that_of_the_system() {
-    let display = Display::new();
+    let display = Display::own();
     for signal in ["-TERM", "-INT", "-HUP"] {
         let folder = tempfile::tempdir().unwrap();
-        let [script, cache, shot, rendered] =
-            ["script", "cache", "shot.png", "rendered.png"].map(|name| folder.path().join(name));
-        std::fs::write(&script, "wait picture\nset parameters.fury 2.5\nclick copy\nwait picture\nframes 4000000000\n")
-            .unwrap();
+        let [script, cache, set, shot, rendered] =
+            ["script", "cache", "set.png", "shot.png", "rendered.png"].map(|name| folder.path().join(name));
+        let steps = "wait picture\nset parameters.fury 2.5\nclick copy\nwait picture\nshot";
+        std::fs::write(&script, format!("{steps} {}\nframes 4000000000\n", set.display())).unwrap();
         let small = ["torus", "--effect", "fire", "--size", "48x32", "--samples", "32"];
         let mut command = program();
         command.env("DISPLAY", &display.name).env("HYPERTEXTURE_CACHE", &cache).arg("view").args(small);
@@ -403,22 +408,15 @@ fn a_signal_keeps_what_is_not_saved_and_the_next_window_offers_it_and_the_clipbo
         let mut first = String::new();
         output.read_line(&mut first).unwrap();
         assert!(first.starts_with("first picture"), "{first}");
+        // The picture is written behind the change and the copy.
         let start = std::time::Instant::now();
-        // The command holds the value once the script has set it.
-        loop {
-            match clipboard(&display) {
-                None => {
-                    println!("the clipboard is not looked at: there is no xclip");
-                    std::thread::sleep(std::time::Duration::from_secs(5));
-                    break;
-                }
-                Some(text) if text.contains("fury=2.5") => {
-                    assert!(text.starts_with("hypertexture render torus"), "{text}");
-                    break;
-                }
-                Some(text) => assert!(start.elapsed().as_secs() < 600, "{text}"),
-            }
-            std::thread::sleep(std::time::Duration::from_millis(50));
+        while !set.exists() {
+            assert!(start.elapsed().as_secs() < 600); // a test that fails ends
+            std::thread::sleep(std::time::Duration::from_millis(20));
+        }
+        match clipboard(&display) {
+            None => println!("the clipboard is not looked at: there is no xclip"),
+            Some(text) => assert!(text.starts_with("hypertexture render torus") && text.contains("fury=2.5"), "{text}"),
         }
         assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
         let mut said = String::new();
