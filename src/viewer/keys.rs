@@ -1,6 +1,6 @@
 //! The keys and what the mouse does, in one list: the window acts by it and shows it.
 
-use egui::{Context, Key, Modifiers, Popup};
+use egui::{Context, Event, Key, Modifiers, Popup};
 
 /// What a key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,14 +73,18 @@ pub(super) const MOUSE: [(&str, &str); 4] = [
 /// own, only by those that write nothing.
 pub(super) fn pressed(ctx: &Context) -> Vec<Action> {
     let is_taken = ctx.egui_wants_keyboard_input() || Popup::is_any_open(ctx);
-    ctx.input_mut(|input| {
-        let hit = |binding: &&Binding| {
+    let hit = |event: &Event, binding: &Binding| match event {
+        Event::Key { key, pressed: true, modifiers, .. } => {
             // A question mark needs Shift on some keyboards, and none on others.
-            let shift = Modifiers { shift: input.modifiers.shift, ..binding.modifiers };
+            let shift = Modifiers { shift: modifiers.shift, ..binding.modifiers };
             let is_free = !is_taken || binding.modifiers.command;
-            is_free && input.modifiers.matches_exact(shift) && input.key_pressed(binding.key)
-        };
-        KEYS.iter().filter(hit).map(|binding| binding.action).collect()
+            is_free && *key == binding.key && modifiers.matches_exact(shift)
+        }
+        _ => false,
+    };
+    ctx.input(|input| {
+        let pressed = KEYS.iter().filter(|binding| input.events.iter().any(|event| hit(event, binding)));
+        pressed.map(|binding| binding.action).collect()
     })
 }
 
