@@ -370,3 +370,17 @@ fn of_a_file_and_a_text_that_have_both_changed_one_is_taken_and_none_is_lost_bef
         sleep(Duration::from_millis(10));
     }
 }
+
+#[test]
+fn a_followed_module_is_in_its_slot_whatever_its_folder_is_called() {
+    let (mut author, model) = desk("fur");
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("other_name.glsl");
+    let text = model.library().source("surface/lit.glsl").unwrap().to_string();
+    fs::write(&file, &text).unwrap();
+    author.follow(model.library(), "surface", "lit", &file).unwrap();
+    assert_eq!(
+        (author.path().as_str(), &author.text, author.file()),
+        ("surface/lit.glsl", &text, Some(file.as_path()))
+    );
+}

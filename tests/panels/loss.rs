@@ -131,3 +131,13 @@ fn what_was_kept_is_offered_and_comes_back_and_opened_files_are_remembered() {
     next.click(&format!("recent {}", kept.join("scene.toml").display()));
     assert_eq!(next.scene(), scene);
 }
+
+#[test]
+fn a_text_that_no_file_holds_is_unsaved_work_too() {
+    let mut hand = Hand::new(preset("fur").unwrap());
+    hand.0.state_mut().panels.author().text.push_str("// mine\n");
+    hand.click("quit");
+    assert_eq!(hand.0.state().requests, []);
+    hand.click("ask.yes");
+    assert_eq!(hand.0.state().requests, [Request::Quit]);
+}

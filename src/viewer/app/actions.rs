@@ -7,7 +7,6 @@ use crate::scene::{self, Camera, Scene};
 use crate::shader::Library;
 use crate::viewer::keys::Action;
 use crate::viewer::panels::{Question, Request};
-use crate::viewer::unsaved;
 use crate::viewer::worker::{Task, Variant};
 use egui::Ui;
 use std::path::{Path, PathBuf};
@@ -94,8 +93,10 @@ impl App {
 
     /// Ends the window; where there is something that no file holds, it asks.
     pub(in crate::viewer) fn ask_to_quit(&mut self) {
-        let holds_all = !self.model.is_dirty() && unsaved::texts(&self.model, self.panels.author()).is_empty();
-        if holds_all { self.quit = true } else { self.panels.ask(Question::Quit) }
+        match self.panels.is_unsaved(&self.model) {
+            true => self.panels.ask(Question::Quit),
+            false => self.quit = true,
+        }
     }
 
     /// The preset before or after the one whose effect is shown.

@@ -115,8 +115,11 @@ impl App {
         let mut panels = Panels::new(program, &model).map_err(scene::SceneError::from)?;
         panels.remember(unsaved::kept(), disk_cache::default_folder());
         // A module that was given as a file is followed from the beginning.
-        if let Some(file) = model.scene().modules.values().next() {
-            let followed = panels.author().watch(model.library(), Path::new(file));
+        let modules = &model.scene().modules;
+        if let Some((slot, name, file)) =
+            modules.iter().find_map(|(module, file)| module.split_once('/').map(|(slot, name)| (slot, name, file)))
+        {
+            let followed = panels.author().follow(model.library(), slot, name, Path::new(file));
             followed.unwrap_or_else(|error| log::warn!("{error}"));
         }
         let (now, camera) = (Instant::now(), model.scene().camera.clone());

@@ -194,6 +194,14 @@ impl Author {
         }
         let folder = path.parent().and_then(Path::file_name).and_then(|folder| folder.to_str()).unwrap_or_default();
         let slot = if library.modules(folder).is_empty() { "dmf" } else { folder };
+        self.follow(library, slot, name, path)
+    }
+
+    /// Edits and follows the file of a module that is in a slot whatever the folder is called.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn follow(&mut self, library: &Library, slot: &str, name: &str, path: &Path) -> Result<(), String> {
         let text = read(path).map_err(|error| format!("{}: {error}", path.display()))?;
         self.leave(library);
         (self.slot, self.name, self.text, self.tried) = (slot.into(), name.into(), text, None);

@@ -22,6 +22,7 @@ pub use ask::Question;
 
 use super::author::Author;
 use super::model::Model;
+use super::unsaved;
 use crate::scene::{Effect, ParameterValue, Scene, Transfer};
 use egui::{CollapsingHeader, Panel, RichText, ScrollArea, Ui};
 use std::collections::BTreeMap;
@@ -192,6 +193,11 @@ impl Panels {
         self.asked.remember(kept, folder);
     }
 
+    /// Whether there is something that no file holds: the scene, or the text of a module.
+    pub fn is_unsaved(&self, model: &Model) -> bool {
+        model.is_dirty() || !unsaved::texts(model, &self.author).is_empty()
+    }
+
     /// Asks a question, until it is answered.
     pub fn ask(&mut self, question: Question) {
         self.asked.question = Some(question);
@@ -231,7 +237,8 @@ impl Panels {
         } else if self.author.poll(model) {
             ui.ctx().request_repaint();
         }
-        requests.inner.extend(self.asked.show(ui, model, &self.paths[0]));
+        let unsaved = self.asked.question == Some(Question::Quit) && self.is_unsaved(model);
+        requests.inner.extend(self.asked.show(ui, model, &self.paths[0], unsaved));
         requests.inner
     }
 
@@ -296,7 +303,7 @@ impl Panels {
     fn asking(&mut self, request: Request, model: &Model) -> Option<Request> {
         match request {
             Request::Screenshot(path) => self.asked.picture(path),
-            Request::Quit if model.is_dirty() => {
+            Request::Quit if self.is_unsaved(model) => {
                 self.ask(Question::Quit);
                 None
             }
