@@ -9,7 +9,7 @@ use super::view::View;
 use super::{OCTAVES_ID, PolygonizeError, RenderError, Subject};
 use crate::exact::{self, Device, ExactError, Interval};
 use crate::render::variant::Variant;
-use crate::scene::Scene;
+use crate::scene::{Projection, Scene};
 use crate::shader::{Library, Linker};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -111,4 +111,49 @@ pub fn densities(
         counts[((density * bins as f64) as usize).min(bins - 1)] += 1;
     }
     Ok(counts)
+}
+
+/// The density of a scene at its first moment along the ray through the middle of a pixel: at `places` equal distances from
+/// where the ray enters the box around the soft region to where it leaves it, the distance from where the ray begins, object
+/// units, and the density. Empty where the ray misses the box. Of a ray that bends, it is the straight one.
+///
+/// # Errors
+/// Those of [`polygonize`](super::polygonize), but for its settings.
+pub fn density_along(
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    pixel: [u32; 2],
+    places: usize,
+) -> Result<Vec<[f64; 2]>, PolygonizeError> {
+    let program = DensityProgram::of(library, scene, subject)?;
+    let view = &program.view;
+    let ndc = [0, 1].map(|axis| {
+        let side = f64::from(scene.image.size[axis]);
+        (2.0 * f64::from(pixel[axis]) + 1.0) / side - 1.0 - f64::from(view.pan[axis])
+    });
+    let across = DVec3::new(ndc[0] * f64::from(view.ray_scale[0]), -ndc[1] * f64::from(view.ray_scale[1]), 0.0);
+    let [from, to] = match scene.camera.projection {
+        Projection::Perspective => [DVec3::ZERO, across - DVec3::Z],
+        Projection::Parallel => [across, across - DVec3::Z],
+    };
+    let unit = from.distance(to);
+    let [from, to] = [from, to].map(|place| view.texture_matrix.as_dmat4().transform_point3(place));
+    let along = to - from;
+    let (low, high) = (view.box_min.as_dvec3(), view.box_max.as_dvec3());
+    let (a, b) = ((low - from) / along, (high - from) / along);
+    let (enters, leaves) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
+    if enters >= leaves || enters.is_nan() || leaves.is_nan() {
+        return Ok(Vec::new());
+    }
+    let step = (leaves - enters) / places.saturating_sub(1).max(1) as f64;
+    let depths: Vec<f64> = (0..places).map(|index| enters + index as f64 * step).collect();
+    let all: Vec<DVec3> = depths.iter().map(|depth| from + along * *depth).collect();
+    let found = program.bound(0.0)?.at(&all)?;
+    let kept = |place: &DVec3| match scene.camera.clip {
+        Some([a, b, c, d]) => place.dot(DVec3::new(a.into(), b.into(), c.into())) <= f64::from(d),
+        None => true,
+    };
+    let densities = all.iter().zip(found).map(|(place, density)| if kept(place) { density } else { 0.0 });
+    Ok(depths.iter().map(|depth| depth * unit).zip(densities).map(<[f64; 2]>::from).collect())
 }

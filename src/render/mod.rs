@@ -39,7 +39,7 @@ mod watch;
 pub use cells::Found;
 #[cfg(feature = "measure")]
 pub(crate) use cpu_inputs::{Blocks, CpuInputs};
-pub use density::densities;
+pub use density::{densities, density_along};
 pub use doubts::doubts;
 pub use ignored::{idle, ignored};
 pub use made::{made_with, octaves_held};
