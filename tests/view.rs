@@ -335,6 +335,26 @@ fn pixels_that_are_not_to_be_trusted_are_shown_until_the_scene_changes_and_again
 
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn two_variants_are_wiped_a_pixel_is_inspected_and_the_picture_is_that_of_the_time_and_side_that_was_chosen() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let (shot, rendered) = (folder.path().join("shot.png"), folder.path().join("rendered.png"));
+    let script = format!(
+        "wait picture\nkey c\nset parameters.fury 2.5\nwait picture\nkey d\nframes 3\nset compare.gain 64\nframes 3\n\
+         key d\nkey d\nkey d\nframes 2\nkey c\nwait picture\nkey p\nwait inspected\nkey w\nframes 2\nkey p\nkey o\ndrag 0.3 0.5 0.6 0.4\nwait drawn\nscroll 2\nframes 20\nkey R\nkey 1\nset timeline 1.5\n\
+         click timeline loop\nclick timeline play\nframes 20\nclick timeline play\nset timeline 1.5\nwait picture\nshot {}\n\
+         frames 2\nquit\n",
+        shot.display()
+    );
+    let scene = ["torus", "--effect", "fire", "--size", "48x32", "--samples", "32"];
+    play(&display, folder.path(), &[&scene[..], &["--window", "900x420"]].concat(), &script);
+    render(&[&scene[..], &["--set", "fury=2.5", "--camera", "0,0", "--time", "1.5"]].concat(), &rendered);
+    let pixels = |path: &Path| image::open(path).unwrap().into_rgba8();
+    assert_eq!(pixels(&shot), pixels(&rendered));
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
 fn a_lost_device_is_replaced_once() {
     let display = Display::new();
     let folder = tempfile::tempdir().unwrap();

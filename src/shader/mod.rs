@@ -29,6 +29,8 @@ pub use error::LibraryError;
 pub use kind::Kind;
 pub use library::{Library, Slots};
 pub use link::{LinkError, Linker, Stage};
+#[cfg(feature = "viewer")]
+pub(crate) use names::{is_reserved, reserved, tokens};
 pub use reach::{Reach, Sides};
 pub use watched::FAULT;
 

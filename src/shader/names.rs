@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 
 /// Comments, words, numbers, whole `#include` lines, white space and single characters, in order and without loss.
-fn tokens(text: &str) -> impl Iterator<Item = &str> {
+pub fn tokens(text: &str) -> impl Iterator<Item = &str> {
     let mut rest = text;
     std::iter::from_fn(move || {
         let first = rest.chars().next()?;
@@ -42,12 +42,23 @@ const RESERVED: &str = " active asm attribute bool break buffer bvec2 bvec3 bvec
                         superp switch template this true typedef uint uniform union unsigned using uvec2 uvec3 uvec4 \
                         varying vec2 vec3 vec4 void volatile while writeonly ";
 
+/// Whether a word is one of GLSL's own, such as `float` or `if`.
+pub fn is_reserved(word: &str) -> bool {
+    RESERVED.contains(&format!(" {word} "))
+}
+
+/// The words that are GLSL's own.
+#[cfg(feature = "viewer")]
+pub fn reserved() -> impl Iterator<Item = &'static str> {
+    RESERVED.split_whitespace()
+}
+
 /// A name as declarations write it: lower case, and free to be one in GLSL.
 pub(super) fn identifier(text: &str) -> Option<String> {
     let name = text.trim();
     let valid = name.starts_with(|c: char| c.is_ascii_lowercase())
         && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
-    (valid && !RESERVED.contains(&format!(" {name} "))).then(|| name.to_string())
+    (valid && !is_reserved(name)).then(|| name.to_string())
 }
 
 /// Tokens that mean something: neither white space nor comments.

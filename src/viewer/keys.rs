@@ -15,6 +15,11 @@ pub(super) enum Action {
     Compare,
     Validity,
     Inertia,
+    Level,
+    Side(usize),
+    Look,
+    Inspect,
+    Worst,
     Undo,
     Redo,
     FullScreen,
@@ -41,7 +46,7 @@ const fn command(key: Key, name: &'static str, action: Action, what: &'static st
 }
 
 /// Every key, in the order in which they are listed. The first of two with the same name is the one that is listed.
-pub(super) const KEYS: [Binding; 17] = [
+pub(super) const KEYS: &[Binding] = &[
     plain(Key::Questionmark, "? or H", Action::Help, "this list"),
     plain(Key::H, "? or H", Action::Help, ""),
     plain(Key::Space, "Space", Action::Play, "let time run, or stop it"),
@@ -52,7 +57,14 @@ pub(super) const KEYS: [Binding; 17] = [
     plain(Key::T, "T", Action::Record, "record a turn around the object, or stop"),
     plain(Key::C, "C", Action::Compare, "keep this variant and compare with it, or stop"),
     plain(Key::V, "V", Action::Validity, "color the pixels that are not to be trusted, or stop"),
+    plain(Key::D, "D", Action::Look, "of two variants: the wipe, their difference, one, the other"),
+    plain(Key::P, "P", Action::Inspect, "inspect the pixel under the pointer, or stop"),
+    plain(Key::W, "W", Action::Worst, "jump to the next of the worst pixels"),
     plain(Key::I, "I", Action::Inertia, "let the ball turn on"),
+    plain(Key::O, "O", Action::Level, "orbit level, or as a trackball"),
+    plain(Key::Num1, "1, 2, 3", Action::Side(0), "look from the front, from the right, from the top"),
+    plain(Key::Num2, "2", Action::Side(1), ""),
+    plain(Key::Num3, "3", Action::Side(2), ""),
     plain(Key::Z, "Z", Action::Undo, "undo"),
     plain(Key::Y, "Y", Action::Redo, "redo"),
     plain(Key::F, "F", Action::FullScreen, "the whole screen"),
@@ -62,10 +74,12 @@ pub(super) const KEYS: [Binding; 17] = [
 ];
 
 /// What the mouse does.
-pub(super) const MOUSE: [(&str, &str); 4] = [
-    ("drag", "turn the object, like a ball"),
+pub(super) const MOUSE: &[(&str, &str)] = &[
+    ("drag", "turn the object, like a ball or level"),
     ("right or middle drag, or Shift", "move it"),
-    ("wheel or pinch", "come closer"),
+    ("Ctrl and drag", "move the light"),
+    ("wheel or pinch", "come closer to what is under the pointer"),
+    ("click", "inspect that pixel, while one is inspected"),
     ("drop a file", "show a mesh, a scan or a scene"),
 ];
 

@@ -10,9 +10,13 @@
 mod app;
 #[doc(hidden)] // for the tests of this crate
 pub mod author;
+#[doc(hidden)] // for the tests of this crate
+pub mod compare;
 mod densities;
 mod error;
 mod host;
+#[doc(hidden)] // for the tests of this crate
+pub mod inspect;
 mod keys;
 mod load;
 #[doc(hidden)] // for the tests of this crate
@@ -24,6 +28,8 @@ mod progressive;
 mod screen;
 mod script;
 mod status;
+#[doc(hidden)] // for the tests of this crate
+pub mod tempo;
 mod trackball;
 #[doc(hidden)] // for the tests of this crate
 pub mod unsaved;

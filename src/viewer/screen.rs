@@ -1,14 +1,15 @@
 //! How a picture gets on the screen: its colors and its place.
 
+use super::compare::{Comparison, Half};
 use crate::scene::{Color, linear_to_srgb};
-use egui::{Align2, Color32, ColorImage, FontId, Pos2, Rect, Stroke, TextureHandle, TextureOptions, Ui, Vec2};
+use egui::{Color32, ColorImage, Rect, TextureHandle, TextureOptions, Ui, pos2};
 use rayon::prelude::*;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
-/// What is behind a picture without a background.
-const BEHIND: [u8; 3] = [22, 23, 26];
-/// How many times the difference of two variants is enlarged to be seen.
-const GAIN: f32 = 8.0;
+/// The greys of the checkerboard behind a picture without a background: dark, so that what glows is seen.
+const BEHIND: [u8; 2] = [28, 42];
+/// Side of its squares, in pixels of the whole picture.
+const SQUARE: u32 = 12;
 /// Entries of the table of codes, by the square root of the light: the darkest codes are the closest.
 const TABLE: usize = 4096;
 
@@ -25,30 +26,52 @@ fn code(linear: f32) -> u8 {
     CODES[((linear.clamp(0.0, 1.0).sqrt() * TABLE as f32) as usize).min(TABLE - 1)]
 }
 
-/// Pictures over their backgrounds as codes; of two, also what lies between them, enlarged, and its root mean square.
+/// A picture over its background, or over a checkerboard. `whole` is the size that it stands for, which may be larger.
+fn opaque(frame: &[[f32; 4]], background: Option<Color>, size: [u32; 2], whole: [u32; 2]) -> Vec<[f32; 3]> {
+    let [dark, light] = BEHIND.map(|grey| Color([grey; 3]).linear());
+    let square = |index: u32, axis: usize| {
+        let at = (u64::from(2 * index + 1) * u64::from(whole[axis])) / (2 * u64::from(size[axis].max(1)));
+        at / u64::from(SQUARE) % 2
+    };
+    let columns: Vec<u64> = (0..size[0]).map(|column| square(column, 0)).collect();
+    let over = |pixel: &[f32; 4], behind: [f32; 3]| [0, 1, 2].map(|c| pixel[c] + (1.0 - pixel[3]) * behind[c]);
+    let rows = frame.par_chunks(size[0].max(1) as usize).enumerate();
+    let row = |(row, pixels): (usize, &[[f32; 4]])| -> Vec<[f32; 3]> {
+        let odd = square(row as u32, 1);
+        let behind = |column: &u64| background.map_or(if *column == odd { dark } else { light }, Color::linear);
+        pixels.iter().zip(&columns).map(|(pixel, column)| over(pixel, behind(column))).collect()
+    };
+    rows.map(row).flatten_iter().collect()
+}
+
+fn image(light: &[[f32; 3]], size: [u32; 2]) -> ColorImage {
+    let pixels = light.par_iter().map(|&[r, g, b]| Color32::from_rgb(code(r), code(g), code(b)));
+    ColorImage::new(size.map(|side| side as usize), pixels.collect())
+}
+
+/// Pictures over their backgrounds as codes; `whole` is the size that they stand for.
 pub(super) fn encode_srgb(
     frames: &[&[[f32; 4]]],
     backgrounds: &[Option<Color>],
     size: [u32; 2],
-) -> (Vec<ColorImage>, Option<f64>) {
-    let size = size.map(|side| side as usize);
-    let opaque = |frame: &[[f32; 4]], background: Option<Color>| -> Vec<[f32; 3]> {
-        let behind = background.unwrap_or(Color(BEHIND)).linear();
-        let over = |pixel: &[f32; 4]| [0, 1, 2].map(|c| pixel[c] + (1.0 - pixel[3]) * behind[c]);
-        frame.par_iter().map(over).collect()
-    };
-    let image = |light: &[[f32; 3]]| {
-        let pixels = light.par_iter().map(|&[r, g, b]| Color32::from_rgb(code(r), code(g), code(b)));
-        ColorImage::new(size, pixels.collect())
-    };
-    let lights: Vec<_> = frames.iter().zip(backgrounds).map(|(frame, behind)| opaque(frame, *behind)).collect();
-    let mut images: Vec<ColorImage> = lights.iter().map(|light| image(light)).collect();
-    let [a, b] = lights.as_slice() else { return (images, None) };
-    let apart: Vec<[f32; 3]> =
-        a.par_iter().zip(b).map(|(a, b)| [0, 1, 2].map(|c| GAIN * (a[c] - b[c]).abs())).collect();
-    images.push(image(&apart));
-    (images, Some(crate::measure::statistics::rms_difference(frames[0], frames[1])))
+    whole: [u32; 2],
+) -> Vec<ColorImage> {
+    let pairs = frames.iter().zip(backgrounds);
+    pairs.map(|(frame, background)| image(&opaque(frame, *background, size, whole), size)).collect()
 }
+
+/// What lies between two pictures, enlarged: of each channel, or of opacity where that is more.
+fn difference(frames: &[Frame], size: [u32; 2], gain: f32) -> Option<ColorImage> {
+    let [a, b] = frames else { return None };
+    let apart = a.par_iter().zip(b.par_iter()).map(|(a, b)| {
+        let opacity = (a[3] - b[3]).abs();
+        [0, 1, 2].map(|c| gain * (a[c] - b[c]).abs().max(opacity))
+    });
+    Some(image(&apart.collect::<Vec<_>>(), size))
+}
+
+/// Premultiplied linear RGBA, row by row from the top.
+pub(super) type Frame = Arc<[[f32; 4]]>;
 
 /// The pictures on the screen.
 #[derive(Default)]
@@ -57,28 +80,28 @@ pub(super) struct Screen {
     /// What came and is not a texture yet, or was one of a device that is gone.
     images: Vec<ColorImage>,
     fresh: bool,
+    /// The pictures as they were rendered, one for each variant, and their size.
+    pub(super) frames: Vec<Frame>,
+    pub(super) size: [u32; 2],
+    /// The texture of their difference, and its gain.
+    difference: Option<(TextureHandle, f32)>,
 }
 
 impl Screen {
-    /// Takes the images of a picture.
-    pub(super) fn take(&mut self, images: Vec<ColorImage>) {
-        self.images = images;
-        self.fresh = true;
+    /// Takes the images of a picture, and what they are of.
+    pub(super) fn take(&mut self, images: Vec<ColorImage>, frames: Vec<Frame>, size: [u32; 2]) {
+        (self.images, self.frames, self.size) = (images, frames, size);
+        (self.fresh, self.difference) = (true, None);
     }
 
     /// Forgets the textures: their device is gone.
     pub(super) fn forget(&mut self) {
         self.textures.clear();
-        self.fresh = true;
+        (self.fresh, self.difference) = (true, None);
     }
 
-    /// Width and height in points of one of so many pictures in a place.
-    pub(super) fn pane(place: Rect, compared: bool) -> Vec2 {
-        Vec2::new(if compared { (place.width() / 3.0).floor() } else { place.width() }, place.height())
-    }
-
-    /// Draws the pictures; two have these titles.
-    pub(super) fn draw(&mut self, ui: &Ui, place: Rect, difference: Option<f64>, titles: &[String; 2]) {
+    /// Draws the picture, or two as `comparison` says.
+    pub(super) fn draw(&mut self, ui: &Ui, place: Rect, comparison: &Comparison) {
         if std::mem::take(&mut self.fresh) {
             for (index, image) in self.images.iter().enumerate() {
                 match self.textures.get_mut(index) {
@@ -92,29 +115,32 @@ impl Screen {
             self.textures.truncate(self.images.len());
         }
         let painter = ui.painter_at(place);
-        painter.rect_filled(place, 0.0, Color32::from_rgb(BEHIND[0], BEHIND[1], BEHIND[2]));
-        let compared = self.textures.len() > 1;
-        let pane = Screen::pane(place, compared);
-        let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
-        for (index, texture) in self.textures.iter().enumerate() {
-            let corner = place.min + Vec2::new(index as f32 * pane.x, 0.0);
-            let rect = Rect::from_min_size(corner, pane);
-            painter.image(texture.id(), rect, whole, Color32::WHITE);
-            if compared {
-                let rms = difference.map_or(String::new(), |rms| format!(", RMS {}", scientific(rms)));
-                let title = titles.get(index).cloned();
-                let title = title.unwrap_or_else(|| format!("difference \u{d7} {GAIN}{rms}"));
-                let at = rect.left_top() + Vec2::new(10.0, 10.0);
-                painter.text(at, Align2::LEFT_TOP, title, FontId::proportional(13.0), Color32::from_gray(210));
-                painter.line_segment([rect.right_top(), rect.right_bottom()], Stroke::new(1.0, Color32::from_gray(60)));
+        painter.rect_filled(place, 0.0, Color32::from_gray(BEHIND[0]));
+        let part = |texture: &TextureHandle, from: f32, to: f32| {
+            let within = |part: f32| egui::lerp(place.x_range(), part);
+            let rect = Rect::from_x_y_ranges(within(from)..=within(to), place.y_range());
+            let uv = Rect::from_min_max(pos2(from, 0.0), pos2(to, 1.0));
+            painter.image(texture.id(), rect, uv, Color32::WHITE);
+        };
+        match (self.textures.as_slice(), comparison.half) {
+            ([now, kept], Half::Wipe) => {
+                part(kept, 0.0, comparison.at);
+                part(now, comparison.at, 1.0);
             }
+            ([_, _], Half::Difference) => {
+                if self.difference.as_ref().is_none_or(|(_, gain)| *gain != comparison.gain)
+                    && let Some(image) = difference(&self.frames, self.size, comparison.gain)
+                {
+                    let texture = ui.ctx().load_texture("difference", image, TextureOptions::LINEAR);
+                    self.difference = Some((texture, comparison.gain));
+                }
+                self.difference.iter().for_each(|(texture, _)| part(texture, 0.0, 1.0));
+            }
+            ([_, kept], Half::Kept) => part(kept, 0.0, 1.0),
+            ([now, ..], _) => part(now, 0.0, 1.0),
+            ([], _) => {}
         }
     }
-}
-
-/// A number with one digit before the point and one behind it.
-fn scientific(value: f64) -> String {
-    format!("{value:.1e}")
 }
 
 #[cfg(test)]
@@ -132,13 +158,62 @@ mod tests {
     }
 
     #[test]
-    fn two_variants_have_a_difference_and_one_has_none() {
-        let (a, b) = (vec![[0.5, 0.5, 0.5, 1.0]; 4], vec![[0.5, 0.5, 0.6, 1.0]; 4]);
-        let (one, none) = encode_srgb(&[&a], &[None], [2, 2]);
-        assert_eq!((one.len(), none), (1, None));
-        let (three, rms) = encode_srgb(&[&a, &b], &[None, None], [2, 2]);
-        assert_eq!(three.len(), 3);
-        assert_eq!(three[2].pixels[0], Color32::from_rgb(0, 0, code(0.8)));
-        assert!((rms.unwrap() - 0.05).abs() < 1e-6);
+    fn two_variants_have_a_difference_with_a_gain_and_one_has_none() {
+        let [a, b]: [Frame; 2] = [[[0.5, 0.5, 0.5, 1.0]; 4].into(), [[0.5, 0.5, 0.6, 1.0]; 4].into()];
+        assert!(difference(std::slice::from_ref(&a), [2, 2], 8.0).is_none());
+        for gain in [1.0, 8.0] {
+            let found = difference(&[a.clone(), b.clone()], [2, 2], gain).unwrap();
+            assert_eq!(found.pixels, [Color32::from_rgb(0, 0, code(gain * 0.1)); 4]);
+        }
+    }
+
+    #[test]
+    fn behind_what_is_transparent_are_squares_that_stay_where_they_are_in_a_coarse_picture() {
+        let clear = |size: [u32; 2]| vec![[0.0; 4]; (size[0] * size[1]) as usize];
+        let of = |size| encode_srgb(&[&clear(size)], &[None], size, [96, 48]).remove(0);
+        let (whole, coarse) = (of([96, 48]), of([16, 8]));
+        let [dark, light] = BEHIND.map(Color32::from_gray);
+        let grey = |x: u32, y: u32| if (x / SQUARE + y / SQUARE).is_multiple_of(2) { dark } else { light };
+        let near = |a: Color32, b: Color32| a.r().abs_diff(b.r()) <= 1;
+        for (x, y) in [(0, 0), (11, 0), (12, 0), (12, 12), (95, 47), (30, 20)] {
+            assert!(near(whole[(x as usize, y as usize)], grey(x, y)), "{x} {y}");
+            let [cx, cy] = [x / 6, y / 6];
+            assert!(near(coarse[(cx as usize, cy as usize)], grey(6 * cx + 3, 6 * cy + 3)), "{x} {y}");
+        }
+        // A background hides them, and so does what is opaque.
+        let red = Some(Color([200, 0, 0]));
+        let over = encode_srgb(&[&clear([4, 4])], &[red], [4, 4], [96, 48]).remove(0);
+        assert!(over.pixels.iter().all(|pixel| *pixel == over.pixels[0]));
+        let full = encode_srgb(&[&[[0.0, 0.0, 0.0, 1.0]; 16]], &[None], [4, 4], [96, 48]).remove(0);
+        assert!(full.pixels.iter().all(|pixel| *pixel == Color32::BLACK));
+    }
+
+    #[test]
+    fn of_two_pictures_each_has_its_side_of_the_line() {
+        let frames: Vec<Frame> = vec![[[0.2; 4]; 4].into(), [[0.4; 4]; 4].into()];
+        let place = Rect::from_min_max(pos2(100.0, 50.0), pos2(300.0, 150.0));
+        let images = vec![ColorImage::filled([2, 2], Color32::RED), ColorImage::filled([2, 2], Color32::BLUE)];
+        let mut screen = Screen::default();
+        screen.take(images, frames, [2, 2]);
+        let context = egui::Context::default();
+        let mut drawn = |comparison: Comparison| {
+            let output = context.run_ui(egui::RawInput::default(), |ui| screen.draw(ui, place, &comparison));
+            let meshes = output.shapes.into_iter().filter_map(|clipped| match clipped.shape {
+                egui::Shape::Mesh(mesh) => Some((mesh.texture_id, mesh.calc_bounds(), mesh.vertices[0].uv.x)),
+                _ => None,
+            });
+            meshes.collect::<Vec<_>>()
+        };
+        let wipe = drawn(Comparison { half: Half::Wipe, at: 0.25, gain: 8.0 });
+        let [(kept, left, from), (now, right, at)] = wipe[..] else { panic!("{wipe:?}") };
+        assert_eq!((left.left(), left.right(), right.left(), right.right()), (100.0, 150.0, 150.0, 300.0));
+        assert_eq!((from, at), (0.0, 0.25), "both are of the same place");
+        let mut whole = |half| match drawn(Comparison { half, at: 0.25, gain: 8.0 })[..] {
+            [(texture, rect, _)] if rect == place => texture,
+            _ => panic!("one whole picture"),
+        };
+        let (only_now, only_kept, difference) = (whole(Half::Now), whole(Half::Kept), whole(Half::Difference));
+        assert_eq!((only_now, only_kept), (now, kept));
+        assert!(difference != now && difference != kept);
     }
 }

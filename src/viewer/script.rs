@@ -4,6 +4,7 @@
 //! ```text
 //! wait picture | converged         until the picture is what `render` makes of the scene, or has converged
 //! wait validity                    until it is shown which pixels are not to be trusted
+//! wait inspected                   until all is known of the pixel that is inspected
 //! wait drawn                       until the picture is one of the scene as it is, if only a coarse one
 //! wait loading                     until an object is being loaded
 //! frames N                         until the window was drawn so many times
@@ -69,6 +70,7 @@ enum Step {
     Picture,
     Converged,
     Validity,
+    Inspected,
     Loading,
     Frames(u32),
     Drag([f32; 4], PointerButton),
@@ -139,6 +141,7 @@ impl Script {
             Step::Picture => app.is_current && !matches!(stage, Stage::None | Stage::Coarse | Stage::Partial),
             Step::Converged => app.is_current && matches!(stage, Stage::Converged(_)),
             Step::Validity => app.is_current && stage == Stage::Validity,
+            Step::Inspected => app.is_inspected(),
             Step::Loading => app.loading().is_some(),
             Step::Frames(count) => self.frames > *count,
             Step::Good => self.frames > 1 && *app.author().state() == State::Good,
@@ -248,6 +251,7 @@ fn parse(line: &str) -> Result<Step, String> {
         ("wait", "picture") => Step::Picture,
         ("wait", "converged") => Step::Converged,
         ("wait", "validity") => Step::Validity,
+        ("wait", "inspected") => Step::Inspected,
         ("wait", "loading") => Step::Loading,
         ("wait", "good") => Step::Good,
         ("wait", "bad") => Step::Bad,

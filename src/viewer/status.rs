@@ -54,7 +54,7 @@ pub(super) struct Figures {
     pub(super) error: Option<f64>,
     /// Standard error of a value of the mean, root mean square: that of independent pictures, so it is an upper bound.
     pub(super) standard_error: Option<f64>,
-    /// The difference of two variants, root mean square.
+    /// The difference of two variants that are as finely sampled, root mean square.
     pub(super) difference: Option<f64>,
     /// Milliseconds of the last coarse pictures, the newest last.
     pub(super) recent_ms: Vec<f64>,

@@ -51,6 +51,41 @@ impl Trackball {
     }
 }
 
+/// Azimuth and elevation in degrees from which a camera looks, whatever its roll: -180 to 180 and -90 to 90.
+pub(super) fn level_angles(camera: &Camera) -> [f32; 2] {
+    if camera.rotation.is_none() {
+        return [camera.azimuth, camera.elevation];
+    }
+    let from = camera.turn().as_dquat().inverse() * DVec3::Z;
+    // Looking along the vertical axis, any azimuth is as good: the last one stays.
+    let azimuth = if from.x.hypot(from.z) < 1e-6 { camera.azimuth } else { from.x.atan2(from.z).to_degrees() as f32 };
+    [azimuth, from.y.clamp(-1.0, 1.0).asin().to_degrees() as f32]
+}
+
+/// A camera that a drag to the right and down, in parts of half a turn, has moved on a level orbit: the vertical axis of
+/// the object stays upright.
+pub(super) fn orbit(camera: &Camera, [right, down]: [f32; 2]) -> Camera {
+    let [azimuth, elevation] = level_angles(camera);
+    let azimuth = (azimuth - 180.0 * right + 180.0).rem_euclid(360.0) - 180.0;
+    let elevation = (elevation + 180.0 * down).clamp(-90.0, 90.0);
+    Camera { azimuth, elevation, rotation: None, ..camera.clone() }
+}
+
+/// The place of a light that a drag over the ball has moved around the object; right, up and toward the camera.
+pub(super) fn drag_light(position: [f32; 3], from: [f64; 2], to: [f64; 2]) -> [f32; 3] {
+    let arc = DQuat::from_rotation_arc(on_ball(from), on_ball(to));
+    (arc * DVec3::from(position.map(f64::from))).as_vec3().to_array()
+}
+
+/// A camera that comes closer by a factor, with what is seen under the pointer staying there. `at` is the pointer right and
+/// up from the middle of the picture, in units of half its height; `half` is that height in object units.
+pub(super) fn zoom_to(camera: &Camera, factor: f32, at: [f32; 2], half: f32) -> Camera {
+    let zoom = (camera.zoom * factor).clamp(0.02, 100.0);
+    let moved = half * (camera.zoom / zoom - 1.0);
+    let pan = [0, 1].map(|axis| (camera.pan[axis] + at[axis] * moved).clamp(-100.0, 100.0));
+    Camera { zoom, pan, ..camera.clone() }
+}
+
 /// The unit vector to the place on the ball, or on the sheet around it, that is seen at a place of the view.
 fn on_ball([x, y]: [f64; 2]) -> DVec3 {
     let square = x * x + y * y;
@@ -109,6 +144,53 @@ mod tests {
         let (from, to) = ([0.2, 0.1], [-0.3, 0.4]);
         ball.drag(from, to);
         assert!((ball.turn() * on_ball(from)).distance(on_ball(to)) < 1e-12);
+    }
+
+    #[test]
+    fn a_level_orbit_keeps_the_vertical_axis_upright_and_starts_where_the_trackball_left() {
+        let mut random = SplitMix(5);
+        let mut next = || 2.0 * random.unit() - 1.0;
+        for _ in 0..200 {
+            let mut ball = Trackball::of(&Camera::default());
+            ball.drag([next(), next()], [next(), next()]);
+            let free = Camera { rotation: Some(ball.rotation()), ..Camera::default() };
+            let level = orbit(&free, [0.0; 2]);
+            // From the same side, without the roll.
+            let toward = |camera: &Camera| camera.turn().inverse() * glam::Vec3::Z;
+            assert!(toward(&free).distance(toward(&level)) < 1e-3, "{free:?} {level:?}");
+            let moved = orbit(&level, [next() as f32, next() as f32]);
+            let up = moved.turn() * glam::Vec3::Y;
+            assert!(up.x.abs() < 1e-5 && up.y > -1e-5, "{up}");
+            assert!((-180.0..=180.0).contains(&moved.azimuth) && (-90.0..=90.0).contains(&moved.elevation));
+        }
+        let front = Camera { azimuth: 0.0, elevation: 0.0, ..Camera::default() };
+        // What is at the front goes right with the pointer, and the object is then seen from its left.
+        assert_eq!(orbit(&front, [0.25, 0.0]).azimuth, -45.0);
+        assert_eq!(orbit(&front, [0.0, 0.25]).elevation, 45.0);
+    }
+
+    #[test]
+    fn the_light_goes_with_the_pointer_and_stays_as_far_away() {
+        let moved = drag_light([0.0, 0.0, 5.0], [0.0, 0.0], [0.6, 0.0]);
+        assert!((moved[0] - 3.0).abs() < 1e-5 && moved[1].abs() < 1e-6 && (moved[2] - 4.0).abs() < 1e-5, "{moved:?}");
+        let moved = drag_light([3.0, -4.0, 12.0], [0.1, 0.2], [-0.7, 0.4]);
+        assert!((glam::Vec3::from(moved).length() - 13.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn what_is_under_the_pointer_stays_there_while_the_camera_comes_closer() {
+        let camera = Camera { zoom: 1.5, pan: [0.2, -0.3], ..Camera::default() };
+        let (half, at) = (1.8, [0.4, 0.7]);
+        for factor in [0.5, 1.3, 4.0] {
+            let closer = zoom_to(&camera, factor, at, half);
+            // A place q of the middle plane is seen at (q + pan) / half, and half falls as zoom grows.
+            let place = [0, 1].map(|axis| at[axis] * half - camera.pan[axis]);
+            for axis in 0..2 {
+                let seen = (place[axis] + closer.pan[axis]) / (half * camera.zoom / closer.zoom);
+                assert!((seen - at[axis]).abs() < 1e-5, "{seen}");
+            }
+        }
+        assert_eq!(zoom_to(&camera, 2.0, [0.0; 2], half).pan, camera.pan);
     }
 
     #[test]

@@ -2,9 +2,12 @@
 #![cfg(feature = "viewer")]
 #![expect(clippy::unwrap_used, reason = "a test fails where a control is not as described")]
 
+mod edit;
 mod loss;
 mod paint;
 mod scan;
+mod time;
+mod wipe;
 
 use egui::accesskit::{Action, ActionData, ActionRequest, Role};
 use egui::{Event, PointerButton, Pos2};

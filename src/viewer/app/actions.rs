@@ -6,7 +6,7 @@ use crate::measure::pick::{ErrorBound, Pick};
 use crate::scene::{self, Camera, Scene};
 use crate::shader::Library;
 use crate::viewer::keys::Action;
-use crate::viewer::panels::{Question, Request};
+use crate::viewer::panels::{Question, Request, SIDES};
 use crate::viewer::worker::{Task, Variant};
 use egui::Ui;
 use std::path::{Path, PathBuf};
@@ -38,6 +38,19 @@ impl App {
                 self.glide = None;
                 self.say(if self.inertia { "the ball turns on" } else { "the ball stops when it is let go" }.into());
             }
+            Action::Level => self.level = !self.level,
+            Action::Side(index) => {
+                let (_, azimuth, elevation) = SIDES[index];
+                self.glide = None;
+                self.model.edit("camera", |scene| {
+                    let camera = &mut scene.camera;
+                    (camera.azimuth, camera.elevation, camera.rotation) = (azimuth, elevation, None);
+                });
+                self.model.end_undo_group();
+            }
+            Action::Look => self.comparison.next(),
+            Action::Inspect => self.inspect_under_pointer(),
+            Action::Worst => self.jump_to_worst(),
             Action::Undo => drop(self.model.undo()),
             Action::Redo => drop(self.model.redo()),
             Action::FullScreen => self.full_screen = !self.full_screen,
@@ -74,6 +87,12 @@ impl App {
                     self.model.edit("camera.time", |scene| scene.camera.time = clock);
                 }
             }
+            Request::Time(time) => match &mut self.clock {
+                Some(clock) => *clock = time,
+                None => drop(self.model.edit("camera.time", |scene| scene.camera.time = time)),
+            },
+            Request::Tempo(tempo) => self.tempo = tempo,
+            Request::Level(level) => self.level = level,
             Request::MaxError(error) => {
                 (self.max_error, self.pick) = (error, error);
                 if self.figures.picking.is_some() {

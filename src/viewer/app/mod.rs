@@ -1,18 +1,22 @@
 //! What happens in the window: the mouse and the keys to the scene, the scene to the thread that renders.
 
 mod actions;
+mod inspect;
 mod mouse;
 mod overlay;
 
 use super::ViewError;
 use super::author::Author;
+use super::compare::Comparison;
 use super::densities::Densities;
+use super::inspect::Inspector;
 use super::keys;
 use super::load::Loader;
 use super::model::Model;
 use super::panels::{Panels, Status};
 use super::screen::Screen;
 use super::status::{Figures, Stage};
+use super::tempo::Tempo;
 use super::trackball::Trackball;
 use super::unsaved;
 use super::worker::{Event, Job, Variant, Worker};
@@ -78,11 +82,18 @@ pub(super) struct App {
     glide: Option<(DVec3, f64)>,
     last_turn: (DVec3, f64),
     inertia: bool,
+    /// Whether a drag keeps the vertical axis upright.
+    level: bool,
+    /// What a drag does that is under way.
+    drag: mouse::Drag,
     /// The time, while it runs.
     clock: Option<f64>,
+    tempo: Tempo,
     last_frame: Instant,
     /// The variant that the scene is compared with.
     kept: Option<Scene>,
+    comparison: Comparison,
+    inspector: Inspector,
     max_error: Option<f64>,
     /// Whether pixels that are not to be trusted are shown.
     validity: bool,
@@ -92,6 +103,8 @@ pub(super) struct App {
     /// The scene that one is being looked for.
     picked_for: Option<Scene>,
     posted: Option<Job>,
+    /// Where the pointer is over the picture.
+    pointer: Option<egui::Pos2>,
     dragging: bool,
     changed: Instant,
     number: u64,
@@ -136,15 +149,21 @@ impl App {
             glide: None,
             last_turn: (DVec3::Y, 0.0),
             inertia: false,
+            level: false,
+            drag: mouse::Drag::default(),
+            tempo: Tempo::default(),
             clock: start.play.then_some(camera.time),
             last_frame: now,
             kept: None,
+            comparison: Comparison::default(),
+            inspector: Inspector::default(),
             max_error: start.max_error,
             validity: false,
             densities: Densities::default(),
             pick: start.max_error,
             picked_for: None,
             posted: None,
+            pointer: None,
             dragging: false,
             changed: now,
             number: 0,
@@ -209,7 +228,8 @@ impl App {
         for event in events {
             match event {
                 Event::Picture(picture) => {
-                    self.screen.take(picture.images);
+                    self.inspector.take(&picture.frames, picture.size, picture.stage);
+                    self.screen.take(picture.images, picture.frames, picture.size);
                     let figures = &mut self.figures;
                     (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
                     (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
@@ -274,10 +294,11 @@ impl App {
             keys::pressed(ui.ctx()).into_iter().for_each(|action| self.act(action));
         }
         let status = self.status();
-        let angles = |camera: &Camera| (camera.azimuth, camera.elevation);
-        let before = angles(&self.model.scene().camera);
+        let angles = |camera: &Camera| [camera.azimuth, camera.elevation];
+        let before = self.model.scene().camera.clone();
         let requests = self.panels.show(ui, &mut self.model, &status);
-        if angles(&self.model.scene().camera) != before && self.model.scene().camera.rotation.is_some() {
+        let camera = &self.model.scene().camera;
+        if angles(camera) != angles(&before) && camera.rotation.is_some() && camera.rotation == before.rotation {
             // Who asks for an angle means it.
             self.model.edit("camera", |scene| scene.camera.rotation = None);
         }
@@ -294,10 +315,9 @@ impl App {
         self.navigate(ui, &response);
         self.glide(passed);
         if let Some(clock) = &mut self.clock {
-            *clock += passed;
+            *clock = self.tempo.after(*clock, passed);
         }
-        let titles = self.kept.as_ref().map(|kept| overlay::titles(self.model.scene(), kept)).unwrap_or_default();
-        self.screen.draw(ui, self.place, self.figures.difference, &titles);
+        self.screen.draw(ui, self.place, &self.comparison);
         self.show_over(ui);
         self.post(ui, now);
         self.pick(ui, now);
@@ -331,6 +351,9 @@ impl App {
             max_error: self.max_error,
             validity: self.validity,
             densities: self.densities.poll(),
+            time: self.clock,
+            tempo: self.tempo,
+            level: self.level,
         }
     }
 
@@ -349,7 +372,7 @@ impl App {
             self.library = Arc::new(self.model.library().clone());
         }
         let points = ui.ctx().pixels_per_point();
-        let pane = Screen::pane(self.place, self.kept.is_some()) * points;
+        let pane = self.place.size() * points;
         let size = [pane.x, pane.y].map(|side| (side.round() as u32).clamp(16, 8192));
         let mut scenes = vec![self.shown()];
         if let Some(kept) = &self.kept {

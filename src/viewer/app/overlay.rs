@@ -7,9 +7,15 @@ use egui::{Align2, Area, Color32, Frame, Id, ProgressBar, RichText, Sense, Ui, V
 use std::collections::BTreeMap;
 
 impl App {
-    /// What is being loaded, and the list of keys.
-    pub(super) fn show_over(&mut self, ui: &Ui) {
+    /// What two variants are compared by, the pixel that is inspected, what is being loaded, and the list of keys.
+    pub(super) fn show_over(&mut self, ui: &mut Ui) {
         let place = self.place;
+        if let Some(kept) = &self.kept {
+            let titles = titles(self.model.scene(), kept);
+            self.comparison.show(ui, place, &titles, self.figures.difference);
+        }
+        self.inspect(ui);
+        self.show_light(ui);
         let dark = Frame::popup(ui.style()).fill(Color32::from_black_alpha(200));
         if let Some((name, done)) = self.loader.progress() {
             Area::new(Id::new("loading")).fixed_pos(place.center() - Vec2::new(130.0, 30.0)).show(ui.ctx(), |ui| {
@@ -66,6 +72,8 @@ impl App {
                 Action::Compare => Some(self.kept.is_some()),
                 Action::Validity => Some(self.validity),
                 Action::Inertia => Some(self.inertia),
+                Action::Level => Some(self.level),
+                Action::Inspect => Some(self.inspector.is_open()),
                 Action::FullScreen => Some(self.full_screen),
                 Action::Record => Some(self.figures.recording.is_some()),
                 _ => None,
@@ -77,8 +85,8 @@ impl App {
                 ui.end_row();
             }
             for (name, what) in keys::MOUSE {
-                ui.label(RichText::new(name).strong());
-                ui.label(what);
+                ui.label(RichText::new(*name).strong());
+                ui.label(*what);
                 ui.end_row();
             }
         });
@@ -86,7 +94,7 @@ impl App {
 }
 
 /// What two variants are called: the first field in which they differ, with its values.
-pub(super) fn titles(now: &Scene, kept: &Scene) -> [String; 2] {
+fn titles(now: &Scene, kept: &Scene) -> [String; 2] {
     let fields = |scene: &Scene| -> BTreeMap<String, String> {
         // Both are seen by the same camera, and say nothing of themselves.
         let differs = |name: &str| !name.starts_with("camera.") && name != "about";

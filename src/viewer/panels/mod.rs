@@ -6,6 +6,7 @@
 
 mod accuracy;
 mod ask;
+mod bookmarks;
 mod editor;
 mod effect;
 mod facts;
@@ -15,13 +16,16 @@ mod parameters;
 mod session;
 mod settings;
 mod stage;
+mod timeline;
 mod transfer;
 pub mod widgets;
 
 pub use ask::Question;
+pub(in crate::viewer) use stage::SIDES;
 
 use super::author::Author;
 use super::model::Model;
+use super::tempo::Tempo;
 use super::unsaved;
 use crate::scene::{Effect, ParameterValue, Scene, Transfer};
 use egui::{CollapsingHeader, Panel, RichText, ScrollArea, Ui};
@@ -67,6 +71,12 @@ pub struct Status {
     pub validity: bool,
     /// How many points of the object have which density, from 0 to 1, where that is known.
     pub densities: Option<Arc<[u32]>>,
+    /// The time, while it runs.
+    pub time: Option<f64>,
+    /// How it runs.
+    pub tempo: Tempo,
+    /// Whether a drag keeps the vertical axis upright.
+    pub level: bool,
 }
 
 /// What only the window can do.
@@ -82,6 +92,12 @@ pub enum Request {
     Record(bool),
     /// Let time stand still, or go on.
     Pause(bool),
+    /// Go to a time, seconds.
+    Time(f64),
+    /// How time runs from now on.
+    Tempo(Tempo),
+    /// Whether a drag keeps the vertical axis upright.
+    Level(bool),
     /// Choose samples so that the error is at most this; none leaves them to the scene.
     MaxError(Option<f64>),
     /// Show which pixels are not to be trusted, or the picture again.
@@ -102,9 +118,11 @@ pub struct Panels {
     stop: usize,
     known: facts::Known,
     asked: ask::Asked,
+    bookmarks: bookmarks::Bookmarks,
     /// Scene file, picture.
     paths: [String; 2],
     author: Author,
+    editor: editor::Editor,
     author_is_open: bool,
     /// Whether settings that the picture does not read have controls too.
     shows_all: bool,
@@ -174,7 +192,20 @@ impl Panels {
         let paths = ["scene.toml".into(), "picture.png".into()];
         let known = facts::Known::default();
         let asked = ask::Asked::default();
-        Ok(Panels { selected: None, stop: 0, known, asked, paths, author, author_is_open: false, shows_all: false })
+        let bookmarks = bookmarks::Bookmarks::default();
+        let editor = editor::Editor::default();
+        Ok(Panels {
+            selected: None,
+            stop: 0,
+            known,
+            asked,
+            bookmarks,
+            paths,
+            author,
+            editor,
+            author_is_open: false,
+            shows_all: false,
+        })
     }
 
     /// The module that is being edited.
@@ -190,6 +221,7 @@ impl Panels {
     /// Offers what windows before this one have kept in folders, and the files that they have opened, which are listed in a
     /// folder of the cache, as those of this one will be.
     pub fn remember(&mut self, kept: Vec<PathBuf>, folder: Option<PathBuf>) {
+        self.bookmarks = bookmarks::Bookmarks::of(folder.as_deref());
         self.asked.remember(kept, folder);
     }
 
@@ -224,6 +256,8 @@ impl Panels {
         ui.spacing_mut().slider_width = 118.0;
         let complaint = self.author.complaint().filter(|_| !self.author_is_open);
         Panel::bottom("status").show(ui, |ui| figures::show(ui, model, status, complaint));
+        let mut time = Vec::new();
+        Panel::bottom("time").show(ui, |ui| timeline::show(ui, model, status, &mut time));
         let mut requests = Panel::right("scene").default_size(376.0).size_range(320.0..=640.0).show(ui, |ui| {
             let requests = self.controls(ui, model, status);
             ui.take_available_width();
@@ -232,11 +266,12 @@ impl Panels {
         if self.author_is_open {
             Panel::left("author").default_size(520.0).size_range(280.0..=1200.0).show(ui, |ui| {
                 ui.add_space(4.0);
-                editor::show(ui, &mut self.author, model);
+                editor::show(ui, &mut self.author, model, &mut self.editor);
             });
         } else if self.author.poll(model) {
             ui.ctx().request_repaint();
         }
+        requests.inner.append(&mut time);
         let unsaved = self.asked.question == Some(Question::Quit) && self.is_unsaved(model);
         requests.inner.extend(self.asked.show(ui, model, &self.paths[0], unsaved));
         requests.inner
@@ -282,7 +317,7 @@ impl Panels {
         section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.stop));
         section(ui, "Material", false, |ui| settings::table(ui, pass, &prefix(part), "material"));
         section(ui, "Light and background", false, |ui| stage::light(ui, pass));
-        section(ui, "Camera", false, |ui| stage::camera(ui, pass));
+        section(ui, "Camera", false, |ui| stage::camera(ui, pass, &mut self.bookmarks));
         section(ui, "Accuracy", false, |ui| accuracy::show(ui, pass));
         if !pass.status.made.is_empty() {
             section(ui, "Made with", false, |ui| figures::made(ui, &pass.status.made));

@@ -90,6 +90,9 @@ fn curve(ui: &mut Ui, transfer: &mut Transfer, densities: &[u32], selected: &mut
         let stroke = Stroke::new(1.0, ui.visuals().faint_bg_color.gamma_multiply(2.0));
         painter.hline(rect.x_range(), place(0.0, quarter).y, stroke);
         painter.vline(place(quarter, 0.0).x, rect.y_range(), stroke);
+        let (font, color) = (FontId::proportional(9.0), ui.visuals().weak_text_color());
+        painter.text(place(quarter, 0.0), Align2::CENTER_BOTTOM, quarter, font.clone(), color);
+        painter.text(place(0.0, quarter), Align2::LEFT_CENTER, format!(" {quarter}"), font, color);
     }
     painter.add(Shape::line(line, Stroke::new(1.5, ui.visuals().strong_text_color())));
     let parts = |pos: Pos2| {

@@ -57,9 +57,11 @@ pub(super) enum Task {
 pub(super) struct Picture {
     /// That of its job.
     pub(super) number: u64,
-    /// One for each variant, and one of the difference of two.
+    /// One for each variant.
     pub(super) images: Vec<ColorImage>,
-    /// Root mean square difference of two variants.
+    /// What they are of: premultiplied linear RGBA; none where pixels are colored by what they are worth.
+    pub(super) frames: Vec<Arc<[[f32; 4]]>>,
+    /// Root mean square difference of two variants, where both are as finely sampled.
     pub(super) difference: Option<f64>,
     pub(super) size: [u32; 2],
     pub(super) samples: u32,

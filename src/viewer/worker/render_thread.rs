@@ -355,7 +355,13 @@ impl RenderThread {
 
     fn tell_picture(&self, job: &Job, frames: &[&[[f32; 4]]], mut picture: Picture) {
         let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
-        (picture.images, picture.difference) = encode_srgb(frames, &backgrounds, picture.size);
+        picture.images = encode_srgb(frames, &backgrounds, picture.size, job.variants[0].scene.image.size);
+        picture.difference = match frames {
+            // Rows of one may be finer than those of the other.
+            [a, b] if picture.stage != Stage::Partial => Some(rms_difference(a, b)),
+            _ => None,
+        };
+        picture.frames = frames.iter().map(|pixels| Arc::from(*pixels)).collect();
         (self.tell)(Event::Picture(picture));
     }
 }

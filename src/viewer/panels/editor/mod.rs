@@ -1,25 +1,47 @@
 //! The panel in which a module is edited.
+//!
+//! Role: the text of a module, and what is around it: which one it is, files, find, what became of it. Invariant: the text
+//! field is one and the same whatever comes and goes around it, and stays where it is on the screen.
+
+mod complete;
+mod find;
+mod paint;
+mod text;
 
 use super::widgets::{button, named};
-use crate::shader::compile::Fault;
 use crate::viewer::author::{Author, State, WATCH};
 use crate::viewer::model::Model;
-use egui::text::{LayoutJob, TextFormat};
-use egui::{Align2, Color32, FontId, Id, RichText, ScrollArea, TextEdit, Ui};
+use complete::Completion;
+use egui::{Color32, FontId, Id, Key, Label, Modifiers, Panel, RichText, ScrollArea, Sense, TextEdit, Ui};
+use find::Find;
 use std::path::PathBuf;
 
-/// Background of a line that is wrong.
-const WRONG_LINE: Color32 = Color32::from_rgb(72, 24, 28);
-/// Text about it.
+/// Text about what is wrong.
 const WRONG: Color32 = Color32::from_rgb(255, 130, 120);
-const COMMENT: Color32 = Color32::from_rgb(122, 142, 122);
-const DECLARATION: Color32 = Color32::from_rgb(226, 178, 96);
 const FONT: FontId = FontId::monospace(13.0);
+/// Height of what is said about the text, points: the same whatever it is, so that the text does not move.
+const VERDICT: f32 = 84.0;
 /// The list of modules leaves out what is no slot of an effect.
 const NO_SLOTS: [&str; 2] = ["doctor", "combine"];
 
-/// Shows the editor; what the text fields hold lives in the memory of `ui`. To be called once for each frame: it polls.
-pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &mut Model) {
+/// What the editor remembers from frame to frame.
+#[derive(Default)]
+pub(super) struct Editor {
+    /// Whether long lines go on in the next row.
+    wraps: bool,
+    find: Find,
+    completion: Completion,
+    /// Where the text is to be shown, as bytes: what is there is selected.
+    go_to: Option<std::ops::Range<usize>>,
+}
+
+/// The text field.
+fn field() -> Id {
+    Id::new("author.text")
+}
+
+/// Shows the editor. To be called once for each frame: it polls.
+pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &mut Model, editor: &mut Editor) {
     author.poll(model);
     ui.horizontal_wrapped(|ui| {
         chooser(ui, author, model);
@@ -41,10 +63,22 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &mut Model) {
         }
     });
     ui.horizontal_wrapped(|ui| files(ui, author, model));
-    contest(ui, author);
-    verdict(ui, author);
+    ui.horizontal_wrapped(|ui| {
+        let wraps = ui.toggle_value(&mut editor.wraps, "wrap");
+        named(ui, &wraps, "author.wrap").on_hover_text("Long lines go on in the next row.");
+        let asked = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::F));
+        if let Some(found) = editor.find.show(ui, &author.text, asked) {
+            editor.go_to = Some(found);
+        }
+    });
     ui.separator();
-    text(ui, author);
+    Panel::bottom("author.verdict").exact_size(VERDICT).show(ui, |ui| {
+        ScrollArea::vertical().id_salt("author.verdict").auto_shrink(false).show(ui, |ui| {
+            contest(ui, author);
+            verdict(ui, author, editor);
+        });
+    });
+    text::show(ui, author, model, editor);
     // A compiler that answers and a file that changes are seen without a move of the mouse.
     let wait = if *author.state() == State::Compiling { 30 } else { WATCH.as_millis() as u64 };
     ui.ctx().request_repaint_after(std::time::Duration::from_millis(wait));
@@ -129,79 +163,36 @@ fn contest(ui: &mut Ui, author: &mut Author) {
     }
 }
 
-/// What became of the text, with every fault.
-fn verdict(ui: &mut Ui, author: &Author) {
+/// What became of the text, with every fault; a click on one leads to its line.
+fn verdict(ui: &mut Ui, author: &Author, editor: &mut Editor) {
     match author.state() {
         State::Good => drop(ui.label(RichText::new("good: this is what the picture is made of").weak())),
         State::Compiling => drop(ui.label(RichText::new("compiling ...").weak())),
         State::Bad(faults) => {
+            ui.label(RichText::new("the picture shows the last good text").weak());
             for fault in faults {
                 let text = match &fault.at {
                     Some((path, line)) => format!("{path}:{line}: {}", fault.text),
                     None => fault.text.clone(),
                 };
-                ui.label(RichText::new(text).color(WRONG).monospace());
+                let label = Label::new(RichText::new(text).color(WRONG).monospace()).wrap().sense(Sense::click());
+                let clicked = ui.add(label).clicked();
+                if let Some((_, line)) = fault.at.as_ref().filter(|(path, _)| clicked && *path == author.path()) {
+                    editor.go_to = Some(line_at(&author.text, *line));
+                }
             }
-            ui.label(RichText::new("the picture shows the last good text").weak());
         }
     }
 }
 
-/// Line numbers and text; a wrong line is marked, with the message at its end.
-fn text(ui: &mut Ui, author: &mut Author) {
-    let path = author.path();
-    let faults: Vec<Fault> = match author.state() {
-        State::Bad(faults) => faults.clone(),
-        _ => Vec::new(),
-    };
-    let here = |line: usize| {
-        faults.iter().find(|fault| fault.at.as_ref().is_some_and(|(file, at)| *file == path && *at == line))
-    };
-    ScrollArea::both().id_salt("author.text").auto_shrink(false).show(ui, |ui| {
-        ui.horizontal_top(|ui| {
-            let lines = author.text.matches('\n').count() + 1;
-            let numbers = (1..=lines).map(|line| format!("{line:>3}")).collect::<Vec<_>>().join("\n");
-            ui.add_space(2.0);
-            ui.vertical(|ui| {
-                ui.add_space(2.0); // the margin of the text beside it
-                ui.label(RichText::new(numbers).font(FONT).weak());
-            });
-            let mut layouter = |ui: &Ui, buffer: &dyn egui::TextBuffer, _: f32| {
-                ui.fonts_mut(|fonts| fonts.layout_job(layout(buffer.as_str(), &here)))
-            };
-            // Whatever comes and goes around it, it is the same field, and keeps the keys.
-            let edit = TextEdit::multiline(&mut author.text)
-                .id(Id::new("author.text"))
-                .font(FONT)
-                .desired_width(f32::INFINITY)
-                .desired_rows(24);
-            let shown = edit.lock_focus(true).layouter(&mut layouter).show(ui);
-            named(ui, &shown.response, "author.text");
-            for (row, line) in shown.galley.rows.iter().zip(1..) {
-                if let Some(fault) = here(line) {
-                    let at = shown.galley_pos + row.rect().right_center().to_vec2() + egui::vec2(16.0, 0.0);
-                    ui.painter().text(at, Align2::LEFT_CENTER, format!("◀ {}", fault.text), FONT, WRONG);
-                }
-            }
-            if shown.response.changed() {
-                author.touch();
-            }
-        });
-    });
-}
-
-/// The text with its comments and declarations told apart; lines are not wrapped, so that a row is a line.
-fn layout<'a>(text: &str, wrong: &dyn Fn(usize) -> Option<&'a Fault>) -> LayoutJob {
-    let mut job = LayoutJob { break_on_newline: true, ..LayoutJob::default() };
-    for (line, number) in text.split_inclusive('\n').zip(1..) {
-        let trimmed = line.trim_start();
-        let color = match () {
-            () if trimmed.starts_with("// @") => DECLARATION,
-            () if trimmed.starts_with("//") => COMMENT,
-            () => Color32::from_gray(214),
-        };
-        let background = if wrong(number).is_some() { WRONG_LINE } else { Color32::TRANSPARENT };
-        job.append(line, 0.0, TextFormat { background, ..TextFormat::simple(FONT, color) });
+/// The bytes of a line, counted from 1, without its end.
+fn line_at(text: &str, line: usize) -> std::ops::Range<usize> {
+    let mut start = 0;
+    for (index, row) in text.split_inclusive('\n').enumerate() {
+        if index + 1 == line {
+            return start..start + row.trim_end_matches('\n').len();
+        }
+        start += row.len();
     }
-    job
+    text.len()..text.len()
 }

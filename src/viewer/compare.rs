@@ -1,0 +1,130 @@
+//! How two variants are looked at: with a line between them that is moved, by their difference, or one after the other.
+
+use super::panels::widgets::named;
+use egui::{Align2, Area, Color32, CursorIcon, FontId, Frame, Id, Rect, Sense, Slider, Stroke, Ui, Vec2, pos2, vec2};
+
+/// What is shown of two variants.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Half {
+    /// The kept one left of a line, the one that is edited right of it.
+    #[default]
+    Wipe,
+    /// Their difference, enlarged.
+    Difference,
+    /// The one that is edited.
+    Now,
+    /// The one that was kept.
+    Kept,
+}
+
+/// Every way to look, with what it is called.
+const HALVES: [(Half, &str, &str); 4] = [
+    (Half::Wipe, "wipe", "The kept variant left of a line, the one that is edited right of it."),
+    (
+        Half::Difference,
+        "difference",
+        "The absolute difference in linear light, or of opacity where that is more, times the gain.",
+    ),
+    (Half::Now, "now", "The variant that is edited."),
+    (Half::Kept, "kept", "The variant that was kept."),
+];
+/// Width of the line that is moved, for the pointer.
+const GRIP: f32 = 12.0;
+
+/// How two variants are looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    /// What is shown.
+    pub half: Half,
+    /// Where the line of the wipe is: 0 is the left side of the picture, 1 the right.
+    pub at: f32,
+    /// How many times the difference is enlarged.
+    pub gain: f32,
+}
+
+impl Default for Comparison {
+    fn default() -> Comparison {
+        Comparison { half: Half::Wipe, at: 0.5, gain: 8.0 }
+    }
+}
+
+impl Comparison {
+    /// The next way to look.
+    pub fn next(&mut self) {
+        let here = HALVES.iter().position(|(half, ..)| *half == self.half).unwrap_or_default();
+        self.half = HALVES[(here + 1) % HALVES.len()].0;
+    }
+
+    /// What is over the pictures in `place`: the line, what the variants are called, `now` and `kept`, and how to look at
+    /// them. `rms` is their difference, where both are as finely sampled.
+    pub fn show(&mut self, ui: &mut Ui, place: Rect, [now, kept]: &[String; 2], rms: Option<f64>) {
+        if self.half == Half::Wipe {
+            self.line(ui, place);
+        }
+        let shows = |half: Half| self.half == half || self.half == Half::Wipe;
+        if shows(Half::Kept) {
+            title(ui, place, Align2::LEFT_BOTTOM, kept);
+        }
+        if shows(Half::Now) {
+            title(ui, place, Align2::RIGHT_BOTTOM, now);
+        }
+        let dark = Frame::popup(ui.style()).fill(Color32::from_black_alpha(200));
+        Area::new(Id::new("compare")).fixed_pos(place.left_top() + Vec2::splat(10.0)).show(ui.ctx(), |ui| {
+            dark.show(ui, |ui| {
+                ui.set_max_width((place.width() - 40.0).max(120.0));
+                ui.horizontal_wrapped(|ui| self.bar(ui, rms));
+            });
+        });
+    }
+
+    fn bar(&mut self, ui: &mut Ui, rms: Option<f64>) {
+        for (half, text, doc) in HALVES {
+            let response = ui.selectable_value(&mut self.half, half, text).on_hover_text(doc);
+            named(ui, &response, &format!("compare.{text}"));
+        }
+        match self.half {
+            Half::Wipe => {
+                let response = ui.add(Slider::new(&mut self.at, 0.0..=1.0).show_value(false).text("line"));
+                named(ui, &response, "compare.at").on_hover_text("Where the line is; drag it, or use the arrow keys.");
+            }
+            Half::Difference => {
+                let response = ui.add(Slider::new(&mut self.gain, 1.0..=1024.0).logarithmic(true).text("gain"));
+                named(ui, &response, "compare.gain").on_hover_text("How many times the difference is enlarged.");
+            }
+            Half::Now | Half::Kept => {}
+        }
+        let text = match rms {
+            Some(rms) => format!("RMS {rms:.1e}"),
+            None => "RMS: not yet as finely sampled".into(),
+        };
+        ui.label(text).on_hover_text(
+            "Root mean square of the difference over all channels, linear light; only of two pictures with the same number of samples.",
+        );
+    }
+
+    /// The line between both, to be dragged.
+    fn line(&mut self, ui: &Ui, place: Rect) {
+        let x = egui::lerp(place.x_range(), self.at);
+        let grip = Rect::from_center_size(pos2(x, place.center().y), vec2(GRIP, place.height()));
+        let response =
+            ui.interact(grip, Id::new("compare.line"), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal);
+        if let Some(pos) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+            self.at = ((pos.x - place.left()) / place.width().max(1.0)).clamp(0.0, 1.0);
+        }
+        let x = egui::lerp(place.x_range(), self.at);
+        let painter = ui.painter_at(place);
+        let held = response.hovered() || response.dragged();
+        painter.vline(x, place.y_range(), Stroke::new(3.0, Color32::from_black_alpha(160)));
+        painter.vline(x, place.y_range(), Stroke::new(if held { 2.0 } else { 1.0 }, Color32::WHITE));
+        painter.circle(pos2(x, place.center().y), 5.0, Color32::WHITE, Stroke::new(1.0, Color32::BLACK));
+    }
+}
+
+/// What a variant is called, at a corner of the pictures.
+fn title(ui: &Ui, place: Rect, corner: Align2, text: &str) {
+    let painter = ui.painter_at(place);
+    let galley = painter.layout_no_wrap(text.into(), FontId::proportional(13.0), Color32::WHITE);
+    let rect = corner.anchor_size(corner.pos_in_rect(&place.shrink(10.0)), galley.size());
+    painter.rect_filled(rect.expand(4.0), 3.0, Color32::from_black_alpha(190));
+    painter.galley(rect.min, galley, Color32::WHITE);
+}

@@ -1,0 +1,151 @@
+//! What is found of a pixel, on a thread of its own.
+
+use crate::measure::reference::{TOLERANCE, reference_pixels, truth_of};
+use crate::render::variant::Variant as Program;
+use crate::render::{Subject, density_along};
+use crate::scene::Scene;
+use crate::shader::Library;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, mpsc};
+use std::thread;
+
+/// Places along the ray. Fewer: thin matter is left out of the plot. More: it comes later.
+const PLACES: usize = 512;
+
+/// The value of a pixel in f64.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exact {
+    /// Premultiplied linear RGBA.
+    pub value: [f64; 4],
+    /// How far off its worst channel may be, as far as samples say.
+    pub error: f64,
+    /// Whether bounds prove that samples have overlooked nothing that can be seen.
+    pub proven: bool,
+}
+
+/// What is known of a pixel.
+#[derive(Clone, Debug, Default)]
+pub struct Answers {
+    /// Along its ray: distance from the camera, object units, and density.
+    pub ray: Option<Result<Vec<[f64; 2]>, String>>,
+    /// Its reference.
+    pub exact: Option<Result<Exact, String>>,
+    /// The modules of its program by slot, those of further objects behind the name of the object.
+    pub modules: Vec<[String; 2]>,
+    /// Whether nothing more comes.
+    pub done: bool,
+}
+
+/// One answer.
+enum Answer {
+    Modules(Vec<[String; 2]>),
+    Ray(Result<Vec<[f64; 2]>, String>),
+    Exact(Result<Exact, String>),
+}
+
+/// What is being looked for; it is given up with this.
+pub(super) struct Search {
+    pixel: [u32; 2],
+    scene: Scene,
+    library: Arc<Library>,
+    cancel: Arc<AtomicBool>,
+    coming: mpsc::Receiver<Answer>,
+}
+
+impl Drop for Search {
+    fn drop(&mut self) {
+        self.cancel();
+    }
+}
+
+impl Search {
+    /// Begins. `notify` is called from the other thread for each answer.
+    pub(super) fn start(
+        pixel: [u32; 2],
+        scene: Scene,
+        library: Arc<Library>,
+        subject: Arc<Subject>,
+        notify: impl Fn() + Send + 'static,
+    ) -> Search {
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (sender, coming) = mpsc::channel();
+        let (own, modules, stop) = (scene.clone(), library.clone(), cancel.clone());
+        thread::spawn(move || {
+            // Nobody listens to a search that was given up.
+            let tell = |answer| drop((sender.send(answer), notify()));
+            let stops = || stop.load(Ordering::Relaxed);
+            tell(Answer::Modules(modules_of(&own, &modules)));
+            if !stops() {
+                let ray = density_along(&modules, &own, &subject, pixel, PLACES);
+                tell(Answer::Ray(ray.map_err(|error| error.to_string())));
+            }
+            if !stops() {
+                tell(Answer::Exact(exact(&modules, &own, &subject, pixel, &stops)));
+            }
+            drop(sender);
+            notify();
+        });
+        Search { pixel, scene, library, cancel, coming }
+    }
+
+    /// One that ends only when it is given up; and whether it was.
+    #[cfg(test)]
+    pub(super) fn endless(pixel: [u32; 2], scene: Scene, library: Arc<Library>) -> (Search, Arc<AtomicBool>) {
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (sender, coming) = mpsc::channel();
+        std::mem::forget(sender); // it says nothing, and does not end
+        (Search { pixel, scene, library, cancel: cancel.clone(), coming }, cancel)
+    }
+
+    /// Whether this is what is found of the pixel of a scene.
+    pub(super) fn is_of(&self, pixel: [u32; 2], scene: &Scene, library: &Arc<Library>) -> bool {
+        self.pixel == pixel && Arc::ptr_eq(&self.library, library) && self.scene == *scene
+    }
+
+    /// Gives up; what was found stays.
+    pub(super) fn cancel(&self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+
+    /// Takes what was found.
+    pub(super) fn poll(&mut self, answers: &mut Answers) {
+        loop {
+            match self.coming.try_recv() {
+                Ok(Answer::Modules(modules)) => answers.modules = modules,
+                Ok(Answer::Ray(ray)) => answers.ray = Some(ray),
+                Ok(Answer::Exact(exact)) => answers.exact = Some(exact),
+                Err(mpsc::TryRecvError::Empty) => return,
+                Err(mpsc::TryRecvError::Disconnected) => {
+                    answers.done = true;
+                    return;
+                }
+            }
+        }
+    }
+}
+
+/// The reference of one pixel.
+fn exact(
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    pixel: [u32; 2],
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Result<Exact, String> {
+    let truth = truth_of(scene, library).map_err(|error| error.to_string())?;
+    let found = reference_pixels(library, &truth, subject, &[pixel], TOLERANCE, &|_| (), stop);
+    let found = found.map_err(|error| error.to_string())?;
+    Ok(Exact { value: found.pixels[0], error: found.estimate[0], proven: found.proven() == 1 })
+}
+
+/// The modules that the program of a scene reads for its matter, by slot.
+fn modules_of(scene: &Scene, library: &Library) -> Vec<[String; 2]> {
+    let Ok(program) = Program::of(scene, library) else { return Vec::new() };
+    let slots: Vec<&str> =
+        scene.effect.modules().iter().map(|(slot, _)| *slot).chain(["object", "dmf", "warp"]).collect();
+    let is_matter = |key: &str| slots.contains(&key.rsplit('.').next().unwrap_or_default());
+    let key = program.key();
+    let filled = key.split(' ').filter_map(|filled| filled.split_once('='));
+    let filled = filled.filter(|(slot, names)| is_matter(slot) && !names.is_empty());
+    filled.map(|(slot, names)| [slot.to_string(), names.replace('+', " + ")]).collect()
+}

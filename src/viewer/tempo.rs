@@ -1,0 +1,44 @@
+//! How time runs while it is played.
+
+/// Speed, and the part of time that is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tempo {
+    /// Seconds of the scene in a second.
+    pub speed: f64,
+    /// First and last time of the timeline, seconds.
+    pub range: [f64; 2],
+    /// Whether time begins again at its end.
+    pub repeats: bool,
+}
+
+impl Default for Tempo {
+    fn default() -> Tempo {
+        Tempo { speed: 1.0, range: [0.0, 10.0], repeats: false }
+    }
+}
+
+impl Tempo {
+    /// The time, so many seconds of the window after another.
+    pub fn after(&self, time: f64, passed: f64) -> f64 {
+        let next = time + self.speed * passed;
+        let [from, to] = self.range;
+        if self.repeats && from < to { from + (next - from).rem_euclid(to - from) } else { next }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_runs_at_its_speed_and_begins_again_only_where_it_repeats() {
+        let once = Tempo { speed: 2.0, range: [1.0, 3.0], repeats: false };
+        assert_eq!(once.after(2.5, 1.0), 4.5);
+        let again = Tempo { repeats: true, ..once };
+        assert_eq!(again.after(2.5, 0.125), 2.75);
+        assert_eq!(again.after(2.5, 1.0), 2.5);
+        assert_eq!(again.after(0.0, 0.0), 2.0, "a time outside is brought in");
+        let empty = Tempo { range: [1.0, 1.0], ..again };
+        assert_eq!(empty.after(2.0, 1.0), 4.0);
+    }
+}
