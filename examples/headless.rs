@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let subject = Subject::load(&scene, &library, &|_| ())?;
     let gpu = Gpu::new(&Options::default())?;
     let frame = render(&gpu, &library, &scene, &subject)?;
-    let provenance = output::Provenance::of(&scene, &gpu.info().title(), &frame.measurements.modules)?;
+    let provenance = output::Provenance::of(&scene, &gpu.info().title(), &frame.measurements)?;
     output::write(&frame, scene.image.background, output::Depth::Eight, &provenance, file.as_ref())?;
     println!("{} slices in {:.1} ms, wrote {file}", frame.measurements.slices, frame.measurements.gpu_ms);
     Ok(())

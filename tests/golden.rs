@@ -10,7 +10,7 @@ mod common;
 
 use hypertexture::gpu::Gpu;
 use hypertexture::output::{self, Depth, Provenance};
-use hypertexture::render::{Subject, render};
+use hypertexture::render::{Measurements, Subject, render};
 use hypertexture::scene::{self, Color, Pass, Scene};
 use hypertexture::shader;
 use image::{Rgb, RgbImage};
@@ -208,7 +208,7 @@ fn picture(gpu: &Gpu, scene: &Scene) -> RgbImage {
     let frame = render(gpu, &library, scene, &subject).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("actual.png");
-    let provenance = Provenance::of(scene, "", "").unwrap();
+    let provenance = Provenance::of(scene, "", &Measurements::default()).unwrap();
     output::write(&frame, scene.image.background, Depth::Eight, &provenance, &path).unwrap();
     image::open(&path).unwrap().to_rgb8()
 }

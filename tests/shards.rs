@@ -62,7 +62,7 @@ fn whole(size: [u32; 2]) -> Whole {
         size,
         background: Some(Color([1, 2, 3])),
         depth: Depth::Sixteen,
-        provenance: Provenance::of(&Scene::default(), "this one", "surface=lit").unwrap(),
+        provenance: Provenance::of(&Scene::default(), "this one", &Measurements::default()).unwrap(),
     }
 }
 

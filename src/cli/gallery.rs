@@ -179,7 +179,7 @@ pub fn write(
         std::fs::create_dir_all(folder).map_err(io(folder))?; // not before an object that cannot be read
         let file = format!("{name}.png");
         let path = folder.join(&file);
-        let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements.modules);
+        let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements);
         let provenance = provenance.map_err(|source| OutputError::Provenance { path: name.clone(), source })?;
         output::write(&frame, scene.image.background, Depth::Eight, &provenance, &path)?;
         let variant = Variant::of(scene, library).map_err(RenderError::from)?;

@@ -52,7 +52,7 @@ pub(super) fn render_picture(picture: &Picture<'_>) -> Result<Frame, Box<dyn Err
         renderer.prepare(scene, progress)?;
         renderer.render(scene)
     })?;
-    let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements.modules)?;
+    let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements)?;
     write(&frame, scene.image.background, picture.depth(), &provenance, output)?;
     if !quiet {
         say(&summary(picture, &frame)?);
@@ -97,7 +97,7 @@ pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<(), Bo
         size: scene.image.size,
         background: scene.image.background,
         depth: picture.depth(),
-        provenance: Provenance::of(scene, &gpu.info().title(), &frame.measurements.modules)?,
+        provenance: Provenance::of(scene, &gpu.info().title(), &frame.measurements)?,
     };
     let path = shard.path(output);
     write_whole(&path, &shard::encode(&whole, shard, &frame))

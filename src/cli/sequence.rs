@@ -109,7 +109,7 @@ pub fn render_frames(
             }
             let scene = sequence.scene(scene, *frame);
             let drawn = renderer.render(&scene)?;
-            let provenance = Provenance::of(&scene, &gpu.info().title(), &drawn.measurements.modules)?;
+            let provenance = Provenance::of(&scene, &gpu.info().title(), &drawn.measurements)?;
             write(&drawn, scene.image.background, picture.depth(), &provenance, path)?;
             manifest.add(*frame, path)?;
             rendered += 1;

@@ -206,6 +206,7 @@ fn exr(frame: &Frame, background: Option<Color>, provenance: &Provenance) -> exr
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::Measurements;
     use crate::scene::{Scene, srgb_to_linear};
 
     fn frame(pixels: Vec<[f32; 4]>) -> Frame {
@@ -217,7 +218,7 @@ mod tests {
     }
 
     fn provenance() -> Provenance {
-        Provenance::of(&Scene::default(), "a device", "").unwrap()
+        Provenance::of(&Scene::default(), "a device", &Measurements::default()).unwrap()
     }
 
     #[test]

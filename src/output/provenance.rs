@@ -4,6 +4,7 @@
 //! and the path of an input as the person typed it. PNG holds it in an iTXt chunk, OpenEXR in a text attribute, as TOML.
 
 use super::PROGRAM;
+use crate::render::Measurements;
 use crate::scene::{self, Reach, Scene, SceneError};
 use crate::shape::BUILT_IN;
 use crate::support::open;
@@ -30,7 +31,8 @@ pub struct Provenance {
     pub scene_hash: String,
     /// The scene, complete with defaults, as a scene file.
     pub scene: String,
-    /// BLAKE3 hashes of the files that the scene reads, by path as in the scene; of a folder, that of its files.
+    /// BLAKE3 hashes of the files that the scene reads, by path as in the scene, and of those beside them that hold their
+    /// data; of a folder, that of its files.
     #[serde(default)]
     pub inputs: BTreeMap<String, String>,
 }
@@ -81,21 +83,23 @@ pub enum ProvenanceError {
 }
 
 impl Provenance {
-    /// The provenance of a picture of a scene, rendered by this program; `modules` as in its measurements.
+    /// The provenance of a picture of a scene, rendered by this program, with what was measured of it.
     ///
     /// # Errors
     /// [`ProvenanceError::Missing`] where a file of the scene is no longer there.
-    pub fn of(scene: &Scene, device: &str, modules: &str) -> Result<Provenance, ProvenanceError> {
+    pub fn of(scene: &Scene, device: &str, measured: &Measurements) -> Result<Provenance, ProvenanceError> {
         let mut inputs = BTreeMap::new();
-        for (_, input) in scene.files() {
-            if !BUILT_IN.contains(&input) && !inputs.contains_key(input) {
-                let missing = |reason| ProvenanceError::Missing { input: input.into(), reason, said: "?".into() };
-                inputs.insert(input.into(), hash_of(Path::new(input)).map_err(missing)?);
+        let named = scene.files().map(|(_, input)| input.to_string()).filter(|input| !BUILT_IN.contains(&&**input));
+        for input in named.chain(measured.others.iter().map(|path| path.display().to_string())) {
+            if !inputs.contains_key(&input) {
+                let hash = hash_of(Path::new(&input));
+                let missing = |reason| ProvenanceError::Missing { input: input.clone(), reason, said: "?".into() };
+                inputs.insert(input.clone(), hash.map_err(missing)?);
             }
         }
         let text = scene::to_text(scene);
         let scene_hash = blake3::hash(text.as_bytes()).to_string();
-        let (program, device, modules) = (PROGRAM.into(), device.into(), modules.into());
+        let (program, device, modules) = (PROGRAM.into(), device.into(), measured.modules.clone());
         Ok(Provenance { program, device, modules, scene_hash, scene: text, inputs })
     }
 
@@ -181,6 +185,8 @@ fn hash_of(path: &Path) -> io::Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::Subject;
+    use crate::shader::shipped;
 
     #[test]
     fn any_text_comes_back_as_it_was() {
@@ -189,7 +195,7 @@ mod tests {
             Scene { about: "line\nline\r\n\"\"\" ''' \\ \u{0} \u{7f} é 毛 \u{1f525}".into(), ..Scene::default() };
         scene.object.input = folder.path().join("ü '\"\n.obj").display().to_string();
         std::fs::write(&scene.object.input, "v 0 0 0").unwrap();
-        let whole = Provenance::of(&scene, "a \"device\"", "surface=lit").unwrap();
+        let whole = Provenance::of(&scene, "a \"device\"", &Measurements::default()).unwrap();
         let read = Provenance::from_text(&whole.to_text()).unwrap();
         assert_eq!(read, whole);
         assert_eq!(read.scene(Path::new("x.png"), Reach::Anywhere).unwrap(), scene);
@@ -204,7 +210,7 @@ mod tests {
         ["a", "b"].iter().for_each(|name| fs::write(scan.join(name), name).unwrap());
         let mut scene = Scene::default();
         scene.object.input = scan.display().to_string();
-        let whole = Provenance::of(&scene, "a device", "surface=lit").unwrap();
+        let whole = Provenance::of(&scene, "a device", &Measurements::default()).unwrap();
         let is_same = || whole.check_inputs(&folder.path().join("x.png")).is_ok();
         assert!(is_same());
         fs::rename(scan.join("b"), scan.join("c")).unwrap();
@@ -216,8 +222,28 @@ mod tests {
     }
 
     #[test]
+    fn the_data_of_a_header_is_known_by_its_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let [header, data] = ["scan.nhdr", "scan.raw"].map(|name| folder.path().join(name));
+        fs::write(&header, "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 8 8 8\nencoding: raw\ndata file: scan.raw\n")
+            .unwrap();
+        let ball = |k: i32| [k % 8, k / 8 % 8, k / 64].map(|at| (2 * at - 7).pow(2)).iter().sum::<i32>() < 40;
+        fs::write(&data, (0..512).map(|k| 200 * u8::from(ball(k))).collect::<Vec<_>>()).unwrap();
+        let mut scene = Scene::default();
+        (scene.object.input, scene.object.iso) = (header.display().to_string(), Some(100.0));
+        let subject = Subject::load(&scene, &shipped(), &|_| ()).unwrap();
+        let others = subject.all_others().cloned().collect();
+        let whole = Provenance::of(&scene, "a device", &Measurements { others, ..Measurements::default() }).unwrap();
+        assert_eq!(whole.inputs.len(), 2, "{:?}", whole.inputs);
+        let said = || whole.check_inputs(&folder.path().join("x.png")).map_err(|error| error.to_string());
+        assert_eq!(said(), Ok(()));
+        fs::write(&data, [100; 512]).unwrap();
+        assert!(said().unwrap_err().contains("scan.raw"), "{:?}", said());
+    }
+
+    #[test]
     fn what_is_no_provenance_or_was_changed_is_refused_in_one_line() {
-        let good = Provenance::of(&Scene::default(), "a device", "surface=lit").unwrap().to_text();
+        let good = Provenance::of(&Scene::default(), "a device", &Measurements::default()).unwrap().to_text();
         let said = |text: &str| Provenance::from_text(text).unwrap_err().to_string();
         for (text, expected) in [
             (String::new(), "cannot be read: missing field `program`"),

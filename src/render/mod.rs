@@ -56,6 +56,7 @@ use crate::gpu::GpuError;
 use crate::render::variant::VariantError;
 use crate::shape::ShapeError;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// A picture and what it took.
 #[derive(Clone, Debug)]
@@ -88,6 +89,9 @@ pub struct Read {
 pub struct Measurements {
     /// Slots and modules of the program.
     pub modules: String,
+    /// Files that its objects were read from besides those that the scene names.
+    #[serde(default)]
+    pub others: Vec<PathBuf>,
     /// Whether the program was linked when the crate was built.
     pub shipped: bool,
     /// What the scene did not need.

@@ -284,6 +284,7 @@ impl Prepared {
         let targets: u64 = images.map(gpu::Image::bytes).sum();
         let measurements = Measurements {
             modules: variant.key(),
+            others: Vec::new(),
             shipped: self.program.shipped,
             left_out: self.program.left_out(),
             octaves: variant.reads("turbulence").then_some([variant.octaves, scene.effect.octaves]),

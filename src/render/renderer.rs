@@ -99,6 +99,7 @@ impl Renderer {
         let frame = prepared.frame(scene, &subject, &variant, bands, wanted);
         let mut frame = frame.map_err(|error| explained(error, &self.library, scene, &subject))?;
         frame.measurements.total_ms = start.elapsed().as_secs_f64() * 1e3;
+        frame.measurements.others = subject.all_others().cloned().collect();
         Ok(frame)
     }
 

@@ -5,10 +5,11 @@ use crate::field::{self, ClosestPoints, DistanceField, Progress};
 use crate::render::variant::Variant;
 use crate::scene::{Axis, Object, Scene};
 use crate::shader::Library;
-use crate::shape::{self, Shape, ShapeError};
+use crate::shape::{self, Opened, Shape, ShapeError};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The object of a scene, ready to be drawn in any effect.
@@ -36,6 +37,8 @@ pub struct Subject {
     pub report: Option<field::FieldReport>,
     /// The iso-value of a scan for which none was given.
     pub proposed_iso: Option<f32>,
+    /// Files that it was read from besides the one that the scene names: the data of a header, the slices of a series.
+    pub others: Vec<PathBuf>,
     /// The additional objects of the scene, each in a space of its own.
     pub parts: BTreeMap<String, Subject>,
 }
@@ -99,7 +102,7 @@ impl Subject {
         if object.is_formula() {
             return Ok(formula(&object.input));
         }
-        let shape = open(object)?;
+        let (shape, others) = opened(object)?;
         let mut request = request(&shape, object, margin);
         if let Some(other) = other {
             let margin = field_margin(margin) / other.scale;
@@ -135,7 +138,27 @@ impl Subject {
         let input = object.input.clone();
         let (field, report, parts) = (Some(Arc::new(field)), Some(report), BTreeMap::new());
         let closest = points.map(Arc::new);
-        Ok(Subject { input, field, closest, center, offset, scale, half_size, radius, report, proposed_iso, parts })
+        Ok(Subject {
+            input,
+            field,
+            closest,
+            center,
+            offset,
+            scale,
+            half_size,
+            radius,
+            report,
+            proposed_iso,
+            others,
+            parts,
+        })
+    }
+}
+
+impl Subject {
+    /// The other files of all objects.
+    pub fn all_others(&self) -> impl Iterator<Item = &PathBuf> {
+        self.others.iter().chain(self.parts.values().flat_map(|part| &part.others))
     }
 }
 
@@ -144,7 +167,14 @@ impl Subject {
 /// # Errors
 /// The input cannot be read.
 pub fn open(object: &Object) -> Result<Shape, ShapeError> {
-    let mut shape = shape::open(&object.input)?;
+    opened(object).map(|(shape, _)| shape)
+}
+
+/// The same, and the other files that it was read from.
+fn opened(object: &Object) -> Result<(Shape, Vec<PathBuf>), ShapeError> {
+    let mut opened = Opened::of(&object.input)?;
+    let others = std::mem::take(&mut opened.others);
+    let mut shape = opened.warned(&object.input);
     if let Shape::Volume(volume) = &mut shape {
         if object.distance {
             volume.content = shape::Content::SignedDistance;
@@ -163,7 +193,7 @@ pub fn open(object: &Object) -> Result<Shape, ShapeError> {
             volume.content = shape::Content::LevelSet;
         }
     }
-    Ok(shape)
+    Ok((shape, others))
 }
 
 /// Whether it is a volume of scalars that was brought.

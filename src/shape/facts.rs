@@ -3,7 +3,7 @@
 //! Role: a shape -> a few lines for a person and for a program, and the histogram of a scan. Invariant: the file is all that is
 //! looked at; how a scene reads it changes nothing.
 
-use super::{Content, Histogram, Mesh, Shape, ShapeError, Solid, Volume, open_noted};
+use super::{Content, Histogram, Mesh, Opened, Shape, ShapeError, Solid, Volume};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -47,7 +47,7 @@ impl Facts {
     /// # Errors
     /// Those of [`open`](super::open).
     pub fn of(input: &str) -> Result<Facts, ShapeError> {
-        let (shape, notes) = open_noted(input)?;
+        let Opened { shape, notes, .. } = Opened::of(input)?;
         let mut facts = match &shape {
             Shape::Solid(solid) => of_solid(solid),
             Shape::Mesh(mesh) => of_mesh(mesh),

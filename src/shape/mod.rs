@@ -52,7 +52,7 @@ pub use generated::BUILT_IN;
 pub use iso_values::Histogram;
 pub use mesh::Edges;
 pub use nrrd::write_nrrd;
-pub use open::{open, open_noted, read, read_noted};
+pub use open::{Opened, open, read, read_noted};
 pub use raw::{RawLayout, open_raw};
 pub use sample_type::{SampleType, UnknownSampleType};
 pub use write_mesh::MeshFormat;

@@ -40,53 +40,65 @@ const FORMATS: &[Format] = &[
 /// is chosen by its content where the content tells (NRRD, MetaImage, DICOM, OpenVDB, NIfTI, glTF, PLY, STL), else by its
 /// extension (OBJ). Coordinates stay as they are in the file, but those of DICOM are turned to the axes of NIfTI. A folder is
 /// the DICOM series in it, and a slice stands for its series; other folders, devices and pipes are refused. Each note of
-/// [`open_noted`] becomes a warning in the log.
+/// [`Opened`] becomes a warning in the log.
 ///
 /// # Errors
 /// Any [`ShapeError`]; its message is one line.
 pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
-    Ok(warned(name_or_path, open_noted(name_or_path)?))
+    Ok(Opened::of(name_or_path)?.warned(name_or_path))
 }
 
-/// [`open`], with what a person should know of the file besides: short sentences, each about a part of its geometry
-/// that was left out.
-///
-/// # Errors
-/// Those of [`open`].
-pub fn open_noted(name_or_path: &str) -> Result<(Shape, Vec<String>), ShapeError> {
-    if let Some(shape) = generated::built_in(name_or_path) {
-        return Ok((shape, Vec::new()));
-    }
-    let path = Path::new(name_or_path);
-    if path.is_dir() {
-        return Ok((dicom::read_folder(&shown(name_or_path), path)?, Vec::new()));
-    }
-    let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
-    let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-    parse(name_or_path, len, Some(folder), &mut BufReader::new(opened))
+/// A shape, and what is known of its file besides.
+#[derive(Clone, Debug)]
+pub struct Opened {
+    /// What [`open`] gives.
+    pub shape: Shape,
+    /// What a person should know: short sentences, each about a part of its geometry that was left out.
+    pub notes: Vec<String>,
+    /// Other files that it was read from: the data of a header, the slices of a series.
+    pub others: Vec<PathBuf>,
 }
 
+impl Opened {
+    /// Opens a built-in object or a file, as [`open`] does.
+    ///
+    /// # Errors
+    /// Those of [`open`].
+    pub fn of(name_or_path: &str) -> Result<Opened, ShapeError> {
+        let alone = |shape| Opened { shape, notes: Vec::new(), others: Vec::new() };
+        if let Some(shape) = generated::built_in(name_or_path) {
+            return Ok(alone(shape));
+        }
+        let path = Path::new(name_or_path);
+        if path.is_dir() {
+            return Ok(alone(dicom::read_folder(&shown(name_or_path), path)?));
+        }
+        let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        parse(name_or_path, len, Some(folder), &mut BufReader::new(opened))
+    }
+
+    /// The shape, once its notes are in the log.
+    pub fn warned(self, name: &str) -> Shape {
+        self.notes.iter().for_each(|note| log::warn!("{}: {note}", shown(name)));
+        self.shape
+    }
+}
 /// Reads the content of a file that is already in memory; `name` supplies the extension and the name for messages.
 /// Notes become warnings as in [`open`].
 ///
 /// # Errors
 /// Any [`ShapeError`] that the content can cause.
 pub fn read(name: &str, bytes: &[u8]) -> Result<Shape, ShapeError> {
-    Ok(warned(name, read_noted(name, bytes)?))
+    Ok(read_noted(name, bytes)?.warned(name))
 }
 
-/// [`read`], with the notes of [`open_noted`].
+/// [`read`], with its notes.
 ///
 /// # Errors
 /// Those of [`read`].
-pub fn read_noted(name: &str, mut bytes: &[u8]) -> Result<(Shape, Vec<String>), ShapeError> {
+pub fn read_noted(name: &str, mut bytes: &[u8]) -> Result<Opened, ShapeError> {
     parse(name, bytes.len() as u64, None, &mut bytes)
-}
-
-/// The shape, once its notes are in the log.
-fn warned(name: &str, (shape, notes): (Shape, Vec<String>)) -> Shape {
-    notes.iter().for_each(|note| log::warn!("{}: {note}", shown(name)));
-    shape
 }
 
 /// Extensions of all formats, for messages.
@@ -95,12 +107,7 @@ fn known_extensions() -> String {
     all.map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
 }
 
-fn parse(
-    name: &str,
-    len: u64,
-    folder: Option<PathBuf>,
-    reader: &mut dyn BufRead,
-) -> Result<(Shape, Vec<String>), ShapeError> {
+fn parse(name: &str, len: u64, folder: Option<PathBuf>, reader: &mut dyn BufRead) -> Result<Opened, ShapeError> {
     let mut source = Source::new(shown(name), len, folder, reader);
     let start = source.peek()?;
     if start.is_empty() {
@@ -108,7 +115,10 @@ fn parse(
     }
     let by_content = FORMATS.iter().find(|format| (format.recognizes)(start, len));
     match by_content.or_else(|| by_extension(name)) {
-        Some(format) => Ok(((format.read)(&mut source)?, source.notes)),
+        Some(format) => {
+            let shape = (format.read)(&mut source)?;
+            Ok(Opened { shape, notes: source.notes, others: source.others.into_inner() })
+        }
         None => {
             let start = quoted(&start[..start.len().min(16)]);
             Err(ShapeError::UnknownFormat { file: source.file, start, known: known_extensions() })

@@ -7,6 +7,7 @@ use super::error::{Found, Location, ShapeError, quoted, shown};
 use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
 use crate::support::open;
 use glam::DVec3;
+use std::cell::RefCell;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 use std::str::FromStr;
@@ -32,6 +33,8 @@ pub(super) struct Source<'a> {
     pub folder: Option<PathBuf>,
     /// What a person should know about the shape besides: see [`Source::note`].
     pub notes: Vec<String>,
+    /// Other files that it was read from.
+    pub others: RefCell<Vec<PathBuf>>,
     /// What is left.
     pub reader: &'a mut dyn BufRead,
 }
@@ -39,7 +42,7 @@ pub(super) struct Source<'a> {
 impl<'a> Source<'a> {
     /// The start of `len` bytes of which nothing is consumed.
     pub fn new(file: String, len: u64, folder: Option<PathBuf>, reader: &'a mut dyn BufRead) -> Source<'a> {
-        Source { file, len, offset: 0, line: 0, folder, notes: Vec::new(), reader }
+        Source { file, len, offset: 0, line: 0, folder, notes: Vec::new(), others: RefCell::default(), reader }
     }
 
     /// Reads a file beside this one, or below its folder.
@@ -65,6 +68,7 @@ impl<'a> Source<'a> {
             file: format!("{}: its data file {file}", self.file),
             reason: error.into(),
         })?;
+        self.others.borrow_mut().push(path);
         let mut reader = BufReader::new(opened);
         read(&mut Source::new(file, len, None, &mut reader))
     }

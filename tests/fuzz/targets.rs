@@ -5,7 +5,7 @@ use glam::{DVec3, Mat3, Vec3};
 use hypertexture::measure::verify::library;
 use hypertexture::output::shard::{self, Shard, Whole};
 use hypertexture::output::{Depth, Provenance};
-use hypertexture::render::Frame;
+use hypertexture::render::{Frame, Measurements};
 use hypertexture::scene::{self, Scene};
 use hypertexture::shader::{Formula, Library, Slots, shipped};
 use hypertexture::shape::{self, Content, Mesh, MeshFormat, Shape, Volume, VolumeFormat};
@@ -151,7 +151,7 @@ fn nifti(packed: bool, magic: &[u8; 4]) -> Vec<u8> {
 }
 
 fn provenance() -> Provenance {
-    Provenance::of(&Scene::default(), "a device", "").expect("a formula has no files")
+    Provenance::of(&Scene::default(), "a device", &Measurements::default()).expect("a formula has no files")
 }
 
 fn a_shard() -> Vec<u8> {

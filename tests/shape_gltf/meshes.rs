@@ -1,7 +1,7 @@
 //! What is read.
 
 use super::*;
-use hypertexture::shape::{open, open_noted, read_noted};
+use hypertexture::shape::{Opened, open, read_noted};
 use serde_json::Map;
 use std::fs;
 
@@ -9,7 +9,7 @@ use std::fs;
 #[cfg_attr(not(test_data), ignore = "needs HYPERTEXTURE_DATA")]
 fn the_duck_stands_where_its_node_puts_it() {
     let folder = std::env::var("HYPERTEXTURE_DATA").expect("HYPERTEXTURE_DATA names the folder with the data");
-    let (shape, notes) = open_noted(&format!("{folder}/duck.glb")).unwrap();
+    let Opened { shape, notes, .. } = Opened::of(&format!("{folder}/duck.glb")).unwrap();
     let Shape::Mesh(duck) = shape else { panic!("no mesh") };
     assert_eq!((duck.triangles.len(), duck.positions.len(), duck.open_edges(), notes.len()), (4212, 2399, 0, 0));
     let bounds = duck.bounds();
@@ -255,7 +255,7 @@ fn quantized_positions_are_whole_numbers_or_parts_of_one() {
 #[test]
 fn what_is_left_out_of_the_geometry_is_noted_and_the_rest_is_not() {
     let mut document = document();
-    assert_eq!(read_noted("a.glb", &glb(&document, &data())).unwrap().1, Vec::<String>::new());
+    assert_eq!(read_noted("a.glb", &glb(&document, &data())).unwrap().notes, Vec::<String>::new());
     document["nodes"] = json!([{ "mesh": 0, "skin": 3, "camera": 9, "extensions": { "KHR_lights_punctual": { "light": 0 } },
             "children": [1] }, { "mesh": 0, "children": [2], "extensions": { "KHR_node_visibility": { "visible": false } } },
             { "mesh": 99 }]);
@@ -266,7 +266,7 @@ fn what_is_left_out_of_the_geometry_is_noted_and_the_rest_is_not() {
     primitives[0]["material"] = json!(44);
     primitives[0]["attributes"]["NORMAL"] = json!(99);
     primitives.extend((0..4).map(|mode| json!({ "attributes": { "POSITION": 99 }, "mode": mode })));
-    let (shape, notes) = read_noted("a.glb", &glb(&document, &data())).unwrap();
+    let Opened { shape, notes, .. } = read_noted("a.glb", &glb(&document, &data())).unwrap();
     let Shape::Mesh(mesh) = shape else { panic!("no mesh") };
     assert_tetrahedron(&mesh);
     let expected = [

@@ -41,6 +41,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     if let Some(folder) = source.folder.clone().filter(|_| image.is_slice()) {
         let mut members = members(&source.file, &folder)?;
         members.retain(|member| member.image.series == image.series);
+        source.others.borrow_mut().extend(members.iter().map(|member| member.path.clone()));
         return joined(&source.file, &members);
     }
     image.check(&source.file)?;

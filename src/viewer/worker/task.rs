@@ -81,11 +81,11 @@ impl RenderThread {
 
     /// Writes a picture and what it shows; whether that went well.
     fn write(&self, frame: &Frame, scene: &Scene, edited: &[String], path: &Path) -> bool {
-        let mut modules = frame.measurements.modules.clone();
+        let mut measured = frame.measurements.clone();
         if !edited.is_empty() {
-            modules += &format!("; edited in the window: {}", edited.join(", "));
+            measured.modules += &format!("; edited in the window: {}", edited.join(", "));
         }
-        let written = Provenance::of(scene, &self.gpu.info().title(), &modules)
+        let written = Provenance::of(scene, &self.gpu.info().title(), &measured)
             .map_err(|error| error.to_string())
             .and_then(|provenance| {
                 let background = scene.image.background;
