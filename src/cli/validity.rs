@@ -32,10 +32,10 @@ fn words(validity: &Validity) -> String {
     for Found { cause, most, pixels } in &validity.found {
         let [r, g, b] = cause.color;
         text += &match most {
-            Err(error) => format!("  {:<8} not tried: {error}\n", cause.name),
-            Ok(most) if *pixels == 0 => format!("  {:<8} of none; at most {most:.1e}\n", cause.name),
+            Err(error) => format!("  {:<9} not tried: {error}\n", cause.name),
+            Ok(most) if *pixels == 0 => format!("  {:<9} of none; at most {most:.1e}\n", cause.name),
             Ok(most) => format!(
-                "  {:<8} of {:.1} % (#{r:02x}{g:02x}{b:02x}), at most {most:.1e}: {}\n",
+                "  {:<9} of {:.1} % (#{r:02x}{g:02x}{b:02x}), at most {most:.1e}: {}\n",
                 cause.name,
                 validity.percent(*pixels),
                 cause.why

@@ -1,18 +1,19 @@
 //! Which pixels of a picture are not to be trusted, and which setting is the cause.
 //!
-//! Role: the picture is drawn again with one setting at a time made better ([`CAUSES`]). A pixel that changes by more than a
-//! person may see is not to be trusted, and the setting that changes it most is why. Invariant: nothing is asked of the
-//! scene's modules, so that it holds for every scene and for modules of one's own.
+//! Role: the picture is drawn again with one thing at a time made better, or off by what is rounded away ([`CAUSES`]). A
+//! pixel that changes by more than a person may see is not to be trusted, and what changes it most is why. Invariant:
+//! nothing is asked of the scene's modules, so that it holds for every scene and for modules of one's own.
 
 use crate::gpu::Gpu;
+use crate::render::variant::Variant;
 use crate::render::{Frame, RenderError, Renderer, Subject};
-use crate::scene::{Pass, Scene, Source, TargetFormat, linear_to_srgb};
+use crate::scene::{Pass, RayPath, Scene, Source, TargetFormat, linear_to_srgb};
 use crate::shader::Library;
 
 /// A pixel is trusted while no setting changes a channel of its linear light by more: a code of 8 bits.
 pub const TRUSTED: f64 = 1.0 / 255.0;
 
-/// A setting that may be the cause.
+/// What may be the cause.
 #[derive(Clone, Copy, Debug)]
 pub struct Cause {
     /// Its name.
@@ -23,8 +24,16 @@ pub struct Cause {
     pub color: [u8; 3],
     /// Whether it stays better for the causes behind it: more slices stall more in a format that does.
     stays: bool,
-    /// The scene with it made better; none where it is as good as it can be.
-    better: fn(&Scene) -> Option<Scene>,
+    other: Other,
+}
+
+/// What a picture is drawn again with; none where that is as good as it can be, or not read.
+#[derive(Clone, Copy, Debug)]
+enum Other {
+    /// A setting made better.
+    Scene(fn(&Scene) -> Option<Scene>),
+    /// Modules that go on for longer, or get what they are asked for a little off.
+    Modules(fn(&Scene, &Library) -> Option<Library>),
 }
 
 /// Samples of a picture that shows what more of them would change, at most: lavapipe ends loops behind that.
@@ -34,67 +43,103 @@ const MOST_VOXELS: u32 = 384;
 /// Parts of a pixel that show what is finer than one.
 const PARTS: u32 = 4;
 
-/// The causes; colors that people who see fewer of them tell apart (Okabe and Ito 2008).
-pub const CAUSES: [Cause; 6] = [
+/// What f32 rounds away of a place in a lattice; sums of it are rounded again.
+const ROUNDED_PLACE: &str = "place * (1.0 + 2.4e-7)";
+/// Directions that this turns by what can be seen are shorter than 1/200 of a unit vector.
+const TURNED: &str = "place + vec3(2e-5, -1e-5, 1.5e-5)";
+
+/// The causes; colors that people who see fewer of them tell apart (Okabe and Ito 2008; the last two Krzywinski 2012).
+pub const CAUSES: [Cause; 9] = [
     Cause {
         name: "target",
         why: "the format that slices are blended in stalls: quality.target = \"float32\"",
         color: [213, 94, 0],
         stays: true,
-        better: |scene| {
+        other: Other::Scene(|scene| {
             let applies = scene.quality.target != TargetFormat::Float32 && scene.quality.pass == Pass::Slices;
             changed(scene, applies, |scene| scene.quality.target = TargetFormat::Float32)
-        },
+        }),
     },
     Cause {
         name: "end",
         why: "rays end before they are opaque: quality.early_termination = 0",
         color: [0, 158, 115],
         stays: true,
-        better: |scene| {
+        other: Other::Scene(|scene| {
             let applies = scene.quality.early_termination > 0.0;
             changed(scene, applies, |scene| scene.quality.early_termination = 0.0)
-        },
+        }),
     },
     Cause {
         name: "step",
         why: "matter is thinner than a step, or bends within one: more quality.samples, or quality.integration = \"segment\"",
         color: [230, 159, 0],
         stays: false,
-        better: |scene| {
+        other: Other::Scene(|scene| {
             let samples = (2 * scene.quality.samples).min(MOST_SAMPLES);
             changed(scene, samples > scene.quality.samples, |scene| scene.quality.samples = samples)
-        },
+        }),
     },
     Cause {
         name: "pixel",
         why: "there is detail finer than a pixel, such as octaves past what it resolves: quality.supersampling, or fewer octaves",
         color: [86, 180, 233],
         stays: false,
-        better: |scene| {
+        other: Other::Scene(|scene| {
             let parts = scene.quality.supersampling * PARTS;
             changed(scene, scene.quality.msaa == 1, |scene| scene.quality.supersampling = parts)
-        },
+        }),
     },
     Cause {
         name: "codes",
         why: "distances or normals are stored in few bits: object.source = \"distance32\"",
         color: [204, 121, 167],
         stays: false,
-        better: |scene| {
+        other: Other::Scene(|scene| {
             let applies = scene.object.source != Source::Distance32;
             changed(scene, applies, |scene| scene.object.source = Source::Distance32)
-        },
+        }),
     },
     Cause {
         name: "voxels",
         why: "the object is finer than its voxels: a larger object.resolution",
         color: [0, 114, 178],
         stays: false,
-        better: |scene| {
+        other: Other::Scene(|scene| {
             let resolution = 2 * scene.object.resolution;
             changed(scene, resolution <= MOST_VOXELS, |scene| scene.object.resolution = resolution)
-        },
+        }),
+    },
+    Cause {
+        name: "lattice",
+        why: "noise so far from its origin that f32 cannot tell places apart: a lower frequency, or coordinates nearer to 0",
+        color: [240, 228, 66],
+        stays: false,
+        other: Other::Modules(|scene, library| {
+            let variant = Variant::of(scene, library).ok()?;
+            let is_read = ["noise", "turbulence"].iter().any(|slot| variant.reads(slot));
+            let is_noise = |path: &str| path.starts_with("noise/") || path.starts_with("turbulence/");
+            is_read.then(|| library.moved(is_noise, ROUNDED_PLACE))
+        }),
+    },
+    Cause {
+        name: "direction",
+        why: "a gradient or another direction is all but 0, as on the medial axis, and points anywhere: object.source = \"distance32\", or no light there",
+        color: [146, 73, 0],
+        stays: false,
+        other: Other::Modules(|_, library| Some(library.moved(|path| path == "vector.glsl", TURNED))),
+    },
+    Cause {
+        name: "caught",
+        why: "light is totally reflected in glass for longer than it is followed: a lower index, or more absorption",
+        color: [255, 182, 219],
+        stays: false,
+        other: Other::Modules(|scene, library| {
+            // As many loops as twice the samples: no device may end them.
+            let loops = changed(scene, true, |scene| scene.quality.samples *= 2)?;
+            let applies = scene.effect.ray_path == RayPath::Refracted && loops.check(library).is_ok();
+            applies.then(|| library.with_constant("LONGEST_PATH", "6.0").with_constant("MOST_INTERFACES", "48"))
+        }),
     },
 ];
 
@@ -126,36 +171,48 @@ pub struct Validity {
     pub covered: usize,
 }
 
-/// Draws a scene: its pixels, or why not; none where nobody waits for it any more.
-pub type Draw<'a> = &'a mut dyn FnMut(&Scene) -> Option<Result<Vec<[f32; 4]>, String>>;
+/// Draws a scene with modules: its pixels, or why not; none where nobody waits for it any more.
+pub type Draw<'a> = &'a mut dyn FnMut(&Scene, &Library) -> Option<Result<Vec<[f32; 4]>, String>>;
 
 /// Finds which pixels of the picture of a scene are not to be trusted.
 pub fn validity(gpu: &Gpu, library: &Library, scene: &Scene, subject: &Subject, frame: &Frame) -> Validity {
     let mut renderer = Renderer::new(gpu, library, subject);
-    let mut drawn = |better: &Scene| -> Result<Frame, RenderError> {
-        if better.object == scene.object {
-            return renderer.render(better);
+    let mut drawn = |better: &Scene, modules: &Library| -> Result<Frame, RenderError> {
+        match (better.object == scene.object, modules == library) {
+            (true, true) => renderer.render(better),
+            (true, false) => Renderer::new(gpu, modules, subject).render(better),
+            (false, _) => Renderer::new(gpu, modules, &Subject::load(better, modules, &|_| ())?).render(better),
         }
-        let subject = Subject::load(better, library, &|_| ())?;
-        Renderer::new(gpu, library, &subject).render(better)
     };
-    let draw: Draw<'_> = &mut |better| Some(drawn(better).map(|frame| frame.pixels).map_err(|error| error.to_string()));
-    examine(scene, &frame.pixels, subject.field.is_some(), draw)
+    let draw: Draw<'_> = &mut |better, modules| {
+        Some(drawn(better, modules).map(|frame| frame.pixels).map_err(|error| error.to_string()))
+    };
+    examine(scene, library, &frame.pixels, subject.field.is_some(), draw)
         .unwrap_or_else(|| unreachable!("every picture is drawn"))
 }
 
 /// [`validity`] of pixels that are there, by pictures that `draw` makes; none where it makes none.
 ///
 /// `has_field` is whether the object is sampled: a formula has neither voxels nor codes.
-pub fn examine(scene: &Scene, pixels: &[[f32; 4]], has_field: bool, draw: Draw<'_>) -> Option<Validity> {
+pub fn examine(
+    scene: &Scene,
+    library: &Library,
+    pixels: &[[f32; 4]],
+    has_field: bool,
+    draw: Draw<'_>,
+) -> Option<Validity> {
     let mut validity = Validity { found: Vec::new(), of: vec![None; pixels.len()], covered: 0 };
     let (mut scene, mut pixels) = (scene.clone(), pixels.to_vec());
     for cause in &CAUSES {
-        let Some(better) = (cause.better)(&scene) else { continue };
+        let other = match cause.other {
+            Other::Scene(better) => better(&scene).map(|better| (better, library.clone())),
+            Other::Modules(other) => other(&scene, library).map(|other| (scene.clone(), other)),
+        };
+        let Some((better, modules)) = other else { continue };
         if better.object != scene.object && !has_field {
             continue;
         }
-        let drawn = draw(&better)?;
+        let drawn = draw(&better, &modules)?;
         let at = validity.found.len();
         let most = drawn.map(|drawn| {
             let mut most = 0.0f64;
@@ -209,16 +266,19 @@ impl Validity {
 mod tests {
     use super::*;
     use crate::gpu::Options;
-    use crate::scene::parse;
+    use crate::scene::{parse, preset};
     use crate::shader::shipped;
 
     /// How many pixels of a scene each cause has, by its name, and how many are covered.
     fn found(text: &str) -> (Vec<(&'static str, usize)>, usize) {
-        let scene = parse(text, "scene").unwrap();
-        let (gpu, library) = (Gpu::new(&Options::default()).unwrap(), shipped());
-        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
-        let frame = Renderer::new(&gpu, &library, &subject).render(&scene).unwrap();
-        let validity = validity(&gpu, &library, &scene, &subject, &frame);
+        found_with(&shipped(), &parse(text, "scene").unwrap())
+    }
+
+    fn found_with(library: &Library, scene: &Scene) -> (Vec<(&'static str, usize)>, usize) {
+        let gpu = Gpu::new(&Options::default()).unwrap();
+        let subject = Subject::load(scene, library, &|_| ()).unwrap();
+        let frame = Renderer::new(&gpu, library, &subject).render(scene).unwrap();
+        let validity = validity(&gpu, library, scene, &subject, &frame);
         let covered = frame.pixels.iter().filter(|pixel| pixel[3] > 0.0).count();
         assert_eq!(validity.colors(&frame.pixels).len(), 3 * frame.pixels.len());
         (validity.found.iter().map(|found| (found.cause.name, found.pixels)).collect(), covered)
@@ -248,6 +308,49 @@ mod tests {
         assert_eq!(main_cause(&scene(sphere, "opacity_rate = 0.5", stalled)), "target");
         let coarse = "input = \"knot\"\nresolution = 16";
         assert_eq!(main_cause(&scene(coarse, "opacity_rate = 2.0", "samples = 200")), "voxels");
+    }
+
+    /// Pixels that a cause has in a sphere whose color is by a text, in percent of those that are covered.
+    fn share_of(name: &str, color: &str) -> f64 {
+        let mut scene = parse("[object]\ninput = \"sphere\"\n[image]\nsize = [48, 48]\n", "scene").unwrap();
+        scene.effect.surface = "colored".into();
+        let text =
+            format!("#include \"vector.glsl\"\n#include <noise>\nvec3 surface(Sample s) {{ return vec3({color}); }}\n");
+        let (found, covered) = found_with(&shipped().with_module("surface", "colored", &text), &scene);
+        let pixels = found.iter().find(|(cause, _)| *cause == name).map_or(0, |(_, pixels)| *pixels);
+        100.0 * pixels as f64 / covered as f64
+    }
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+    fn noise_is_doubted_where_f32_does_not_tell_its_places_apart() {
+        let far = share_of("lattice", "0.5 + noise(8.0 * s.x + 4e5)");
+        assert!(far > 50.0, "{far}");
+        assert_eq!(share_of("lattice", "0.5 + noise(8.0 * s.x + 400.0)"), 0.0);
+    }
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+    fn a_direction_is_doubted_where_it_is_all_but_nothing() {
+        let tiny = share_of("direction", "0.5 + 0.5 * safe_normalize(1e-5 * s.x, vec3(0.0))");
+        assert!(tiny > 90.0, "{tiny}");
+        assert_eq!(share_of("direction", "0.5 + 0.5 * safe_normalize(s.x, vec3(0.0))"), 0.0);
+    }
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+    fn light_that_does_not_leave_glass_is_doubted() {
+        let scene = |index: f32| {
+            let mut scene = preset("blue_glass").unwrap();
+            (scene.object.input, scene.image.size) = ("cube".into(), [48, 48]);
+            (scene.quality.samples, scene.quality.supersampling) = (64, 1);
+            scene.transfer.stops[1].index = index;
+            scene
+        };
+        let pixels =
+            |index| found_with(&shipped(), &scene(index)).0.iter().find(|(name, _)| *name == "caught").unwrap().1;
+        assert!(pixels(3.0) >= 5, "{}", pixels(3.0));
+        assert_eq!(pixels(1.0), 0);
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Modules that note what they give that is no number: for programs that are evaluated and never drawn.
+//! Modules that note what they give that is no number, for programs that are evaluated and never drawn; and modules that
+//! are asked for another place than they were, for pictures that must not change by it.
 
 use super::library::Library;
 use super::names::{rename, words};
@@ -20,29 +21,68 @@ impl Library {
             (1..).zip(paths).filter_map(|(number, path)| Some((path.to_string(), watched(self.source(path)?, number))));
         self.with_sources(self.sources().map(file).chain(noting.collect::<Vec<_>>()))
     }
+
+    /// The same library, in which the functions of some files, chosen by path, whose first parameter is a `vec3` get
+    /// another one: GLSL such as `place + vec3(1.0)`.
+    pub fn moved(&self, is_moved: impl Fn(&str) -> bool, place: &str) -> Library {
+        self.with_texts(|path, text| if is_moved(path) { moved(text, place) } else { text.into() })
+    }
+
+    /// The same library with another value of a constant that one of its files defines.
+    pub fn with_constant(&self, name: &str, value: &str) -> Library {
+        let head = format!(" {name} = ");
+        self.with_texts(|_, text| match text.split_once(&head) {
+            Some((before, after)) => {
+                let rest = after.find(';').map_or("", |end| &after[end..]);
+                format!("{before}{head}{value}{rest}")
+            }
+            None => text.into(),
+        })
+    }
+
+    fn with_texts(&self, change: impl Fn(&str, &str) -> String) -> Library {
+        self.with_sources(self.sources().map(|(path, text)| (path.to_string(), change(path, text))))
+    }
 }
 
 /// A text whose functions go by other names, and behind it those that call them and note what they give.
 fn watched(text: &str, number: usize) -> String {
-    let own: Vec<_> = functions(text).into_iter().filter(|function| !given(function).is_empty()).collect();
-    let names: BTreeSet<String> = own.iter().map(|function| function.name.to_string()).collect();
     let suffix = format!("_of_{number}");
-    let mut out = rename(text, &names, &suffix) + "\n#include \"watch.glsl\"\n";
+    let own: Vec<_> = functions(text).into_iter().filter(|function| !given(function).is_empty()).collect();
+    let mut out = renamed(text, &own, &suffix) + "\n#include \"watch.glsl\"\n";
     for function in &own {
-        let Function { kind, name, parameters } = function;
-        let declared: Vec<String> = parameters.iter().map(|words| words.join(" ")).collect();
-        let passed: Vec<&str> = parameters.iter().filter_map(|words| words.last().copied()).collect();
-        let call = format!("{name}{suffix}({})", passed.join(", "));
+        let Function { kind, name, .. } = function;
+        let call = format!("{name}{suffix}({})", function.passed().join(", "));
         let is_void = *kind == "void";
         let (before, after) =
             if is_void { (String::new(), "") } else { (format!("{kind} given = "), "    return given;\n") };
-        writeln!(out, "{kind} {name}({}) {{\n    {before}{call};", declared.join(", ")).expect("writing to a string");
+        writeln!(out, "{} {{\n    {before}{call};", function.declared()).expect("writing to a string");
         for value in given(function) {
             writeln!(out, "    note_fault({number}.0, {value});").expect("writing to a string");
         }
         writeln!(out, "{after}}}").expect("writing to a string");
     }
     out
+}
+
+/// A text whose functions of a place go by other names, and behind it those that call them with another place.
+fn moved(text: &str, place: &str) -> String {
+    const SUFFIX: &str = "_of_place";
+    let own: Vec<_> = functions(text).into_iter().filter(Function::is_of_place).collect();
+    let mut out = renamed(text, &own, SUFFIX);
+    for function in &own {
+        let mut passed: Vec<String> = function.passed().iter().map(|name| name.to_string()).collect();
+        passed[0] = place.replace("place", &passed[0]);
+        let call = format!("{}{SUFFIX}({})", function.name, passed.join(", "));
+        writeln!(out, "\n{} {{ return {call}; }}", function.declared()).expect("writing to a string");
+    }
+    out
+}
+
+/// A text with a suffix at the names of these functions.
+fn renamed(text: &str, functions: &[Function<'_>], suffix: &str) -> String {
+    let names: BTreeSet<String> = functions.iter().map(|function| function.name.to_string()).collect();
+    rename(text, &names, suffix)
 }
 
 /// A function that a text defines.
@@ -53,6 +93,25 @@ struct Function<'a> {
     name: &'a str,
     /// The words of each parameter: its name is the last.
     parameters: Vec<Vec<&'a str>>,
+}
+
+impl Function<'_> {
+    /// Its head.
+    fn declared(&self) -> String {
+        let parameters: Vec<String> = self.parameters.iter().map(|words| words.join(" ")).collect();
+        format!("{} {}({})", self.kind, self.name, parameters.join(", "))
+    }
+
+    /// The names of its parameters.
+    fn passed(&self) -> Vec<&str> {
+        self.parameters.iter().filter_map(|words| words.last().copied()).collect()
+    }
+
+    /// Whether it gives something of a place, or of a direction: its first parameter.
+    fn is_of_place(&self) -> bool {
+        let is_place = |words: &Vec<&str>| matches!(words.as_slice(), ["vec3", _] | ["const", "vec3", _]);
+        self.kind != "void" && self.parameters.first().is_some_and(is_place)
+    }
 }
 
 /// The functions that a text defines.
@@ -108,5 +167,28 @@ mod tests {
             float half_of(float t) {\n    float given = half_of_of_3(t);\n    note_fault(3.0, given);\n    return given;\n}\n\
             void mine(inout vec2 x, const in float t, Sample s) {\n    mine_of_3(x, t, s);\n    note_fault(3.0, x.x);\n    note_fault(3.0, x.y);\n}\n";
         assert_eq!(watched(text, 3), expected);
+    }
+
+    #[test]
+    fn a_module_is_asked_for_another_place_and_its_lines_stay() {
+        let text = "#define A\nuint mask() { return 3u; }\nfloat noise(vec3 p) { return f(p, mask()); }\n\
+                    vec4 noise_gradient(const vec3 q, float t) { return vec4(noise(q) * t); }\nvoid put(vec3 p) {}\n";
+        let expected = "#define A\nuint mask() { return 3u; }\nfloat noise_of_place(vec3 p) { return f(p, mask()); }\n\
+            vec4 noise_gradient_of_place(const vec3 q, float t) { return vec4(noise_of_place(q) * t); }\nvoid put(vec3 p) {}\n\n\
+            float noise(vec3 p) { return noise_of_place(p + vec3(8.0)); }\n\n\
+            vec4 noise_gradient(const vec3 q, float t) { return noise_gradient_of_place(q + vec3(8.0), t); }\n";
+        assert_eq!(moved(text, "place + vec3(8.0)"), expected);
+    }
+
+    #[test]
+    fn a_constant_has_another_value_where_it_is_defined() {
+        let file = |text: &str| Library::new([("a.frag".to_string(), text.to_string())]);
+        let text = "const float FAR = 3.0;   // widths\nfloat f() { return 2.0 * FAR; }\n";
+        let other = file(text).with_constant("FAR", "6.0");
+        assert_eq!(
+            other.source("a.frag"),
+            Some("const float FAR = 6.0;   // widths\nfloat f() { return 2.0 * FAR; }\n")
+        );
+        assert_eq!(file(text).with_constant("NEAR", "6.0"), file(text));
     }
 }

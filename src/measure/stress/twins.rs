@@ -4,6 +4,8 @@ use super::matter::same;
 use super::{Row, StressError};
 use crate::field::{ClosestPoints, DistanceField, Grid};
 use crate::gpu::Gpu;
+use crate::measure::statistics::rms_difference;
+use crate::noise::Period;
 use crate::render::variant::Variant;
 use crate::render::{Frame, RenderError, Renderer, Subject};
 use crate::scene::{EmptySpace, Integration, Neutral, Order, Pass, RayPath, Scene};
@@ -23,6 +25,10 @@ pub(super) struct Twin {
 const BLENDED: f64 = 2e-5;
 /// Programs in which a 0 is a constant are rounded otherwise.
 const ROUNDED: f64 = 2e-6;
+/// Cells after which Perlin's tables repeat.
+const TABLE: u32 = 256;
+/// Root mean square of what f32 rounds away of places that far off, where sharp matter shows it.
+const MOVED: f64 = 2e-3;
 /// A bent ray goes from step to step, a straight one has its samples from its start.
 const BENT: f64 = 1e-4;
 
@@ -97,6 +103,24 @@ fn changed(scene: &Scene, applies: bool, change: impl FnOnce(&mut Scene)) -> Opt
     applies.then(|| [scene.clone(), twin])
 }
 
+/// The modules of a scene whose noise and turbulence are asked for places that are whole periods away, two where one is
+/// the mirror of the next; none where nothing that is read repeats.
+fn periods_away(scene: &Scene, library: &Library) -> Option<Library> {
+    let variant = Variant::of(scene, library).ok()?;
+    let modules = [("noise", &scene.effect.noise), ("turbulence", &scene.effect.turbulence)];
+    let slots = modules.into_iter().zip(scene.periods(library)).filter(|((slot, _), _)| variant.reads(slot));
+    slots.fold(None, |moved, ((slot, module), period)| {
+        // All are powers of two: a lattice, a block, or the tables of 1989.
+        let cells = match library.header(slot, module).ok()?.period.as_deref() {
+            Some("memory") => TABLE.max(scene.quality.block_size).max(scene.quality.turbulence_cells),
+            _ if period == Period::ENDLESS => return moved,
+            _ => period.cells,
+        };
+        let is_module = |path: &str| path.strip_prefix(slot).is_some_and(|rest| rest.starts_with('/'));
+        Some(moved.as_ref().unwrap_or(library).moved(is_module, &format!("place + vec3({}.0)", 2 * cells)))
+    })
+}
+
 /// The same object in a world of 2^20 times its units, which rounds nothing.
 fn enlarged(subject: &Subject) -> Subject {
     const BY: f32 = 1048576.0;
@@ -136,6 +160,13 @@ pub(super) fn rows(gpu: &Gpu, library: &Library, scene: &Scene, setting: &str) -
         let other = Renderer::new(gpu, library, &enlarged(&subject)).render(scene);
         rows.push(row("a world of larger units", 0.0, Ok(frame.clone()), other));
     }
+    if let Some(moved) = periods_away(scene, library) {
+        let what = "noise whole periods away";
+        rows.push(match Renderer::new(gpu, &moved, &subject).render(scene) {
+            Ok(other) => Row::worst(what, setting, [(0.0, rms_difference(&frame.pixels, &other.pixels), MOVED)]),
+            Err(error) => Row::said(what, setting, "the same picture", error.to_string(), false),
+        });
+    }
     // Not another scene, but another way to the same picture.
     let [width, height] = scene.image.size;
     let cuts = [0, height / 3, height - height / 4, height];
@@ -146,4 +177,39 @@ pub(super) fn rows(gpu: &Gpu, library: &Library, scene: &Scene, setting: &str) -
     }
     rows.push(row("drawn in bands", 0.0, Ok(frame.clone()), Ok(Frame { pixels, ..frame })));
     Ok(rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::Options;
+    use crate::scene::preset;
+    use crate::shader::shipped;
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+    fn noise_that_repeats_gives_the_same_picture_whole_periods_away_and_no_other_does() {
+        let gpu = Gpu::new(&Options::default()).unwrap();
+        let away = |library: &Library, name: &str, noise: &str, turbulence: &str| {
+            let mut scene = preset(name).unwrap();
+            (scene.effect.noise, scene.effect.turbulence) = (noise.into(), turbulence.into());
+            (scene.image.size, scene.quality.samples) = ([32, 32], 48);
+            let rows = rows(&gpu, library, &scene, "").unwrap();
+            rows.into_iter().find(|row| row.what.contains("whole periods")).map(|row| (row.ok(), row.error, row.found))
+        };
+        let library = shipped();
+        for noise in ["block", "tables"] {
+            let found = away(&library, "noisy_sphere", noise, "procedural");
+            assert!(found.as_ref().is_some_and(|(ok, ..)| *ok), "{noise}: {found:?}");
+        }
+        for turbulence in ["encoded", "channels", "lookups4"] {
+            let found = away(&library, "fire_ball", "procedural", turbulence);
+            assert!(found.as_ref().is_some_and(|(ok, ..)| *ok), "{turbulence}: {found:?}");
+        }
+        assert_eq!(away(&library, "noisy_sphere", "procedural", "procedural"), None, "endless noise");
+        let endless =
+            library.source("noise/procedural.glsl").unwrap().replace("// @loops 1", "// @loops 1\n// @period memory");
+        let found = away(&library.with_module("noise", "tables", &endless), "noisy_sphere", "tables", "procedural");
+        assert!(found.as_ref().is_some_and(|(ok, error, _)| !ok && *error > 0.01), "{found:?}");
+    }
 }

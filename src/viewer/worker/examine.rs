@@ -6,6 +6,7 @@ use super::{Event, Job, Picture};
 use crate::measure::validity::{Found, TRUSTED, Validity, examine};
 use crate::render::{RenderError, Subject};
 use crate::scene::Scene;
+use crate::shader::Library;
 use crate::viewer::status::Stage;
 use egui::ColorImage;
 
@@ -22,10 +23,11 @@ impl RenderThread {
     ) -> Result<Option<Validity>, RenderError> {
         let (scene, subject) = (&job.variants[0].scene, &job.variants[0].subject);
         let mut lost = None;
-        let mut draw = |better: &Scene| {
-            let drawn = match better.object == scene.object {
-                true => self.pixels(job, better, pair),
-                false => self.of_another_object(job, better),
+        let mut draw = |better: &Scene, modules: &Library| {
+            let drawn = match (better.object == scene.object, *modules == *job.library) {
+                (true, true) => self.pixels(job, better, pair),
+                (true, false) => self.pixels(job, better, &mut Pair::new(&self.gpu, modules, subject)),
+                (false, _) => self.of_another_object(job, better),
             };
             match drawn {
                 Err(error) if matches!(&error, RenderError::Gpu(error) if error.is_lost()) => {
@@ -35,7 +37,7 @@ impl RenderThread {
                 drawn => drawn.map_err(|error| error.to_string()).transpose(),
             }
         };
-        let validity = examine(scene, own, subject.field.is_some(), &mut draw);
+        let validity = examine(scene, &job.library, own, subject.field.is_some(), &mut draw);
         lost.map_or(Ok(validity), Err)
     }
 
