@@ -163,9 +163,10 @@ fn its_panels_change_the_picture_that_is_written() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     let (scene, picture, rendered) = (path("scene.toml"), path("panel.png"), path("rendered.png"));
     let script = format!(
-        "wait picture\nclick Presets\nclick effect fur\nclick preset fire_ball\nclick effect fur\nwait picture\n\
-         set parameters.fineness 40\nclick undo\nclick redo\nframes 2\nclick effect.turbulence\nframes 2\n\
-         click procedural\nframes 2\nwait picture\nclick undo\nclick Objects\nframes 2\nclick Transfer map\n\
+        "wait picture\nclick view.advanced\nframes 2\nclick effect.turbulence\nframes 2\nclick procedural\nframes 2\n\
+         wait picture\nclick undo\nclick preset fur\nclick presets.own\nclick preset fire_ball\nclick presets.own\nclick preset fur\n\
+         wait picture\n\
+         set parameters.fineness 40\nclick undo\nclick redo\nframes 2\nclick Objects\nframes 2\nclick Transfer map\n\
          click Material\nclick Light and background\nclick Camera\nclick Accuracy\nclick File\nframes 2\n\
          set material.specular 0.5\nset light.intensity 1.5\nset camera.zoom 1.25\nset camera.azimuth 75\n\
          set quality.samples 40\nclick quality.jitter\nclick quality.jitter\nclick quality.pass\nframes 2\n\
@@ -174,12 +175,66 @@ fn its_panels_change_the_picture_that_is_written() {
          click author\nclick copy\nframes 2\nwrite file.scene {scene}\nclick file.save\nwrite file.picture {picture}\n\
          frames 3\nclick file.screenshot\nframes 2\nclick quit\nframes 9\n"
     );
-    play(&display, folder.path(), &["torus", "--samples", "32", "--size", "64x48", "--window", "640x400"], &script);
+    play(
+        &display,
+        folder.path(),
+        &["torus", "--effect", "fire", "--samples", "32", "--size", "64x48", "--window", "640x400"],
+        &script,
+    );
     let saved = scene::load(Path::new(&scene), Reach::Anywhere).unwrap();
     assert_eq!((saved.quality.samples, saved.material.specular), (40, 0.5));
     assert_eq!((saved.effect.dmf, saved.light.intensity), (scene::preset("fur").unwrap().effect.dmf, 1.5));
     render(&[&scene], Path::new(&rendered));
     assert_eq!(std::fs::read(&picture).unwrap(), std::fs::read(&rendered).unwrap());
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn two_objects_that_are_compared_are_loaded_one_after_the_other() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    // Neither field is in the cache, and the second is asked for while the first is computed.
+    let file = folder.path().join("script");
+    let script = "frames 2\nclick view.advanced\nframes 2\nclick Object\nframes 2\nclick compare\nset object.resolution 150\nwait picture\nquit\n";
+    std::fs::write(&file, script).unwrap();
+    let arguments =
+        ["teapot", "--effect", "lit", "--resolution", "160", "--samples", "16", "--window", "560x240", "--script"];
+    let mut command = program();
+    command.env("DISPLAY", &display.name).env("HYPERTEXTURE_CACHE", folder.path().join("cache"));
+    assert_good(&command.arg("view").args(arguments).arg(&file).output().unwrap());
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_window_is_as_large_as_the_screen_at_most_and_no_side_is_absurd() {
+    let display = Display::new();
+    for absurd in ["100000x100000", "0x200", "20000x20"] {
+        let output = view(&display, &["torus", "--window", absurd, "--frames", "1"]);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!((output.status.code(), text.lines().count()), (Some(2), 1), "{absurd}: {text}");
+        assert!(text.contains(absurd) && text.contains("1 to 16384"), "{text}");
+    }
+    let small = ["torus", "--effect", "lit", "--samples", "8", "--resolution", "24"];
+    assert_good(&view(&display, &[&small[..], &["--window", "16384x16384", "--frames", "1"]].concat()));
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_dropped_picture_is_the_scene_that_it_shows_and_panels_hide_by_a_key() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    render(&["torus", "--effect", "fire", "--size", "48x32", "--samples", "16"], Path::new(&path("own.png")));
+    image::RgbImage::new(8, 8).save(path("other.png")).unwrap();
+    let script = format!(
+        "wait picture\nkey Tab\nframes 3\ndrop {}\nframes 3\nwait picture\nkey Tab\nframes 3\nclick undo\nclick redo\n\
+         key F6\nframes 2\ndrop {}\nframes 3\nwait picture\nshot {}\nwait idle\nquit\n",
+        path("own.png"),
+        path("other.png"),
+        path("shot.png")
+    );
+    play(&display, folder.path(), &["sphere", "--effect", "lit", "--samples", "8", "--window", "560x400"], &script);
+    assert_eq!(std::fs::read(path("shot.png")).unwrap(), std::fs::read(path("own.png")).unwrap());
 }
 
 #[test]
@@ -329,7 +384,7 @@ fn pixels_that_are_not_to_be_trusted_are_shown_until_the_scene_changes_and_again
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["torus", "--samples", "16", "--window", "560x240", "--max-error", "0.02"];
     let script = "wait converged\nkey v\nwait validity\ndrag 0.4 0.5 0.6 0.5\nwait drawn\nwait validity\nkey c\nwait converged\n\
-                  key v\nwait validity\nclick Accuracy\nframes 3\nclick validity\nwait converged\nquit\n";
+                  key v\nwait validity\nclick view.advanced\nclick Accuracy\nframes 3\nclick validity\nwait converged\nquit\n";
     play(&display, folder.path(), &arguments, script);
 }
 

@@ -6,6 +6,7 @@ use crate::viewer::{self, Start, ViewError};
 use clap::Args;
 use std::error::Error;
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -22,7 +23,7 @@ pub struct ViewArguments {
     #[arg(long)]
     pub play: bool,
     /// Width and height of the window, in points.
-    #[arg(long, default_value = "1280x800", value_parser = size, value_name = "WxH")]
+    #[arg(long, default_value = "1280x800", value_parser = window, value_name = "WxH")]
     pub window: [u32; 2],
     /// Draw so many frames after the first picture, then end.
     #[arg(long, value_name = "NUMBER")]
@@ -39,6 +40,15 @@ pub struct ViewArguments {
     /// What the picture shows.
     #[command(flatten)]
     pub arguments: SceneArguments,
+}
+
+/// The sides that a window can have, points: no screen has more.
+const SIDES: RangeInclusive<u32> = 1..=16384;
+
+fn window(text: &str) -> Result<[u32; 2], String> {
+    let wanted = size(text)?;
+    let fits = wanted.iter().all(|side| SIDES.contains(side));
+    fits.then_some(wanted).ok_or_else(|| format!("a side of a window has {} to {} points", SIDES.start(), SIDES.end()))
 }
 
 fn error(text: &str) -> Result<f64, String> {

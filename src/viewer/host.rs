@@ -4,7 +4,7 @@ use super::ViewError;
 use super::app::{App, Notify, Start};
 use super::script::{Script, ScriptEvent, Widget, widgets};
 use crate::gpu::{Canvas, GpuError, Messages, Presented, has_library};
-use egui::{Context, Theme, ViewportId};
+use egui::{Context, ViewportId};
 use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -127,7 +127,6 @@ impl Live {
     fn new(start: &Start, window: Arc<Window>, reads_names: bool) -> Result<Live, ViewError> {
         let canvas = Canvas::open(&start.options, window.clone())?;
         let context = Context::default();
-        context.set_theme(Theme::Dark);
         if reads_names {
             context.enable_accesskit();
         }
@@ -142,7 +141,7 @@ impl ApplicationHandler<Wake> for Host {
         if self.live.is_some() {
             return;
         }
-        let [width, height] = self.start.window;
+        let [width, height] = fitted(event_loop, self.start.window);
         let attributes = Window::default_attributes()
             .with_title(format!("hypertexture \u{2013} {}", self.app.model.scene().object.input))
             .with_inner_size(LogicalSize::new(width, height))
@@ -296,6 +295,18 @@ impl Host {
         });
         Ok(())
     }
+}
+
+/// The size of a window that no screen is too small for, points: what is drawn beyond it costs memory that nobody sees.
+fn fitted(event_loop: &ActiveEventLoop, wanted: [u32; 2]) -> [u32; 2] {
+    let screens = event_loop.available_monitors().map(|screen| screen.size().to_logical::<u32>(screen.scale_factor()));
+    let largest = screens.map(|size| [size.width, size.height]).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+    let Some(largest) = largest.filter(|size| size.iter().all(|side| *side > 0)) else { return wanted };
+    let fitted = [0, 1].map(|side| wanted[side].min(largest[side]));
+    if fitted != wanted {
+        log::info!("the window has the size of the screen, {} x {} points", fitted[0], fitted[1]);
+    }
+    fitted
 }
 
 /// Does what a script asks for; whether the window is minimized.

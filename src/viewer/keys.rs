@@ -1,6 +1,6 @@
 //! The keys and what the mouse does, in one list: the window acts by it and shows it.
 
-use egui::{Context, Event, Key, Modifiers, Popup};
+use egui::{Context, Event, FocusDirection, Key, Modifiers, Popup};
 
 /// What a key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +26,8 @@ pub(super) enum Action {
     Leave,
     Save,
     Open,
+    Panels,
+    Controls,
 }
 
 /// A key, how it is written, and what it does.
@@ -49,12 +51,12 @@ const fn command(key: Key, name: &'static str, action: Action, what: &'static st
 pub(super) const KEYS: &[Binding] = &[
     plain(Key::Questionmark, "? or H", Action::Help, "this list"),
     plain(Key::H, "? or H", Action::Help, ""),
-    plain(Key::Space, "Space", Action::Play, "let time run, or stop it"),
-    plain(Key::R, "R", Action::Reset, "look as at the beginning"),
+    plain(Key::Space, "Space", Action::Play, "play or pause"),
+    plain(Key::R, "R", Action::Reset, "reset the view"),
     plain(Key::ArrowLeft, "Left", Action::Previous, "the preset before"),
     plain(Key::ArrowRight, "Right", Action::Next, "the next preset"),
-    plain(Key::S, "S", Action::Screenshot, "write the picture that `render` makes"),
-    plain(Key::T, "T", Action::Record, "record a turn around the object, or stop"),
+    plain(Key::S, "S", Action::Screenshot, "write the picture, in the size of the scene (Picture)"),
+    plain(Key::T, "T", Action::Record, "write the pictures of a turntable, or stop"),
     plain(Key::C, "C", Action::Compare, "keep this variant and compare with it, or stop"),
     plain(Key::V, "V", Action::Validity, "color the pixels that are not to be trusted, or stop"),
     plain(Key::D, "D", Action::Look, "of two variants: the wipe, their difference, one, the other"),
@@ -67,6 +69,8 @@ pub(super) const KEYS: &[Binding] = &[
     plain(Key::Num3, "3", Action::Side(2), ""),
     plain(Key::Z, "Z", Action::Undo, "undo"),
     plain(Key::Y, "Y", Action::Redo, "redo"),
+    plain(Key::Tab, "Tab", Action::Panels, "hide the panels, or show them; among controls, the next one"),
+    plain(Key::F6, "F6", Action::Controls, "the keys go to the controls: Tab, arrows, Space; Esc leaves them"),
     plain(Key::F, "F", Action::FullScreen, "the whole screen"),
     plain(Key::Escape, "Esc", Action::Leave, "leave what is written, this list, the whole screen; then the window"),
     command(Key::S, "Ctrl+S", Action::Save, "save the scene"),
@@ -96,10 +100,19 @@ pub(super) fn pressed(ctx: &Context) -> Vec<Action> {
         }
         _ => false,
     };
-    ctx.input(|input| {
+    let pressed: Vec<Action> = ctx.input(|input| {
         let pressed = KEYS.iter().filter(|binding| input.events.iter().any(|event| hit(event, binding)));
         pressed.map(|binding| binding.action).collect()
-    })
+    });
+    // Without focus, Tab would give it to the first control; that is what F6 is for.
+    for action in &pressed {
+        match action {
+            Action::Panels => ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None)),
+            Action::Controls => ctx.memory_mut(|memory| memory.move_focus(FocusDirection::Next)),
+            _ => {}
+        }
+    }
+    pressed
 }
 
 /// The key of that name and what is held with it: one of the list, or any that egui knows.

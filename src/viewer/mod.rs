@@ -14,11 +14,14 @@ pub mod author;
 pub mod compare;
 mod densities;
 mod error;
+mod finals;
 mod host;
 #[doc(hidden)] // for the tests of this crate
 pub mod inspect;
 mod keys;
 mod load;
+#[doc(hidden)] // for the tests of this crate
+pub mod message;
 #[doc(hidden)] // for the tests of this crate
 pub mod model;
 #[doc(hidden)] // for the tests of this crate
@@ -31,6 +34,7 @@ mod status;
 #[doc(hidden)] // for the tests of this crate
 pub mod tempo;
 mod trackball;
+mod unread;
 #[doc(hidden)] // for the tests of this crate
 pub mod unsaved;
 mod worker;

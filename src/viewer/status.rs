@@ -20,21 +20,6 @@ pub(super) enum Stage {
     Validity,
 }
 
-impl Stage {
-    /// In words.
-    pub(super) fn text(self) -> String {
-        match self {
-            Stage::None => "no picture yet".into(),
-            Stage::Coarse => "coarse".into(),
-            Stage::Partial => "being rendered".into(),
-            Stage::Scene => "as rendered".into(),
-            Stage::Refined(count) => format!("mean of {count}"),
-            Stage::Converged(count) => format!("converged, mean of {count}"),
-            Stage::Validity => "validity".into(),
-        }
-    }
-}
-
 /// What the window knows about its picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Figures {
@@ -66,10 +51,40 @@ pub(super) struct Figures {
     pub(super) picking: Option<f32>,
     /// Fields of the scene that change nothing in the picture.
     pub(super) ignored: Vec<String>,
-    /// Settings that the picture does not read, and the shape of the scene that they are of.
-    pub(super) idle: (Vec<String>, String),
     /// What the picture was made with.
     pub(super) made: Vec<[String; 2]>,
-    /// What went wrong or was done last.
-    pub(super) message: Option<String>,
+}
+
+impl Figures {
+    /// What is on the screen, and how far it is from a picture whose error is at most `max_error`: the error of a mean falls
+    /// with the square root of its pictures.
+    pub(super) fn words(&self, max_error: f64) -> String {
+        let done = self.error.map(|error| ((max_error / error).powi(2) * 100.0).clamp(0.0, 99.0));
+        match self.stage {
+            Stage::None => "no picture yet".into(),
+            Stage::Coarse => "preview".into(),
+            Stage::Partial => "drawing".into(),
+            Stage::Scene => "drawn, converging".into(),
+            Stage::Refined(count) => match done {
+                Some(done) => format!("converging, {done:.0} %"),
+                None => format!("converging, picture {count}"),
+            },
+            Stage::Converged(_) => "converged".into(),
+            Stage::Validity => "validity: colored pixels are not to be trusted".into(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_the_error_takes_four_times_the_pictures() {
+        let at = |error: f64| Figures { stage: Stage::Refined(8), error: Some(error), ..Figures::default() };
+        assert_eq!(at(2e-3).words(1e-3), "converging, 25 %");
+        assert_eq!(at(1e-4).words(1e-3), "converging, 99 %");
+        assert_eq!(Figures { error: None, ..at(1.0) }.words(1e-3), "converging, picture 8");
+        assert_eq!(Figures { stage: Stage::Converged(16), ..at(1e-3) }.words(1e-3), "converged");
+    }
 }

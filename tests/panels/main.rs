@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a control is not as described")]
 
 mod edit;
+mod everyone;
 mod loss;
 mod paint;
 mod scan;
@@ -24,8 +25,8 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 const SIZE: [usize; 2] = [1280, 1600];
-const SECTIONS: [&str; 8] =
-    ["File", "Objects", "Object", "Transfer map", "Material", "Light and background", "Camera", "Accuracy"];
+const SECTIONS: [&str; 9] =
+    ["File", "Objects", "Object", "Transfer map", "Material", "Light and background", "Camera", "Accuracy", "Picture"];
 
 /// What the window would hold.
 struct Desk {
@@ -34,6 +35,8 @@ struct Desk {
     status: Status,
     requests: Vec<Request>,
     painter: Painter,
+    /// What the panels leave for the picture.
+    left: egui::Rect,
 }
 
 struct Hand(Harness<'static, Desk>);
@@ -45,20 +48,29 @@ impl Hand {
         let panels = Panels::new(program, &model).unwrap();
         let painter = Painter::default();
         let status = Status { device: "a device".into(), frame_ms: Some([12.0, 0.5]), ..Status::default() };
-        let desk = Desk { model, panels, status, requests: Vec::new(), painter: painter.clone() };
+        let desk =
+            Desk { model, panels, status, requests: Vec::new(), painter: painter.clone(), left: egui::Rect::ZERO };
         let size = egui::vec2(SIZE[0] as f32, SIZE[1] as f32);
         let builder = Harness::builder().with_size(size).with_step_dt(1.0 / 60.0).renderer(painter);
         let show = |ui: &mut egui::Ui, desk: &mut Desk| {
             desk.requests.extend(desk.panels.show(ui, &mut desk.model, &desk.status));
+            desk.left = ui.available_rect_before_wrap();
         };
         let mut hand = Hand(builder.build_ui_state(show, desk));
         hand.0.run_steps(2);
         hand
     }
 
+    /// With the sections of the advanced settings.
+    fn advanced(scene: Scene) -> Hand {
+        let mut hand = Hand::new(scene);
+        hand.click("view.advanced");
+        hand
+    }
+
     /// With every section open, so that every control is there.
     fn open(scene: Scene) -> Hand {
-        let mut hand = Hand::new(scene);
+        let mut hand = Hand::advanced(scene);
         SECTIONS.iter().for_each(|section| drop(hand.click(section)));
         hand
     }
@@ -259,7 +271,7 @@ fn settings_that_the_picture_does_not_read_have_no_control_unless_all_are_asked_
 
 #[test]
 fn what_a_picture_is_made_with_is_a_section_once_there_is_one() {
-    let mut hand = Hand::new(scene::preset("lit").unwrap());
+    let mut hand = Hand::advanced(scene::preset("lit").unwrap());
     assert!(hand.0.query_all_by_label("Made with").next().is_none());
     hand.0.state_mut().status.made = vec![["left out".into(), "noise block: nothing reads it".into()]];
     hand.0.run_steps(2);
@@ -284,7 +296,7 @@ fn what_the_check_refuses_is_one_line_and_changes_nothing() {
 
 #[test]
 fn s01_5_a_stack_grows_shrinks_changes_its_order_and_has_masks() {
-    let mut hand = Hand::new(preset("fur").unwrap());
+    let mut hand = Hand::advanced(preset("fur").unwrap());
     hand.choose("effect.dmf.add", "noisy");
     hand.choose("effect.dmf.add", "biased");
     assert_eq!(hand.scene().effect.dmf, ["fur", "noisy", "biased"]);
@@ -390,11 +402,13 @@ fn objects_come_and_go_with_effects_of_their_own() {
 #[test]
 fn presets_files_and_requests() {
     let mut hand = Hand::new(preset("lit").unwrap());
-    ["Presets", "File", "Accuracy", "Camera"].iter().for_each(|section| drop(hand.click(section)));
+    ["view.advanced", "File", "Accuracy", "Camera"].iter().for_each(|section| drop(hand.click(section)));
+    hand.click("presets.own");
     hand.click("preset smoke");
+    hand.click("presets.own");
     assert_eq!(hand.scene().effect, preset("smoke").unwrap().effect);
     hand.write("parameters.vapor_color.code", "#808080");
-    hand.click("effect fur");
+    hand.click("preset fur");
     let scene = hand.scene();
     assert_eq!((&scene.effect, scene.object.input.as_str()), (&preset("fur").unwrap().effect, "torus"));
     let folder = tempfile::tempdir().unwrap();
@@ -480,8 +494,8 @@ fn m52_what_is_typed_is_compiled_and_declared_parameters_become_sliders() {
 #[test]
 fn the_panels_are_painted() {
     for name in ["fur", "blue_glass", "ensemble"] {
-        let mut hand = Hand::new(preset(name).unwrap());
-        ["Effect", "Presets", "File"].iter().for_each(|section| drop(hand.click(section)));
+        let mut hand = Hand::advanced(preset(name).unwrap());
+        ["Effect", "File"].iter().for_each(|section| drop(hand.click(section)));
         hand.picture(&format!("{name}_presets"));
         ["Effect", "Presets", "File", "Objects", "Object", "Material"]
             .iter()

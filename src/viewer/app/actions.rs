@@ -36,7 +36,7 @@ impl App {
             Action::Inertia => {
                 self.inertia = !self.inertia;
                 self.glide = None;
-                self.say(if self.inertia { "the ball turns on" } else { "the ball stops when it is let go" }.into());
+                self.note(if self.inertia { "the ball turns on" } else { "the ball stops when it is let go" });
             }
             Action::Level => self.level = !self.level,
             Action::Side(index) => {
@@ -59,6 +59,8 @@ impl App {
             Action::Leave => self.panels.ask(Question::Quit),
             Action::Save => self.panels.save(&mut self.model),
             Action::Open => self.panels.choose_file(),
+            Action::Panels => self.panels.hide(!self.panels.is_hidden()),
+            Action::Controls => self.panels.hide(false),
         }
     }
 
@@ -121,13 +123,12 @@ impl App {
     /// The preset before or after the one whose effect is shown.
     fn step(&mut self, by: isize) {
         let names: Vec<&str> = scene::names().collect();
-        let about = &self.model.scene().about;
-        let here = names.iter().position(|name| scene::preset(name).is_ok_and(|preset| preset.about == *about));
+        let here = self.model.preset().and_then(|own| names.iter().position(|name| *name == own));
         let count = names.len() as isize;
         let next = here.map_or(0, |here| (here as isize + by).rem_euclid(count));
         self.model.take_preset(names[next as usize], false);
         self.glide = None;
-        self.say(format!("{}: {}", names[next as usize], self.model.scene().about));
+        self.note(format!("{}: {}", names[next as usize], self.model.scene().about));
     }
 
     /// Ends a recording, or the search for a way to draw.
@@ -143,7 +144,7 @@ impl App {
         if path.extension().is_some_and(|end| end == "glsl") {
             match self.panels.author().watch(self.model.library(), path) {
                 Ok(()) => self.panels.show_author(true),
-                Err(reason) => self.say(reason),
+                Err(reason) => self.fail(reason),
             }
         } else {
             self.model.open(path);
@@ -153,6 +154,10 @@ impl App {
     /// Writes the picture that `render` makes of what is shown.
     pub(in crate::viewer) fn screenshot(&mut self, path: PathBuf) {
         let edited = self.model.edited();
+        let image = &self.model.scene().image;
+        let [width, height] = image.size;
+        let behind = if image.background.is_some() { "with its background" } else { "transparent where nothing is" };
+        self.writing = format!(", {width} x {height} pixels as the scene says, {behind}");
         self.task(|library, variant| Task::Shot { library, variant, path, edited });
     }
 
@@ -160,6 +165,8 @@ impl App {
         let path = free_name("turntable", "_####.png");
         self.figures.recording = Some((0, TURN));
         let edited = self.model.edited();
+        let [width, height] = self.model.scene().image.size;
+        self.writing = format!(", {TURN} pictures of {width} x {height} pixels");
         self.task(|library, variant| Task::Turntable { library, variant, path, frames: TURN, edited });
     }
 
@@ -179,7 +186,7 @@ impl App {
                 self.picked_for = Some(self.model.scene().clone());
                 self.task(|library, variant| Task::Pick { library, variant, bound });
             }
-            Err(error) => self.say(error.to_string()),
+            Err(error) => self.fail(error.to_string()),
         }
     }
 
@@ -187,7 +194,7 @@ impl App {
     pub(super) fn take(&mut self, pick: &Pick) {
         let content = |scene: &Scene| Scene { camera: Camera::default(), ..scene.clone() };
         if self.picked_for.take().map(|scene| content(&scene)) != Some(content(self.model.scene())) {
-            self.say("the scene has changed while a way to draw it was looked for: ask again".into());
+            self.fail("the scene has changed while the fastest settings for it were looked for: ask again");
             return;
         }
         let Scene { quality, effect, .. } = &pick.scene;
@@ -199,7 +206,7 @@ impl App {
         if good {
             let by = if pick.unverified.is_none() { "the f64 reference" } else { "a finer picture" };
             let error = pick.verified.error;
-            self.say(format!("drawn with {}: error {error:.1e} by {by}", pick.settings));
+            self.note(format!("drawn with {}: error {error:.1e} by {by}", pick.settings));
         }
     }
 
@@ -208,7 +215,7 @@ impl App {
         let subject = self.posted.as_ref().filter(|_| self.loader.progress().is_none());
         let (Some(posted), Some(worker)) = (subject, &self.worker) else {
             self.failure.get_or_insert("the object is not loaded yet".into());
-            self.say("the object is not loaded yet".into());
+            self.fail("the object is not loaded yet");
             return;
         };
         let subject = posted.variants[0].subject.clone();

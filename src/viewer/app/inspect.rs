@@ -36,7 +36,7 @@ impl App {
     /// Inspects the next of the pixels that differ most.
     pub(super) fn jump_to_worst(&mut self) {
         if !self.inspector.jump() {
-            self.say("the worst pixels are known once the picture has been refined".into());
+            self.note("the worst pixels are known once the picture has been refined");
         }
     }
 

@@ -12,16 +12,18 @@ use super::densities::Densities;
 use super::inspect::Inspector;
 use super::keys;
 use super::load::Loader;
+use super::message::Message;
 use super::model::Model;
 use super::panels::{Panels, Status};
 use super::screen::Screen;
 use super::status::{Figures, Stage};
 use super::tempo::Tempo;
 use super::trackball::Trackball;
+use super::unread::Unread;
 use super::unsaved;
 use super::worker::{Event, Job, Variant, Worker};
 use crate::gpu::{Gpu, Options};
-use crate::scene::{self, Camera, Scene};
+use crate::scene::{self, Scene};
 use crate::shader::Library;
 use crate::support::disk_cache;
 use egui::{Rect, Sense, Ui};
@@ -98,6 +100,7 @@ pub(super) struct App {
     /// Whether pixels that are not to be trusted are shown.
     validity: bool,
     densities: Densities,
+    unread: Unread,
     /// The error that a way to draw is still to be looked for.
     pick: Option<f64>,
     /// The scene that one is being looked for.
@@ -118,6 +121,11 @@ pub(super) struct App {
     pub(super) lost: bool,
     pub(super) quit: bool,
     pub(super) full_screen: bool,
+    /// What went wrong or was done last, and the number of the job then.
+    said: Option<Message>,
+    said_at: u64,
+    /// What is being written, in words.
+    writing: String,
 }
 
 impl App {
@@ -160,6 +168,7 @@ impl App {
             max_error: start.max_error,
             validity: false,
             densities: Densities::default(),
+            unread: Unread::default(),
             pick: start.max_error,
             picked_for: None,
             posted: None,
@@ -174,6 +183,9 @@ impl App {
             lost: false,
             quit: false,
             full_screen: false,
+            said: None,
+            said_at: 0,
+            writing: String::new(),
             model,
         })
     }
@@ -219,7 +231,7 @@ impl App {
     pub(super) fn receive(&mut self) {
         if let Err(reason) = self.loader.poll() {
             self.failure.get_or_insert(reason.clone());
-            self.say(reason);
+            self.fail(reason);
         }
         let Some(worker) = &self.worker else { return };
         // A thread that has failed is replaced as one whose device is lost: once.
@@ -242,19 +254,20 @@ impl App {
                         figures.recent_ms.drain(..surplus);
                     }
                     self.is_current = picture.number == self.number;
+                    // What went wrong with an earlier scene no longer holds.
+                    self.said.take_if(|said| said.is_error && picture.number > self.said_at);
                 }
                 Event::Stopped(line) => {
                     (self.tasks, self.figures.recording) = (self.tasks.saturating_sub(1), None);
-                    self.say(line);
+                    self.note(line);
                 }
                 Event::Made(lines) => self.figures.made = lines,
-                Event::Unread { ignored, idle, shape } => {
-                    (self.figures.ignored, self.figures.idle) = (ignored, (idle, shape));
-                }
+                Event::Ignored(ignored) => self.figures.ignored = ignored,
                 Event::Wrote(path) => {
                     self.tasks = self.tasks.saturating_sub(1);
                     self.figures.recording = None;
-                    self.say(format!("wrote {}", std::path::absolute(&path).unwrap_or(path).display()));
+                    let path = std::path::absolute(&path).unwrap_or(path);
+                    self.note(format!("wrote {}{}", path.display(), self.writing));
                 }
                 Event::Picking(done) => self.figures.picking = Some(done),
                 Event::Picked(pick) => {
@@ -267,22 +280,28 @@ impl App {
                 Event::Refused(reason) => {
                     self.failure.get_or_insert(reason.clone());
                     (self.tasks, self.figures.recording, self.figures.picking) = (0, None, None);
-                    self.say(reason);
+                    self.fail(reason);
                 }
                 Event::Failed(reason) => {
                     if self.tasks > 0 {
                         self.failure.get_or_insert(reason.clone());
                     }
                     (self.tasks, self.figures.recording, self.figures.picking) = (0, None, None);
-                    self.say(reason);
+                    self.fail(reason);
                 }
                 Event::Lost => self.lost = true,
             }
         }
     }
 
-    fn say(&mut self, line: String) {
-        self.figures.message = Some(line);
+    /// Says what was done.
+    fn note(&mut self, line: impl Into<String>) {
+        self.said = Some(Message::note(line));
+    }
+
+    /// Says what went wrong, until a picture of another scene is there.
+    fn fail(&mut self, line: impl Into<String>) {
+        (self.said, self.said_at) = (Some(Message::error(line)), self.number);
     }
 
     /// One frame: the panels, the picture, and what is over it.
@@ -294,14 +313,7 @@ impl App {
             keys::pressed(ui.ctx()).into_iter().for_each(|action| self.act(action));
         }
         let status = self.status();
-        let angles = |camera: &Camera| [camera.azimuth, camera.elevation];
-        let before = self.model.scene().camera.clone();
         let requests = self.panels.show(ui, &mut self.model, &status);
-        let camera = &self.model.scene().camera;
-        if angles(camera) != angles(&before) && camera.rotation.is_some() && camera.rotation == before.rotation {
-            // Who asks for an angle means it.
-            self.model.edit("camera", |scene| scene.camera.rotation = None);
-        }
         for request in requests {
             self.request(request);
         }
@@ -333,14 +345,13 @@ impl App {
         Status {
             frame_ms: (!recent.is_empty()).then_some([self.figures.gpu_ms, spread]),
             error: error.map(|error| [error, standard_error.unwrap_or(error)]),
-            samples: format!("{}, {} x {}, {samples} samples", self.figures.stage.text(), size[0], size[1]),
+            picture: self.figures.words(self.max_error.unwrap_or(GOOD)),
+            detail: format!("{} x {} pixels, {samples} samples", size[0], size[1]),
             device: self.figures.device.clone(),
-            message: self.figures.message.clone(),
+            message: self.said.clone(),
             ignored: self.figures.ignored.clone(),
-            idle: match &self.figures.idle {
-                (idle, shape) if !idle.is_empty() && *shape == self.shown().shape() => idle.clone(),
-                _ => Vec::new(),
-            },
+            idle: self.unread.poll(self.model.scene()).to_vec(),
+            window: self.posted.as_ref().map_or([0, 0], |job| job.variants[0].scene.image.size),
             made: self.figures.made.clone(),
             progress: self.figures.picking.or(recording.map(|(done, all)| done as f32 / all.max(1) as f32)),
             recent_ms: recent.clone(),
@@ -384,8 +395,9 @@ impl App {
             scene.image.size = size;
             match self.loader.subject(&scene, &self.library, &move_clone(&notify)) {
                 Ok(Some(subject)) => variants.push(Variant { scene, subject }),
-                Ok(None) => {}
-                Err(error) => self.say(error.to_string()),
+                // One after the other: what is loaded for the second takes the place of what is loaded for the first.
+                Ok(None) => break,
+                Err(error) => self.fail(error.to_string()),
             }
         }
         if self.loader.progress().is_some() {
@@ -428,6 +440,9 @@ impl App {
                 worker.show(job.clone());
             }
             self.posted = Some(job);
+        }
+        if let (false, Some(job)) = (moving, &self.posted) {
+            self.unread.want(job, move || notify());
         }
         if busy {
             ui.ctx().request_repaint();

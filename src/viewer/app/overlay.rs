@@ -16,7 +16,7 @@ impl App {
         }
         self.inspect(ui);
         self.show_light(ui);
-        let dark = Frame::popup(ui.style()).fill(Color32::from_black_alpha(200));
+        let dark = Frame::popup(ui.style());
         if let Some((name, done)) = self.loader.progress() {
             Area::new(Id::new("loading")).fixed_pos(place.center() - Vec2::new(130.0, 30.0)).show(ui.ctx(), |ui| {
                 dark.show(ui, |ui| {
@@ -25,7 +25,7 @@ impl App {
                     ui.add(ProgressBar::new(done).show_percentage());
                     if ui.button("Cancel").clicked() {
                         self.loader.cancel();
-                        self.figures.message = Some(format!("{name} was given up"));
+                        self.note(format!("{name} was given up"));
                     }
                 });
             });

@@ -4,12 +4,14 @@
 //! that does not is refused with one line and changes nothing.
 
 mod command;
+mod files;
+mod presets;
 
+use super::message::Message;
 use super::programs::programs;
-use crate::scene::{self, Camera, ParameterValue, Parameters, Part, Reach, Scene, SceneError, schema};
+use crate::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError, schema};
 use crate::shader::ParameterKind;
 use crate::shader::{self, Library, Slots};
-use crate::support::{open, write_whole};
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 
@@ -32,7 +34,7 @@ pub struct Model {
     /// What was written to files from here.
     written: BTreeMap<PathBuf, String>,
     home: Camera,
-    message: Option<String>,
+    message: Option<Message>,
 }
 
 /// A scene that one can go back to.
@@ -83,12 +85,17 @@ impl Model {
 
     /// The last thing that was refused or done, one line.
     pub fn message(&self) -> Option<&str> {
-        self.message.as_deref()
+        self.notice().map(|message| message.text.as_str())
     }
 
-    /// Shows a line.
+    /// That line, and whether it is an error.
+    pub fn notice(&self) -> Option<&Message> {
+        self.message.as_ref()
+    }
+
+    /// Says what went wrong.
     pub fn say(&mut self, line: impl Into<String>) {
-        self.message = Some(line.into().replace('\n', " "));
+        self.message = Some(Message::error(line));
     }
 
     /// The file that the scene was read from or written to last.
@@ -217,102 +224,6 @@ impl Model {
         (self.parameters, self.parts) = checked(&scene, &library)?;
         (self.scene, self.library, self.message) = (scene, library, None);
         Ok(())
-    }
-
-    /// Reads a scene file, or takes a file of any other kind as the object.
-    pub fn open(&mut self, path: &Path) -> bool {
-        let name = path.display().to_string();
-        if !path.extension().is_some_and(|end| end.eq_ignore_ascii_case("toml")) {
-            return self.edit("object.input", |scene| scene.bring(&name));
-        }
-        match scene::load(path, Reach::Beside) {
-            Err(error) => {
-                self.say(error.to_string());
-                false
-            }
-            Ok(scene) => {
-                let library = match self.with_modules_of(&scene) {
-                    Ok(library) => std::mem::replace(&mut self.library, library),
-                    Err(error) => {
-                        self.say(error.to_string());
-                        return false;
-                    }
-                };
-                let good = self.propose(&format!("open {name}"), scene);
-                if good {
-                    self.end_undo_group();
-                    (self.saved, self.file) = (self.scene.clone(), Some(path.into()));
-                    self.home.clone_from(&self.scene.camera);
-                } else {
-                    self.library = library;
-                }
-                good
-            }
-        }
-    }
-
-    /// The modules that there are, and a scene's own as its files have them.
-    fn with_modules_of(&self, scene: &Scene) -> Result<Library, SceneError> {
-        let own = scene.library()?;
-        let modules = scene.modules.keys().filter_map(|module| module.split_once('/'));
-        Ok(modules.fold(self.library.clone(), |library, (slot, name)| {
-            let text = own.source(&format!("{slot}/{name}.glsl")).unwrap_or_default();
-            library.with_module(slot, name, text)
-        }))
-    }
-
-    /// Whether a file is there that holds something else than what was written to it from here.
-    pub fn would_replace(&self, path: &Path) -> bool {
-        let held = open::text(path, scene::MAX_BYTES).ok();
-        path.exists() && (held.is_none() || held.as_ref() != self.written.get(path))
-    }
-
-    /// Writes the scene, complete with defaults; what was in the file before is gone only when the new text is there.
-    pub fn save(&mut self, path: &Path) -> bool {
-        let text = scene::to_text(&self.scene);
-        match write_whole(path, text.as_bytes()) {
-            Ok(()) => {
-                self.written.insert(path.into(), text);
-                (self.saved, self.file) = (self.scene.clone(), Some(path.into()));
-                let edited = self.edited();
-                let missing = if edited.is_empty() {
-                    String::new()
-                } else {
-                    format!("; save these modules as files too, a scene holds no text of them: {}", edited.join(", "))
-                };
-                self.say(format!("wrote {}{missing}", path.display()));
-                true
-            }
-            Err(error) => {
-                self.say(format!("{}: {error}; nothing was written", path.display()));
-                false
-            }
-        }
-    }
-
-    /// Takes a preset; with `effect_only`, it leaves object, camera, light, picture and accuracy as they are.
-    pub fn take_preset(&mut self, name: &str, effect_only: bool) -> bool {
-        let preset = match scene::preset(name) {
-            Ok(preset) => preset,
-            Err(error) => {
-                self.say(error.to_string());
-                return false;
-            }
-        };
-        let image = self.scene.image.clone(); // the window has a size of its own
-        let scene = match effect_only {
-            false => Scene { image, ..preset },
-            true => {
-                let Scene { object, camera, light, quality, .. } = self.scene.clone();
-                Scene { object, camera, light, image, quality, ..preset }
-            }
-        };
-        let good = self.propose(&format!("preset {name}"), scene);
-        self.end_undo_group();
-        if good && !effect_only {
-            self.home.clone_from(&self.scene.camera);
-        }
-        good
     }
 
     /// Adds an additional object, a copy of a part of a preset; the formula gets it at its end. Gives its name.

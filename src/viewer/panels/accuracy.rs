@@ -1,6 +1,6 @@
 //! Accuracy against time.
 
-use super::widgets::button;
+use super::widgets::{Field, button, field, number, switch};
 use super::{Pass as Controls, Request, settings};
 use crate::scene::schema::SETTINGS;
 use egui::Ui;
@@ -10,22 +10,22 @@ const FIRST_ERROR: f64 = 1.0 / 255.0;
 
 /// Every field of `quality`, and the error that the window may choose the samples by.
 pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
-    ui.horizontal(|ui| {
-        let asked = controls.status.max_error;
-        let mut on = asked.is_some();
-        let doc = "Draw with the fastest settings whose root mean square error is at most this.";
-        let response = ui.checkbox(&mut on, "largest error").on_hover_text(doc);
-        if super::widgets::named(ui, &response, "max_error.on").changed() {
-            controls.requests.push(Request::MaxError(on.then_some(FIRST_ERROR)));
-        }
-        if let Some(mut error) = asked {
-            let slider = egui::Slider::new(&mut error, 1e-4..=0.1).logarithmic(true).max_decimals(5);
-            let response = ui.add(slider);
-            if super::widgets::named(ui, &response, "max_error").changed() {
-                controls.requests.push(Request::MaxError(Some(error)));
-            }
-        }
-    });
+    let asked = controls.status.max_error;
+    let mut on = asked.is_some();
+    let doc = "Draw with the fastest settings whose root mean square error is at most this.";
+    switch(ui, &mut None, &Field { text: Some("Error target"), ..field("max_error.on", doc) }, &mut on);
+    let mut wanted = on.then(|| asked.unwrap_or(FIRST_ERROR));
+    if let (Some(error), true) = (&mut wanted, asked.is_some()) {
+        number(ui, &mut None, &Field { text: Some(""), ..field("max_error", doc) }, error, 1e-4..=0.1);
+    }
+    // What is typed beyond the slider is held to what `--max-error` takes.
+    let wanted = wanted.map(|error| error.clamp(1e-7, 1.0));
+    if wanted != asked {
+        controls.requests.push(Request::MaxError(wanted));
+    }
+    if !controls.advanced {
+        return settings::table(ui, controls, "", "quality");
+    }
     let mut on = controls.status.validity;
     let doc =
         "Once the picture has converged, color the pixels that change where one setting is made better, and say which.";

@@ -11,11 +11,15 @@ mod editor;
 mod effect;
 mod facts;
 mod figures;
+mod finals;
+mod messages;
 mod object;
 mod parameters;
+mod presets;
 mod session;
 mod settings;
 mod stage;
+mod theme;
 mod timeline;
 mod transfer;
 pub mod widgets;
@@ -24,6 +28,7 @@ pub use ask::Question;
 pub(in crate::viewer) use stage::SIDES;
 
 use super::author::Author;
+use super::message::Message;
 use super::model::Model;
 use super::tempo::Tempo;
 use super::unsaved;
@@ -33,6 +38,13 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use widgets::Touch;
+
+/// Width of the panel of the scene, points.
+const WIDTH: f32 = 376.0;
+/// The least and the most of it, and the part of the window that it has at most.
+const LEAST: f32 = 190.0;
+const MOST: f32 = 640.0;
+const PART: f32 = 0.42;
 
 /// What the window knows and the panels show.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,16 +57,20 @@ pub struct Status {
     pub budget_ms: f64,
     /// Estimated root mean square error of the picture that is shown, and its own spread, in units of 1.
     pub error: Option<[f64; 2]>,
-    /// Samples, slices or pictures that are shown, in words.
-    pub samples: String,
+    /// What is on the screen and how far it is, in words.
+    pub picture: String,
+    /// Its size and samples, in words.
+    pub detail: String,
     /// Device and driver.
     pub device: String,
-    /// What goes wrong, or was done; the model's own message goes before it.
-    pub message: Option<String>,
+    /// What went wrong or was done, beside what the model says.
+    pub message: Option<Message>,
     /// Fields of the scene that change nothing in the picture, with their values.
     pub ignored: Vec<String>,
     /// Settings that the picture does not read: they have no control, unless all are asked for.
     pub idle: Vec<String>,
+    /// Width and height of the picture in the window, pixels; 0 while there is none.
+    pub window: [u32; 2],
     /// What the picture was made with: what each line is about, and what there is.
     pub made: Vec<[String; 2]>,
     /// Part of what is under way that is done, 0 to 1.
@@ -126,13 +142,21 @@ pub struct Panels {
     author_is_open: bool,
     /// Whether settings that the picture does not read have controls too.
     shows_all: bool,
+    /// Whether the advanced settings have controls.
+    advanced: bool,
+    /// Whether a preset brings its object and view along.
+    with_own: bool,
+    /// Whether the picture has all the room.
+    hidden: bool,
+    theme: theme::Chosen,
+    finals: finals::Finals,
 }
 
 /// What is done after the controls have been shown, in place of what they changed.
 enum Act {
     Undo,
     Redo,
-    Preset { name: String, effect_only: bool },
+    Preset { name: String, on_object: bool },
     Choose,
     Open(PathBuf),
     Restore(PathBuf),
@@ -155,12 +179,15 @@ struct Pass<'a> {
     model: &'a Model,
     status: &'a Status,
     shows_all: bool,
+    advanced: bool,
 }
 
 impl Pass<'_> {
     /// Whether a setting has no control, as the picture does not read it.
     fn hides(&self, name: &str) -> bool {
-        !self.shows_all && self.status.idle.iter().any(|idle| idle == name)
+        // The angles are there in place of the turn that they follow.
+        let is_shown = self.shows_all || ["camera.azimuth", "camera.elevation"].contains(&name);
+        !is_shown && self.status.idle.iter().any(|idle| idle == name)
     }
 
     /// Gives a setting its value, as a scene file has it; empty takes it back.
@@ -188,12 +215,15 @@ impl Panels {
         let effect = &model.scene().effect;
         let first = effect.dmf.first().map(|name| ("dmf", name.split('@').next().unwrap_or_default()));
         let (slot, name) = first.unwrap_or(("surface", &effect.surface));
+        let finals = finals::Finals::new(program.clone());
         let author = Author::new(program, model.library(), slot, name)?;
         let paths = ["scene.toml".into(), "picture.png".into()];
         let known = facts::Known::default();
         let asked = ask::Asked::default();
         let bookmarks = bookmarks::Bookmarks::default();
         let editor = editor::Editor::default();
+        let theme = theme::Chosen::default();
+        let [author_is_open, shows_all, advanced, with_own, hidden] = [false; 5];
         Ok(Panels {
             selected: None,
             stop: 0,
@@ -203,8 +233,13 @@ impl Panels {
             paths,
             author,
             editor,
-            author_is_open: false,
-            shows_all: false,
+            author_is_open,
+            shows_all,
+            advanced,
+            with_own,
+            hidden,
+            theme,
+            finals,
         })
     }
 
@@ -222,6 +257,7 @@ impl Panels {
     /// folder of the cache, as those of this one will be.
     pub fn remember(&mut self, kept: Vec<PathBuf>, folder: Option<PathBuf>) {
         self.bookmarks = bookmarks::Bookmarks::of(folder.as_deref());
+        self.theme.remember(folder.as_deref());
         self.asked.remember(kept, folder);
     }
 
@@ -250,20 +286,37 @@ impl Panels {
         self.asked.scene(ask::target(model, &self.paths[0]), model);
     }
 
+    /// Gives the picture all the room, or the panels theirs.
+    pub fn hide(&mut self, hidden: bool) {
+        self.hidden = hidden;
+    }
+
+    /// Whether the picture has all the room.
+    pub fn is_hidden(&self) -> bool {
+        self.hidden
+    }
+
     /// Shows every panel in what is left of `ui`; what they leave is for the picture. To be called once for each frame.
     pub fn show(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
+        self.theme.apply(ui.ctx());
         ui.spacing_mut().item_spacing.y = 5.0;
-        ui.spacing_mut().slider_width = 118.0;
-        let complaint = self.author.complaint().filter(|_| !self.author_is_open);
-        Panel::bottom("status").show(ui, |ui| figures::show(ui, model, status, complaint));
-        let mut time = Vec::new();
-        Panel::bottom("time").show(ui, |ui| timeline::show(ui, model, status, &mut time));
-        let mut requests = Panel::right("scene").default_size(376.0).size_range(320.0..=640.0).show(ui, |ui| {
-            let requests = self.controls(ui, model, status);
-            ui.take_available_width();
-            requests
-        });
-        if self.author_is_open {
+        let complaint = self.author.complaint().filter(|_| !self.author_is_open || self.hidden).map(Message::error);
+        Panel::bottom("status").show(ui, |ui| figures::show(ui, status));
+        let mut requests = Vec::new();
+        if !self.hidden {
+            Panel::bottom("time").show(ui, |ui| timeline::show(ui, model, status, &mut requests));
+            // Of a small window, the picture keeps most.
+            let most = (PART * ui.available_width()).clamp(LEAST, MOST);
+            let panel = Panel::right("scene").default_size(WIDTH.min(most)).size_range(LEAST..=most);
+            let shown = panel.show(ui, |ui| {
+                widgets::fit(ui);
+                let requests = self.controls(ui, model, status);
+                ui.take_available_width();
+                requests
+            });
+            requests.extend(shown.inner);
+        }
+        if self.author_is_open && !self.hidden {
             Panel::left("author").default_size(520.0).size_range(280.0..=1200.0).show(ui, |ui| {
                 ui.add_space(4.0);
                 editor::show(ui, &mut self.author, model, &mut self.editor);
@@ -271,21 +324,30 @@ impl Panels {
         } else if self.author.poll(model) {
             ui.ctx().request_repaint();
         }
-        requests.inner.append(&mut time);
         let unsaved = self.asked.question == Some(Question::Quit) && self.is_unsaved(model);
-        requests.inner.extend(self.asked.show(ui, model, &self.paths[0], unsaved));
-        requests.inner
+        requests.extend(self.asked.show(ui, model, &self.paths[0], unsaved));
+        self.finals.show(ui, model, status);
+        let all = [complaint.as_ref(), model.notice(), status.message.as_ref(), self.finals.outcome()];
+        let all: Vec<&Message> = all.into_iter().flatten().collect();
+        messages::show(ui, &all);
+        requests
     }
 
     fn controls(&mut self, ui: &mut Ui, model: &mut Model, status: &Status) -> Vec<Request> {
         self.selected = self.selected.take().filter(|name| model.scene().parts.contains_key(name));
         let (draft, acts, requests) = (model.scene().clone(), Vec::new(), Vec::new());
         let values = draft.fields().into_iter().collect();
-        let shows_all = self.shows_all;
-        let mut pass = Pass { draft, values, refused: None, touch: None, acts, requests, model, status, shows_all };
+        let (shows_all, advanced) = (self.shows_all, self.advanced);
+        let mut pass =
+            Pass { draft, values, refused: None, touch: None, acts, requests, model, status, shows_all, advanced };
         ui.add_space(4.0);
         self.asked.offer(ui, &mut pass.acts);
         session::history(ui, &mut pass, &mut self.author_is_open);
+        ui.horizontal_wrapped(|ui| {
+            let open = ui.toggle_value(&mut self.finals.is_open, "Final picture");
+            widgets::named(ui, &open, "final").on_hover_text("A picture, a sequence or a video, in any size.");
+            self.finals.progress().map(|progress| ui.weak(progress));
+        });
         ui.separator();
         ScrollArea::vertical().id_salt("controls").auto_shrink(false).show(ui, |ui| self.sections(ui, &mut pass));
         let Pass { draft, touch, refused, acts, mut requests, .. } = pass;
@@ -304,25 +366,50 @@ impl Panels {
     }
 
     fn sections(&mut self, ui: &mut Ui, pass: &mut Pass<'_>) {
-        section(ui, "Presets", false, |ui| session::presets(ui, pass));
+        ui.horizontal_wrapped(|ui| {
+            for (advanced, text, name, doc) in [
+                (false, "Basic", "view.basic", "What most pictures need."),
+                (true, "Advanced", "view.advanced", "Every setting of a scene file."),
+            ] {
+                let response = ui.selectable_label(self.advanced == advanced, text).on_hover_text(doc);
+                if widgets::named(ui, &response, name).clicked() {
+                    self.advanced = advanced;
+                }
+            }
+        });
+        let advanced = pass.advanced;
+        section(ui, "Presets", true, |ui| presets::show(ui, pass, &mut self.with_own));
         let recent = &self.asked.recent;
         section(ui, "File", false, |ui| session::files(ui, pass, &mut self.paths, recent));
-        section(ui, "Objects", false, |ui| object::list(ui, pass, &mut self.selected));
+        if advanced {
+            section(ui, "Objects", false, |ui| object::list(ui, pass, &mut self.selected));
+        }
         let part = self.selected.clone();
         let part = part.as_deref();
         section(ui, "Object", false, |ui| object::show(ui, pass, part));
-        section(ui, "What it holds", false, |ui| facts::show(ui, pass, part, &mut self.known));
+        if advanced {
+            section(ui, "What it holds", false, |ui| facts::show(ui, pass, part, &mut self.known));
+        }
         section(ui, "Parameters", true, |ui| parameters::show(ui, pass, part));
-        section(ui, "Effect", true, |ui| effect::show(ui, pass, part));
+        if advanced {
+            section(ui, "Effect", true, |ui| effect::show(ui, pass, part));
+        }
         section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.stop));
         section(ui, "Material", false, |ui| settings::table(ui, pass, &prefix(part), "material"));
         section(ui, "Light and background", false, |ui| stage::light(ui, pass));
         section(ui, "Camera", false, |ui| stage::camera(ui, pass, &mut self.bookmarks));
         section(ui, "Accuracy", false, |ui| accuracy::show(ui, pass));
-        if !pass.status.made.is_empty() {
+        section(ui, "Picture", false, |ui| settings::show(ui, pass, "", "image.size"));
+        if advanced && !pass.status.made.is_empty() {
             section(ui, "Made with", false, |ui| figures::made(ui, &pass.status.made));
         }
-        self.offer_all(ui, pass.status.idle.len());
+        if advanced {
+            self.offer_all(ui, pass.status.idle.len());
+        }
+        ui.horizontal_wrapped(|ui| {
+            ui.weak("theme");
+            self.theme.show(ui);
+        });
     }
 
     /// Controls of what the picture does not read, where there is such.
@@ -350,7 +437,7 @@ impl Panels {
         match act {
             Act::Undo => drop(model.undo()),
             Act::Redo => drop(model.redo()),
-            Act::Preset { name, effect_only } => drop(model.take_preset(&name, effect_only)),
+            Act::Preset { name, on_object } => drop(model.take_preset(&name, on_object)),
             Act::Choose => self.asked.choose(),
             Act::Open(path) => drop(model.open(&path)),
             Act::Restore(folder) => {
@@ -378,8 +465,10 @@ fn prefix(part: Option<&str>) -> String {
 }
 
 fn section(ui: &mut Ui, title: &str, open: bool, add: impl FnOnce(&mut Ui)) {
-    CollapsingHeader::new(RichText::new(title).strong()).id_salt(title).default_open(open).show(ui, |ui| {
+    let header = CollapsingHeader::new(RichText::new(title).strong()).id_salt(title).default_open(open);
+    let shown = header.show(ui, |ui| {
         add(ui);
         ui.add_space(4.0);
     });
+    widgets::come_into_view(ui, &shown.header_response);
 }

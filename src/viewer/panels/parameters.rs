@@ -2,13 +2,13 @@
 
 use super::widgets::{self, color, field, number};
 use super::{Pass, own, prefix};
-use crate::scene::{Color, ParameterValue};
+use crate::scene::ParameterValue;
 use crate::shader::ParameterKind;
 use egui::{Button, RichText, Ui};
 
 /// Every parameter of an object.
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
-    let declared = pass.model.parameters(part);
+    let (model, declared) = (pass.model, pass.model.parameters(part));
     if declared.iter().next().is_none() {
         ui.label(RichText::new("the modules of this effect declare none").weak());
     }
@@ -25,16 +25,15 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
                 (_, ParameterValue::Color(value)) => color(ui, &mut pass.touch, &field, value),
                 _ => {}
             }
-            let default = match parameter.kind {
-                ParameterKind::Number(value, _) => ParameterValue::Number(value),
-                ParameterKind::Color(code) => ParameterValue::Color(Color(code)),
-            };
+            let default = model.parameter_in_preset(part, parameter);
             let reset = ui.add_enabled(*value != default, Button::new("⟲").small());
             let shown = match &default {
                 ParameterValue::Number(value) => value.to_string(),
                 ParameterValue::Color(color) => String::from(*color),
             };
-            if widgets::named(ui, &reset, &format!("{name}.reset")).on_hover_text(format!("Back to {shown}.")).clicked()
+            if widgets::named(ui, &reset, &format!("{name}.reset"))
+                .on_hover_text(format!("Back to {shown}, as the preset has it."))
+                .clicked()
             {
                 new = default;
                 pass.touch = Some(name.clone());

@@ -1,9 +1,8 @@
-//! History, presets and files.
+//! History, files, and what the window is asked for.
 
 use super::widgets::{button, named};
 use super::{Act, Pass, Request};
-use crate::scene;
-use egui::{Button, Grid, Key, KeyboardShortcut, Modifiers, RichText, TextEdit, Ui};
+use egui::{Button, Key, KeyboardShortcut, Modifiers, RichText, TextEdit, Ui};
 use std::path::PathBuf;
 
 const UNDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Z);
@@ -20,13 +19,13 @@ pub(super) fn history(ui: &mut Ui, pass: &mut Pass<'_>, author_is_open: &mut boo
             let response = ui.add_enabled(what.is_some(), Button::new(text)).on_hover_text(format!("{text}: {tip}"));
             named(ui, &response, name).clicked() || (pressed && what.is_some())
         };
-        if step(model.undoes(), "undo", "undo", UNDO) {
+        if step(model.undoes(), "Undo", "undo", UNDO) {
             pass.acts.push(Act::Undo);
         }
-        if step(model.redoes(), "redo", "redo", REDO) {
+        if step(model.redoes(), "Redo", "redo", REDO) {
             pass.acts.push(Act::Redo);
         }
-        if button(ui, "copy command", "copy", "Copy the command line that renders this picture.").clicked() {
+        if button(ui, "Copy command", "copy", "Copy the command line that renders this picture.").clicked() {
             ui.ctx().copy_text(model.command_line());
         }
         let editor = ui.toggle_value(author_is_open, "GLSL");
@@ -37,36 +36,23 @@ pub(super) fn history(ui: &mut Ui, pass: &mut Pass<'_>, author_is_open: &mut boo
 
 fn window(ui: &mut Ui, pass: &mut Pass<'_>) {
     let status = pass.status;
-    let mut ask = |ui: &mut Ui, on: bool, text: &str, doc: &str, request: Request| {
+    let mut ask = |ui: &mut Ui, on: bool, text: &str, name: &str, doc: &str, request: Request| {
         let response = ui.selectable_label(on, text).on_hover_text(doc);
-        if named(ui, &response, text).clicked() {
+        if named(ui, &response, name).clicked() {
             pass.requests.push(request);
         }
     };
-    ask(ui, status.paused, "pause", "Let time stand still.", Request::Pause(!status.paused));
-    ask(ui, status.recording, "record", "Write every frame.", Request::Record(!status.recording));
+    let (text, doc) = match status.paused {
+        true => ("\u{25b6} Play", "Let time run (Space)."),
+        false => ("\u{23f8} Pause", "Let time stand still (Space)."),
+    };
+    ask(ui, !status.paused, text, "pause", doc, Request::Pause(!status.paused));
+    let doc = "Write the pictures of a turn around the object, or stop (T).";
+    ask(ui, status.recording, "Turntable", "record", doc, Request::Record(!status.recording));
     let other = (!status.split).then(|| Box::new(pass.model.scene().clone()));
-    ask(ui, status.split, "compare", "Keep this scene beside the one that is edited.", Request::Split(other));
-    ask(ui, false, "quit", "End the program.", Request::Quit);
-}
-
-/// Every preset: the whole of it, or its effect on the object that is there.
-pub(super) fn presets(ui: &mut Ui, pass: &mut Pass<'_>) {
-    Grid::new("presets").num_columns(2).striped(true).spacing([10.0, 4.0]).show(ui, |ui| {
-        for name in scene::names() {
-            let mut take = |ui: &mut Ui, text: &str, id: String, effect_only: bool| {
-                let response = ui.button(text).on_hover_ui(|ui| {
-                    ui.label(scene::preset(name).map(|preset| preset.about).unwrap_or_default());
-                });
-                if named(ui, &response, &id).clicked() {
-                    pass.acts.push(Act::Preset { name: name.into(), effect_only });
-                }
-            };
-            take(ui, name, format!("preset {name}"), false);
-            take(ui, "effect only", format!("effect {name}"), true);
-            ui.end_row();
-        }
-    });
+    let doc = "Keep this scene beside the one that is edited (C).";
+    ask(ui, status.split, "Compare", "compare", doc, Request::Split(other));
+    ask(ui, false, "Quit", "quit", "End the program.", Request::Quit);
 }
 
 /// Reading and writing.
@@ -80,10 +66,11 @@ pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2], r
     ui.label(RichText::new(state).weak());
     let [file, picture] = paths;
     let line = |ui: &mut Ui, path: &mut String, name: &str| {
-        let response = ui.add(TextEdit::singleline(path).desired_width(190.0));
+        let response =
+            ui.add(TextEdit::singleline(path).desired_width((ui.available_width() - 190.0).clamp(80.0, 190.0)));
         named(ui, &response, name).on_hover_text("Path, from where the program was started.");
     };
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         line(ui, file, "file.scene");
         if button(ui, "open", "file.open", "Read a scene file (.toml), or take another file as the object.").clicked() {
             pass.acts.push(Act::Open(PathBuf::from(file.trim())));
@@ -95,7 +82,7 @@ pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2], r
             pass.acts.push(Act::Save(PathBuf::from(file.trim())));
         }
     });
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         line(ui, picture, "file.picture");
         if button(ui, "screenshot", "file.screenshot", "Write the picture that is shown: .png or .exr.").clicked() {
             pass.requests.push(Request::Screenshot(PathBuf::from(picture.trim())));

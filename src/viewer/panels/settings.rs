@@ -14,6 +14,51 @@ const DRAG: f32 = 1.0 / 400.0;
 /// Modules of `classify` that a scene takes by its integration or its objects, never by name.
 const NOT_CHOSEN: [&str; 4] = ["objects", "stack", "surface_segment", "soft_segment"];
 
+/// Settings that are there without the advanced ones.
+const BASIC: [&str; 24] = [
+    "object.input",
+    "object.iso",
+    "object.up",
+    "material.color",
+    "material.specular",
+    "material.specular_power",
+    "light.position",
+    "light.color",
+    "light.intensity",
+    "light.ambient",
+    "light.shadows",
+    "image.background",
+    "image.size",
+    "camera.projection",
+    "camera.azimuth",
+    "camera.elevation",
+    "camera.pan",
+    "camera.zoom",
+    "camera.field_of_view",
+    "camera.time",
+    "quality.samples",
+    "quality.supersampling",
+    "transfer.curve",
+    "transfer.stops",
+];
+
+/// Settings that go by another name than that of their field.
+const WORDS: [(&str, &str); 8] = [
+    ("object.input", "object"),
+    ("object.iso", "iso-value"),
+    ("camera.clip", "clip plane"),
+    ("camera.rotation", "rotation"),
+    ("camera.field_of_view", "angle of view"),
+    ("light.ambient", "ambient light"),
+    ("material.specular_power", "sharpness"),
+    ("quality.early_termination", "opacity cut-off"),
+];
+
+/// Whether a setting is there without the advanced ones.
+pub(super) fn is_basic(setting: &Setting) -> bool {
+    BASIC.contains(&setting.name)
+}
+
 /// The controls of a table, in the order of the schema; `prefix` is that of an additional object.
 pub(super) fn table(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, table: &str) {
     let own = SETTINGS.iter().filter(|setting| setting.table() == table);
@@ -34,13 +79,15 @@ pub(super) fn show_some(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, name: &s
 
 fn control(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, offered: &dyn Fn(u32) -> bool) {
     let name = format!("{prefix}{}", setting.name);
-    if pass.hides(&name) {
+    if pass.hides(&name) || !(pass.advanced || is_basic(setting)) {
         return;
     }
+    let word = WORDS.iter().find(|(own, _)| *own == setting.name).map(|(_, word)| *word);
     let mut value = pass.values.get(&name).cloned();
     if let (Some(on), false) = (setting.optional, matches!(setting.kind, Kind::Text)) {
         let of = format!("{prefix}{}.has_{}", setting.table(), setting.field());
-        let row = Field { text: Some(&format!("set {}", setting.field().replace('_', " "))), ..field(of, setting.doc) };
+        let text = word.map_or_else(|| setting.field().replace('_', " "), String::from);
+        let row = Field { text: Some(&text), ..field(of, setting.doc) };
         let (had, mut has, mut touch) = (value.is_some(), value.is_some(), None);
         switch(ui, &mut touch, &row, &mut has);
         if has != had {
@@ -49,7 +96,11 @@ fn control(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, of
         }
     }
     let text = format!("{} (objects)", setting.name);
-    let row = Field { text: setting.table().is_empty().then_some(&text), ..field(name.clone(), setting.doc) };
+    let text = match setting.optional {
+        Some(_) if !matches!(setting.kind, Kind::Text) => Some(""), // the switch above has the name
+        _ => word.or(setting.table().is_empty().then_some(&text)),
+    };
+    let row = Field { text, ..field(name.clone(), setting.doc) };
     if let Some(text) = changed(ui, pass, setting, &row, value, offered) {
         pass.set(&name, &text);
     }

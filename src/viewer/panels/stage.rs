@@ -1,9 +1,12 @@
-//! Light, background and the camera.
+//! Light, background, the camera, and the picture.
 
 use super::bookmarks::{Bookmarks, looking};
 use super::widgets::{button, named};
 use super::{Pass, Request, settings};
+use crate::scene::Camera;
 use egui::{Button, Ui};
+use glam::Vec3;
+use toml::Value;
 
 /// Sides to look at the object from: name, azimuth and elevation in degrees.
 pub(in crate::viewer) const SIDES: [(&str, f32, f32); 6] = [
@@ -21,7 +24,8 @@ pub(super) fn light(ui: &mut Ui, pass: &mut Pass<'_>) {
     settings::show(ui, pass, "", "image.background");
 }
 
-/// The camera, and the moment.
+/// The camera, and the moment. Azimuth and elevation are those of what is seen, also where the camera was turned by hand;
+/// who asks for one of them ends its roll.
 pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks) {
     ui.horizontal_wrapped(|ui| {
         for (name, azimuth, elevation) in SIDES {
@@ -34,7 +38,7 @@ pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks
         }
     });
     ui.horizontal_wrapped(|ui| {
-        if button(ui, "reset view", "camera.reset", "Look at the object as its preset does.").clicked() {
+        if button(ui, "Reset view", "camera.reset", "Look at the object as its preset does (R).").clicked() {
             pass.requests.push(Request::ResetCamera);
         }
         let mut level = pass.status.level;
@@ -48,7 +52,28 @@ pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks
         }
     });
     views(ui, pass, bookmarks);
+    let angles = pass.draft.camera.rotation.map(|_| angles(&pass.draft.camera));
+    for (name, angle) in ["camera.azimuth", "camera.elevation"].into_iter().zip(angles.into_iter().flatten()) {
+        pass.values.insert(name.into(), Value::Float(angle.into()));
+    }
+    let touched = pass.touch.take();
     settings::table(ui, pass, "", "camera");
+    let camera = &mut pass.draft.camera;
+    if let Some([azimuth, elevation]) = angles {
+        match pass.touch.as_deref() {
+            Some("camera.azimuth") => (camera.elevation, camera.rotation) = (elevation, None),
+            Some("camera.elevation") => (camera.azimuth, camera.rotation) = (azimuth, None),
+            _ => {}
+        }
+    }
+    pass.touch = pass.touch.take().or(touched);
+}
+
+/// Azimuth and elevation of a camera however it was turned, to a tenth of a degree.
+fn angles(camera: &Camera) -> [f32; 2] {
+    let toward = camera.turn().inverse() * Vec3::Z;
+    let degrees = [toward.x.atan2(toward.z), toward.y.clamp(-1.0, 1.0).asin()];
+    degrees.map(|angle| (10.0 * angle.to_degrees()).round() / 10.0)
 }
 
 /// The views that were kept.
@@ -70,4 +95,22 @@ fn views(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks) {
         }
     });
     removed.into_iter().for_each(|index| bookmarks.remove(index));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_angles_of_a_turn_are_those_that_it_was_made_of() {
+        for [azimuth, elevation] in [[0.0, 0.0], [30.0, 12.0], [-120.0, -45.0], [179.0, 80.0]] {
+            let by_angles = Camera { azimuth, elevation, rotation: None, ..Camera::default() };
+            let turn = by_angles.turn();
+            let by_turn = Camera { rotation: Some(turn.to_array()), ..Camera::default() };
+            assert_eq!(angles(&by_turn), [azimuth, elevation]);
+            // Roll about the axis of view changes neither.
+            let rolled = glam::Quat::from_rotation_z(0.7) * turn;
+            assert_eq!(angles(&Camera { rotation: Some(rolled.to_array()), ..by_turn }), [azimuth, elevation]);
+        }
+    }
 }

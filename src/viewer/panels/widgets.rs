@@ -5,8 +5,13 @@ use crate::scene::Color;
 use egui::{Align, Color32, ComboBox, DragValue, Layout, Response, Slider, SliderClamping, TextEdit, Ui, vec2};
 use std::ops::RangeInclusive;
 
-/// Width of the labels, points.
+/// Width of the labels at most, points.
 const LABEL: f32 = 122.0;
+/// What a row has beside its label and its slider: a number, a button, and what is between them, points.
+const BESIDE: f32 = 112.0;
+/// Words of sentences about fields that say the unit, and how it is written behind the number.
+const UNITS: [(&str, &str); 5] =
+    [("degrees", "\u{b0}"), ("seconds", " s"), ("pixels", " px"), ("texels", " tx"), ("object units", " u")];
 /// Decimal places that a slider shows at most.
 const DECIMALS: usize = 5;
 
@@ -29,10 +34,43 @@ pub fn field(name: impl Into<String>, doc: &str) -> Field<'_> {
 /// What was changed in this frame: the name of the last field.
 pub type Touch = Option<String>;
 
-/// Gives a control its accessible name.
+/// Gives a control its accessible name. One that gets the keys comes into view.
 pub fn named(ui: &Ui, response: &Response, name: &str) -> Response {
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
+    come_into_view(ui, response);
     response.clone()
+}
+
+/// Scrolls to a control that gets the keys by the keyboard; a text that is taller than its place scrolls by itself.
+pub fn come_into_view(ui: &Ui, response: &Response) {
+    let fits = response.rect.height() < 0.5 * ui.clip_rect().height().max(100.0);
+    if fits && response.gained_focus() && !ui.input(|input| input.pointer.any_down()) {
+        response.scroll_to_me(None);
+    }
+}
+
+/// How the unit of a number is written behind it: the sentence about the field says it, behind a comma or as `Degrees
+/// about`. What is per unit, or several things, has none.
+pub fn unit(doc: &str) -> &'static str {
+    let sentence = doc.to_lowercase();
+    let said = |word: &&(&str, &str)| {
+        let word = word.0;
+        sentence.starts_with(word)
+            || [format!("in {word}"), format!(", {word}"), format!("; {word}")]
+                .iter()
+                .any(|said| sentence.contains(said.as_str()))
+    };
+    UNITS.iter().find(said).map_or("", |(_, unit)| unit)
+}
+
+/// Fits labels and sliders into the width that there is.
+pub fn fit(ui: &mut Ui) {
+    let left = ui.available_width() - label_width(ui) - BESIDE;
+    ui.spacing_mut().slider_width = left.clamp(36.0, 118.0);
+}
+
+fn label_width(ui: &Ui) -> f32 {
+    (0.36 * ui.available_width()).clamp(64.0, LABEL)
 }
 
 /// A button with an accessible name and a line about it.
@@ -43,12 +81,13 @@ pub fn button(ui: &mut Ui, text: &str, name: &str, doc: &str) -> Response {
 
 /// A label, and what belongs to it at its right.
 pub fn line<R>(ui: &mut Ui, field: &Field<'_>, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let width = label_width(ui);
     ui.horizontal(|ui| {
         let last = field.name.rsplit('.').next().unwrap_or_default();
         let text = field.text.map_or_else(|| last.replace('_', " "), String::from);
         let height = ui.spacing().interact_size.y;
-        let label = ui.allocate_ui_with_layout(vec2(LABEL, height), Layout::left_to_right(Align::Center), |ui| {
-            ui.set_min_width(LABEL);
+        let label = ui.allocate_ui_with_layout(vec2(width, height), Layout::left_to_right(Align::Center), |ui| {
+            ui.set_min_width(width);
             ui.add(egui::Label::new(text).truncate())
         });
         label.inner.on_hover_text(tip(field));
@@ -85,6 +124,7 @@ pub fn number<N: egui::emath::Numeric>(
     let (low, high) = (range.start().to_f64(), range.end().to_f64());
     let slider = Slider::new(value, range).logarithmic(is_logarithmic(low, high)).clamping(SliderClamping::Never);
     let slider = if N::INTEGRAL { slider } else { slider.max_decimals(DECIMALS) };
+    let slider = slider.suffix(unit(field.doc));
     if row(ui, field, |ui| ui.add(slider)).changed() {
         *touch = Some(field.name.clone());
     }
@@ -93,7 +133,9 @@ pub fn number<N: egui::emath::Numeric>(
 /// A number of any size, changed in proportion to itself.
 pub fn unbounded(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut f32) {
     let speed = 0.01 * f64::from(value.abs()).max(0.1);
-    if row(ui, field, |ui| ui.add(DragValue::new(value).speed(speed).max_decimals(DECIMALS))).changed() {
+    if row(ui, field, |ui| ui.add(DragValue::new(value).speed(speed).max_decimals(DECIMALS).suffix(unit(field.doc))))
+        .changed()
+    {
         *touch = Some(field.name.clone());
     }
 }
@@ -131,7 +173,8 @@ pub fn choice<T: Clone + PartialEq>(
     let now = options.iter().find(|option| option.0 == *value).map(|option| option.1).unwrap_or("?");
     let mut changed = false;
     row(ui, field, |ui| {
-        let combo = ComboBox::from_id_salt(&field.name).selected_text(now).width(150.0).height(360.0);
+        let width = ui.available_width().clamp(60.0, 150.0);
+        let combo = ComboBox::from_id_salt(&field.name).selected_text(now).width(width).height(360.0);
         let shown = combo.show_ui(ui, |ui| {
             for (option, name, doc) in options {
                 changed |= ui.selectable_value(value, option.clone(), *name).on_hover_text(doc).changed();
@@ -162,7 +205,7 @@ pub fn color(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut Colo
 
 /// A line of text, taken when it is done.
 pub fn text(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut String) {
-    let done = line(ui, field, |ui| field_of_text(ui, &field.name, value, 176.0));
+    let done = line(ui, field, |ui| field_of_text(ui, &field.name, value, ui.available_width().clamp(60.0, 176.0)));
     if let Some(text) = done.filter(|text| text != value) {
         *value = text;
         *touch = Some(field.name.clone());

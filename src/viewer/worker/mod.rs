@@ -80,8 +80,8 @@ pub(super) enum Event {
     Picture(Picture),
     /// What the picture of a job was made with: what each line is about, and what there is.
     Made(Vec<[String; 2]>),
-    /// What was set and changes nothing in the picture, and the settings that it does not read in that shape of the scene.
-    Unread { ignored: Vec<String>, idle: Vec<String>, shape: String },
+    /// What was set and changes nothing in the picture.
+    Ignored(Vec<String>),
     /// A file was written.
     Wrote(PathBuf),
     /// So much of the search for a way to draw is done.

@@ -4,7 +4,7 @@ use super::{Event, Job, Picture, Shared};
 use crate::gpu::Gpu;
 use crate::measure::statistics::rms_difference;
 use crate::measure::validity::Validity;
-use crate::render::{Frame, Measurements, RenderError, Renderer, Subject, idle, ignored, made_with};
+use crate::render::{Frame, Measurements, RenderError, Renderer, Subject, ignored, made_with};
 use crate::scene::{Scene, nearest_preset};
 use crate::shader::compile::CompileError;
 use crate::shader::{Library, shipped};
@@ -237,7 +237,7 @@ impl RenderThread {
         if still.means[0].count > 0 && (is_converged(still, job) || still.means[0].count == MOST) {
             self.tell_mean(job, still, true);
             if !std::mem::replace(&mut still.told, true) {
-                self.tell_unread(job);
+                self.tell_ignored(job);
             }
             if let ([pair], Some([own]), true) = (pairs, still.own.as_deref(), job.validity) {
                 if still.validity.is_none() {
@@ -250,13 +250,11 @@ impl RenderThread {
     }
 
     /// Says what changes nothing in a picture that is finished: it takes a part of a second.
-    fn tell_unread(&self, job: &Job) {
+    fn tell_ignored(&self, job: &Job) {
         let (scene, subject) = (&job.variants[0].scene, &job.variants[0].subject);
         // A custom module is compiled in a process of its own, and never for this.
         if scene.modules.is_empty() && *job.library == shipped() && !self.shared.is_stale(job.number) {
-            let ignored = ignored(&job.library, subject, &nearest_preset(scene), scene);
-            let idle = idle(&job.library, subject, scene, &|| self.shared.is_stale(job.number));
-            (self.tell)(Event::Unread { ignored, idle, shape: scene.shape() });
+            (self.tell)(Event::Ignored(ignored(&job.library, subject, &nearest_preset(scene), scene)));
         }
     }
 
