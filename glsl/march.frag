@@ -47,7 +47,7 @@ void main() {
         for (; k <= last; ++k) {
             for (; k <= last; k += next) {
                 x = sample_at(ndc, k + phase);
-                next = empty_steps(x, stride);
+                next = empty_steps(x, stride, k);
                 if (next > 0.0 || clipped(x)) {
                     next = max(next, 1.0);
                     follows = false;
@@ -71,7 +71,7 @@ void main() {
 #else
     for (float k = first; k <= last; k += next) {
         vec3 x = sample_at(ndc, k + phase);
-        next = empty_steps(x, stride);
+        next = empty_steps(x, stride, k);
         if (next > 0.0 || clipped(x)) {
             next = max(next, 1.0);
             follows = false;

@@ -14,14 +14,15 @@ float turbulence(vec3 p, float width, float enough);
 
 vec4 turbulence_gradient(vec3 p, float width, float enough) {
     vec3 slope = vec3(0.0);             // apart from the sum: where nobody reads it, the compiler leaves it out
-    float sum = 0.0, scale = 1.0;
+    float sum = 0.0, scale = 1.0, share = 1.0;
     for (int index = 0; index < octaves_held(); ++index) {
         float weight = octave_weight(scale * width);
         vec4 n = weight > 0.0 ? octave_gradient(scale * p, index) : vec4(0.0);
         slope += n.w < 0.0 ? -weight * n.xyz : weight * n.xyz;      // 2^i of the chain rule and 1 / 2^i of the weight cancel
-        sum += mix(MEAN_NOISE, abs(n.w), weight) / scale;
+        sum += mix(MEAN_NOISE, abs(n.w), weight) * share;
         if (sum >= enough) break;
         scale *= 2.0;
+        share *= 0.5;
     }
     return vec4(slope, sum);
 }

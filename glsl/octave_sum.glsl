@@ -4,13 +4,14 @@
 #include "octave_gradient.glsl"
 
 float turbulence(vec3 p, float width, float enough) {
-    float sum = 0.0, scale = 1.0;
+    float sum = 0.0, scale = 1.0, share = 1.0;
     for (int index = 0; index < octaves_held(); ++index) {
         float weight = octave_weight(scale * width);
         float noise = weight > 0.0 ? abs(octave(scale * p, index)) : 0.0;
-        sum += mix(MEAN_NOISE, noise, weight) / scale;
+        sum += mix(MEAN_NOISE, noise, weight) * share;
         if (sum >= enough) break;
         scale *= 2.0;
+        share *= 0.5;
     }
     return sum;
 }

@@ -28,8 +28,8 @@ bool sample_at(vec2 ray, float along, out vec3 x) {
     return all(greaterThanEqual(x, box_min.xyz)) && all(lessThanEqual(x, box_max.xyz)) && !clipped(x);
 }
 
-// Steps over cells that are empty.
-float over_cells(vec3 x, float path) { return empty_steps(x, mat3(texture_matrix) * (-path * to_eye())); }
+// Steps over cells that are empty, from the sample of this number.
+float over_cells(vec3 x, float path, float i) { return empty_steps(x, mat3(texture_matrix) * (-path * to_eye()), i); }
 
 float to_next(float path) { return advance(path * length(mat3(texture_matrix) * to_eye())); }
 
@@ -49,7 +49,7 @@ void main() {
         for (; i < samples; i += next) {                // as in march.frag
             next = 1.0;
             if (!sample_at(ray, first + (i + 0.5) / shadow_steps, x)) continue;
-            next = over_cells(x, path);
+            next = over_cells(x, path, i);
             if (next > 0.0) continue;
             density = find_density(x);
             if (density > 0.0) break;
@@ -61,7 +61,7 @@ void main() {
 #else
         next = 1.0;
         if (!sample_at(ray, first + (i + 0.5) / shadow_steps, x)) continue;
-        next = over_cells(x, path);
+        next = over_cells(x, path, i);
         if (next > 0.0) continue;
         float alpha = classify(x, path).a;
         next = to_next(path);

@@ -8,5 +8,6 @@ float bias(float b, float t) {
 }
 
 float gain(float g, float t) {
-    return t < 0.5 ? 0.5 * bias(1.0 - g, 2.0 * t) : t > 0.5 ? 1.0 - 0.5 * bias(1.0 - g, 2.0 - 2.0 * t) : 0.5;
+    float half_of = 0.5 * bias(1.0 - g, t < 0.5 ? 2.0 * t : 2.0 - 2.0 * t);
+    return t < 0.5 ? half_of : 1.0 - half_of;
 }

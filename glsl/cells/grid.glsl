@@ -1,15 +1,22 @@
 // A grid of cells around the soft region, of which some are proven to be empty: a ray goes on to where it leaves them, and
 // lands on the same grid of samples, so that the picture does not change.
 // Source: ours; GG 39.6.1 leaves out blocks by their extremes.
-// x: object space; stride: of the ray, from one sample to the next, object space. Result: steps to the next sample that may
-// hold matter; 0 where that is x.
-// A texel is how many cells it is to one that may hold matter, 0 for such a one: all that are nearer are empty.
-float empty_steps(vec3 x, vec3 stride) {
+// x: object space; stride: of the ray, from one sample to the next, object space; k: number of the sample, which grows
+// along a ray. Result: steps to the next sample that may hold matter; 0 where that is x.
+// A texel is how many cells it is to one that may hold matter, 0 for such a one: all that are nearer are empty. The grid is
+// asked again where a ray leaves a cell, not at each sample in it.
+float open_until = -1.0;    // the last sample of this ray that is in the cell looked up last, where that may hold matter
+
+float empty_steps(vec3 x, vec3 stride, float k) {
+    if (k <= open_until) return 0.0;
     vec3 count = vec3(textureSize(cell_grid, 0)), scale = count / (box_max.xyz - box_min.xyz);
     vec3 at = (x - box_min.xyz) * scale, cell = clamp(floor(at), vec3(0.0), count - 1.0);
     float cells = round(255.0 * texelFetch(cell_grid, ivec3(cell), 0).r);
     vec3 rate = stride * scale;                           // in cells
     rate = mix(rate, vec3(1e-12), lessThan(abs(rate), vec3(1e-12)));
-    vec3 ways = (cell + 0.5 + sign(rate) * (cells - 0.5) - at) / rate;
-    return cells > 0.0 ? max(floor(min(min(ways.x, ways.y), ways.z)), 0.0) + 1.0 : 0.0;
+    vec3 ways = (cell + 0.5 + sign(rate) * (max(cells, 1.0) - 0.5) - at) / rate;
+    float steps = max(floor(min(min(ways.x, ways.y), ways.z)), 0.0);
+    if (cells > 0.0) return steps + 1.0;
+    open_until = k + steps;
+    return 0.0;
 }

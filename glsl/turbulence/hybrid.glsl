@@ -15,13 +15,14 @@ vec4 octave_gradient(vec3 p, int index) { return lattice_noise_gradient(p, octav
 float turbulence(vec3 p, float width, float enough) {
     float sum = 2.0 * textureLod(low_octaves_block, p / turbulence_cells, octave_level(width, low_octaves)).r;
     int first = int(low_octaves);
-    float scale = exp2(low_octaves);
+    float scale = exp2(low_octaves), share = 1.0 / scale;
     for (int index = first; index < OCTAVES; ++index) {
         if (sum >= enough) break;
         float weight = octave_weight(scale * width);
         float noise = weight > 0.0 ? abs(octave(scale * p, index)) : 0.0;
-        sum += mix(MEAN_NOISE, noise, weight) / scale;
+        sum += mix(MEAN_NOISE, noise, weight) * share;
         scale *= 2.0;
+        share *= 0.5;
     }
     return sum;
 }

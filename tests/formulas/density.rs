@@ -9,7 +9,7 @@ use hypertexture::shader::Library;
 
 crate::rows! {
     p13_p14_bias_and_gain_are_phs = shaping,
-        "shaping.glsl": "bias(1.0 - g, 2.0 * t)" => "bias(g, 2.0 * t)",
+        "shaping.glsl": "bias(1.0 - g, t < 0.5" => "bias(g, t < 0.5",
         "shaping.glsl": "log(0.5)" => "log(0.4)";
     p13_biased_density_is_phs_bias = |l| dmf(l, "biased", |at, d| bias(at.number("density_bias"), d)),
         "dmf/biased.glsl": "density_bias, density" => "1.0 - density_bias, density";

@@ -36,7 +36,7 @@ crate::rows! {
     m61_p50_rays_that_find_first_leap_alike = |l| advances(l, "skip"),
         "empty_space/skip.glsl": "empty_space/leap.glsl" => "empty_space/sample.glsl";
     g09_rays_pass_all_cells_that_are_empty = passes,
-        "cells/grid.glsl": "(cells - 0.5)" => "(cells + 0.5)",
+        "cells/grid.glsl": "1.0) - 0.5)" => "1.0) + 0.5)",
         "cells/grid.glsl": "sign(rate)" => "-sign(rate)",
         "cells/grid.glsl": "floor(at)" => "round(at)";
     p38_no_cell_is_empty_without_a_grid = |l| Check::new(l, &[], CELLS).holds(1e-12, |_| vec![0.0]),
@@ -147,7 +147,7 @@ fn advances(library: &Library, module: &str) -> f64 {
     })
 }
 
-const CELLS: &str = "#include <cells>\nvoid check() { out0.x = empty_steps(p0.xyz, p1.xyz); }";
+const CELLS: &str = "#include <cells>\nvoid check() { out0.x = empty_steps(p0.xyz, p1.xyz, 0.0); }";
 
 /// Cells of which few may hold matter; how far it is to those, by trying all of them.
 fn cells() -> Texture {

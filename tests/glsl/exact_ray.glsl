@@ -24,6 +24,6 @@ void main() {
     vec4 matter = classify(x, 0.015625);
     vec3 far = ray_at(x.xy, 3.0 + x.z);
     vec3 kept = clipped(x) ? vec3(0.0) : vec3(1.0, sample_phase(), 0.0);
-    float steps = advance(0.25) + 0.0625 * min(empty_steps(x, vec3(0.05, -0.04, 0.03 + 0.01 * x.z)), 16.0);
+    float steps = advance(0.25) + 0.0625 * min(empty_steps(x, vec3(0.05, -0.04, 0.03 + 0.01 * x.z), 0.0), 16.0);
     fragment = vec4(kept.x + kept.y, steps, path_scale() + far.y, 0.125 * intersect_box(vec3(x.xy, 3.0), vec3(0.1, x.z, -1.0)).x + matter.a);
 }
