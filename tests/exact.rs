@@ -318,6 +318,55 @@ fn lanes_go_their_own_ways_through_loops_branches_and_functions() {
 }
 
 #[test]
+fn short_branches_on_integers_are_what_their_sides_say() {
+    // Values change places, one side writes, one branch is within another, the condition is written, a loop repeats it.
+    let body = "uint h = uint(64.0 * x.x + 640.0) * 668265261u;
+        float a = x.y, b = x.z;
+        bool c = (h & 1u) != 0u;
+        if (c) { float t = a; a = b; b = -t; }
+        if ((h & 64u) == 0u) a = a * b + 1.0; else b -= a;
+        if ((h & 128u) != 0u) { if ((h & 4096u) != 0u) b = -b; else a = -a; }
+        if (c) { c = a < b; a *= 0.5; }
+        float d = h < 0x55555555u ? a : (h < 0xaaaaaaaau ? b : x.w);
+        for (uint k = 0u; k < 4u; ++k) {
+            if (((h >> k) & 1u) != 0u) { d += a; a = -a; } else d *= 0.5;
+        }
+        result = vec4(a, b, c ? 1.0 : 0.0, d);";
+    agrees("", body, |[x, y, z, w]| {
+        let h = ((64.0 * x + 640.0) as u32).wrapping_mul(668_265_261);
+        let (mut a, mut b, mut c) = (y, z, h & 1 != 0);
+        if c {
+            (a, b) = (b, -a);
+        }
+        match h & 64 == 0 {
+            true => a = a * b + 1.0,
+            false => b -= a,
+        }
+        match (h & 128 != 0, h & 4096 != 0) {
+            (true, true) => b = -b,
+            (true, false) => a = -a,
+            (false, _) => {}
+        }
+        if c {
+            c = a < b;
+            a *= 0.5;
+        }
+        let mut d = match h {
+            0..0x5555_5555 => a,
+            0x5555_5555..0xaaaa_aaaa => b,
+            _ => w,
+        };
+        for k in 0..4 {
+            match h >> k & 1 != 0 {
+                true => (d, a) = (d + a, -a),
+                false => d *= 0.5,
+            }
+        }
+        [a, b, f64::from(u8::from(c)), d]
+    });
+}
+
+#[test]
 fn arrays_and_structures_are_indexed_by_lanes() {
     let before = "struct Pair { vec2 a; float b[3]; };\nconst float TABLE[5] = float[](1.0, -2.0, 4.0, -8.0, 16.0);\n\
                   void change(inout Pair p, int at, float by) { p.b[at] = by; p.a[at & 1] += by; }";

@@ -166,6 +166,10 @@ impl Number for Affine {
     fn select(truth: Tri, a: Affine, b: Affine) -> Affine {
         a.join(b).unless(!truth.may_hold, b).unless(!truth.may_fail, a)
     }
+    #[inline(always)]
+    fn one_of(truth: Tri, a: Affine, b: Affine) -> Affine {
+        b.unless(truth.may_hold, a)
+    }
     fn at_most(self, b: Affine) -> Affine {
         // NaN is not compared.
         let hi = lesser(self.all.hi, b.all.hi);

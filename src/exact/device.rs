@@ -104,6 +104,10 @@ impl Number for Device {
         Device(Interval::select(truth, a.0, b.0))
     }
     #[inline(always)]
+    fn one_of(truth: Tri, a: Device, b: Device) -> Device {
+        Device(Interval::one_of(truth, a.0, b.0))
+    }
+    #[inline(always)]
     fn unary(self, function: Unary) -> Device {
         let all = self.0.unary(function);
         // What may be NaN stays so.

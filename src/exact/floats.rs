@@ -158,6 +158,10 @@ impl Number for f64 {
         f64::from_bits((a.to_bits() & truth.0) | (b.to_bits() & !truth.0))
     }
     #[inline(always)]
+    fn one_of(truth: Mask, a: f64, b: f64) -> f64 {
+        Number::select(truth, a, b)
+    }
+    #[inline(always)]
     fn unary(self, function: Unary) -> f64 {
         match function {
             Unary::Negate => -self,

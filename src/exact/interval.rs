@@ -210,6 +210,10 @@ impl Number for Interval {
     fn select(truth: Tri, a: Interval, b: Interval) -> Interval {
         a.join(b).unless(!truth.may_hold, b).unless(!truth.may_fail, a)
     }
+    #[inline(always)]
+    fn one_of(truth: Tri, a: Interval, b: Interval) -> Interval {
+        b.unless(truth.may_hold, a)
+    }
     #[inline(always)] // of those functions that are known before the loop over lanes
     fn unary(self, function: Unary) -> Interval {
         let Interval { lo, hi } = self;

@@ -1,14 +1,36 @@
-//! Blocks of lanes: registers, loops over them, and what is left of lanes that took several ways.
+//! Blocks of lanes: registers, and loops over them.
 
 use super::case::Case;
 use super::code::{File, Reg};
 use super::number::{GROUP, Integer, Number, Packed, Truth};
+use std::ops::{Deref, DerefMut};
 
 /// Lanes of a block: one bit each of a mask. Those of a group are computed together as soon as one of them is active.
 pub(super) const LANES: usize = 64;
 
 /// One value for each lane.
 pub(super) type Row<T> = [<T as Packed>::Group; LANES / GROUP];
+
+/// A row that begins where a line of the cache does: its vectors are in one line each.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Placed<T: Packed>(pub(super) Row<T>);
+
+impl<T: Packed> Deref for Placed<T> {
+    type Target = Row<T>;
+
+    #[inline(always)]
+    fn deref(&self) -> &Row<T> {
+        &self.0
+    }
+}
+
+impl<T: Packed> DerefMut for Placed<T> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut Row<T> {
+        &mut self.0
+    }
+}
 
 /// The value of a lane.
 #[inline(always)]
@@ -34,6 +56,14 @@ impl<T: Packed> Operand<'_, T> {
         match self {
             Operand::Lanes(row) => get(row, lane),
             Operand::One(value) => *value,
+        }
+    }
+
+    #[inline(always)]
+    fn group(&self, group: usize) -> T::Group {
+        match self {
+            Operand::Lanes(row) => row[group],
+            Operand::One(value) => value.splat(),
         }
     }
 
@@ -174,7 +204,41 @@ pub(super) fn map3<A: Packed, B: Packed, C: Packed, D: Packed>(
     }
 }
 
-/// The same for what is too long to be worth doing in lanes that are not active.
+/// One of two by a truth that is known in most lanes: where it is in all of a group, nothing has to be joined.
+#[inline(always)]
+pub(super) fn choose<N: Number>(
+    out: &mut Row<N>,
+    mask: u64,
+    truth: Operand<'_, N::Truth>,
+    (a, b): (Operand<'_, N>, Operand<'_, N>),
+) {
+    groups(
+        out,
+        mask,
+        #[inline(always)]
+        |group, out| {
+            let (truth, a, b, mut values) = (truth.group(group), a.group(group), b.group(group), *out);
+            let known = |place| {
+                let truth = <N::Truth as Packed>::get(&truth, place);
+                !(truth.may_hold() & truth.may_fail())
+            };
+            if (0..GROUP).fold(true, |all, place| all & known(place)) {
+                for place in 0..GROUP {
+                    let truth = <N::Truth as Packed>::get(&truth, place);
+                    N::one_of(truth, N::get(&a, place), N::get(&b, place)).put(&mut values, place);
+                }
+            } else {
+                for place in 0..GROUP {
+                    let truth = <N::Truth as Packed>::get(&truth, place);
+                    N::select(truth, N::get(&a, place), N::get(&b, place)).put(&mut values, place);
+                }
+            }
+            *out = values;
+        },
+    );
+}
+
+/// A loop over lanes for what is too long to be worth doing in lanes that are not active.
 pub(super) fn slow<A: Copy, D: Packed, O: Lane<A>>(out: &mut Row<D>, mask: u64, a: O, f: impl Fn(A) -> D) {
     each(mask, |lane| put(out, lane, f(a.lane(lane))));
 }
@@ -198,14 +262,14 @@ impl<'a, 'b, A: Packed, B: Packed> Lane<(A, B)> for (Operand<'a, A>, Operand<'b,
 
 /// The registers of one file: with a value for each lane, and with one for all.
 pub(super) struct Rows<T: Packed> {
-    rows: Vec<Box<Row<T>>>,
+    pub(super) rows: Vec<Box<Placed<T>>>,
     ones: Vec<T>,
 }
 
 /// The registers of one file, and where results are computed before they change places with a register.
 pub(super) struct Bank<T: Packed> {
     pub(super) rows: Rows<T>,
-    pub(super) spare: Box<Row<T>>,
+    pub(super) spare: Box<Placed<T>>,
 }
 
 impl<T: Packed> Rows<T> {
@@ -221,7 +285,7 @@ impl<T: Packed> Rows<T> {
 
 impl<T: Packed> Bank<T> {
     pub(super) fn new(registers: u32, ones: Vec<T>, zero: T) -> Bank<T> {
-        let row = || Box::new([zero.splat(); LANES / GROUP]);
+        let row = || Box::new(Placed([zero.splat(); LANES / GROUP]));
         Bank { rows: Rows { rows: (0..registers).map(|_| row()).collect(), ones }, spare: row() }
     }
 
@@ -250,14 +314,6 @@ impl<T: Packed> Bank<T> {
     }
 }
 
-/// What registers held in some lanes: of lanes that left a part of the program, or will enter another part of it.
-pub(super) struct State<N: Number> {
-    pub(super) lanes: u64,
-    floats: Vec<Row<N>>,
-    ints: Vec<Row<N::Int>>,
-    truths: Vec<Row<N::Truth>>,
-}
-
 /// The three files of registers.
 pub(super) struct Banks<N: Number> {
     pub(super) floats: Bank<N>,
@@ -265,110 +321,6 @@ pub(super) struct Banks<N: Number> {
     pub(super) truths: Bank<N::Truth>,
     /// One for each lane, or none where cases are not told apart.
     pub(super) cases: Vec<Case>,
-}
-
-/// How values of all three files are made one, and compared.
-struct Joins<T> {
-    join: fn(T, T) -> T,
-    within: fn(T, T) -> bool,
-}
-
-fn of_file(written: &[Reg], file: File) -> impl Iterator<Item = usize> + '_ {
-    written.iter().filter(move |reg| reg.file == file).map(|reg| reg.index as usize)
-}
-
-/// Adds lanes to rows that hold those of `before`.
-fn add<T: Packed>(
-    rows: &mut Vec<Row<T>>,
-    bank: &Bank<T>,
-    of: impl Iterator<Item = usize>,
-    (before, lanes): (u64, u64),
-    joins: &Joins<T>,
-) {
-    for (slot, index) in of.enumerate() {
-        let now = &bank.rows.rows[index];
-        if slot == rows.len() {
-            rows.push(**now);
-        }
-        let row = &mut rows[slot];
-        each(lanes & before, |lane| put(row, lane, (joins.join)(get(row, lane), get(now, lane))));
-        each(lanes & !before, |lane| put(row, lane, get::<T>(now, lane)));
-    }
-}
-
-/// Brings lanes back: those of `here` have come another way as well.
-fn take<T: Packed>(
-    rows: &[Row<T>],
-    bank: &mut Bank<T>,
-    of: impl Iterator<Item = usize>,
-    (lanes, here): (u64, u64),
-    joins: &Joins<T>,
-) {
-    for (row, index) in rows.iter().zip(of) {
-        let now = &mut bank.rows.rows[index];
-        each(lanes & here, |lane| put(now, lane, (joins.join)(get(now, lane), get(row, lane))));
-        each(lanes & !here, |lane| put(now, lane, get::<T>(row, lane)));
-    }
-}
-
-/// The lanes in which nothing is new.
-fn old<T: Packed>(
-    rows: &[Row<T>],
-    bank: &Bank<T>,
-    of: impl Iterator<Item = usize>,
-    mut lanes: u64,
-    joins: &Joins<T>,
-) -> u64 {
-    for (row, index) in rows.iter().zip(of) {
-        let now = &bank.rows.rows[index];
-        each(lanes, |lane| lanes &= !(u64::from(!(joins.within)(get(now, lane), get(row, lane))) << lane));
-        if lanes == 0 {
-            break;
-        }
-    }
-    lanes
-}
-
-fn floats<N: Number>() -> Joins<N> {
-    Joins { join: N::join, within: N::within }
-}
-
-fn ints<N: Number>() -> Joins<N::Int> {
-    Joins { join: N::Int::join, within: N::Int::within }
-}
-
-fn truths<N: Number>() -> Joins<N::Truth> {
-    Joins { join: N::Truth::join, within: N::Truth::within }
-}
-
-impl<N: Number> State<N> {
-    pub(super) fn new() -> State<N> {
-        State { lanes: 0, floats: Vec::new(), ints: Vec::new(), truths: Vec::new() }
-    }
-
-    /// Lanes come: where there are some already, either may have been.
-    pub(super) fn add(&mut self, banks: &Banks<N>, written: &[Reg], lanes: u64) {
-        let which = (self.lanes, lanes);
-        add(&mut self.floats, &banks.floats, of_file(written, File::Float), which, &floats::<N>());
-        add(&mut self.ints, &banks.ints, of_file(written, File::Int), which, &ints::<N>());
-        add(&mut self.truths, &banks.truths, of_file(written, File::Truth), which, &truths::<N>());
-        self.lanes |= lanes;
-    }
-
-    /// Some of the lanes go back to the registers, in addition to those that are `here` already.
-    pub(super) fn take(&self, banks: &mut Banks<N>, written: &[Reg], lanes: u64, here: u64) {
-        let which = (self.lanes & lanes, here);
-        take(&self.floats, &mut banks.floats, of_file(written, File::Float), which, &floats::<N>());
-        take(&self.ints, &mut banks.ints, of_file(written, File::Int), which, &ints::<N>());
-        take(&self.truths, &mut banks.truths, of_file(written, File::Truth), which, &truths::<N>());
-    }
-
-    /// The lanes in which the registers hold nothing that they did not hold then.
-    pub(super) fn covers(&self, banks: &Banks<N>, written: &[Reg], lanes: u64) -> u64 {
-        let lanes = old(&self.floats, &banks.floats, of_file(written, File::Float), lanes & self.lanes, &floats::<N>());
-        let lanes = old(&self.ints, &banks.ints, of_file(written, File::Int), lanes, &ints::<N>());
-        old(&self.truths, &banks.truths, of_file(written, File::Truth), lanes, &truths::<N>())
-    }
 }
 
 impl<N: Number> Banks<N> {

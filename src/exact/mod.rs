@@ -14,6 +14,7 @@ mod cases;
 mod code;
 mod device;
 mod express;
+mod flatten;
 mod floats;
 mod functions;
 pub mod interval;
@@ -27,8 +28,10 @@ mod ports;
 mod prepass;
 mod range;
 mod run;
+mod state;
 mod step;
 pub mod texture;
+mod uniforms;
 mod value;
 
 pub use affine::Affine;
@@ -42,10 +45,11 @@ use naga::front::spv::Error as SpirvError;
 
 use case::Case;
 use code::{Code, File, Input, Source};
-use number::{Integer, Packed, Truth};
+use number::Truth;
 use run::Machine;
 use std::collections::BTreeMap;
 use texture::Image;
+use uniforms::Known;
 
 /// Why a program cannot be evaluated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -116,6 +120,7 @@ pub struct BoundProgram<'a> {
     images: Vec<Image<'a>>,
     /// What uniform registers start with, in the order of [`Code::sources`].
     values: Vec<Start>,
+    known: Known,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -198,8 +203,10 @@ impl Program {
             }
             other => ExactError::Spirv(other.to_string()),
         })?;
-        let (mut code, classes) = lower::lower(&module, &words)?;
+        let (mut code, mut classes) = lower::lower(&module, &words)?;
         change(&mut code);
+        optimizer::drop_unread(&mut code);
+        flatten::flatten(&mut code, &mut classes);
         optimizer::tidy(&mut code, &classes);
         allocate::allocate(&mut code, &classes);
         Ok(Program { code })
@@ -233,7 +240,7 @@ impl Program {
             images.push(Image::new(texture.size, &texture.texels, wrap, pair.axes));
         }
         let values = code.sources.iter().map(|(reg, source)| start(inputs, reg.file, *source));
-        Ok(BoundProgram { code, images, values: values.collect::<Result<_, _>>()? })
+        Ok(BoundProgram { code, images, values: values.collect::<Result<_, _>>()?, known: Known::default() })
     }
 }
 
@@ -376,34 +383,6 @@ impl BoundProgram<'_> {
             return Err(ExactError::Lanes(text.into()));
         }
         Ok(count)
-    }
-
-    /// What uniform registers hold.
-    fn uniforms<N: Number>(&self) -> (Vec<N>, Vec<N::Int>, Vec<N::Truth>) {
-        let prelude = Code {
-            instrs: self.code.prelude.clone(),
-            body: vec![code::Node::Run(0, self.code.prelude.len())],
-            tables: self.code.tables.clone(),
-            registers: self.code.uniforms,
-            ..Code::default()
-        };
-        let mut machine = Machine::<N>::new(&prelude, &[], (Vec::new(), Vec::new(), Vec::new()));
-        for ((reg, _), value) in self.code.sources.iter().zip(&self.values) {
-            match *value {
-                Start::Float(x) => machine.banks.floats.row(*reg).fill(N::new(x).splat()),
-                Start::Int(bits, signed) => machine.banks.ints.row(*reg).fill(N::Int::new(bits, signed).splat()),
-                Start::Truth(truth) => machine.banks.truths.row(*reg).fill(N::Truth::new(truth).splat()),
-            }
-        }
-        // Straight code does not fail.
-        drop(machine.run(1));
-        let row = |file, index| code::Reg { file, uniform: true, index };
-        let counts = self.code.uniforms;
-        (
-            (0..counts[0]).map(|index| lanes::get(machine.banks.floats.row(row(File::Float, index)), 0)).collect(),
-            (0..counts[1]).map(|index| lanes::get(machine.banks.ints.row(row(File::Int, index)), 0)).collect(),
-            (0..counts[2]).map(|index| lanes::get(machine.banks.truths.row(row(File::Truth, index)), 0)).collect(),
-        )
     }
 }
 

@@ -69,6 +69,8 @@ pub trait Number: Packed + Debug + Send + Sync + 'static {
     fn within(self, other: Self) -> bool;
     /// `a` where the truth holds, else `b`.
     fn select(truth: Self::Truth, a: Self, b: Self) -> Self;
+    /// The same, of a truth that is known.
+    fn one_of(truth: Self::Truth, a: Self, b: Self) -> Self;
     /// What is left of it where it is at most another.
     fn at_most(self, _: Self) -> Self {
         self

@@ -118,7 +118,7 @@ fn drop_images(code: &mut Code) {
 }
 
 /// Instructions whose results nothing reads.
-fn drop_unread(code: &mut Code) {
+pub(super) fn drop_unread(code: &mut Code) {
     loop {
         let found = Occurrences::of(code);
         let unread = |reg: &Reg| !found.reads.contains_key(reg);

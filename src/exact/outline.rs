@@ -6,6 +6,7 @@
 use super::code::{Node, Op, Reg, Source};
 use super::number::Truth;
 use super::optimizer::each_condition;
+use super::uniforms::Known;
 use super::{BoundProgram, ExactError, Inputs, Program, Start, start};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
@@ -88,7 +89,8 @@ impl Program {
             source => start(&inputs, reg.file, *source),
         };
         let values = self.code.sources.iter().map(value).collect::<Result<_, _>>()?;
-        let (floats, ints, truths) = BoundProgram { code: &self.code, images: Vec::new(), values }.uniforms::<f64>();
+        let (floats, ints, truths) =
+            BoundProgram { code: &self.code, images: Vec::new(), values, known: Known::default() }.uniforms::<f64>();
         let read = |reg: &Reg| match reg.file {
             super::code::File::Float => floats[reg.index as usize].to_bits(),
             super::code::File::Int => u64::from(ints[reg.index as usize]),

@@ -5,8 +5,9 @@
 
 use super::ExactError;
 use super::code::{Case, Code, Instr, Loop, Node, Op, Reg};
-use super::lanes::{Bank, Banks, LANES, Operand, Row, State, each, get, put};
+use super::lanes::{Bank, Banks, LANES, Operand, Row, each, get, put};
 use super::number::{GROUP, Integer, Number, Packed, Truth};
+use super::state::State;
 use super::texture::Image;
 
 /// Turns of a loop after which a program does not end.

@@ -1,7 +1,7 @@
 //! Instructions: each is one loop over the lanes of a block.
 
 use super::code::{Code, File, Instr, Lookup, Op};
-use super::lanes::{Bank, Banks, LANES, Operand, Row, each, map1, map2, map3, put, slow};
+use super::lanes::{Bank, Banks, LANES, Operand, Row, choose, each, map1, map2, map3, put, slow};
 use super::number::{IntBinary, Integer, Number, Packed, Truth, Unary};
 use super::texture::Image;
 
@@ -84,9 +84,10 @@ impl<N: Number> Banks<N> {
             Op::FromBits => map1(float, mask, i.read(a), N::from_bits),
             Op::Ldexp => slow(float, mask, (f.read(a), i.read(b)), |(a, b)| a.ldexp(b)),
             Op::Select => match instr.dst.file {
-                File::Float => {
+                File::Float if N::DECIDED => {
                     inlined!(map3(float, mask, (t.read(a), f.read(b), f.read(c))), |t, a, b| N::select(t, a, b))
                 }
+                File::Float => choose(float, mask, t.read(a), (f.read(b), f.read(c))),
                 File::Int => map3(int, mask, (t.read(a), i.read(b), i.read(c)), N::Int::select),
                 File::Truth => map3(truth, mask, (t.read(a), t.read(b), t.read(c)), N::Truth::select),
             },
