@@ -1,53 +1,17 @@
 //! `--max-error`: what is picked keeps its bound against the f64 reference of the whole picture.
 
 mod common;
-#[path = "../src/support/random.rs"]
-#[allow(dead_code, reason = "the tests use a part of it")]
-mod random;
+#[path = "common/random_scene.rs"]
+mod random_scene;
 
 use common::{picture, subject, with_gpu};
 use hypertexture::measure::compare::Stage;
 use hypertexture::measure::metric::Metric;
 use hypertexture::measure::pick::{ErrorBound, PickError, pick};
 use hypertexture::measure::reference::{reference_pixels, truth_of};
-use hypertexture::render::variant::Variant;
-use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
-use hypertexture::shader::{self, ParameterKind};
-use random::SplitMix;
-
-fn within(random: &mut SplitMix, low: f64, high: f64) -> f64 {
-    low + (high - low) * random.unit()
-}
-
-fn one<'a>(random: &mut SplitMix, of: &[&'a str]) -> &'a str {
-    of[(random.next() % of.len() as u64) as usize]
-}
-
-/// A scene of any effect on any object, from anywhere, with parameters anywhere within their ranges.
-fn random_scene(random: &mut SplitMix) -> Scene {
-    let effects =
-        ["lit", "solid", "bump", "fur", "melting", "fire", "noisy_sphere", "fractal_sphere", "fire_ball", "smoke"];
-    let mut scene = preset(one(random, &effects)).expect("a preset");
-    scene.object.input = one(random, &["sphere", "cube", "torus"]).into();
-    scene.image.size = [32, 32];
-    scene.camera.azimuth = within(random, -180.0, 180.0) as f32;
-    scene.camera.elevation = within(random, -80.0, 80.0) as f32;
-    scene.camera.zoom = within(random, 0.8, 2.0) as f32;
-    scene.camera.projection =
-        if random.next().is_multiple_of(2) { Projection::Parallel } else { Projection::Perspective };
-    scene.effect.turbulence = one(random, &["encoded", "hybrid", "procedural", "lookups8", "channels"]).into();
-    let library = shader::shipped();
-    let variant = Variant::of(&scene, &library).expect("a valid scene");
-    for (name, parameter, _) in variant.all_parameters() {
-        let ParameterKind::Number(_, [low, high]) = parameter.kind else { continue };
-        let mut other = scene.clone();
-        other.parameters.insert(name, ParameterValue::Number(within(random, low.into(), high.into()) as f32));
-        if other.check(&library).is_ok() {
-            scene = other;
-        }
-    }
-    scene
-}
+use hypertexture::scene::{Scene, preset};
+use hypertexture::shader;
+use random_scene::{SplitMix, random_scene, within};
 
 /// Root of the mean square error of a picture, and the error of the reference, all of its pixels looked at.
 fn rmse(gpu: &hypertexture::gpu::Gpu, scene: &Scene) -> f64 {
