@@ -51,6 +51,8 @@ fn the_object_is_looked_at_from_its_sides_and_from_views_that_were_kept() {
     hand.0.run_steps(30); // it opens smoothly
     let turned = [0.1, 0.2, 0.3, 0.927_361_85];
     hand.model().edit("camera", |scene| scene.camera.rotation = Some(turned));
+    hand.0.run_steps(2); // its controls are there now
+    hand.set("camera.zoom", 3.0);
     hand.click("camera.bookmark");
     hand.click("camera.top");
     let camera = hand.scene().camera;
@@ -59,9 +61,10 @@ fn the_object_is_looked_at_from_its_sides_and_from_views_that_were_kept() {
     assert_eq!((hand.scene().camera.azimuth, hand.scene().camera.elevation), (90.0, 0.0));
     hand.click("camera.bookmark");
     hand.set("camera.time", 3.0);
+    hand.set("camera.zoom", 5.0);
     hand.click("view 1");
     let camera = hand.scene().camera;
-    assert_eq!((camera.rotation, camera.time), (Some(turned), 3.0), "a view has no time");
+    assert_eq!((camera.rotation, camera.zoom, camera.time), (Some(turned), 3.0, 3.0), "a view has no time");
     hand.picture("views");
     hand.click("camera.level");
     assert_eq!(hand.0.state().requests, [Request::Level(true)]);
