@@ -368,6 +368,67 @@ fn a_display_of_twice_the_dots_changes_no_control_and_no_picture() {
     assert_eq!(pixels(&shot), pixels(&rendered));
 }
 
+/// The lines of `orbit`, and how many moves each is about.
+fn orbits(said: &str) -> Vec<(String, u32)> {
+    let moves = |line: &str| line.split_once(" moves: ")?.0.rsplit(' ').next()?.parse().ok();
+    said.lines().filter_map(|line| Some((line.to_string(), moves(line)?))).collect()
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn b4_every_move_of_the_hand_is_answered_by_a_picture_of_every_preset() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let names: Vec<&str> = scene::names().collect();
+    let each = "frames 2\nwait drawn\norbit 20 1\nkey Right\n".repeat(names.len());
+    let script = format!("wait picture\n{each}quit\n");
+    let said = play(&display, folder.path(), &["torus", "--effect", names[0], "--window", "640x400"], &script);
+    let lines = orbits(&said);
+    lines.iter().for_each(|(line, _)| println!("{line}"));
+    assert_eq!(lines.len(), names.len(), "{said}");
+    for ((line, moves), name) in lines.iter().zip(&names) {
+        assert!(line.starts_with(&format!("{name}: 20 moves")) && *moves == 20, "{line}");
+        // How fast they are depends on the machine; that none is left out does not.
+        assert!(!line.contains("none"), "a move was not answered: {line}");
+    }
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn b3_a_panel_that_opens_and_a_line_that_is_said_go_on_from_the_picture_there_is() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let shot = folder.path().join("shot.png");
+    // The picture is that of `render` after the editor has opened and closed, and after something was said.
+    let script = format!(
+        "wait picture\nclick author\nframes 2\nwait drawn\nwait picture\nclick author\nwait picture\nclick copy\n\
+         frames 2\nwait picture\nshot {}\nquit\n",
+        shot.display()
+    );
+    let arguments = ["torus", "--effect", "melting", "--samples", "32", "--size", "64x48", "--window", "1000x500"];
+    play(&display, folder.path(), &arguments, &script);
+    let rendered = folder.path().join("rendered.png");
+    render(&["torus", "--effect", "melting", "--samples", "32", "--size", "64x48"], &rendered);
+    assert_eq!(std::fs::read(&shot).unwrap(), std::fs::read(&rendered).unwrap());
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn b4_a_window_closes_in_the_middle_of_its_work() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    // At once, in a preview, and while the picture gets finer; the time is said, and no error.
+    for until in ["", "wait drawn\nframes 3\n", "wait picture\nframes 9\n"] {
+        let file = folder.path().join("script");
+        std::fs::write(&file, format!("{until}quit\n")).unwrap();
+        let mut command = program();
+        command.env("DISPLAY", &display.name).args(["view", "teapot", "--effect", "fur", "--window", "1280x800"]);
+        let start = std::time::Instant::now();
+        assert_good(&command.arg("--script").arg(&file).output().unwrap());
+        println!("{until:?}: {:.2} s from the start to the end", start.elapsed().as_secs_f64());
+    }
+}
+
 #[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
 fn a_picture_that_stands_still_gets_as_good_as_was_asked_for() {

@@ -38,6 +38,34 @@ impl<'a> Target<'a> {
     }
 }
 
+/// A rectangle of pixels of a target.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Area {
+    /// From the left.
+    pub columns: Range<u32>,
+    /// From the top.
+    pub rows: Range<u32>,
+}
+
+impl Area {
+    /// A whole picture of this width and height.
+    pub fn whole([width, height]: [u32; 2]) -> Area {
+        Area { columns: 0..width, rows: 0..height }
+    }
+
+    /// How many pixels it has.
+    pub fn pixels(&self) -> u64 {
+        self.columns.len() as u64 * self.rows.len() as u64
+    }
+}
+
+impl From<&Area> for vk::Rect2D {
+    fn from(Area { columns, rows }: &Area) -> vk::Rect2D {
+        let offset = vk::Offset2D { x: columns.start as i32, y: rows.start as i32 };
+        vk::Rect2D { offset, extent: vk::Extent2D { width: columns.len() as u32, height: rows.len() as u32 } }
+    }
+}
+
 /// What a rendering begins with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Load {
@@ -199,21 +227,29 @@ impl Commands<'_> {
         self.transition(to, Layout::SHADER_READ_ONLY_OPTIMAL, Stage::COPY, Access::TRANSFER_WRITE, stage, access);
     }
 
-    /// Copies a target into a buffer, visible to the host.
-    pub(super) fn download(&mut self, from: &Image, to: &Buffer) {
+    /// Copies areas of a target into a buffer, one behind the other, visible to the host.
+    pub(super) fn download(&mut self, from: &Image, areas: &[Area], to: &Buffer) {
         use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
         let (stage, access) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
         self.transition(from, Layout::TRANSFER_SRC_OPTIMAL, stage, access, Stage::COPY, Access::TRANSFER_READ);
-        let region = vk::BufferImageCopy::default().image_subresource(LAYERS).image_extent(from.extent);
+        let mut offset = 0;
+        let region = |area: &Area| {
+            let vk::Rect2D { offset: at, extent: vk::Extent2D { width, height } } = area.into();
+            let region = vk::BufferImageCopy::default().image_subresource(LAYERS).buffer_offset(offset);
+            offset += area.pixels() * from.format().bytes();
+            let extent = vk::Extent3D { width, height, depth: 1 };
+            region.image_offset(vk::Offset3D { x: at.x, y: at.y, z: 0 }).image_extent(extent)
+        };
+        let regions: Vec<vk::BufferImageCopy> = areas.iter().map(region).collect();
         let visible = [vk::MemoryBarrier2::default()
             .src_stage_mask(Stage::COPY)
             .src_access_mask(Access::TRANSFER_WRITE)
             .dst_stage_mask(Stage::HOST)
             .dst_access_mask(Access::HOST_READ)];
-        // SAFETY: the image is in the layout named, and the buffer has room for exactly its texels.
+        // SAFETY: the image is in the layout named, and the buffer has room for exactly the texels of the areas in it.
         unsafe {
             let layout = Layout::TRANSFER_SRC_OPTIMAL;
-            self.gpu.0.device.cmd_copy_image_to_buffer(self.buffer, from.handle, layout, to.handle, &[region]);
+            self.gpu.0.device.cmd_copy_image_to_buffer(self.buffer, from.handle, layout, to.handle, &regions);
             let dependency = vk::DependencyInfo::default().memory_barriers(&visible);
             self.gpu.0.device.cmd_pipeline_barrier2(self.buffer, &dependency);
         }
@@ -305,7 +341,7 @@ impl Commands<'_> {
             device.cmd_begin_rendering(self.buffer, &info);
             device.cmd_set_viewport(self.buffer, 0, &[viewport]);
             device.cmd_set_scissor(self.buffer, 0, &[area]);
-            draw(&mut Draw { gpu: self.gpu, buffer: self.buffer, width });
+            draw(&mut Draw { gpu: self.gpu, buffer: self.buffer });
             device.cmd_end_rendering(self.buffer);
         }
     }
@@ -358,16 +394,13 @@ const LAYERS: vk::ImageSubresourceLayers = vk::ImageSubresourceLayers {
 pub struct Draw<'a> {
     gpu: &'a Gpu,
     buffer: vk::CommandBuffer,
-    width: u32,
 }
 
 impl Draw<'_> {
-    /// Limits what is drawn next to these rows of the target.
-    pub fn rows(&mut self, rows: Range<u32>) {
-        let offset = vk::Offset2D { x: 0, y: rows.start as i32 };
-        let extent = vk::Extent2D { width: self.width, height: rows.end - rows.start };
+    /// Limits what is drawn next to this area of the target.
+    pub fn within(&mut self, area: &Area) {
         // SAFETY: the command buffer is inside a rendering, and the scissor is a dynamic state of every pipeline.
-        unsafe { self.gpu.0.device.cmd_set_scissor(self.buffer, 0, &[vk::Rect2D { offset, extent }]) };
+        unsafe { self.gpu.0.device.cmd_set_scissor(self.buffer, 0, &[area.into()]) };
     }
 
     /// Draws triangles: a range of the vertices of `buffer`, or of none where the program makes its own.

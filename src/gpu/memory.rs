@@ -1,6 +1,6 @@
 //! Buffers, images and samplers, each owning its memory.
 
-use super::{Format, Gpu, GpuError, Named};
+use super::{Area, Format, Gpu, GpuError, Named};
 use crate::support::memory;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
@@ -237,8 +237,23 @@ impl Image {
     /// # Errors
     /// No memory left, or the download fails.
     pub fn read(&self) -> Result<Vec<[f32; 4]>, GpuError> {
-        let buffer = Buffer::empty(&self.gpu, "download", BufferUse::Download, self.texel_bytes())?;
-        self.gpu.submit("download", |commands| commands.download(self, &buffer))?;
+        self.read_areas(&[Area::whole([self.extent.width, self.extent.height])])
+    }
+
+    /// The texels of areas of it, one behind the other, each row by row.
+    ///
+    /// # Errors
+    /// As [`Image::read`].
+    ///
+    /// # Panics
+    /// Where an area is not within the image, or empty.
+    pub fn read_areas(&self, areas: &[Area]) -> Result<Vec<[f32; 4]>, GpuError> {
+        let vk::Extent3D { width, height, .. } = self.extent;
+        let within = |area: &Area| area.pixels() > 0 && area.columns.end <= width && area.rows.end <= height;
+        assert!(areas.iter().all(within), "{areas:?} of {width} x {height}");
+        let bytes = areas.iter().map(Area::pixels).sum::<u64>() * self.format.bytes();
+        let buffer = Buffer::empty(&self.gpu, "download", BufferUse::Download, bytes)?;
+        self.gpu.submit("download", |commands| commands.download(self, areas, &buffer))?;
         Ok(self.format.decode(buffer.content()))
     }
 
@@ -270,10 +285,6 @@ impl Image {
     /// The name given when it was made.
     pub fn name(&self) -> &str {
         &self.name
-    }
-
-    fn texel_bytes(&self) -> u64 {
-        self.level_bytes(self.extent)
     }
 
     /// Bytes of the texels of a level.

@@ -30,7 +30,7 @@ mod validation_tests;
 mod window;
 
 pub use ash;
-pub use commands::{Commands, Draw, Load, Submitted, Target};
+pub use commands::{Area, Commands, Draw, Load, Submitted, Target};
 pub use device::{DeviceInfo, Gpu, Options, optional_features, required_features};
 pub use format::Format;
 pub use host::{HostCommands, HostDevice, HostTarget, Recording};

@@ -157,7 +157,7 @@ fn two_copies_into_one_buffer_without_a_barrier_are_reported() {
         let buffer = Buffer::empty(gpu, "download", BufferUse::Download, BYTES as u64).unwrap();
         gpu.submit("planted", |commands| {
             commands.render(Target::of(&color), Load::Clear([0.0; 4]), |_| ());
-            commands.download(&color, &buffer);
+            commands.download(&color, &[Area::whole([4, 4])], &buffer);
             // SAFETY: the image is in the layout named, and buffer and image outlive the submission.
             unsafe {
                 let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;

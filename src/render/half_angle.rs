@@ -9,6 +9,7 @@
 use super::RenderError;
 use super::bind::{self, BoundInputs};
 use super::inputs::{BEFORE, BEHIND};
+use super::pace::Cut;
 use super::shot::Shot;
 use super::view::{FLATTEST, View, axis, slant};
 use crate::gpu::{self, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
@@ -85,8 +86,9 @@ impl HalfAngle {
         gpu: &Gpu,
         shot: &Shot<'_>,
         slices: &Slices<'_>,
-        bands: &[std::ops::Range<u32>],
+        areas: &[gpu::Area],
         target: gpu::Target<'_>,
+        cut: &mut Cut<'_>,
     ) -> Result<pass::Drawn, RenderError> {
         let Slices { pipeline, program, bound, vertices, stack } = *slices;
         let planes = &shot.planes;
@@ -116,16 +118,8 @@ impl HalfAngle {
             buffers: &self.buffers,
         };
         let sets = [of_eye(0)?, of_eye(1)?];
-        Ok(pass::draw(
-            gpu,
-            pipeline,
-            [&sets[0], &sets[1]],
-            vertices,
-            stack,
-            bands,
-            target,
-            &pass::Between::Light(&light),
-        )?)
+        let between = pass::Between::Light(&light);
+        pass::draw(gpu, pipeline, [&sets[0], &sets[1]], vertices, stack, areas, target, &between, cut)
     }
 
     /// Bytes of the buffers on the device.

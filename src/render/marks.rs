@@ -41,9 +41,13 @@ impl Marks {
         let program = variant.table(ENTRY, library)?.program(library, Linker::new)?;
         let pipeline =
             bind::pipeline(gpu, &program, scene, &[], Format::Depth16, 1, (gpu::Blend::Replace, gpu::Marks::Make))?;
-        let [width, height] = scene.image.size;
-        let image = Image::new(gpu, "marks", Dimension::Plane(width, height), Format::Depth16, ImageUse::Depth)?;
-        Ok(Marks { program, pipeline, image })
+        Ok(Marks { program, pipeline, image: image(gpu, scene)? })
+    }
+
+    /// Makes them as large as the pictures of a scene.
+    pub(super) fn resize(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
+        self.image = image(gpu, scene)?;
+        Ok(())
     }
 
     /// What is done between the slices of a picture in that target.
@@ -60,4 +64,9 @@ impl Marks {
         let (pipeline, image, set) = (&self.pipeline, &self.image, self.pipeline.bind(&resources)?);
         Ok(pass::Between::Marks { pipeline, set, image, every: slices.div_ceil(BATCHES).max(1) })
     }
+}
+
+fn image(gpu: &Gpu, scene: &Scene) -> Result<Image, gpu::GpuError> {
+    let [width, height] = scene.image.size;
+    Image::new(gpu, "marks", Dimension::Plane(width, height), Format::Depth16, ImageUse::Depth)
 }

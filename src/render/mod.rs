@@ -18,6 +18,8 @@ mod made;
 mod marks;
 mod noise_blocks;
 #[doc(hidden)] // for the tests of this crate
+pub mod pace;
+#[doc(hidden)] // for the tests of this crate
 pub mod pass;
 mod pixels;
 mod polygonize;
@@ -25,6 +27,7 @@ mod prepared;
 mod renderer;
 mod shadow;
 mod shot;
+mod sight;
 mod sparse;
 mod sub_frame;
 mod subject;
@@ -43,9 +46,11 @@ pub use density::{densities, density_along};
 pub use doubts::doubts;
 pub use ignored::{idle, ignored};
 pub use made::{made_with, octaves_held};
+pub use pixels::put;
 pub use polygonize::{PolygonizeError, Polygons, polygonize};
 pub use renderer::{Renderer, render};
 pub use shadow::{Transmittance, transmittance};
+pub use sight::Sight;
 pub use sparse::Sparse;
 pub use subject::{Subject, field_margin, open, request};
 pub use view::half_height;
@@ -171,6 +176,9 @@ pub enum RenderError {
         "a picture that is recorded for a host has one sample of each pixel and no light that goes from slice to slice; use {0}"
     )]
     Recorded(&'static str),
+    /// Something more urgent is to be drawn: see [`Renderer::stop_where`].
+    #[error("the picture was stopped before it was finished")]
+    Stopped,
     /// What a worker says.
     #[error("{0}")]
     Worker(String),

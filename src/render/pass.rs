@@ -5,18 +5,13 @@
 //! Invariant: the vertices depend on the camera's distance and on the size of the scene, never on the rotation (MJ 3.3).
 //! Source: MJ 2, 3.3, 3.6 and Fig. 1; GG 39.6.1.
 
-use crate::gpu::{BindSet, Buffer, Commands, Gpu, GpuError, Image, Load, Pipeline, Submitted, Target};
+use super::RenderError;
+use super::pace::Cut;
+use crate::gpu::{Area, BindSet, Buffer, Commands, Gpu, GpuError, Image, Load, Pipeline, Submitted, Target};
 use crate::scene::{Order, Proxy};
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// A submission should take about this many milliseconds. Shorter: the fixed cost of one shows. Longer: a desktop that
-/// shares the device stutters, and after two seconds it resets it.
-const SUBMISSION_MS: f64 = 30.0;
-/// A submission holds at most this many times the slices of the one before. More: slices grow towards the middle of the
-/// object, and the prediction from the one before falls short.
-const GROWTH: f64 = 1.5;
 
 /// The sphere that the slices cut, in eye space: its center lies on the axis of view.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,7 +128,7 @@ impl Drawn {
     ) -> Result<Drawn, GpuError> {
         let cost = gpu.submit("first use", |commands| {
             commands.render(into, Load::Clear([0.0; 4]), |draw| {
-                draw.rows(0..1);
+                draw.within(&Area { columns: 0..1, rows: 0..1 });
                 draw.triangles(pipeline, set, vertices, 0..3);
             });
         })?;
@@ -155,36 +150,41 @@ impl Drawn {
     }
 }
 
-/// Marches a ray through each pixel of the bands, ranges of rows that do not overlap, in submissions of some rows each.
-/// Pixels of other rows hold no picture afterwards; those of the bands do not depend on which other bands there are.
+/// Marches a ray of so many samples through each pixel of the areas, which do not overlap, one area after the other, in
+/// submissions that are cut by what those before have cost. Other pixels hold no picture afterwards; those of the areas do
+/// not depend on which other areas there are.
 ///
 /// # Errors
-/// What a submission may fail with.
+/// What a submission may fail with; [`RenderError::Stopped`].
 pub fn march(
     gpu: &Gpu,
     pipeline: &Pipeline,
     set: &BindSet,
-    bands: &[Range<u32>],
+    (areas, samples): (&[Area], u32),
     target: Target<'_>,
-) -> Result<Drawn, GpuError> {
+    cut: &mut Cut<'_>,
+) -> Result<Drawn, RenderError> {
     let into = Target { resolved: None, ..target };
-    let mut drawn = Drawn::begin(gpu, pipeline, set, None, into)?;
+    let mut drawn = match cut.pace.begin() {
+        true => Drawn::begin(gpu, pipeline, set, None, into)?,
+        false => Drawn { fragments: Some(0), ..Default::default() },
+    };
     let mut load = Load::Clear([0.0; 4]);
-    let mut left = VecDeque::from(bands.to_vec());
-    let mut batch = 8;
+    let mut left = VecDeque::from(areas.to_vec());
+    let samples = f64::from(samples.max(1));
     while !left.is_empty() {
-        let taken = take(&mut left, batch);
+        cut.check(drawn.gpu_ms)?;
+        let taken = take(&mut left, (cut.pace.samples() / samples) as u64);
         let cost = gpu.submit("rays", |commands| {
             commands.render(into, load, |draw| {
-                for band in &taken {
-                    draw.rows(band.clone());
+                for area in &taken {
+                    draw.within(area);
                     draw.triangles(pipeline, set, None, 0..3);
                 }
             });
         })?;
         drawn.add(&cost);
-        let per_row = cost.gpu_ms / taken.iter().map(|band| f64::from(band.end - band.start)).sum::<f64>();
-        batch = (SUBMISSION_MS / per_row.max(1e-3)).clamp(1.0, GROWTH * f64::from(batch) + 1.0) as u32;
+        cut.pace.took(taken.iter().map(Area::pixels).sum::<u64>() as f64 * samples, cost.gpu_ms);
         load = Load::Keep;
     }
     if target.resolved.is_some() {
@@ -193,18 +193,24 @@ pub fn march(
     Ok(drawn)
 }
 
-/// Takes the next rows off the bands, `count` of them or what is left.
-fn take(bands: &mut VecDeque<Range<u32>>, mut count: u32) -> Vec<Range<u32>> {
-    let mut taken = Vec::new();
-    while count > 0
-        && let Some(band) = bands.pop_front()
+/// Takes the next rows off the areas, about `count` pixels and at least a row, or what is left.
+fn take(areas: &mut VecDeque<Area>, count: u64) -> Vec<Area> {
+    let (mut taken, mut left) = (Vec::new(), count.max(1));
+    while left > 0
+        && let Some(Area { columns, rows }) = areas.pop_front()
     {
-        let end = band.end.min(band.start.saturating_add(count));
-        if end < band.end {
-            bands.push_front(end..band.end);
+        let wanted = (left / columns.len() as u64).max(1);
+        if wanted == 1 && !taken.is_empty() && left < columns.len() as u64 {
+            areas.push_front(Area { columns, rows });
+            break;
         }
-        count -= end - band.start;
-        taken.push(band.start..end);
+        let end = rows.end.min(rows.start.saturating_add(wanted.min(u32::MAX.into()) as u32));
+        if end < rows.end {
+            areas.push_front(Area { columns: columns.clone(), rows: end..rows.end });
+        }
+        let own = Area { columns, rows: rows.start..end };
+        left = left.saturating_sub(own.pixels());
+        taken.push(own);
     }
     taken
 }
@@ -268,15 +274,15 @@ pub enum Between<'a> {
     },
 }
 
-/// Clears the target and blends the slices into its bands, as for [`march`], in submissions of a length that a shared
-/// device bears. The bands must not touch: with several samples per pixel, lavapipe (Mesa 22) draws beyond its scissor,
-/// into the next row, and where a band meets another a slice would be blended twice.
+/// Clears the target and blends the slices into areas of it, as for [`march`]. With several samples per pixel the areas
+/// must not touch: lavapipe (Mesa 22) draws beyond its scissor, into the next row, and where an area meets another a slice
+/// would be blended twice.
 ///
 /// With a light, each slice is drawn after the light behind it, with the set of the buffer that holds the light before it.
 /// With marks, which are a part of the target too, what is drawn into a pixel ends with the batch in which it gets opaque.
 ///
 /// # Errors
-/// What a submission may fail with.
+/// What a submission may fail with; [`RenderError::Stopped`].
 #[expect(clippy::too_many_arguments, reason = "what is drawn, with what, where")]
 pub fn draw(
     gpu: &Gpu,
@@ -284,31 +290,34 @@ pub fn draw(
     sets: [&BindSet; 2],
     vertices: &Buffer,
     stack: &Stack,
-    bands: &[Range<u32>],
+    areas: &[Area],
     target: Target<'_>,
     between: &Between<'_>,
-) -> Result<Drawn, GpuError> {
+    cut: &mut Cut<'_>,
+) -> Result<Drawn, RenderError> {
     let into = Target { resolved: None, ..target };
     let first_light_ms = match between {
         Between::Light(light) if stack.slices > 0 => light.begin(gpu)?,
         _ => 0.0,
     };
-    let mut drawn = match stack.slices {
-        0 => Drawn { fragments: Some(0), ..Default::default() },
-        _ => Drawn::begin(gpu, pipeline, sets[0], Some(vertices), into)?,
+    let mut drawn = match stack.slices > 0 && cut.pace.begin() {
+        true => Drawn::begin(gpu, pipeline, sets[0], Some(vertices), into)?,
+        false => Drawn { fragments: Some(0), ..Default::default() },
     };
     drawn.first_use_ms += first_light_ms;
     let mut load = Load::Clear([0.0; 4]);
     let mut next = 0;
-    let mut batch = 4;
+    let pixels = areas.iter().map(Area::pixels).sum::<u64>().max(1) as f64;
     while next < stack.slices {
-        let range: Range<u32> = next..(next + batch).min(stack.slices);
+        cut.check(drawn.gpu_ms)?;
+        let batch = (cut.pace.samples() / pixels).max(1.0) as u32;
+        let range: Range<u32> = next..next.saturating_add(batch).min(stack.slices);
         let mut blend = |commands: &mut Commands<'_>, slices: Range<u32>| {
             let (set, span) =
                 (sets[slices.start as usize % 2], slices.start * stack.per_slice..slices.end * stack.per_slice);
             commands.render(into, load, |draw| {
-                for band in bands {
-                    draw.rows(band.clone());
+                for area in areas {
+                    draw.within(area);
                     draw.triangles(pipeline, set, Some(vertices), span.clone());
                 }
             });
@@ -329,8 +338,8 @@ pub fn draw(
                     blend(commands, from..end);
                     if end.is_multiple_of(*every) && end < stack.slices {
                         commands.mark(target.color, image, |draw| {
-                            for band in bands {
-                                draw.rows(band.clone());
+                            for area in areas {
+                                draw.within(area);
                                 draw.triangles(pipeline, set, None, 0..3);
                             }
                         });
@@ -340,8 +349,7 @@ pub fn draw(
             }
         })?;
         drawn.add(&cost);
-        let per_slice = cost.gpu_ms / f64::from(range.end - range.start);
-        batch = (SUBMISSION_MS / per_slice.max(1e-3)).clamp(1.0, GROWTH * f64::from(batch) + 1.0) as u32;
+        cut.pace.took(f64::from(range.end - range.start) * pixels, cost.gpu_ms);
         next = range.end;
     }
     if target.resolved.is_some() || stack.slices == 0 {
@@ -374,11 +382,14 @@ mod tests {
     }
 
     #[test]
-    fn rows_are_taken_off_the_bands_each_once_and_in_order() {
-        let mut bands = VecDeque::from([0..4, 8..12, 16..17]);
-        assert_eq!(take(&mut bands, 6), [0..4, 8..10]);
-        assert_eq!(take(&mut bands, 99), [10..12, 16..17]);
-        assert!(bands.is_empty());
+    fn rows_are_taken_off_the_areas_each_once_and_in_order() {
+        let area = |rows: Range<u32>| Area { columns: 2..12, rows };
+        let mut areas = VecDeque::from([area(0..4), area(8..12), area(16..17)]);
+        assert_eq!(take(&mut areas, 60), [area(0..4), area(8..10)]);
+        assert_eq!(take(&mut areas, 3), [area(10..11)], "at least a row");
+        assert_eq!(take(&mut areas, 13), [area(11..12)], "no row that is mostly too much");
+        assert_eq!(take(&mut areas, 99), [area(16..17)]);
+        assert!(areas.is_empty());
     }
 
     #[test]

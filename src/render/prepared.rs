@@ -4,6 +4,7 @@ use super::bind::{self, BoundInputs};
 use super::half_angle::{HalfAngle, Slices, blend as light_blend};
 use super::inputs::{Inputs, SHADOW};
 use super::marks::Marks;
+use super::pace::{Cut, Pace};
 use super::pass;
 use super::pixels::{add, check_finite, mean};
 use super::shadow::Caster;
@@ -17,7 +18,6 @@ use crate::scene::schema::Changes;
 use crate::scene::{Order, Pass, Scene, TargetFormat};
 use crate::shader::library::ZERO;
 use crate::shader::{Library, Linker, Slots};
-use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -56,6 +56,8 @@ pub(super) struct Prepared {
     targets: Option<(Arc<gpu::Image>, Option<gpu::Image>)>,
     /// What ends slices early, where they may.
     marks: Option<Marks>,
+    /// What submissions of its pictures have taken.
+    pace: Pace,
     compile_ms: f64,
     /// The size of the picture that pictures stand for.
     pub(super) whole: [u32; 2],
@@ -109,15 +111,7 @@ impl Prepared {
         compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
         let targets = match destination {
             Destination::Host(_) => None,
-            Destination::Frame => {
-                let [width, height] = scene.image.size;
-                let target = |name, samples| {
-                    let plane = gpu::Dimension::Plane(width, height);
-                    gpu::Image::new(gpu, name, plane, format, gpu::ImageUse::Target(samples))
-                };
-                let resolved = (quality.msaa > 1).then(|| target("resolved target", 1)).transpose()?;
-                Some((Arc::new(target("target", quality.msaa)?), resolved))
-            }
+            Destination::Frame => Some(targets(gpu, scene, format)?),
         };
         let (gpu, scene, pipeline) = (gpu.clone(), scene.clone(), Arc::new(pipeline));
         Ok(Prepared {
@@ -132,22 +126,45 @@ impl Prepared {
             half_angle,
             targets,
             marks,
+            pace: Pace::default(),
             compile_ms,
             whole: shot.whole,
         })
     }
 
-    /// Whether all of this serves another scene as well: it differs in what a picture is drawn with alone.
+    /// Whether all of this serves another scene as well: it differs in what a picture is drawn with alone, or in its size.
     pub(super) fn fits(&self, scene: &Scene, variant: &Variant, destination: Destination) -> bool {
+        let mut alike = scene.clone();
+        alike.image.size = self.scene.image.size;
+        let same_buffers =
+            !scene.is_half_angle() || scene.light.shadow_resolution == self.scene.light.shadow_resolution;
         self.destination == destination
-            && !scene.changes(&self.scene).contains(&Changes::Targets)
+            && same_buffers
+            && !alike.changes(&self.scene).contains(&Changes::Targets)
             && self.reads_the_same(scene, variant)
+    }
+
+    /// Makes its pictures as large as those of a scene that fits.
+    pub(super) fn resize(&mut self, scene: &Scene) -> Result<(), RenderError> {
+        if self.scene.image.size != scene.image.size {
+            self.scene.image.size = scene.image.size;
+            if let Some((color, _)) = &self.targets {
+                self.targets = Some(targets(&self.gpu, scene, color.format())?);
+            }
+            self.marks.iter_mut().try_for_each(|marks| marks.resize(&self.gpu, scene))?;
+        }
+        Ok(())
     }
 
     /// What serves another scene that its program serves.
     pub(super) fn made(self, scene: &Scene, variant: &Variant) -> Made {
         let reads_the_same = self.reads_the_same(scene, variant);
         Made { program: Some((self.program, self.variant.slots)), bound: reads_the_same.then_some(self.bound) }
+    }
+
+    /// What serves it while this goes on to serve its own: its program alone.
+    pub(super) fn shared(&self) -> Made {
+        Made { program: Some((self.program.clone(), self.variant.slots.clone())), bound: None }
     }
 
     /// Whether another scene has the same program and images: it differs in camera, time, parameters, samples and targets
@@ -198,9 +215,9 @@ impl Prepared {
     }
 
     /// Makes the shadow volume of a picture, and waits for it; milliseconds on the device.
-    fn cast(&mut self, shot: &Shot<'_>) -> Result<Option<f64>, RenderError> {
-        let Some(caster) = &self.caster else { return Ok(None) };
-        let light = caster.cast(&self.gpu, shot, &self.bound)?;
+    fn cast(&mut self, shot: &Shot<'_>, stop: &dyn Fn(f64) -> bool) -> Result<Option<f64>, RenderError> {
+        let Some(caster) = &mut self.caster else { return Ok(None) };
+        let light = caster.cast(&self.gpu, shot, &self.bound, stop)?;
         self.bound.replace(&self.program, SHADOW, light.image(&self.gpu)?);
         Ok(Some(light.gpu_ms))
     }
@@ -220,7 +237,7 @@ impl Prepared {
             return Err(RenderError::Recorded("quality.supersampling = 1"));
         };
         self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame)?;
-        self.cast(&shot)?;
+        self.cast(&shot, &|_| false)?;
         let (vertices, count) = match self.slices(&shot)? {
             Some((vertices, stack)) => (Some(vertices), stack.slices * stack.per_slice),
             None => (None, 3),
@@ -229,20 +246,21 @@ impl Prepared {
         Ok(commands.draw(&self.pipeline, set, vertices, 0..count))
     }
 
-    /// Some bands of a picture of a scene that fits, the mean of the sub-frames that are wanted: the frame pipeline.
+    /// Areas of a picture of a scene that fits, the mean of the sub-frames that are wanted: the frame pipeline. The pixels
+    /// are those of the areas, one behind the other; it ends where it is to `stop`, after so many milliseconds.
     pub(super) fn frame(
         &mut self,
         scene: &Scene,
         subject: &Subject,
         variant: &Variant,
-        bands: &[Range<u32>],
+        areas: &[gpu::Area],
         wanted: impl Fn(u32) -> bool,
+        stop: &dyn Fn(f64) -> bool,
     ) -> Result<Frame, RenderError> {
         let variant = &self.served(variant);
         let shot = Shot { whole: self.whole, ..Shot::of(scene, subject, variant) };
         let slices = self.slices(&shot)?;
-        let [width, height] = scene.image.size;
-        let mut sum = vec![[0.0; 4]; width as usize * height as usize];
+        let mut sum = vec![[0.0; 4]; areas.iter().map(gpu::Area::pixels).sum::<u64>() as usize];
         let mut drawn = pass::Drawn { fragments: Some(0), ..Default::default() };
         let mut shadow_ms = None;
         let mut count = 0;
@@ -251,7 +269,7 @@ impl Prepared {
             self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame)?;
             // The shadow of matter that moves while the shutter is open moves with it.
             if (shadow_ms.is_none() || scene.camera.shutter > 0.0)
-                && let Some(ms) = self.cast(&shot)?
+                && let Some(ms) = self.cast(&shot, &|ms| stop(drawn.gpu_ms + shadow_ms.unwrap_or(0.0) + ms))?
             {
                 shadow_ms = Some(shadow_ms.unwrap_or(0.0) + ms);
             }
@@ -259,10 +277,13 @@ impl Prepared {
             let marks = self.marks.as_ref().map(|marks| &marks.image);
             let target = gpu::Target { color, resolved: resolved.as_ref(), marks };
             let (gpu, pipeline) = (&self.gpu, &*self.pipeline);
+            let before = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
+            let stop = |ms: f64| stop(before + ms);
+            let mut cut = Cut { pace: &mut self.pace, stop: &stop };
             drawn.append(&match (&slices, &self.half_angle) {
                 (Some((vertices, stack)), Some(light)) => {
                     let slices = Slices { pipeline, program: &self.program, bound: &self.bound, vertices, stack };
-                    light.draw(gpu, &shot, &slices, bands, target)?
+                    light.draw(gpu, &shot, &slices, areas, target, &mut cut)?
                 }
                 (Some((vertices, stack)), None) => {
                     let set = pipeline.bind(&self.bound.resources())?;
@@ -270,15 +291,18 @@ impl Prepared {
                         Some(marks) => marks.between(gpu, &self.bound, color, stack.slices)?,
                         None => pass::Between::Nothing,
                     };
-                    pass::draw(gpu, pipeline, [&set; 2], vertices, stack, bands, target, &between)?
+                    pass::draw(gpu, pipeline, [&set; 2], vertices, stack, areas, target, &between, &mut cut)?
                 }
-                (None, _) => pass::march(gpu, pipeline, &pipeline.bind(&self.bound.resources())?, bands, target)?,
+                (None, _) => {
+                    let set = pipeline.bind(&self.bound.resources())?;
+                    pass::march(gpu, pipeline, &set, (areas, shot.planes.count), target, &mut cut)?
+                }
             });
-            let texels = resolved.as_ref().unwrap_or(color).read()?;
+            let texels = resolved.as_ref().unwrap_or(color).read_areas(areas)?;
             add(&mut sum, &texels);
         }
         let pixels = mean(&sum, count);
-        check_finite(&pixels, width as usize)?;
+        check_finite(&pixels, areas)?;
         let images = self.targets.iter().flat_map(|(color, resolved)| std::iter::once(&**color).chain(resolved));
         let images = images.chain(self.marks.as_ref().map(|marks| &marks.image));
         let targets: u64 = images.map(gpu::Image::bytes).sum();
@@ -311,4 +335,18 @@ impl Prepared {
         };
         Ok(Frame { size: scene.image.size, pixels, measurements })
     }
+}
+
+/// What the pictures of a scene are drawn into, and where their samples are averaged to.
+fn targets(
+    gpu: &Gpu,
+    scene: &Scene,
+    format: gpu::Format,
+) -> Result<(Arc<gpu::Image>, Option<gpu::Image>), gpu::GpuError> {
+    let ([width, height], msaa) = (scene.image.size, scene.quality.msaa);
+    let target = |name, samples| {
+        gpu::Image::new(gpu, name, gpu::Dimension::Plane(width, height), format, gpu::ImageUse::Target(samples))
+    };
+    let resolved = (msaa > 1).then(|| target("resolved target", 1)).transpose()?;
+    Ok((Arc::new(target("target", msaa)?), resolved))
 }

@@ -1,15 +1,17 @@
 //! From a scene to its picture: what users of the crate call.
 
+use super::pixels::put;
 use super::prepared::{Destination, Made, Prepared};
 use super::shot::Shot;
 use super::watch::explained;
 use super::{Frame, RenderError, Subject};
 use crate::field::Progress;
-use crate::gpu::{Gpu, HostCommands, Recording};
+use crate::gpu::{Area, Gpu, HostCommands, Recording};
 use crate::render::variant::Variant;
 use crate::scene::{Order, Scene};
 use crate::shader::Library;
 use std::ops::Range;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Renders a scene.
@@ -29,14 +31,33 @@ pub struct Renderer {
     gpu: Gpu,
     library: Library,
     subject: Subject,
-    prepared: Option<Prepared>,
+    /// For the last scenes, the last one last.
+    prepared: Vec<Prepared>,
+    kept: usize,
     whole: Option<[u32; 2]>,
+    stop: Stop,
 }
+
+/// Whether a picture ends unfinished, after so many milliseconds on the device.
+type Stop = Arc<dyn Fn(f64) -> bool + Send + Sync>;
 
 impl Renderer {
     /// A renderer that has made nothing yet. It shares device, library and subject, which are not copied.
     pub fn new(gpu: &Gpu, library: &Library, subject: &Subject) -> Renderer {
-        Renderer { gpu: gpu.clone(), library: library.clone(), subject: subject.clone(), prepared: None, whole: None }
+        let (gpu, library, subject) = (gpu.clone(), library.clone(), subject.clone());
+        Renderer { gpu, library, subject, prepared: Vec::new(), kept: 1, whole: None, stop: Arc::new(|_| false) }
+    }
+
+    /// Keeps what was made for so many scenes that have less in common than camera, size and parameters; without this, for
+    /// one.
+    pub fn keep(&mut self, scenes: usize) {
+        self.kept = scenes.max(1);
+    }
+
+    /// Pictures from now on end with [`RenderError::Stopped`] where `stop` says so. It is asked between submissions to the
+    /// device, which take some [`SUBMISSION_MS`](super::pace::SUBMISSION_MS), with the milliseconds of the picture so far.
+    pub fn stop_where(&mut self, stop: impl Fn(f64) -> bool + Send + Sync + 'static) {
+        self.stop = Arc::new(stop);
     }
 
     /// Pictures from now on are small ones of a picture of this size: they leave out as much of empty space as that does.
@@ -54,6 +75,12 @@ impl Renderer {
         self.prepared(scene, &variant, Destination::Frame, progress).map(drop)
     }
 
+    /// Whether all that a picture of a scene needs is made: it can be drawn at once.
+    pub fn is_ready(&self, scene: &Scene) -> bool {
+        let fits = |variant: Variant| self.prepared.iter().any(|own| own.fits(scene, &variant, Destination::Frame));
+        Variant::of(scene, &self.library).is_ok_and(fits)
+    }
+
     /// Renders a scene, as [`render`] does, bit for bit.
     ///
     /// # Errors
@@ -63,40 +90,41 @@ impl Renderer {
         self.render_bands(scene, std::slice::from_ref(&all))
     }
 
-    /// Renders some of the pictures of which a picture with `quality.supersampling` is the mean, by their numbers from 0
-    /// on: their mean, in bands as [`Renderer::render_bands`] has them. The mean over all numbers is the whole picture.
-    ///
-    /// # Errors
-    /// As [`render`].
-    ///
-    /// # Panics
-    /// Without a number, or with one that is not below `quality.supersampling`.
-    pub fn render_part(&mut self, scene: &Scene, bands: &[Range<u32>], numbers: &[u32]) -> Result<Frame, RenderError> {
-        let count = scene.quality.supersampling;
-        assert!(!numbers.is_empty() && numbers.iter().all(|&number| number < count), "{numbers:?} of {count}");
-        self.render_sub_frames(scene, bands, |number| numbers.contains(&number))
-    }
-
     /// Renders some bands of a picture, ranges of rows in it that neither overlap nor touch. Their pixels are those of
     /// the whole picture, bit for bit; the others are undefined.
     ///
     /// # Errors
     /// As [`render`].
     pub fn render_bands(&mut self, scene: &Scene, bands: &[Range<u32>]) -> Result<Frame, RenderError> {
-        self.render_sub_frames(scene, bands, |_| true)
+        let [width, height] = scene.image.size;
+        let areas: Vec<Area> = bands.iter().map(|rows| Area { columns: 0..width, rows: rows.clone() }).collect();
+        let mut frame = self.render_areas(scene, &areas, None)?;
+        if areas != [Area::whole(scene.image.size)] {
+            let mut pixels = vec![[0.0; 4]; width as usize * height as usize];
+            put(&frame.pixels, &areas, width, &mut pixels);
+            frame.pixels = pixels;
+        }
+        Ok(frame)
     }
 
-    fn render_sub_frames(
-        &mut self,
-        scene: &Scene,
-        bands: &[Range<u32>],
-        wanted: impl Fn(u32) -> bool,
-    ) -> Result<Frame, RenderError> {
-        let start = Instant::now();
+    /// Renders areas of a picture that do not overlap, one after the other; with `quality.msaa`, they do not touch either.
+    /// Of a picture with `quality.supersampling` it may be the one with this number of those that it is the mean of. The
+    /// pixels of the frame are those of the areas, one behind the other, each row by row: those of the whole picture, bit
+    /// for bit.
+    ///
+    /// # Errors
+    /// As [`render`].
+    ///
+    /// # Panics
+    /// With a number that is not below `quality.supersampling`, or an area that is empty or not in the picture.
+    pub fn render_areas(&mut self, scene: &Scene, areas: &[Area], number: Option<u32>) -> Result<Frame, RenderError> {
+        let (start, count) = (Instant::now(), scene.quality.supersampling);
+        assert!(number.is_none_or(|number| number < count), "{number:?} of {count}");
         let variant = Variant::of(scene, &self.library)?;
-        let subject = self.subject.clone();
+        let (subject, stop) = (self.subject.clone(), self.stop.clone());
         let prepared = self.prepared(scene, &variant, Destination::Frame, &|_| ())?;
-        let frame = prepared.frame(scene, &subject, &variant, bands, wanted);
+        let wanted = |own: u32| number.is_none_or(|number| number == own);
+        let frame = prepared.frame(scene, &subject, &variant, areas, wanted, &*stop);
         let mut frame = frame.map_err(|error| explained(error, &self.library, scene, &subject))?;
         frame.measurements.total_ms = start.elapsed().as_secs_f64() * 1e3;
         frame.measurements.others = subject.all_others().cloned().collect();
@@ -135,19 +163,25 @@ impl Renderer {
         destination: Destination,
         progress: Progress<'_>,
     ) -> Result<&mut Prepared, RenderError> {
-        let whole = self.whole;
-        let mut prepared = match self.prepared.take() {
-            Some(prepared) if prepared.fits(scene, variant, destination) => prepared,
-            other => {
-                let made = match other {
-                    Some(other) if other.runs(variant) => other.made(scene, variant),
-                    _ => Made::default(),
+        let mut prepared = match self.prepared.iter().rposition(|own| own.fits(scene, variant, destination)) {
+            Some(found) => self.prepared.remove(found),
+            None => {
+                let running = self.prepared.iter().rposition(|own| own.runs(variant));
+                // What goes first makes room for what comes, and what of it serves is kept.
+                let oldest = (self.prepared.len() >= self.kept).then(|| self.prepared.remove(0));
+                let made = match (running, oldest) {
+                    (Some(0), Some(oldest)) => oldest.made(scene, variant),
+                    (Some(found), oldest) => self.prepared[found - usize::from(oldest.is_some())].shared(),
+                    (None, _) => Made::default(),
                 };
                 let shot = Shot::of(scene, &self.subject, variant);
                 Prepared::new(&self.gpu, &self.library, &shot, destination, made, progress)?
             }
         };
-        prepared.whole = whole.unwrap_or(scene.image.size);
-        Ok(self.prepared.insert(prepared))
+        prepared.resize(scene)?;
+        prepared.whole = self.whole.unwrap_or(scene.image.size);
+        self.prepared.push(prepared);
+        let last = self.prepared.len() - 1;
+        Ok(&mut self.prepared[last])
     }
 }

@@ -11,6 +11,7 @@
 use super::bind::{self, BoundInputs};
 use super::inputs::Inputs;
 use super::light_space::LightSpace;
+use super::pace::{Cut, Pace};
 use super::shot::Shot;
 use super::sub_frame::SubFrame;
 use super::{RenderError, Subject};
@@ -23,6 +24,7 @@ use glam::{Mat4, Vec3};
 
 /// Format of the target that holds the transmittances of four segments in a texel.
 const SEGMENTS: Format = Format::Rgba32Float;
+const SEGMENTS_OF_A_TEXEL: u32 = 4;
 
 /// How much of the light reaches each place of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,24 +88,32 @@ pub fn transmittance(
     for sub_frame in SubFrame::all(scene).take(1) {
         bound.fill(gpu, &program, &shot, &sub_frame)?;
     }
-    Caster::new(gpu, library, scene, &variant)?.cast(gpu, &shot, &bound)
+    Caster::new(gpu, library, scene, &variant)?.cast(gpu, &shot, &bound, &|_| false)
 }
 
 /// The program of the shadow volumes of a scene, made once.
 pub(super) struct Caster {
     program: Program,
     pipeline: Pipeline,
+    pace: Pace,
 }
 
 impl Caster {
     pub(super) fn new(gpu: &Gpu, library: &Library, scene: &Scene, variant: &Variant) -> Result<Caster, RenderError> {
         let program = variant.shadow(scene, library)?.program(library, Linker::new)?;
         let pipeline = bind::pipeline(gpu, &program, scene, &[], SEGMENTS, 1, (gpu::Blend::Replace, gpu::Marks::None))?;
-        Ok(Caster { program, pipeline })
+        Ok(Caster { program, pipeline, pace: Pace::default() })
     }
 
-    /// Draws the segments with the images of the picture's own program, and takes their products.
-    pub(super) fn cast(&self, gpu: &Gpu, shot: &Shot<'_>, bound: &BoundInputs) -> Result<Transmittance, RenderError> {
+    /// Draws the segments with the images of the picture's own program, and takes their products; ends where it is to
+    /// `stop`, after so many milliseconds.
+    pub(super) fn cast(
+        &mut self,
+        gpu: &Gpu,
+        shot: &Shot<'_>,
+        bound: &BoundInputs,
+        stop: &dyn Fn(f64) -> bool,
+    ) -> Result<Transmittance, RenderError> {
         let space = shot.space;
         let [width, height] = space.target();
         let blocks = bound.blocks_of(gpu, &self.program)?;
@@ -111,7 +121,9 @@ impl Caster {
         let plane = Dimension::Plane(width, height);
         let color = Image::new(gpu, "shadow segments", plane, SEGMENTS, ImageUse::Target(1))?;
         let target = gpu::Target::of(&color);
-        let drawn = pass::march(gpu, &self.pipeline, &set, std::slice::from_ref(&(0..height)), target)?;
+        let all = [gpu::Area::whole([width, height])];
+        let mut cut = Cut { pace: &mut self.pace, stop };
+        let drawn = pass::march(gpu, &self.pipeline, &set, (&all[..], SEGMENTS_OF_A_TEXEL), target, &mut cut)?;
         let values = space.products(&color.read()?);
         Ok(Transmittance { space, object_matrix: shot.view.object_matrix, values, gpu_ms: drawn.gpu_ms })
     }

@@ -37,6 +37,8 @@ pub(super) struct View {
     /// No matter is farther from the origin of object space than this.
     pub(super) soft_radius: f32,
     pub(super) extent: Extent,
+    /// Radius of what fills the picture at zoom 1, eye space.
+    pub(super) shown_radius: f32,
     /// Unit vector across the slices, eye space: toward the camera, or half way to the light.
     pub(super) axis: Vec3,
     /// Half width and height of the view: at depth 1 in perspective, at any depth in parallel projection.
@@ -196,6 +198,7 @@ impl View {
         let turn = camera.turn(); // the trackball
         let stretch = Vec3::from(scene.object.stretch);
         let half_height = reach * stretch.max_element() / camera.zoom;
+        let shown_radius = shown(0.0) * stretch.max_element();
         let [width, height] = scene.image.size.map(|side| side as f32);
         let (aspect, fit) = (width / height, (width / height).min(1.0));
         let half_angle = 0.5 * camera.field_of_view.to_radians();
@@ -242,6 +245,7 @@ impl View {
             box_max,
             soft_radius,
             extent: Extent { distance, radius, near: NEAR },
+            shown_radius,
             axis: axis(scene),
             ray_scale,
             pan,

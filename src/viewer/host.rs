@@ -272,6 +272,9 @@ impl Host {
         live.input.handle_platform_output(&live.window, output.platform_output);
         let primitives = live.context.tessellate(output.shapes, output.pixels_per_point);
         let shown = live.canvas.draw(size, output.textures_delta, &primitives, output.pixels_per_point)?;
+        if let Some(script) = &mut self.script {
+            script.drawn(&self.app);
+        }
         if live.full_screen != self.app.full_screen {
             live.full_screen = self.app.full_screen;
             live.window.set_fullscreen(live.full_screen.then_some(Fullscreen::Borderless(None)));
@@ -279,7 +282,7 @@ impl Host {
         let wanted =
             output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
         let delay = match (&self.script, shown) {
-            (Some(_), _) => wanted.min(SCRIPT_PACE),
+            (Some(script), _) => wanted.min(script.pace().unwrap_or(SCRIPT_PACE)),
             (None, Presented::Later) => Duration::ZERO,
             // Nothing is seen, and nothing needs to be drawn before the window is back.
             (None, Presented::Hidden) => Duration::MAX,

@@ -7,6 +7,7 @@
 //! [`crate::scene::Scene::check`] accepts; a change that it refuses is one line of text and nothing else. The thread of the
 //! window submits nothing but what egui draws, and computes no field.
 
+mod answers;
 mod app;
 #[doc(hidden)] // for the tests of this crate
 pub mod author;

@@ -1,15 +1,46 @@
-//! Pictures that get better: how coarse one may be while the scene moves, and how good a mean of many is.
+//! Pictures that get better: how coarse one may be while the scene moves, in which order its parts become finer, and how
+//! good a mean of many is.
 
+use crate::gpu::Area;
 use crate::measure::statistics::rms_difference;
-use crate::scene::{Jitter, RayPath, Scene, TargetFormat};
+use crate::scene::{Jitter, LightMethod, RayPath, Scene, TargetFormat};
+use rayon::prelude::*;
 
-/// Ways to save work: every so many pixels in a row, and one of so many samples. From the best.
-const LEVELS: [[u32; 2]; 9] = [[1, 1], [1, 2], [2, 1], [2, 2], [3, 2], [4, 2], [4, 4], [6, 4], [8, 4]];
-/// A level is taken only where it fills at most this part of the budget by prediction. Nearer to 1: levels change with
-/// every noise in the time, and each change costs a pipeline.
+/// Ways to save work: the side of a pixel in quarters of one, and one of so many samples. From the best.
+const LEVELS: [[u32; 2]; 15] = [
+    [4, 1],
+    [4, 2],
+    [5, 2],
+    [6, 2],
+    [8, 2],
+    [10, 2],
+    [12, 2],
+    [16, 2],
+    [16, 3],
+    [20, 3],
+    [20, 4],
+    [24, 4],
+    [32, 4],
+    [40, 4],
+    [48, 4],
+];
+/// A better level is taken only where it fills at most this part of the budget by prediction. Nearer to 1: levels change
+/// with every noise in the time.
 const HEADROOM: f64 = 0.7;
+/// What is not done on the device counts as no more than this part of the budget: fewer pixels make it no less.
+const OTHER: f64 = 0.3;
+/// A preview that takes this many times its budget on the device is given up for a coarser one.
+pub(super) const GIVEN_UP_AT: f64 = 2.0;
 /// Fewer samples than this show slices, not matter.
 const FEWEST_SAMPLES: u32 = 32;
+/// Texels along a side of the blocks of noise of a preview, at most: more take seconds to make.
+pub(super) const PREVIEW_BLOCK: u32 = 64;
+/// Rays along a side of the shadow volume of a preview, at least.
+const FEWEST_RAYS: u32 = 16;
+/// Previews that say what the next one takes: the middle of them, so that a pause of the machine changes no level.
+const RECENT: usize = 3;
+/// Pixels along a side of the tiles in which a picture becomes finer: those that lavapipe shares out among its threads.
+const TILE: u32 = 64;
 /// Pictures of which a converged one is the mean, at most: what `quality.supersampling` allows.
 pub(super) const MOST: u32 = 256;
 /// The mean of fewer pictures than this is noisier than the scene's own picture.
@@ -20,43 +51,110 @@ pub(super) const FEWEST: u32 = 4;
 pub(super) struct Level(usize);
 
 impl Level {
-    /// What a device is first tried with.
-    pub(super) fn first(cpu: bool) -> Level {
-        Level(if cpu { 5 } else { 2 })
-    }
-
-    /// The scene with fewer pixels and samples.
-    pub(super) fn scene(self, scene: &Scene) -> Scene {
-        let [pixels, samples] = LEVELS[self.0];
+    /// The scene with fewer pixels and samples, and less for its shadows. Blocks of noise that are large are smaller, where
+    /// they are not there yet.
+    pub(super) fn scene(self, scene: &Scene, has_blocks: bool) -> Scene {
+        let [side, samples] = LEVELS[self.0];
         let mut coarse = scene.clone();
-        coarse.image.size = scene.image.size.map(|side| side.div_ceil(pixels));
+        coarse.image.size = scene.image.size.map(|own| (4 * own).div_ceil(side));
+        if scene.light.method == LightMethod::Volume {
+            coarse.light.shadow_resolution = self.rays(scene);
+        }
         let quality = &mut coarse.quality;
         quality.samples = (quality.samples / samples).max(FEWEST_SAMPLES).min(quality.samples);
         (quality.msaa, quality.supersampling, coarse.camera.shutter) = (1, 1, 0.0);
+        if !has_blocks && quality.block_size > PREVIEW_BLOCK {
+            quality.block_size = PREVIEW_BLOCK;
+            quality.turbulence_cells = quality.turbulence_cells.min(PREVIEW_BLOCK / 2);
+        }
         coarse
     }
 
-    /// Work of a picture, as a part of that of all pixels and samples.
-    fn work(self) -> f64 {
-        let [pixels, samples] = LEVELS[self.0].map(f64::from);
-        1.0 / (pixels * pixels * samples)
+    /// Rays along a side of the shadow volume.
+    fn rays(self, scene: &Scene) -> u32 {
+        let own = scene.light.shadow_resolution;
+        (8 * own / LEVELS[self.0][0]).clamp(FEWEST_RAYS.min(own), own)
     }
 
-    /// Milliseconds of a picture with all pixels and samples, by those of one of this level.
-    pub(super) fn whole(self, ms: f64) -> f64 {
-        ms / self.work()
+    /// Samples of a picture of this level, those of its shadows among them.
+    fn work(self, scene: &Scene) -> f64 {
+        let coarse = self.scene(scene, true);
+        let [width, height] = coarse.image.size.map(f64::from);
+        let rays = if scene.light.shadows { f64::from(coarse.light.shadow_resolution).powi(2) } else { 0.0 };
+        (width * height + rays) * f64::from(coarse.quality.samples)
+    }
+}
+
+/// What previews take, and how coarse the next one is.
+#[derive(Clone, Debug)]
+pub(super) struct Budget {
+    level: Level,
+    /// Milliseconds that one may take.
+    ms: f64,
+    /// Of the last previews, the newest last: milliseconds of a sample on the device, and those of all else.
+    recent: Vec<[f64; 2]>,
+}
+
+impl Budget {
+    /// Previews that may take so many milliseconds, on a device that has drawn none yet.
+    pub(super) fn new(ms: f64, cpu: bool) -> Budget {
+        Budget { level: Level(if cpu { 8 } else { 4 }), ms, recent: Vec::new() }
     }
 
-    /// The level for the next picture, by what one of this level has taken on the device.
-    pub(super) fn next(self, ms: f64, budget_ms: f64) -> Level {
-        let whole = self.whole(ms);
-        let fits = |level: &usize| whole * Level(*level).work() <= HEADROOM * budget_ms;
-        match ms <= budget_ms {
-            // It is good enough, unless a better one is sure to be.
-            true => Level((0..self.0).find(fits).unwrap_or(self.0)),
-            false => Level((self.0..LEVELS.len()).find(fits).unwrap_or(LEVELS.len() - 1)),
+    /// How coarse the next one is.
+    pub(super) fn level(&self) -> Level {
+        self.level
+    }
+
+    /// Whether a preview is given up after so many milliseconds on the device. The coarsest is not.
+    pub(super) fn ends(&self) -> impl Fn(f64) -> bool + Send + Sync + 'static {
+        let limit = if self.level.0 + 1 < LEVELS.len() { GIVEN_UP_AT * self.ms } else { f64::INFINITY };
+        move |ms| ms > limit
+    }
+
+    /// A preview of a scene has taken so many milliseconds on the device, and so many for all else, which no level saves.
+    pub(super) fn took(&mut self, scene: &Scene, device_ms: f64, other_ms: f64) {
+        self.recent.push([device_ms / self.level.work(scene), other_ms]);
+        if self.recent.len() > RECENT {
+            self.recent.remove(0);
         }
+        let [cost, other] = [0, 1].map(|of| {
+            let mut sorted: Vec<f64> = self.recent.iter().map(|own| own[of]).collect();
+            sorted.sort_by(f64::total_cmp);
+            sorted[sorted.len() / 2]
+        });
+        let other = other.clamp(0.0, OTHER * self.ms);
+        let predicted = |level: usize| other + cost * Level(level).work(scene);
+        let (now, last) = (self.level.0, LEVELS.len() - 1);
+        let to = match predicted(now) <= self.ms {
+            // It is good enough, unless a better one is sure to be.
+            true => (0..now).find(|&level| predicted(level) <= HEADROOM * self.ms).unwrap_or(now),
+            false => (now..=last).find(|&level| predicted(level) <= HEADROOM * self.ms).unwrap_or(last),
+        };
+        self.level = Level(to);
     }
+
+    /// A preview of a scene was given up.
+    pub(super) fn gave_up(&mut self, scene: &Scene) {
+        let least = 0.3 * self.level.work(scene);
+        let fits = |level: &usize| Level(*level).work(scene) <= least;
+        self.level = Level((self.level.0..LEVELS.len()).find(fits).unwrap_or(LEVELS.len() - 1));
+        self.recent.clear();
+    }
+}
+
+/// The tiles of a picture, those that are nearest to a place first; the place is in parts of its width and height.
+pub(super) fn tiles([width, height]: [u32; 2], focus: [f32; 2]) -> Vec<Area> {
+    let along = |side: u32| (0..side.div_ceil(TILE)).map(move |tile| tile * TILE..((tile + 1) * TILE).min(side));
+    let of_row = |rows: std::ops::Range<u32>| along(width).map(move |columns| Area { columns, rows: rows.clone() });
+    let mut all: Vec<Area> = along(height).flat_map(of_row).collect();
+    let [x, y] = [focus[0] * width as f32, focus[1] * height as f32];
+    let away = |area: &Area| {
+        let middle = |range: &std::ops::Range<u32>| 0.5 * (range.start + range.end) as f32;
+        (middle(&area.columns) - x).hypot(middle(&area.rows) - y)
+    };
+    all.sort_by(|a, b| away(a).total_cmp(&away(b)));
+    all
 }
 
 /// The scene of which each sub-frame is a step towards the converged image.
@@ -134,18 +232,32 @@ impl Mean {
     }
 }
 
-/// A picture with more pixels, each that of the nearest.
-pub(super) fn enlarge(pixels: &[[f32; 4]], from: [u32; 2], to: [u32; 2]) -> Vec<[f32; 4]> {
-    let [width, height] = to;
-    let place = |index: u32, axis: usize| {
-        (u64::from(2 * index + 1) * u64::from(from[axis]) / (2 * u64::from(to[axis]))) as usize
+/// A picture of another size, by the filter that a preview is shown with: `place` says where a pixel of it is in this one.
+/// Both are in parts of width and height; what is beyond the border is `beyond`.
+pub(super) fn resampled(
+    pixels: &[[f32; 4]],
+    from: [u32; 2],
+    to: [u32; 2],
+    place: impl Fn([f32; 2]) -> [f32; 2] + Sync,
+    beyond: [f32; 4],
+) -> Vec<[f32; 4]> {
+    let row = |row: usize| {
+        let place = &place;
+        (0..to[0] as usize).map(move |column| {
+            let at = place([(column as f32 + 0.5) / to[0] as f32, (row as f32 + 0.5) / to[1] as f32]);
+            if at.iter().any(|part| !(0.0..=1.0).contains(part)) {
+                return beyond;
+            }
+            let [x, y] = [0, 1].map(|axis| (at[axis] * from[axis] as f32 - 0.5).clamp(0.0, (from[axis] - 1) as f32));
+            let [left, top] = [x, y].map(|side| side as usize);
+            let [right, bottom] = [(left + 1).min(from[0] as usize - 1), (top + 1).min(from[1] as usize - 1)];
+            let own = |x: usize, y: usize| pixels[y * from[0] as usize + x];
+            let mix = |a: [f32; 4], b: [f32; 4], t: f32| std::array::from_fn(|c| a[c] + t * (b[c] - a[c]));
+            let across = |y: usize| mix(own(left, y), own(right, y), x - left as f32);
+            mix(across(top), across(bottom), y - top as f32)
+        })
     };
-    let columns: Vec<usize> = (0..width).map(|column| place(column, 0)).collect();
-    let row = |row: u32| {
-        let start = place(row, 1) * from[0] as usize;
-        columns.iter().map(move |column| pixels[start + column])
-    };
-    (0..height).flat_map(row).collect()
+    (0..to[1] as usize).into_par_iter().flat_map_iter(row).collect()
 }
 
 #[cfg(test)]
@@ -165,19 +277,104 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_level_follows_the_budget_and_stays_where_it_is_good() {
-        let level = Level::first(true);
-        assert!(level.next(500.0, 50.0).work() < level.work());
-        assert_eq!(level.next(45.0, 50.0), level);
-        assert_eq!(level.next(0.1, 50.0), Level(0));
-        assert_eq!(Level(8).next(1e9, 50.0), Level(8));
-        // What it steps to, it does not step back from.
-        for ms in [1.0, 3.0, 10.0, 49.0, 51.0, 80.0, 200.0] {
-            let next = level.next(ms, 50.0);
-            let then = ms * next.work() / level.work();
-            assert_eq!(next.next(then, 50.0), next, "{ms}");
+    const MS: f64 = 50.0;
+
+    /// A device on which a sample of a scene costs so many milliseconds, and a preview two more.
+    fn drawn(budget: &mut Budget, scene: &Scene, cost: f64) -> f64 {
+        let work = budget.level().work(scene);
+        let ms = 2.0 + cost * work;
+        if budget.ends()(cost * work) {
+            budget.gave_up(scene);
+            return GIVEN_UP_AT * MS; // and some part of a submission
         }
+        budget.took(scene, cost * work, 2.0);
+        ms
+    }
+
+    fn scene() -> Scene {
+        let mut scene = Scene::default();
+        (scene.image.size, scene.light.shadows) = ([900, 720], true);
+        scene
+    }
+
+    #[test]
+    fn b1_previews_come_to_their_budget_within_three_whatever_a_sample_costs_and_stay_there() {
+        let scene = scene();
+        for cost in [1e-9, 1e-7, 2e-7, 1e-6, 3e-6, 1e-5, 3e-5] {
+            let mut budget = Budget::new(MS, true);
+            let first: f64 = (0..3).map(|_| drawn(&mut budget, &scene, cost)).sum();
+            assert!(first <= (2.0 * GIVEN_UP_AT + 1.0) * MS, "{cost}: {first}");
+            let level = budget.level();
+            for _ in 0..20 {
+                let ms = drawn(&mut budget, &scene, cost);
+                assert!(ms <= MS, "{cost}: {ms}");
+            }
+            assert!(budget.level().0 <= level.0, "{cost}: what is too coarse gets better");
+            // Time that is left would not do for a level that is twice as dear.
+            let dearer = budget.level().0.checked_sub(3).map(|level| cost * Level(level).work(&scene));
+            assert!(dearer.is_none_or(|ms| ms > HEADROOM * MS * 0.9), "{cost}: {dearer:?}");
+        }
+    }
+
+    #[test]
+    fn b1_one_slow_preview_changes_no_level_and_two_do() {
+        let scene = scene();
+        let mut budget = Budget::new(MS, true);
+        for _ in 0..9 {
+            drawn(&mut budget, &scene, 1e-6);
+        }
+        let level = budget.level();
+        drawn(&mut budget, &scene, 2.5e-6);
+        assert_eq!(budget.level(), level);
+        drawn(&mut budget, &scene, 2.5e-6);
+        assert_ne!(budget.level(), level);
+    }
+
+    #[test]
+    fn b1_what_no_level_saves_makes_no_picture_coarser_than_it_must_be() {
+        let scene = scene();
+        let mut budget = Budget::new(MS, true);
+        // A machine that is busy: each preview waits for a second, whatever is drawn.
+        for _ in 0..9 {
+            let work = budget.level().work(&scene);
+            budget.took(&scene, 1e-6 * work, 1000.0);
+        }
+        let (busy, mut idle) = (budget.level(), Budget::new(MS, true));
+        for _ in 0..9 {
+            drawn(&mut idle, &scene, 1e-6);
+        }
+        assert!(busy.work(&scene) > 0.4 * idle.level().work(&scene), "{busy:?} {:?}", idle.level());
+    }
+
+    #[test]
+    fn b1_shadows_and_blocks_of_noise_have_a_preview_level_of_their_own() {
+        let mut scene = scene();
+        (scene.quality.block_size, scene.light.shadow_resolution) = (256, 128);
+        let shadows = |level: usize| Level(level).scene(&scene, true).light.shadow_resolution;
+        assert_eq!([shadows(0), shadows(4), shadows(7), shadows(14)], [128, 128, 64, 21]);
+        // They are never more than a part of the work.
+        for level in 0..LEVELS.len() {
+            let [width, height] = Level(level).scene(&scene, true).image.size;
+            assert!(shadows(level).pow(2) < width * height / 4 || level > 12, "{level}");
+        }
+        let block = |has_blocks| Level(4).scene(&scene, has_blocks).quality.block_size;
+        assert_eq!([block(false), block(true)], [PREVIEW_BLOCK, 256]);
+        for level in 0..LEVELS.len() {
+            assert!(Level(level).scene(&scene, false).check(&crate::shader::shipped()).is_ok(), "{level}");
+        }
+    }
+
+    #[test]
+    fn b3_tiles_cover_the_picture_once_and_begin_where_one_looks() {
+        let size = [500, 300];
+        let all = tiles(size, [0.9, 0.1]);
+        let mut covered = vec![0; 500 * 300];
+        for Area { columns, rows } in &all {
+            rows.clone().for_each(|y| columns.clone().for_each(|x| covered[(y * 500 + x) as usize] += 1));
+        }
+        assert!(covered.iter().all(|times| *times == 1));
+        assert!(all[0].columns.contains(&450) && all[0].rows.contains(&30), "{:?}", all[0]);
+        assert!(all[all.len() - 1].columns.start == 0);
     }
 
     #[test]
@@ -201,12 +398,16 @@ mod tests {
     }
 
     #[test]
-    fn an_enlarged_picture_has_the_nearest_pixels() {
-        let small: Vec<[f32; 4]> = (0..6).map(|index| [index as f32; 4]).collect();
-        let large = enlarge(&small, [3, 2], [6, 4]);
-        let row: Vec<f32> = large[6..12].iter().map(|pixel| pixel[0]).collect();
-        assert_eq!(row, [0.0, 0.0, 1.0, 1.0, 2.0, 2.0]);
-        assert_eq!(large[12][0], 3.0);
-        assert_eq!(enlarge(&small, [3, 2], [3, 2]), small);
+    fn b3_an_enlarged_preview_is_a_smooth_picture_and_not_blocks() {
+        let same = |at: [f32; 2]| at;
+        let ramp: Vec<[f32; 4]> = (0..12).map(|index| [(index % 4) as f32; 4]).collect();
+        let large = resampled(&ramp, [4, 3], [32, 24], same, [0.0; 4]);
+        let row: Vec<f32> = large[..32].iter().map(|pixel| pixel[0]).collect();
+        assert!(row.windows(2).all(|pair| (0.0..=0.126).contains(&(pair[1] - pair[0]))), "{row:?}");
+        assert_eq!([row[0], row[31]], [0.0, 3.0]);
+        assert_eq!(resampled(&ramp, [4, 3], [4, 3], same, [0.0; 4]), ramp);
+        let moved = resampled(&ramp, [4, 3], [4, 3], |[x, y]| [x + 0.5, y], [9.0; 4]);
+        let row: Vec<f32> = moved[..4].iter().map(|pixel| pixel[0]).collect();
+        assert_eq!(row, [2.0, 3.0, 9.0, 9.0]);
     }
 }

@@ -1,8 +1,10 @@
 //! How a picture gets on the screen: its colors and its place.
 
 use super::compare::{Comparison, Half};
+use crate::render::Sight;
 use crate::scene::{Color, linear_to_srgb};
-use egui::{Color32, ColorImage, Rect, TextureHandle, TextureOptions, Ui, pos2};
+use egui::epaint::Vertex;
+use egui::{Color32, ColorImage, Mesh, Rect, Shape, TextureHandle, TextureId, TextureOptions, Ui, Vec2, pos2};
 use rayon::prelude::*;
 use std::sync::{Arc, LazyLock};
 
@@ -10,6 +12,8 @@ use std::sync::{Arc, LazyLock};
 const BEHIND: [u8; 2] = [28, 42];
 /// Side of its squares, in pixels of the whole picture.
 const SQUARE: u32 = 12;
+/// Cells along a side of a picture that is moved. Fewer: edges bend where the cells meet.
+const GRID: u32 = 32;
 /// Entries of the table of codes, by the square root of the light: the darkest codes are the closest.
 const TABLE: usize = 4096;
 
@@ -83,6 +87,8 @@ pub(super) struct Screen {
     /// The pictures as they were rendered, one for each variant, and their size.
     pub(super) frames: Vec<Frame>,
     pub(super) size: [u32; 2],
+    /// Where they are looked at from, and where they would be now, where that is another place.
+    pub(super) moved: Option<(Sight, Sight)>,
     /// The texture of their difference, and its gain.
     difference: Option<(TextureHandle, f32)>,
 }
@@ -100,7 +106,7 @@ impl Screen {
         (self.fresh, self.difference) = (true, None);
     }
 
-    /// Draws the picture, or two as `comparison` says.
+    /// Draws the picture, or two as `comparison` says; as it would be seen now, about, where it was moved since.
     pub(super) fn draw(&mut self, ui: &Ui, place: Rect, comparison: &Comparison) {
         if std::mem::take(&mut self.fresh) {
             for (index, image) in self.images.iter().enumerate() {
@@ -115,12 +121,20 @@ impl Screen {
             self.textures.truncate(self.images.len());
         }
         let painter = ui.painter_at(place);
-        painter.rect_filled(place, 0.0, Color32::from_gray(BEHIND[0]));
+        // A picture that was moved leaves gaps at its sides, where its corner is.
+        let corner = self.images.first().and_then(|image| image.pixels.first());
+        painter.rect_filled(place, 0.0, corner.copied().unwrap_or(Color32::from_gray(BEHIND[0])));
         let part = |texture: &TextureHandle, from: f32, to: f32| {
             let within = |part: f32| egui::lerp(place.x_range(), part);
             let rect = Rect::from_x_y_ranges(within(from)..=within(to), place.y_range());
             let uv = Rect::from_min_max(pos2(from, 0.0), pos2(to, 1.0));
-            painter.image(texture.id(), rect, uv, Color32::WHITE);
+            match self.moved {
+                None => painter.image(texture.id(), rect, uv, Color32::WHITE),
+                Some((seen, now)) => {
+                    let mesh = mesh(texture.id(), place, |at| seen.moved(&now, at));
+                    painter.with_clip_rect(rect).add(Shape::mesh(mesh))
+                }
+            };
         };
         match (self.textures.as_slice(), comparison.half) {
             ([now, kept], Half::Wipe) => {
@@ -141,6 +155,25 @@ impl Screen {
             ([], _) => {}
         }
     }
+}
+
+/// A picture in a place, whose points are `moved`; from -1 to 1, to the right and down.
+fn mesh(texture: TextureId, place: Rect, moved: impl Fn([f32; 2]) -> [f32; 2]) -> Mesh {
+    let mut mesh = Mesh::with_texture(texture);
+    for row in 0..=GRID {
+        for column in 0..=GRID {
+            let [u, v] = [column, row].map(|line| line as f32 / GRID as f32);
+            let [x, y] = moved([2.0 * u - 1.0, 2.0 * v - 1.0]);
+            let pos = place.center() + 0.5 * Vec2::new(x * place.width(), y * place.height());
+            mesh.vertices.push(Vertex { pos, uv: pos2(u, v), color: Color32::WHITE });
+        }
+    }
+    for (row, column) in (0..GRID).flat_map(|row| (0..GRID).map(move |column| (row, column))) {
+        let corner = row * (GRID + 1) + column;
+        mesh.add_triangle(corner, corner + 1, corner + GRID + 1);
+        mesh.add_triangle(corner + 1, corner + GRID + 2, corner + GRID + 1);
+    }
+    mesh
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@
 //! key NAME                         a key, as the window lists it
 //! drag X Y X Y [right]             the mouse over the picture: 0 to 1 from its left and top
 //! scroll LINES                     the wheel, in the middle of the picture
+//! orbit MOVES SECONDS              a drag of so many moves in circles; prints how fast the window answers them
 //! wait idle                        until no picture is being written or looked for
 //! click NAME                       the control of that name; where several have it, the last
 //! set NAME NUMBER                  a slider
@@ -26,6 +27,7 @@
 //! ```
 
 use super::ViewError;
+use super::answers::Answers;
 use super::app::App;
 use super::author::State;
 use super::keys;
@@ -34,6 +36,7 @@ use crate::support::open;
 use accesskit::{Action, ActionData, ActionRequest, Node, NodeId, TreeId};
 use egui::{Event, Key, Modifiers, MouseWheelUnit, PointerButton, Pos2, Rect, TouchPhase, Vec2, accesskit};
 use std::collections::VecDeque;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -41,6 +44,8 @@ use std::time::{Duration, Instant};
 const MAX_BYTES: u64 = 1 << 20;
 /// A step that takes longer has failed.
 const PATIENCE: Duration = Duration::from_secs(600);
+/// The last picture of an orbit is waited for as long.
+const LAST_ANSWER: Duration = Duration::from_secs(20);
 /// Places on the way of a drag.
 const DRAG_STEPS: u32 = 8;
 
@@ -75,6 +80,7 @@ enum Step {
     Frames(u32),
     Drag([f32; 4], PointerButton),
     Scroll(f32),
+    Orbit(u32, f32),
     Good,
     Bad,
     Click(String),
@@ -92,6 +98,8 @@ pub(super) struct Script {
     events: VecDeque<Vec<Event>>,
     began: Instant,
     frames: u32,
+    /// What is measured of an orbit, and the moves that were made.
+    orbit: Option<(Answers, u32)>,
 }
 
 impl Script {
@@ -120,7 +128,7 @@ impl Script {
     }
 
     fn new(file: String, steps: VecDeque<(usize, Step)>) -> Script {
-        Script { file, steps, events: VecDeque::new(), began: Instant::now(), frames: 0 }
+        Script { file, steps, events: VecDeque::new(), began: Instant::now(), frames: 0, orbit: None }
     }
 
     /// What happens before the next frame.
@@ -132,6 +140,9 @@ impl Script {
         let fail = |reason: String| ViewError::Script { file: self.file.clone(), line, reason };
         if let Some(reason) = &app.failure {
             return Err(fail(reason.clone()));
+        }
+        if let Step::Orbit(moves, seconds) = step {
+            return Ok(self.orbit(app, moves, seconds).map(ScriptEvent::Events));
         }
         self.frames += 1;
         let stage = app.figures.stage;
@@ -186,9 +197,63 @@ impl Script {
             }
             _ => None,
         };
+        self.end_step();
+        Ok(event)
+    }
+
+    fn end_step(&mut self) {
         self.steps.pop_front();
         (self.began, self.frames) = (Instant::now(), 0);
-        Ok(event)
+    }
+
+    /// The moves of an orbit that are due; where the window was slow, several.
+    fn orbit(&mut self, app: &App, moves: u32, seconds: f32) -> Option<Vec<Event>> {
+        let (now, place) = (Instant::now(), app.place);
+        let at = |step: u32| {
+            let (sin, cos) = (std::f32::consts::TAU * step as f32 / 50.0).sin_cos();
+            place.center() + 0.2 * place.size().min_elem() * Vec2::new(cos, sin)
+        };
+        let Some((answers, done)) = &mut self.orbit else {
+            self.began = now;
+            self.orbit = Some((Answers::new(now, app.on_screen), 0));
+            return Some(vec![Event::PointerMoved(at(0)), button(at(0), PointerButton::Primary, true)]);
+        };
+        let mut events = Vec::new();
+        let due = |step: u32| self.began + Duration::from_secs_f32(seconds * step as f32 / moves.max(1) as f32);
+        while *done < moves && due(*done) <= now {
+            answers.moved(due(*done));
+            *done += 1;
+            events.push(Event::PointerMoved(at(*done)));
+        }
+        let late = now.duration_since(due(moves).min(now));
+        if *done == moves && events.is_empty() && (answers.is_complete() || late > LAST_ANSWER) {
+            // Nobody reads what a script says: it is no reason to end.
+            let name = app.model.preset().unwrap_or("scene");
+            let _ = writeln!(io::stdout(), "{name}: {answers}");
+            events.push(button(at(moves), PointerButton::Primary, false));
+            self.orbit = None;
+            self.end_step();
+        }
+        Some(events)
+    }
+
+    /// How long nothing is done, while that is known: the hand of an orbit moves by a clock.
+    pub(super) fn pace(&self) -> Option<Duration> {
+        match (&self.steps.front()?.1, &self.orbit) {
+            (Step::Orbit(moves, seconds), Some((_, done))) if done < moves => {
+                let due = self.began + Duration::from_secs_f32(seconds * *done as f32 / (*moves).max(1) as f32);
+                Some(due.saturating_duration_since(Instant::now()))
+            }
+            _ => None,
+        }
+    }
+
+    /// The window was drawn.
+    pub(super) fn drawn(&mut self, app: &App) {
+        if let Some((answers, _)) = &mut self.orbit {
+            let figures = &app.figures;
+            answers.drawn(Instant::now(), app.number, app.on_screen, figures.size, figures.samples);
+        }
     }
 }
 
@@ -279,6 +344,10 @@ fn parse(line: &str) -> Result<Step, String> {
             let right = rest.ends_with("right");
             let with = if right { PointerButton::Secondary } else { PointerButton::Primary };
             Step::Drag([places[0], places[1], places[2], places[3]], with)
+        }
+        ("orbit", _) => {
+            let values = numbers(2)?;
+            Step::Orbit(values[0] as u32, values[1])
         }
         ("scroll", _) => Step::Scroll(numbers(1)?[0]),
         ("click", name) if !name.is_empty() => Step::Click(name.into()),

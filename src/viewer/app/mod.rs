@@ -21,8 +21,9 @@ use super::tempo::Tempo;
 use super::trackball::Trackball;
 use super::unread::Unread;
 use super::unsaved;
-use super::worker::{Event, Job, Variant, Worker};
+use super::worker::{Event, Job, Variant, Worker, sight};
 use crate::gpu::{Gpu, Options};
+use crate::render::Sight;
 use crate::scene::{self, Scene};
 use crate::shader::Library;
 use crate::support::disk_cache;
@@ -63,6 +64,8 @@ const GOOD: f64 = 1e-3;
 const REST: Duration = Duration::from_millis(200);
 /// Milliseconds that a picture may take while the scene moves, on a CPU and on another device.
 const BUDGET_MS: [f64; 2] = [50.0, 12.0];
+/// What moves by itself is drawn this often.
+const FRAME: Duration = Duration::from_millis(16);
 
 /// Tells the window from another thread that there is something new.
 pub(super) type Notify = Arc<dyn Fn() + Send + Sync>;
@@ -76,6 +79,9 @@ pub(super) struct App {
     loader: Loader,
     notify: Notify,
     screen: Screen,
+    /// Where the picture on the screen is looked at from, and where the scene is now.
+    seen: Option<Sight>,
+    sight: Option<Sight>,
     pub(super) figures: Figures,
     /// Where the picture is, points.
     pub(super) place: Rect,
@@ -110,7 +116,9 @@ pub(super) struct App {
     pointer: Option<egui::Pos2>,
     dragging: bool,
     changed: Instant,
-    number: u64,
+    /// Those of the newest job and of the picture that is on the screen.
+    pub(super) number: u64,
+    pub(super) on_screen: u64,
     /// Tasks that are not finished.
     pub(super) tasks: u32,
     help: bool,
@@ -151,6 +159,8 @@ impl App {
             loader: Loader::default(),
             notify,
             screen: Screen::default(),
+            seen: None,
+            sight: None,
             figures: Figures::default(),
             place: Rect::ZERO,
             ball: Trackball::of(&camera),
@@ -176,6 +186,7 @@ impl App {
             dragging: false,
             changed: now,
             number: 0,
+            on_screen: 0,
             tasks: 0,
             help: false,
             is_current: false,
@@ -242,6 +253,7 @@ impl App {
                 Event::Picture(picture) => {
                     self.inspector.take(&picture.frames, picture.size, picture.stage);
                     self.screen.take(picture.images, picture.frames, picture.size);
+                    self.seen = picture.sight;
                     let figures = &mut self.figures;
                     (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
                     (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
@@ -253,7 +265,7 @@ impl App {
                         let surplus = figures.recent_ms.len().saturating_sub(120);
                         figures.recent_ms.drain(..surplus);
                     }
-                    self.is_current = picture.number == self.number;
+                    (self.is_current, self.on_screen) = (picture.number == self.number, picture.number);
                     // What went wrong with an earlier scene no longer holds.
                     self.said.take_if(|said| said.is_error && picture.number > self.said_at);
                 }
@@ -329,9 +341,10 @@ impl App {
         if let Some(clock) = &mut self.clock {
             *clock = self.tempo.after(*clock, passed);
         }
+        self.post(ui, now);
+        self.screen.moved = self.seen.zip(self.sight).filter(|(seen, now)| seen != now);
         self.screen.draw(ui, self.place, &self.comparison);
         self.show_over(ui);
-        self.post(ui, now);
         self.pick(ui, now);
     }
 
@@ -418,6 +431,9 @@ impl App {
                     .all(|(a, b)| a.scene == b.scene && Arc::ptr_eq(&a.subject, &b.subject))
         };
         let changed = !self.posted.as_ref().is_some_and(same);
+        if changed {
+            self.sight = sight(&variants[0], &self.library).ok();
+        }
         if changed && self.posted.is_some() {
             self.changed = now;
             if self.figures.picking.is_some() && self.clock.is_none() {
@@ -435,7 +451,8 @@ impl App {
         if changed || !self.posted.as_ref().is_some_and(as_before) {
             self.number += 1;
             self.is_current = false;
-            let job = Job { number: self.number, library: self.library.clone(), variants, moving, max_error, validity };
+            let (number, library, focus) = (self.number, self.library.clone(), self.focus());
+            let job = Job { number, library, variants, moving, max_error, focus, validity };
             if let Some(worker) = &self.worker {
                 worker.show(job.clone());
             }
@@ -444,11 +461,18 @@ impl App {
         if let (false, Some(job)) = (moving, &self.posted) {
             self.unread.want(job, move || notify());
         }
-        if busy {
-            ui.ctx().request_repaint();
+        // What the hand moves is drawn when it moves.
+        if self.clock.is_some() || self.glide.is_some() {
+            ui.ctx().request_repaint_after(FRAME);
         } else if moving {
             ui.ctx().request_repaint_after(REST);
         }
+    }
+
+    /// Where one looks, in parts of the picture: at the pointer, or in the middle.
+    fn focus(&self) -> [f32; 2] {
+        let part = |at: egui::Pos2| (at - self.place.min) / self.place.size();
+        self.pointer.filter(|at| self.place.contains(*at)).map_or([0.5; 2], |at| part(at).into())
     }
 }
 

@@ -1,10 +1,10 @@
 //! Which pixels on the screen are not to be trusted.
 
-use super::render_thread::{Pair, RenderThread};
+use super::render_thread::RenderThread;
 use super::task::{leave_where, unless_stopped};
 use super::{Event, Job, Picture};
 use crate::measure::validity::{Found, TRUSTED, Validity, examine};
-use crate::render::{RenderError, Subject};
+use crate::render::{RenderError, Renderer, Subject};
 use crate::scene::Scene;
 use crate::shader::Library;
 use crate::viewer::status::Stage;
@@ -15,18 +15,14 @@ const GREY: [u8; 3] = [128; 3];
 
 impl RenderThread {
     /// Finds which of the scene's `own` pixels are not to be trusted; none where something else is to be done.
-    pub(super) fn examine(
-        &self,
-        job: &Job,
-        own: &[[f32; 4]],
-        pair: &mut Pair,
-    ) -> Result<Option<Validity>, RenderError> {
+    pub(super) fn examine(&self, job: &Job, own: &[[f32; 4]]) -> Result<Option<Validity>, RenderError> {
         let (scene, subject) = (&job.variants[0].scene, &job.variants[0].subject);
+        let mut renderer = Renderer::new(&self.gpu, &job.library, subject);
         let mut lost = None;
         let mut draw = |better: &Scene, modules: &Library| {
             let drawn = match (better.object == scene.object, *modules == *job.library) {
-                (true, true) => self.pixels(job, better, pair),
-                (true, false) => self.pixels(job, better, &mut Pair::new(&self.gpu, modules, subject)),
+                (true, true) => self.pixels(job, better, &mut renderer),
+                (true, false) => self.pixels(job, better, &mut Renderer::new(&self.gpu, modules, subject)),
                 (false, _) => self.of_another_object(job, better),
             };
             match drawn {
@@ -55,15 +51,15 @@ impl RenderThread {
     }
 
     /// The picture of a scene with the object of the job; none where something else is to be done.
-    fn pixels(&self, job: &Job, scene: &Scene, pair: &mut Pair) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
+    fn pixels(&self, job: &Job, scene: &Scene, renderer: &mut Renderer) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
         let mut pixels = Vec::new();
-        Ok(self.in_bands(job, scene, pair, None, &mut pixels, |_| ())?.map(|_| pixels))
+        Ok(self.in_tiles(job, scene, renderer, &mut pixels, |_| ())?.map(|_| pixels))
     }
 
     /// The picture of a scene whose object has to be sampled first.
     fn of_another_object(&self, job: &Job, scene: &Scene) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
         let progress = |_| leave_where(self.shared.is_stale(job.number));
         let Some(subject) = unless_stopped(|| Subject::load(scene, &job.library, &progress)) else { return Ok(None) };
-        self.pixels(job, scene, &mut Pair::new(&self.gpu, &job.library, &subject?))
+        self.pixels(job, scene, &mut Renderer::new(&self.gpu, &job.library, &subject?))
     }
 }

@@ -1,6 +1,9 @@
 //! The thread that renders: the newest scene first, coarse while it moves, better and better while it stands still.
 
+mod aside;
+mod easel;
 mod examine;
+mod refine;
 mod render_thread;
 mod task;
 
@@ -8,7 +11,7 @@ use super::author::Gate;
 use super::status::Stage;
 use crate::gpu::Gpu;
 use crate::measure::pick::{ErrorBound, Pick};
-use crate::render::Subject;
+use crate::render::{Sight, Subject};
 use crate::scene::Scene;
 use crate::shader::Library;
 use egui::ColorImage;
@@ -18,6 +21,8 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, mpsc};
 use std::thread::{self, JoinHandle};
+
+pub(super) use easel::sight;
 
 /// A scene and its object.
 #[derive(Clone)]
@@ -38,6 +43,8 @@ pub(super) struct Job {
     pub(super) moving: bool,
     /// The error that is good enough.
     pub(super) max_error: f64,
+    /// Where one looks, in parts of the width and height of a picture: what is there gets finer first.
+    pub(super) focus: [f32; 2],
     /// Whether the pixels that are not to be trusted are shown, once the picture is finished; of one variant.
     pub(super) validity: bool,
 }
@@ -65,6 +72,8 @@ pub(super) struct Picture {
     pub(super) difference: Option<f64>,
     pub(super) size: [u32; 2],
     pub(super) samples: u32,
+    /// Where it is looked at from.
+    pub(super) sight: Option<Sight>,
     pub(super) stage: Stage,
     /// Milliseconds on the device, of all variants.
     pub(super) gpu_ms: f64,

@@ -1,25 +1,19 @@
-//! Where pictures are made: coarse ones while the scene moves, means of many while it stands still.
+//! Where pictures are made: previews while the scene moves, ever better pictures while it stands still.
 
+use super::easel::{Easel, sight};
 use super::{Event, Job, Picture, Shared};
 use crate::gpu::Gpu;
 use crate::measure::statistics::rms_difference;
-use crate::measure::validity::Validity;
-use crate::render::{Frame, Measurements, RenderError, Renderer, Subject, ignored, made_with};
-use crate::scene::{Scene, nearest_preset};
+use crate::render::{Frame, RenderError, Sight};
+use crate::scene::Scene;
+use crate::shader::Library;
 use crate::shader::compile::CompileError;
-use crate::shader::{Library, shipped};
 use crate::viewer::author::Gate;
-use crate::viewer::progressive::{FEWEST, Level, MOST, Mean, enlarge, number, reference};
+use crate::viewer::progressive::{Budget, FEWEST, Level, Mean, resampled};
 use crate::viewer::screen::encode_srgb;
 use crate::viewer::status::Stage;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-/// A band of a picture should take about this many milliseconds: after each, a newer scene is looked for. Shorter: the
-/// copies of each band show. Longer: the first picture after a rest comes late.
-const BAND_MS: f64 = 150.0;
-/// A picture in the making is shown this often.
-const SHOW_EVERY: Duration = Duration::from_millis(150);
+use std::time::Instant;
 
 /// Tells the window something.
 type Tell = Box<dyn Fn(Event) + Send + Sync>;
@@ -30,73 +24,84 @@ pub(super) struct RenderThread {
     gate: Arc<Gate>,
     pub(super) shared: Arc<Shared>,
     pub(super) tell: Tell,
-    level: Level,
-    budget_ms: f64,
-    /// Error of the last coarse picture that a mean could be held against, and its level.
-    coarse_error: Option<(f64, Level)>,
+    pub(super) budget: Budget,
+    /// Error of the last preview that a mean could be held against, and its level.
+    pub(super) coarse_error: Option<(f64, Level)>,
     /// Error of the scene's own picture, then.
-    own_error: Option<f64>,
+    pub(super) own_error: Option<f64>,
 }
 
 /// What is kept of a scene that stands still.
-struct Accumulation {
-    scenes: Vec<Scene>,
-    /// The coarse pictures, their size and level.
-    coarse: Vec<Frame>,
-    level: Level,
-    /// The scene's own pictures.
-    own: Option<Vec<Vec<[f32; 4]>>>,
-    means: Vec<Mean>,
-    gpu_ms: f64,
+pub(super) struct Accumulation {
+    pub(super) scenes: Vec<Scene>,
+    pub(super) sights: Vec<Sight>,
+    /// What was shown first, and the level of a preview; what was there before the window had another size has none.
+    pub(super) coarse: Vec<Vec<[f32; 4]>>,
+    pub(super) size: [u32; 2],
+    pub(super) level: Option<Level>,
+    /// The scene's own pictures as far as they are finished.
+    pub(super) partial: Option<Vec<Vec<[f32; 4]>>>,
+    /// Those that are.
+    pub(super) own: Option<Vec<Vec<[f32; 4]>>>,
+    pub(super) means: Vec<Mean>,
+    pub(super) gpu_ms: f64,
     /// Whether it was said what changes nothing.
-    told: bool,
+    pub(super) told: bool,
     /// Which pixels of the first of the scene's own pictures are not to be trusted.
-    validity: Option<Validity>,
+    pub(super) validity: Option<crate::measure::validity::Validity>,
 }
 
 impl Accumulation {
-    fn of(job: &Job, coarse: Vec<Frame>, level: Level) -> Accumulation {
-        let gpu_ms = coarse.iter().map(device_ms).sum();
+    fn of(job: &Job, sights: Vec<Sight>, coarse: Vec<Vec<[f32; 4]>>, size: [u32; 2]) -> Accumulation {
         let means = vec![Mean::default(); coarse.len()];
-        Accumulation { scenes: scenes(job), coarse, level, own: None, means, gpu_ms, told: false, validity: None }
+        Accumulation {
+            scenes: scenes(job),
+            sights,
+            coarse,
+            size,
+            level: None,
+            partial: None,
+            own: None,
+            means,
+            gpu_ms: 0.0,
+            told: false,
+            validity: None,
+        }
     }
-}
 
-/// The two renderers of a variant: each keeps what it has made for one size.
-pub(super) struct Pair {
-    coarse: Renderer,
-    fine: Renderer,
-    /// Milliseconds of a row of the whole picture, about.
-    row_ms: f64,
-}
-
-impl Pair {
-    pub(super) fn new(gpu: &Gpu, library: &Library, subject: &Subject) -> Pair {
-        let renderer = || Renderer::new(gpu, library, subject);
-        Pair { coarse: renderer(), fine: renderer(), row_ms: 1.0 }
+    /// Whether a job asks for the same in another size.
+    fn is_resized_by(&self, job: &Job) -> bool {
+        let same = |(own, variant): (&Scene, &super::Variant)| {
+            let mut resized = own.clone();
+            resized.image.size = variant.scene.image.size;
+            resized == variant.scene
+        };
+        self.scenes.len() == job.variants.len() && self.scenes.iter().zip(&job.variants).all(same)
     }
-}
 
-/// A picture that was drawn in bands.
-pub(super) struct Drawn {
-    /// Milliseconds on the device.
-    ms: f64,
-    /// Those of the last band.
-    measurements: Option<Measurements>,
+    /// The best pictures that there are, and their size.
+    pub(super) fn best(&self) -> (Vec<Vec<[f32; 4]>>, [u32; 2]) {
+        let size = self.scenes[0].image.size;
+        match (&self.own, &self.partial) {
+            (Some(_), _) if self.means[0].count >= FEWEST => (self.means.iter().map(Mean::pixels).collect(), size),
+            (Some(pictures), _) | (None, Some(pictures)) => (pictures.clone(), size),
+            (None, None) => (self.coarse.clone(), self.size),
+        }
+    }
 }
 
 fn scenes(job: &Job) -> Vec<Scene> {
     job.variants.iter().map(|variant| variant.scene.clone()).collect()
 }
 
-fn device_ms(frame: &Frame) -> f64 {
+pub(super) fn device_ms(frame: &Frame) -> f64 {
     frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0)
 }
 
 impl RenderThread {
     pub(super) fn new(gpu: Gpu, gate: Arc<Gate>, shared: Arc<Shared>, budget_ms: f64, tell: Tell) -> RenderThread {
-        let level = Level::first(gpu.info().cpu);
-        RenderThread { gpu, gate, shared, tell, level, budget_ms, coarse_error: None, own_error: None }
+        let budget = Budget::new(budget_ms, gpu.info().cpu);
+        RenderThread { gpu, gate, shared, tell, budget, coarse_error: None, own_error: None }
     }
 
     pub(super) fn run(mut self) {
@@ -140,10 +145,10 @@ impl RenderThread {
         let gpu = self.gpu.clone();
         let library = job.library.clone();
         let subjects: Vec<_> = job.variants.iter().map(|variant| variant.subject.clone()).collect();
-        let mut pairs: Vec<Pair> = subjects.iter().map(|subject| Pair::new(&gpu, &library, subject)).collect();
+        let mut easels: Vec<Easel> = job.variants.iter().map(|variant| Easel::new(&gpu, &job, variant)).collect();
         let mut still = None;
         loop {
-            let done = self.picture(&job, &mut pairs, &mut still);
+            let done = self.picture(&job, &mut easels, &mut still);
             if !self.survives(done) {
                 return None;
             }
@@ -158,16 +163,24 @@ impl RenderThread {
         }
     }
 
-    fn picture(&mut self, job: &Job, pairs: &mut [Pair], still: &mut Option<Accumulation>) -> Result<(), RenderError> {
+    fn picture(
+        &mut self,
+        job: &Job,
+        easels: &mut [Easel],
+        still: &mut Option<Accumulation>,
+    ) -> Result<(), RenderError> {
         if still.as_ref().is_none_or(|still| still.scenes != scenes(job)) {
-            *still = None;
+            let before = still.take();
             if !job.variants.iter().all(|variant| self.admits(&variant.scene, &job.library)) {
                 return Ok(());
             }
-            *still = Some(self.coarse(job, pairs)?);
+            *still = match before.filter(|before| before.is_resized_by(job)) {
+                Some(before) => Some(self.resized(job, &before)?),
+                None => self.preview(job, easels)?,
+            };
         }
         match still {
-            Some(still) if !job.moving => self.refine(job, pairs, still),
+            Some(still) if !job.moving => self.refine(job, easels, still),
             _ => Ok(()),
         }
     }
@@ -185,173 +198,65 @@ impl RenderThread {
         }
     }
 
-    /// A picture in time for the next one.
-    fn coarse(&mut self, job: &Job, pairs: &mut [Pair]) -> Result<Accumulation, RenderError> {
-        let level = self.level;
-        let mut frames = Vec::new();
-        for (variant, pair) in job.variants.iter().zip(pairs) {
-            let frame = pair.coarse.render(&level.scene(&variant.scene))?;
-            let rows = f64::from(variant.scene.image.size[1]);
-            pair.row_ms = level.whole(device_ms(&frame)) / rows;
-            frames.push(frame);
+    /// A picture in time for the next one, as far as the thread does not end.
+    fn preview(&mut self, job: &Job, easels: &mut [Easel]) -> Result<Option<Accumulation>, RenderError> {
+        let sights: Result<Vec<Sight>, _> = job.variants.iter().map(|variant| sight(variant, &job.library)).collect();
+        let sights = sights?;
+        let first = &job.variants[0].scene;
+        'level: loop {
+            let (start, level) = (Instant::now(), self.budget.level());
+            let (mut frames, mut device, mut compile_ms) = (Vec::new(), 0.0, 0.0);
+            for (variant, easel) in job.variants.iter().zip(&mut *easels) {
+                let (ends, shared) = (self.budget.ends(), self.shared.clone());
+                easel.own.stop_where(move |ms| shared.quits() || ends(device + ms));
+                let scene = easel.preview(&variant.scene, level);
+                match easel.own.render(&scene) {
+                    Ok(frame) => {
+                        device += device_ms(&frame);
+                        compile_ms += frame.measurements.compile_ms;
+                        frames.push(frame);
+                    }
+                    Err(RenderError::Stopped) if self.shared.quits() => return Ok(None),
+                    Err(RenderError::Stopped) => {
+                        self.budget.gave_up(first);
+                        continue 'level;
+                    }
+                    Err(error) => return Err(error),
+                }
+            }
+            let (size, samples) = (frames[0].size, frames[0].measurements.slices);
+            let coarse: Vec<Vec<[f32; 4]>> = frames.into_iter().map(|frame| frame.pixels).collect();
+            let mut still = Accumulation::of(job, sights, coarse, size);
+            (still.level, still.gpu_ms) = (Some(level), device);
+            let error = self.coarse_error.filter(|(_, of)| *of == level).map(|(error, _)| error);
+            let pictures: Vec<&[[f32; 4]]> = still.coarse.iter().map(Vec::as_slice).collect();
+            self.tell_picture(
+                job,
+                &still,
+                &pictures,
+                Picture { size, samples, error, ..Picture::of(job, Stage::Coarse, device) },
+            );
+            self.budget.took(first, device, start.elapsed().as_secs_f64() * 1e3 - compile_ms - device);
+            return Ok(Some(still));
         }
-        let still = Accumulation::of(job, frames, level);
-        self.level = level.next(still.gpu_ms, self.budget_ms);
-        let frames: Vec<&[[f32; 4]]> = still.coarse.iter().map(|frame| frame.pixels.as_slice()).collect();
-        let error = self.coarse_error.filter(|(_, of)| *of == level).map(|(error, _)| error);
-        let (size, samples) = (still.coarse[0].size, still.coarse[0].measurements.slices);
-        let picture = Picture { size, samples, error, ..Picture::of(job, Stage::Coarse, still.gpu_ms) };
-        self.tell_picture(job, &frames, picture);
+    }
+
+    /// What was there in another size of the window, in its new size: it is gone on from.
+    fn resized(&mut self, job: &Job, before: &Accumulation) -> Result<Accumulation, RenderError> {
+        let sights: Result<Vec<Sight>, _> = job.variants.iter().map(|variant| sight(variant, &job.library)).collect();
+        let (sights, size) = (sights?, job.variants[0].scene.image.size);
+        let (pictures, from) = before.best();
+        let all = pictures.iter().zip(before.sights.iter().zip(&sights)).map(|(pixels, (old, new))| {
+            let place = |at: [f32; 2]| new.moved(old, at.map(|part| 2.0 * part - 1.0)).map(|place| 0.5 + 0.5 * place);
+            resampled(pixels, from, size, place, [0.0; 4])
+        });
+        let still = Accumulation::of(job, sights.clone(), all.collect(), size);
+        let pictures: Vec<&[[f32; 4]]> = still.coarse.iter().map(Vec::as_slice).collect();
+        self.tell_picture(job, &still, &pictures, Picture::of(job, Stage::Partial, 0.0));
         Ok(still)
     }
 
-    /// The scene's own picture, then means of more and more, until they are good enough or something else is to be done.
-    fn refine(&mut self, job: &Job, pairs: &mut [Pair], still: &mut Accumulation) -> Result<(), RenderError> {
-        if still.own.is_none() && !self.own_pictures(job, pairs, still)? {
-            return Ok(());
-        }
-        let mut shown = Instant::now();
-        while still.means[0].count < MOST && !is_converged(still, job) {
-            let mut pictures = Vec::new();
-            let start = number(still.means[0].count);
-            still.gpu_ms = 0.0;
-            for (variant, pair) in job.variants.iter().zip(&mut *pairs) {
-                let mut pixels = Vec::new();
-                let made = self.in_bands(job, &reference(&variant.scene), pair, Some(start), &mut pixels, |_| ())?;
-                let Some(drawn) = made else { return Ok(()) };
-                still.gpu_ms += drawn.ms;
-                pictures.push(pixels);
-            }
-            for (mean, pixels) in still.means.iter_mut().zip(&pictures) {
-                mean.add(pixels);
-            }
-            if still.means[0].count == 2 * FEWEST {
-                self.judge(still);
-            }
-            let done = still.means[0].count == MOST || is_converged(still, job);
-            if done || still.means[0].count >= FEWEST && shown.elapsed() >= SHOW_EVERY {
-                self.tell_mean(job, still, done);
-                shown = Instant::now();
-            }
-        }
-        if still.means[0].count > 0 && (is_converged(still, job) || still.means[0].count == MOST) {
-            self.tell_mean(job, still, true);
-            if !std::mem::replace(&mut still.told, true) {
-                self.tell_ignored(job);
-            }
-            if let ([pair], Some([own]), true) = (pairs, still.own.as_deref(), job.validity) {
-                if still.validity.is_none() {
-                    still.validity = self.examine(job, own, pair)?;
-                }
-                still.validity.iter().for_each(|validity| self.tell_validity(job, validity, own, still.gpu_ms));
-            }
-        }
-        Ok(())
-    }
-
-    /// Says what changes nothing in a picture that is finished: it takes a part of a second.
-    fn tell_ignored(&self, job: &Job) {
-        let (scene, subject) = (&job.variants[0].scene, &job.variants[0].subject);
-        // A custom module is compiled in a process of its own, and never for this.
-        if scene.modules.is_empty() && *job.library == shipped() && !self.shared.is_stale(job.number) {
-            (self.tell)(Event::Ignored(ignored(&job.library, subject, &nearest_preset(scene), scene)));
-        }
-    }
-
-    /// The scene's own picture of each variant; whether they were finished.
-    fn own_pictures(&self, job: &Job, pairs: &mut [Pair], still: &mut Accumulation) -> Result<bool, RenderError> {
-        let size = job.variants[0].scene.image.size;
-        let mut all: Vec<Vec<[f32; 4]>> =
-            still.coarse.iter().map(|frame| enlarge(&frame.pixels, frame.size, size)).collect();
-        let mut gpu_ms = 0.0;
-        let mut shown = Instant::now();
-        for (index, variant) in job.variants.iter().enumerate() {
-            let mut pixels = std::mem::take(&mut all[index]);
-            let others = &all;
-            let mut show = |pixels: &[[f32; 4]]| {
-                if shown.elapsed() >= SHOW_EVERY {
-                    shown = Instant::now();
-                    let of = |other: usize| if other == index { pixels } else { others[other].as_slice() };
-                    let frames: Vec<&[[f32; 4]]> = (0..others.len()).map(of).collect();
-                    self.tell_picture(job, &frames, Picture::of(job, Stage::Partial, still.gpu_ms));
-                }
-            };
-            let made = self.in_bands(job, &variant.scene, &mut pairs[index], None, &mut pixels, &mut show)?;
-            let Some(drawn) = made else { return Ok(false) };
-            gpu_ms += drawn.ms;
-            if let (0, Some(measurements)) = (index, &drawn.measurements) {
-                (self.tell)(Event::Made(made_with(measurements, &variant.scene, &variant.subject, &job.library)?));
-            }
-            all[index] = pixels;
-        }
-        still.gpu_ms = gpu_ms;
-        let frames: Vec<&[[f32; 4]]> = all.iter().map(Vec::as_slice).collect();
-        let picture = Picture { error: self.own_error, ..Picture::of(job, Stage::Scene, gpu_ms) };
-        self.tell_picture(job, &frames, picture);
-        still.own = Some(all);
-        Ok(true)
-    }
-
-    /// A whole picture, or one of its sub-frames, band by band into `pixels`; `None` where something else is to be done.
-    pub(super) fn in_bands(
-        &self,
-        job: &Job,
-        scene: &Scene,
-        pair: &mut Pair,
-        number: Option<u32>,
-        pixels: &mut Vec<[f32; 4]>,
-        mut show: impl FnMut(&[[f32; 4]]),
-    ) -> Result<Option<Drawn>, RenderError> {
-        let [width, height] = scene.image.size;
-        pixels.resize(width as usize * height as usize, [0.0; 4]);
-        let (mut row, mut drawn) = (0, Drawn { ms: 0.0, measurements: None });
-        while row < height {
-            if self.shared.is_stale(job.number) {
-                return Ok(None);
-            }
-            let rows = (BAND_MS / pair.row_ms.max(1e-6)) as u32;
-            let band = row..row.saturating_add(rows.max(height / 16).max(1)).min(height);
-            let bands = std::slice::from_ref(&band);
-            let frame = match number {
-                Some(number) => pair.fine.render_part(scene, bands, &[number])?,
-                None => pair.fine.render_bands(scene, bands)?,
-            };
-            let own = (band.start * width) as usize..(band.end * width) as usize;
-            pixels[own.clone()].copy_from_slice(&frame.pixels[own]);
-            drawn.ms += device_ms(&frame);
-            pair.row_ms = device_ms(&frame) / f64::from(band.end - band.start);
-            row = band.end;
-            show(pixels);
-            drawn.measurements = Some(frame.measurements);
-        }
-        Ok(Some(drawn))
-    }
-
-    /// Holds the coarse picture and the scene's own against the mean.
-    fn judge(&mut self, still: &mut Accumulation) {
-        let all = still.means.iter().zip(&still.coarse).zip(still.own.iter().flatten()).zip(&still.scenes);
-        let mut worst = [0.0f64; 2];
-        for (((mean, coarse), own), scene) in all {
-            let mean = mean.pixels();
-            let coarse = enlarge(&coarse.pixels, coarse.size, scene.image.size);
-            worst[0] = worst[0].max(rms_difference(&coarse, &mean));
-            worst[1] = worst[1].max(rms_difference(own, &mean));
-        }
-        self.coarse_error = Some((worst[0], still.level));
-        self.own_error = Some(worst[1]);
-    }
-
-    fn tell_mean(&self, job: &Job, still: &Accumulation, done: bool) {
-        let count = still.means[0].count;
-        let means: Vec<_> = still.means.iter().map(Mean::pixels).collect();
-        let frames: Vec<&[[f32; 4]]> = means.iter().map(Vec::as_slice).collect();
-        let stage = if done { Stage::Converged(count) } else { Stage::Refined(count) };
-        let worst = |of: fn(&Mean) -> Option<f64>| still.means.iter().filter_map(of).reduce(f64::max);
-        let (error, standard_error) = (worst(Mean::error), worst(Mean::standard_error));
-        self.tell_picture(job, &frames, Picture { error, standard_error, ..Picture::of(job, stage, still.gpu_ms) });
-    }
-
-    fn tell_picture(&self, job: &Job, frames: &[&[[f32; 4]]], mut picture: Picture) {
+    pub(super) fn tell_picture(&self, job: &Job, still: &Accumulation, frames: &[&[[f32; 4]]], mut picture: Picture) {
         let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
         picture.images = encode_srgb(frames, &backgrounds, picture.size, job.variants[0].scene.image.size);
         picture.difference = match frames {
@@ -360,6 +265,7 @@ impl RenderThread {
             _ => None,
         };
         picture.frames = frames.iter().map(|pixels| Arc::from(*pixels)).collect();
+        picture.sight = still.sights.first().copied();
         (self.tell)(Event::Picture(picture));
     }
 }
@@ -371,10 +277,4 @@ impl Picture {
         let (size, samples) = (scene.image.size, scene.quality.samples);
         Picture { number: job.number, size, samples, stage, gpu_ms, ..Picture::default() }
     }
-}
-
-/// Whether the means are good enough. Two doublings are the least that says something.
-fn is_converged(still: &Accumulation, job: &Job) -> bool {
-    let good = |mean: &Mean| mean.count >= 2 * FEWEST && mean.error().is_some_and(|error| error <= job.max_error);
-    still.means.iter().all(good)
 }
