@@ -97,7 +97,7 @@ mod tests {
         scene.object.input = "cube".into();
         let subject = Arc::new(Subject::load(&scene, &library, &|_| ()).unwrap());
         let variants = vec![Variant { scene, subject }];
-        Job { number: 1, library, variants, moving: false, max_error: 1e-3, validity: false }
+        Job { number: 1, library, variants, moving: false, max_error: 1e-3, focus: [0.5; 2], validity: false }
     }
 
     fn wait(unread: &mut Unread, job: &Job) -> Vec<String> {

@@ -22,7 +22,7 @@ fn job(change: impl FnOnce(&mut Scene)) -> Job {
     let library = Arc::new(shader::shipped());
     let subject = Arc::new(crate::render::Subject::load(&scene, &library, &|_| ()).unwrap());
     let variants = vec![Variant { scene, subject }];
-    Job { number: 1, library, variants, moving: false, max_error: 1e-3, validity: false }
+    Job { number: 1, library, variants, moving: false, max_error: 1e-3, focus: [0.5; 2], validity: false }
 }
 
 fn harness(job: Job) -> Harness<'static, (Inspector, Job)> {

@@ -47,7 +47,7 @@ impl RenderThread {
         };
         let lines = validity.found.iter().filter(|found| found.pixels > 0).map(line);
         let validity = std::iter::once((GREY, trusted)).chain(lines).collect();
-        (self.tell)(Event::Picture(Picture { images, validity, ..picture }));
+        (self.tell)(Event::Picture(Box::new(Picture { images, validity, ..picture })));
     }
 
     /// The picture of a scene with the object of the job; none where something else is to be done.

@@ -86,7 +86,7 @@ pub(super) struct Picture {
 /// What the thread tells.
 pub(super) enum Event {
     /// There is a picture.
-    Picture(Picture),
+    Picture(Box<Picture>),
     /// What the picture of a job was made with: what each line is about, and what there is.
     Made(Vec<[String; 2]>),
     /// What was set and changes nothing in the picture.

@@ -266,7 +266,7 @@ impl RenderThread {
         };
         picture.frames = frames.iter().map(|pixels| Arc::from(*pixels)).collect();
         picture.sight = still.sights.first().copied();
-        (self.tell)(Event::Picture(picture));
+        (self.tell)(Event::Picture(Box::new(picture)));
     }
 }
 
