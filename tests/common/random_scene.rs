@@ -1,7 +1,7 @@
 //! Scenes of any effect on any object, for tests and benches of what is picked.
 
 #[path = "../../src/support/random.rs"]
-#[allow(dead_code, reason = "a part of it is used")]
+#[allow(dead_code, unused_imports, reason = "a part of it is used, and benches have no tests")]
 mod random;
 
 use hypertexture::render::variant::Variant;
