@@ -46,7 +46,9 @@ mod tests {
         }
         assert!(EFFECTS.iter().all(|effect| preset(effect).is_ok()));
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/presets");
-        assert_eq!(std::fs::read_dir(folder).unwrap().count(), names().count(), "a file that is no preset yet");
+        let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let scenes = files.filter(|path| path.extension().is_some_and(|extension| extension == "toml")).count();
+        assert_eq!(scenes, names().count(), "a file that is no preset yet");
     }
 
     #[test]
