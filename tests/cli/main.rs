@@ -1,8 +1,21 @@
 //! The command line, run as a person runs it: what it writes, what it says, and how it refuses.
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/program.rs"]
+mod program;
+
+mod author;
+mod compare;
 mod corpus;
 mod desk;
 mod kills;
+mod paper;
 mod pictures;
+mod readers;
 mod refusals;
+mod sequences;
+mod shards;
+mod verify;
+mod worker;

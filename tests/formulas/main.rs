@@ -1,14 +1,25 @@
-//! Every shipped GLSL module against its formula, written here in f64 from the papers and from the module's header.
+//! Every shipped GLSL module against its formula, written here in f64 from the papers and from the module's header; and the
+//! exact evaluator, by which that is done.
 //!
-//! The linked SPIR-V is run by the exact evaluator (`tests/exact_modules.rs` holds that to a device) at 10^4 points with
+//! The linked SPIR-V is run by the exact evaluator (`exact_modules.rs` holds that to a device) at 10^4 points with
 //! parameters all over their ranges; no device is needed. A row of `rows!` names the check, its function, and what a
 //! wrong module would have in its text: `"file": "from" => "to"`. With that text the check must fail, so that no check
 //! can be one that always passes. A file of `glsl/` that no row makes wrong fails `every_module_has_a_check`.
 #![expect(clippy::unwrap_used, reason = "a test fails where a module is not as described")]
 
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/probe.rs"]
+mod probe;
+#[path = "../../src/support/random.rs"]
+#[allow(dead_code, reason = "the tests use a part of it")]
+mod random;
+
 mod classify;
 mod density;
 mod dual;
+mod exact;
+mod exact_modules;
 mod figures;
 mod glass;
 mod hairy;
@@ -19,9 +30,7 @@ mod medium;
 mod noise;
 mod object;
 mod parts;
-#[path = "../../src/support/random.rs"]
-#[allow(dead_code, reason = "the tests use a part of it")]
-mod random;
+mod proofs;
 mod rays;
 mod segments;
 mod surface;

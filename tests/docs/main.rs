@@ -1,0 +1,5 @@
+//! What pages say of the code is true.
+
+mod layers;
+mod papers;
+mod readme;

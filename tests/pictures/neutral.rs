@@ -1,0 +1,144 @@
+//! A parameter of 0 takes its terms with it, and the picture is the same.
+
+use crate::common::{picture, subject, with_gpu};
+use crate::random_scene::SplitMix;
+use hypertexture::render::Renderer;
+use hypertexture::render::variant::{Program, Variant};
+use hypertexture::scene::{Neutral, ParameterValue, Pass, Scene, names, preset};
+use hypertexture::shader::{self, Linker, ParameterKind};
+
+/// Compilers may round otherwise what they simplify: some units in the last place of a pixel.
+const ROUNDING: f32 = 2e-6;
+
+/// An example scene with some settings.
+fn scene(effect: &str, settings: &[(&str, &str)]) -> Scene {
+    let mut scene = preset(effect).expect("a shipped preset");
+    for (key, value) in settings {
+        scene.set_field(key, value).expect("a setting of the scene");
+    }
+    scene
+}
+
+/// The program of a scene, with the terms that come to nothing or without them.
+fn program(scene: &Scene, neutral: Neutral) -> Program {
+    let (library, mut scene) = (shader::shipped(), scene.clone());
+    scene.quality.neutral = neutral;
+    let variant = Variant::of(&scene, &library).expect("a scene that is valid");
+    variant.program(&library, Linker::new).expect("modules that can be linked")
+}
+
+#[test]
+fn what_a_zero_takes_away_is_not_in_the_program() {
+    for (effect, settings, idle) in [
+        ("melting", &[("parameters.melt_time", "0")][..], &["noise_"][..]),
+        ("fractal_sphere", &[("parameters.fractal_amplitude", "0")], &["noise_"]),
+        ("noisy_sphere", &[("parameters.amplitude", "0")], &["noise_"]),
+        ("fire", &[("parameters.relief", "0"), ("parameters.fury", "0")], &["noise_", "turbulence_"]),
+        ("fur", &[("light.intensity", "0")], &["shadow_image"]),
+        ("lit", &[("light.shadows", "true"), ("light.intensity", "0")], &["shadow_image"]),
+    ] {
+        let mut scene = scene(effect, settings);
+        for pass in [Pass::Slices, Pass::March] {
+            scene.quality.pass = pass;
+            let [kept, left] = [Neutral::Keep, Neutral::LeaveOut].map(|neutral| program(&scene, neutral));
+            let reads =
+                |of: &Program| of.resources.iter().any(|own| idle.iter().any(|name| own.name.starts_with(name)));
+            assert!(reads(&kept) && !reads(&left), "{effect} {settings:?}");
+            assert!(left.fragment.len() < kept.fragment.len(), "{effect} {settings:?}");
+        }
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_picture_without_what_comes_to_nothing_is_the_same() {
+    // HYPERTEXTURE_SCENES=200 asks for as many scenes in which some parameters are 0.
+    let count = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok()).unwrap_or(24);
+    let (library, mut random) = (shader::shipped(), SplitMix(14));
+    // Its programs take lavapipe seconds each.
+    let presets: Vec<&str> = names().filter(|name| *name != "tank").collect();
+    let (mut drawn, mut wrong) = (0, Vec::new());
+    with_gpu(|gpu| {
+        let mut index = 0;
+        while drawn < count {
+            let name = presets[index % presets.len()];
+            let mut scene = preset(name).unwrap();
+            let variant = Variant::of(&scene, &library).unwrap();
+            let all: Vec<String> = variant
+                .all_parameters()
+                .filter_map(|(name, parameter, _)| match parameter.kind {
+                    ParameterKind::Number(_, [low, high]) if low <= 0.0 && 0.0 <= high => Some(name),
+                    _ => None,
+                })
+                .collect();
+            for name in &all {
+                let key = match name.rsplit_once('.') {
+                    Some((part, own)) => format!("{part}.parameters.{own}"),
+                    None => format!("parameters.{name}"),
+                };
+                let mut other = scene.clone();
+                let taken = random.next() % 8 < if index < presets.len() { 7 } else { 3 };
+                if taken && other.set_field(&key, "0").is_ok() && other.check(&library).is_ok() {
+                    scene = other;
+                }
+            }
+            index += 1;
+            if scene.quality.pass == Pass::Slices && random.next().is_multiple_of(2) {
+                scene.quality.pass = Pass::March;
+            }
+            (scene.image.size, scene.quality.samples) = ([32, 32], 48);
+            scene.object.resolution = scene.object.resolution.min(32);
+            (scene.quality.supersampling, scene.light.shadow_resolution) = (1, 16);
+            if scene.check(&library).is_err() || !Variant::of(&scene, &library).unwrap().key().contains("zero=") {
+                continue;
+            }
+            let subject = subject(&scene, &library);
+            let [kept, left] = [Neutral::Keep, Neutral::LeaveOut].map(|neutral| {
+                scene.quality.neutral = neutral;
+                picture(gpu, &library, &scene, &subject)
+            });
+            drawn += 1;
+            let values = [&kept, &left].map(|frame| frame.pixels.as_flattened().iter());
+            let [kept, without] = values;
+            let most = kept.zip(without).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            if most > ROUNDING {
+                wrong.push(format!("{name}: {most:.1e}, {}", left.measurements.modules));
+            }
+        }
+    });
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_value_that_is_pulled_to_zero_keeps_its_program() {
+    let library = shader::shipped();
+    for (effect, parameter, value) in [("melting", "melt_time", 1.0), ("nebula", "turbulence_strength", 1.0)] {
+        let mut scene = scene(effect, &[("effect.noise", "block"), ("quality.block_size", "16")]);
+        (scene.quality.samples, scene.object.resolution) = (64, 32);
+        let subject = subject(&scene, &library);
+        with_gpu(|gpu| {
+            let mut draw = |renderer: &mut Renderer, value: f32, side: u32| {
+                scene.parameters.insert(parameter.into(), ParameterValue::Number(value));
+                scene.image.size = [side; 2];
+                let frame = renderer.render(&scene).expect("a picture");
+                let anew = picture(gpu, &library, &scene, &subject);
+                let most = frame.pixels.as_flattened().iter().zip(anew.pixels.as_flattened());
+                let most = most.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                assert!(most <= ROUNDING, "{effect}, {parameter} = {value}: {most}");
+                frame.measurements
+            };
+            // The first picture is too small for cells: they are made for the one where the value is 0, and serve the next.
+            let mut renderer = Renderer::new(gpu, &library, &subject);
+            let pictures = [(value, 8), (0.0, 128), (value, 128)].map(|(value, side)| draw(&mut renderer, value, side));
+            assert!(pictures.iter().all(|own| own.modules == pictures[0].modules), "{effect}");
+            assert!(!pictures[0].modules.contains(parameter), "{effect}");
+            let cells = pictures[1].cells.as_ref().expect("a program that reads cells");
+            assert!(effect == "melting" || cells.side > 0, "{effect}: {cells:?}");
+            // What is linked without the terms does not serve a scene that has them.
+            let mut renderer = Renderer::new(gpu, &library, &subject);
+            let modules = [(0.0, 16), (value, 16)].map(|(value, side)| draw(&mut renderer, value, side).modules);
+            assert!(modules[0].contains(parameter) && !modules[1].contains(parameter), "{modules:?}");
+        });
+    }
+}

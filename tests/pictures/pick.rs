@@ -1,0 +1,79 @@
+//! `--max-error`: what is picked keeps its bound against the f64 reference of the whole picture.
+
+use crate::common::{picture, subject, with_gpu};
+use crate::random_scene::{SplitMix, random_scene, within};
+use hypertexture::measure::compare::Stage;
+use hypertexture::measure::metric::Metric;
+use hypertexture::measure::pick::{ErrorBound, PickError, pick};
+use hypertexture::measure::reference::{reference_pixels, truth_of};
+use hypertexture::scene::{Scene, preset};
+use hypertexture::shader;
+
+/// Root of the mean square error of a picture, and the error of the reference, all of its pixels looked at.
+fn rmse(gpu: &hypertexture::gpu::Gpu, scene: &Scene) -> f64 {
+    let library = shader::shipped();
+    let subject = subject(scene, &library);
+    let frame = picture(gpu, &library, scene, &subject);
+    let [width, height] = scene.image.size;
+    let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
+    let truth = truth_of(scene, &library).expect("modules");
+    let truth = reference_pixels(&library, &truth, &subject, &pixels, 1e-4, &|_| (), &|| false).expect("a reference");
+    let squares = frame
+        .pixels
+        .iter()
+        .zip(&truth.pixels)
+        .map(|(a, b)| (0..4).map(|c| (f64::from(a[c]) - b[c]).powi(2)).sum::<f64>() / 4.0);
+    (squares.sum::<f64>() / f64::from(width * height)).sqrt()
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn no_pick_breaks_its_bound_on_random_scenes() {
+    // HYPERTEXTURE_SCENES=200 asks for as many.
+    let count = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok()).unwrap_or(5);
+    let mut random = SplitMix(33);
+    let (mut picked, mut refused, mut worst) = (0, 0, 0f64);
+    with_gpu(|gpu| {
+        let library = shader::shipped();
+        for index in 0..count {
+            let scene = random_scene(&mut random);
+            let error = 10f64.powf(within(&mut random, -2.7, -1.0));
+            let bound = ErrorBound::new(Metric::Rmse, error).unwrap();
+            let subject = subject(&scene, &library);
+            let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+            match pick(stage, &scene, bound, &|_| ()) {
+                Ok(pick) => {
+                    let found = rmse(gpu, &pick.scene);
+                    worst = worst.max(found / error);
+                    picked += 1;
+                    println!("{index:3} {:6.1e} asked, {found:6.1e} found: {}", error, pick.settings);
+                    assert!(found <= error, "scene {index}: {found:e} where {error:e} was asked\n{scene:?}");
+                }
+                Err(PickError::Bound { .. }) => refused += 1,
+                Err(error) => panic!("scene {index}: {error}"),
+            }
+        }
+    });
+    println!("{picked} picked, {refused} without a way that is so accurate; at most {worst:.2} of the bound");
+    assert!(picked * 4 >= count * 3, "{refused} of {count} scenes had no settings");
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_smaller_bound_is_no_cheaper_and_an_impossible_one_says_what_is_nearest() {
+    with_gpu(|gpu| {
+        let library = shader::shipped();
+        let mut scene = preset("noisy_sphere").unwrap();
+        scene.image.size = [48, 48];
+        let subject = subject(&scene, &library);
+        let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        let pick = |metric, error| pick(stage, &scene, ErrorBound::new(metric, error).unwrap(), &|_| ());
+        let [loose, tight] = [0.05, 0.002].map(|error| pick(Metric::Rmse, error).unwrap());
+        assert!(loose.scene.quality.samples < tight.scene.quality.samples, "{} {}", loose.settings, tight.settings);
+        assert!(tight.verified.error <= 0.002 && tight.verified.pixels[0] >= 1024);
+        assert!(pick(Metric::Opacity, 0.05).is_ok() && pick(Metric::P999, 0.2).is_ok());
+        let error = pick(Metric::Rmse, 1e-12).unwrap_err().to_string();
+        assert!(error.starts_with("no settings draw this scene with a rmse error of 1e-12: the nearest, "), "{error}");
+        assert!(ErrorBound::new(Metric::Max, 0.0).unwrap_err().to_string().contains("must be above 0"));
+    });
+}

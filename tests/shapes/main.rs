@@ -1,0 +1,18 @@
+//! Shapes: what files of meshes and volumes give, what is refused and with which words, and what is written and comes back.
+
+mod data;
+mod dicom;
+mod field_data;
+mod gltf;
+mod meta;
+mod nifti;
+mod nrrd;
+mod ply;
+mod polygons;
+mod raw;
+mod turned;
+mod vdb;
+mod vdb_versions;
+mod vdb_write;
+mod write;
+mod write_mesh;
