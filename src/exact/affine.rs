@@ -49,7 +49,7 @@ impl Affine {
 
     /// Of which bounds alone are known.
     #[inline(always)]
-    fn bounded(all: Interval) -> Affine {
+    pub fn bounded(all: Interval) -> Affine {
         Affine { all, slope: 0.0, rest: all }
     }
 

@@ -2,7 +2,7 @@
 
 use super::code::{File, Reg};
 use super::lanes::{Bank, Banks, Row, each, get, put};
-use super::number::{Integer, Number, Packed, Truth};
+use super::number::{GROUP, Integer, Number, Packed, Truth};
 
 /// What registers held in some lanes: of lanes that left a part of the program, or will enter another part of it.
 pub(super) struct State<N: Number> {
@@ -22,6 +22,18 @@ fn of_file(written: &[Reg], file: File) -> impl Iterator<Item = usize> + '_ {
     written.iter().filter(move |reg| reg.file == file).map(|reg| reg.index as usize)
 }
 
+/// Puts lanes of one row into another, in which some lanes are `here` already: there it is either.
+fn merge<T: Packed>(into: &mut Row<T>, from: &Row<T>, (lanes, here): (u64, u64), joins: &Joins<T>) {
+    let new = lanes & !here;
+    for (group, (into, from)) in into.iter_mut().zip(from).enumerate() {
+        match (new >> (GROUP * group)) & 0xff {
+            0xff => *into = *from,
+            bits => each(bits, |place| T::get(from, place).put(into, place)),
+        }
+    }
+    each(lanes & here, |lane| put(into, lane, (joins.join)(get(into, lane), get(from, lane))));
+}
+
 /// Adds lanes to rows that hold those of `before`.
 fn add<T: Packed>(
     rows: &mut Vec<Row<T>>,
@@ -33,11 +45,10 @@ fn add<T: Packed>(
     for (slot, index) in of.enumerate() {
         let now = &bank.rows.rows[index];
         if slot == rows.len() {
-            rows.push(now.0);
+            rows.push(now.0); // no lane has been before
+            continue;
         }
-        let row = &mut rows[slot];
-        each(lanes & before, |lane| put(row, lane, (joins.join)(get(row, lane), get(now, lane))));
-        each(lanes & !before, |lane| put(row, lane, get::<T>(now, lane)));
+        merge(&mut rows[slot], now, (lanes, before), joins);
     }
 }
 
@@ -50,9 +61,7 @@ fn take<T: Packed>(
     joins: &Joins<T>,
 ) {
     for (row, index) in rows.iter().zip(of) {
-        let now: &mut Row<T> = &mut bank.rows.rows[index];
-        each(lanes & here, |lane| put(now, lane, (joins.join)(get(now, lane), get(row, lane))));
-        each(lanes & !here, |lane| put(now, lane, get::<T>(row, lane)));
+        merge(&mut bank.rows.rows[index], row, (lanes, here), joins);
     }
 }
 

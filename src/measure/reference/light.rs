@@ -1,6 +1,7 @@
 //! The light of some rays: where matter may be along them, then samples, front to back and ever more where they disagree.
 
 use super::integral::{Limits, Part, RayIntegral};
+use super::parts::Beam;
 use super::probe::Probe;
 use super::{BOUNDS, ReferenceError, Stop, go_on, parts};
 use crate::exact;
@@ -64,10 +65,10 @@ impl Probe {
                 break;
             }
             let mut samples = sample(&wanted)?.into_iter().map(|sample| sample.matter);
-            let asking: Vec<(usize, [f64; 2])> = (rays.iter().zip(&coarse).enumerate())
-                .flat_map(|(index, (ray, coarse))| ray.asking(coarse).map(move |part| (index, part)))
+            let asking: Vec<Beam> = (rays.iter().zip(&coarse).zip(pixels))
+                .flat_map(|((ray, coarse), pixel)| ray.asking(coarse).map(|part| Beam::of(*pixel, part)))
                 .collect();
-            let mut narrower = self.bounds(bounds, pixels, &asking)?.into_iter();
+            let mut narrower = self.bounds(bounds, &asking)?.into_iter();
             for (ray, coarse) in rays.iter_mut().zip(&coarse) {
                 ray.halve(coarse, &mut samples, &mut narrower);
             }

@@ -1,7 +1,7 @@
 //! The program of a scene that gives one sample of a ray, on the CPU.
 
-use super::ReferenceError;
 use super::transport::Matter;
+use super::{ReferenceError, parts};
 use crate::exact::{self, ExactError};
 use crate::render::variant::Variant;
 use crate::render::{Blocks, CpuInputs, OCTAVES_ID, Subject};
@@ -22,6 +22,8 @@ pub(super) struct Probe {
     pub(super) opacity: exact::Program,
     pub(super) cpu_inputs: CpuInputs,
     pub(super) moments: Vec<Moment>,
+    /// Rays through squares of so many pixels a side share their first bounds.
+    pub(super) beam: u32,
     /// The binding of the shadow volume and the program that makes it, where one is read.
     caster: Option<(u32, exact::Program)>,
 }
@@ -69,7 +71,8 @@ impl Probe {
         };
         let opacity = exact::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
         let program = exact::Program::read(&program.fragment, &octaves)?;
-        Ok((Probe { program, opacity, cpu_inputs, moments, caster }, inputs))
+        let beam = parts::beam(truth.image.size);
+        Ok((Probe { program, opacity, cpu_inputs, moments, beam, caster }, inputs))
     }
 
     /// Makes the inputs those of a sub-frame.
@@ -121,23 +124,6 @@ impl Probe {
         PROBE * (self.cpu_inputs.depths[1] - self.cpu_inputs.depths[0])
     }
 
-    /// What the program reads at depths of rays.
-    pub(super) fn lanes<N>(
-        &self,
-        pixels: &[[u32; 2]],
-        wanted: impl Iterator<Item = (usize, N)>,
-        number: impl Fn(f64) -> N,
-    ) -> exact::Lanes<N> {
-        let (fragment_coordinates, places) = wanted
-            .map(|(ray, depth)| {
-                let [x, y] = pixels[ray].map(|at| number(f64::from(at) + 0.5));
-                let zero = || number(0.0);
-                ([x, y, number(0.5), number(1.0)], [depth, number(self.path()), zero(), zero()])
-            })
-            .unzip();
-        exact::Lanes { fragment_coordinates, varyings: [(0, places)].into() }
-    }
-
     /// Samples of rays at depths.
     pub(super) fn sample(
         &self,
@@ -149,7 +135,12 @@ impl Probe {
             return Ok(Vec::new());
         }
         let path = self.path();
-        let lanes = self.lanes(pixels, wanted.iter().copied(), |number| number);
+        let lanes = wanted.iter().map(|&(ray, depth)| {
+            let [x, y] = pixels[ray].map(|at| f64::from(at) + 0.5);
+            ([x, y, 0.5, 1.0], [depth, path, 0.0, 0.0])
+        });
+        let (fragment_coordinates, places) = lanes.unzip();
+        let lanes = exact::Lanes { fragment_coordinates, varyings: [(0, places)].into() };
         let outputs = bound.run::<f64>(&lanes)?;
         let (fragments, spaces) = (&outputs[&0], &outputs[&1]);
         Ok(fragments.iter().zip(spaces).map(|(fragment, space)| Sampled::new(*fragment, *space, path)).collect())
