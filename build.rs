@@ -74,6 +74,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             programs.push((key(&slots), name));
         }
     }
+    window(&out)?;
     programs.sort();
     programs.dedup_by(|a, b| a.0 == b.0);
     let mut table = String::from("static SHIPPED_PROGRAMS: &[(&str, &[u8], &[u8])] = &[\n");
@@ -86,6 +87,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     table.push_str("];\n");
     fs::write(out.join("programs.rs"), table)?;
+    Ok(())
+}
+
+/// Compiles the program that draws the window, which is no part of the library.
+fn window(out: &Path) -> Result<(), Box<dyn Error>> {
+    const FILES: [(&str, Stage); 2] = [("window.vert", Stage::Vertex), ("window.frag", Stage::Fragment)];
+    println!("cargo::rerun-if-changed=src/gpu/window.vert");
+    println!("cargo::rerun-if-changed=src/gpu/window.frag");
+    let folder = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("src/gpu");
+    let text = |name: &str| Ok::<_, std::io::Error>((name.to_string(), fs::read_to_string(folder.join(name))?));
+    let library = Library::new(FILES.iter().map(|(name, _)| text(name)).collect::<Result<Vec<_>, _>>()?);
+    for (name, stage) in FILES {
+        let spirv = Linker::new()?.link(&library, name, stage, &[name], &Slots::new())?;
+        fs::write(out.join(name), spirv.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>())?;
+    }
     Ok(())
 }
 

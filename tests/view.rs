@@ -424,9 +424,30 @@ fn b4_a_window_closes_in_the_middle_of_its_work() {
         let mut command = program();
         command.env("DISPLAY", &display.name).args(["view", "teapot", "--effect", "fur", "--window", "1280x800"]);
         let start = std::time::Instant::now();
-        assert_good(&command.arg("--script").arg(&file).output().unwrap());
-        println!("{until:?}: {:.2} s from the start to the end", start.elapsed().as_secs_f64());
+        let output = command.arg("--script").arg(&file).output().unwrap();
+        assert_good(&output);
+        let said = String::from_utf8(output.stdout).unwrap();
+        let closed = said.lines().find(|line| line.starts_with("closed after ")).unwrap();
+        println!("{until:?}: {closed}; {:.2} s from the start to the end", start.elapsed().as_secs_f64());
     }
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_drag_with_ctrl_moves_the_light_and_nothing_else() {
+    let display = Display::new();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("lit.toml");
+    let script = format!(
+        "wait drawn\nclick File\nframes 2\ndrag 0.4 0.5 0.6 0.5 ctrl\nwrite file.scene {}\nclick file.save\nframes 3\nquit\n",
+        file.display()
+    );
+    play(&display, folder.path(), &["cube", "--effect", "lit", "--window", "640x480"], &script);
+    let (now, before) = (scene::load(&file, Reach::Anywhere).unwrap(), scene::preset("lit").unwrap());
+    let length = |[x, y, z]: [f32; 3]| (x * x + y * y + z * z).sqrt();
+    let [to, from] = [&now, &before].map(|scene| scene.light.position);
+    assert!(to[0] > from[0] + 0.1 * length(from) && (length(to) / length(from) - 1.0).abs() < 1e-5, "{from:?} {to:?}");
+    assert_eq!(now.camera, before.camera);
 }
 
 #[test]

@@ -70,9 +70,6 @@ pub enum GpuError {
     /// The window system gives no handle.
     #[error("the window cannot be drawn into: {0}")]
     Window(String),
-    /// The window cannot be drawn.
-    #[error("the window cannot be drawn: {0}")]
-    Drawing(String),
     /// The validation layer is asked for and not installed.
     #[error(
         "the Vulkan validation layer is not installed; on Debian or Ubuntu: sudo apt install vulkan-validationlayers"

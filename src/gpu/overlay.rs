@@ -1,26 +1,53 @@
 //! A window's content: the triangles that egui makes of it, drawn into the images of a swapchain.
 
+use super::commands::Commands;
+use super::memory::{Address, Buffer, BufferUse, Dimension, Image, ImageUse, Sampler};
+use super::pipeline::{BindSet, Binding, BindingKind, Blend, Marks, Pipeline, PipelineDescription, Resource};
 use super::surface::Surface;
 use super::window::WindowHandle;
-use super::{Gpu, GpuError, Named, Options};
+use super::{Area, Format, Gpu, GpuError, Named, Options};
 use ash::vk;
-use egui::epaint::{ImageData, ImageDelta};
-use egui::{ClippedPrimitive, ColorImage, TextureId, TexturesDelta};
-use egui_ash_renderer::allocator::DefaultAllocator;
-use egui_ash_renderer::{DynamicRendering, Options as EguiOptions, RenderMode, Renderer, RendererError};
+use egui::epaint::{ImageData, ImageDelta, Primitive};
+use egui::{ClippedPrimitive, Color32, ColorImage, TextureId, TexturesDelta};
+use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A window is waited for at most this long, nanoseconds: a hidden one may give no image, and must not stop the program.
 const PATIENCE: u64 = 200_000_000;
+/// Floats of the attributes of a vertex: its place in the window from -1 to 1, its place in a texture, and its color.
+const ATTRIBUTES: [u32; 3] = [2, 2, 4];
+/// Bindings of the program: a texture, and how it is sampled.
+const TEXTURE: u32 = 0;
+const SAMPLER: u32 = 1;
+/// Its constant: whether the target takes linear light.
+const LINEAR_ID: u32 = 0;
 
 /// A device that draws into a window.
 pub struct Canvas {
-    renderer: Renderer<DefaultAllocator>,
-    frame: WindowFrame,
+    pipeline: Pipeline,
+    sampler: Arc<Sampler>,
+    textures: HashMap<TextureId, Texture>,
     /// The glyphs, which egui changes in parts.
     glyphs: Option<ColorImage>,
     freed: Vec<TextureId>,
+    frame: WindowFrame,
     surface: Surface,
+}
+
+/// A texture of egui.
+struct Texture {
+    image: Arc<Image>,
+    set: BindSet,
+    /// What is to be copied into it before it is used.
+    fresh: Option<Buffer>,
+}
+
+/// Triangles of one texture within an area.
+struct Batch {
+    texture: TextureId,
+    area: Area,
+    vertices: Range<u32>,
 }
 
 /// What became of a drawing.
@@ -43,6 +70,8 @@ struct WindowFrame {
     done: vk::Fence,
     /// Signaled when the image may be drawn into.
     acquired: vk::Semaphore,
+    /// What the drawing that is under way reads.
+    reads: Vec<Buffer>,
 }
 
 impl WindowFrame {
@@ -54,6 +83,7 @@ impl WindowFrame {
             buffer: vk::CommandBuffer::null(),
             done: vk::Fence::null(),
             acquired: vk::Semaphore::null(),
+            reads: Vec::new(),
         };
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(gpu.0.family)
@@ -96,7 +126,7 @@ impl Drop for WindowFrame {
 
 impl Drop for Canvas {
     fn drop(&mut self) {
-        // What egui's renderer frees may be in use. A device that is lost uses nothing.
+        // What this frees may be in use. A device that is lost uses nothing.
         if let Err(error) = self.frame.wait() {
             log::warn!("{error}");
         }
@@ -111,19 +141,27 @@ impl Canvas {
     pub fn open(options: &Options, window: Arc<dyn WindowHandle>) -> Result<Canvas, GpuError> {
         let surface = Surface::open(options, window)?;
         let gpu = &surface.gpu;
-        let format = surface.format.format;
-        let srgb = matches!(format, vk::Format::B8G8R8A8_SRGB | vk::Format::R8G8B8A8_SRGB);
-        let frame = WindowFrame::new(gpu)?;
-        let mode = RenderMode::DynamicRendering(DynamicRendering {
-            color_attachment_format: format,
-            depth_attachment_format: None,
-            stencil_attachment_format: None,
-        });
-        let options = EguiOptions { in_flight_frames: 1, srgb_framebuffer: srgb, ..Default::default() };
-        let (instance, device) = (&gpu.0.instance.raw, (*gpu.0.device).clone());
-        let renderer = Renderer::with_default_allocator(instance, gpu.0.physical, device, mode, options);
-        let renderer = renderer.map_err(drawing)?;
-        Ok(Canvas { renderer, frame, glyphs: None, freed: Vec::new(), surface })
+        let (format, linear) = match surface.format.format {
+            vk::Format::B8G8R8A8_SRGB => (Format::Bgra8Srgb, true),
+            vk::Format::R8G8B8A8_SRGB => (Format::Rgba8Srgb, true),
+            vk::Format::R8G8B8A8_UNORM => (Format::Rgba8Unorm, false),
+            _ => (Format::Bgra8Unorm, false),
+        };
+        let binding = |index, kind| Binding { index, kind, vertex: false, fragment: true };
+        let description = PipelineDescription {
+            vertex: &words(include_bytes!(concat!(env!("OUT_DIR"), "/window.vert"))),
+            fragment: &words(include_bytes!(concat!(env!("OUT_DIR"), "/window.frag"))),
+            constants: &[(LINEAR_ID, u32::from(linear))],
+            bindings: &[binding(TEXTURE, BindingKind::Image), binding(SAMPLER, BindingKind::Sampler)],
+            attributes: &ATTRIBUTES,
+            format,
+            samples: 1,
+            blend: Blend::Over,
+            marks: Marks::None,
+        };
+        let (pipeline, frame) = (Pipeline::new(gpu, &description)?, WindowFrame::new(gpu)?);
+        let sampler = Arc::new(Sampler::new(gpu, Address::Clamp, 1.0)?);
+        Ok(Canvas { pipeline, sampler, textures: HashMap::new(), glyphs: None, freed: Vec::new(), frame, surface })
     }
 
     /// The device.
@@ -145,17 +183,14 @@ impl Canvas {
     ) -> Result<Presented, GpuError> {
         // A texture in use must not change, so nothing is under way from here on.
         self.frame.wait()?;
+        self.frame.reads.clear();
         for id in self.freed.drain(..) {
-            self.renderer.free_texture(id).map_err(drawing)?;
+            self.textures.remove(&id);
         }
         let gpu = self.surface.gpu.clone();
-        {
-            let queue = gpu.queue();
-            for (id, deltas) in textures.set.drain() {
-                for delta in deltas {
-                    let delta = self.whole(id, delta);
-                    self.renderer.set_texture(*queue, self.frame.pool, id, &delta).map_err(drawing)?;
-                }
+        for (id, deltas) in textures.set.drain() {
+            for delta in deltas {
+                self.take(&gpu, id, delta)?;
             }
         }
         self.freed.extend(textures.free.drain());
@@ -166,8 +201,27 @@ impl Canvas {
         Ok(presented)
     }
 
-    /// A change of the glyphs as all of them: the renderer drops what a change does not cover (it begins with an
-    /// undefined layout, of which a device may keep nothing).
+    /// Takes the texels of a texture, which are on the device from the next drawing on.
+    fn take(&mut self, gpu: &Gpu, id: TextureId, delta: ImageDelta) -> Result<(), GpuError> {
+        let delta = self.whole(id, delta);
+        let ImageData::Color(content) = &delta.image;
+        let [width, height] = content.size.map(|side| side as u32);
+        let texels: Vec<u8> = content.pixels.iter().flat_map(Color32::to_array).collect();
+        let fresh = Some(Buffer::new(gpu, "upload", BufferUse::Upload, &texels)?);
+        match self.textures.get_mut(&id).filter(|texture| texture.image.size() == [width, height, 1]) {
+            Some(texture) => texture.fresh = fresh,
+            None => {
+                let (plane, sampled) = (Dimension::Plane(width, height), ImageUse::Sampled);
+                let image = Arc::new(Image::new(gpu, "texture of the window", plane, Format::Rgba8Unorm, sampled)?);
+                let (own, sampler) = (Resource::Image(image.clone()), Resource::Sampler(self.sampler.clone()));
+                let set = self.pipeline.bind(&[(TEXTURE, own), (SAMPLER, sampler)])?;
+                self.textures.insert(id, Texture { image, set, fresh });
+            }
+        }
+        Ok(())
+    }
+
+    /// A change of the glyphs as all of them.
     fn whole(&mut self, id: TextureId, delta: ImageDelta) -> ImageDelta {
         if id != TextureId::default() {
             return delta;
@@ -209,26 +263,37 @@ impl Canvas {
             };
         let target = chain.images[index as usize];
         let device = &gpu.0.device;
-        let (buffer, renderer) = (self.frame.buffer, &mut self.renderer);
+        let buffer = self.frame.buffer;
+        let (vertices, batches) = triangles(primitives, [extent.width, extent.height], pixels_per_point);
+        let vertices = Buffer::new(gpu, "window", BufferUse::Vertices, bytemuck::cast_slice(&vertices))?;
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        let attachments = [vk::RenderingAttachmentInfo::default()
+        let attachment = vk::RenderingAttachmentInfo::default()
             .image_view(target.view)
             .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
             .load_op(vk::AttachmentLoadOp::CLEAR)
-            .store_op(vk::AttachmentStoreOp::STORE)];
-        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent };
-        let rendering = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachments);
-        // SAFETY: nothing else uses the command buffer, as its fence says; the image was acquired.
-        let drawn = unsafe {
-            device.begin_command_buffer(buffer, &begin).named("vkBeginCommandBuffer")?;
-            transition(gpu, buffer, target.image, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
-            device.cmd_begin_rendering(buffer, &rendering);
-            let drawn = renderer.cmd_draw(buffer, extent, pixels_per_point, primitives).map_err(drawing);
-            device.cmd_end_rendering(buffer);
-            transition(gpu, buffer, target.image, vk::ImageLayout::PRESENT_SRC_KHR);
-            device.end_command_buffer(buffer).named("vkEndCommandBuffer")?;
-            drawn
-        };
+            .store_op(vk::AttachmentStoreOp::STORE);
+        // SAFETY: nothing else uses the command buffer, as its fence says.
+        unsafe { device.begin_command_buffer(buffer, &begin) }.named("vkBeginCommandBuffer")?;
+        let mut commands = Commands { gpu, buffer };
+        for texture in self.textures.values_mut() {
+            if let Some(fresh) = texture.fresh.take() {
+                commands.upload(&fresh, &texture.image);
+                self.frame.reads.push(fresh);
+            }
+        }
+        transition(gpu, buffer, target.image, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
+        commands.draw_into(Some(attachment), None, extent, |draw| {
+            for Batch { texture, area, vertices: range } in batches {
+                if let Some(texture) = self.textures.get(&texture) {
+                    draw.within(&area);
+                    draw.triangles(&self.pipeline, &texture.set, Some(&vertices), range);
+                }
+            }
+        });
+        transition(gpu, buffer, target.image, vk::ImageLayout::PRESENT_SRC_KHR);
+        self.frame.reads.push(vertices);
+        // SAFETY: the command buffer is being recorded.
+        unsafe { device.end_command_buffer(buffer) }.named("vkEndCommandBuffer")?;
         let stage = vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT;
         let waits = [vk::SemaphoreSubmitInfo::default().semaphore(self.frame.acquired).stage_mask(stage)];
         let all = vk::PipelineStageFlags2::ALL_COMMANDS;
@@ -248,7 +313,6 @@ impl Canvas {
             device.queue_submit2(*queue, &submits, self.frame.done).named("vkQueueSubmit2")?;
             swapchains.queue_present(*queue, &info)
         };
-        drawn?;
         match presented {
             Ok(false) => Ok(Presented::Yes),
             // Presented, in the size that the window had.
@@ -284,9 +348,36 @@ fn transition(gpu: &Gpu, buffer: vk::CommandBuffer, image: vk::Image, to: vk::Im
     unsafe { gpu.0.device.cmd_pipeline_barrier2(buffer, &dependency) };
 }
 
-fn drawing(error: RendererError) -> GpuError {
-    match error {
-        RendererError::Vulkan(result) => GpuError::Call { call: "a call of egui's renderer", result },
-        other => GpuError::Drawing(other.to_string()),
+/// The triangles of egui as vertices, three for each, and which of them are drawn together.
+fn triangles(primitives: &[ClippedPrimitive], size: [u32; 2], pixels_per_point: f32) -> (Vec<[f32; 8]>, Vec<Batch>) {
+    let (mut vertices, mut batches) = (Vec::new(), Vec::new());
+    let [x, y] = size.map(|side| 2.0 * pixels_per_point / side as f32);
+    for ClippedPrimitive { clip_rect, primitive } in primitives {
+        let Primitive::Mesh(mesh) = primitive else { continue };
+        let range = |from: f32, to: f32, side: u32| {
+            let [from, to] = [from, to].map(|edge| (edge * pixels_per_point).round().clamp(0.0, side as f32) as u32);
+            from..to.max(from)
+        };
+        let columns = range(clip_rect.min.x, clip_rect.max.x, size[0]);
+        let rows = range(clip_rect.min.y, clip_rect.max.y, size[1]);
+        let area = Area { columns, rows };
+        if area.pixels() == 0 {
+            continue;
+        }
+        let first = vertices.len() as u32;
+        vertices.extend(mesh.indices.iter().filter_map(|index| mesh.vertices.get(*index as usize)).map(|vertex| {
+            let [r, g, b, a] = vertex.color.to_array().map(|code| f32::from(code) / 255.0);
+            [x * vertex.pos.x - 1.0, y * vertex.pos.y - 1.0, vertex.uv.x, vertex.uv.y, r, g, b, a]
+        }));
+        batches.push(Batch { texture: mesh.texture_id, area, vertices: first..vertices.len() as u32 });
     }
+    if vertices.is_empty() {
+        vertices.push([0.0; 8]); // a buffer cannot be empty
+    }
+    (vertices, batches)
+}
+
+/// SPIR-V as the device takes it.
+fn words(bytes: &[u8]) -> Vec<u32> {
+    bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
 }

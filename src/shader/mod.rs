@@ -35,12 +35,15 @@ pub use reach::{Reach, Sides};
 pub use watched::FAULT;
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
 include!(concat!(env!("OUT_DIR"), "/library.rs"));
 
 /// The modules that ship with the program.
 pub fn shipped() -> Library {
-    Library::new(SHIPPED_SOURCES.iter().map(|(path, text)| (path.to_string(), text.to_string())))
+    static SHIPPED: LazyLock<Library> =
+        LazyLock::new(|| Library::new(SHIPPED_SOURCES.iter().map(|(path, text)| (path.to_string(), text.to_string()))));
+    SHIPPED.clone()
 }
 
 /// The modules that ship, with other files over them: path relative to the `glsl` folder, and text.

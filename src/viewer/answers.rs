@@ -39,16 +39,23 @@ impl Answers {
         self.moves.push(Move { at, job: None, drawn: None, answered: None });
     }
 
-    /// The window was drawn: `posted` is the newest job, `on_screen` that of the picture, which has this size and samples.
-    pub(super) fn drawn(&mut self, now: Instant, posted: u64, on_screen: u64, size: [u32; 2], samples: u32) {
+    /// Every move so far is in the job of this number, or in one before.
+    pub(super) fn posted(&mut self, number: u64) {
+        for own in &mut self.moves {
+            own.job.get_or_insert(number);
+        }
+    }
+
+    /// The window was drawn; `on_screen` is the job of the picture, which has this size and samples.
+    pub(super) fn drawn(&mut self, now: Instant, on_screen: u64, size: [u32; 2], samples: u32) {
         if on_screen != self.on_screen {
             self.on_screen = on_screen;
             self.pictures.push((now, size, samples));
         }
         for own in self.moves.iter_mut().filter(|own| own.answered.is_none()) {
-            let job = *own.job.get_or_insert(posted);
             own.drawn.get_or_insert(now.saturating_duration_since(own.at));
-            own.answered = (job <= on_screen).then(|| now.saturating_duration_since(own.at));
+            let is_seen = own.job.is_some_and(|job| job <= on_screen);
+            own.answered = is_seen.then(|| now.saturating_duration_since(own.at));
         }
     }
 
@@ -123,11 +130,13 @@ mod tests {
         let at = |ms: u64| start + Duration::from_millis(ms);
         let mut answers = Answers::new(start, 4);
         answers.moved(at(0));
-        answers.drawn(at(10), 5, 4, [8, 8], 32); // the job of the move is posted, the picture is the one before
+        answers.posted(5);
+        answers.drawn(at(10), 4, [8, 8], 32); // the job of the move is posted, the picture is the one before
         answers.moved(at(50));
-        answers.drawn(at(60), 6, 5, [8, 8], 32);
+        answers.posted(6);
+        answers.drawn(at(60), 5, [8, 8], 32);
         assert!(!answers.is_complete());
-        answers.drawn(at(250), 6, 6, [8, 8], 32);
+        answers.drawn(at(250), 6, [8, 8], 32);
         assert!(answers.is_complete());
         assert_eq!(answers.prompt(), 0.5);
         let line = answers.to_string();

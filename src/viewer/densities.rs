@@ -22,12 +22,12 @@ pub(super) struct Densities {
 impl Densities {
     /// Begins to look at what a job shows, unless that is known or something is being looked at.
     pub(super) fn want(&mut self, job: &Job, notify: impl Fn() + Send + 'static) {
-        let Variant { scene, subject } = job.variants[0].clone();
+        let Variant { scene, library, subject } = job.variants[0].clone();
         let content = content(&scene);
         if self.coming.is_some() || self.of.as_ref() == Some(&content) {
             return;
         }
-        let (library, (sender, coming)) = (job.library.clone(), mpsc::channel());
+        let (sender, coming) = mpsc::channel();
         (self.of, self.coming) = (Some(content), Some(coming));
         thread::spawn(move || {
             let found = densities(&library, &scene, &subject, POINTS, BARS);

@@ -4,7 +4,7 @@ use super::ViewError;
 use super::app::{App, Notify, Start};
 use super::script::{Script, ScriptEvent, Widget, widgets};
 use crate::gpu::{Canvas, GpuError, Messages, Presented, has_library};
-use egui::{Context, ViewportId};
+use egui::{Context, TexturesDelta, ViewportId};
 use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -80,10 +80,15 @@ pub fn run(start: Start) -> Result<(), ViewError> {
             minimized: false,
             waiting: true,
             told_to_end,
+            ending: None,
         };
         let ran = event_loop.run_app(&mut host).map_err(|error| ViewError::Window(error.to_string()));
         if host.script.is_none() || host.told_to_end.load(Ordering::Relaxed) {
             host.app.keep_unsaved();
+        }
+        if let (Some(ending), Some(_)) = (host.ending, &host.script) {
+            drop(host.live.take());
+            let _ = writeln!(io::stdout(), "closed after {:.2} s", ending.elapsed().as_secs_f64());
         }
         (host.messages, ran.and(host.outcome))
     };
@@ -110,6 +115,8 @@ struct Host {
     waiting: bool,
     /// Whether a signal has asked the program to end.
     told_to_end: Arc<AtomicBool>,
+    /// Since when it ends.
+    ending: Option<Instant>,
 }
 
 /// What there is while there is a window.
@@ -120,6 +127,8 @@ struct Live {
     input: egui_winit::State,
     window: Arc<Window>,
     widgets: Vec<Widget>,
+    /// Changes of textures that the window was not drawn with.
+    textures: TexturesDelta,
     full_screen: bool,
 }
 
@@ -132,7 +141,15 @@ impl Live {
         }
         let (scale, side) = (Some(window.scale_factor() as f32), canvas.gpu().info().max_image as usize);
         let input = egui_winit::State::new(context.clone(), ViewportId::ROOT, &window, scale, None, Some(side));
-        Ok(Live { canvas, context, input, window, widgets: Vec::new(), full_screen: false })
+        Ok(Live {
+            canvas,
+            context,
+            input,
+            window,
+            widgets: Vec::new(),
+            textures: TexturesDelta::default(),
+            full_screen: false,
+        })
     }
 }
 
@@ -188,6 +205,7 @@ impl ApplicationHandler<Wake> for Host {
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         if self.app.quit || self.told_to_end.load(Ordering::Relaxed) {
+            self.ending.get_or_insert_with(Instant::now);
             event_loop.exit();
         }
     }
@@ -270,10 +288,18 @@ impl Host {
             live.widgets = widgets(update);
         }
         live.input.handle_platform_output(&live.window, output.platform_output);
-        let primitives = live.context.tessellate(output.shapes, output.pixels_per_point);
-        let shown = live.canvas.draw(size, output.textures_delta, &primitives, output.pixels_per_point)?;
+        // egui tells of a change once, also where the window waits for a preview.
+        live.textures.append(output.textures_delta);
+        let held = self.app.hold(Instant::now());
+        let mut shown = Presented::Yes;
+        if held.is_none() {
+            let primitives = live.context.tessellate(output.shapes, output.pixels_per_point);
+            let textures = std::mem::take(&mut live.textures);
+            shown = live.canvas.draw(size, textures, &primitives, output.pixels_per_point)?;
+            self.app.drawn();
+        }
         if let Some(script) = &mut self.script {
-            script.drawn(&self.app);
+            script.drawn(&self.app, held.is_none());
         }
         if live.full_screen != self.app.full_screen {
             live.full_screen = self.app.full_screen;
@@ -281,6 +307,7 @@ impl Host {
         }
         let wanted =
             output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
+        let wanted = wanted.min(held.unwrap_or(Duration::MAX));
         let delay = match (&self.script, shown) {
             (Some(script), _) => wanted.min(script.pace().unwrap_or(SCRIPT_PACE)),
             (None, Presented::Later) => Duration::ZERO,

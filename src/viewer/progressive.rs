@@ -3,11 +3,11 @@
 
 use crate::gpu::Area;
 use crate::measure::statistics::rms_difference;
-use crate::scene::{Jitter, LightMethod, RayPath, Scene, TargetFormat};
+use crate::scene::{Jitter, RayPath, Scene, TargetFormat};
 use rayon::prelude::*;
 
 /// Ways to save work: the side of a pixel in quarters of one, and one of so many samples. From the best.
-const LEVELS: [[u32; 2]; 15] = [
+const LEVELS: [[u32; 2]; 18] = [
     [4, 1],
     [4, 2],
     [5, 2],
@@ -23,6 +23,9 @@ const LEVELS: [[u32; 2]; 15] = [
     [32, 4],
     [40, 4],
     [48, 4],
+    [64, 4],
+    [80, 5],
+    [96, 5],
 ];
 /// A better level is taken only where it fills at most this part of the budget by prediction. Nearer to 1: levels change
 /// with every noise in the time.
@@ -35,7 +38,7 @@ pub(super) const GIVEN_UP_AT: f64 = 2.0;
 const FEWEST_SAMPLES: u32 = 32;
 /// Texels along a side of the blocks of noise of a preview, at most: more take seconds to make.
 pub(super) const PREVIEW_BLOCK: u32 = 64;
-/// Rays along a side of the shadow volume of a preview, at least.
+/// Rays along a side of what holds the light of a preview, at least.
 const FEWEST_RAYS: u32 = 16;
 /// Previews that say what the next one takes: the middle of them, so that a pause of the machine changes no level.
 const RECENT: usize = 3;
@@ -57,9 +60,7 @@ impl Level {
         let [side, samples] = LEVELS[self.0];
         let mut coarse = scene.clone();
         coarse.image.size = scene.image.size.map(|own| (4 * own).div_ceil(side));
-        if scene.light.method == LightMethod::Volume {
-            coarse.light.shadow_resolution = self.rays(scene);
-        }
+        coarse.light.shadow_resolution = self.rays(scene);
         let quality = &mut coarse.quality;
         quality.samples = (quality.samples / samples).max(FEWEST_SAMPLES).min(quality.samples);
         (quality.msaa, quality.supersampling, coarse.camera.shutter) = (1, 1, 0.0);
@@ -70,7 +71,7 @@ impl Level {
         coarse
     }
 
-    /// Rays along a side of the shadow volume.
+    /// Rays along a side of what holds the light.
     fn rays(self, scene: &Scene) -> u32 {
         let own = scene.light.shadow_resolution;
         (8 * own / LEVELS[self.0][0]).clamp(FEWEST_RAYS.min(own), own)

@@ -11,7 +11,7 @@
 //! size W H                         the size of the window, points
 //! minimize, restore                the window has no pixel, and has its pixels again
 //! key NAME                         a key, as the window lists it
-//! drag X Y X Y [right]             the mouse over the picture: 0 to 1 from its left and top
+//! drag X Y X Y [right | ctrl]      the mouse over the picture: 0 to 1 from its left and top
 //! scroll LINES                     the wheel, in the middle of the picture
 //! orbit MOVES SECONDS              a drag of so many moves in circles; prints how fast the window answers them
 //! wait idle                        until no picture is being written or looked for
@@ -78,7 +78,7 @@ enum Step {
     Inspected,
     Loading,
     Frames(u32),
-    Drag([f32; 4], PointerButton),
+    Drag([f32; 4], PointerButton, Modifiers),
     Scroll(f32),
     Orbit(u32, f32),
     Good,
@@ -169,8 +169,8 @@ impl Script {
         }
         let event = match &step {
             Step::Do(event) => Some(event.clone()),
-            Step::Drag(places, button) => {
-                self.events = drag(app.place, *places, *button);
+            Step::Drag(places, button, modifiers) => {
+                self.events = drag(app.place, *places, *button, *modifiers);
                 self.events.pop_front().map(ScriptEvent::Events)
             }
             Step::Scroll(lines) => {
@@ -248,11 +248,13 @@ impl Script {
         }
     }
 
-    /// The window was drawn.
-    pub(super) fn drawn(&mut self, app: &App) {
+    /// A frame is over; the window `was_drawn`, or it waits for a preview.
+    pub(super) fn drawn(&mut self, app: &App, was_drawn: bool) {
         if let Some((answers, _)) = &mut self.orbit {
-            let figures = &app.figures;
-            answers.drawn(Instant::now(), app.number, app.on_screen, figures.size, figures.samples);
+            answers.posted(app.number);
+            if was_drawn {
+                answers.drawn(Instant::now(), app.on_screen, app.figures.size, app.figures.samples);
+            }
         }
     }
 }
@@ -293,14 +295,18 @@ fn button(pos: Pos2, button: PointerButton, pressed: bool) -> Event {
     Event::PointerButton { pos, button, pressed, modifiers: Modifiers::NONE }
 }
 
-fn drag(place: Rect, [x0, y0, x1, y1]: [f32; 4], with: PointerButton) -> VecDeque<Vec<Event>> {
+fn drag(place: Rect, [x0, y0, x1, y1]: [f32; 4], with: PointerButton, held: Modifiers) -> VecDeque<Vec<Event>> {
     let at = |part: f32| {
         let (x, y) = (x0 + (x1 - x0) * part, y0 + (y1 - y0) * part);
         place.min + Vec2::new(x * place.width(), y * place.height())
     };
     let moves = (1..=DRAG_STEPS).map(|step| vec![Event::PointerMoved(at(step as f32 / DRAG_STEPS as f32))]);
-    let start = [vec![Event::PointerMoved(at(0.0))], vec![button(at(0.0), with, true)]];
-    start.into_iter().chain(moves).chain([vec![button(at(1.0), with, false)]]).collect()
+    let start = [vec![Event::PointerMoved(at(0.0))], vec![Event::ModifiersChanged(held), button(at(0.0), with, true)]];
+    start
+        .into_iter()
+        .chain(moves)
+        .chain([vec![button(at(1.0), with, false), Event::ModifiersChanged(Modifiers::NONE)]])
+        .collect()
 }
 
 fn parse(line: &str) -> Result<Step, String> {
@@ -341,9 +347,9 @@ fn parse(line: &str) -> Result<Step, String> {
         }
         ("drag", _) => {
             let places = numbers(4)?;
-            let right = rest.ends_with("right");
-            let with = if right { PointerButton::Secondary } else { PointerButton::Primary };
-            Step::Drag([places[0], places[1], places[2], places[3]], with)
+            let with = if rest.ends_with("right") { PointerButton::Secondary } else { PointerButton::Primary };
+            let modifiers = if rest.ends_with("ctrl") { Modifiers::COMMAND } else { Modifiers::NONE };
+            Step::Drag([places[0], places[1], places[2], places[3]], with, modifiers)
         }
         ("orbit", _) => {
             let values = numbers(2)?;
@@ -379,10 +385,11 @@ mod tests {
     fn a_drag_presses_where_it_begins_and_lets_go_where_it_ends() {
         let place = Rect::from_min_size(Pos2::new(10.0, 20.0), Vec2::new(100.0, 200.0));
         let events: Vec<Event> =
-            drag(place, [0.0, 0.5, 1.0, 0.5], PointerButton::Primary).into_iter().flatten().collect();
+            drag(place, [0.0, 0.5, 1.0, 0.5], PointerButton::Primary, Modifiers::CTRL).into_iter().flatten().collect();
         let (from, to) = (Pos2::new(10.0, 120.0), Pos2::new(110.0, 120.0));
-        assert_eq!(events[1], button(from, PointerButton::Primary, true));
-        assert_eq!(events.last(), Some(&button(to, PointerButton::Primary, false)));
-        assert_eq!(events[events.len() - 2], Event::PointerMoved(to));
+        let (press, release) = (button(from, PointerButton::Primary, true), button(to, PointerButton::Primary, false));
+        assert_eq!(events[1..3], [Event::ModifiersChanged(Modifiers::CTRL), press]);
+        let end = [Event::PointerMoved(to), release, Event::ModifiersChanged(Modifiers::NONE)];
+        assert_eq!(events[events.len() - 3..], end);
     }
 }

@@ -33,6 +33,8 @@ pub(super) struct Figures {
     pub(super) samples: u32,
     /// Milliseconds on the device.
     pub(super) gpu_ms: f64,
+    /// Whether the device is the CPU.
+    pub(super) is_cpu: bool,
     /// Milliseconds that a picture may take while the scene moves.
     pub(super) budget_ms: f64,
     /// Root mean square difference from the converged image, about; linear light, all channels.

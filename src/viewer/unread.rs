@@ -42,21 +42,21 @@ impl Drop for Coming {
 impl Unread {
     /// Begins to look at what a job shows, unless that is known, in place of what was looked at.
     pub(super) fn want(&mut self, job: &Job, notify: impl Fn() + Send + 'static) {
-        let Variant { scene, subject } = &job.variants[0];
+        let Variant { scene, library, subject } = &job.variants[0];
         let shape = scene.shape();
         if let Some(known) = self.found.iter().position(|found| found.shape == shape) {
             let last = self.found.remove(known);
             return self.found.push(last);
         }
         // A custom module is compiled in a process of its own, and never for this.
-        let is_own = !scene.modules.is_empty() || *job.library != shipped();
+        let is_own = !scene.modules.is_empty() || **library != shipped();
         if is_own || self.coming.as_ref().is_some_and(|coming| coming.shape == shape) {
             return;
         }
         let (sender, idle_of) = mpsc::channel();
         let is_over = Arc::new(AtomicBool::new(false));
         self.coming = Some(Coming { shape, effect: scene.effect.clone(), is_over: is_over.clone(), idle: idle_of });
-        let (library, scene, subject) = (job.library.clone(), scene.clone(), subject.clone());
+        let (library, scene, subject) = (library.clone(), scene.clone(), subject.clone());
         let look = move || {
             // Nobody listens where another scene is looked at by now.
             let _ = sender.send(idle(&library, &subject, &scene, &|| is_over.load(Ordering::Relaxed)));
@@ -96,8 +96,8 @@ mod tests {
         let mut scene = preset(name).unwrap();
         scene.object.input = "cube".into();
         let subject = Arc::new(Subject::load(&scene, &library, &|_| ()).unwrap());
-        let variants = vec![Variant { scene, subject }];
-        Job { number: 1, library, variants, moving: false, max_error: 1e-3, focus: [0.5; 2], validity: false }
+        let variants = vec![Variant { scene, library, subject }];
+        Job { number: 1, variants, moving: false, max_error: 1e-3, focus: [0.5; 2], validity: false }
     }
 
     fn wait(unread: &mut Unread, job: &Job) -> Vec<String> {

@@ -308,6 +308,10 @@ fn final_pictures_are_rendered_beside_the_window() {
     hand.set("final.supersampling", 1.0);
     hand.picture("final");
     hand.click("final.render");
+    // It ends with the window, which asks for that.
+    hand.click("quit");
+    assert_eq!(hand.0.state().requests, []);
+    hand.click("ask.no");
     wait(&mut hand);
     let line = |hand: &Hand, text: &str| hand.0.query_all_by_value(text).next().is_some();
     assert_eq!(image::open(&picture).unwrap().to_rgba8().dimensions(), (24, 16));
@@ -332,4 +336,31 @@ fn final_pictures_are_rendered_beside_the_window() {
     wait(&mut hand);
     let is_said = |text: String| text.starts_with("final picture: ");
     assert!(hand.0.query_all_by(|node| node.value().is_some_and(is_said)).next().is_some());
+}
+
+#[test]
+fn nothing_is_wider_than_the_panel_however_narrow_the_window_is() {
+    let cut = |name: &str, width: f32| {
+        let mut hand = Hand::open(preset(name).unwrap());
+        hand.0.state_mut().status.made = vec![["left out".into(), "noise block: nothing reads it, as it seems".into()]];
+        hand.0.run_steps(2);
+        hand.click("Made with");
+        hand.0.set_size(egui::vec2(width, 7000.0));
+        hand.0.run_steps(8);
+        // What is in the panel is right of the picture, and not below it.
+        let left = hand.0.state().left;
+        let is_control = |role| ![Role::GenericContainer, Role::Window, Role::TextRun, Role::Unknown].contains(&role);
+        let all = hand.0.query_all_by(|node| is_control(node.role()));
+        let inside = all.filter(|node| node.rect().right() > left.right() && node.rect().top() < left.bottom());
+        let cut = inside.filter(|node| node.rect().left() < left.right() || node.rect().right() > width);
+        let say = |node: egui_kittest::Node<'_>| {
+            let (role, label) = (node.accesskit_node().role(), node.accesskit_node().label());
+            format!("{width} {name}: {role:?} {label:?} {}", node.rect())
+        };
+        cut.map(say).collect::<Vec<_>>()
+    };
+    let widths = [400.0, 450.0, 640.0, 760.0, 1280.0].map(|width| ("ensemble", width));
+    let all = widths.into_iter().chain(scene::names().map(|name| (name, 500.0)));
+    let all: Vec<String> = all.flat_map(|(name, width)| cut(name, width)).collect();
+    assert!(all.is_empty(), "{}", all.join("\n"));
 }

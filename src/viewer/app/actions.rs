@@ -4,13 +4,11 @@ use super::App;
 use crate::measure::metric::Metric;
 use crate::measure::pick::{ErrorBound, Pick};
 use crate::scene::{self, Camera, Scene};
-use crate::shader::Library;
 use crate::viewer::keys::Action;
 use crate::viewer::panels::{Question, Request, SIDES};
 use crate::viewer::worker::{Task, Variant};
 use egui::Ui;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// A way to draw is looked for once the scene has not changed for so long.
@@ -74,7 +72,7 @@ impl App {
                 self.model.edit("camera", |scene| scene.camera = home);
             }
             Request::Split(kept) => {
-                self.kept = kept.map(|scene| *scene);
+                self.kept = kept.map(|scene| (*scene, self.library.clone()));
                 self.validity &= self.kept.is_none();
             }
             Request::Validity(on) => {
@@ -112,11 +110,11 @@ impl App {
         }
     }
 
-    /// Ends the window; where there is something that no file holds, it asks.
+    /// Ends the window; where something would be lost with it, it asks.
     pub(in crate::viewer) fn ask_to_quit(&mut self) {
-        match self.panels.is_unsaved(&self.model) {
-            true => self.panels.ask(Question::Quit),
-            false => self.quit = true,
+        match self.panels.at_stake(&self.model) {
+            Some(_) => self.panels.ask(Question::Quit),
+            None => self.quit = true,
         }
     }
 
@@ -158,7 +156,7 @@ impl App {
         let [width, height] = image.size;
         let behind = if image.background.is_some() { "with its background" } else { "transparent where nothing is" };
         self.writing = format!(", {width} x {height} pixels as the scene says, {behind}");
-        self.task(|library, variant| Task::Shot { library, variant, path, edited });
+        self.task(|variant| Task::Shot { variant, path, edited });
     }
 
     fn record(&mut self) {
@@ -167,7 +165,7 @@ impl App {
         let edited = self.model.edited();
         let [width, height] = self.model.scene().image.size;
         self.writing = format!(", {TURN} pictures of {width} x {height} pixels");
-        self.task(|library, variant| Task::Turntable { library, variant, path, frames: TURN, edited });
+        self.task(|variant| Task::Turntable { variant, path, frames: TURN, edited });
     }
 
     /// Looks for the fastest settings for the scene within the error that was asked for, once the mouse is let go.
@@ -184,7 +182,7 @@ impl App {
             Ok(bound) => {
                 self.figures.picking = Some(0.0);
                 self.picked_for = Some(self.model.scene().clone());
-                self.task(|library, variant| Task::Pick { library, variant, bound });
+                self.task(|variant| Task::Pick { variant, bound });
             }
             Err(error) => self.fail(error.to_string()),
         }
@@ -210,7 +208,7 @@ impl App {
         }
     }
 
-    fn task(&mut self, task: impl FnOnce(Arc<Library>, Box<Variant>) -> Task) {
+    fn task(&mut self, task: impl FnOnce(Box<Variant>) -> Task) {
         let scene = self.shown();
         let subject = self.posted.as_ref().filter(|_| self.loader.progress().is_none());
         let (Some(posted), Some(worker)) = (subject, &self.worker) else {
@@ -218,8 +216,7 @@ impl App {
             self.fail("the object is not loaded yet");
             return;
         };
-        let subject = posted.variants[0].subject.clone();
-        worker.add(task(self.library.clone(), Box::new(Variant { scene, subject })));
+        worker.add(task(Box::new(Variant { scene, ..posted.variants[0].clone() })));
         self.tasks += 1;
         self.posted = None; // the picture is gone on with afterwards
     }

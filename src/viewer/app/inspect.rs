@@ -1,6 +1,7 @@
 //! The pixel that is inspected, over the picture.
 
-use super::{App, move_clone};
+use super::App;
+use super::post::move_clone;
 use egui::{Pos2, Ui};
 
 impl App {

@@ -4,6 +4,8 @@ mod actions;
 mod inspect;
 mod mouse;
 mod overlay;
+mod post;
+mod receive;
 
 use super::ViewError;
 use super::author::Author;
@@ -14,14 +16,14 @@ use super::keys;
 use super::load::Loader;
 use super::message::Message;
 use super::model::Model;
-use super::panels::{Panels, Status};
+use super::panels::Panels;
 use super::screen::Screen;
 use super::status::{Figures, Stage};
 use super::tempo::Tempo;
 use super::trackball::Trackball;
 use super::unread::Unread;
 use super::unsaved;
-use super::worker::{Event, Job, Variant, Worker, sight};
+use super::worker::{Job, Worker};
 use crate::gpu::{Gpu, Options};
 use crate::render::Sight;
 use crate::scene::{self, Scene};
@@ -63,7 +65,10 @@ const GOOD: f64 = 1e-3;
 /// A scene that has not changed for so long stands still.
 const REST: Duration = Duration::from_millis(200);
 /// Milliseconds that a picture may take while the scene moves, on a CPU and on another device.
-const BUDGET_MS: [f64; 2] = [50.0, 12.0];
+const BUDGET_MS: [f64; 2] = [30.0, 12.0];
+/// While the scene moves, the window waits so long for a preview before it is drawn with the old picture moved: on a device
+/// that draws both, one would keep the other waiting.
+const HOLD: Duration = Duration::from_millis(45);
 /// What moves by itself is drawn this often.
 const FRAME: Duration = Duration::from_millis(16);
 
@@ -98,8 +103,8 @@ pub(super) struct App {
     clock: Option<f64>,
     tempo: Tempo,
     last_frame: Instant,
-    /// The variant that the scene is compared with.
-    kept: Option<Scene>,
+    /// The variant that the scene is compared with, and its modules.
+    kept: Option<(Scene, Arc<Library>)>,
     comparison: Comparison,
     inspector: Inspector,
     max_error: Option<f64>,
@@ -115,7 +120,11 @@ pub(super) struct App {
     /// Where the pointer is over the picture.
     pointer: Option<egui::Pos2>,
     dragging: bool,
+    /// Since when a preview is waited for, and the time that one takes.
+    held: Option<Instant>,
     changed: Instant,
+    /// Whether there is a picture that the window was not drawn with.
+    fresh: bool,
     /// Those of the newest job and of the picture that is on the screen.
     pub(super) number: u64,
     pub(super) on_screen: u64,
@@ -184,7 +193,9 @@ impl App {
             posted: None,
             pointer: None,
             dragging: false,
+            held: None,
             changed: now,
+            fresh: false,
             number: 0,
             on_screen: 0,
             tasks: 0,
@@ -205,7 +216,7 @@ impl App {
     pub(super) fn use_device(&mut self, gpu: &Gpu) {
         let info = gpu.info();
         self.figures.device = format!("{} ({})", info.name, info.driver);
-        self.figures.budget_ms = BUDGET_MS[usize::from(!info.cpu)];
+        (self.figures.is_cpu, self.figures.budget_ms) = (info.cpu, BUDGET_MS[usize::from(!info.cpu)]);
         let (notify, gate) = (self.notify.clone(), self.panels.author().gate().clone());
         gate.try_on(&info.name);
         self.worker = Some(Worker::start(gpu.clone(), gate, self.figures.budget_ms, move || notify()));
@@ -238,71 +249,24 @@ impl App {
         self.loader.progress()
     }
 
-    /// Takes what the other threads have made.
-    pub(super) fn receive(&mut self) {
-        if let Err(reason) = self.loader.poll() {
-            self.failure.get_or_insert(reason.clone());
-            self.fail(reason);
+    /// How long the window may still wait for a preview that is about to come, since it was first asked; none where it is
+    /// to be drawn now.
+    pub(super) fn hold(&mut self, now: Instant) -> Option<Duration> {
+        let is_coming = self.on_screen < self.number && self.figures.stage == Stage::Coarse;
+        let soon = self.figures.is_cpu && is_coming && self.posted.as_ref().is_some_and(|job| job.moving);
+        let left = HOLD.saturating_sub(now.duration_since(*self.held.get_or_insert(now)));
+        if soon && !self.fresh && !left.is_zero() {
+            return Some(left);
         }
-        let Some(worker) = &self.worker else { return };
-        // A thread that has failed is replaced as one whose device is lost: once.
-        self.lost |= worker.has_ended();
-        let events: Vec<Event> = worker.events.try_iter().collect();
-        for event in events {
-            match event {
-                Event::Picture(picture) => {
-                    self.inspector.take(&picture.frames, picture.size, picture.stage);
-                    self.screen.take(picture.images, picture.frames, picture.size);
-                    self.seen = picture.sight;
-                    let figures = &mut self.figures;
-                    (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
-                    (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
-                    (figures.error, figures.standard_error) = (picture.error, picture.standard_error);
-                    figures.validity = picture.validity;
-                    if picture.stage == Stage::Coarse {
-                        figures.ignored.clear();
-                        figures.recent_ms.push(picture.gpu_ms);
-                        let surplus = figures.recent_ms.len().saturating_sub(120);
-                        figures.recent_ms.drain(..surplus);
-                    }
-                    (self.is_current, self.on_screen) = (picture.number == self.number, picture.number);
-                    // What went wrong with an earlier scene no longer holds.
-                    self.said.take_if(|said| said.is_error && picture.number > self.said_at);
-                }
-                Event::Stopped(line) => {
-                    (self.tasks, self.figures.recording) = (self.tasks.saturating_sub(1), None);
-                    self.note(line);
-                }
-                Event::Made(lines) => self.figures.made = lines,
-                Event::Ignored(ignored) => self.figures.ignored = ignored,
-                Event::Wrote(path) => {
-                    self.tasks = self.tasks.saturating_sub(1);
-                    self.figures.recording = None;
-                    let path = std::path::absolute(&path).unwrap_or(path);
-                    self.note(format!("wrote {}{}", path.display(), self.writing));
-                }
-                Event::Picking(done) => self.figures.picking = Some(done),
-                Event::Picked(pick) => {
-                    (self.tasks, self.figures.picking) = (self.tasks.saturating_sub(1), None);
-                    if let Some(pick) = pick {
-                        self.take(&pick);
-                    }
-                }
-                Event::Recorded(done, all) => self.figures.recording = Some((done, all)),
-                Event::Refused(reason) => {
-                    self.failure.get_or_insert(reason.clone());
-                    (self.tasks, self.figures.recording, self.figures.picking) = (0, None, None);
-                    self.fail(reason);
-                }
-                Event::Failed(reason) => {
-                    if self.tasks > 0 {
-                        self.failure.get_or_insert(reason.clone());
-                    }
-                    (self.tasks, self.figures.recording, self.figures.picking) = (0, None, None);
-                    self.fail(reason);
-                }
-                Event::Lost => self.lost = true,
-            }
+        self.held = None;
+        None
+    }
+
+    /// The window was drawn.
+    pub(super) fn drawn(&mut self) {
+        self.fresh = false;
+        if let Some(worker) = &self.worker {
+            worker.shown(self.on_screen);
         }
     }
 
@@ -347,137 +311,4 @@ impl App {
         self.show_over(ui);
         self.pick(ui, now);
     }
-
-    fn status(&mut self) -> Status {
-        let Figures { error, standard_error, size, samples, recording, .. } = &self.figures;
-        let recent = &self.figures.recent_ms;
-        let mean = recent.iter().sum::<f64>() / recent.len().max(1) as f64;
-        let variance = recent.iter().map(|ms| (ms - mean).powi(2)).sum::<f64>() / recent.len().max(1) as f64;
-        // Only coarse pictures come often enough for their times to have a spread.
-        let spread = if self.figures.stage == Stage::Coarse { variance.sqrt() } else { 0.0 };
-        Status {
-            frame_ms: (!recent.is_empty()).then_some([self.figures.gpu_ms, spread]),
-            error: error.map(|error| [error, standard_error.unwrap_or(error)]),
-            picture: self.figures.words(self.max_error.unwrap_or(GOOD)),
-            detail: format!("{} x {} pixels, {samples} samples", size[0], size[1]),
-            device: self.figures.device.clone(),
-            message: self.said.clone(),
-            ignored: self.figures.ignored.clone(),
-            idle: self.unread.poll(self.model.scene()).to_vec(),
-            window: self.posted.as_ref().map_or([0, 0], |job| job.variants[0].scene.image.size),
-            made: self.figures.made.clone(),
-            progress: self.figures.picking.or(recording.map(|(done, all)| done as f32 / all.max(1) as f32)),
-            recent_ms: recent.clone(),
-            budget_ms: self.figures.budget_ms,
-            paused: self.clock.is_none(),
-            recording: recording.is_some(),
-            split: self.kept.is_some(),
-            max_error: self.max_error,
-            validity: self.validity,
-            densities: self.densities.poll(),
-            time: self.clock,
-            tempo: self.tempo,
-            level: self.level,
-        }
-    }
-
-    /// The scene at the time it is.
-    fn shown(&self) -> Scene {
-        let mut scene = self.model.scene().clone();
-        if let Some(clock) = self.clock {
-            scene.camera.time = clock;
-        }
-        scene
-    }
-
-    /// Gives the thread that renders what is to be seen now, if that is something new.
-    fn post(&mut self, ui: &Ui, now: Instant) {
-        if *self.library != *self.model.library() {
-            self.library = Arc::new(self.model.library().clone());
-        }
-        let points = ui.ctx().pixels_per_point();
-        let pane = self.place.size() * points;
-        let size = [pane.x, pane.y].map(|side| (side.round() as u32).clamp(16, 8192));
-        let mut scenes = vec![self.shown()];
-        if let Some(kept) = &self.kept {
-            scenes.push(Scene { camera: scenes[0].camera.clone(), ..kept.clone() });
-        }
-        let notify = self.notify.clone();
-        let mut variants = Vec::new();
-        for mut scene in scenes {
-            scene.image.size = size;
-            match self.loader.subject(&scene, &self.library, &move_clone(&notify)) {
-                Ok(Some(subject)) => variants.push(Variant { scene, subject }),
-                // One after the other: what is loaded for the second takes the place of what is loaded for the first.
-                Ok(None) => break,
-                Err(error) => self.fail(error.to_string()),
-            }
-        }
-        if self.loader.progress().is_some() {
-            ui.ctx().request_repaint_after(Duration::from_millis(50));
-        }
-        let expected = 1 + usize::from(self.kept.is_some());
-        if variants.len() < expected {
-            self.is_current = false;
-            return;
-        }
-        let same = |job: &Job| {
-            Arc::ptr_eq(&job.library, &self.library)
-                && job.variants.len() == variants.len()
-                && job
-                    .variants
-                    .iter()
-                    .zip(&variants)
-                    .all(|(a, b)| a.scene == b.scene && Arc::ptr_eq(&a.subject, &b.subject))
-        };
-        let changed = !self.posted.as_ref().is_some_and(same);
-        if changed {
-            self.sight = sight(&variants[0], &self.library).ok();
-        }
-        if changed && self.posted.is_some() {
-            self.changed = now;
-            if self.figures.picking.is_some() && self.clock.is_none() {
-                // Input comes first: what is looked for is looked for again once the scene rests.
-                self.stop();
-                self.pick = self.max_error;
-            }
-        }
-        let busy = self.dragging || self.clock.is_some() || self.glide.is_some();
-        let moving = busy || now.duration_since(self.changed) < REST;
-        let max_error = self.max_error.unwrap_or(GOOD);
-        let validity = self.validity;
-        let as_before =
-            |job: &Job| (job.moving, job.max_error.to_bits(), job.validity) == (moving, max_error.to_bits(), validity);
-        if changed || !self.posted.as_ref().is_some_and(as_before) {
-            self.number += 1;
-            self.is_current = false;
-            let (number, library, focus) = (self.number, self.library.clone(), self.focus());
-            let job = Job { number, library, variants, moving, max_error, focus, validity };
-            if let Some(worker) = &self.worker {
-                worker.show(job.clone());
-            }
-            self.posted = Some(job);
-        }
-        if let (false, Some(job)) = (moving, &self.posted) {
-            self.unread.want(job, move || notify());
-        }
-        // What the hand moves is drawn when it moves.
-        if self.clock.is_some() || self.glide.is_some() {
-            ui.ctx().request_repaint_after(FRAME);
-        } else if moving {
-            ui.ctx().request_repaint_after(REST);
-        }
-    }
-
-    /// Where one looks, in parts of the picture: at the pointer, or in the middle.
-    fn focus(&self) -> [f32; 2] {
-        let part = |at: egui::Pos2| (at - self.place.min) / self.place.size();
-        self.pointer.filter(|at| self.place.contains(*at)).map_or([0.5; 2], |at| part(at).into())
-    }
-}
-
-/// A function that calls this one.
-fn move_clone(notify: &Notify) -> impl Fn() + Clone + Send + 'static + use<> {
-    let notify = notify.clone();
-    move || notify()
 }

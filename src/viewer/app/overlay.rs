@@ -10,7 +10,7 @@ impl App {
     /// What two variants are compared by, the pixel that is inspected, what is being loaded, and the list of keys.
     pub(super) fn show_over(&mut self, ui: &mut Ui) {
         let place = self.place;
-        if let Some(kept) = &self.kept {
+        if let Some((kept, _)) = &self.kept {
             let titles = titles(self.model.scene(), kept);
             self.comparison.show(ui, place, &titles, self.figures.difference);
         }

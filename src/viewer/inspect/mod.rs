@@ -13,9 +13,7 @@ pub use worst::worst;
 use super::screen::Frame;
 use super::status::Stage;
 use super::worker::{Job, Variant};
-use crate::shader::Library;
 use search::Search;
-use std::sync::Arc;
 
 /// Pixels that are jumped to, and how far apart they are at least, in pixels.
 const WORST: usize = 8;
@@ -93,17 +91,17 @@ impl Inspector {
             search.poll(&mut self.answers);
         }
         let (Some(pixel), Some(job)) = (self.pixel, job) else { return };
-        let Variant { scene, subject } = &job.variants[0];
+        let Variant { scene, library, subject } = &job.variants[0];
         let [width, height] = scene.image.size;
         // A smaller window has other pixels.
         let within = [pixel[0].min(width - 1), pixel[1].min(height - 1)];
-        let is_same = |search: &Search| search.is_of(pixel, scene, &job.library);
+        let is_same = |search: &Search| search.is_of(pixel, scene, library);
         if within != pixel || self.search.as_ref().is_some_and(|search| !is_same(search)) {
             self.pixel = Some(within);
             self.forget();
         }
         if self.search.is_none() && !job.moving {
-            let (library, subject): (Arc<Library>, _) = (job.library.clone(), subject.clone());
+            let (library, subject) = (library.clone(), subject.clone());
             self.search = Some(Search::start(within, scene.clone(), library, subject, notify.clone()));
         }
     }

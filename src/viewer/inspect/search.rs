@@ -12,6 +12,9 @@ use std::thread;
 /// Places along the ray. Fewer: thin matter is left out of the plot. More: it comes later.
 const PLACES: usize = 512;
 
+/// The error that the share of a module may have. Smaller: it comes later, and two digits are shown.
+const SHARE: f64 = 1e-3;
+
 /// The value of a pixel in f64.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exact {
@@ -32,6 +35,9 @@ pub struct Answers {
     pub exact: Option<Result<Exact, String>>,
     /// The modules of its program by slot, those of further objects behind the name of the object.
     pub modules: Vec<[String; 2]>,
+    /// What of the scene was left out, and how far the pixel of what is left is from it: the largest difference of a
+    /// channel.
+    pub shares: Vec<(String, f64)>,
     /// Whether nothing more comes.
     pub done: bool,
 }
@@ -41,6 +47,7 @@ enum Answer {
     Modules(Vec<[String; 2]>),
     Ray(Result<Vec<[f64; 2]>, String>),
     Exact(Result<Exact, String>),
+    Share(String, f64),
 }
 
 /// What is being looked for; it is given up with this.
@@ -80,7 +87,17 @@ impl Search {
                 tell(Answer::Ray(ray.map_err(|error| error.to_string())));
             }
             if !stops() {
-                tell(Answer::Exact(exact(&modules, &own, &subject, pixel, &stops)));
+                let found = exact(&modules, &own, &subject, pixel, TOLERANCE, &stops);
+                let whole = found.as_ref().ok().map(|exact| exact.value);
+                tell(Answer::Exact(found));
+                for (name, without) in whole.iter().flat_map(|_| parts(&own, &modules)) {
+                    // What needs another field, or more than its time, has no share.
+                    let found = exact(&modules, &without, &subject, pixel, SHARE, &stops);
+                    if let (Some(whole), Ok(Exact { value, .. })) = (whole, found) {
+                        let apart = [0, 1, 2, 3].map(|channel| (whole[channel] - value[channel]).abs());
+                        tell(Answer::Share(name, apart.into_iter().fold(0.0, f64::max)));
+                    }
+                }
             }
             drop(sender);
             notify();
@@ -114,6 +131,7 @@ impl Search {
                 Ok(Answer::Modules(modules)) => answers.modules = modules,
                 Ok(Answer::Ray(ray)) => answers.ray = Some(ray),
                 Ok(Answer::Exact(exact)) => answers.exact = Some(exact),
+                Ok(Answer::Share(name, by)) => answers.shares.push((name, by)),
                 Err(mpsc::TryRecvError::Empty) => return,
                 Err(mpsc::TryRecvError::Disconnected) => {
                     answers.done = true;
@@ -130,12 +148,28 @@ fn exact(
     scene: &Scene,
     subject: &Subject,
     pixel: [u32; 2],
+    tolerance: f64,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<Exact, String> {
     let truth = truth_of(scene, library).map_err(|error| error.to_string())?;
-    let found = reference_pixels(library, &truth, subject, &[pixel], TOLERANCE, &|_| (), stop);
+    let found = reference_pixels(library, &truth, subject, &[pixel], tolerance, &|_| (), stop);
     let found = found.map_err(|error| error.to_string())?;
     Ok(Exact { value: found.pixels[0], error: found.estimate[0], proven: found.proven() == 1 })
+}
+
+/// The scene without each module that its matter has one after another, and without its shadows.
+fn parts(scene: &Scene, library: &Library) -> Vec<(String, Scene)> {
+    let without = |name: &str, change: &dyn Fn(&mut Scene)| {
+        let mut less = scene.clone();
+        change(&mut less);
+        less.check(library).ok().map(|_| (name.to_string(), less))
+    };
+    let dmf = scene.effect.dmf.iter().enumerate();
+    let warp = scene.effect.warp.iter().enumerate();
+    let dmf = dmf.map(|(index, name)| without(name, &|less| drop(less.effect.dmf.remove(index))));
+    let warp = warp.map(|(index, name)| without(name, &|less| drop(less.effect.warp.remove(index))));
+    let shadows = scene.light.shadows.then(|| without("shadows", &|less| less.light.shadows = false));
+    dmf.chain(warp).chain(shadows).flatten().collect()
 }
 
 /// The modules that the program of a scene reads for its matter, by slot.

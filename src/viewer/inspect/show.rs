@@ -133,6 +133,11 @@ fn modules(ui: &mut Ui, answers: &Answers) {
             ui.end_row();
         }
     });
+    for (name, by) in &answers.shares {
+        let doc =
+            "How far the pixel of the scene without it is from this one, in f64: the largest difference of a channel.";
+        ui.label(format!("without {name}: {by:.3} off")).on_hover_text(doc);
+    }
 }
 
 /// Density over the distance from the camera, with its axes.

@@ -21,8 +21,8 @@ fn job(change: impl FnOnce(&mut Scene)) -> Job {
     change(&mut scene);
     let library = Arc::new(shader::shipped());
     let subject = Arc::new(crate::render::Subject::load(&scene, &library, &|_| ()).unwrap());
-    let variants = vec![Variant { scene, subject }];
-    Job { number: 1, library, variants, moving: false, max_error: 1e-3, focus: [0.5; 2], validity: false }
+    let variants = vec![Variant { scene, library, subject }];
+    Job { number: 1, variants, moving: false, max_error: 1e-3, focus: [0.5; 2], validity: false }
 }
 
 fn harness(job: Job) -> Harness<'static, (Inspector, Job)> {
@@ -83,11 +83,34 @@ fn a_pixel_has_its_value_its_reference_their_error_its_ray_and_its_modules() {
 }
 
 #[test]
+fn a_pixel_says_how_much_of_it_each_module_made() {
+    let of = |change: fn(&mut Scene)| {
+        let mut harness = harness(job(change));
+        harness.state_mut().0.look_at(Some([24, 16]));
+        wait(&mut harness);
+        let Answers { shares, exact, .. } = harness.state().0.answers.clone();
+        for (name, by) in &shares {
+            let line = format!("without {name}: {by:.3} off");
+            assert!(harness.query_all_by_value(&line).next().is_some(), "{line}");
+        }
+        (shares, exact.unwrap().unwrap().value)
+    };
+    let (none, plain) = of(|_| ());
+    assert_eq!(none, []);
+    // The scene without its one module is the plain ball.
+    let (shares, melted) = of(|scene| scene.effect.warp = vec!["melting".into()]);
+    let apart = [0, 1, 2, 3].map(|channel| f64::abs(plain[channel] - melted[channel])).into_iter().fold(0.0, f64::max);
+    let [(name, by)] = &shares[..] else { panic!("{shares:?}") };
+    assert!(name == "melting" && (by - apart).abs() < 2e-3 && apart > 0.01, "{shares:?}, {apart}");
+}
+
+#[test]
 fn a_search_is_given_up_by_hand_by_another_pixel_and_by_another_scene() {
     let mut harness = harness(job(|_| ()));
     let endless = |harness: &mut Harness<'static, (Inspector, Job)>, pixel: [u32; 2]| {
         let (inspector, job) = harness.state_mut();
-        let (search, cancelled) = Search::endless(pixel, job.variants[0].scene.clone(), job.library.clone());
+        let (search, cancelled) =
+            Search::endless(pixel, job.variants[0].scene.clone(), job.variants[0].library.clone());
         inspector.look_at(Some(pixel));
         inspector.search = Some(search);
         harness.run_steps(3);

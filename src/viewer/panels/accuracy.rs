@@ -38,7 +38,7 @@ pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
         let offered = |number| setting.name != "quality.turbulence_cells" || number <= most;
         settings::show_some(ui, controls, "", setting.name, &offered);
         if setting.name == "quality.samples" {
-            ui.horizontal(|ui| factors(ui, controls));
+            ui.horizontal_wrapped(|ui| factors(ui, controls));
         }
     }
 }

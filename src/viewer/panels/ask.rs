@@ -101,8 +101,14 @@ impl Asked {
     }
 
     /// Shows the question or the dialog; what was decided. `file` is where a scene without a file is saved;
-    /// `unsaved`, whether there is something that no file holds.
-    pub(super) fn show(&mut self, ui: &mut Ui, model: &mut Model, file: &str, unsaved: bool) -> Option<Request> {
+    /// `at_stake` is what would end with the window.
+    pub(super) fn show(
+        &mut self,
+        ui: &mut Ui,
+        model: &mut Model,
+        file: &str,
+        at_stake: Option<String>,
+    ) -> Option<Request> {
         self.note(model);
         if let Some(path) = self.dialog.update(ui).picked() {
             let path = path.to_path_buf();
@@ -110,7 +116,7 @@ impl Asked {
             return Some(Request::Open(path));
         }
         let question = self.question.clone()?;
-        let shown = Modal::new(Id::new("question")).show(ui.ctx(), |ui| answer(ui, &question, model, unsaved));
+        let shown = Modal::new(Id::new("question")).show(ui.ctx(), |ui| answer(ui, &question, model, at_stake));
         let closes = shown.should_close();
         let answer = shown.inner.or(closes.then_some(Answer::No))?;
         self.question = None;
@@ -168,14 +174,10 @@ enum Answer {
     Save,
 }
 
-fn answer(ui: &mut Ui, question: &Question, model: &Model, unsaved: bool) -> Option<Answer> {
+fn answer(ui: &mut Ui, question: &Question, model: &Model, at_stake: Option<String>) -> Option<Answer> {
     ui.set_max_width(420.0);
     let (line, yes, no) = match question {
-        Question::Quit if unsaved => {
-            let what = if model.is_dirty() { "The scene" } else { "The text of a module" };
-            (format!("{what} is not saved. It is kept, and offered at the next start."), "quit", "stay")
-        }
-        Question::Quit => ("Quit?".into(), "quit", "stay"),
+        Question::Quit => (at_stake.unwrap_or_else(|| "Quit?".into()), "quit", "stay"),
         Question::Scene(path) | Question::Picture(path) => {
             (format!("{} is there, and was not written by this window.", path.display()), "replace it", "keep it")
         }

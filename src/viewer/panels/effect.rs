@@ -1,7 +1,7 @@
 //! The modules of an effect.
 
 use super::settings::{self, modules};
-use super::widgets::{Field, Touch, choice, field, named};
+use super::widgets::{Field, Touch, choice, field, is_narrow, named};
 use super::{Pass, own, prefix};
 use crate::scene::schema::{self, Filled, Kind, SETTINGS, Setting};
 use crate::shader::Library;
@@ -89,11 +89,15 @@ fn stack(
     for (index, entry) in names.iter_mut().enumerate() {
         let (mut module, mut mask) =
             entry.split_once('@').map_or((entry.clone(), String::new()), |(a, b)| (a.into(), b.into()));
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let at = |what: &str| format!("{}.{index}{what}", field.name);
+            let is_narrow = is_narrow(ui);
             pick(ui, &at(""), &mut module, &options, 112.0);
+            if is_narrow {
+                ui.end_row();
+            }
             if slot == "dmf" {
-                pick(ui, &at(".mask"), &mut mask, &masks, 92.0);
+                pick(ui, &at(".mask"), &mut mask, &masks, if is_narrow { 64.0 } else { 92.0 });
             }
             let small = |ui: &mut Ui, on: bool, text: &str, what: &str, doc: &str| {
                 let response = ui.add_enabled(on, Button::new(text).small()).on_hover_text(doc);

@@ -16,115 +16,37 @@ mod messages;
 mod object;
 mod parameters;
 mod presets;
+mod request;
 mod session;
 mod settings;
 mod stage;
+mod status;
 mod theme;
 mod timeline;
 mod transfer;
 pub mod widgets;
 
 pub use ask::Question;
+pub use request::Request;
 pub(in crate::viewer) use stage::SIDES;
+pub use status::Status;
 
 use super::author::Author;
 use super::message::Message;
 use super::model::Model;
-use super::tempo::Tempo;
 use super::unsaved;
 use crate::scene::{Effect, ParameterValue, Scene, Transfer};
 use egui::{CollapsingHeader, Panel, RichText, ScrollArea, Ui};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Arc;
 use widgets::Touch;
 
 /// Width of the panel of the scene, points.
 const WIDTH: f32 = 376.0;
 /// The least and the most of it, and the part of the window that it has at most.
-const LEAST: f32 = 190.0;
+const LEAST: f32 = 184.0;
 const MOST: f32 = 640.0;
-const PART: f32 = 0.42;
-
-/// What the window knows and the panels show.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Status {
-    /// Time of the last frame and its spread, milliseconds.
-    pub frame_ms: Option<[f64; 2]>,
-    /// Milliseconds of the last pictures on the device, the newest last.
-    pub recent_ms: Vec<f64>,
-    /// Milliseconds that one may take while the scene moves.
-    pub budget_ms: f64,
-    /// Estimated root mean square error of the picture that is shown, and its own spread, in units of 1.
-    pub error: Option<[f64; 2]>,
-    /// What is on the screen and how far it is, in words.
-    pub picture: String,
-    /// Its size and samples, in words.
-    pub detail: String,
-    /// Device and driver.
-    pub device: String,
-    /// What went wrong or was done, beside what the model says.
-    pub message: Option<Message>,
-    /// Fields of the scene that change nothing in the picture, with their values.
-    pub ignored: Vec<String>,
-    /// Settings that the picture does not read: they have no control, unless all are asked for.
-    pub idle: Vec<String>,
-    /// Width and height of the picture in the window, pixels; 0 while there is none.
-    pub window: [u32; 2],
-    /// What the picture was made with: what each line is about, and what there is.
-    pub made: Vec<[String; 2]>,
-    /// Part of what is under way that is done, 0 to 1.
-    pub progress: Option<f32>,
-    /// Whether time stands still.
-    pub paused: bool,
-    /// Whether frames are being written.
-    pub recording: bool,
-    /// Whether a second scene is shown beside this one.
-    pub split: bool,
-    /// The error that the picture may have; without one, the scene says how it is made.
-    pub max_error: Option<f64>,
-    /// Whether pixels that are not to be trusted are shown.
-    pub validity: bool,
-    /// How many points of the object have which density, from 0 to 1, where that is known.
-    pub densities: Option<Arc<[u32]>>,
-    /// The time, while it runs.
-    pub time: Option<f64>,
-    /// How it runs.
-    pub tempo: Tempo,
-    /// Whether a drag keeps the vertical axis upright.
-    pub level: bool,
-}
-
-/// What only the window can do.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Request {
-    /// Write the picture that is shown.
-    Screenshot(PathBuf),
-    /// Look at the object as the preset does.
-    ResetCamera,
-    /// Show this scene beside the one that is edited; none ends it.
-    Split(Option<Box<Scene>>),
-    /// Start or end the writing of frames.
-    Record(bool),
-    /// Let time stand still, or go on.
-    Pause(bool),
-    /// Go to a time, seconds.
-    Time(f64),
-    /// How time runs from now on.
-    Tempo(Tempo),
-    /// Whether a drag keeps the vertical axis upright.
-    Level(bool),
-    /// Choose samples so that the error is at most this; none leaves them to the scene.
-    MaxError(Option<f64>),
-    /// Show which pixels are not to be trusted, or the picture again.
-    Validity(bool),
-    /// Find how many points of the object have which density, in time: the transfer map is looked at.
-    Densities,
-    /// Show a mesh, a scan, a scene or a module.
-    Open(PathBuf),
-    /// End the program.
-    Quit,
-}
+const PART: f32 = 0.36;
 
 /// What the panels remember from frame to frame.
 pub struct Panels {
@@ -261,9 +183,17 @@ impl Panels {
         self.asked.remember(kept, folder);
     }
 
-    /// Whether there is something that no file holds: the scene, or the text of a module.
-    pub fn is_unsaved(&self, model: &Model) -> bool {
-        model.is_dirty() || !unsaved::texts(model, &self.author).is_empty()
+    /// What would end with the window, in words: what no file holds, and a final picture in the making.
+    pub fn at_stake(&self, model: &Model) -> Option<String> {
+        let kept = |what: &str| format!("{what} is not saved. It is kept, and offered at the next start.");
+        let text = || !unsaved::texts(model, &self.author).is_empty();
+        let unsaved = match model.is_dirty() {
+            true => Some(kept("The scene")),
+            false => text().then(|| kept("The text of a module")),
+        };
+        let running = self.finals.progress().map(|progress| format!("What is rendered ends too ({progress})."));
+        let all: Vec<String> = unsaved.into_iter().chain(running).collect();
+        (!all.is_empty()).then(|| all.join("\n"))
     }
 
     /// Asks a question, until it is answered.
@@ -324,8 +254,9 @@ impl Panels {
         } else if self.author.poll(model) {
             ui.ctx().request_repaint();
         }
-        let unsaved = self.asked.question == Some(Question::Quit) && self.is_unsaved(model);
-        requests.extend(self.asked.show(ui, model, &self.paths[0], unsaved));
+        let at_stake = self.asked.question.as_ref().filter(|asked| **asked == Question::Quit);
+        let at_stake = at_stake.and_then(|_| self.at_stake(model));
+        requests.extend(self.asked.show(ui, model, &self.paths[0], at_stake));
         self.finals.show(ui, model, status);
         let all = [complaint.as_ref(), model.notice(), status.message.as_ref(), self.finals.outcome()];
         let all: Vec<&Message> = all.into_iter().flatten().collect();
@@ -425,7 +356,7 @@ impl Panels {
     fn asking(&mut self, request: Request, model: &Model) -> Option<Request> {
         match request {
             Request::Screenshot(path) => self.asked.picture(path),
-            Request::Quit if self.is_unsaved(model) => {
+            Request::Quit if self.at_stake(model).is_some() => {
                 self.ask(Question::Quit);
                 None
             }

@@ -4,8 +4,8 @@ use super::bookmarks::{Bookmarks, looking};
 use super::widgets::{button, named};
 use super::{Pass, Request, settings};
 use crate::scene::Camera;
+use crate::viewer::trackball::level_angles;
 use egui::{Button, Ui};
-use glam::Vec3;
 use toml::Value;
 
 /// Sides to look at the object from: name, azimuth and elevation in degrees.
@@ -71,9 +71,7 @@ pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks
 
 /// Azimuth and elevation of a camera however it was turned, to a tenth of a degree.
 fn angles(camera: &Camera) -> [f32; 2] {
-    let toward = camera.turn().inverse() * Vec3::Z;
-    let degrees = [toward.x.atan2(toward.z), toward.y.clamp(-1.0, 1.0).asin()];
-    degrees.map(|angle| (10.0 * angle.to_degrees()).round() / 10.0)
+    level_angles(camera).map(|angle| (10.0 * angle).round() / 10.0)
 }
 
 /// The views that were kept.
@@ -82,7 +80,7 @@ fn views(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks) {
     ui.horizontal_wrapped(|ui| {
         for (index, view) in bookmarks.views.iter().enumerate() {
             let name = format!("view {}", index + 1);
-            let [azimuth, elevation] = crate::viewer::trackball::level_angles(view);
+            let [azimuth, elevation] = level_angles(view);
             let doc = format!("Azimuth {azimuth:.0}, elevation {elevation:.0}, zoom {:.2}.", view.zoom);
             if button(ui, &name, &name, &doc).clicked() {
                 pass.draft.camera = looking(&pass.draft.camera, view);

@@ -146,23 +146,26 @@ impl Palette {
     }
 }
 
+/// WCAG 2.2: relative luminance of an opaque color.
+#[cfg(test)]
+fn luminance(color: Color32) -> f64 {
+    let linear = |code: u8| {
+        let value = f64::from(code) / 255.0;
+        if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    };
+    0.2126 * linear(color.r()) + 0.7152 * linear(color.g()) + 0.0722 * linear(color.b())
+}
+
+/// WCAG 2.2: how much two opaque colors stand out from each other.
+#[cfg(test)]
+pub(super) fn contrast(a: Color32, b: Color32) -> f64 {
+    let [a, b] = [luminance(a), luminance(b)];
+    (a.max(b) + 0.05) / (a.min(b) + 0.05)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// WCAG 2.2: relative luminance of an opaque color.
-    fn luminance(color: Color32) -> f64 {
-        let linear = |code: u8| {
-            let value = f64::from(code) / 255.0;
-            if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-        };
-        0.2126 * linear(color.r()) + 0.7152 * linear(color.g()) + 0.0722 * linear(color.b())
-    }
-
-    fn contrast(a: Color32, b: Color32) -> f64 {
-        let [a, b] = [luminance(a), luminance(b)];
-        (a.max(b) + 0.05) / (a.min(b) + 0.05)
-    }
 
     fn mix(below: Color32, above: Color32, part: f32) -> Color32 {
         let channel = |a: u8, b: u8| (f32::from(a) + part * (f32::from(b) - f32::from(a))).round() as u8;

@@ -36,7 +36,7 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selecte
     let before = transfer.clone();
     curve(ui, transfer, pass.status.densities.as_deref().unwrap_or_default(), selected, &at("curve_editor"));
     bar(ui, transfer, selected, &at("bar"));
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if button(ui, "add stop", &at("add"), "Add a stop behind the one that is selected.").clicked() {
             let from = transfer.stops.get(*selected).map_or(0.0, |stop| stop.at);
             let to = transfer.stops.get(*selected + 1).map_or(1.0, |stop| stop.at);

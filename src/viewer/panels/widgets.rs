@@ -9,6 +9,12 @@ use std::ops::RangeInclusive;
 const LABEL: f32 = 122.0;
 /// What a row has beside its label and its slider: a number, a button, and what is between them, points.
 const BESIDE: f32 = 112.0;
+/// In less room than this, points, a label is above its control.
+const NARROW: f32 = 260.0;
+/// A small button at the end of a row, with the room before it, points.
+const RESET: f32 = 28.0;
+/// What is beside a slider whose label is above it, points.
+const BELOW: f32 = 136.0;
 /// Words of sentences about fields that say the unit, and how it is written behind the number.
 const UNITS: [(&str, &str); 5] =
     [("degrees", "\u{b0}"), ("seconds", " s"), ("pixels", " px"), ("texels", " tx"), ("object units", " u")];
@@ -65,8 +71,13 @@ pub fn unit(doc: &str) -> &'static str {
 
 /// Fits labels and sliders into the width that there is.
 pub fn fit(ui: &mut Ui) {
-    let left = ui.available_width() - label_width(ui) - BESIDE;
-    ui.spacing_mut().slider_width = left.clamp(36.0, 118.0);
+    let beside = if is_narrow(ui) { BELOW } else { label_width(ui) + BESIDE };
+    ui.spacing_mut().slider_width = (ui.available_width() - beside).clamp(24.0, 118.0);
+}
+
+/// Whether there is little room for a row.
+pub fn is_narrow(ui: &Ui) -> bool {
+    ui.available_width() < NARROW
 }
 
 fn label_width(ui: &Ui) -> f32 {
@@ -79,16 +90,27 @@ pub fn button(ui: &mut Ui, text: &str, name: &str, doc: &str) -> Response {
     named(ui, &response, name)
 }
 
-/// A label, and what belongs to it at its right.
+/// A label, and what belongs to it at its right, or below where there is little room.
 pub fn line<R>(ui: &mut Ui, field: &Field<'_>, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let last = field.name.rsplit('.').next().unwrap_or_default();
+    let text = field.text.map_or_else(|| last.replace('_', " "), String::from);
+    let label = egui::Label::new(&text).truncate();
+    if is_narrow(ui) {
+        let below = |ui: &mut Ui| {
+            ui.set_max_width(ui.available_width() - RESET);
+            if !text.is_empty() {
+                ui.add(label).on_hover_text(tip(field));
+            }
+            ui.horizontal_wrapped(add).inner
+        };
+        return ui.vertical(below).inner;
+    }
     let width = label_width(ui);
     ui.horizontal(|ui| {
-        let last = field.name.rsplit('.').next().unwrap_or_default();
-        let text = field.text.map_or_else(|| last.replace('_', " "), String::from);
         let height = ui.spacing().interact_size.y;
         let label = ui.allocate_ui_with_layout(vec2(width, height), Layout::left_to_right(Align::Center), |ui| {
             ui.set_min_width(width);
-            ui.add(egui::Label::new(text).truncate())
+            ui.add(label)
         });
         label.inner.on_hover_text(tip(field));
         add(ui)

@@ -1,7 +1,7 @@
 //! What a variant is drawn with.
 
+use super::Variant;
 use super::aside::Aside;
-use super::{Job, Variant};
 use crate::gpu::Gpu;
 use crate::render::variant::{Variant as Program, VariantError};
 use crate::render::{Renderer, Sight};
@@ -26,8 +26,8 @@ pub(super) struct Easel {
 }
 
 impl Easel {
-    pub(super) fn new(gpu: &Gpu, job: &Job, variant: &Variant) -> Easel {
-        let renderer = || Renderer::new(gpu, &job.library, &variant.subject);
+    pub(super) fn new(gpu: &Gpu, variant: &Variant) -> Easel {
+        let renderer = || Renderer::new(gpu, &variant.library, &variant.subject);
         let mut own = renderer();
         own.keep(KEPT);
         Easel { own, mean: Aside::new(renderer()), trial: None, sooner: None }
@@ -47,8 +47,8 @@ impl Easel {
 }
 
 /// Where a variant is looked at from.
-pub(in crate::viewer) fn sight(variant: &Variant, library: &Library) -> Result<Sight, VariantError> {
-    Ok(Sight::of(&variant.scene, &variant.subject, &Program::of(&variant.scene, library)?))
+pub(in crate::viewer) fn sight(variant: &Variant) -> Result<Sight, VariantError> {
+    Ok(Sight::of(&variant.scene, &variant.subject, &Program::of(&variant.scene, &variant.library)?))
 }
 
 /// A scene drawn by the other pass, where that can be.

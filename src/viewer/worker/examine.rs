@@ -2,7 +2,7 @@
 
 use super::render_thread::RenderThread;
 use super::task::{leave_where, unless_stopped};
-use super::{Event, Job, Picture};
+use super::{Event, Job, Picture, Variant};
 use crate::measure::validity::{Found, TRUSTED, Validity, examine};
 use crate::render::{RenderError, Renderer, Subject};
 use crate::scene::Scene;
@@ -16,11 +16,11 @@ const GREY: [u8; 3] = [128; 3];
 impl RenderThread {
     /// Finds which of the scene's `own` pixels are not to be trusted; none where something else is to be done.
     pub(super) fn examine(&self, job: &Job, own: &[[f32; 4]]) -> Result<Option<Validity>, RenderError> {
-        let (scene, subject) = (&job.variants[0].scene, &job.variants[0].subject);
-        let mut renderer = Renderer::new(&self.gpu, &job.library, subject);
+        let Variant { scene, library, subject } = &job.variants[0];
+        let mut renderer = Renderer::new(&self.gpu, library, subject);
         let mut lost = None;
         let mut draw = |better: &Scene, modules: &Library| {
-            let drawn = match (better.object == scene.object, *modules == *job.library) {
+            let drawn = match (better.object == scene.object, *modules == **library) {
                 (true, true) => self.pixels(job, better, &mut renderer),
                 (true, false) => self.pixels(job, better, &mut Renderer::new(&self.gpu, modules, subject)),
                 (false, _) => self.of_another_object(job, better),
@@ -33,7 +33,7 @@ impl RenderThread {
                 drawn => drawn.map_err(|error| error.to_string()).transpose(),
             }
         };
-        let validity = examine(scene, &job.library, own, subject.field.is_some(), &mut draw);
+        let validity = examine(scene, library, own, subject.field.is_some(), &mut draw);
         lost.map_or(Ok(validity), Err)
     }
 
@@ -58,8 +58,9 @@ impl RenderThread {
 
     /// The picture of a scene whose object has to be sampled first.
     fn of_another_object(&self, job: &Job, scene: &Scene) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
+        let library = &job.variants[0].library;
         let progress = |_| leave_where(self.shared.is_stale(job.number));
-        let Some(subject) = unless_stopped(|| Subject::load(scene, &job.library, &progress)) else { return Ok(None) };
-        self.pixels(job, scene, &mut Renderer::new(&self.gpu, &job.library, &subject?))
+        let Some(subject) = unless_stopped(|| Subject::load(scene, library, &progress)) else { return Ok(None) };
+        self.pixels(job, scene, &mut Renderer::new(&self.gpu, library, &subject?))
     }
 }

@@ -21,14 +21,28 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, mpsc};
 use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 pub(super) use easel::sight;
 
-/// A scene and its object.
+/// A preview is waited for to be on the screen for so long at most: a hidden window shows none.
+const SHOWN: Duration = Duration::from_millis(40);
+/// While it is, whether it is there is asked this often.
+const LOOK: Duration = Duration::from_micros(500);
+
+/// A scene with its modules and its object.
 #[derive(Clone)]
 pub(super) struct Variant {
     pub(super) scene: Scene,
+    pub(super) library: Arc<Library>,
     pub(super) subject: Arc<Subject>,
+}
+
+impl Variant {
+    /// Whether another one has the same modules and object.
+    pub(super) fn is_made_as(&self, other: &Variant) -> bool {
+        Arc::ptr_eq(&self.library, &other.library) && Arc::ptr_eq(&self.subject, &other.subject)
+    }
 }
 
 /// What is to be on the screen.
@@ -36,7 +50,6 @@ pub(super) struct Variant {
 pub(super) struct Job {
     /// Larger than that of the job before.
     pub(super) number: u64,
-    pub(super) library: Arc<Library>,
     /// One, or two to be compared; their pictures have the same size.
     pub(super) variants: Vec<Variant>,
     /// Whether the next one is expected soon.
@@ -52,11 +65,11 @@ pub(super) struct Job {
 /// What is done between two jobs.
 pub(super) enum Task {
     /// Writes the picture that `render` makes. `edited` are modules that are in no file as they are drawn here.
-    Shot { library: Arc<Library>, variant: Box<Variant>, path: PathBuf, edited: Vec<String> },
+    Shot { variant: Box<Variant>, path: PathBuf, edited: Vec<String> },
     /// Writes a turn around the object.
-    Turntable { library: Arc<Library>, variant: Box<Variant>, path: PathBuf, frames: u32, edited: Vec<String> },
+    Turntable { variant: Box<Variant>, path: PathBuf, frames: u32, edited: Vec<String> },
     /// Looks for the fastest settings within an error.
-    Pick { library: Arc<Library>, variant: Box<Variant>, bound: ErrorBound },
+    Pick { variant: Box<Variant>, bound: ErrorBound },
 }
 
 /// A picture, ready to be shown, and what is known about it.
@@ -126,6 +139,9 @@ struct Shared {
     quit: AtomicBool,
     /// Whether a recording or a search ends.
     stop: AtomicBool,
+    /// The jobs of the last preview that was told of, and of the last picture that the window was drawn with.
+    told: AtomicU64,
+    shown: AtomicU64,
 }
 
 #[derive(Default)]
@@ -141,6 +157,15 @@ impl Shared {
 
     fn quits(&self) -> bool {
         self.quit.load(Ordering::Relaxed)
+    }
+
+    /// Waits until the window was drawn with the last preview: on a device that draws both, the next one would keep it
+    /// waiting.
+    fn wait_until_shown(&self) {
+        let until = Instant::now() + SHOWN;
+        while self.shown.load(Ordering::Relaxed) < self.told.load(Ordering::Relaxed) && Instant::now() < until {
+            thread::sleep(LOOK);
+        }
     }
 
     /// Whether something is more urgent than the job of this number.
@@ -176,6 +201,11 @@ impl Worker {
         self.shared.newest.store(job.number, Ordering::Relaxed);
         self.shared.inbox().job = Some(job);
         self.shared.wake.notify_one();
+    }
+
+    /// The window was drawn with the picture of a job.
+    pub(super) fn shown(&self, number: u64) {
+        self.shared.shown.store(number, Ordering::Relaxed);
     }
 
     /// Does a task as soon as the picture in work is interrupted.

@@ -122,10 +122,10 @@ impl RenderThread {
 
     /// Says what changes nothing in a picture that is finished: it takes a part of a second.
     fn tell_ignored(&self, job: &Job) {
-        let (scene, subject) = (&job.variants[0].scene, &job.variants[0].subject);
+        let Variant { scene, library, subject } = &job.variants[0];
         // A custom module is compiled in a process of its own, and never for this.
-        if scene.modules.is_empty() && *job.library == shipped() && !self.shared.is_stale(job.number) {
-            (self.tell)(Event::Ignored(ignored(&job.library, subject, &nearest_preset(scene), scene)));
+        if scene.modules.is_empty() && **library == shipped() && !self.shared.is_stale(job.number) {
+            (self.tell)(Event::Ignored(ignored(library, subject, &nearest_preset(scene), scene)));
         }
     }
 
@@ -154,7 +154,7 @@ impl RenderThread {
             };
             gpu_ms += drawn.ms;
             if let (0, Some(measurements)) = (index, &drawn.measurements) {
-                (self.tell)(Event::Made(made_with(measurements, &variant.scene, &variant.subject, &job.library)?));
+                (self.tell)(Event::Made(made_with(measurements, &variant.scene, &variant.subject, &variant.library)?));
             }
         }
         still.gpu_ms = gpu_ms;
@@ -211,10 +211,10 @@ impl RenderThread {
 
     /// Times previews by both passes, once for a variant whose picture is finished, and remembers which is sooner.
     fn time_passes(&self, job: &Job, variant: &Variant, easel: &mut Easel) -> Result<(), RenderError> {
-        let Variant { scene, subject } = variant;
+        let Variant { scene, library, subject } = variant;
         let own = scene.quality.pass;
         let is_known = easel.sooner.is_some_and(|[_, of]| of == own);
-        let Some(other) = by_the_other_pass(scene, &job.library).filter(|_| !is_known) else { return Ok(()) };
+        let Some(other) = by_the_other_pass(scene, library).filter(|_| !is_known) else { return Ok(()) };
         if !self.rests(job) {
             return Ok(());
         }
@@ -230,7 +230,7 @@ impl RenderThread {
                 let frames = (0..TRIALS).map(|_| renderer.render(&scene).map(|frame| device_ms(&frame)));
                 frames.collect::<Result<Vec<f64>, _>>().map(|times| times.into_iter().fold(f64::INFINITY, f64::min))
             };
-            let renderer = || Aside::new(Renderer::new(&self.gpu, &job.library, subject));
+            let renderer = || Aside::new(Renderer::new(&self.gpu, library, subject));
             match easel.trial.get_or_insert_with(renderer).away(&stale, work) {
                 Ok(Some(ms)) if ms > 0.0 => *time = ms,
                 Ok(_) | Err(RenderError::Stopped) => return Ok(()),

@@ -13,6 +13,7 @@ use crate::viewer::progressive::{Budget, FEWEST, Level, Mean, resampled};
 use crate::viewer::screen::encode_srgb;
 use crate::viewer::status::Stage;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 /// Tells the window something.
@@ -143,9 +144,8 @@ impl RenderThread {
     /// Shows a job and those after it that have the same modules and objects; gives the first that has not.
     fn show(&mut self, mut job: Job) -> Option<Job> {
         let gpu = self.gpu.clone();
-        let library = job.library.clone();
-        let subjects: Vec<_> = job.variants.iter().map(|variant| variant.subject.clone()).collect();
-        let mut easels: Vec<Easel> = job.variants.iter().map(|variant| Easel::new(&gpu, &job, variant)).collect();
+        let own = job.variants.clone();
+        let mut easels: Vec<Easel> = job.variants.iter().map(|variant| Easel::new(&gpu, variant)).collect();
         let mut still = None;
         loop {
             let done = self.picture(&job, &mut easels, &mut still);
@@ -153,9 +153,8 @@ impl RenderThread {
                 return None;
             }
             let next = self.next_job()?;
-            let same = Arc::ptr_eq(&next.library, &library)
-                && next.variants.len() == subjects.len()
-                && next.variants.iter().zip(&subjects).all(|(variant, own)| Arc::ptr_eq(&variant.subject, own));
+            let same = next.variants.len() == own.len()
+                && next.variants.iter().zip(&own).all(|(variant, own)| variant.is_made_as(own));
             if !same {
                 return Some(next);
             }
@@ -171,7 +170,7 @@ impl RenderThread {
     ) -> Result<(), RenderError> {
         if still.as_ref().is_none_or(|still| still.scenes != scenes(job)) {
             let before = still.take();
-            if !job.variants.iter().all(|variant| self.admits(&variant.scene, &job.library)) {
+            if !job.variants.iter().all(|variant| self.admits(&variant.scene, &variant.library)) {
                 return Ok(());
             }
             *still = match before.filter(|before| before.is_resized_by(job)) {
@@ -200,9 +199,10 @@ impl RenderThread {
 
     /// A picture in time for the next one, as far as the thread does not end.
     fn preview(&mut self, job: &Job, easels: &mut [Easel]) -> Result<Option<Accumulation>, RenderError> {
-        let sights: Result<Vec<Sight>, _> = job.variants.iter().map(|variant| sight(variant, &job.library)).collect();
+        let sights: Result<Vec<Sight>, _> = job.variants.iter().map(sight).collect();
         let sights = sights?;
         let first = &job.variants[0].scene;
+        self.shared.wait_until_shown();
         'level: loop {
             let (start, level) = (Instant::now(), self.budget.level());
             let (mut frames, mut device, mut compile_ms) = (Vec::new(), 0.0, 0.0);
@@ -228,6 +228,7 @@ impl RenderThread {
             let coarse: Vec<Vec<[f32; 4]>> = frames.into_iter().map(|frame| frame.pixels).collect();
             let mut still = Accumulation::of(job, sights, coarse, size);
             (still.level, still.gpu_ms) = (Some(level), device);
+            self.shared.told.store(job.number, Ordering::Relaxed);
             let error = self.coarse_error.filter(|(_, of)| *of == level).map(|(error, _)| error);
             let pictures: Vec<&[[f32; 4]]> = still.coarse.iter().map(Vec::as_slice).collect();
             self.tell_picture(
@@ -236,14 +237,16 @@ impl RenderThread {
                 &pictures,
                 Picture { size, samples, error, ..Picture::of(job, Stage::Coarse, device) },
             );
-            self.budget.took(first, device, start.elapsed().as_secs_f64() * 1e3 - compile_ms - device);
+            let ms = start.elapsed().as_secs_f64() * 1e3 - compile_ms;
+            log::debug!("preview {:?}: {device:.1} ms on the device of {ms:.1} ms", size);
+            self.budget.took(first, device, ms - device);
             return Ok(Some(still));
         }
     }
 
     /// What was there in another size of the window, in its new size: it is gone on from.
     fn resized(&mut self, job: &Job, before: &Accumulation) -> Result<Accumulation, RenderError> {
-        let sights: Result<Vec<Sight>, _> = job.variants.iter().map(|variant| sight(variant, &job.library)).collect();
+        let sights: Result<Vec<Sight>, _> = job.variants.iter().map(sight).collect();
         let (sights, size) = (sights?, job.variants[0].scene.image.size);
         let (pictures, from) = before.best();
         let all = pictures.iter().zip(before.sights.iter().zip(&sights)).map(|(pixels, (old, new))| {

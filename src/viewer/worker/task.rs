@@ -8,7 +8,6 @@ use crate::output::sequence::{Frames, Sequence, frame_path};
 use crate::output::{self, Depth, Provenance};
 use crate::render::{Frame, RenderError, Renderer};
 use crate::scene::Scene;
-use crate::shader::Library;
 use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -38,23 +37,21 @@ pub(super) fn unless_stopped<T>(work: impl FnOnce() -> T) -> Option<T> {
 
 impl RenderThread {
     pub(super) fn work(&self, task: Task) -> Result<(), RenderError> {
-        let (Task::Shot { library, variant, .. }
-        | Task::Turntable { library, variant, .. }
-        | Task::Pick { library, variant, .. }) = &task;
-        if !self.admits(&variant.scene, library) {
+        let (Task::Shot { variant, .. } | Task::Turntable { variant, .. } | Task::Pick { variant, .. }) = &task;
+        if !self.admits(&variant.scene, &variant.library) {
             return Ok(());
         }
         match task {
-            Task::Shot { library, variant, path, edited } => {
-                let frame = Renderer::new(&self.gpu, &library, &variant.subject).render(&variant.scene)?;
+            Task::Shot { variant, path, edited } => {
+                let frame = Renderer::new(&self.gpu, &variant.library, &variant.subject).render(&variant.scene)?;
                 if self.write(&frame, &variant.scene, &edited, &path) {
                     (self.tell)(Event::Wrote(path));
                 }
             }
-            Task::Turntable { library, variant, path, frames, edited } => {
+            Task::Turntable { variant, path, frames, edited } => {
                 let last = frames.max(1) - 1;
                 let sequence = Sequence { frames: Frames { first: 0, last }, fps: FPS, turntable: true };
-                let mut renderer = Renderer::new(&self.gpu, &library, &variant.subject);
+                let mut renderer = Renderer::new(&self.gpu, &variant.library, &variant.subject);
                 for frame in 0..=last {
                     if self.stops() {
                         let reason = format!("the recording was stopped after {frame} of {frames} frames");
@@ -70,7 +67,7 @@ impl RenderThread {
                 (self.tell)(Event::Recorded(frames, frames));
                 (self.tell)(Event::Wrote(path));
             }
-            Task::Pick { library, variant, bound } => self.pick(&library, &variant, bound)?,
+            Task::Pick { variant, bound } => self.pick(&variant, bound)?,
         }
         Ok(())
     }
@@ -94,8 +91,8 @@ impl RenderThread {
         written.map_err(|reason| (self.tell)(Event::Failed(reason))).is_ok()
     }
 
-    fn pick(&self, library: &Library, variant: &Variant, bound: ErrorBound) -> Result<(), RenderError> {
-        let Variant { scene, subject } = variant;
+    fn pick(&self, variant: &Variant, bound: ErrorBound) -> Result<(), RenderError> {
+        let Variant { scene, library, subject } = variant;
         let progress = |done: f32| {
             leave_where(self.stops());
             (self.tell)(Event::Picking(done));

@@ -13,6 +13,11 @@ pub(super) struct Find {
 }
 
 impl Find {
+    /// The match that one is at, of all.
+    pub(super) fn current(&self) -> usize {
+        self.at
+    }
+
     /// The field and its buttons; gives the match to go to. `asked` puts the keys into the field.
     pub(super) fn show(&mut self, ui: &mut Ui, text: &str, asked: bool) -> Option<Range<usize>> {
         let edit = TextEdit::singleline(&mut self.text).id(Id::new("author.find")).hint_text("find (Ctrl+F)");

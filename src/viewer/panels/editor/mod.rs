@@ -12,12 +12,10 @@ use super::widgets::{button, named};
 use crate::viewer::author::{Author, State, WATCH};
 use crate::viewer::model::Model;
 use complete::Completion;
-use egui::{Color32, FontId, Id, Key, Label, Modifiers, Panel, RichText, ScrollArea, Sense, TextEdit, Ui};
+use egui::{FontId, Id, Key, Label, Modifiers, Panel, RichText, ScrollArea, Sense, TextEdit, Ui};
 use find::Find;
 use std::path::PathBuf;
 
-/// Text about what is wrong.
-const WRONG: Color32 = Color32::from_rgb(255, 130, 120);
 const FONT: FontId = FontId::monospace(13.0);
 /// Height of what is said about the text, points: the same whatever it is, so that the text does not move.
 const VERDICT: f32 = 84.0;
@@ -150,7 +148,8 @@ fn contest(ui: &mut Ui, author: &mut Author) {
     if author.is_contested() {
         ui.horizontal_wrapped(|ui| {
             ui.label(
-                RichText::new("another program has written to the file, and the text here is another").color(WRONG),
+                RichText::new("another program has written to the file, and the text here is another")
+                    .color(ui.visuals().error_fg_color),
             );
             if button(ui, "take the file", "author.theirs", "What was typed here since is gone.").clicked() {
                 author.settle(true);
@@ -175,7 +174,9 @@ fn verdict(ui: &mut Ui, author: &Author, editor: &mut Editor) {
                     Some((path, line)) => format!("{path}:{line}: {}", fault.text),
                     None => fault.text.clone(),
                 };
-                let label = Label::new(RichText::new(text).color(WRONG).monospace()).wrap().sense(Sense::click());
+                let label = Label::new(RichText::new(text).color(ui.visuals().error_fg_color).monospace())
+                    .wrap()
+                    .sense(Sense::click());
                 let clicked = ui.add(label).clicked();
                 if let Some((_, line)) = fault.at.as_ref().filter(|(path, _)| clicked && *path == author.path()) {
                     editor.go_to = Some(line_at(&author.text, *line));

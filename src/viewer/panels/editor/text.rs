@@ -1,7 +1,7 @@
 //! The text itself, with the numbers of its lines and what is wrong with them.
 
 use super::complete::{self, Asked};
-use super::{Editor, FONT, WRONG, field, find, paint};
+use super::{Editor, FONT, field, find, paint};
 use crate::shader::compile::Fault;
 use crate::viewer::author::{Author, State};
 use crate::viewer::model::Model;
@@ -35,7 +35,8 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &Model, editor: &mut
         took(ui, author, end);
     }
     let parameters: Vec<String> = complete::parameters(&author.text).into_iter().map(|word| word.text).collect();
-    let wraps = editor.wraps;
+    let (wraps, current) = (editor.wraps, editor.find.current());
+    let colors = paint::colors(ui.visuals().dark_mode);
     ScrollArea::both().id_salt("author.text").auto_shrink(false).show(ui, |ui| {
         let view = ui.clip_rect();
         let found = find::matches(&author.text, &editor.find.text);
@@ -44,7 +45,7 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &Model, editor: &mut
             let text = buffer.as_str();
             let found: &[Range<usize>] =
                 if found.iter().all(|range| text.get(range.clone()).is_some()) { &found } else { &[] };
-            let mut job = paint::job(text, &parameters, &|line| fault(line).is_some(), found);
+            let mut job = paint::job(text, colors, &parameters, &|line| fault(line).is_some(), found, current);
             if wraps {
                 job.wrap = TextWrapping::wrap_at_width(width);
             }
@@ -131,7 +132,7 @@ fn numbers<'a>(ui: &Ui, galley: &Galley, from: Pos2, gutter: Rect, fault: &dyn F
     let painter = ui.painter();
     painter.rect_filled(gutter, 0.0, ui.visuals().panel_fill);
     for (line, [first, _]) in lines(galley, from, gutter) {
-        let color = if fault(line).is_some() { WRONG } else { ui.visuals().weak_text_color() };
+        let color = if fault(line).is_some() { ui.visuals().error_fg_color } else { ui.visuals().weak_text_color() };
         painter.text(pos2(gutter.right() - 6.0, first.top()), Align2::RIGHT_TOP, line, FONT, color);
     }
 }
@@ -146,11 +147,11 @@ fn messages<'a>(
     cursor: Option<f32>,
     fault: &dyn Fn(usize) -> Option<&'a Fault>,
 ) {
-    let painter = ui.painter();
+    let (painter, wrong) = (ui.painter(), ui.visuals().error_fg_color);
     for (line, [first, last]) in lines(galley, from, room) {
         let Some(fault) = fault(line) else { continue };
         let free = (room.right() - last.right() - GAP - 8.0).max(HIDES * room.width());
-        let mut job = LayoutJob::single_section(format!("◀ {}", fault.text), TextFormat::simple(FONT, WRONG));
+        let mut job = LayoutJob::single_section(format!("◀ {}", fault.text), TextFormat::simple(FONT, wrong));
         job.wrap = TextWrapping::truncate_at_width(free);
         let text = ui.fonts_mut(|fonts| fonts.layout_job(job));
         let left = (last.right() + GAP).min(room.right() - text.size().x - 8.0).max(room.left());
@@ -159,6 +160,6 @@ fn messages<'a>(
         let at = pos2(left, last.center().y + down - 0.5 * text.size().y);
         let behind = Rect::from_min_size(at, text.size()).expand2(vec2(4.0, 0.0));
         painter.rect_filled(behind, 2.0, ui.visuals().extreme_bg_color);
-        painter.galley(at, text, WRONG);
+        painter.galley(at, text, wrong);
     }
 }

@@ -1,0 +1,105 @@
+//! The scene as it is now, for the thread that renders.
+
+use super::{App, FRAME, GOOD, REST};
+use crate::scene::Scene;
+use crate::viewer::worker::{Job, Variant, sight};
+use egui::Ui;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+impl App {
+    /// The scene at the time it is.
+    pub(super) fn shown(&self) -> Scene {
+        let mut scene = self.model.scene().clone();
+        if let Some(clock) = self.clock {
+            scene.camera.time = clock;
+        }
+        scene
+    }
+
+    /// Gives the thread that renders what is to be seen now, if that is something new.
+    pub(super) fn post(&mut self, ui: &Ui, now: Instant) {
+        if *self.library != *self.model.library() {
+            self.library = Arc::new(self.model.library().clone());
+        }
+        let points = ui.ctx().pixels_per_point();
+        let pane = self.place.size() * points;
+        let size = [pane.x, pane.y].map(|side| (side.round() as u32).clamp(16, 8192));
+        let mut scenes = vec![(self.shown(), self.library.clone())];
+        if let Some((kept, library)) = &self.kept {
+            scenes.push((Scene { camera: scenes[0].0.camera.clone(), ..kept.clone() }, library.clone()));
+        }
+        let notify = self.notify.clone();
+        let mut variants = Vec::new();
+        for (mut scene, library) in scenes {
+            scene.image.size = size;
+            match self.loader.subject(&scene, &library, &move_clone(&notify)) {
+                Ok(Some(subject)) => variants.push(Variant { scene, library, subject }),
+                // One after the other: what is loaded for the second takes the place of what is loaded for the first.
+                Ok(None) => break,
+                Err(error) => self.fail(error.to_string()),
+            }
+        }
+        if self.loader.progress().is_some() {
+            ui.ctx().request_repaint_after(Duration::from_millis(50));
+        }
+        let expected = 1 + usize::from(self.kept.is_some());
+        if variants.len() < expected {
+            self.is_current = false;
+            return;
+        }
+        let same = |job: &Job| {
+            job.variants.len() == variants.len()
+                && job.variants.iter().zip(&variants).all(|(a, b)| a.scene == b.scene && a.is_made_as(b))
+        };
+        let changed = !self.posted.as_ref().is_some_and(same);
+        if changed {
+            self.sight = sight(&variants[0]).ok();
+        }
+        if changed && self.posted.is_some() {
+            self.changed = now;
+            if self.figures.picking.is_some() && self.clock.is_none() {
+                // Input comes first: what is looked for is looked for again once the scene rests.
+                self.stop();
+                self.pick = self.max_error;
+            }
+        }
+        let busy = self.dragging || self.clock.is_some() || self.glide.is_some();
+        let moving = busy || now.duration_since(self.changed) < REST;
+        let max_error = self.max_error.unwrap_or(GOOD);
+        let validity = self.validity;
+        let as_before =
+            |job: &Job| (job.moving, job.max_error.to_bits(), job.validity) == (moving, max_error.to_bits(), validity);
+        if changed || !self.posted.as_ref().is_some_and(as_before) {
+            self.number += 1;
+            self.is_current = false;
+            let (number, focus) = (self.number, self.focus());
+            let job = Job { number, variants, moving, max_error, focus, validity };
+            if let Some(worker) = &self.worker {
+                worker.show(job.clone());
+            }
+            self.posted = Some(job);
+        }
+        if let (false, Some(job)) = (moving, &self.posted) {
+            self.unread.want(job, move || notify());
+        }
+        // What the hand moves is drawn when it moves.
+        if self.clock.is_some() || self.glide.is_some() {
+            ui.ctx().request_repaint_after(FRAME);
+        } else if moving {
+            ui.ctx().request_repaint_after(REST);
+        }
+    }
+
+    /// Where one looks, in parts of the picture: at the pointer, or in the middle.
+    fn focus(&self) -> [f32; 2] {
+        let part = |at: egui::Pos2| (at - self.place.min) / self.place.size();
+        self.pointer.filter(|at| self.place.contains(*at)).map_or([0.5; 2], |at| part(at).into())
+    }
+}
+
+/// A function that calls this one.
+pub(super) fn move_clone(notify: &super::Notify) -> impl Fn() + Clone + Send + 'static + use<> {
+    let notify = notify.clone();
+    move || notify()
+}
