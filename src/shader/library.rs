@@ -82,7 +82,8 @@ impl Library {
     /// Names of the modules of a slot, sorted.
     pub fn modules(&self, slot: &str) -> Vec<&str> {
         let prefix = format!("{slot}/");
-        self.sources.keys().filter_map(|path| path.strip_prefix(&prefix)?.strip_suffix(".glsl")).collect()
+        let files = self.sources.range(prefix.clone()..).map_while(|(path, _)| path.strip_prefix(&prefix));
+        files.filter_map(|file| file.strip_suffix(".glsl")).collect()
     }
 
     /// Path of a module.

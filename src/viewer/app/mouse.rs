@@ -58,7 +58,9 @@ impl App {
         if let Some(at) = response.hover_pos() {
             let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
             let factor = (scroll / 400.0).exp() * if scroll == 0.0 { pinch } else { 1.0 };
-            if let Some(half) = self.half_height().filter(|_| factor != 1.0) {
+            if factor != 1.0
+                && let Some(half) = self.half_height()
+            {
                 let from = (at - self.place.center()) / (0.5 * self.place.height().max(1.0));
                 self.model.edit("camera.zoom", |scene| {
                     scene.camera = zoom_to(&scene.camera, factor, [from.x, -from.y], half);
@@ -96,7 +98,9 @@ impl App {
     }
 
     fn pan(&mut self, delta: Vec2) {
-        if let Some(half) = self.half_height().filter(|_| delta != Vec2::ZERO) {
+        if delta != Vec2::ZERO
+            && let Some(half) = self.half_height()
+        {
             let unit = half / (0.5 * self.place.height().max(1.0));
             self.model.edit("camera", |scene| {
                 let [x, y] = scene.camera.pan;

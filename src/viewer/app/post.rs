@@ -33,7 +33,14 @@ impl App {
         let mut variants = Vec::new();
         for (mut scene, library) in scenes {
             scene.image.size = size;
-            match self.loader.subject(&scene, &library, &move_clone(&notify)) {
+            // The object is the same wherever it is looked at from.
+            let before = self.posted.as_ref().and_then(|job| job.variants.get(variants.len()));
+            let before = before.filter(|own| Arc::ptr_eq(&own.library, &library) && is_seen_again(&own.scene, &scene));
+            let subject = match before {
+                Some(before) => Ok(Some(before.subject.clone())),
+                None => self.loader.subject(&scene, &library, &move_clone(&notify)),
+            };
+            match subject {
                 Ok(Some(subject)) => variants.push(Variant { scene, library, subject }),
                 // One after the other: what is loaded for the second takes the place of what is loaded for the first.
                 Ok(None) => break,
@@ -96,6 +103,13 @@ impl App {
         let part = |at: egui::Pos2| (at - self.place.min) / self.place.size();
         self.pointer.filter(|at| self.place.contains(*at)).map_or([0.5; 2], |at| part(at).into())
     }
+}
+
+/// Whether two scenes differ in the camera and the size of the picture alone.
+fn is_seen_again(before: &Scene, now: &Scene) -> bool {
+    let mut seen = Scene { camera: now.camera.clone(), ..before.clone() };
+    seen.image.size = now.image.size;
+    seen == *now
 }
 
 /// A function that calls this one.

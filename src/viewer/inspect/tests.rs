@@ -7,6 +7,7 @@ use egui::accesskit::{Action, ActionRequest};
 use egui::{Event, Rect, pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::{Duration, Instant};
