@@ -56,6 +56,8 @@ pub(super) struct Prepared {
     targets: Option<(Arc<gpu::Image>, Option<gpu::Image>)>,
     /// What ends slices early, where they may.
     marks: Option<Marks>,
+    /// The scene and the sub-frame whose shadows are cast: parts of one picture share them.
+    cast_for: Option<(Scene, u32)>,
     /// What submissions of its pictures have taken.
     pace: Pace,
     compile_ms: f64,
@@ -126,6 +128,7 @@ impl Prepared {
             half_angle,
             targets,
             marks,
+            cast_for: None,
             pace: Pace::default(),
             compile_ms,
             whole: shot.whole,
@@ -218,6 +221,7 @@ impl Prepared {
     fn cast(&mut self, shot: &Shot<'_>, stop: &dyn Fn(f64) -> bool) -> Result<Option<f64>, RenderError> {
         let Some(caster) = &mut self.caster else { return Ok(None) };
         let light = caster.cast(&self.gpu, shot, &self.bound, stop)?;
+        self.cast_for = None;
         self.bound.replace(&self.program, SHADOW, light.image(&self.gpu)?);
         Ok(Some(light.gpu_ms))
     }
@@ -264,14 +268,20 @@ impl Prepared {
         let mut drawn = pass::Drawn { fragments: Some(0), ..Default::default() };
         let mut shadow_ms = None;
         let mut count = 0;
-        for (_, sub_frame) in (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)) {
+        for (number, sub_frame) in (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)) {
             count += 1;
             self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame)?;
             // The shadow of matter that moves while the shutter is open moves with it.
-            if (shadow_ms.is_none() || scene.camera.shutter > 0.0)
+            let is_open = scene.camera.shutter > 0.0;
+            let is_part = areas != [gpu::Area::whole(scene.image.size)];
+            let is_cast = self.cast_for.as_ref().is_some_and(|(own, of)| *of == number && own == scene);
+            if shadow_ms.is_none() && is_part && is_cast && !is_open {
+                shadow_ms = Some(0.0); // with another part of this picture
+            } else if (shadow_ms.is_none() || is_open)
                 && let Some(ms) = self.cast(&shot, &|ms| stop(drawn.gpu_ms + shadow_ms.unwrap_or(0.0) + ms))?
             {
                 shadow_ms = Some(shadow_ms.unwrap_or(0.0) + ms);
+                self.cast_for = Some((scene.clone(), number));
             }
             let Some((color, resolved)) = &self.targets else { continue };
             let marks = self.marks.as_ref().map(|marks| &marks.image);

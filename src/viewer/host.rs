@@ -205,6 +205,8 @@ impl ApplicationHandler<Wake> for Host {
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         if self.app.quit || self.told_to_end.load(Ordering::Relaxed) {
+            // Nobody looks on while a program that is being compiled is waited for.
+            self.live.iter().for_each(|live| live.window.set_visible(false));
             self.ending.get_or_insert_with(Instant::now);
             event_loop.exit();
         }

@@ -184,8 +184,10 @@ impl RenderThread {
         let shared = self.shared.clone();
         renderer.stop_where(move |_| shared.is_stale(number));
         pixels.resize(width as usize * height as usize, [0.0; 4]);
-        // Where pixels have several samples, areas that are drawn together must not touch.
+        // Where pixels have several samples, areas that are drawn together must not touch; light that goes from slice to slice
+        // is made anew for each area.
         let (all, at_once) = match scene.quality.msaa {
+            _ if scene.is_half_angle() => (vec![Area::whole(scene.image.size)], 1),
             1 => (tiles(scene.image.size, job.focus), usize::MAX),
             _ => (bands(scene.image.size), 1),
         };
