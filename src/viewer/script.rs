@@ -46,6 +46,8 @@ const MAX_BYTES: u64 = 1 << 20;
 const PATIENCE: Duration = Duration::from_secs(600);
 /// The last picture of an orbit is waited for as long.
 const LAST_ANSWER: Duration = Duration::from_secs(20);
+/// While a picture is waited for, it is looked for this often.
+const WAITING: Duration = Duration::from_millis(50);
 /// Places on the way of a drag.
 const DRAG_STEPS: u32 = 8;
 
@@ -244,6 +246,8 @@ impl Script {
                 let due = self.began + Duration::from_secs_f32(seconds * *done as f32 / (*moves).max(1) as f32);
                 Some(due.saturating_duration_since(Instant::now()))
             }
+            // What is waited for asks for a frame when it comes: the device has better things to draw until then.
+            (Step::Picture | Step::Converged | Step::Drawn | Step::Validity | Step::Inspected, _) => Some(WAITING),
             _ => None,
         }
     }
