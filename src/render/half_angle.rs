@@ -57,27 +57,32 @@ pub(super) struct Slices<'a> {
 }
 
 /// What hands the light from slice to slice, made once for the pictures of a scene.
+#[derive(Clone)]
 pub(super) struct HalfAngle {
     program: Program,
-    pipeline: Pipeline,
+    pipeline: Arc<Pipeline>,
     buffers: [Arc<Image>; 2],
 }
 
 impl HalfAngle {
+    /// `made` may serve: one of a scene with as many octaves.
     pub(super) fn new(
         gpu: &Gpu,
         library: &Library,
         scene: &Scene,
         variant: &Variant,
+        made: Option<HalfAngle>,
     ) -> Result<HalfAngle, RenderError> {
         let program = variant.light(scene, library)?.program(library, Linker::new)?;
-        let pipeline = bind::pipeline(gpu, &program, scene, &[3], BUFFER, 1, (Blend::Replace, gpu::Marks::None))?;
-        let side = scene.light.shadow_resolution;
-        let buffer = || {
-            let plane = Dimension::Plane(side, side);
-            Image::new(gpu, "light", plane, BUFFER, ImageUse::SampledTarget).map(Arc::new)
+        let pipeline = match made.filter(|made| made.program == program) {
+            Some(made) => made.pipeline,
+            None => {
+                let blend = (Blend::Replace, gpu::Marks::None);
+                Arc::new(bind::pipeline(gpu, &program, scene, &[3], BUFFER, 1, blend)?)
+            }
         };
-        Ok(HalfAngle { program, pipeline, buffers: [buffer()?, buffer()?] })
+        let buffers = buffers(gpu, scene.light.shadow_resolution)?;
+        Ok(HalfAngle { program, pipeline, buffers })
     }
 
     /// Draws a picture and its light, as [`pass::draw`] draws a picture.
@@ -126,4 +131,11 @@ impl HalfAngle {
     pub(super) fn bytes(&self) -> u64 {
         self.buffers.iter().map(|buffer| buffer.bytes()).sum()
     }
+}
+
+/// The buffers of the light, which take turns.
+fn buffers(gpu: &Gpu, side: u32) -> Result<[Arc<Image>; 2], RenderError> {
+    let plane = Dimension::Plane(side, side);
+    let buffer = || Image::new(gpu, "light", plane, BUFFER, ImageUse::SampledTarget).map(Arc::new);
+    Ok([buffer()?, buffer()?])
 }

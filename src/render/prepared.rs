@@ -34,9 +34,26 @@ pub(super) enum Destination {
 #[derive(Default)]
 pub(super) struct Made {
     /// A program, and which it is.
-    pub(super) program: Option<(Program, Slots)>,
-    pub(super) bound: Option<BoundInputs>,
+    program: Option<(Program, Slots)>,
+    bound: Option<BoundInputs>,
+    pipelines: Option<Pipelines>,
 }
+
+/// What is compiled of a program, and how it meets its targets.
+#[derive(Clone)]
+struct Pipelines {
+    shape: Shape,
+    picture: Arc<gpu::Pipeline>,
+    /// What casts the shadows of a scene that has them.
+    caster: Option<Caster>,
+    /// What hands the light from slice to slice, in a scene that has it do so.
+    half_angle: Option<HalfAngle>,
+    /// What submissions of its pictures have taken.
+    pace: Pace,
+}
+
+/// Octaves, attributes of a vertex, format and samples of the target, and how fragments meet it.
+type Shape = (u32, &'static [u32], gpu::Format, u32, gpu::Blend, gpu::Marks);
 
 /// A scene with all that its pictures share, made once: program, pipeline, images and targets.
 pub(super) struct Prepared {
@@ -47,19 +64,13 @@ pub(super) struct Prepared {
     destination: Destination,
     pub(super) program: Program,
     pub(super) bound: BoundInputs,
-    pipeline: Arc<gpu::Pipeline>,
-    /// What casts the shadows of a scene that has them.
-    caster: Option<Caster>,
-    /// What hands the light from slice to slice, in a scene that has it do so.
-    half_angle: Option<HalfAngle>,
+    pipelines: Pipelines,
     /// The images of a picture that is read back: that which is blended into, and where its samples are averaged to.
     targets: Option<(Arc<gpu::Image>, Option<gpu::Image>)>,
     /// What ends slices early, where they may.
     marks: Option<Marks>,
     /// The scene and the sub-frame whose shadows are cast: parts of one picture share them.
     cast_for: Option<(Scene, u32)>,
-    /// What submissions of its pictures have taken.
-    pace: Pace,
     compile_ms: f64,
     /// The size of the picture that pictures stand for.
     pub(super) whole: [u32; 2],
@@ -105,17 +116,24 @@ impl Prepared {
         let ends_early = destination == Destination::Frame && Marks::serve(scene);
         let marks = ends_early.then(|| Marks::new(gpu, library, scene, &variant)).transpose()?;
         let heeds = if marks.is_some() { gpu::Marks::Heed } else { gpu::Marks::None };
-        let pipeline = bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, (blend, heeds))?;
+        let shape = (scene.effect.octaves, attributes, format, quality.msaa, blend, heeds);
+        let (picture, caster, half_angle, pace) = match made.pipelines.filter(|made| made.shape == shape) {
+            Some(made) => (made.picture, made.caster, made.half_angle, made.pace),
+            None => {
+                let picture = bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, (blend, heeds))?;
+                (Arc::new(picture), None, None, Pace::default())
+            }
+        };
         let casts = program.reads(SHADOW);
-        let caster = casts.then(|| Caster::new(gpu, library, scene, &variant)).transpose()?;
-        let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, &variant));
-        let half_angle = half_angle.transpose()?;
+        let caster = casts.then(|| Caster::new(gpu, library, scene, &variant, caster)).transpose()?;
+        let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, &variant, half_angle));
+        let pipelines = Pipelines { shape, picture, caster, half_angle: half_angle.transpose()?, pace };
         compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
         let targets = match destination {
             Destination::Host(_) => None,
             Destination::Frame => Some(targets(gpu, scene, format)?),
         };
-        let (gpu, scene, pipeline) = (gpu.clone(), scene.clone(), Arc::new(pipeline));
+        let (gpu, scene) = (gpu.clone(), scene.clone());
         Ok(Prepared {
             gpu,
             scene,
@@ -123,13 +141,10 @@ impl Prepared {
             destination,
             program,
             bound,
-            pipeline,
-            caster,
-            half_angle,
+            pipelines,
             targets,
             marks,
             cast_for: None,
-            pace: Pace::default(),
             compile_ms,
             whole: shot.whole,
         })
@@ -162,12 +177,17 @@ impl Prepared {
     /// What serves another scene that its program serves.
     pub(super) fn made(self, scene: &Scene, variant: &Variant) -> Made {
         let reads_the_same = self.reads_the_same(scene, variant);
-        Made { program: Some((self.program, self.variant.slots)), bound: reads_the_same.then_some(self.bound) }
+        Made {
+            program: Some((self.program, self.variant.slots)),
+            bound: reads_the_same.then_some(self.bound),
+            pipelines: Some(self.pipelines),
+        }
     }
 
-    /// What serves it while this goes on to serve its own: its program alone.
+    /// What serves it while this goes on to serve its own: its program, compiled.
     pub(super) fn shared(&self) -> Made {
-        Made { program: Some((self.program.clone(), self.variant.slots.clone())), bound: None }
+        let program = Some((self.program.clone(), self.variant.slots.clone()));
+        Made { program, bound: None, pipelines: Some(self.pipelines.clone()) }
     }
 
     /// Whether another scene has the same program and images: it differs in camera, time, parameters, samples and targets
@@ -219,7 +239,7 @@ impl Prepared {
 
     /// Makes the shadow volume of a picture, and waits for it; milliseconds on the device.
     fn cast(&mut self, shot: &Shot<'_>, stop: &dyn Fn(f64) -> bool) -> Result<Option<f64>, RenderError> {
-        let Some(caster) = &mut self.caster else { return Ok(None) };
+        let Some(caster) = &mut self.pipelines.caster else { return Ok(None) };
         let light = caster.cast(&self.gpu, shot, &self.bound, stop)?;
         self.cast_for = None;
         self.bound.replace(&self.program, SHADOW, light.image(&self.gpu)?);
@@ -246,8 +266,9 @@ impl Prepared {
             Some((vertices, stack)) => (Some(vertices), stack.slices * stack.per_slice),
             None => (None, 3),
         };
-        let set = self.pipeline.bind(&self.bound.resources())?;
-        Ok(commands.draw(&self.pipeline, set, vertices, 0..count))
+        let pipeline = &self.pipelines.picture;
+        let set = pipeline.bind(&self.bound.resources())?;
+        Ok(commands.draw(pipeline, set, vertices, 0..count))
     }
 
     /// Areas of a picture of a scene that fits, the mean of the sub-frames that are wanted: the frame pipeline. The pixels
@@ -286,11 +307,11 @@ impl Prepared {
             let Some((color, resolved)) = &self.targets else { continue };
             let marks = self.marks.as_ref().map(|marks| &marks.image);
             let target = gpu::Target { color, resolved: resolved.as_ref(), marks };
-            let (gpu, pipeline) = (&self.gpu, &*self.pipeline);
+            let (gpu, pipeline) = (&self.gpu, &*self.pipelines.picture);
             let before = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
             let stop = |ms: f64| stop(before + ms);
-            let mut cut = Cut { pace: &mut self.pace, stop: &stop };
-            drawn.append(&match (&slices, &self.half_angle) {
+            let mut cut = Cut { pace: &mut self.pipelines.pace, stop: &stop };
+            drawn.append(&match (&slices, &self.pipelines.half_angle) {
                 (Some((vertices, stack)), Some(light)) => {
                     let slices = Slices { pipeline, program: &self.program, bound: &self.bound, vertices, stack };
                     light.draw(gpu, &shot, &slices, areas, target, &mut cut)?
@@ -331,7 +352,7 @@ impl Prepared {
             longest_ms: drawn.longest_ms,
             total_ms: 0.0,
             images: self.bound.images(),
-            device_bytes: self.bound.bytes() + targets + self.half_angle.as_ref().map_or(0, HalfAngle::bytes),
+            device_bytes: self.bound.bytes() + targets + self.pipelines.half_angle.as_ref().map_or(0, HalfAngle::bytes),
             sparse: self.bound.sparse(),
             cells: self.bound.cells(),
             quantization: self.bound.quantization(),

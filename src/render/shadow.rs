@@ -21,6 +21,7 @@ use crate::render::variant::{Program, Variant};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
 use glam::{Mat4, Vec3};
+use std::sync::Arc;
 
 /// Format of the target that holds the transmittances of four segments in a texel.
 const SEGMENTS: Format = Format::Rgba32Float;
@@ -88,21 +89,32 @@ pub fn transmittance(
     for sub_frame in SubFrame::all(scene).take(1) {
         bound.fill(gpu, &program, &shot, &sub_frame)?;
     }
-    Caster::new(gpu, library, scene, &variant)?.cast(gpu, &shot, &bound, &|_| false)
+    Caster::new(gpu, library, scene, &variant, None)?.cast(gpu, &shot, &bound, &|_| false)
 }
 
 /// The program of the shadow volumes of a scene, made once.
+#[derive(Clone)]
 pub(super) struct Caster {
     program: Program,
-    pipeline: Pipeline,
+    pipeline: Arc<Pipeline>,
     pace: Pace,
 }
 
 impl Caster {
-    pub(super) fn new(gpu: &Gpu, library: &Library, scene: &Scene, variant: &Variant) -> Result<Caster, RenderError> {
+    /// `made` may serve: one of a scene with as many octaves.
+    pub(super) fn new(
+        gpu: &Gpu,
+        library: &Library,
+        scene: &Scene,
+        variant: &Variant,
+        made: Option<Caster>,
+    ) -> Result<Caster, RenderError> {
         let program = variant.shadow(scene, library)?.program(library, Linker::new)?;
+        if let Some(made) = made.filter(|made| made.program == program) {
+            return Ok(made);
+        }
         let pipeline = bind::pipeline(gpu, &program, scene, &[], SEGMENTS, 1, (gpu::Blend::Replace, gpu::Marks::None))?;
-        Ok(Caster { program, pipeline, pace: Pace::default() })
+        Ok(Caster { program, pipeline: Arc::new(pipeline), pace: Pace::default() })
     }
 
     /// Draws the segments with the images of the picture's own program, and takes their products; ends where it is to
