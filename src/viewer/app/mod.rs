@@ -128,6 +128,8 @@ pub(super) struct App {
     /// Those of the newest job and of the picture that is on the screen.
     pub(super) number: u64,
     pub(super) on_screen: u64,
+    /// The first job of the scene as it is now.
+    since: u64,
     /// Tasks that are not finished.
     pub(super) tasks: u32,
     help: bool,
@@ -198,6 +200,7 @@ impl App {
             fresh: false,
             number: 0,
             on_screen: 0,
+            since: 0,
             tasks: 0,
             help: false,
             is_current: false,

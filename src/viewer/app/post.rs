@@ -75,11 +75,13 @@ impl App {
         let moving = busy || now.duration_since(self.changed) < REST;
         let max_error = self.max_error.unwrap_or(GOOD);
         let validity = self.validity;
-        let as_before =
-            |job: &Job| (job.moving, job.max_error.to_bits(), job.validity) == (moving, max_error.to_bits(), validity);
-        if changed || !self.posted.as_ref().is_some_and(as_before) {
+        let asks_the_same = |job: &Job| (job.max_error.to_bits(), job.validity) == (max_error.to_bits(), validity);
+        let is_other = changed || !self.posted.as_ref().is_some_and(asks_the_same);
+        if is_other || self.posted.as_ref().is_some_and(|job| job.moving != moving) {
             self.number += 1;
-            self.is_current = false;
+            if is_other {
+                (self.is_current, self.since) = (false, self.number);
+            }
             let (number, focus) = (self.number, self.focus());
             let job = Job { number, variants, moving, max_error, focus, validity };
             if let Some(worker) = &self.worker {
