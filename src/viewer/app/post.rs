@@ -119,3 +119,66 @@ pub(super) fn move_clone(notify: &super::Notify) -> impl Fn() + Clone + Send + '
     let notify = notify.clone();
     move || notify()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{HOLD, Start};
+    use super::*;
+    use crate::gpu::Options;
+    use crate::render::Subject;
+    use crate::scene::preset;
+    use crate::shader::shipped;
+    use crate::viewer::status::Stage;
+
+    fn app() -> App {
+        let (scene, library, options) = (preset("lit").unwrap(), shipped(), Options::default());
+        let (window, began) = ([640, 400], Instant::now());
+        let (max_error, play, frames, screenshot, script) = (None, false, None, None, None);
+        let start = Start { scene, library, options, max_error, play, window, frames, screenshot, script, began };
+        App::new(&start, Arc::new(|| ())).unwrap()
+    }
+
+    #[test]
+    fn the_window_waits_for_a_preview_that_is_coming_and_not_for_long() {
+        let mut app = app();
+        let (mut scene, library) = (preset("lit").unwrap(), Arc::new(shipped()));
+        scene.object.input = "cube".into();
+        let subject = Arc::new(Subject::load(&scene, &library, &|_| ()).unwrap());
+        let variants = vec![Variant { scene, library, subject }];
+        let job = Job { number: 2, variants, moving: true, max_error: 1e-3, focus: [0.5; 2], validity: false };
+        let now = Instant::now();
+        (app.number, app.on_screen, app.posted) = (2, 1, Some(job));
+        (app.figures.stage, app.figures.is_cpu) = (Stage::Coarse, true);
+        assert_eq!(app.hold(now), Some(HOLD));
+        assert!(app.hold(now + HOLD / 2).is_some());
+        assert_eq!(app.hold(now + HOLD), None, "the old picture is moved");
+        // Not where it is there, nor where the scene rests, nor on a device that draws both at once.
+        let cases: [fn(&mut App); 4] = [
+            |app| app.fresh = true,
+            |app| app.on_screen = 2,
+            |app| app.posted.iter_mut().for_each(|job| job.moving = false),
+            |app| app.figures.is_cpu = false,
+        ];
+        for change in cases {
+            (app.fresh, app.on_screen, app.figures.is_cpu, app.held) = (false, 1, true, None);
+            app.posted.iter_mut().for_each(|job| job.moving = true);
+            assert!(app.hold(now).is_some());
+            change(&mut app);
+            assert_eq!(app.hold(now), None);
+        }
+    }
+
+    #[test]
+    fn an_object_is_asked_for_anew_where_more_than_the_camera_has_changed() {
+        let before = preset("fur").unwrap();
+        let mut now = before.clone();
+        (now.camera.azimuth, now.camera.time, now.image.size) = (50.0, 2.0, [9, 7]);
+        assert!(is_seen_again(&before, &now));
+        let changes: [fn(&mut Scene); 2] = [|scene| scene.object.resolution += 1, |scene| scene.light.shadows ^= true];
+        for change in changes {
+            let mut other = now.clone();
+            change(&mut other);
+            assert!(!is_seen_again(&before, &other));
+        }
+    }
+}
