@@ -6,10 +6,10 @@
 #include <weights>
 
 vec4 noise_gradient(vec3 p) {
-    vec3 base = floor(clamp(p, vec3(-1e6), vec3(1e6)));
+    vec3 inside = clamp(p, vec3(-1048576.0), vec3(1048576.0)), base = floor(inside);
     ivec3 cell = ivec3(base);
-    vec3 w = fade(p - base);
-    vec3 dw = fade_slope(p - base);
+    vec3 w = fade(inside - base);
+    vec3 dw = fade_slope(inside - base);
     vec4 sum = vec4(0.0);
     for (int corner = 0; corner < 8; ++corner) {
         ivec3 offset = ivec3(corner & 1, (corner >> 1) & 1, corner >> 2);

@@ -10,8 +10,13 @@ use std::fmt::Write;
 pub const FAULT: u32 = 7;
 
 /// What a value of a type is made of.
-const PARTS: [(&str, &[&str]); 4] =
-    [("float", &[""]), ("vec2", &[".x", ".y"]), ("vec3", &[".x", ".y", ".z"]), ("vec4", &[".x", ".y", ".z", ".w"])];
+const PARTS: [(&str, &[&str]); 5] = [
+    ("float", &[""]),
+    ("vec2", &[".x", ".y"]),
+    ("vec3", &[".x", ".y", ".z"]),
+    ("vec4", &[".x", ".y", ".z", ".w"]),
+    ("mat3", &["[0].x", "[0].y", "[0].z", "[1].x", "[1].y", "[1].z", "[2].x", "[2].y", "[2].z"]),
+];
 
 impl Library {
     /// The same library, in which these files note what their functions give to others. Their numbers start at 1.
@@ -48,7 +53,9 @@ impl Library {
 /// A text whose functions go by other names, and behind it those that call them and note what they give.
 fn watched(text: &str, number: usize) -> String {
     let suffix = format!("_of_{number}");
-    let own: Vec<_> = functions(text).into_iter().filter(|function| !given(function).is_empty()).collect();
+    let (mut own, mut heads) = (functions(text), BTreeSet::new());
+    // One that two branches of `#if` define is written twice.
+    own.retain(|function| !given(function).is_empty() && heads.insert(function.declared()));
     let mut out = renamed(text, &own, &suffix) + "\n#include \"watch.glsl\"\n";
     for function in &own {
         let Function { kind, name, .. } = function;

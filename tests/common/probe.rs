@@ -96,6 +96,11 @@ impl Probe {
 
     /// A picture of the program on a device, as many pixels on each side.
     pub fn draw(&self, gpu: &Gpu, side: u32) -> Vec<[f32; 4]> {
+        self.draw_by(gpu, &self.pipeline(gpu), side)
+    }
+
+    /// The program, compiled by a device.
+    pub fn pipeline(&self, gpu: &Gpu) -> Pipeline {
         let kind = |holds: &Use| match holds {
             Use::Block(_) => BindingKind::Uniform,
             Use::Image => BindingKind::Image,
@@ -118,7 +123,11 @@ impl Probe {
             blend: Blend::Replace,
             marks: Marks::None,
         };
-        let pipeline = Pipeline::new(gpu, &description).unwrap();
+        Pipeline::new(gpu, &description).unwrap()
+    }
+
+    /// A picture by the program's pipeline.
+    pub fn draw_by(&self, gpu: &Gpu, pipeline: &Pipeline, side: u32) -> Vec<[f32; 4]> {
         let blocks = self.inputs.blocks.iter();
         let blocks = blocks.map(|(at, bytes)| {
             let block = Buffer::new(gpu, "probe", BufferUse::Uniform, bytes).unwrap();
@@ -144,7 +153,7 @@ impl Probe {
         let color = Image::new(gpu, "probe", plane, Format::Rgba32Float, ImageUse::Target(1)).unwrap();
         let target = Target::of(&color);
         gpu.submit("probe", |commands| {
-            commands.render(target, Load::Clear([0.0; 4]), |draw| draw.triangles(&pipeline, &set, None, 0..3));
+            commands.render(target, Load::Clear([0.0; 4]), |draw| draw.triangles(pipeline, &set, None, 0..3));
         })
         .unwrap();
         color.read().unwrap()

@@ -51,7 +51,7 @@ const SLOTS: [Subject; 29] = [
 ];
 
 /// Calls `on` with a name, a probe's text, the slots and the slot that must be reached: every module, and every preset.
-fn each(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
+pub fn each(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
     let presets: Vec<(&str, Slots, Slots)> = scene::names()
         .map(|name| {
             let scene = scene::preset(name).unwrap();
@@ -115,15 +115,9 @@ const SINE: (&str, f64) = ("waves", 4.0);
 /// The floor of the studio is a difference over a footprint of 2^-7 in the probe of glass: that many roundings more.
 const STUDIO: f64 = 32.0;
 
-/// The point that a probe on the device has at a pixel: the hash of `glsl/hash.glsl`.
+/// The point that a probe on the device has at a pixel.
 fn hashed(pixel: u32) -> [f64; 4] {
-    let mut v = [pixel % SIDE, pixel / SIDE, 7].map(|c| c.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
-    let mix =
-        |v: &mut [u32; 3]| (0..3).for_each(|k| v[k] = v[k].wrapping_add(v[(k + 1) % 3].wrapping_mul(v[(k + 2) % 3])));
-    mix(&mut v);
-    v = v.map(|c| c ^ (c >> 16));
-    mix(&mut v);
-    let [x, y, z] = v.map(|c| f64::from(c >> 14) / 65536.0 - 2.0);
+    let [x, y, z] = crate::draws::hash([pixel % SIDE, pixel / SIDE, 7]).map(|c| f64::from(c >> 14) / 65536.0 - 2.0);
     [x, y, z, -2.0]
 }
 

@@ -17,6 +17,7 @@ mod random;
 
 mod classify;
 mod density;
+mod draws;
 mod dual;
 mod exact;
 mod exact_modules;

@@ -32,5 +32,5 @@ void main() {
     ray.medium = index_at(x);
     vec4 seen = environment(x, ray.along, 0.0078125);
     ray = moved(ray, 0.0625);
-    fragment = vec4(seen.rg + 0.25 * transmitted(0.5 + 0.125 * x.x).rg, ray.medium.value + 0.25 * classify(x, 0.015625).a, ray.at.x + ray.along.y);
+    fragment = vec4(seen.rg + 0.25 * transmitted(abs(0.5 + 0.125 * x.x)).rg, ray.medium.value + 0.25 * classify(x, 0.015625).a, ray.at.x + ray.along.y);
 }
