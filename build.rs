@@ -14,6 +14,7 @@ mod shader {
     pub mod link;
     mod names;
     mod reach;
+    mod rounding;
 }
 
 use shader::library::{Library, Slots};

@@ -33,8 +33,8 @@ float fur(float density, inout Sample s) {
     s.hair_tangent = safe_normalize(s.hair_normal - vec3(0.0, 2.0 * droop * tip, 0.0), s.hair_normal);
     // A hair is known by its middle, not by its root: all of the space around an edge or a speck has one root.
     vec3 middle = root + hair_middle * hair_length * s.hair_normal;
-    float length_here = 1.0 - unevenness * clamp(0.5 + noise(0.23 * fineness * middle), 0.0, 1.0);
-    float grown = max((density - 1.0 + length_here) / length_here, 0.0);
+    float shorter = unevenness * clamp(0.5 + noise(0.23 * fineness * middle), 0.0, 1.0);
+    float grown = max((density - shorter) / (1.0 - shorter), 0.0);
     if (grown <= 0.0) return 0.0;               // the hair ends before
     float strand = gain(hair_gain, bias(hair_bias, 0.5 + 0.5 * hair_contrast * noise(fineness * middle)));
     return strand * grown * trust(s);

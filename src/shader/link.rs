@@ -14,6 +14,7 @@ use super::instance::{Instance, instances};
 use super::layers::{layered, media};
 use super::library::{COMBINE, Library, MEDIUM, OBJECT_ENTRY, OBJECTS, PARAMETERS, PART, Slots, ZERO, prefixed};
 use super::names::members;
+use super::rounding::as_written;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -117,7 +118,7 @@ impl Linker {
             Stage::Fragment => shaderc::ShaderKind::Fragment,
         };
         match self.compiler.compile_into_spirv(text, kind, entry, "main", Some(&options)) {
-            Ok(artifact) => Ok(artifact.as_binary().to_vec()),
+            Ok(artifact) => Ok(as_written(artifact.as_binary())),
             Err(shaderc::Error::CompilationError(_, message)) => {
                 Err(LinkError::Compile(message.trim_end().to_string()))
             }

@@ -21,6 +21,7 @@ pub mod link;
 mod names;
 #[doc(hidden)] // for the tests of this crate
 pub mod reach;
+mod rounding;
 mod watched;
 
 pub use combine::{Formula, FormulaError};

@@ -14,7 +14,7 @@ crate::rows! {
         "dmf/fur.glsl": "gain(hair_gain, bias(hair_bias" => "gain(hair_bias, bias(hair_gain",
         "dmf/fur.glsl": "s.x + vec3(0.0, droop" => "s.x - vec3(0.0, droop",
         "dmf/fur.glsl": "s.hair_normal - vec3(0.0, 2.0 * droop" => "s.hair_normal + vec3(0.0, 2.0 * droop",
-        "dmf/fur.glsl": "1.0 - unevenness" => "1.0 + unevenness";
+        "dmf/fur.glsl": "= unevenness * clamp" => "= -unevenness * clamp";
     p34_tribble_curls_towards_its_tips = |l| hairs(l, "tribble", tribble),
         "dmf/tribble.glsl": "s.x + strength * curl" => "s.x - strength * curl",
         "dmf/tribble.glsl": "gain(0.9, bias(0.3" => "gain(0.3, bias(0.9",

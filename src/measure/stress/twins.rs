@@ -23,8 +23,6 @@ pub(super) struct Twin {
 
 /// What is blended from the other end is rounded otherwise.
 const BLENDED: f64 = 2e-5;
-/// Programs in which a 0 is a constant are rounded otherwise.
-const ROUNDED: f64 = 2e-6;
 /// Cells after which Perlin's tables repeat.
 const TABLE: u32 = 256;
 /// Root mean square of what f32 rounds away of places that far off, where sharp matter shows it.
@@ -55,7 +53,7 @@ const TWINS: [Twin; 7] = [
     },
     Twin {
         what: "terms of 0 kept",
-        bound: ROUNDED,
+        bound: 0.0,
         of: |scene, _| changed(scene, true, |scene| scene.quality.neutral = Neutral::Keep),
     },
     Twin {
