@@ -315,8 +315,11 @@ fn found(gpu: &Gpu, library: &Library, asked: Option<u64>, is_asked: impl Fn(&st
     let (mut found, mut seen) = (BTreeMap::new(), BTreeSet::new());
     each_drawn(library, |name, text, choice, slot| {
         let new = reached(library, text, choice).0.into_iter().filter(|file| seen.insert(file.clone())).count();
-        if is_asked(name) && (asked.is_some() || new > 0) {
-            let mut program = Watched::new(library, name, text, choice, slot).unwrap();
+        // Some that are asked for themselves are not read by the preset that they are put into.
+        if is_asked(name)
+            && (asked.is_some() || new > 0)
+            && let Some(mut program) = Watched::new(library, name, text, choice, slot)
+        {
             program.draw(gpu, FEW, &mut found);
             for _ in 0..MOST_TURNS {
                 let lacks = |(name, ran): &(String, u64)| *ran > 0 && Some(found[name].ran) < asked;
