@@ -181,4 +181,23 @@ mod tests {
             assert!(!is_seen_again(&before, &other));
         }
     }
+
+    #[test]
+    fn a_variant_that_was_kept_keeps_its_modules() {
+        let mut app = app();
+        app.model.edit("object.input", |scene| scene.object.input = "cube".into());
+        let before = app.library.clone();
+        app.kept = Some((app.model.scene().clone(), before.clone()));
+        let text = "float another(float d, Sample s) { return d; }\n";
+        app.model.set_library(shipped().with_module("dmf", "another", text)).unwrap();
+        let began = Instant::now();
+        while app.posted.is_none() {
+            assert!(began.elapsed() < Duration::from_secs(600)); // a test that fails ends
+            app.loader.poll().unwrap();
+            drop(egui::Context::default().run_ui(egui::RawInput::default(), |ui| app.post(ui, Instant::now())));
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let [now, kept] = &app.posted.as_ref().unwrap().variants[..] else { panic!("two variants") };
+        assert!(Arc::ptr_eq(&now.library, &app.library) && Arc::ptr_eq(&kept.library, &before));
+    }
 }
