@@ -33,6 +33,7 @@ void main() {
     float thin = opacity(part.x, abs(x.y)) + segment_opacity(part.x, part.y, abs(x.z)) + segment_opacity(part.x, part.x, part.z);
     float soft = soften(x.x) + soften(x.y, x.y) + soften_unclamped(x.z) + sample_phase() + plane_depth(x);
     vec3 placed = from_light_space(part) + to_light_space(position_eye) + bump_normal(s);
-    vec2 crossed = intersect_box(x, part - 0.5) + ball_crossing(x, part - 0.5);
+    vec3 along = vec3(part.xy - 0.5, 1.0);   // no direction is 0
+    vec2 crossed = intersect_box(x, along) + ball_crossing(x, along);
     fragment = noises + vec4(sums, thin, soft, 0.0) + vec4(placed, min(crossed.x, 1.0));
 }
