@@ -114,8 +114,10 @@ fn reached(library: &Library, text: &str, choice: &Slots) -> (Vec<String>, Vec<P
         .filter(|file| *file != "probe/exact.glsl")
         .map(String::from)
         .collect();
-    (files.sort(), files.dedup());
-    (parameters.sort_by(|a, b| a.name.cmp(&b.name)), parameters.dedup_by(|a, b| a.name == b.name));
+    files.sort();
+    files.dedup();
+    parameters.sort_by(|a, b| a.name.cmp(&b.name));
+    parameters.dedup_by(|a, b| a.name == b.name);
     (files, parameters)
 }
 

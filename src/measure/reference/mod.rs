@@ -220,7 +220,7 @@ pub fn reference_pixels(
     let mut order: Vec<usize> = (0..pixels.len()).collect();
     order.sort_by_key(|&at| [pixels[at][1] / TILE[1], pixels[at][0] / TILE[0]]);
     for moment in &probe.moments {
-        probe.set(moment, &mut inputs)?;
+        probe.set(moment, &mut inputs, stop)?;
         let (bound, bounds) = (probe.program.bind(&inputs)?, probe.opacity.bind(&inputs)?);
         let chunks = order.par_chunks((TILE[0] * TILE[1]) as usize).map(|chunk| {
             let here: Vec<[u32; 2]> = chunk.iter().map(|&at| pixels[at]).collect();

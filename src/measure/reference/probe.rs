@@ -1,8 +1,8 @@
 //! The program of a scene that gives one sample of a ray, on the CPU.
 
 use super::transport::Matter;
-use super::{ReferenceError, parts};
-use crate::exact::{self, ExactError};
+use super::{ReferenceError, Stop, go_on, parts};
+use crate::exact;
 use crate::render::variant::Variant;
 use crate::render::{Blocks, CpuInputs, OCTAVES_ID, Subject};
 use crate::scene::Scene;
@@ -76,7 +76,12 @@ impl Probe {
     }
 
     /// Makes the inputs those of a sub-frame.
-    pub(super) fn set(&self, moment: &Moment, inputs: &mut exact::Inputs) -> Result<(), ReferenceError> {
+    pub(super) fn set(
+        &self,
+        moment: &Moment,
+        inputs: &mut exact::Inputs,
+        stop: Stop<'_>,
+    ) -> Result<(), ReferenceError> {
         if let Some((binding, caster)) = &self.caster {
             inputs.blocks.clone_from(&moment.caster);
             let bound = caster.bind(inputs)?;
@@ -91,6 +96,7 @@ impl Probe {
                         rows.flat_map(|y| columns.clone().map(move |x| ([x, y], 1.0))).collect();
                     let mut found = Vec::new();
                     for [left, top] in squares.clone() {
+                        go_on(stop)?;
                         let places: Vec<[u32; 2]> = lit.iter().map(|([x, y], _)| [left + x, top + y]).collect();
                         let at = |[x, y]: &[u32; 2]| [f64::from(*x) + 0.5, f64::from(*y) + 0.5, 0.5, 1.0];
                         let lanes = exact::Lanes {
@@ -106,7 +112,7 @@ impl Probe {
                     }
                     Ok(found)
                 })
-                .collect::<Result<_, ExactError>>()?;
+                .collect::<Result<_, ReferenceError>>()?;
             let mut segments = vec![[0.0; 4]; (width * height) as usize];
             for ([x, y], four) in tiles.into_iter().flatten() {
                 segments[(y * width + x) as usize] = four;
@@ -124,6 +130,16 @@ impl Probe {
         PROBE * (self.cpu_inputs.depths[1] - self.cpu_inputs.depths[0])
     }
 
+    /// What the program reads at depths of rays.
+    pub(super) fn lanes(&self, pixels: &[[u32; 2]], wanted: &[(usize, f64)]) -> exact::Lanes<f64> {
+        let lanes = wanted.iter().map(|&(ray, depth)| {
+            let [x, y] = pixels[ray].map(|at| f64::from(at) + 0.5);
+            ([x, y, 0.5, 1.0], [depth, self.path(), 0.0, 0.0])
+        });
+        let (fragment_coordinates, places) = lanes.unzip();
+        exact::Lanes { fragment_coordinates, varyings: [(0, places)].into() }
+    }
+
     /// Samples of rays at depths.
     pub(super) fn sample(
         &self,
@@ -135,12 +151,7 @@ impl Probe {
             return Ok(Vec::new());
         }
         let path = self.path();
-        let lanes = wanted.iter().map(|&(ray, depth)| {
-            let [x, y] = pixels[ray].map(|at| f64::from(at) + 0.5);
-            ([x, y, 0.5, 1.0], [depth, path, 0.0, 0.0])
-        });
-        let (fragment_coordinates, places) = lanes.unzip();
-        let lanes = exact::Lanes { fragment_coordinates, varyings: [(0, places)].into() };
+        let lanes = self.lanes(pixels, wanted);
         let outputs = bound.run::<f64>(&lanes)?;
         let (fragments, spaces) = (&outputs[&0], &outputs[&1]);
         Ok(fragments.iter().zip(spaces).map(|(fragment, space)| Sampled::new(*fragment, *space, path)).collect())

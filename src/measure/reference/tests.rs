@@ -77,7 +77,7 @@ fn wrong(scene: &Scene, rays: usize, count: usize, random: &mut SplitMix) -> (Ve
     let truth = truth_of(scene, &library).unwrap();
     let subject = Subject::load(&truth, &library, &|_| ()).unwrap();
     let (probe, mut inputs) = Probe::new(&library, &truth, &subject).unwrap();
-    probe.set(&probe.moments[0], &mut inputs).unwrap();
+    probe.set(&probe.moments[0], &mut inputs, &|| false).unwrap();
     let (bound, bounds) = (probe.program.bind(&inputs).unwrap(), probe.opacity.bind(&inputs).unwrap());
     let size = scene.image.size;
     let pixels: Vec<[u32; 2]> = (0..rays).map(|_| size.map(|side| (random.next() % u64::from(side)) as u32)).collect();
@@ -202,7 +202,7 @@ fn p24_matter_is_where_rays_and_slices_look_and_a_leap_passes_none() {
         let scene = converged_settings(&scene);
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
         let (probe, mut inputs) = Probe::new(&library, &scene, &subject).unwrap();
-        probe.set(&probe.moments[0], &mut inputs).unwrap();
+        probe.set(&probe.moments[0], &mut inputs, &|| false).unwrap();
         let bound: BoundProgram<'_> = probe.program.bind(&inputs).unwrap();
         let mut random = SplitMix(3);
         let [near, far] = probe.cpu_inputs.depths;
@@ -212,7 +212,7 @@ fn p24_matter_is_where_rays_and_slices_look_and_a_leap_passes_none() {
             .map(|ray| (ray, (near - wide + (far - near + 2.0 * wide) * random.unit()).max(0.01)))
             .collect();
         let samples = probe.sample(&bound, &pixels, &depths).unwrap();
-        let lanes = probe.lanes(&pixels, depths.iter().copied(), |number| number);
+        let lanes = probe.lanes(&pixels, &depths);
         let clear: Vec<f64> = bound.run(&lanes).unwrap()[&1].iter().map(|[.., clear, _]| clear.max(0.0)).collect();
         let skips: Vec<(usize, f64)> =
             (depths.iter().zip(&clear)).map(|(&(ray, depth), clear)| (ray, depth + clear * random.unit())).collect();
