@@ -23,15 +23,6 @@ const PAYS: f64 = 0.85;
 /// One ray of so many across, and of so many down, is tried first: where bounds of those beside a ray are in vain, its own
 /// are not made narrower. More: rays that bounds would prove are given up. Fewer: more bounds.
 const BETWEEN: u32 = 4;
-/// Rays of one beam are the neighbors of this part of a picture's side, and no more than [`WIDEST`] across: bounds of a beam
-/// are about as narrow as those of a ray while it is thinner than its parts are long. More: their bounds say less.
-const BEAM: u32 = 32;
-const WIDEST: u32 = 8;
-
-/// The side of the squares of pixels whose rays are one beam, in a picture of this size.
-pub(super) fn beam([width, height]: [u32; 2]) -> u32 {
-    (width.min(height) / BEAM).clamp(1, WIDEST)
-}
 
 /// Where matter may be along a ray.
 #[derive(Clone, Default)]

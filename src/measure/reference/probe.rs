@@ -1,7 +1,7 @@
 //! The program of a scene that gives one sample of a ray, on the CPU.
 
 use super::transport::Matter;
-use super::{ReferenceError, Stop, go_on, parts};
+use super::{ReferenceError, Stop, go_on};
 use crate::exact;
 use crate::render::variant::Variant;
 use crate::render::{Blocks, CpuInputs, OCTAVES_ID, Subject};
@@ -14,6 +14,11 @@ use std::collections::BTreeMap;
 const PROBE: f64 = 1e-7;
 /// Side of the squares of rays from the light that are computed together.
 const TILE: usize = 16;
+
+/// Rays of one beam are the neighbors of this part of a picture's side, and no more than [`WIDEST`] across: bounds of a beam
+/// are about as narrow as those of a ray while it is thinner than its parts are long. More: their bounds say less.
+const BEAM: u32 = 32;
+const WIDEST: u32 = 8;
 
 /// The program of a scene that gives one sample of a ray, ready to be evaluated.
 pub(super) struct Probe {
@@ -71,7 +76,7 @@ impl Probe {
         };
         let opacity = exact::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
         let program = exact::Program::read(&program.fragment, &octaves)?;
-        let beam = parts::beam(truth.image.size);
+        let beam = (truth.image.size[0].min(truth.image.size[1]) / BEAM).clamp(1, WIDEST);
         Ok((Probe { program, opacity, cpu_inputs, moments, beam, caster }, inputs))
     }
 
