@@ -2,13 +2,15 @@
 
 use log::{LevelFilter, Log, Metadata, Record};
 
-struct Stderr;
+struct Stderr {
+    /// Whether libraries are heard: what they say is nothing that a person can act upon.
+    libraries: bool,
+}
 
 impl Log for Stderr {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        // What a library warns of is nothing that a person can act upon.
-        let ours = metadata.target().starts_with("hypertexture");
-        metadata.level() <= if ours { log::max_level() } else { LevelFilter::Error }
+        let heard = self.libraries || metadata.target().starts_with("hypertexture");
+        heard && metadata.level() <= log::max_level()
     }
 
     fn log(&self, record: &Record<'_>) {
@@ -22,9 +24,9 @@ impl Log for Stderr {
 
 /// Starts logging.
 pub fn start(quiet: bool) {
-    let asked = std::env::var("HYPERTEXTURE_LOG").ok().and_then(|level| level.parse().ok());
+    let asked: Option<LevelFilter> = std::env::var("HYPERTEXTURE_LOG").ok().and_then(|level| level.parse().ok());
     let level = asked.unwrap_or(if quiet { LevelFilter::Error } else { LevelFilter::Warn });
-    if log::set_logger(&Stderr).is_ok() {
+    if log::set_boxed_logger(Box::new(Stderr { libraries: asked.is_some() })).is_ok() {
         log::set_max_level(level);
     }
 }
