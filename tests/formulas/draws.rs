@@ -12,7 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// Draws are made by a fragment each, of pictures with as many pixels on each side: at most.
-const SIDE: u32 = 1024;
+const SIDE: u32 = 256;
 /// Functions that one channel of a picture tells whether they ran.
 const CHANNEL: usize = 24;
 
