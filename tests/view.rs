@@ -478,7 +478,7 @@ fn two_variants_are_wiped_a_pixel_is_inspected_and_the_picture_is_that_of_the_ti
     let (shot, rendered) = (folder.path().join("shot.png"), folder.path().join("rendered.png"));
     let script = format!(
         "wait picture\nkey c\nset parameters.fury 2.5\nwait picture\nkey d\nframes 3\nset compare.gain 64\nframes 3\n\
-         key d\nkey d\nkey d\nframes 2\nkey c\nwait picture\nkey p\nwait inspected\nkey w\nframes 2\nkey p\nkey o\ndrag 0.3 0.5 0.6 0.4\nwait drawn\nscroll 2\nframes 60\nkey R\nkey 1\nset timeline 1.5\n\
+         key d\nkey d\nkey d\nframes 2\nkey c\nwait picture\nkey p\nwait inspected\nkey w\nframes 2\nkey p\nkey o\ndrag 0.3 0.5 0.6 0.4\nwait drawn\nscroll 2\norbit 2 1\nkey R\nkey 1\nset timeline 1.5\n\
          click timeline loop\nclick timeline play\nframes 20\nclick timeline play\nset timeline 1.5\nwait picture\nshot {}\n\
          frames 2\nquit\n",
         shot.display()
