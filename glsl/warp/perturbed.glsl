@@ -12,7 +12,7 @@
 void perturbed(inout vec3 x, inout mat3 jacobian) {
     mat3 step = mat3(1.0);
     vec3 moved = x;
-    float weight = perturbation / (1.5 * (1.0 + perturbation_roughness + perturbation_roughness * perturbation_roughness));
+    float weight = perturbation * (1.0 / (1.5 * (1.0 + perturbation_roughness + perturbation_roughness * perturbation_roughness)));
     float scale = perturbation_frequency;
     vec3 drift = vec3(0.3125, -1.0, 0.1875) * (perturbation_speed * time);
     for (int j = 0; j < 3; ++j) {
