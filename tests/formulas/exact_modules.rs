@@ -117,7 +117,7 @@ const STUDIO: f64 = 32.0;
 
 /// The point that a probe on the device has at a pixel.
 fn hashed(pixel: u32) -> [f64; 4] {
-    let [x, y, z] = crate::draws::hash([pixel % SIDE, pixel / SIDE, 7]).map(|c| f64::from(c >> 14) / 65536.0 - 2.0);
+    let [x, y, z] = crate::knots::pcg3d([pixel % SIDE, pixel / SIDE, 7]).map(|c| f64::from(c >> 14) / 65536.0 - 2.0);
     [x, y, z, -2.0]
 }
 
