@@ -81,7 +81,11 @@ fn wrong(scene: &Scene, rays: usize, count: usize, random: &mut SplitMix) -> (Ve
     let (bound, bounds) = (probe.program.bind(&inputs).unwrap(), probe.opacity.bind(&inputs).unwrap());
     let size = scene.image.size;
     let pixels: Vec<[u32; 2]> = (0..rays).map(|_| size.map(|side| (random.next() % u64::from(side)) as u32)).collect();
-    let found = probe.integrate((&bound, &bounds), &pixels, TOLERANCE, &|| false).unwrap();
+    // Each with the one across from it, in one beam.
+    assert!(probe.beam > 1);
+    let together: Vec<[u32; 2]> = pixels.iter().flat_map(|pixel| [*pixel, pixel.map(|at| at ^ 1)]).collect();
+    let found = probe.integrate((&bound, &bounds), &together, TOLERANCE, &|| false).unwrap();
+    let found: Vec<Light> = found.into_iter().step_by(2).collect();
     let (mut wrong, mut worse, mut vague) = (Vec::new(), 0, 0);
     for (at, (light, error, open)) in pixels.iter().zip(&found) {
         let (known, own) = many(&probe, &bound, *at, count, random);
