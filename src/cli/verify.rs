@@ -63,7 +63,7 @@ fn truths(options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let gpu = Gpu::new(options)?;
     let start = Instant::now();
     let report = with_progress(quiet, "truths", |progress| verify::run(&gpu, verify::TRUTHS, progress))?;
-    let (missed, all) = (report.missed().map(verify::Row::title).collect::<Vec<_>>(), report.rows.len());
+    let (missed, all) = (report.missed().map(verify::Row::failure).collect::<Vec<_>>(), report.rows.len());
     if !quiet {
         let seconds = start.elapsed().as_secs_f64();
         let count = all - missed.len();

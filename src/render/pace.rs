@@ -29,15 +29,32 @@ pub struct Pace {
     /// Samples of its largest submission that took too little to say what a sample costs.
     light: f64,
     is_new: bool,
+    /// Samples of every submission, whatever it takes.
+    #[cfg(test)]
+    fixed: Option<f64>,
 }
 
 impl Default for Pace {
     fn default() -> Pace {
-        Pace { next: FIRST, dearest: None, seen: None, light: 0.0, is_new: true }
+        Pace {
+            next: FIRST,
+            dearest: None,
+            seen: None,
+            light: 0.0,
+            is_new: true,
+            #[cfg(test)]
+            fixed: None,
+        }
     }
 }
 
 impl Pace {
+    /// Submissions of so many samples each.
+    #[cfg(test)]
+    pub(super) fn fixed(samples: f64) -> Pace {
+        Pace { fixed: Some(samples), ..Pace::default() }
+    }
+
     /// Begins a picture; whether it is the first.
     pub fn begin(&mut self) -> bool {
         let most = (self.light > 0.0).then_some(TELLING_MS / self.light);
@@ -48,6 +65,10 @@ impl Pace {
 
     /// How many samples the next submission may hold.
     pub fn samples(&self) -> f64 {
+        #[cfg(test)]
+        if let Some(samples) = self.fixed {
+            return samples;
+        }
         self.dearest.map_or(self.next, |dearest| self.next.min(SUBMISSION_MS / dearest))
     }
 

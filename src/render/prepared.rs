@@ -77,6 +77,12 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
+    /// How its pictures are cut into submissions.
+    #[cfg(test)]
+    pub(super) fn pace(&mut self) -> &mut Pace {
+        &mut self.pipelines.pace
+    }
+
     /// Makes what the pictures of a scene share; its program, and what that reads, may be `made` already.
     pub(super) fn new(
         gpu: &Gpu,

@@ -185,3 +185,42 @@ impl Renderer {
         Ok(&mut self.prepared[last])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::Options;
+    use crate::render::pace::Pace;
+    use crate::scene::{Pass, Proxy};
+    use crate::shader;
+
+    #[test]
+    #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+    fn where_slices_are_cut_into_submissions_changes_no_bit() {
+        let gpu = Gpu::new(&Options { validation: true, ..Options::default() }).unwrap();
+        let mut scene = Scene::default();
+        scene.object.input = "sphere".into();
+        (scene.effect.classify, scene.effect.softness) = ("soft".into(), "quadratic".into());
+        (scene.effect.opacity, scene.effect.surface) = ("beer".into(), "unlit".into());
+        scene.effect.opacity_rate = 3.0; // light comes through all of it
+        (scene.object.inner_iso, scene.object.outer_iso) = (-0.5, 0.25);
+        (scene.camera.azimuth, scene.camera.elevation) = (0.0, 0.0); // a slice is a square
+        (scene.quality.pass, scene.quality.samples, scene.quality.early_termination) = (Pass::Slices, 1024, 0.0);
+        scene.image.size = [24, 24];
+        let subject = Subject::load(&scene, &shader::shipped(), &|_| ()).unwrap();
+        let mut renderer = Renderer::new(&gpu, &shader::shipped(), &subject);
+        for proxy in [Proxy::Polygons, Proxy::Quads] {
+            scene.quality.proxy = proxy;
+            let mut cut = |slices: f64| {
+                renderer.prepare(&scene, &|_| ()).unwrap();
+                *renderer.prepared[0].pace() = Pace::fixed(slices * 24.0 * 24.0);
+                renderer.render(&scene).unwrap().pixels
+            };
+            let whole = cut(1024.0);
+            for slices in [1.0, 7.0, 256.0, 341.0, 342.0, 512.0, 683.0] {
+                assert!(cut(slices) == whole, "{slices} {proxy:?} in a submission");
+            }
+        }
+        assert!(gpu.messages().take().is_empty());
+    }
+}

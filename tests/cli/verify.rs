@@ -21,9 +21,9 @@ fn run(desk: &Path, arguments: &str) -> Output {
 /// Standard output of what must succeed without a word of the validation layer.
 fn good(desk: &Path, arguments: &str) -> String {
     let output = run(desk, arguments);
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && said.is_empty(), "`{arguments}`: {said}");
-    String::from_utf8(output.stdout).unwrap()
+    let [out, said] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(output.status.success() && said.is_empty(), "`{arguments}`: {said}{out}");
+    out
 }
 
 /// The one line of what must fail with this exit code.

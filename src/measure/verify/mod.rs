@@ -152,9 +152,17 @@ impl Row {
         Row { what: what.into(), ..Row::of(&[level], bound, None, pass) }
     }
 
-    /// What must be said of it where it fails: truth, case, pass.
-    pub fn title(&self) -> String {
-        format!("{} ({}, {})", self.truth, self.what, self.pass)
+    /// What must be said of it where it fails: truth, case, pass, the error or the order, and what it may be.
+    pub fn failure(&self) -> String {
+        let Row { truth, what, pass, samples, max, .. } = self;
+        let why = match (self.bound, self.order, self.expected) {
+            (Some(bound), ..) if *max > bound => {
+                format!("an error of {max:.1e} with {samples} samples, at most {bound:.1e}")
+            }
+            (_, Some(order), Some([low, high])) => format!("an order of {order:.2}, between {low} and {high}"),
+            _ => "no order, for want of errors above rounding".into(),
+        };
+        format!("{truth} ({what}, {pass}): {why}")
     }
 }
 
