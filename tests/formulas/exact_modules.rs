@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 const POINT: &str = include_str!("../glsl/exact_point.glsl");
 const RAY: &str = include_str!("../glsl/exact_ray.glsl");
-const GLASS: &str = include_str!("../glsl/exact_glass.glsl");
+pub const GLASS: &str = include_str!("../glsl/exact_glass.glsl");
 
 /// A slot whose modules a test goes through: the probe that shows them, the preset that they are put into, and slots
 /// that need certain modules beside them.

@@ -35,5 +35,7 @@ void main() {
     vec3 placed = from_light_space(part) + to_light_space(position_eye) + bump_normal(s);
     vec3 along = vec3(part.xy - 0.5, 1.0);   // no direction is 0
     vec2 crossed = intersect_box(x, along) + ball_crossing(x, along);
-    fragment = noises + vec4(sums, thin, soft, 0.0) + vec4(placed, min(crossed.x, 1.0));
+    fragment = noises + vec4(sums, thin, soft, pixel_width()) + vec4(placed, min(crossed.x, 1.0));
+    shift_sample(position_eye, x);
+    fragment.xyz += x + position_eye;
 }
