@@ -1,7 +1,7 @@
 //! Functions of modules on a device, at random places with random parameters: none gives what is no finite number.
 
 use crate::common::with_gpu;
-use crate::exact_modules::{GLASS, each};
+use crate::exact_modules::{self, GLASS, each};
 use crate::knots::pcg3d;
 use crate::probe::Probe;
 use crate::values::Setting;
@@ -19,8 +19,6 @@ const CHANNEL: usize = 24;
 
 /// Draws of a program that are always made.
 const FEW: u64 = 16_384;
-/// What runs at least once in so many draws of a program is drawn again until it ran as often as asked.
-const SELDOM: u64 = 128;
 
 /// What the program of a probe begins with, behind the block of its parameters: random numbers of the fragment.
 const RANDOM: &str = "uvec3 drawn_state, drawn_ran = uvec3(0u);
@@ -81,6 +79,15 @@ const BENDING: &str = "\
     Index medium = index_at(x);
     fragment = vec4(pull(x, medium) + bend(at, medium) + interface_normal(x, x + 0.001), density_at(x));
 ";
+/// What is classified in two phases, which rays ask for seldom.
+const IN_PHASES: &str = "\
+#ifdef TWO_PHASES
+    float found = find_density(x);
+    fragment = found > 0.0 ? matter_at(x, 0.015625, found >= 1.0) : vec4(0.0);
+#else
+    fragment = vec4(0.0);
+#endif
+";
 
 /// What was found of a function.
 #[derive(Default)]
@@ -97,13 +104,11 @@ struct Found {
 struct Watched {
     name: String,
     probe: Probe,
-    /// Its functions, and in how many draws each ran.
+    /// Its functions, and in how many draws of this program each ran.
     functions: Vec<(String, u64)>,
     parameters: Vec<Parameter>,
     /// Pictures that were drawn.
     rounds: u64,
-    /// Draws that were made.
-    draws: u64,
 }
 
 /// The files of modules that a probe reaches, and all parameters by the names that the program has for them.
@@ -215,7 +220,7 @@ impl Watched {
         let text = text.replace("POINT", POINT).replace("void main()", "#include \"watch.glsl\"\nvoid shown()") + MAIN;
         let probe = Probe::new(&Library::new(sources), &text, choice, slot, false)?;
         let functions = functions.into_iter().map(|name| (name, 0)).collect();
-        Some(Watched { name: name.into(), probe, functions, parameters, rounds: 0, draws: 0 })
+        Some(Watched { name: name.into(), probe, functions, parameters, rounds: 0 })
     }
 
     /// Makes as many draws and more, and adds what was found.
@@ -224,7 +229,6 @@ impl Watched {
         let pipeline = self.probe.pipeline(gpu);
         for _ in 0..count.div_ceil(u64::from(side * side)) {
             self.rounds += 1;
-            self.draws += u64::from(side * side);
             let mut setting = Setting::new(self.parameters.clone()).numbered(self.rounds);
             // Few samples along a ray, and the object among them.
             for (name, value) in
@@ -299,43 +303,53 @@ fn each_drawn(library: &Library, mut on: impl FnMut(&str, &str, &Slots, &str)) {
     });
     let light = light.replace("layout(location = 0) flat in float depth;", "float depth = 4.0;");
     let bending = format!("{}void main() {{\n{BENDING}}}\n", GLASS.split_once("void main() {").unwrap().0);
-    let direct = ASKED.map(|slot| (slot, DIRECT, "fire"));
+    let in_phases = exact_modules::POINT.replace("    fragment = classify(x, 0.015625);\n", IN_PHASES);
+    let direct = ASKED.map(|slot| ("asked for itself", slot, DIRECT, "fire"));
     let others = [
-        ("classify", march.as_str(), "fire"),
-        ("scatter", light.as_str(), "wax"),
-        ("index", bending.as_str(), "blue_glass"),
+        ("in phases", "classify", in_phases.as_str(), "fire"),
+        ("along a ray", "classify", march.as_str(), "fire"),
+        ("in a slice", "scatter", light.as_str(), "wax"),
+        ("bending", "index", bending.as_str(), "blue_glass"),
     ];
-    for (slot, text, preset) in direct.into_iter().chain(others) {
+    for (how, slot, text, preset) in direct.into_iter().chain(others) {
         let scene = scene::preset(preset).unwrap();
         let mut choice = scene.slots(library);
         choice.extend(Variant::of(&scene, library).unwrap().slots);
         choice.insert("ray_path".into(), vec!["curved".into()]); // the preset's are straight
         for module in library.modules(slot).into_iter().filter(|module| !["objects", "clear"].contains(module)) {
             let choice = choice.clone().into_iter().chain([(slot.to_string(), vec![module.to_string()])]).collect();
-            on(&format!("{slot}/{module}, asked for itself"), text, &choice, slot);
+            on(&format!("{slot}/{module}, {how}"), text, &choice, slot);
         }
     }
 }
 
 /// What is found of each function of the programs whose names are asked for: few draws of those that reach a file of their
-/// own, or of all until each function ran so often.
-fn found(gpu: &Gpu, library: &Library, asked: Option<u64>, is_asked: impl Fn(&str) -> bool) -> BTreeMap<String, Found> {
-    let (mut found, mut seen) = (BTreeMap::new(), BTreeSet::new());
+/// own, or of all; then as many as asked for, of the program in which a function runs most often.
+fn found(gpu: &Gpu, library: &Library, asked: u64, is_asked: impl Fn(&str) -> bool) -> BTreeMap<String, Found> {
+    let (mut found, mut seen, mut best) = (BTreeMap::new(), BTreeSet::new(), BTreeMap::<String, (u64, String)>::new());
     each_drawn(library, |name, text, choice, slot| {
         let new = reached(library, text, choice).0.into_iter().filter(|file| seen.insert(file.clone())).count();
         // Some that are asked for themselves are not read by the preset that they are put into.
         if is_asked(name)
-            && (asked.is_some() || new > 0)
+            && (asked > 0 || new > 0)
             && let Some(mut program) = Watched::new(library, name, text, choice, slot)
         {
             program.draw(gpu, FEW, &mut found);
-            let lacks = |program: &Watched, found: &BTreeMap<String, Found>| {
-                let lacking =
-                    |(name, ran): &(String, u64)| *ran * SELDOM >= program.draws && Some(found[name].ran) < asked;
-                program.functions.iter().any(lacking)
-            };
-            while lacks(&program, &found) {
-                program.draw(gpu, asked.unwrap_or_default() / 4, &mut found);
+            for (function, ran) in program.functions {
+                let of = best.entry(function).or_default();
+                *of = of.clone().max((ran, name.into()));
+            }
+        }
+    });
+    each_drawn(library, |name, text, choice, slot| {
+        let own: Vec<&String> =
+            best.iter().filter(|(_, (ran, of))| *ran > 0 && of == name).map(|(own, _)| own).collect();
+        let lacks = |found: &BTreeMap<String, Found>| own.iter().any(|function| found[*function].ran < asked);
+        if lacks(&found)
+            && let Some(mut program) = Watched::new(library, name, text, choice, slot)
+        {
+            while lacks(&found) {
+                program.draw(gpu, (asked / 8).max(FEW), &mut found);
             }
         }
     });
@@ -346,7 +360,7 @@ fn found(gpu: &Gpu, library: &Library, asked: Option<u64>, is_asked: impl Fn(&st
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn no_function_gives_what_is_no_number() {
     // HYPERTEXTURE_DRAWS=10000000 asks for as many draws of each function, HYPERTEXTURE_DRAWN for the programs of that name.
-    let asked: Option<u64> = std::env::var("HYPERTEXTURE_DRAWS").ok().and_then(|count| count.parse().ok());
+    let asked: u64 = std::env::var("HYPERTEXTURE_DRAWS").ok().and_then(|count| count.parse().ok()).unwrap_or_default();
     let named = std::env::var("HYPERTEXTURE_DRAWN").unwrap_or_default();
     with_gpu(|gpu| {
         let found = found(gpu, &shader::shipped(), asked, |name| name.contains(&named));
@@ -357,10 +371,8 @@ fn no_function_gives_what_is_no_number() {
             found.iter().filter_map(|(name, found)| Some(format!("{name}: {}", found.first.as_ref()?))).collect();
         assert!(faults.is_empty(), "{}", faults.join("\n"));
         assert!(found.len() > 200 || !named.is_empty(), "{} functions", found.len());
-        if let Some(asked) = asked.filter(|_| named.is_empty()) {
-            let seldom: Vec<_> = found.iter().filter(|(_, found)| found.ran < asked).map(|(name, _)| name).collect();
-            assert!(seldom.is_empty(), "fewer than {asked} draws: {seldom:?}");
-        }
+        let seldom: Vec<_> = found.iter().filter(|(_, found)| found.ran < asked).map(|(name, _)| name).collect();
+        assert!(seldom.is_empty() || !named.is_empty(), "fewer than {asked} draws: {seldom:?}");
     });
 }
 
@@ -373,7 +385,7 @@ const PLANTED: &str = "// @param dose = 0.5 in [0, 1]: -\n\
 fn a_function_that_gives_no_number_at_an_end_of_its_range_is_found() {
     with_gpu(|gpu| {
         let library = shader::shipped().with_module("dmf", "planted", PLANTED);
-        let found = found(gpu, &library, None, |name| name == "dmf/planted");
+        let found = found(gpu, &library, 0, |name| name == "dmf/planted");
         let wrong: Vec<&String> = found.iter().filter(|(_, found)| found.faults > 0).map(|(name, _)| name).collect();
         assert_eq!(wrong, ["dmf/planted.glsl: planted"]);
         let Found { ran, faults, first } = &found[wrong[0]];

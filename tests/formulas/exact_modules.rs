@@ -10,7 +10,7 @@ use hypertexture::scene;
 use hypertexture::shader::{self, Library, Slots};
 use std::collections::BTreeMap;
 
-const POINT: &str = include_str!("../glsl/exact_point.glsl");
+pub const POINT: &str = include_str!("../glsl/exact_point.glsl");
 const RAY: &str = include_str!("../glsl/exact_ray.glsl");
 pub const GLASS: &str = include_str!("../glsl/exact_glass.glsl");
 

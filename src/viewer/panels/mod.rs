@@ -137,31 +137,22 @@ impl Panels {
         let effect = &model.scene().effect;
         let first = effect.dmf.first().map(|name| ("dmf", name.split('@').next().unwrap_or_default()));
         let (slot, name) = first.unwrap_or(("surface", &effect.surface));
-        let finals = finals::Finals::new(program.clone());
-        let author = Author::new(program, model.library(), slot, name)?;
-        let paths = ["scene.toml".into(), "picture.png".into()];
-        let known = facts::Known::default();
-        let asked = ask::Asked::default();
-        let bookmarks = bookmarks::Bookmarks::default();
-        let editor = editor::Editor::default();
-        let theme = theme::Chosen::default();
-        let [author_is_open, shows_all, advanced, with_own, hidden] = [false; 5];
         Ok(Panels {
             selected: None,
             stop: 0,
-            known,
-            asked,
-            bookmarks,
-            paths,
-            author,
-            editor,
-            author_is_open,
-            shows_all,
-            advanced,
-            with_own,
-            hidden,
-            theme,
-            finals,
+            known: facts::Known::default(),
+            asked: ask::Asked::default(),
+            bookmarks: bookmarks::Bookmarks::default(),
+            paths: ["scene.toml".into(), "picture.png".into()],
+            finals: finals::Finals::new(program.clone()),
+            author: Author::new(program, model.library(), slot, name)?,
+            editor: editor::Editor::default(),
+            author_is_open: false,
+            shows_all: false,
+            advanced: false,
+            with_own: false,
+            hidden: false,
+            theme: theme::Chosen::default(),
         })
     }
 
