@@ -91,6 +91,17 @@ pub enum Dimension {
     Volume(u32, u32, u32),
 }
 
+impl Dimension {
+    /// Texels along each axis.
+    pub fn size(self) -> [u32; 3] {
+        match self {
+            Dimension::Line(x) => [x, 1, 1],
+            Dimension::Plane(x, y) => [x, y, 1],
+            Dimension::Volume(x, y, z) => [x, y, z],
+        }
+    }
+}
+
 /// What an image is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ImageUse {
@@ -144,11 +155,12 @@ impl Image {
     ) -> Result<Image, GpuError> {
         use vk::{ImageType as Type, ImageViewType as View};
         let info = gpu.info();
-        let (kind, view_kind, size, limit) = match dimension {
-            Dimension::Line(x) => (Type::TYPE_1D, View::TYPE_1D, [x, 1, 1], info.max_image),
-            Dimension::Plane(x, y) => (Type::TYPE_2D, View::TYPE_2D, [x, y, 1], info.max_image),
-            Dimension::Volume(x, y, z) => (Type::TYPE_3D, View::TYPE_3D, [x, y, z], info.max_volume),
+        let (kind, view_kind, limit) = match dimension {
+            Dimension::Line(_) => (Type::TYPE_1D, View::TYPE_1D, info.max_image),
+            Dimension::Plane(..) => (Type::TYPE_2D, View::TYPE_2D, info.max_image),
+            Dimension::Volume(..) => (Type::TYPE_3D, View::TYPE_3D, info.max_volume),
         };
+        let size = dimension.size();
         if size.iter().any(|&side| side == 0 || side > limit) {
             let asked = format!("{} x {} x {} texels", size[0], size[1], size[2]);
             let limit = format!("1 to {limit} for each axis");

@@ -61,21 +61,32 @@ impl BoundInputs {
         Ok(bound)
     }
 
-    /// Makes the blocks of a picture, and its cells.
+    /// Makes the blocks of a picture, and its cells; ends where it is to `stop`.
     pub(super) fn fill(
         &mut self,
         gpu: &Gpu,
         program: &Program,
         shot: &Shot<'_>,
         sub_frame: &SubFrame,
+        stop: &dyn Fn() -> bool,
     ) -> Result<(), RenderError> {
         self.values = self.stored.values(shot, sub_frame);
         self.blocks = self.blocks_of(gpu, program)?;
-        let cells = self.cells.as_mut().map(|cells| cells.update(gpu, shot, &self.values)).transpose()?;
-        if let Some(image) = cells.flatten() {
+        let images = &self.images;
+        let image_of = |name: &str| {
+            let binding = program.resources.iter().find(|resource| resource.name == name)?.binding;
+            images.iter().find(|(own, _)| *own == binding).map(|(_, image)| read(image))
+        };
+        let update = |cells: &mut Cells| cells.update(gpu, shot, &self.values, &image_of, stop);
+        if let Some(image) = self.cells.as_mut().map(update).transpose()?.flatten() {
             self.replace(program, CELLS, image);
         }
         Ok(())
+    }
+
+    /// Whether the cells of a picture can be found at once.
+    pub(super) fn is_ready(&self, gpu: &Gpu, shot: &Shot<'_>) -> bool {
+        self.cells.as_ref().is_none_or(|cells| cells.are_decided(gpu, shot))
     }
 
     /// What was found of the cells of the picture.
@@ -124,18 +135,20 @@ impl BoundInputs {
 
     /// What the images are.
     pub(super) fn images(&self) -> Vec<Read> {
-        let read = |(_, image): &(u32, Arc<Image>)| {
-            let channels = image.format().channels();
-            let bits = 8 * image.format().bytes() as u32 / channels;
-            Read { name: image.name().into(), size: image.size(), channels, bits, bytes: image.bytes() }
-        };
-        self.images.iter().map(read).collect()
+        self.images.iter().map(|(_, image)| read(image)).collect()
     }
 
     /// Bytes of the images on the device.
     pub(super) fn bytes(&self) -> u64 {
         self.images.iter().map(|(_, image)| image.bytes()).sum()
     }
+}
+
+/// What an image is.
+fn read(image: &Image) -> Read {
+    let channels = image.format().channels();
+    let bits = 8 * image.format().bytes() as u32 / channels;
+    Read { name: image.name().into(), size: image.size(), channels, bits, bytes: image.bytes() }
 }
 
 /// The pipeline of a program with the octaves of a scene, for targets of a format with so many samples.

@@ -4,19 +4,15 @@
 //! a cell is called empty only where that is proven, so that a picture is the same with cells and without; what cannot be
 //! decided may hold matter.
 
-use super::cpu_inputs::{texture, wrap};
-use super::inputs::Inputs;
+mod decide;
+
 use super::shot::Shot;
-use super::values::{Values, blocks};
-use super::{OCTAVES_ID, RenderError};
-use crate::exact::{self, Device, Interval, Outline};
+use super::values::Values;
+use super::{Read, RenderError};
 use crate::gpu::{Dimension, Format, Gpu, Image};
-use crate::render::variant::Program;
-use crate::shader::{Library, Linker};
-use crate::support::disk_cache::{self, Kind};
-use rayon::prelude::*;
+use crate::shader::Library;
+use decide::{Boxes, Decider};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// Samples of a picture for each cell. Fewer: finer cells, which cost more than they save.
@@ -27,26 +23,6 @@ const SAMPLES_OF_A_GPU: f64 = 100.0 * SAMPLES;
 const SAMPLES_OF_A_TEXEL: f64 = 2.0;
 /// Cells along a side, at least and at most.
 const SIDES: [u32; 2] = [4, 64];
-/// More texels are not read back: each takes 21 bytes.
-const MOST_TEXELS: u64 = 1 << 24;
-/// How much larger a cell is taken than it is, in parts of its side: places of samples are rounded.
-const MARGIN: f64 = 1e-3;
-/// Roundings of the place of a sample, in parts of its distance from the eye.
-const PLACE: f64 = 1e-6;
-/// So many cells along a side are always tried; finer ones if of so many boxes at least one is empty.
-const TRIED: u32 = 16;
-const LEAST_FOUND: usize = 32;
-/// Scalar operations that finer boxes may take: some seconds.
-const OPERATIONS: u64 = 4_000_000_000;
-/// Boxes that one thread decides at a time.
-const BOXES: usize = 512;
-
-/// Proofs that take longer are kept on disk, milliseconds. Less: a value that is pulled fills the disk.
-const KEPT_FROM_MS: f64 = 20.0;
-/// Some ten thousand proofs.
-const KIND: Kind = Kind { ends: &["cells"], limit: 64 << 20 };
-/// Counts up where proofs change.
-const VERSION: u32 = 1;
 
 /// What was found of the cells of a picture.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -74,37 +50,6 @@ pub(super) struct Cells {
     key: Option<(Vec<u64>, Boxes)>,
 }
 
-/// What decides, made for the first picture that it pays for.
-enum Decider {
-    /// Not made yet; its images have at least so many texels.
-    Unmade(u64),
-    Made(Box<Bounded>),
-    /// There are no bounds, and why.
-    Unbounded(String),
-}
-
-/// A program that says where matter is, and what it reads.
-struct Bounded {
-    program: Program,
-    code: exact::Program,
-    outline: Outline,
-    inputs: exact::Inputs,
-    texels: u64,
-    /// That of the program, and of its images and how they are filtered.
-    hash: blake3::Hash,
-}
-
-/// A box in object space and how it is divided.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Boxes {
-    low: [f64; 3],
-    high: [f64; 3],
-    /// Cells along each side, a power of two.
-    side: u32,
-    /// How much larger than they are cells are taken, object units.
-    margin: [f64; 3],
-}
-
 impl Cells {
     /// What decides the cells of the pictures of one program.
     pub(super) fn new(library: &Library) -> Cells {
@@ -117,18 +62,39 @@ impl Cells {
         self.found.clone()
     }
 
-    /// The cells of a picture as rays read them, unless they are those of the picture before.
-    pub(super) fn update(&mut self, gpu: &Gpu, shot: &Shot<'_>, values: &Values) -> Result<Option<Image>, RenderError> {
+    /// Whether what decides the cells of a picture is made, or none pays for it.
+    pub(super) fn are_decided(&self, gpu: &Gpu, shot: &Shot<'_>) -> bool {
+        match self.decider {
+            Decider::Unmade(texels) | Decider::Coming(texels, _) => side(gpu, shot, texels) == 0,
+            Decider::Made(_) | Decider::Unbounded(_) => true,
+        }
+    }
+
+    /// The cells of a picture as rays read them, unless they are those of the picture before; its images are those of the
+    /// picture by name. Ends where it is to `stop`.
+    pub(super) fn update(
+        &mut self,
+        gpu: &Gpu,
+        shot: &Shot<'_>,
+        values: &Values,
+        image_of: &dyn Fn(&str) -> Option<Read>,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Option<Image>, RenderError> {
         let start = Instant::now();
         let side_of = |texels| side(gpu, shot, texels);
         if let Decider::Unmade(texels) = self.decider
             && side_of(texels) > 0
         {
-            self.decider = Decider::new(&self.library, shot, |texels| side_of(texels) > 0)?;
+            self.decider = Decider::new(&self.library, shot, image_of, |texels| side_of(texels) > 0)?;
+        }
+        if let Decider::Coming(texels, _) = self.decider
+            && side_of(texels) > 0
+        {
+            self.decider.wait(stop)?;
         }
         let few = || (None, Err::<(Vec<bool>, bool), String>("so few samples are not worth it".into()));
         let (key, empty) = match &mut self.decider {
-            Decider::Unmade(_) => few(),
+            Decider::Unmade(_) | Decider::Coming(..) => few(),
             Decider::Unbounded(why) => (None, Err(why.clone())),
             Decider::Made(bounded) => match Boxes::of(shot, side_of(bounded.texels)) {
                 Boxes { side: 0, .. } => few(),
@@ -137,8 +103,8 @@ impl Cells {
                     if self.key.as_ref().is_some_and(|(before, of)| *before == read && *of == boxes) {
                         return Ok(None);
                     }
-                    let proven = bounded.proven(&boxes, &read).map_err(|error| error.to_string());
-                    (Some((read, boxes)), proven)
+                    let proven = bounded.proven(&boxes, &read, stop).map_err(|error| error.to_string());
+                    (Some((read, boxes)), proven.transpose().ok_or(RenderError::Stopped)?)
                 }
             },
         };
@@ -195,151 +161,6 @@ fn unskipped(shot: &Shot<'_>) -> f64 {
         own.scale * (own.spread.moves.span() + own.outer_iso - inner_iso)
     });
     f64::from((near.fold(0.0, f32::max) / shot.view.extent.radius).min(1.0))
-}
-
-impl Decider {
-    /// For the program of a shot, if it `pays` to read so many texels.
-    fn new(library: &Library, shot: &Shot<'_>, pays: impl Fn(u64) -> bool) -> Result<Decider, RenderError> {
-        let program = shot.variant.cells(shot.scene, library)?.program(library, Linker::new)?;
-        let octaves = [(OCTAVES_ID, shot.scene.effect.octaves)];
-        let code = match exact::Program::read_channel(&program.fragment, &octaves, (0, 3)) {
-            Ok(code) => code,
-            Err(error) => return Ok(Decider::Unbounded(error.to_string())),
-        };
-        let outline = code.outline();
-        let Inputs { mut images, samplers, .. } = Inputs::new(library, shot, &program, &|_| ())?;
-        images.retain(|(binding, _)| outline.images.iter().any(|(image, _)| image == binding));
-        if let Some((_, image)) = images.iter().find(|(_, image)| image.format == Format::Rgba8Unorm) {
-            let why = format!("the {} has 8 bits, and so have its interpolated values on some devices", image.name);
-            return Ok(Decider::Unbounded(why));
-        }
-        let texels = images.iter().map(|(_, image)| image.bytes().len() as u64 / image.format.bytes()).sum();
-        if texels > MOST_TEXELS {
-            let why = format!("its images have {texels} texels, and bounds read at most {MOST_TEXELS}");
-            return Ok(Decider::Unbounded(why));
-        }
-        if !pays(texels) {
-            return Ok(Decider::Unmade(texels));
-        }
-        let mut hash = blake3::Hasher::new();
-        hash.update(outline.hash.as_bytes());
-        for (binding, image) in &images {
-            hash.update(format!("{binding} {:?} {:?}", image.dimension, image.format).as_bytes());
-            hash.update(blake3::hash(image.bytes()).as_bytes());
-        }
-        samplers.iter().for_each(|(binding, filter)| {
-            hash.update(format!("{binding} {:?}", filter.address).as_bytes());
-        });
-        let hash = hash.finalize();
-        let images = images.iter().map(|(binding, image)| (*binding, texture(image))).collect();
-        let samplers = samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect();
-        let inputs = exact::Inputs { blocks: BTreeMap::new(), images, samplers };
-        Ok(Decider::Made(Box::new(Bounded { program, code, outline, inputs, texels, hash })))
-    }
-}
-
-impl Bounded {
-    /// Sets what the program reads beside images; what depends on it, in bits.
-    fn fill(&mut self, values: &Values) -> Result<Vec<u64>, RenderError> {
-        let filled = blocks(&self.program, values)?.into_iter();
-        self.inputs.blocks = filled.map(|(resource, bytes)| (resource.binding, bytes)).collect();
-        Ok(self.code.values(&self.outline, &self.inputs.blocks)?)
-    }
-
-    /// Which cells are proven to be empty by what [`Bounded::fill`] gave, and whether that was kept on disk.
-    fn proven(&self, boxes: &Boxes, read: &[u64]) -> Result<(Vec<bool>, bool), exact::ExactError> {
-        let key = self.key(boxes, read);
-        let count = (boxes.side as usize).pow(3);
-        if let Some(empty) = disk_cache::load(KIND, key).and_then(|bytes| unpacked(&bytes, count)) {
-            return Ok((empty, true));
-        }
-        let start = Instant::now();
-        let empty = self.empty(boxes)?;
-        if start.elapsed().as_secs_f64() * 1e3 > KEPT_FROM_MS {
-            disk_cache::save(KIND, key, &packed(&empty));
-        }
-        Ok((empty, false))
-    }
-
-    /// The hash of all that the proofs depend on.
-    fn key(&self, boxes: &Boxes, read: &[u64]) -> blake3::Hash {
-        blake3::hash(format!("{VERSION} {:?} {boxes:?} {read:?}", self.hash).as_bytes())
-    }
-
-    /// Which cells are proven to be empty, x fastest.
-    fn empty(&self, boxes: &Boxes) -> Result<Vec<bool>, exact::ExactError> {
-        let bound = self.code.bind(&self.inputs)?;
-        let mut empty = vec![false; (boxes.side as usize).pow(3)];
-        let mut side = SIDES[0].min(boxes.side);
-        let mut open: Vec<[u32; 3]> = children([0; 3], side).collect();
-        loop {
-            let is_empty = |cells: &[[u32; 3]]| {
-                let places = cells.iter().map(|cell| boxes.cell(*cell, side).map(Device)).collect();
-                let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
-                let (outputs, operations) = bound.measure::<Device>(&lanes)?;
-                Ok((outputs[&0].iter().map(|[alpha, ..]| alpha.0.hi <= 0.0).collect(), operations))
-            };
-            let decided: Vec<(Vec<bool>, u64)> =
-                open.par_chunks(BOXES).map(is_empty).collect::<Result<_, exact::ExactError>>()?;
-            let of_a_box = decided.iter().map(|(_, operations)| operations).sum::<u64>() / open.len() as u64;
-            let scale = boxes.side / side;
-            let (mut next, mut found) = (Vec::new(), 0);
-            for (cell, is_empty) in open.iter().zip(decided.into_iter().flat_map(|(empty, _)| empty)) {
-                if is_empty {
-                    found += 1;
-                    for [x, y, z] in children(*cell, scale) {
-                        empty[((z * boxes.side + y) * boxes.side + x) as usize] = true;
-                    }
-                } else if scale > 1 {
-                    next.extend(children(*cell, 2));
-                }
-            }
-            let vain = side >= TRIED && found * LEAST_FOUND < open.len();
-            if next.is_empty() || vain || of_a_box * next.len() as u64 > OPERATIONS {
-                return Ok(empty);
-            }
-            (open, side) = (next, 2 * side);
-        }
-    }
-}
-
-/// Eight truths in a byte.
-fn packed(truths: &[bool]) -> Vec<u8> {
-    let byte = |eight: &[bool]| eight.iter().rev().fold(0, |byte, &truth| byte << 1 | u8::from(truth));
-    truths.chunks(8).map(byte).collect()
-}
-
-/// So many truths, where the bytes hold as many.
-fn unpacked(bytes: &[u8], count: usize) -> Option<Vec<bool>> {
-    let truth = |index: usize| bytes[index / 8] >> (index % 8) & 1 == 1;
-    (bytes.len() == count.div_ceil(8)).then(|| (0..count).map(truth).collect())
-}
-
-/// The cells that a cell is divided into, so many along each side.
-fn children(cell: [u32; 3], count: u32) -> impl Iterator<Item = [u32; 3]> {
-    let first = cell.map(|at| at * count);
-    (0..count.pow(3)).map(move |k| [first[0] + k % count, first[1] + k / count % count, first[2] + k / count.pow(2)])
-}
-
-impl Boxes {
-    fn of(shot: &Shot<'_>, side: u32) -> Boxes {
-        let [low, high] = [shot.view.box_min, shot.view.box_max].map(|end| end.to_array().map(f64::from));
-        let far = f64::from(shot.view.extent.distance + shot.view.extent.radius);
-        let margin = [0, 1, 2].map(|axis| MARGIN * (high[axis] - low[axis]) / f64::from(side.max(1)) + PLACE * far);
-        Boxes { low, high, side, margin }
-    }
-
-    /// The box of one of so many cells along a side, a little larger than it is.
-    fn cell(&self, cell: [u32; 3], side: u32) -> [Interval; 4] {
-        let of = |axis: usize, at: u32| {
-            self.low[axis] + (self.high[axis] - self.low[axis]) * f64::from(at) / f64::from(side)
-        };
-        let [x, y, z] = [0, 1, 2].map(|axis| Interval {
-            lo: of(axis, cell[axis]) - self.margin[axis],
-            hi: of(axis, cell[axis] + 1) + self.margin[axis],
-        });
-        [x, y, z, Interval { lo: 0.0, hi: 0.0 }]
-    }
 }
 
 /// How many cells it is from each to one that may hold matter, along the axis where that is farthest; 0 for such a one.

@@ -8,7 +8,7 @@ use super::sub_frame::SubFrame;
 use super::values::{Values, blocks};
 use super::{RenderError, Subject};
 use crate::exact;
-use crate::gpu::{Address, Dimension};
+use crate::gpu::Address;
 use crate::render::variant::{Program, Variant};
 use crate::scene::Scene;
 use crate::shader::Library;
@@ -93,12 +93,7 @@ impl CpuInputs {
 
 /// An image as [`exact`] samples it.
 pub(super) fn texture(image: &Encoded) -> exact::Texture {
-    let size = match image.dimension {
-        Dimension::Line(x) => [x, 1, 1],
-        Dimension::Plane(x, y) => [x, y, 1],
-        Dimension::Volume(x, y, z) => [x, y, z],
-    };
-    exact::Texture { size, texels: image.format.decode(image.bytes()) }
+    exact::Texture { size: image.dimension.size(), texels: image.format.decode(image.bytes()) }
 }
 
 pub(super) fn wrap(address: Address) -> exact::Wrap {

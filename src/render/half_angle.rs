@@ -85,6 +85,15 @@ impl HalfAngle {
         Ok(HalfAngle { program, pipeline, buffers })
     }
 
+    /// Makes its buffers as large as those of a scene.
+    pub(super) fn resize(&mut self, gpu: &Gpu, scene: &Scene) -> Result<(), RenderError> {
+        let side = scene.light.shadow_resolution;
+        if self.buffers[0].size()[0] != side {
+            self.buffers = buffers(gpu, side)?;
+        }
+        Ok(())
+    }
+
     /// Draws a picture and its light, as [`pass::draw`] draws a picture.
     pub(super) fn draw(
         &self,

@@ -160,15 +160,12 @@ impl Prepared {
     pub(super) fn fits(&self, scene: &Scene, variant: &Variant, destination: Destination) -> bool {
         let mut alike = scene.clone();
         alike.image.size = self.scene.image.size;
-        let same_buffers =
-            !scene.is_half_angle() || scene.light.shadow_resolution == self.scene.light.shadow_resolution;
         self.destination == destination
-            && same_buffers
             && !alike.changes(&self.scene).contains(&Changes::Targets)
             && self.reads_the_same(scene, variant)
     }
 
-    /// Makes its pictures as large as those of a scene that fits.
+    /// Makes its pictures and their light as large as those of a scene that fits.
     pub(super) fn resize(&mut self, scene: &Scene) -> Result<(), RenderError> {
         if self.scene.image.size != scene.image.size {
             self.scene.image.size = scene.image.size;
@@ -177,7 +174,7 @@ impl Prepared {
             }
             self.marks.iter_mut().try_for_each(|marks| marks.resize(&self.gpu, scene))?;
         }
-        Ok(())
+        self.pipelines.half_angle.iter_mut().try_for_each(|light| light.resize(&self.gpu, scene))
     }
 
     /// What serves another scene that its program serves.
@@ -266,7 +263,7 @@ impl Prepared {
         let (Some(sub_frame), None) = (all.next(), all.next()) else {
             return Err(RenderError::Recorded("quality.supersampling = 1"));
         };
-        self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame)?;
+        self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame, &|| false)?;
         self.cast(&shot, &|_| false)?;
         let (vertices, count) = match self.slices(&shot)? {
             Some((vertices, stack)) => (Some(vertices), stack.slices * stack.per_slice),
@@ -297,7 +294,8 @@ impl Prepared {
         let mut count = 0;
         for (number, sub_frame) in (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)) {
             count += 1;
-            self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame)?;
+            let so_far = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
+            self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame, &|| stop(so_far))?;
             // The shadow of matter that moves while the shutter is open moves with it.
             let is_open = scene.camera.shutter > 0.0;
             let is_part = areas != [gpu::Area::whole(scene.image.size)];
@@ -305,7 +303,7 @@ impl Prepared {
             if shadow_ms.is_none() && is_part && is_cast && !is_open {
                 shadow_ms = Some(0.0); // with another part of this picture
             } else if (shadow_ms.is_none() || is_open)
-                && let Some(ms) = self.cast(&shot, &|ms| stop(drawn.gpu_ms + shadow_ms.unwrap_or(0.0) + ms))?
+                && let Some(ms) = self.cast(&shot, &|ms| stop(so_far + ms))?
             {
                 shadow_ms = Some(shadow_ms.unwrap_or(0.0) + ms);
                 self.cast_for = Some((scene.clone(), number));

@@ -77,8 +77,14 @@ impl Renderer {
 
     /// Whether all that a picture of a scene needs is made: it can be drawn at once.
     pub fn is_ready(&self, scene: &Scene) -> bool {
-        let fits = |variant: Variant| self.prepared.iter().any(|own| own.fits(scene, &variant, Destination::Frame));
-        Variant::of(scene, &self.library).is_ok_and(fits)
+        let whole = self.whole.unwrap_or(scene.image.size);
+        let is_ready = |variant: Variant| {
+            let shot = Shot { whole, ..Shot::of(scene, &self.subject, &variant) };
+            let serves =
+                |own: &Prepared| own.fits(scene, &variant, Destination::Frame) && own.bound.is_ready(&self.gpu, &shot);
+            self.prepared.iter().any(serves)
+        };
+        Variant::of(scene, &self.library).is_ok_and(is_ready)
     }
 
     /// Renders a scene, as [`render`] does, bit for bit.

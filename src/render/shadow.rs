@@ -87,7 +87,7 @@ pub fn transmittance(
     let inputs = Inputs::new(library, &shot, &program, &|_| ())?;
     let mut bound = BoundInputs::new(gpu, library, &program, &inputs)?;
     for sub_frame in SubFrame::all(scene).take(1) {
-        bound.fill(gpu, &program, &shot, &sub_frame)?;
+        bound.fill(gpu, &program, &shot, &sub_frame, &|| false)?;
     }
     Caster::new(gpu, library, scene, &variant, None)?.cast(gpu, &shot, &bound, &|_| false)
 }

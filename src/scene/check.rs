@@ -7,6 +7,7 @@ use super::{Integration, Jitter, Parameters, RayPath, Repeat, Scene, SceneError,
 use crate::shader::declare::Outside;
 use crate::shader::library::{COMBINE, Library};
 use crate::shader::{Declarations, Slots};
+use std::collections::BTreeMap;
 
 impl Scene {
     /// Checks every value, module and parameter, and gives the parameters their values.
@@ -18,7 +19,7 @@ impl Scene {
         self.check_object()?;
         self.check_transfer()?;
         self.check_half_angle()?;
-        self.check_parts()?;
+        self.check_formula()?;
         let slots = self.slots_with_objects(library);
         self.check_modules(library, &slots)?;
         self.check_look(library)?;
@@ -28,22 +29,25 @@ impl Scene {
         self.parameters(&library.declarations(&self.entries(), &slots)?)
     }
 
-    /// Checks an additional object, and gives its parameters their values.
+    /// Checks the additional objects of a scene that is valid but for them, and gives their parameters their values.
     ///
     /// # Errors
     /// As [`Scene::check`], with the object named.
-    pub fn check_part(&self, name: &str, library: &Library) -> Result<Parameters, SceneError> {
-        let within = |error: SceneError| SceneError::Part(name.to_string(), error.into());
-        let own = self.alone(name);
-        own.check_values().map_err(within)?;
+    pub fn check_parts(&self, library: &Library) -> Result<BTreeMap<String, Parameters>, SceneError> {
         let slots = self.slots_with_objects(library);
-        self.check_modules(library, &slots).map_err(within)?;
-        own.check_object()
-            .and_then(|()| own.check_look(library))
-            .and_then(|()| own.check_transfer())
-            .map_err(within)?;
-        own.check_layers(library).map_err(within)?;
-        own.parameters(&library.object_declarations(name, &slots)?).map_err(within)
+        let check = |name: &String| {
+            let own = self.alone(name);
+            own.check_values()?;
+            own.check_object()?;
+            own.check_look(library)?;
+            own.check_transfer()?;
+            own.check_layers(library)?;
+            own.parameters(&library.object_declarations(name, &slots)?)
+        };
+        let within = |name: &String, error| SceneError::Part(name.clone(), Box::new(error));
+        let checked =
+            self.parts.keys().map(|name| Ok((name.clone(), check(name).map_err(|error| within(name, error))?)));
+        checked.collect()
     }
 
     /// The modules of the scene with one for each object: any, since all declare the same.

@@ -69,7 +69,7 @@ impl Scene {
     /// Checks the values of the light.
     pub(super) fn check_light(&self) -> Result<(), SceneError> {
         let finest = if self.is_half_angle() { 2048.0 } else { 256.0 };
-        within("light.shadow_resolution", self.light.shadow_resolution as f32, 16.0, finest)
+        within("light.shadow_resolution", self.light.shadow_resolution as f32, 8.0, finest)
     }
 
     /// Light that goes from slice to slice needs slices, in its own order.

@@ -123,14 +123,21 @@ impl Scene {
     pub fn alone(&self, name: &str) -> Scene {
         let part = self.parts[name].clone();
         Scene {
+            preset: self.preset.clone(),
+            about: self.about.clone(),
             object: part.object,
             effect: part.effect,
+            modules: self.modules.clone(),
             parameters: part.parameters,
             material: part.material,
             transfer: part.transfer,
+            light: self.light.clone(),
+            camera: self.camera.clone(),
+            image: self.image.clone(),
+            quality: self.quality.clone(),
             parts: BTreeMap::new(),
             combine: None,
-            ..self.clone()
+            boolean: self.boolean,
         }
     }
 
@@ -171,7 +178,7 @@ impl Scene {
     }
 
     /// What must hold of the additional objects together; each alone is checked as a scene is.
-    pub(super) fn check_parts(&self) -> Result<(), SceneError> {
+    pub(super) fn check_formula(&self) -> Result<(), SceneError> {
         let wrong =
             |field: String, value: &str, limit: String| Err(SceneError::Value { field, value: value.into(), limit });
         if !self.has_several() {
@@ -254,9 +261,7 @@ mod tests {
     fn refusal(text: &str) -> String {
         let scene = parse(text, "x").unwrap();
         let library = shader::shipped();
-        let checked = scene
-            .check(&library)
-            .and_then(|_| scene.parts.keys().try_for_each(|name| scene.check_part(name, &library).map(drop)));
+        let checked = scene.check(&library).and_then(|_| scene.check_parts(&library));
         checked.unwrap_err().to_string()
     }
 

@@ -9,7 +9,7 @@ use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Which modules fill each slot: one name, or for a stack (`warp`, `dmf`) any number in order of application, and for
 /// `medium` one for each layer of the DMFs; a DMF may be `module@mask`. The slot of an additional object is `object.slot`,
@@ -19,14 +19,38 @@ pub type Slots = BTreeMap<String, Vec<String>>;
 /// GLSL sources by path relative to the `glsl` folder, such as `dmf/fur.glsl`. Clones share them.
 #[derive(Clone, Debug)]
 pub struct Library {
-    sources: Arc<BTreeMap<String, String>>,
+    sources: Arc<BTreeMap<String, File>>,
     compiler: Option<Arc<Path>>,
+}
+
+/// A text, and what it says, read once: every picture asks.
+#[derive(Clone, Debug, Default)]
+struct File {
+    text: String,
+    /// Its lines that include something.
+    includes: OnceLock<Vec<String>>,
+    declared: OnceLock<Result<Declarations, LibraryError>>,
+}
+
+impl File {
+    fn new(text: String) -> File {
+        File { text, ..File::default() }
+    }
+
+    fn includes(&self) -> &[String] {
+        let found = || self.text.lines().filter(|line| include(line).is_some()).map(String::from).collect();
+        self.includes.get_or_init(found)
+    }
+
+    fn declared(&self, path: &str) -> Result<Declarations, LibraryError> {
+        self.declared.get_or_init(|| parse(path, &self.text)).clone()
+    }
 }
 
 /// By their texts.
 impl PartialEq for Library {
     fn eq(&self, other: &Library) -> bool {
-        self.sources == other.sources
+        self.sources().eq(other.sources())
     }
 }
 
@@ -35,18 +59,19 @@ impl Eq for Library {}
 impl Library {
     /// A library of (path, text) pairs.
     pub fn new(sources: impl IntoIterator<Item = (String, String)>) -> Library {
-        Library { sources: Arc::new(sources.into_iter().collect()), compiler: None }
+        let files = sources.into_iter().map(|(path, text)| (path, File::new(text)));
+        Library { sources: Arc::new(files.collect()), compiler: None }
     }
 
     /// The same library with one more module, or with that module replaced.
     pub fn with_module(mut self, slot: &str, name: &str, text: &str) -> Library {
-        Arc::make_mut(&mut self.sources).insert(format!("{slot}/{name}.glsl"), text.to_string());
+        Arc::make_mut(&mut self.sources).insert(format!("{slot}/{name}.glsl"), File::new(text.into()));
         self
     }
 
     /// A library of other (path, text) pairs, compiled as this one is.
     pub(super) fn with_sources(&self, sources: impl IntoIterator<Item = (String, String)>) -> Library {
-        Library { sources: Arc::new(sources.into_iter().collect()), compiler: self.compiler.clone() }
+        Library { compiler: self.compiler.clone(), ..Library::new(sources) }
     }
 
     /// The same library, whose texts that do not ship are compiled in a process of their own, with limits: that executable of
@@ -62,12 +87,12 @@ impl Library {
 
     /// Every file: path relative to the `glsl` folder, and text.
     pub fn sources(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.sources.iter().map(|(path, text)| (path.as_str(), text.as_str()))
+        self.sources.iter().map(|(path, file)| (path.as_str(), file.text.as_str()))
     }
 
     /// Text of a file, by its path relative to the `glsl` folder.
     pub fn source(&self, path: &str) -> Option<&str> {
-        self.sources.get(path).map(String::as_str)
+        self.sources.get(path).map(|file| file.text.as_str())
     }
 
     /// What the header of one module declares.
@@ -76,7 +101,7 @@ impl Library {
     /// The module does not exist or has a declaration that cannot be read.
     pub fn header(&self, slot: &str, name: &str) -> Result<Declarations, LibraryError> {
         let path = self.path(slot, name)?;
-        parse(&path, self.source(&path).unwrap_or_default())
+        self.sources.get(&path).map_or_else(|| Ok(Declarations::default()), |file| file.declared(&path))
     }
 
     /// Names of the modules of a slot, sorted.
@@ -220,7 +245,8 @@ impl Library {
         self.visit(object, entries, choice, &mut |path, _| {
             let Some(path) = path else { return Ok(()) };
             let (file, copy) = path.split_once('#').unwrap_or((path, ""));
-            let mut one = parse(file, self.source(file).unwrap_or_default())?;
+            let Some(found) = self.sources.get(file) else { return Ok(()) };
+            let mut one = found.declared(file)?;
             if is_copy(copy) {
                 one.add_suffix(&format!("_{copy}"));
             }
@@ -275,7 +301,8 @@ impl Library {
                 continue;
             }
             on(Some(&path), None)?;
-            for line in self.text(&path).lines() {
+            let file = self.sources.get(path.split('#').next().unwrap_or_default());
+            for line in file.map_or(&[][..], File::includes) {
                 match include(line) {
                     Some(Include::File(file)) => queue.push(file.to_string()),
                     Some(Include::Slot(PARAMETERS)) | None => {}

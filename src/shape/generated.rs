@@ -4,9 +4,10 @@
 //! outward and closed. All fit into [-1, 1]^3 with y up, and look alike in size.
 
 use super::mesh::tessellate;
-use super::{Mesh, Shape, Solid, head, phantom, tank, teapot};
+use super::{Mesh, Shape, Solid, Volume, head, phantom, tank, teapot};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
+use std::sync::LazyLock;
 
 /// Names that [`open`](super::open) knows without a file.
 pub const BUILT_IN: &[&str] = &[
@@ -26,6 +27,9 @@ pub const BUILT_IN: &[&str] = &[
     "wheels",
 ];
 
+/// Made once: seconds of the processor, for each of the objects of a scene that are cut out of it.
+static HEAD: LazyLock<Volume> = LazyLock::new(head::head);
+
 /// The object of that name.
 pub(super) fn built_in(name: &str) -> Option<Shape> {
     Some(match name {
@@ -36,7 +40,7 @@ pub(super) fn built_in(name: &str) -> Option<Shape> {
         "pawn" => Shape::Mesh(pawn()),
         "teapot" => Shape::Mesh(teapot::unit()),
         "knot" => Shape::Mesh(knot()),
-        "head" => Shape::Volume(head::head()),
+        "head" => Shape::Volume(HEAD.clone()),
         "phantom" => Shape::Volume(phantom::head()),
         part if tank::PARTS.contains(&part) => Shape::Mesh(tank::part(part)),
         _ => return None,

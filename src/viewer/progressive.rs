@@ -7,7 +7,7 @@ use crate::scene::{Jitter, RayPath, Scene, TargetFormat};
 use rayon::prelude::*;
 
 /// Ways to save work: the side of a pixel in quarters of one, and one of so many samples. From the best.
-const LEVELS: [[u32; 2]; 18] = [
+const LEVELS: [[u32; 2]; 20] = [
     [4, 1],
     [4, 2],
     [5, 2],
@@ -26,6 +26,8 @@ const LEVELS: [[u32; 2]; 18] = [
     [64, 4],
     [80, 5],
     [96, 5],
+    [96, 6],
+    [96, 8],
 ];
 /// A better level is taken only where it fills at most this part of the budget by prediction. Nearer to 1: levels change
 /// with every noise in the time.
@@ -39,7 +41,7 @@ const FEWEST_SAMPLES: u32 = 32;
 /// Texels along a side of the blocks of noise of a preview, at most: more take seconds to make.
 pub(super) const PREVIEW_BLOCK: u32 = 64;
 /// Rays along a side of what holds the light of a preview, at least.
-const FEWEST_RAYS: u32 = 16;
+const FEWEST_RAYS: u32 = 8;
 /// Previews that say what the next one takes: the middle of them, so that a pause of the machine changes no level.
 const RECENT: usize = 3;
 /// Pixels along a side of the tiles in which a picture becomes finer: those that lavapipe shares out among its threads.
@@ -71,10 +73,12 @@ impl Level {
         coarse
     }
 
-    /// Rays along a side of what holds the light.
+    /// Rays along a side of what holds the light: half as many, half of those, and so on, as lavapipe compiles a program
+    /// anew where sides of its images become powers of two or cease to be.
     fn rays(self, scene: &Scene) -> u32 {
-        let own = scene.light.shadow_resolution;
-        (8 * own / LEVELS[self.0][0]).clamp(FEWEST_RAYS.min(own), own)
+        let (own, side) = (scene.light.shadow_resolution, LEVELS[self.0][0]);
+        let halves = (1..).map(|times| own >> times).take_while(|rays| *rays >= FEWEST_RAYS);
+        halves.take_while(|rays| rays * side >= 6 * own).last().unwrap_or(own)
     }
 
     /// Samples of a picture of this level, those of its shadows among them.

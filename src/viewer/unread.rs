@@ -7,17 +7,23 @@ use crate::shader::shipped;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::thread;
+use std::time::Duration;
 
 /// Shapes of scenes that are remembered.
 const KEPT: usize = 32;
 /// Bytes of the stack of the thread that looks: programs are walked deeply.
 const STACK: usize = 16 << 20;
 
+/// While the scene moves, whether it rests is asked this often.
+const LOOK: Duration = Duration::from_millis(20);
+
 /// What was found, by the shape of the scene, the last one last.
 #[derive(Default)]
 pub(super) struct Unread {
     found: Vec<Found>,
     coming: Option<Coming>,
+    /// Whether the scene moves or is to be seen yet: previews have the processor for themselves.
+    moves: Arc<AtomicBool>,
 }
 
 struct Found {
@@ -40,6 +46,11 @@ impl Drop for Coming {
 }
 
 impl Unread {
+    /// Whether the scene moves by now, or is to be seen yet.
+    pub(super) fn moves(&self, moves: bool) {
+        self.moves.store(moves, Ordering::Relaxed);
+    }
+
     /// Begins to look at what a job shows, unless that is known, in place of what was looked at.
     pub(super) fn want(&mut self, job: &Job, notify: impl Fn() + Send + 'static) {
         let Variant { scene, library, subject } = &job.variants[0];
@@ -57,9 +68,16 @@ impl Unread {
         let is_over = Arc::new(AtomicBool::new(false));
         self.coming = Some(Coming { shape, effect: scene.effect.clone(), is_over: is_over.clone(), idle: idle_of });
         let (library, scene, subject) = (library.clone(), scene.clone(), subject.clone());
+        let moves = self.moves.clone();
+        let is_over = move || {
+            while moves.load(Ordering::Relaxed) && !is_over.load(Ordering::Relaxed) {
+                thread::sleep(LOOK);
+            }
+            is_over.load(Ordering::Relaxed)
+        };
         let look = move || {
             // Nobody listens where another scene is looked at by now.
-            let _ = sender.send(idle(&library, &subject, &scene, &|| is_over.load(Ordering::Relaxed)));
+            let _ = sender.send(idle(&library, &subject, &scene, &is_over));
             notify();
         };
         if let Err(error) = thread::Builder::new().stack_size(STACK).spawn(look) {
@@ -89,7 +107,7 @@ mod tests {
     use super::*;
     use crate::render::Subject;
     use crate::scene::preset;
-    use std::time::{Duration, Instant};
+    use std::time::Instant;
 
     fn job(name: &str) -> Job {
         let library = Arc::new(shipped());

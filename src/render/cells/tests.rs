@@ -1,11 +1,14 @@
 //! Cells that are called empty are.
 
+use super::super::inputs::Inputs;
+use super::decide::{packed, unpacked};
 use super::*;
+use crate::exact;
 use crate::render::Subject;
 use crate::render::sub_frame::SubFrame;
 use crate::render::variant::Variant;
 use crate::scene::{Pass, RayPath, Scene, names, preset};
-use crate::shader::{self, ParameterKind};
+use crate::shader::{self, Linker, ParameterKind};
 use crate::support::random::SplitMix;
 
 /// Samples of the cells of one scene.
@@ -25,6 +28,22 @@ fn a_cell_knows_how_far_it_is_to_the_next_that_may_hold_matter() {
     assert_eq!(distances(&[true; 8], 2), [u8::MAX; 8]);
 }
 
+/// What decides, waited for.
+fn decider(library: &Library, shot: &Shot<'_>, pays: impl Fn(u64) -> bool) -> Decider {
+    let program = shot.variant.program(library, Linker::new).unwrap();
+    let images = Inputs::new(library, shot, &program, &|_| ()).unwrap().images;
+    let image_of = |name: &str| {
+        let binding = program.resources.iter().find(|resource| resource.name == name)?.binding;
+        let (_, image) = images.iter().find(|(own, _)| *own == binding)?;
+        let bits = 8 * image.format.bytes() as u32 / image.format.channels();
+        let (name, channels, bytes) = (image.name.into(), image.format.channels(), image.bytes().len() as u64);
+        Some(Read { name, size: image.dimension.size(), channels, bits, bytes })
+    };
+    let mut decider = Decider::new(library, shot, &image_of, pays).unwrap();
+    decider.wait(&|| false).unwrap();
+    decider
+}
+
 #[test]
 fn what_decides_is_made_where_it_pays() {
     let (library, mut scene) = (shader::shipped(), preset("melting").unwrap());
@@ -34,9 +53,10 @@ fn what_decides_is_made_where_it_pays() {
     let shot = Shot::of(&scene, &subject, &variant);
     let voxels = subject.field.as_ref().unwrap().grid.size.iter().map(|side| u64::from(*side)).product();
     for pays in [false, true] {
-        match Decider::new(&library, &shot, |texels| pays && texels >= voxels).unwrap() {
+        match decider(&library, &shot, |texels| pays && texels >= voxels) {
             Decider::Unmade(texels) => assert!(!pays && texels >= voxels, "{texels} of {voxels}"),
             Decider::Made(made) => assert!(pays && made.texels >= voxels),
+            Decider::Coming(..) => panic!("it was waited for"),
             Decider::Unbounded(why) => panic!("{why}"),
         }
     }
@@ -51,12 +71,10 @@ fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (us
     assert!(program.reads(super::super::inputs::CELLS), "{}", variant.key());
     let shot = Shot::of(scene, &subject, &variant);
     let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-    let Decider::Made(mut bounded) = Decider::new(&library, &shot, |_| true).unwrap() else {
-        panic!("{}", variant.key())
-    };
+    let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{}", variant.key()) };
     bounded.fill(&inputs.stored().values(&shot, &SubFrame::all(scene).next().unwrap())).unwrap();
     let boxes = Boxes::of(&shot, side);
-    let empty = bounded.empty(&boxes).unwrap();
+    let empty = bounded.empty(&boxes, &|| false).unwrap().unwrap();
     let which: Vec<u32> = (0..side.pow(3)).filter(|&index| empty[index as usize]).collect();
     if which.is_empty() {
         return (0, 0);
@@ -84,7 +102,7 @@ fn proofs_are_kept_under_all_that_they_depend_on() {
         let program = variant.program(&library, Linker::new).unwrap();
         let shot = Shot::of(&scene, &subject, &variant);
         let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-        let Decider::Made(mut bounded) = Decider::new(&library, &shot, |_| true).unwrap() else { panic!("no bounds") };
+        let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("no bounds") };
         let read = bounded.fill(&inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap())).unwrap();
         (bounded, read, Boxes::of(&shot, 8))
     };
@@ -103,7 +121,7 @@ fn proofs_are_kept_under_all_that_they_depend_on() {
         let (other, read, _) = made(change);
         assert_ne!(other.key(&boxes, &read), key, "{index}");
     }
-    let empty = bounded.empty(&boxes).unwrap();
+    let empty = bounded.empty(&boxes, &|| false).unwrap().unwrap();
     assert!(empty.contains(&true) && empty.contains(&false));
     let bytes = packed(&empty);
     assert_eq!(unpacked(&bytes, empty.len()), Some(empty));

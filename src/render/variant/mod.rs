@@ -75,11 +75,7 @@ impl Variant {
         let parameters = scene.check(library)?;
         let entries = scene.entries();
         let mut choice = scene.slots(library);
-        let parts: BTreeMap<String, Parameters> = scene
-            .parts
-            .keys()
-            .map(|name| Ok((name.clone(), scene.check_part(name, library)?)))
-            .collect::<Result<_, SceneError>>()?;
+        let parts = scene.check_parts(library)?;
         let slot = |name: &str| if name.is_empty() { "object".to_string() } else { format!("{name}.object") };
         let objects = || [""].into_iter().chain(scene.parts.keys().map(String::as_str));
         choice.extend(objects().map(|name| (slot(name), vec!["normals".into()])));

@@ -203,7 +203,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("light.intensity", number(0.0, 1000.0), Picture, "Brightness of the light.").usual(0.0, 5.0),
     setting("light.ambient", Color, Picture, "Color of what comes from all sides."),
     setting("light.shadows", Switch, Images, "Whether matter casts shadows.").flag_alone("shadows", "true"),
-    setting("light.shadow_resolution", whole(16.0, 2048.0), Picture, "Texels along a side of the volume of shadows, at most 256, or of the buffer of half_angle.").usual(16.0, 256.0),
+    setting("light.shadow_resolution", whole(8.0, 2048.0), Picture, "Texels along a side of the volume of shadows, at most 256, or of the buffer of half_angle.").usual(16.0, 256.0),
     setting("light.method", METHOD, Images, "How the light that reaches a place is found."),
     setting("light.translucency", number(0.0, 1.0), Images, "Part of the light that soft matter scatters forward; needs half_angle."),
     setting("light.transport", Color, Images, "Part of the optical depth that scattered light is spared, by channel."),

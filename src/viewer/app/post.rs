@@ -89,6 +89,7 @@ impl App {
             }
             self.posted = Some(job);
         }
+        self.unread.moves(moving || !self.is_current);
         if let (false, Some(job)) = (moving, &self.posted) {
             self.unread.want(job, move || notify());
         }

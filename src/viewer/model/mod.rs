@@ -47,7 +47,7 @@ impl Model {
     /// Starts with a scene.
     ///
     /// # Errors
-    /// What [`Scene::check`] and [`Scene::check_part`] find.
+    /// What [`Scene::check`] and [`Scene::check_parts`] find.
     pub fn new(scene: Scene, library: Library) -> Result<Model, SceneError> {
         let (parameters, parts) = checked(&scene, &library)?;
         let saved = scene.clone();
@@ -263,8 +263,7 @@ impl Model {
 
 fn checked(scene: &Scene, library: &Library) -> Result<(Parameters, BTreeMap<String, Parameters>), SceneError> {
     let parameters = scene.check(library)?;
-    let parts = scene.parts.keys().map(|name| Ok((name.clone(), scene.check_part(name, library)?)));
-    Ok((parameters, parts.collect::<Result<_, SceneError>>()?))
+    Ok((parameters, scene.check_parts(library)?))
 }
 
 /// Makes the rest of a scene follow its modules: what all objects share, and the parameters that there are.

@@ -25,6 +25,8 @@ const MORE_TILES: f64 = 2.0;
 /// A program is used for the first time once the scene has rested for so long: while it is compiled, some devices draw
 /// nothing, not even the window.
 const CALM: Duration = Duration::from_millis(400);
+/// What the scene's own picture lacks is made once it has rested for so long: the hand that opened it may go on to turn it.
+const SHORT: Duration = Duration::from_millis(150);
 /// While there is nothing to do, whether something else is to be done is asked this often.
 const LOOK: Duration = Duration::from_millis(5);
 /// Previews by which a pass is timed, behind the one that compiles it.
@@ -83,7 +85,7 @@ impl RenderThread {
             for (variant, easel) in job.variants.iter().zip(&mut *easels) {
                 let scene = reference(&variant.scene);
                 let stale = || shared.is_stale(job_number);
-                if !easel.mean.is_ready(&scene) && !self.rests(job) {
+                if !easel.mean.is_ready(&scene) && !self.rests(job, CALM) {
                     return Ok(false);
                 }
                 let Some(renderer) = easel.mean.ready(&scene, &stale)? else { return Ok(false) };
@@ -112,8 +114,8 @@ impl RenderThread {
     }
 
     /// Waits for a while; whether nothing else is to be done then.
-    fn rests(&self, job: &Job) -> bool {
-        let until = Instant::now() + CALM;
+    fn rests(&self, job: &Job, calm: Duration) -> bool {
+        let until = Instant::now() + calm;
         while !self.shared.is_stale(job.number) && Instant::now() < until {
             std::thread::sleep(LOOK);
         }
@@ -136,6 +138,10 @@ impl RenderThread {
         let mut all = still.partial.take().unwrap_or_else(|| still.coarse.iter().map(enlarged).collect());
         let (mut gpu_ms, mut shown) = (0.0, Instant::now());
         for (index, variant) in job.variants.iter().enumerate() {
+            if !easels[index].own.is_ready(&variant.scene) && !self.rests(job, SHORT) {
+                still.partial = Some(all);
+                return Ok(false);
+            }
             let mut pixels = std::mem::take(&mut all[index]);
             let others = &all;
             let mut show = |pixels: &[[f32; 4]]| {
@@ -217,7 +223,7 @@ impl RenderThread {
         let own = scene.quality.pass;
         let is_known = easel.sooner.is_some_and(|[_, of]| of == own);
         let Some(other) = by_the_other_pass(scene, library).filter(|_| !is_known) else { return Ok(()) };
-        if !self.rests(job) {
+        if !self.rests(job, CALM) {
             return Ok(());
         }
         let level = self.budget.level();
