@@ -8,6 +8,7 @@ mod shader {
     mod declare;
     mod drift;
     mod error;
+    mod file;
     mod instance;
     mod layers;
     pub mod library;

@@ -11,7 +11,7 @@ use super::values::Values;
 use super::{Read, RenderError};
 use crate::gpu::{Dimension, Format, Gpu, Image};
 use crate::shader::Library;
-use decide::{Boxes, Decider};
+use decide::{Boxes, Decider, SIDES};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -21,8 +21,6 @@ const SAMPLES: f64 = 400.0;
 const SAMPLES_OF_A_GPU: f64 = 100.0 * SAMPLES;
 /// Samples of a picture for each texel that is read back for bounds. Fewer: small pictures of large volumes wait for them.
 const SAMPLES_OF_A_TEXEL: f64 = 2.0;
-/// Cells along a side, at least and at most.
-const SIDES: [u32; 2] = [4, 64];
 
 /// What was found of the cells of a picture.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -362,7 +362,7 @@ pub(super) mod tests {
         let repeats = refusal(|s| s.effect.noise_repeat = Repeat::Never);
         assert!(repeats.starts_with("effect.noise_repeat = Never: must be \"own\" with block"), "{repeats}");
         let fine = |s: &mut Scene| s.light.shadow_resolution = 512;
-        assert_eq!(refusal(fine), "light.shadow_resolution = 512: must be from 16 to 256");
+        assert_eq!(refusal(fine), "light.shadow_resolution = 512: must be from 8 to 256");
         assert!(refusal(|s| s.image.size = [0, 5]).starts_with("image.size = 0"));
     }
 

@@ -4,7 +4,8 @@
 //! depends on the object is compiled once for each, under names that end in the object's; everything else is shared.
 
 use super::error::LibraryError;
-use super::library::{Include, Library, PART, Slots, include, objects, own_names};
+use super::file::{Include, include};
+use super::library::{Library, PART, Slots, objects, own_names};
 use super::names::{has_state, rename, uses};
 use std::collections::{BTreeMap, BTreeSet};
 

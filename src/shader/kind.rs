@@ -3,7 +3,8 @@
 //! Source: PH 2: position-dependent f(x), position-independent f(k), geometry-dependent (it knows the gradient).
 
 use super::error::LibraryError;
-use super::library::{Include, Library, include};
+use super::file::{Include, include};
+use super::library::Library;
 use super::names::fields;
 use std::collections::BTreeSet;
 use std::fmt;

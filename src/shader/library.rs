@@ -3,13 +3,14 @@
 use super::declare::{Declarations, parse};
 use super::drift::Drift;
 use super::error::LibraryError;
+use super::file::{File, Include, include};
 use super::names::{definitions, members, rename};
 use super::reach::Reach;
 use std::borrow::Cow;
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// Which modules fill each slot: one name, or for a stack (`warp`, `dmf`) any number in order of application, and for
 /// `medium` one for each layer of the DMFs; a DMF may be `module@mask`. The slot of an additional object is `object.slot`,
@@ -21,30 +22,6 @@ pub type Slots = BTreeMap<String, Vec<String>>;
 pub struct Library {
     sources: Arc<BTreeMap<String, File>>,
     compiler: Option<Arc<Path>>,
-}
-
-/// A text, and what it says, read once: every picture asks.
-#[derive(Clone, Debug, Default)]
-struct File {
-    text: String,
-    /// Its lines that include something.
-    includes: OnceLock<Vec<String>>,
-    declared: OnceLock<Result<Declarations, LibraryError>>,
-}
-
-impl File {
-    fn new(text: String) -> File {
-        File { text, ..File::default() }
-    }
-
-    fn includes(&self) -> &[String] {
-        let found = || self.text.lines().filter(|line| include(line).is_some()).map(String::from).collect();
-        self.includes.get_or_init(found)
-    }
-
-    fn declared(&self, path: &str) -> Result<Declarations, LibraryError> {
-        self.declared.get_or_init(|| parse(path, &self.text)).clone()
-    }
 }
 
 /// By their texts.
@@ -374,23 +351,6 @@ pub const MEDIUM: &str = "medium";
 pub const MEDIUM_FUNCTIONS: [&str; 2] = [MEDIUM, "extinction"];
 /// The file that each object of several is entered by.
 pub const OBJECT_ENTRY: &str = "one_of_several.glsl";
-
-/// What an `#include` asks for.
-pub enum Include<'a> {
-    /// A file of the library.
-    File(&'a str),
-    /// What fills a slot.
-    Slot(&'a str),
-}
-
-/// The `#include` of a line.
-pub fn include(line: &str) -> Option<Include<'_>> {
-    let what = line.trim_start().strip_prefix("#include")?.trim();
-    if let Some(file) = what.strip_prefix('"') {
-        return file.split_once('"').map(|(file, _)| Include::File(file));
-    }
-    what.strip_prefix('<')?.split_once('>').map(|(slot, _)| Include::Slot(slot))
-}
 
 #[cfg(test)]
 mod tests {

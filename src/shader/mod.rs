@@ -12,6 +12,7 @@ pub mod compile;
 pub mod declare;
 pub mod drift;
 mod error;
+pub mod file;
 mod instance;
 mod kind;
 mod layers;

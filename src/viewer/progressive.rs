@@ -356,7 +356,15 @@ mod tests {
         let mut scene = scene();
         (scene.quality.block_size, scene.light.shadow_resolution) = (256, 128);
         let shadows = |level: usize| Level(level).scene(&scene, true).light.shadow_resolution;
-        assert_eq!([shadows(0), shadows(4), shadows(7), shadows(14)], [128, 128, 64, 21]);
+        assert_eq!([shadows(0), shadows(4), shadows(7), shadows(14)], [128, 128, 64, 16]);
+        // A program that lavapipe has compiled for sides that are powers of two, or for others, serves all levels.
+        let rays = |own: u32, level: usize| {
+            let mut other = scene.clone();
+            other.light.shadow_resolution = own;
+            Level(level).scene(&other, true).light.shadow_resolution
+        };
+        assert!((0..LEVELS.len()).all(|level| rays(128, level).is_power_of_two()));
+        assert!((0..LEVELS.len()).all(|level| !rays(200, level).is_power_of_two()));
         // They are never more than a part of the work.
         for level in 0..LEVELS.len() {
             let [width, height] = Level(level).scene(&scene, true).image.size;

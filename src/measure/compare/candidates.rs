@@ -7,7 +7,7 @@ use super::CompareError;
 use crate::render::variant::Variant;
 use crate::scene::{Integration, Pass, Scene, SceneError, TargetFormat};
 use crate::shader::Library;
-use crate::shader::library::{Include, include};
+use crate::shader::file::{Include, include};
 use serde::Serialize;
 use std::collections::BTreeSet;
 

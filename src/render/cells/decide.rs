@@ -8,7 +8,6 @@ use super::super::inputs::Inputs;
 use super::super::shot::Shot;
 use super::super::values::{Values, blocks};
 use super::super::{OCTAVES_ID, Read, RenderError};
-use super::SIDES;
 use crate::exact::{self, Device, Interval, Outline};
 use crate::render::variant::Program;
 use crate::shader::{Library, Linker};
@@ -18,6 +17,8 @@ use std::collections::BTreeMap;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
+/// Cells along a side, at least and at most.
+pub(super) const SIDES: [u32; 2] = [4, 64];
 /// More texels are not read back: each takes 21 bytes.
 const MOST_TEXELS: u64 = 1 << 24;
 /// How much larger a cell is taken than it is, in parts of its side: places of samples are rounded.
@@ -33,6 +34,8 @@ const OPERATIONS: u64 = 4_000_000_000;
 const BOXES: usize = 512;
 /// While images are read, whether to stop is asked this often.
 const LOOK: Duration = Duration::from_micros(200);
+/// Bytes of the stack of the thread that reads them: programs of tables are walked deeply.
+const STACK: usize = 16 << 20;
 
 /// Proofs that take longer are kept on disk, milliseconds. Less: a value that is pulled fills the disk.
 const KEPT_FROM_MS: f64 = 20.0;
@@ -54,24 +57,24 @@ pub(super) enum Decider {
 
 /// A program that says where matter is, and what it reads.
 pub(super) struct Bounded {
-    pub(super) program: Program,
+    program: Program,
     pub(super) code: exact::Program,
-    pub(super) outline: Outline,
+    outline: Outline,
     pub(super) inputs: exact::Inputs,
     pub(super) texels: u64,
     /// That of the program, and of its images and how they are filtered.
-    pub(super) hash: blake3::Hash,
+    hash: blake3::Hash,
 }
 
 /// A box in object space and how it is divided.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Boxes {
-    pub(super) low: [f64; 3],
-    pub(super) high: [f64; 3],
+    low: [f64; 3],
+    high: [f64; 3],
     /// Cells along each side, a power of two.
     pub(super) side: u32,
     /// How much larger than they are cells are taken, object units.
-    pub(super) margin: [f64; 3],
+    margin: [f64; 3],
 }
 
 impl Decider {
@@ -106,11 +109,14 @@ impl Decider {
         }
         let (library, subject, variant) = (library.clone(), shot.subject.clone(), shot.variant.clone());
         let (scene, whole) = (shot.scene.clone(), shot.whole);
-        let thread = thread::spawn(move || {
+        let read = move || {
             let shot = Shot { whole, ..Shot::of(&scene, &subject, &variant) };
             Bounded::new(&library, &shot, (program, code, outline), texels)
-        });
-        Ok(Decider::Coming(texels, Some(thread)))
+        };
+        Ok(match thread::Builder::new().stack_size(STACK).spawn(read) {
+            Ok(thread) => Decider::Coming(texels, Some(thread)),
+            Err(error) => Decider::Unbounded(format!("no thread reads its images: {error}")),
+        })
     }
 
     /// Waits until it has read its images; ends where it is to `stop`.
@@ -245,7 +251,7 @@ pub(super) fn unpacked(bytes: &[u8], count: usize) -> Option<Vec<bool>> {
 }
 
 /// The cells that a cell is divided into, so many along each side.
-pub(super) fn children(cell: [u32; 3], count: u32) -> impl Iterator<Item = [u32; 3]> {
+fn children(cell: [u32; 3], count: u32) -> impl Iterator<Item = [u32; 3]> {
     let first = cell.map(|at| at * count);
     (0..count.pow(3)).map(move |k| [first[0] + k % count, first[1] + k / count % count, first[2] + k / count.pow(2)])
 }

@@ -62,6 +62,27 @@ fn what_decides_is_made_where_it_pays() {
     }
 }
 
+#[test]
+fn cells_end_where_something_else_is_to_be_done() {
+    let (library, mut scene) = (shader::shipped(), preset("melting").unwrap());
+    scene.object.resolution = 32;
+    let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+    let variant = Variant::of(&scene, &library).unwrap();
+    let shot = Shot::of(&scene, &subject, &variant);
+    let mut decider = Decider::new(&library, &shot, &|_| None, |_| true).unwrap();
+    // It may be sooner than that; it goes on in any case.
+    let stopped = matches!(decider.wait(&|| true), Err(RenderError::Stopped));
+    assert_eq!(matches!(decider, Decider::Coming(..)), stopped);
+    decider.wait(&|| false).unwrap();
+    let Decider::Made(mut bounded) = decider else { panic!("no bounds") };
+    let program = variant.program(&library, Linker::new).unwrap();
+    let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
+    bounded.fill(&inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap())).unwrap();
+    let boxes = Boxes::of(&shot, 8);
+    assert!(bounded.empty(&boxes, &|| true).unwrap().is_none());
+    assert!(bounded.empty(&boxes, &|| false).unwrap().is_some());
+}
+
 /// How many cells of a scene are empty, and how many samples in those hold matter.
 fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (usize, usize) {
     let library = shader::shipped();
@@ -110,7 +131,9 @@ fn proofs_are_kept_under_all_that_they_depend_on() {
     let key = bounded.key(&boxes, &read);
     let (same, of_same, _) = made(&|scene| (scene.camera.azimuth, scene.light.intensity) = (77.0, 0.5));
     assert_eq!(same.key(&boxes, &of_same), key, "neither view nor light is matter");
-    assert_ne!(bounded.key(&Boxes { side: 16, ..boxes }, &read), key);
+    let mut finer = boxes;
+    finer.side = 16;
+    assert_ne!(bounded.key(&finer, &read), key);
     let changes: [&dyn Fn(&mut Scene); 4] = [
         &|scene| scene.object.input = "pawn".into(),
         &|scene| scene.object.resolution = 33,
