@@ -27,7 +27,7 @@ pub const BUILT_IN: &[&str] = &[
     "wheels",
 ];
 
-/// Made once: seconds of the processor, for each of the objects of a scene that are cut out of it.
+/// Made once: it takes seconds of the processor, and several objects of a scene may be cut out of it.
 static HEAD: LazyLock<Volume> = LazyLock::new(head::head);
 
 /// The object of that name.
