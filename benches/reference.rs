@@ -31,7 +31,13 @@ fn main() {
         let truth = truth_of(&scene, &library).unwrap();
         let pixels: Vec<[u32; 2]> = (0..side).flat_map(|y| (0..side).map(move |x| [x, y])).collect();
         let (start, before) = (Instant::now(), processor());
-        let found = reference_pixels(&library, &truth, &subject, &pixels, TOLERANCE, &|_| (), &|| false).unwrap();
+        let found = match reference_pixels(&library, &truth, &subject, &pixels, TOLERANCE, &|_| (), &|| false) {
+            Ok(found) => found,
+            Err(error) => {
+                println!("{name:<24} {error}");
+                continue;
+            }
+        };
         let (wall, used) = (start.elapsed().as_secs_f64(), processor() - before);
         let proven = 100.0 * found.proven() as f64 / pixels.len() as f64;
         println!("{name:<24} {wall:>8.1} {used:>12.1} {:>10.1e} {proven:>6.0} %", found.error());

@@ -74,8 +74,19 @@ impl Part {
         let whole = *self;
         let open = whole.extinction[0] < whole.extinction[1];
         let count = if open { (whole.length / longest).ceil().max(1.0) as u32 } else { 1 };
-        let length = whole.length / f64::from(count);
-        (0..count).map(move |index| Part { from: whole.from + f64::from(index) * length, length, ..whole })
+        whole.pieces(count)
+    }
+
+    /// The same in so many pieces of equal length.
+    pub(super) fn pieces(self, count: u32) -> impl Iterator<Item = Part> + use<> {
+        let length = self.length / f64::from(count);
+        (0..count).map(move |index| Part { from: self.from + f64::from(index) * length, length, ..self })
+    }
+
+    /// What is left of it between two depths.
+    pub(super) fn within(&self, [enters, leaves]: [f64; 2]) -> Option<Part> {
+        let (from, to) = (self.from.max(enters), (self.from + self.length).min(leaves));
+        (from < to).then_some(Part { from, length: to - from, ..*self })
     }
 
     /// Whether it begins where another ends, up to rounding.

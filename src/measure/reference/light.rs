@@ -1,10 +1,11 @@
 //! The light of some rays: where matter may be along them, then samples, front to back and ever more where they disagree.
 
 use super::integral::{Limits, Part, RayIntegral};
-use super::parts::Beam;
+use super::parts::{Beam, Ray};
 use super::probe::Probe;
-use super::{BOUNDS, ReferenceError, Stop, go_on, parts};
+use super::{BOUNDS, ReferenceError, Stop, UNSEEN, go_on};
 use crate::exact;
+use std::collections::HashMap;
 
 /// A ray is not cut into more pieces than this; its error says so then.
 const MOST_PIECES: usize = 8000;
@@ -16,26 +17,65 @@ const FIRST: usize = 8;
 /// A pixel, how far off it may be, and the opacity that may be overlooked in it.
 pub(super) type Light = ([f64; 4], f64, f64);
 
+/// One ray of so many across, and of so many down, is followed first: what was vain for those beside a ray is not tried again.
+/// More: rays that bounds would prove are given up. Fewer: more bounds.
+const BETWEEN: u32 = 4;
+
 impl Probe {
     /// Light and error of some pixels.
     pub(super) fn integrate(
         &self,
-        (bound, bounds): (&exact::BoundProgram<'_>, &exact::BoundProgram<'_>),
+        programs: (&exact::BoundProgram<'_>, &exact::BoundProgram<'_>),
         pixels: &[[u32; 2]],
         tolerance: f64,
         stop: Stop<'_>,
     ) -> Result<Vec<Light>, ReferenceError> {
         let [near, far] = self.cpu_inputs.depths;
-        let depth = far - near;
-        let limits = Limits { error: tolerance, shortest: depth * SHORTEST, pieces: MOST_PIECES };
-        let sample = |wanted: &[(usize, f64)]| self.sample(bound, pixels, wanted);
-
         // Where each ray is inside the box: the depth of that sample does not matter.
         let spans: Vec<(usize, f64)> = (0..pixels.len()).map(|ray| (ray, near)).collect();
-        let spans = sample(&spans)?.into_iter().map(|sample| [sample.span[0].max(near), sample.span[1].min(far)]);
-        let parts = self.parts(bounds, pixels, &spans.collect::<Vec<_>>(), stop)?;
-        let vain = |ray: &parts::Ray| RayIntegral::new(if ray.is_vain { 0 } else { BOUNDS[1] });
-        let mut rays: Vec<RayIntegral> = parts.iter().map(vain).collect();
+        let spans = self.sample(programs.0, pixels, &spans)?.into_iter();
+        let spans = spans.map(|sample| [sample.span[0].max(near), sample.span[1].min(far)]);
+        let mut rays = self.rays(programs.1, pixels, &spans.collect::<Vec<_>>(), stop)?;
+
+        let (first, others): (Vec<usize>, Vec<usize>) =
+            (0..pixels.len()).partition(|ray| pixels[*ray].iter().all(|at| at % BETWEEN == 0));
+        let mut found = vec![([0.0; 4], 0.0, 0.0); pixels.len()];
+        let mut vain = HashMap::new();
+        for which in [first, others] {
+            let mut here: Vec<Ray> = which.iter().map(|&ray| std::mem::take(&mut rays[ray])).collect();
+            let pixels: Vec<[u32; 2]> = which.iter().map(|&ray| pixels[ray]).collect();
+            for (ray, pixel) in here.iter_mut().zip(&pixels) {
+                let beside = [[0, 0], [1, 0], [0, 1], [1, 1]].into_iter().filter_map(|corner| {
+                    let at = |axis: usize| (pixel[axis] / BETWEEN + corner[axis]) * BETWEEN;
+                    vain.get(&[at(0), at(1)]).copied()
+                });
+                let mut beside = beside.peekable();
+                ray.is_vain = beside.peek().is_some() && beside.all(|is_vain| is_vain);
+            }
+            let lights = self.follow(programs, &pixels, &mut here, tolerance, stop)?;
+            for ((&at, pixel), light) in which.iter().zip(pixels).zip(lights) {
+                vain.insert(pixel, light.2 > UNSEEN);
+                found[at] = light;
+            }
+        }
+        Ok(found)
+    }
+
+    /// The same of the rays of these pixels.
+    fn follow(
+        &self,
+        (bound, bounds): (&exact::BoundProgram<'_>, &exact::BoundProgram<'_>),
+        pixels: &[[u32; 2]],
+        parts: &mut [Ray],
+        tolerance: f64,
+        stop: Stop<'_>,
+    ) -> Result<Vec<Light>, ReferenceError> {
+        let [near, far] = self.cpu_inputs.depths;
+        let limits = Limits { error: tolerance, shortest: (far - near) * SHORTEST, pieces: MOST_PIECES };
+        let sample = |wanted: &[(usize, f64)]| self.sample(bound, pixels, wanted);
+        self.split(bounds, parts, stop)?;
+        let asks = |ray: &Ray| RayIntegral::new(if ray.is_vain { 0 } else { BOUNDS[1] });
+        let mut rays: Vec<RayIntegral> = parts.iter().map(asks).collect();
 
         // Front to back, ever more parts at once, up to where it is dark.
         let mut stage = 0..FIRST;

@@ -31,7 +31,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub const TOLERANCE: f64 = 1e-4;
 /// Bounds that are computed of a ray before it is sampled, and after that, at most. Fewer: less is proven. More: rays of
 /// which nothing can be proven take longer.
-const BOUNDS: [usize; 2] = [64, 96];
+const BOUNDS: [usize; 2] = [64, 64];
 /// Samples of the truth: they place no sample, but the cap of a clipping plane is 1.5 of their steps thick.
 const SAMPLES: u32 = 16_384;
 /// Pixels whose rays are integrated together. Fewer: the last few samples fill no vector. More: their pieces fill the memory.
@@ -222,7 +222,7 @@ pub fn reference_pixels(
     for moment in &probe.moments {
         probe.set(moment, &mut inputs, stop)?;
         let (bound, bounds) = (probe.program.bind(&inputs)?, probe.opacity.bind(&inputs)?);
-        let chunks = order.par_chunks((TILE[0] * TILE[1]) as usize).map(|chunk| {
+        let chunks = order.par_chunks((TILE[0] * TILE[1]) as usize).with_max_len(1).map(|chunk| {
             let here: Vec<[u32; 2]> = chunk.iter().map(|&at| pixels[at]).collect();
             let found = probe.integrate((&bound, &bounds), &here, tolerance, stop)?;
             let all = (pixels.len() * count) as f32;

@@ -4,38 +4,35 @@ use super::integral::{self, OPEN, Part};
 use super::probe::{Probe, extinction};
 use super::{BOUNDS, ReferenceError, Stop, go_on};
 use crate::exact::{self, Affine, Interval};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// Parts of a ray that bounds are computed of first. Fewer: bounds of what is empty say nothing. More: more of them.
-const PARTS: usize = 16;
+const PARTS: u32 = 16;
 /// Bounds alone do not look for surfaces in shorter parts than this, in depths of the scene: samples are faster.
 const NARROW: f64 = 1.0 / 1024.0;
 /// Parts that bounds leave open are not longer than this, in depths of the scene, when they are sampled. Longer: thin
 /// matter is overlooked, such as a drip that 512 samples of a device find.
 const LONGEST: f64 = 1.0 / 192.0;
 
-/// After this many bounds of a ray, halving must pay: of what was open two halvings ago, less than [`PAYS`] of the length
+/// After this many bounds of halves, halving must pay: of what was open two halvings ago, less than [`PAYS`] of the length
 /// still is. Fewer: thin matter far behind the first is given up. More: rays of which nothing can be proven take longer.
-const TRIED: usize = 40;
+const TRIED: usize = 16;
 /// More: noise of many octaves is tried in vain. Less: a surface that is nearly tangential is given up.
 const PAYS: f64 = 0.85;
 
-/// One ray of so many across, and of so many down, is tried first: where bounds of those beside a ray are in vain, its own
-/// are not made narrower. More: rays that bounds would prove are given up. Fewer: more bounds.
-const BETWEEN: u32 = 4;
-
-/// Where matter may be along a ray.
+/// Where matter may be along a ray, or along the rays of a beam.
 #[derive(Clone, Default)]
 pub(super) struct Ray {
+    pub(super) beam: Beam,
     /// Front to back, each so short that samples see what is in it.
     pub(super) parts: Vec<Part>,
-    /// Bounds that were computed.
+    /// Bounds of halves that were computed.
     spent: usize,
     /// Which parts are halved next.
     halved: Vec<usize>,
     /// Length of the parts that were open before, and before that.
     open: [f64; 2],
-    /// Bounds of shorter parts say no more.
+    /// More bounds prove nothing.
     pub(super) is_vain: bool,
 }
 
@@ -73,7 +70,7 @@ impl Ray {
 }
 
 /// What bounds are computed of: a part of a ray, or of all rays through a box of the picture.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Beam {
     /// From where to where in pixels, by axis.
     across: [[f64; 2]; 2],
@@ -98,67 +95,13 @@ impl Beam {
 }
 
 impl Probe {
-    /// Where along rays matter may be.
-    pub(super) fn parts(
+    /// Rays with the parts that bounds of the beams around them leave.
+    pub(super) fn rays(
         &self,
         bounds: &exact::BoundProgram<'_>,
         pixels: &[[u32; 2]],
         spans: &[[f64; 2]],
         stop: Stop<'_>,
-    ) -> Result<Vec<Ray>, ReferenceError> {
-        let [near, far] = self.cpu_inputs.depths;
-        let [shortest, longest] = [NARROW, LONGEST].map(|part| part * (far - near));
-        let mut rays = self.beams(bounds, pixels, spans)?;
-        let narrow = |rays: &mut [Ray], which: &[usize]| -> Result<(), ReferenceError> {
-            // Its own bounds of what those of its beam leave, and then of halves.
-            let mut next: Vec<(usize, Part)> = Vec::new();
-            for &ray in which {
-                next.extend(std::mem::take(&mut rays[ray].parts).into_iter().map(|part| (ray, part)));
-            }
-            while !next.is_empty() {
-                go_on(stop)?;
-                let beams = next.iter().map(|(ray, part)| Beam::of(pixels[*ray], [part.from, part.length]));
-                let found = self.bounds(bounds, &beams.collect::<Vec<_>>())?;
-                let mut found = std::mem::take(&mut next).into_iter().zip(found).peekable();
-                for &index in which {
-                    let new = std::iter::from_fn(|| found.next_if(|((of, _), _)| *of == index));
-                    let ray = &mut rays[index];
-                    ray.go_on(new.map(|((_, part), extinction)| Part { extinction, ..part }), shortest);
-                    next.extend(ray.halves().map(|half| (index, half)));
-                }
-            }
-            Ok(())
-        };
-        let (tried, others): (Vec<usize>, Vec<usize>) =
-            (0..pixels.len()).partition(|ray| pixels[*ray].iter().all(|at| at % BETWEEN == 0));
-        narrow(&mut rays, &tried)?;
-        let tried: HashMap<[u32; 2], bool> = tried.iter().map(|&ray| (pixels[ray], rays[ray].is_vain)).collect();
-        let others: Vec<usize> = others
-            .into_iter()
-            .filter(|&ray| {
-                let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|corner| {
-                    let at: [u32; 2] =
-                        std::array::from_fn(|axis| (pixels[ray][axis] / BETWEEN + corner[axis]) * BETWEEN);
-                    tried.get(&at)
-                });
-                let mut beside = corners.into_iter().flatten().peekable();
-                rays[ray].is_vain = beside.peek().is_some() && beside.all(|is_vain| *is_vain);
-                !rays[ray].is_vain
-            })
-            .collect();
-        narrow(&mut rays, &others)?;
-        for ray in &mut rays {
-            ray.parts = ray.parts.iter().flat_map(|part| part.cut(longest)).collect();
-        }
-        Ok(rays)
-    }
-
-    /// Rays with the parts that bounds of the beams around them leave.
-    fn beams(
-        &self,
-        bounds: &exact::BoundProgram<'_>,
-        pixels: &[[u32; 2]],
-        spans: &[[f64; 2]],
     ) -> Result<Vec<Ray>, ReferenceError> {
         let mut beams: BTreeMap<[u32; 2], (Beam, f64, Vec<usize>)> = BTreeMap::new();
         for (ray, (&pixel, &[from, to])) in
@@ -170,25 +113,65 @@ impl Probe {
             beam.0.from = beam.0.from.min(from);
             beam.2.push(ray);
         }
-        let cut = beams.values().flat_map(|(beam, to, _)| {
-            let length = (to - beam.from) / PARTS as f64;
-            (0..PARTS).map(move |part| Beam { from: beam.from + part as f64 * length, length, ..*beam })
-        });
-        let wanted: Vec<Beam> = cut.collect();
-        let found = self.bounds(bounds, &wanted)?;
-        let mut rays = vec![Ray { spent: PARTS, ..Ray::default() }; pixels.len()];
-        let parts = wanted.chunks(PARTS).zip(found.chunks(PARTS));
-        for ((.., members), (parts, found)) in beams.values().zip(parts) {
-            for &ray in members {
-                let [enters, leaves] = spans[ray];
-                let parts = parts.iter().zip(found).filter(|(_, extinction)| extinction[1] > 0.0);
-                rays[ray].parts.extend(parts.filter_map(|(part, &extinction)| {
-                    let (from, to) = (part.from.max(enters), (part.from + part.length).min(leaves));
-                    (from < to).then_some(Part { from, length: to - from, extinction })
-                }));
+        let beams: Vec<(Beam, f64, Vec<usize>)> = beams.into_values().collect();
+        let whole = |(beam, to, _): &(Beam, f64, Vec<usize>)| {
+            let part = Part { from: beam.from, length: to - beam.from, extinction: [0.0, f64::INFINITY] };
+            Ray { beam: *beam, parts: part.pieces(PARTS).collect(), ..Ray::default() }
+        };
+        let mut shared: Vec<Ray> = beams.iter().map(whole).collect();
+        let [near, far] = self.cpu_inputs.depths;
+        self.narrow(bounds, &mut shared, self.width * (far - near), stop)?;
+        let mut rays: Vec<Ray> =
+            pixels.iter().map(|pixel| Ray { beam: Beam::of(*pixel, [0.0; 2]), ..Ray::default() }).collect();
+        for ((.., members), shared) in beams.into_iter().zip(shared) {
+            for ray in members {
+                rays[ray].parts = shared.parts.iter().filter_map(|part| part.within(spans[ray])).collect();
             }
         }
         Ok(rays)
+    }
+
+    /// Makes parts of rays narrower, by bounds of their own where that is not vain, until samples see what is in them.
+    pub(super) fn split(
+        &self,
+        bounds: &exact::BoundProgram<'_>,
+        rays: &mut [Ray],
+        stop: Stop<'_>,
+    ) -> Result<(), ReferenceError> {
+        let [near, far] = self.cpu_inputs.depths;
+        self.narrow(bounds, rays, NARROW * (far - near), stop)?;
+        for ray in rays {
+            ray.parts = ray.parts.iter().flat_map(|part| part.cut(LONGEST * (far - near))).collect();
+        }
+        Ok(())
+    }
+
+    /// Bounds of all parts of rays, and then of halves that are longer than `shortest`.
+    fn narrow(
+        &self,
+        bounds: &exact::BoundProgram<'_>,
+        rays: &mut [Ray],
+        shortest: f64,
+        stop: Stop<'_>,
+    ) -> Result<(), ReferenceError> {
+        let mut next: Vec<(usize, Part)> = Vec::new();
+        for (index, ray) in rays.iter_mut().enumerate().filter(|(_, ray)| !ray.is_vain) {
+            next.extend(std::mem::take(&mut ray.parts).into_iter().map(|part| (index, part)));
+        }
+        while !next.is_empty() {
+            go_on(stop)?;
+            let wanted = next.iter().map(|&(ray, Part { from, length, .. })| Beam { from, length, ..rays[ray].beam });
+            let found = self.bounds(bounds, &wanted.collect::<Vec<_>>())?;
+            let mut found = std::mem::take(&mut next).into_iter().zip(found).peekable();
+            for (index, ray) in rays.iter_mut().enumerate() {
+                let mut new = std::iter::from_fn(|| found.next_if(|((of, _), _)| *of == index)).peekable();
+                if new.peek().is_some() {
+                    ray.go_on(new.map(|((_, part), extinction)| Part { extinction, ..part }), shortest);
+                    next.extend(ray.halves().map(|half| (index, half)));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Bounds of the extinction over parts of rays or of beams.

@@ -29,6 +29,8 @@ pub(super) struct Probe {
     pub(super) moments: Vec<Moment>,
     /// Rays through squares of so many pixels a side share their first bounds.
     pub(super) beam: u32,
+    /// Side of these squares, in that of the picture.
+    pub(super) width: f64,
     /// The binding of the shadow volume and the program that makes it, where one is read.
     caster: Option<(u32, exact::Program)>,
 }
@@ -76,8 +78,10 @@ impl Probe {
         };
         let opacity = exact::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
         let program = exact::Program::read(&program.fragment, &octaves)?;
-        let beam = (truth.image.size[0].min(truth.image.size[1]) / BEAM).clamp(1, WIDEST);
-        Ok((Probe { program, opacity, cpu_inputs, moments, beam, caster }, inputs))
+        let side = truth.image.size[0].min(truth.image.size[1]);
+        let beam = (side / BEAM).clamp(1, WIDEST);
+        let width = f64::from(beam) / f64::from(side);
+        Ok((Probe { program, opacity, cpu_inputs, moments, beam, width, caster }, inputs))
     }
 
     /// Makes the inputs those of a sub-frame.
