@@ -9,6 +9,7 @@
 vec3 solid_texture(vec3 x) {
     float t = turbulence(grain * x, grain * sample_width());
     float along = dot(x, vec3(0.8, 0.5, 0.33));
-    float value = veins > 0.0 ? 0.5 + 0.5 * sin(veins * 3.14159265 * (along + distortion * 0.3 * t)) : 0.6 * t;
+    float veined = 0.5 + 0.5 * sin(veins * 3.14159265 * (along + distortion * 0.3 * t));
+    float value = mix(0.6 * t, veined, veins > 0.0);
     return transfer(clamp(value, 0.0, 1.0)).rgb;
 }

@@ -3,5 +3,5 @@
 // Any finite input; results finite.
 vec3 safe_normalize(vec3 v, vec3 otherwise) {
     float n2 = dot(v, v);
-    return n2 < 1e-12 ? otherwise : v * inversesqrt(n2);
+    return mix(v * inversesqrt(max(n2, 1e-12)), otherwise, bvec3(n2 < 1e-12));
 }

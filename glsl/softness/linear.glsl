@@ -4,7 +4,7 @@
 // outer: where the soft region starts; without it, at the outer iso-value.
 float soften(float distance, float outer) {
     float width = outer - iso_value;
-    return width > 0.0 ? clamp((outer - distance) / width, 0.0, 1.0) : (distance <= iso_value ? 1.0 : 0.0);
+    return mix(float(distance <= iso_value), clamp((outer - distance) / width, 0.0, 1.0), width > 0.0);
 }
 float soften(float distance) { return soften(distance, outer_iso_value); }
 float soften_unclamped(float distance) {

@@ -10,7 +10,8 @@ float soften(float distance, float outer) {
     float r_outer = REFERENCE_RADIUS + outer;
     float r_inner = max(REFERENCE_RADIUS + iso_value, 0.0);
     float width = (r_outer - r_inner) * (r_outer + r_inner);
-    return width > 0.0 ? clamp((r_outer - r) * (r_outer + r) / width, 0.0, 1.0) : (distance <= iso_value ? 1.0 : 0.0);
+    float soft = clamp((r_outer - r) * (r_outer + r) / width, 0.0, 1.0);
+    return mix(float(distance <= iso_value), soft, width > 0.0);
 }
 float soften(float distance) { return soften(distance, outer_iso_value); }
 float soften_unclamped(float distance) {

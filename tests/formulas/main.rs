@@ -15,6 +15,7 @@ mod probe;
 #[allow(dead_code, reason = "the tests use a part of it")]
 mod random;
 
+mod branches;
 mod classify;
 mod density;
 mod draws;

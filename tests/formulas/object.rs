@@ -38,7 +38,7 @@ crate::rows! {
         "project/closest.glsl": "dot(b, b) < dot(a, a)" => "dot(b, b) > dot(a, a)",
         "project/closest.glsl": "2.5 * voxel" => "25.0 * voxel";
     a_vector_without_a_direction_is_given_one = normalized,
-        "vector.glsl": "n2 < 1e-12 ? otherwise" => "n2 > 1e-12 ? otherwise";
+        "vector.glsl": "bvec3(n2 < 1e-12)" => "bvec3(n2 > 1e-12)";
 }
 
 pub fn sphere(x: Place) -> Dual {
