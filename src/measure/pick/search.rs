@@ -265,6 +265,16 @@ impl<'a> Search<'a> {
             let bound = candidates::with_samples(family, exact.candidate.samples()).blend_bound();
             return is_slow(exact.ms / OF_TARGET) || bound > self.bound.error;
         }
+        // Slices take about as many times longer than rays with segments as with points.
+        let points = |of: &Curve| Curve { integration: Integration::Point, ..of.clone() };
+        let rays = Curve { integration: curve.integration, ..base.clone() };
+        let known = [&points(&curve), &rays].map(|other| self.nearest_of(other).filter(|drawn| self.fits(drawn)));
+        if curve != points(&curve)
+            && let [Some(slices), Some(rays)] = known
+            && self.nearest_of(&base).is_some_and(|base| is_slow(slices.ms * rays.ms / base.ms))
+        {
+            return true;
+        }
         // Whatever a method takes more than rays of points, it takes about as much more with every strategy.
         let others = families.iter().map(Candidate::curve).filter(|other| other.strategy != curve.strategy);
         let method = |of: &Curve| (of.pass, of.integration, of.target);
@@ -314,22 +324,27 @@ impl<'a> Search<'a> {
 
     /// The same curve with fewer samples, if they do: between those that fit and those before that do not.
     fn fewer(&mut self, fits: Drawn) -> Drawn {
-        let (curve, samples) = (fits.candidate.curve(), fits.candidate.samples());
-        let before = self.drawn.iter().filter(|drawn| drawn.candidate.curve() == curve && !self.fits(drawn));
-        let Some(before) =
-            before.filter(|drawn| drawn.candidate.samples() < samples).max_by_key(|drawn| drawn.candidate.samples())
-        else {
-            return fits;
-        };
-        let [n, m] = [before.candidate.samples(), samples].map(f64::from);
-        let errors = [self.error(before), self.error(&fits)];
-        let share = (errors[0] / (CARE * self.bound.error)).ln() / (errors[0] / errors[1]).ln();
-        let fewer = (n * (m / n).powf(share)).ceil();
-        if fewer.is_nan() || fewer >= FASTER * m {
-            return fits;
+        let (curve, most) = (fits.candidate.curve(), fits.candidate.samples());
+        let mut is_first = true;
+        loop {
+            let own = self.drawn.iter().filter(|drawn| drawn.candidate.curve() == curve && !self.fits(drawn));
+            let before =
+                own.filter(|drawn| drawn.candidate.samples() < most).max_by_key(|drawn| drawn.candidate.samples());
+            let Some(before) = before else { return fits };
+            let [n, m] = [before.candidate.samples(), most].map(f64::from);
+            let errors = [self.error(before), self.error(&fits)];
+            // Where the error goes down evenly; then in the middle of what is left.
+            let even = (errors[0] / (CARE * self.bound.error)).ln() / (errors[0] / errors[1]).ln();
+            let fewer = (n * (m / n).powf(if std::mem::take(&mut is_first) { even } else { 0.5 })).ceil();
+            if fewer.is_nan() || fewer >= FASTER * m || fewer <= n {
+                return fits;
+            }
+            match self.small(candidates::with_samples(&fits.candidate, fewer as u32)) {
+                Some(fewer) if self.fits(&fewer) => return fewer,
+                Some(_) => {}
+                None => return fits,
+            }
         }
-        let fewer = self.small(candidates::with_samples(&fits.candidate, fewer as u32));
-        fewer.filter(|fewer| self.fits(fewer)).unwrap_or(fits)
     }
 
     /// Of curves that do not fit, drawn to their limit, the nearest that was not drawn whole.
@@ -360,8 +375,10 @@ impl<'a> Search<'a> {
 fn link_ahead(families: &[Candidate], library: &Library, at: &AtomicUsize) {
     let Some(own) = families.first().map(|first| &first.strategy) else { return };
     for (index, Candidate { scene, strategy, .. }) in families.iter().enumerate() {
-        let is_base = (scene.quality.pass, scene.quality.integration) == (Pass::March, Integration::Point);
-        if index > at.load(Ordering::Relaxed) && (is_base || strategy == own) {
+        let method = (scene.quality.pass, scene.quality.integration);
+        let is_sure = method == (Pass::March, Integration::Point)
+            || strategy == own && method != (Pass::Slices, Integration::Segment);
+        if index > at.load(Ordering::Relaxed) && is_sure {
             // What cannot be linked is said where it is drawn.
             let _ = Variant::of(scene, library).map(|variant| variant.program(library, Linker::new));
         }
