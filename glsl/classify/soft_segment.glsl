@@ -47,8 +47,10 @@ vec4 classify(vec3 x, float path) {
     far_end = b;
     distance_bound = b.s.distance_bound;
     vec2 part = kept(from, along);
+#ifndef UNCUT
     if (part.x > 0.0) a = end_at(from + part.x * along);
     if (part.y < 1.0) b = end_at(from + part.y * along);
+#endif
     float amount = opacity_rate * path * (part.y - part.x);
     vec3 middle_eye = position_eye;
     if (part.x > part.y || max(a.unclamped, b.unclamped) <= 0.0) {

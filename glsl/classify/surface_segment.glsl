@@ -20,8 +20,10 @@ vec4 classify(vec3 x, float path) {
     distance_bound = far - skip_slack;
     vec2 part = kept(from, along);
     if (part.x > part.y) return vec4(0.0);
+#ifndef UNCUT
     if (part.x > 0.0) near = gap_at(from + part.x * along);
     if (part.y < 1.0) far = gap_at(from + part.y * along);
+#endif
     if (near > 0.0 && far > 0.0) return vec4(0.0);
     float t = part.x;
     Sample s;
