@@ -16,7 +16,7 @@ const LONGEST: f64 = 1.0 / 192.0;
 
 /// After this many bounds of halves, halving must pay: of what was open two halvings ago, less than [`PAYS`] of the length
 /// still is. Fewer: thin matter far behind the first is given up. More: rays of which nothing can be proven take longer.
-const TRIED: usize = 16;
+const TRIED: usize = 14;
 /// More: noise of many octaves is tried in vain. Less: a surface that is nearly tangential is given up.
 const PAYS: f64 = 0.85;
 
