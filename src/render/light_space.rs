@@ -11,8 +11,9 @@ const FARTHEST: f32 = 300.0;
 /// Up to this angle from its axis, in degrees, a light is outside of the scene for sure, and the corners of the scene are
 /// what is farthest from the axis. Beyond, rays leave the light in all directions.
 const WIDEST: f32 = 80.0;
-/// Samples of a ray in one texel, at most. Fewer: thin matter casts no shadow (8: pixels are off by up to 0.04). More: they
-/// take as many times longer and change next to nothing (64: by 8e-6 in the root mean square).
+/// Samples of a ray in one texel, at most. Fewer: thin matter casts no shadow. More: they take as many times longer. Pixels
+/// of the reference of `tank` at 64 x 64 differ from those with 64 by 8e-6 in the root mean square and 6e-4 at most; with 8
+/// samples by 5e-4 and 0.04.
 const MOST_STEPS: f32 = 16.0;
 
 /// Where the shadow volume of a scene is.

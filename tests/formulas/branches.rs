@@ -83,6 +83,24 @@ impl<'a> Words<'a> {
 }
 
 #[test]
+fn a_branch_on_a_parameter_is_found_and_one_on_a_sample_is_not() {
+    let found = |condition: &str| {
+        let text = format!(
+            "// Own.\n// Source: -\n// @param steep = 1 in [0, 2]: Steepness.\nfloat own(float density, Sample s) {{\n    \
+             if ({condition}) return pow(density, 1.5);\n    return sin(density) * steep;\n}}\n"
+        );
+        let library = shader::shipped().with_module("dmf", "own", &text);
+        let mut scene = scene::preset("fire_ball").unwrap();
+        scene.effect.dmf = vec!["own".into()];
+        scene.check(&library).unwrap();
+        Words::of(&Variant::of(&scene, &library).unwrap().program(&library, Linker::new).unwrap().fragment).deciding()
+    };
+    let parameter = found("2.0 * steep > 1.0");
+    assert!(parameter.iter().any(|name| name.contains("steep")), "{parameter:?}");
+    assert!(found("density * steep > 0.5").is_empty());
+}
+
+#[test]
 fn no_program_branches_on_its_parameters_alone() {
     let library = shader::shipped();
     let mut scenes: Vec<(String, Scene)> =

@@ -19,7 +19,7 @@ pub(super) type Light = ([f64; 4], f64, f64);
 
 /// One ray of so many across, and of so many down, is followed first: what was vain for those beside a ray is not tried again.
 /// More: rays that bounds would prove are given up. Fewer: more bounds.
-const BETWEEN: u32 = 4;
+pub(super) const BETWEEN: u32 = 4;
 
 impl Probe {
     /// Light and error of some pixels.

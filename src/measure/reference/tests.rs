@@ -1,5 +1,6 @@
 //! Where the rays of a scene are sampled, against where there is matter.
 
+use super::light::BETWEEN;
 use super::probe::Sampled;
 use super::transport::Matter;
 use super::*;
@@ -81,11 +82,12 @@ fn wrong(scene: &Scene, rays: usize, count: usize, random: &mut SplitMix) -> (Ve
     let (bound, bounds) = (probe.program.bind(&inputs).unwrap(), probe.opacity.bind(&inputs).unwrap());
     let size = scene.image.size;
     let pixels: Vec<[u32; 2]> = (0..rays).map(|_| size.map(|side| (random.next() % u64::from(side)) as u32)).collect();
-    // Each with the one across from it, in one beam.
+    // Each with the one across from it, in one beam, and with one that is followed first and may show that bounds are vain.
     assert!(probe.beam > 1);
-    let together: Vec<[u32; 2]> = pixels.iter().flat_map(|pixel| [*pixel, pixel.map(|at| at ^ 1)]).collect();
+    let together = |pixel: &[u32; 2]| [*pixel, pixel.map(|at| at ^ 1), pixel.map(|at| at - at % BETWEEN)];
+    let together: Vec<[u32; 2]> = pixels.iter().flat_map(together).collect();
     let found = probe.integrate((&bound, &bounds), &together, TOLERANCE, &|| false).unwrap();
-    let found: Vec<Light> = found.into_iter().step_by(2).collect();
+    let found: Vec<Light> = found.into_iter().step_by(3).collect();
     let (mut wrong, mut worse, mut vague) = (Vec::new(), 0, 0);
     for (at, (light, error, open)) in pixels.iter().zip(&found) {
         let (known, own) = many(&probe, &bound, *at, count, random);
