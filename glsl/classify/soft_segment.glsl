@@ -17,14 +17,10 @@ struct End {
     float density;      // modulated, in [0, 1]
 };
 End far_end;            // of the step before, along a ray
+float far_part = 0.0;   // how much of that step was left by what cuts it: 1 where it ends where this one begins
 
-float modulated(inout Sample s) { return s.density > 0.0 ? clamp(modulate(s.density, s), 0.0, 1.0) : 0.0; }
-
-End end_at(vec3 x) {
-    Sample s = sample_object(x);
-    float density = modulated(s);
-    return End(s, soften_unclamped(s.distance), density);
-}
+// The places of a segment where its density is asked for.
+const int NEAR = 0, FAR = 1, OVER_SKIN = 2, UNDER_SKIN = 3;
 
 // What is seen of two ends: the sample at part t of the way, on a line.
 Sample between(Sample a, Sample b, float t) {
@@ -41,45 +37,51 @@ Sample between(Sample a, Sample b, float t) {
 
 vec4 classify(vec3 x, float path) {
     vec3 along = to_far_end(path), from = x - 0.5 * along;
-    End a = far_end;
-    if (!follows) a = end_at(from);
-    End b = end_at(from + along);
-    far_end = b;
-    distance_bound = b.s.distance_bound;
     vec2 part = kept(from, along);
-#ifndef UNCUT
-    if (part.x > 0.0) a = end_at(from + part.x * along);
-    if (part.y < 1.0) b = end_at(from + part.y * along);
-#endif
-    float amount = opacity_rate * path * (part.y - part.x);
-    vec3 middle_eye = position_eye;
+    End a = far_end, b = far_end;
+    Sample under = a.s;
+    float d_over = 0.0, d_under = 0.0, skin = 0.0, edge = 0.0;
+    bool entering = false, within = false;
+    vec2 soft = vec2(0.0), hard = vec2(0.0);
+    // A program holds what gives the density once, and a device that runs both sides of a branch leaves a loop.
+    int first = follows && far_part >= 1.0 && part.x <= 0.0 ? FAR : NEAR;
+    for (int place = first; place <= (within ? UNDER_SKIN : FAR); ++place) {
+        Sample s = sample_object(from + (place == NEAR ? part.x : place == FAR ? part.y : mix(part.x, part.y, skin)) * along);
+        float unclamped = soften_unclamped(s.distance);
+        if (place > FAR) s.density = place == OVER_SKIN ? BELOW_ONE : 1.0;
+        float density = s.density > 0.0 ? clamp(modulate(s.density, s), 0.0, 1.0) : 0.0;
+        if (place == NEAR) a = End(s, unclamped, density);
+        if (place == OVER_SKIN) d_over = density;
+        if (place == UNDER_SKIN) {
+            d_under = density;
+            under = s;
+        }
+        if (place == FAR) {
+            b = End(s, unclamped, density);
+            // Where the hard and the soft region begin and end, from 0 at a to 1 at b.
+            entering = b.unclamped > a.unclamped;
+            skin = place_of(1.0, a.unclamped, b.unclamped);
+            edge = place_of(0.0, a.unclamped, b.unclamped);
+            soft = entering ? vec2(edge, skin) : vec2(skin, edge);
+            hard = entering ? vec2(skin, 1.0) : vec2(0.0, skin);
+            within = part.x <= part.y && hard.y > hard.x && soft.y > soft.x;
+        }
+    }
+    far_end = b;
+    far_part = part.y;
+    distance_bound = part.y < 1.0 ? 0.0 : b.s.distance_bound;
     if (part.x > part.y || max(a.unclamped, b.unclamped) <= 0.0) {
         remember(0.0);
         return vec4(0.0);
     }
-    // Where the hard and the soft region begin and end, from 0 at a to 1 at b.
-    bool entering = b.unclamped > a.unclamped;
-    float skin = place_of(1.0, a.unclamped, b.unclamped);
-    float edge = place_of(0.0, a.unclamped, b.unclamped);
-    vec2 soft = entering ? vec2(edge, skin) : vec2(skin, edge);
-    vec2 hard = entering ? vec2(skin, 1.0) : vec2(0.0, skin);
-
-    // The densities on both sides of the skin, where it lies within the segment.
-    Sample at_skin = entering ? b.s : a.s;
-    if (skin > 0.0 && skin < 1.0) at_skin = sample_object(from + mix(part.x, part.y, skin) * along);
-    Sample under = at_skin, over = at_skin;
-    under.density = 1.0;
-    over.density = BELOW_ONE;
-    bool within = hard.y > hard.x && soft.y > soft.x;
-    float d_over = within ? modulated(over) : 0.0;
-    float d_under = within ? modulated(under) : 0.0;
-
+    float amount = opacity_rate * path * (part.y - part.x);
+    vec3 middle_eye = position_eye;
     vec4 hard_matter = vec4(0.0), soft_matter = vec4(0.0);
     if (soft.y > soft.x) {
         float d0 = entering ? (edge > 0.0 ? 0.0 : a.density) : (within ? d_over : a.density);
         float d1 = entering ? (within ? d_over : b.density) : (edge < 1.0 ? 0.0 : b.density);
         float density = 0.5 * (d0 + d1), t = 0.5 * (soft.x + soft.y);
-        if (density > 0.0) {
+        for (bool once = density > 0.0; once; once = false) {
             Sample s = between(a.s, b.s, t);
             s.density = clamp(mix(a.unclamped, b.unclamped, t), 0.0, BELOW_ONE);
             look_from_middle_to(mix(part.x, part.y, t), path);
@@ -97,7 +99,7 @@ vec4 classify(vec3 x, float path) {
         float d0 = entering && skin > 0.0 ? d_under : a.density;
         float d1 = entering || skin >= 1.0 ? b.density : d_under;
         float alpha = segment_opacity(d0, d1, amount * (hard.y - hard.x));
-        if (alpha > 0.0) {
+        for (bool once = alpha > 0.0; once; once = false) {
             look_from_middle_to(mix(part.x, part.y, hard.x), path);
             s.normal = cap_normal(s.x, s.normal);
             hard_matter = vec4(surface(s), 1.0) * alpha;

@@ -39,24 +39,22 @@ impl Library {
 /// DMFs that each say how wide their soft region is: each sees the density of its own, and the matter of all of them is
 /// in one another, `a + b - a b` (PH 2.2), so that their optical depths add.
 pub(super) fn layered(glue: &mut String, signature: &str, layers: &[(String, String)]) {
-    glue.push_str("float layer(int index, inout Sample s) {\n    float density = 0.0;\n");
     for (index, (width, calls)) in layers.iter().enumerate() {
-        let calls = calls.replace("    density", "        density");
         write!(
             glue,
-            "    if (index == {index}) {{\n        \
-             if (s.density < 1.0) s.density = min(soften(s.distance, {width}), BELOW_ONE);\n        \
-             density = s.density;\n        if (density > 0.0) {{\n{calls}        }}\n    }}\n"
+            "float layer_{index}(inout Sample s) {{\n    \
+             if (s.density < 1.0) s.density = min(soften(s.distance, {width}), BELOW_ONE);\n    \
+             float density = s.density;\n    if (density <= 0.0) return 0.0;\n{calls}    \
+             return clamp(density, 0.0, 1.0);\n}}\n"
         )
         .expect("writing to a string");
     }
-    write!(glue, "    return clamp(density, 0.0, 1.0);\n}}\n{signature} {{\n    Sample own = s, densest;\n")
-        .expect("writing to a string");
-    glue.push_str("    float part = layer(0, own), most = part;\n    density = part;\n    densest = own;\n");
+    write!(glue, "{signature} {{\n    Sample own = s, densest;\n").expect("writing to a string");
+    glue.push_str("    float part = layer_0(own), most = part;\n    density = part;\n    densest = own;\n");
     for index in 1..layers.len() {
         write!(
             glue,
-            "    own = s;\n    part = layer({index}, own);\n    density += part - density * part;\n    \
+            "    own = s;\n    part = layer_{index}(own);\n    density += part - density * part;\n    \
              if (part > most) {{ most = part; densest = own; }}\n"
         )
         .expect("writing to a string");
@@ -72,7 +70,7 @@ pub(super) fn media(library: &Library, names: &[String]) -> Result<(String, Stri
     for (index, file) in library.files(MEDIUM, names)?.iter().enumerate() {
         let tag = file.split_once('#').map_or("", |(_, tag)| tag);
         let sum = format!(
-            "    own = s;\n    part = layer({index}, own);\n    depth = -log(1.0 - min(part, BELOW_ONE));\n    \
+            "    own = s;\n    part = layer_{index}(own);\n    depth = -log(1.0 - min(part, BELOW_ONE));\n    \
              if (part > 0.0) sum += depth"
         );
         writeln!(glue, "#include \"{file}\"").expect("writing to a string");

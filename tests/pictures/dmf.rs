@@ -56,7 +56,7 @@ fn m50_each_layer_has_the_density_of_its_own_width_and_what_follows_it_is_of_tha
     let text = format!(
         "#include <dmf>\nvec3 surface(Sample s) {{\n    Sample at = sample_object({PLACE}), a = at, b = at;\n    \
          float d = at.density > 0.0 ? modulate(at.density, at) : 0.0;\n    \
-         return vec3(layer(0, a), layer(1, b), d);\n}}"
+         return vec3(layer_0(a), layer_1(b), d);\n}}"
     );
     let library = shader::shipped().with_module("dmf", "thin", THIN).with_module("dmf", "wide", WIDE);
     with_gpu(|gpu| {
@@ -92,7 +92,7 @@ fn m50_fur_under_flames_is_the_fur_alone_and_the_flames_are_the_flames_alone() {
         };
         let both = of(
             &["fur", "fire"],
-            &format!("{at}    Sample b = at;\n    return vec3(layer(0, at), layer(1, b), 0.0);\n}}"),
+            &format!("{at}    Sample b = at;\n    return vec3(layer_0(at), layer_1(b), 0.0);\n}}"),
         );
         let (fur, fire) = (of(&["fur"], &alone), of(&["fire"], &alone));
         let of_both = |channel: usize| both.iter().map(move |(_, color)| color[channel]);
