@@ -81,7 +81,7 @@ vec4 classify(vec3 x, float path) {
         float d0 = entering ? (edge > 0.0 ? 0.0 : a.density) : (within ? d_over : a.density);
         float d1 = entering ? (within ? d_over : b.density) : (edge < 1.0 ? 0.0 : b.density);
         float density = 0.5 * (d0 + d1), t = 0.5 * (soft.x + soft.y);
-        for (bool once = density > 0.0; once; once = false) {
+        if (density > 0.0) {
             Sample s = between(a.s, b.s, t);
             s.density = clamp(mix(a.unclamped, b.unclamped, t), 0.0, BELOW_ONE);
             look_from_middle_to(mix(part.x, part.y, t), path);
@@ -99,7 +99,7 @@ vec4 classify(vec3 x, float path) {
         float d0 = entering && skin > 0.0 ? d_under : a.density;
         float d1 = entering || skin >= 1.0 ? b.density : d_under;
         float alpha = segment_opacity(d0, d1, amount * (hard.y - hard.x));
-        for (bool once = alpha > 0.0; once; once = false) {
+        if (alpha > 0.0) {
             look_from_middle_to(mix(part.x, part.y, hard.x), path);
             s.normal = cap_normal(s.x, s.normal);
             hard_matter = vec4(surface(s), 1.0) * alpha;

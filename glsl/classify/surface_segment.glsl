@@ -8,32 +8,38 @@
 #include <surface>
 
 float far_gap = 0.0;        // distance to the surface at the end of the step before, along a ray
+float far_part = 0.0;       // how much of that step was left by what cuts it: 1 where it ends where this one begins
 
-float gap_at(vec3 x) { return sample_object(x).distance - outer_iso_value; }
+// The places of a segment that are looked at: its ends, where a line crosses the surface, and where that is shaded.
+const int NEAR = 0, FAR = 1, CROSSING = 2, SHADED = 3;
 
 vec4 classify(vec3 x, float path) {
     vec3 along = to_far_end(path), from = x - 0.5 * along;
-    float near = far_gap;
-    if (!follows) near = gap_at(from);
-    float far = gap_at(from + along);
-    far_gap = far;
-    distance_bound = far - skip_slack;
     vec2 part = kept(from, along);
-    if (part.x > part.y) return vec4(0.0);
-#ifndef UNCUT
-    if (part.x > 0.0) near = gap_at(from + part.x * along);
-    if (part.y < 1.0) far = gap_at(from + part.y * along);
-#endif
-    if (near > 0.0 && far > 0.0) return vec4(0.0);
-    float t = part.x;
+    float near = far_gap, far = 0.0, t = part.x;
+    bool found = false;
     Sample s;
-    if (near > 0.0) {
-        t = mix(part.x, part.y, place_of(0.0, near, far));
-        float gap = gap_at(from + t * along);
-        t = gap > 0.0 ? mix(t, part.y, place_of(0.0, gap, far)) : mix(part.x, t, place_of(0.0, near, gap));
+    // As in soft_segment.glsl: a program holds the object once, and a device that runs both sides of a branch leaves a loop.
+    int first = follows && far_part >= 1.0 && part.x <= 0.0 ? FAR : NEAR;
+    for (int place = first; place <= (found ? SHADED : FAR); ++place) {
+        if (place == CROSSING && near <= 0.0) place = SHADED;
+        if (place == CROSSING) t = mix(part.x, part.y, place_of(0.0, near, far));
+        s = sample_object(from + (place == FAR ? part.y : t) * along);
+        float gap = s.distance - outer_iso_value;
+        if (place == NEAR) near = gap;
+        if (place == FAR) {
+            far = gap;
+            distance_bound = part.y < 1.0 ? 0.0 : far - skip_slack;
+            found = part.x <= part.y && (near <= 0.0 || far <= 0.0);
+        }
+        if (place == CROSSING) {
+            t = gap > 0.0 ? mix(t, part.y, place_of(0.0, gap, far)) : mix(part.x, t, place_of(0.0, near, gap));
+        }
     }
+    far_gap = far;
+    far_part = part.y;
+    if (!found) return vec4(0.0);
     look_from_middle_to(t, path);
-    s = sample_object(from + t * along);
     s.normal = cap_normal(s.x, s.normal);
     return vec4(surface(s), 1.0);
 }

@@ -12,7 +12,7 @@ crate::rows! {
         "classify/soft_segment.glsl": "1.0 - near.a" => "1.0 + near.a";
     m30_a_surface_is_found_within_the_step = surface,
         "classify/surface_segment.glsl": "place_of(0.0, near, gap)" => "place_of(0.0, gap, near)",
-        "classify/surface_segment.glsl": "near > 0.0 && far > 0.0" => "near > 0.0 || far > 0.0";
+        "classify/surface_segment.glsl": "near <= 0.0 || far <= 0.0" => "near <= 0.0 && far <= 0.0";
     m05_a_segment_reaches_half_a_path_to_each_side = ends,
         "segment.glsl": "to_eye() * -path" => "to_eye() * path",
         "segment.glsl": "(value - a)" => "(value + a)",
