@@ -3,8 +3,8 @@
 mod common;
 
 use common::{formula, homogeneous, picture, subject, with_gpu};
-use hypertexture::render::{Frame, Subject};
-use hypertexture::scene::{EFFECTS, EmptySpace, LightMethod, Pass, Projection, RayPath, Scene, names, preset};
+use hypertexture::render::{Frame, Renderer, Subject};
+use hypertexture::scene::{EFFECTS, EmptySpace, Jitter, LightMethod, Pass, Projection, RayPath, Scene, names, preset};
 use hypertexture::shader;
 
 /// Part of the pixels that differ by more than `bound` in a channel, and the largest difference of the others.
@@ -216,6 +216,47 @@ fn m61_skipping_changes_no_bit_of_any_picture() {
                 });
                 assert!(all.pixels == skipped.pixels, "{effect} on {object}, {samples} samples");
             }
+        }
+    });
+}
+
+/// A warp that loops 24 times at each place and leaves it where it is.
+const SLOW: &str = "// @move 0
+void slow(inout vec3 x, inout mat3 jacobian) {
+    float same = x.x;
+    for (int i = 0; i < int(min(slice_count, 24.0)); ++i) same = 0.5 * (same + x.x);
+    x.x = same;
+}
+";
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_picture_whose_loops_a_device_cuts_is_drawn_by_rays_that_do_not_wait() {
+    with_gpu(|gpu| {
+        let library = shader::shipped().with_module("warp", "slow", SLOW);
+        let mut scene = homogeneous("sphere", 0.1, Projection::Parallel);
+        (scene.image.size, scene.quality.pass) = ([24, 24], Pass::March);
+        (scene.quality.early_termination, scene.quality.jitter) = (0.0, Jitter::None);
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        let mut renderer = Renderer::new(gpu, &library, &subject);
+        // lavapipe ends a fragment after 65 535 turns: 26 for each of 2450 samples, and one more for each that is found first.
+        for (samples, is_cut) in [(64, false), (2450, gpu.info().cpu), (64, false)] {
+            scene.quality.samples = samples;
+            scene.effect.warp = Vec::new();
+            let whole = picture(gpu, &library, &scene, &subject);
+            scene.effect.warp = vec!["slow".into()];
+            for _ in 0..2 {
+                let frame = renderer.render(&scene).unwrap();
+                println!(
+                    "{} {:?}",
+                    frame.measurements.modules,
+                    frame.pixels.iter().zip(&whole.pixels).filter(|(a, b)| a != b).take(4).collect::<Vec<_>>()
+                );
+                assert!(frame.pixels == whole.pixels, "{samples} samples");
+                let rays = if is_cut { "empty_space=leap" } else { "empty_space=skip" };
+                assert!(frame.measurements.modules.contains(rays), "{samples}: {}", frame.measurements.modules);
+            }
+            assert!(whole.pixels.iter().any(|pixel| pixel[3] > 0.1));
         }
     });
 }

@@ -38,8 +38,7 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
         let mut renderer = Renderer::new(&gpu, &library, &subject);
         renderer.prepare(scene, &|_| ())?;
         let frames = (0..PICTURES).map(|_| renderer.render(scene)).collect::<Result<Vec<Frame>, _>>()?;
-        let ms = |frame: &Frame| frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0);
-        let times: Vec<f64> = frames.iter().map(ms).collect();
+        let times: Vec<f64> = frames.iter().map(|frame| frame.measurements.alone_ms()).collect();
         // Of the first one: what it proved is kept for the others.
         let first = frames.into_iter().next().ok_or(RenderError::Missing("picture"))?;
         Ok((first, times))

@@ -56,7 +56,7 @@ impl BoundInputs {
             values: Values::new(),
         };
         if bound.cells.is_some() {
-            bound.replace(program, CELLS, cells::open(gpu)?);
+            bound.replace(program, CELLS, Arc::new(cells::open(gpu)?));
         }
         Ok(bound)
     }
@@ -71,7 +71,7 @@ impl BoundInputs {
         stop: &dyn Fn() -> bool,
     ) -> Result<(), RenderError> {
         self.values = self.stored.values(shot, sub_frame);
-        self.blocks = self.blocks_of(gpu, program)?;
+        self.blocks = buffers(gpu, &self.blocks_of(program)?)?;
         let images = &self.images;
         let image_of = |name: &str| {
             let binding = program.resources.iter().find(|resource| resource.name == name)?.binding;
@@ -79,7 +79,7 @@ impl BoundInputs {
         };
         let update = |cells: &mut Cells| cells.update(gpu, shot, &self.values, &image_of, stop);
         if let Some(image) = self.cells.as_mut().map(update).transpose()?.flatten() {
-            self.replace(program, CELLS, image);
+            self.replace(program, CELLS, Arc::new(image));
         }
         Ok(())
     }
@@ -105,19 +105,23 @@ impl BoundInputs {
     }
 
     /// Puts an image that is made with the picture among the others, in place of the one before.
-    pub(super) fn replace(&mut self, program: &Program, name: &str, image: Image) {
+    pub(super) fn replace(&mut self, program: &Program, name: &str, image: Arc<Image>) {
         if let Some(found) = program.resources.iter().find(|resource| resource.name == name) {
             self.images.retain(|(binding, _)| *binding != found.binding);
-            self.images.push((found.binding, Arc::new(image)));
+            self.images.push((found.binding, image));
         }
     }
 
     /// The blocks of another program that reads no value which this one does not have, as they were filled last.
-    pub(super) fn blocks_of(&self, gpu: &Gpu, program: &Program) -> Result<Vec<(u32, Arc<Buffer>)>, RenderError> {
-        let buffer = |(resource, bytes): &(Resource, Vec<u8>)| {
-            Ok((resource.binding, Arc::new(Buffer::new(gpu, &resource.name, BufferUse::Uniform, bytes)?)))
-        };
-        blocks(program, &self.values)?.iter().map(buffer).collect()
+    pub(super) fn blocks_of(&self, program: &Program) -> Result<Vec<(Resource, Vec<u8>)>, RenderError> {
+        blocks(program, &self.values)
+    }
+
+    /// The images that decide what another program gives: not the cells, which leave out what gives nothing.
+    pub(super) fn images_of(&self, program: &Program) -> Vec<Arc<Image>> {
+        let decides = |own: &Resource, number: u32| own.binding == number && own.name != CELLS;
+        let is_read = |(number, _): &&(u32, _)| program.resources.iter().any(|own| decides(own, *number));
+        self.images.iter().filter(is_read).map(|(_, image)| image.clone()).collect()
     }
 
     /// The resources by binding.
@@ -142,6 +146,14 @@ impl BoundInputs {
     pub(super) fn bytes(&self) -> u64 {
         self.images.iter().map(|(_, image)| image.bytes()).sum()
     }
+}
+
+/// Filled blocks on the device, by binding.
+pub(super) fn buffers(gpu: &Gpu, blocks: &[(Resource, Vec<u8>)]) -> Result<Vec<(u32, Arc<Buffer>)>, RenderError> {
+    let buffer = |(resource, bytes): &(Resource, Vec<u8>)| {
+        Ok((resource.binding, Arc::new(Buffer::new(gpu, &resource.name, BufferUse::Uniform, bytes)?)))
+    };
+    blocks.iter().map(buffer).collect()
 }
 
 /// What an image is.

@@ -113,7 +113,7 @@ impl HalfAngle {
         });
         let corners: Vec<[f32; 3]> = corners.collect();
         let corners = Buffer::new(gpu, "light slices", BufferUse::Vertices, bytemuck::cast_slice(&corners))?;
-        let blocks = bound.blocks_of(gpu, &self.program)?;
+        let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
         // The buffers take turns: that before a slice, and that behind it.
         let buffers = |program: &Program, before: usize| {
             let found = program.resources.iter().filter_map(|resource| match resource.name.as_str() {

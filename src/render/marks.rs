@@ -59,7 +59,7 @@ impl Marks {
         slices: u32,
     ) -> Result<pass::Between<'a>, RenderError> {
         let found = self.program.resources.iter().find(|resource| resource.name == TARGET);
-        let mut resources = bound.with(&bound.blocks_of(gpu, &self.program)?);
+        let mut resources = bound.with(&bind::buffers(gpu, &bound.blocks_of(&self.program)?)?);
         resources.extend(found.map(|resource| (resource.binding, Resource::Image(target.clone()))));
         let (pipeline, image, set) = (&self.pipeline, &self.image, self.pipeline.bind(&resources)?);
         Ok(pass::Between::Marks { pipeline, set, image, every: slices.div_ceil(BATCHES).max(1) })

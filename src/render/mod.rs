@@ -114,8 +114,11 @@ pub struct Measurements {
     pub compile_ms: f64,
     /// Milliseconds of the slices or rays on the device.
     pub gpu_ms: f64,
-    /// Milliseconds of the shadow volume on the device; `None` without shadows.
+    /// Milliseconds of the shadow volume on the device; `None` without shadows, 0 where that of an earlier picture serves.
     pub shadow_ms: Option<f64>,
+    /// Milliseconds that this one took with that earlier picture.
+    #[serde(default)]
+    pub shadow_before_ms: f64,
     /// Longest submission, milliseconds.
     pub longest_ms: f64,
     /// Milliseconds of everything, wall clock.
@@ -134,6 +137,18 @@ pub struct Measurements {
     pub quantization: f32,
     /// Radius beyond which warps along the radius hold their step, where their formula has matter there; object units.
     pub held_beyond: Option<f32>,
+}
+
+impl Measurements {
+    /// Milliseconds on the device.
+    pub fn device_ms(&self) -> f64 {
+        self.gpu_ms + self.shadow_ms.unwrap_or(0.0)
+    }
+
+    /// Milliseconds on the device of the same picture drawn by itself: with its shadow volume.
+    pub fn alone_ms(&self) -> f64 {
+        self.device_ms() + self.shadow_before_ms
+    }
 }
 
 /// Why there is no picture.

@@ -7,7 +7,7 @@ use super::marks::Marks;
 use super::pace::{Cut, Pace};
 use super::pass;
 use super::pixels::{add, check_finite, mean};
-use super::shadow::Caster;
+use super::shadow::{Cast, Caster};
 use super::shot::Shot;
 use super::sub_frame::SubFrame;
 use super::variant::{Program, Variant};
@@ -29,6 +29,9 @@ pub(super) enum Destination {
     /// Into a host's image of this format.
     Host(gpu::Format),
 }
+
+/// No opacity is below this but that of a ray whose loops the device has cut: see `march.frag`.
+const CUT_SHORT: f32 = -1000.0;
 
 /// What of a scene was made before.
 #[derive(Default)]
@@ -69,8 +72,6 @@ pub(super) struct Prepared {
     targets: Option<(Arc<gpu::Image>, Option<gpu::Image>)>,
     /// What ends slices early, where they may.
     marks: Option<Marks>,
-    /// The scene and the sub-frame whose shadows are cast: parts of one picture share them.
-    cast_for: Option<(Scene, u32)>,
     compile_ms: f64,
     /// The size of the picture that pictures stand for.
     pub(super) whole: [u32; 2],
@@ -150,7 +151,6 @@ impl Prepared {
             pipelines,
             targets,
             marks,
-            cast_for: None,
             compile_ms,
             whole: shot.whole,
         })
@@ -240,13 +240,18 @@ impl Prepared {
         Ok(Some((Buffer::new(&self.gpu, "proxy slices", gpu::BufferUse::Vertices, bytes)?, stack)))
     }
 
-    /// Makes the shadow volume of a picture, and waits for it; milliseconds on the device.
-    fn cast(&mut self, shot: &Shot<'_>, stop: &dyn Fn(f64) -> bool) -> Result<Option<f64>, RenderError> {
+    /// Has the shadow volume of the next picture cast anew.
+    pub(super) fn forget_shadows(&mut self) {
+        self.pipelines.caster.iter_mut().for_each(Caster::forget);
+    }
+
+    /// Makes the shadow volume of a picture, and waits for it, unless the last one serves; milliseconds on the device now, and
+    /// before.
+    fn cast(&mut self, shot: &Shot<'_>, stop: &dyn Fn(f64) -> bool) -> Result<Option<[f64; 2]>, RenderError> {
         let Some(caster) = &mut self.pipelines.caster else { return Ok(None) };
-        let light = caster.cast(&self.gpu, shot, &self.bound, stop)?;
-        self.cast_for = None;
-        self.bound.replace(&self.program, SHADOW, light.image(&self.gpu)?);
-        Ok(Some(light.gpu_ms))
+        let Cast { image, gpu_ms, is_kept, .. } = caster.volume(&self.gpu, shot, &self.bound, stop)?;
+        self.bound.replace(&self.program, SHADOW, image);
+        Ok(Some(if is_kept { [0.0, gpu_ms] } else { [gpu_ms, 0.0] }))
     }
 
     /// Records a picture of a scene that fits.
@@ -275,7 +280,8 @@ impl Prepared {
     }
 
     /// Areas of a picture of a scene that fits, the mean of the sub-frames that are wanted: the frame pipeline. The pixels
-    /// are those of the areas, one behind the other; it ends where it is to `stop`, after so many milliseconds.
+    /// are those of the areas, one behind the other; it ends where it is to `stop`, after so many milliseconds. `None` where
+    /// the device has cut the loops of its rays.
     pub(super) fn frame(
         &mut self,
         scene: &Scene,
@@ -284,29 +290,21 @@ impl Prepared {
         areas: &[gpu::Area],
         wanted: impl Fn(u32) -> bool,
         stop: &dyn Fn(f64) -> bool,
-    ) -> Result<Frame, RenderError> {
+    ) -> Result<Option<Frame>, RenderError> {
         let variant = &self.served(variant);
         let shot = Shot { whole: self.whole, ..Shot::of(scene, subject, variant) };
         let slices = self.slices(&shot)?;
         let mut sum = vec![[0.0; 4]; areas.iter().map(gpu::Area::pixels).sum::<u64>() as usize];
         let mut drawn = pass::Drawn { fragments: Some(0), ..Default::default() };
-        let mut shadow_ms = None;
+        let (mut shadow_ms, mut shadow_before_ms) = (None, 0.0);
         let mut count = 0;
-        for (number, sub_frame) in (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)) {
+        for (_, sub_frame) in (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)) {
             count += 1;
             let so_far = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
             self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame, &|| stop(so_far))?;
-            // The shadow of matter that moves while the shutter is open moves with it.
-            let is_open = scene.camera.shutter > 0.0;
-            let is_part = areas != [gpu::Area::whole(scene.image.size)];
-            let is_cast = self.cast_for.as_ref().is_some_and(|(own, of)| *of == number && own == scene);
-            if shadow_ms.is_none() && is_part && is_cast && !is_open {
-                shadow_ms = Some(0.0); // with another part of this picture
-            } else if (shadow_ms.is_none() || is_open)
-                && let Some(ms) = self.cast(&shot, &|ms| stop(so_far + ms))?
-            {
-                shadow_ms = Some(shadow_ms.unwrap_or(0.0) + ms);
-                self.cast_for = Some((scene.clone(), number));
+            if let Some([now, before]) = self.cast(&shot, &|ms| stop(so_far + ms))? {
+                shadow_ms = Some(shadow_ms.unwrap_or(0.0) + now);
+                shadow_before_ms += if count == 1 { before } else { 0.0 };
             }
             let Some((color, resolved)) = &self.targets else { continue };
             let marks = self.marks.as_ref().map(|marks| &marks.image);
@@ -334,6 +332,9 @@ impl Prepared {
                 }
             });
             let texels = resolved.as_ref().unwrap_or(color).read_areas(areas)?;
+            if texels.iter().any(|[.., alpha]| *alpha < CUT_SHORT) {
+                return Ok(None);
+            }
             add(&mut sum, &texels);
         }
         let pixels = mean(&sum, count);
@@ -353,6 +354,7 @@ impl Prepared {
             compile_ms: std::mem::take(&mut self.compile_ms) + drawn.first_use_ms,
             gpu_ms: drawn.gpu_ms,
             shadow_ms,
+            shadow_before_ms,
             longest_ms: drawn.longest_ms,
             total_ms: 0.0,
             images: self.bound.images(),
@@ -368,7 +370,7 @@ impl Prepared {
                 .map(|own| own.spread.hold_radius)
                 .reduce(f32::min),
         };
-        Ok(Frame { size: scene.image.size, pixels, measurements })
+        Ok(Some(Frame { size: scene.image.size, pixels, measurements }))
     }
 }
 

@@ -9,7 +9,7 @@ use crate::field::Progress;
 use crate::gpu::{Area, Gpu, HostCommands, Recording};
 use crate::render::variant::Variant;
 use crate::scene::{Order, Scene};
-use crate::shader::Library;
+use crate::shader::{Library, Slots};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -36,6 +36,8 @@ pub struct Renderer {
     kept: usize,
     whole: Option<[u32; 2]>,
     stop: Stop,
+    /// Modules and samples of scenes whose loops the device has cut where rays waited for each other.
+    cut: Vec<(Slots, u32)>,
 }
 
 /// Whether a picture ends unfinished, after so many milliseconds on the device.
@@ -45,7 +47,16 @@ impl Renderer {
     /// A renderer that has made nothing yet. It shares device, library and subject, which are not copied.
     pub fn new(gpu: &Gpu, library: &Library, subject: &Subject) -> Renderer {
         let (gpu, library, subject) = (gpu.clone(), library.clone(), subject.clone());
-        Renderer { gpu, library, subject, prepared: Vec::new(), kept: 1, whole: None, stop: Arc::new(|_| false) }
+        Renderer {
+            gpu,
+            library,
+            subject,
+            prepared: Vec::new(),
+            kept: 1,
+            whole: None,
+            stop: Arc::new(|_| false),
+            cut: Vec::new(),
+        }
     }
 
     /// Keeps what was made for so many scenes that have less in common than camera, size and parameters; without this, for
@@ -71,7 +82,7 @@ impl Renderer {
     /// # Errors
     /// As [`render`].
     pub fn prepare(&mut self, scene: &Scene, progress: Progress<'_>) -> Result<(), RenderError> {
-        let variant = Variant::of(scene, &self.library)?;
+        let variant = self.variant(scene)?;
         self.prepared(scene, &variant, Destination::Frame, progress).map(drop)
     }
 
@@ -84,7 +95,12 @@ impl Renderer {
                 |own: &Prepared| own.fits(scene, &variant, Destination::Frame) && own.bound.is_ready(&self.gpu, &shot);
             self.prepared.iter().any(serves)
         };
-        Variant::of(scene, &self.library).is_ok_and(is_ready)
+        self.variant(scene).is_ok_and(is_ready)
+    }
+
+    /// Pictures from now on have their shadow volumes cast anew: for their time.
+    pub fn forget_shadows(&mut self) {
+        self.prepared.iter_mut().for_each(Prepared::forget_shadows);
     }
 
     /// Renders a scene, as [`render`] does, bit for bit.
@@ -126,12 +142,18 @@ impl Renderer {
     pub fn render_areas(&mut self, scene: &Scene, areas: &[Area], number: Option<u32>) -> Result<Frame, RenderError> {
         let (start, count) = (Instant::now(), scene.quality.supersampling);
         assert!(number.is_none_or(|number| number < count), "{number:?} of {count}");
-        let variant = Variant::of(scene, &self.library)?;
+        let mut variant = self.variant(scene)?;
         let (subject, stop) = (self.subject.clone(), self.stop.clone());
-        let prepared = self.prepared(scene, &variant, Destination::Frame, &|_| ())?;
         let wanted = |own: u32| number.is_none_or(|number| number == own);
-        let frame = prepared.frame(scene, &subject, &variant, areas, wanted, &*stop);
-        let mut frame = frame.map_err(|error| explained(error, &self.library, scene, &subject))?;
+        let mut frame = loop {
+            let prepared = self.prepared(scene, &variant, Destination::Frame, &|_| ())?;
+            let frame = prepared.frame(scene, &subject, &variant, areas, wanted, &*stop);
+            match frame.map_err(|error| explained(error, &self.library, scene, &subject))? {
+                Some(frame) => break frame,
+                None => self.cut.push((variant.slots.clone(), scene.quality.samples)),
+            }
+            variant = variant.that_waits_for_none();
+        };
         frame.measurements.total_ms = start.elapsed().as_secs_f64() * 1e3;
         frame.measurements.others = subject.all_others().cloned().collect();
         Ok(frame)
@@ -155,10 +177,21 @@ impl Renderer {
         if scene.is_half_angle() {
             return Err(RenderError::Recorded("light.method = \"volume\""));
         }
-        let variant = Variant::of(&scene, &self.library)?;
+        let mut variant = self.variant(&scene)?;
+        if !scene.may_find_first(&self.library) {
+            variant = variant.that_waits_for_none(); // what comes of it is not seen here
+        }
         let subject = self.subject.clone();
         let prepared = self.prepared(&scene, &variant, Destination::Host(commands.format()), &|_| ())?;
         prepared.record(commands, &scene, &subject, &variant)
+    }
+
+    /// The modules of a scene, with rays that do not wait for each other where the device has cut the loops of such rays.
+    fn variant(&self, scene: &Scene) -> Result<Variant, RenderError> {
+        let variant = Variant::of(scene, &self.library)?;
+        let is_cut =
+            self.cut.iter().any(|(slots, samples)| *slots == variant.slots && *samples <= scene.quality.samples);
+        Ok(if is_cut { variant.that_waits_for_none() } else { variant })
     }
 
     /// What serves a scene, from what there is.

@@ -60,7 +60,7 @@ impl Transmittance {
     }
 
     /// The volume as it is sampled by the device.
-    pub(super) fn image(&self, gpu: &Gpu) -> Result<Image, RenderError> {
+    fn image(&self, gpu: &Gpu) -> Result<Image, RenderError> {
         let texels: Vec<u16> = self.values.iter().map(|value| (value * 65535.0).round() as u16).collect();
         let [x, y, z] = self.space.texels();
         let size = Dimension::Volume(x, y, z);
@@ -92,12 +92,27 @@ pub fn transmittance(
     Caster::new(gpu, library, scene, &variant, None)?.cast(gpu, &shot, &bound, &|_| false)
 }
 
-/// The program of the shadow volumes of a scene, made once.
+/// The program of the shadow volumes of a scene, made once, and the last of them.
 #[derive(Clone)]
 pub(super) struct Caster {
     program: Program,
     pipeline: Arc<Pipeline>,
     pace: Pace,
+    last: Option<Cast>,
+}
+
+/// A shadow volume.
+#[derive(Clone)]
+pub(super) struct Cast {
+    space: LightSpace,
+    /// What the program has read of blocks and images: it casts the same volume from the same.
+    blocks: Vec<u8>,
+    images: Vec<Arc<Image>>,
+    pub(super) image: Arc<Image>,
+    /// Milliseconds on the device.
+    pub(super) gpu_ms: f64,
+    /// Whether an earlier picture had it cast.
+    pub(super) is_kept: bool,
 }
 
 impl Caster {
@@ -114,12 +129,45 @@ impl Caster {
             return Ok(made);
         }
         let pipeline = bind::pipeline(gpu, &program, scene, &[], SEGMENTS, 1, (gpu::Blend::Replace, gpu::Marks::None))?;
-        Ok(Caster { program, pipeline: Arc::new(pipeline), pace: Pace::default() })
+        Ok(Caster { program, pipeline: Arc::new(pipeline), pace: Pace::default(), last: None })
+    }
+
+    /// Has the next one cast anew.
+    pub(super) fn forget(&mut self) {
+        self.last = None;
+    }
+
+    /// The shadow volume of a picture: the last one, where nothing has changed that the program reads.
+    pub(super) fn volume(
+        &mut self,
+        gpu: &Gpu,
+        shot: &Shot<'_>,
+        bound: &BoundInputs,
+        stop: &dyn Fn(f64) -> bool,
+    ) -> Result<Cast, RenderError> {
+        let blocks = bound.blocks_of(&self.program)?;
+        let filled = blocks.iter().map(|(resource, bytes)| (resource.binding, bytes.as_slice()));
+        let blocks = self.program.read_by_fragments(filled);
+        let images = bound.images_of(&self.program);
+        let serves = |last: &&Cast| {
+            let same_images =
+                images.len() == last.images.len() && images.iter().zip(&last.images).all(|(a, b)| Arc::ptr_eq(a, b));
+            last.space == shot.space && last.blocks == blocks && same_images
+        };
+        if let Some(last) = self.last.as_ref().filter(serves) {
+            return Ok(Cast { is_kept: true, ..last.clone() });
+        }
+        self.last = None;
+        let light = self.cast(gpu, shot, bound, stop)?;
+        let image = Arc::new(light.image(gpu)?);
+        let cast = Cast { space: shot.space, blocks, images, image, gpu_ms: light.gpu_ms, is_kept: false };
+        self.last = Some(cast.clone());
+        Ok(cast)
     }
 
     /// Draws the segments with the images of the picture's own program, and takes their products; ends where it is to
     /// `stop`, after so many milliseconds.
-    pub(super) fn cast(
+    fn cast(
         &mut self,
         gpu: &Gpu,
         shot: &Shot<'_>,
@@ -128,7 +176,7 @@ impl Caster {
     ) -> Result<Transmittance, RenderError> {
         let space = shot.space;
         let [width, height] = space.target();
-        let blocks = bound.blocks_of(gpu, &self.program)?;
+        let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
         let set = self.pipeline.bind(&bound.with(&blocks))?;
         let plane = Dimension::Plane(width, height);
         let color = Image::new(gpu, "shadow segments", plane, SEGMENTS, ImageUse::Target(1))?;

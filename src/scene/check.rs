@@ -186,8 +186,7 @@ impl Scene {
         let effect = &self.effect;
         let procedural = self.has_noise_loops(library);
         if quality.pass == super::Pass::March {
-            let each = if procedural { self.procedural_loops(library) } else { 1.0 };
-            let most = (LOOP_BUDGET / each).floor();
+            let most = (LOOP_BUDGET / self.sample_loops(library)).floor();
             if quality.samples as f32 > most {
                 return Err(SceneError::Value {
                     field: "quality.samples".into(),
@@ -198,7 +197,7 @@ impl Scene {
                 });
             }
         }
-        if self.light.shadows && procedural && SHADOW_SAMPLES * self.procedural_loops(library) > LOOP_BUDGET {
+        if self.light.shadows && procedural && SHADOW_SAMPLES as f32 * self.procedural_loops(library) > LOOP_BUDGET {
             return Err(SceneError::Value {
                 field: "light.shadows".into(),
                 value: "true".into(),

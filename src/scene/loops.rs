@@ -8,8 +8,10 @@ use crate::shader::Library;
 pub(super) const LOOP_BUDGET: f32 = 60_000.0;
 /// Rays that a device marches together at most and that cuts their loops: lavapipe. All wait for what one finds.
 const LANES: f32 = 8.0;
-/// Samples of one fragment of the shadow volume, at most: four segments of 64.
-pub(super) const SHADOW_SAMPLES: f32 = 4.0 * 64.0;
+/// Samples of one fragment of the shadow volume, at most: four segments of 16.
+pub(crate) const SHADOW_SAMPLES: u32 = 4 * 16;
+/// Iterations of a segment: up to four places.
+const SEGMENT_LOOPS: f32 = 4.0;
 /// Iterations of a ray that bends, for each step of it: the step, and three gradients of three differences each.
 pub(super) const BENDING_LOOPS: f32 = 1.0 + 3.0 * 3.0;
 /// Steps of a ray that bends, for each sample of the scene, and in all to locate its interfaces: see `refract.frag`.
@@ -37,14 +39,22 @@ impl Scene {
         self.own_loops(library) + self.parts.keys().map(|name| self.alone(name).own_loops(library)).sum::<f32>()
     }
 
-    /// Whether a ray may find matter before it asks what is there: at worst each of those marched together finds its own
-    /// while the others wait.
-    pub(super) fn may_find_first(&self, library: &Library) -> bool {
+    /// Whether every device bears a ray that finds matter before it asks what is there: at worst each of those marched together
+    /// finds its own while the others wait.
+    pub fn may_find_first(&self, library: &Library) -> bool {
         let octave = self.octave_loops(library).max(self.noise_loops(library));
         let found = 1.0 + self.effect.warp.len() as f32 * self.effect.octaves as f32 * octave;
         let each = LANES * found + 2.0 + self.procedural_loops(library);
-        let shadow = if self.light.shadows { SHADOW_SAMPLES } else { 0.0 };
-        shadow.max(self.quality.samples as f32) * each <= LOOP_BUDGET
+        self.quality.samples as f32 * each <= LOOP_BUDGET
+    }
+
+    /// Iterations of one sample of a ray, at most.
+    pub(super) fn sample_loops(&self, library: &Library) -> f32 {
+        let noise = if self.has_noise_loops(library) { self.procedural_loops(library) } else { 1.0 };
+        match self.quality.integration {
+            Integration::Point => noise,
+            Integration::Segment => noise + SEGMENT_LOOPS,
+        }
     }
 
     /// Those of one object: a sum of octaves for every module that changes the density, one for the color and three more
@@ -53,7 +63,7 @@ impl Scene {
         let effect = &self.effect;
         let places = match self.quality.integration {
             Integration::Point => 1.0,
-            Integration::Segment => 3.0,
+            Integration::Segment => 4.0,
         };
         let media = effect.medium.split('+').map(|medium| ("medium", medium.trim()));
         let more: f32 = media
@@ -72,7 +82,7 @@ impl Scene {
 mod tests {
     use super::*;
     use crate::scene::check::tests::refusal;
-    use crate::scene::{Part, Pass};
+    use crate::scene::{Part, Pass, TargetFormat};
     use crate::shader;
 
     #[test]
@@ -151,21 +161,26 @@ mod tests {
             march(149, "wavelet")(s);
             s.quality.integration = Integration::Segment;
         };
-        assert!(refusal(segments).starts_with("quality.samples = 149: must be from 1 to 116 by rays"));
+        assert!(refusal(segments).starts_with("quality.samples = 149: must be from 1 to 87 by rays"));
     }
 
     #[test]
-    fn rays_that_wait_for_each_other_for_too_long_do_not_find_first() {
+    fn rays_that_may_wait_for_each_other_for_too_long_find_first_where_the_target_can_say_that_they_were_cut() {
         let library = shader::shipped();
-        let empty_space = |samples, warp: &[&str]| {
+        let empty_space = |samples, warp: &[&str], target| {
             let mut scene = crate::scene::preset("lit").unwrap();
             (scene.quality.pass, scene.quality.samples, scene.effect.noise) = (Pass::March, samples, "wavelet".into());
             scene.effect.warp = warp.iter().map(|name| name.to_string()).collect();
+            scene.quality.target = target;
             scene.slots(&library)["empty_space"][0].clone()
         };
-        assert_eq!(empty_space(256, &[]), "skip");
-        assert_eq!(empty_space(349, &[]), "leap");
-        assert_eq!(empty_space(256, &["melting"]), "leap");
+        let bits = TargetFormat::Unorm8;
+        assert_eq!(empty_space(256, &[], bits), "skip");
+        assert_eq!(empty_space(349, &[], bits), "leap");
+        assert_eq!(empty_space(256, &["melting"], bits), "leap");
+        for floats in [TargetFormat::Float16, TargetFormat::Float32] {
+            assert_eq!(empty_space(349, &["melting"], floats), "skip");
+        }
     }
 
     #[test]
@@ -182,6 +197,7 @@ mod tests {
         let shaded = |s: &mut Scene| {
             (s.effect.noise, s.effect.octaves, s.light.shadows) = ("wavelet".into(), 10, true);
             (s.quality.pass, s.effect.turbulence) = (Pass::Slices, "octaves".into());
+            s.effect.gradient = "central".into();
             s.effect.dmf.push("fire".into());
         };
         assert!(refusal(shaded).starts_with("light.shadows = true: needs fewer modules or octaves"));

@@ -33,6 +33,7 @@ pub use field::parse_value;
 pub(crate) use file::MAX_BYTES;
 pub use file::{load, parse, to_text};
 pub use light::{Light, LightMethod};
+pub(crate) use loops::SHADOW_SAMPLES;
 pub use parameters::{Parameters, Spread};
 pub use part::{Boolean, Part, Transform};
 pub use preset_texts::names;
@@ -370,8 +371,9 @@ impl Scene {
         };
         let empty_space = match self.quality.empty_space {
             EmptySpace::Skip if !self.is_empty_outside(library) || effect.index != "transfer" => "sample",
-            EmptySpace::Skip if self.may_find_first(library) => "skip",
-            EmptySpace::Skip => "leap",
+            // A target of unorm cannot say that a device has cut the loops of a ray.
+            EmptySpace::Skip if self.quality.target == TargetFormat::Unorm8 && !self.may_find_first(library) => "leap",
+            EmptySpace::Skip => "skip",
             EmptySpace::Sample => "sample",
         };
         fill("empty_space", vec![empty_space.into()]);

@@ -24,6 +24,7 @@ mod names;
 pub mod reach;
 mod rounding;
 mod watched;
+mod words;
 
 pub use combine::{Formula, FormulaError};
 pub use declare::{Declarations, Parameter, ParameterKind};
@@ -35,6 +36,7 @@ pub use link::{LinkError, Linker, Stage};
 pub(crate) use names::{is_reserved, reserved, tokens};
 pub use reach::{Reach, Sides};
 pub use watched::FAULT;
+pub(crate) use words::instructions;
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

@@ -2,7 +2,7 @@
 
 use crate::common::{formula, homogeneous, picture, subject, with_gpu};
 use glam::{Mat3, Vec3};
-use hypertexture::render::{Transmittance, transmittance};
+use hypertexture::render::{Renderer, Transmittance, transmittance};
 use hypertexture::scene::{EmptySpace, Pass, Projection, Scene, preset};
 use hypertexture::shader;
 
@@ -213,5 +213,39 @@ fn m61_leaping_changes_no_shadow() {
             let same = |x: Vec3| all.at(x).to_bits() == skipped.at(x).to_bits();
             assert!(places().all(same), "{effect} on {object}");
         }
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn p54_a_shadow_volume_is_kept_as_long_as_what_it_is_cast_from() {
+    with_gpu(|gpu| {
+        let library = shader::shipped();
+        let mut scene = preset("ensemble").unwrap();
+        (scene.image.size, scene.light.shadow_resolution, scene.quality.samples) = ([40, 32], 24, 34);
+        let subject = subject(&scene, &library);
+        let mut renderer = Renderer::new(gpu, &library, &subject);
+        let mut is_kept = |what: &str, change: &dyn Fn(&mut Scene)| {
+            change(&mut scene);
+            let frame = renderer.render(&scene).unwrap();
+            let alone = picture(gpu, &library, &scene, &subject);
+            assert!(frame.pixels == alone.pixels, "{what}: not the picture of a renderer that has cast nothing");
+            let m = &frame.measurements;
+            let [now, before] = [m.shadow_ms.unwrap() > 0.0, m.shadow_before_ms > 0.0];
+            assert!(now != before, "{what}: {:?} now, {} before", m.shadow_ms, m.shadow_before_ms);
+            before
+        };
+        assert!(!is_kept("the first", &|_| ()));
+        assert!(is_kept("the same", &|_| ()));
+        assert!(is_kept("another size", &|scene| scene.image.size = [50, 40]));
+        assert!(is_kept("a brighter light", &|scene| scene.light.intensity *= 0.5));
+        assert!(is_kept("as many samples in a texel", &|scene| scene.quality.samples = 32));
+        assert!(!is_kept("more of them", &|scene| scene.quality.samples = 192));
+        assert!(!is_kept("another light", &|scene| scene.light.position[0] += 0.5));
+        assert!(!is_kept("another view", &|scene| scene.camera.azimuth += 10.0));
+        assert!(!is_kept("thinner matter", &|scene| scene.effect.opacity_rate *= 0.9));
+        assert!(is_kept("that again", &|_| ()));
+        renderer.forget_shadows();
+        assert!(renderer.render(&scene).unwrap().measurements.shadow_before_ms == 0.0);
     });
 }

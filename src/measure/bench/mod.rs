@@ -107,8 +107,9 @@ impl Ready<'_> {
         let (start, before) = (Instant::now(), own_processor_time());
         let (device, compile_ms) = match self {
             Ready::Picture(scene, renderer) => {
+                renderer.forget_shadows();
                 let m = renderer.render(scene)?.measurements;
-                (Some(m.gpu_ms + m.shadow_ms.unwrap_or(0.0)), m.compile_ms)
+                (Some(m.device_ms()), m.compile_ms)
             }
             Ready::Field(shape, request) => {
                 field::transform(shape, request, &|_| ())?;

@@ -376,5 +376,5 @@ fn time(
 /// One run of a renderer that is ready for the scene.
 fn run(renderer: &mut Painter<'_>, scene: &Scene) -> Result<Run, RenderError> {
     let m = renderer.render(scene)?.measurements;
-    Ok(Run { gpu_ms: m.gpu_ms + m.shadow_ms.unwrap_or(0.0), wall_ms: m.total_ms - m.compile_ms })
+    Ok(Run { gpu_ms: m.alone_ms(), wall_ms: m.total_ms - m.compile_ms + m.shadow_before_ms })
 }

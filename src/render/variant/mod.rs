@@ -13,7 +13,9 @@ pub use program::{Program, why_left_out};
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
 use crate::noise::Period;
-use crate::scene::{Color, Integration, Neutral, ParameterValue, Parameters, Scene, SceneError, Source};
+use crate::scene::{
+    Color, Integration, Neutral, ParameterValue, Parameters, SHADOW_SAMPLES, Scene, SceneError, Source,
+};
 use crate::shader::library::{ZERO, prefixed};
 use crate::shader::{Library, LibraryError, LinkError, Linker, Parameter, Slots};
 use std::collections::BTreeMap;
@@ -97,6 +99,14 @@ impl Variant {
         Ok(Variant { entries, slots: library.needed(&entries, &choice)?, parameters, parts, octaves, periods })
     }
 
+    /// The same, with rays that do not wait for what others find.
+    pub(super) fn that_waits_for_none(&self) -> Variant {
+        let mut variant = self.clone();
+        let waiting = variant.slots.get_mut("empty_space").filter(|names| *names == &["skip"]);
+        waiting.into_iter().for_each(|names| *names = vec!["leap".into()]);
+        variant
+    }
+
     /// The modules that give the shadow volume of the same scene: those of its matter, without what colors it. Such a
     /// program reads no image that the picture's does not.
     ///
@@ -137,6 +147,7 @@ impl Variant {
     fn of_light(&self, scene: &Scene, library: &Library, entries: [&'static str; 2]) -> Result<Variant, VariantError> {
         let mut scene = scene.clone();
         scene.quality.integration = Integration::Point; // a segment of the light holds many samples
+        scene.quality.samples = SHADOW_SAMPLES;
         let mut choice = scene.slots(library);
         choice.extend(self.kept());
         let fades = self.slots.iter().any(|(key, names)| key.ends_with("bandlimit") && names != &["none"]);
@@ -151,6 +162,8 @@ impl Variant {
                 // A shadow reads no image that the picture does not, and octaves that fade fade there with other steps.
                 let own = self.slots.get("cells").filter(|_| !fades);
                 *names = own.cloned().unwrap_or_else(|| vec!["none".into()]);
+            } else if slot == "empty_space" && names == &["skip"] && !scene.may_find_first(library) {
+                *names = vec!["leap".into()];
             } else if slot == "storage" && names == &["anisotropic"] {
                 *names = vec!["dense".into()]; // a sample of the light is wider than a pixel
             }

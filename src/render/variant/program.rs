@@ -1,7 +1,7 @@
 //! A linked program, and what a scene has none of.
 
 use super::VariantError;
-use super::reflect::{self, Resource};
+use super::reflect::{self, Resource, Use};
 
 /// A linked program and what it reads.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +25,22 @@ impl Program {
     /// Whether the program reads this binding.
     pub fn reads(&self, name: &str) -> bool {
         self.resources.iter().any(|resource| resource.name == name)
+    }
+
+    /// The parts of filled blocks, by binding, that the fragment stage reads.
+    pub(crate) fn read_by_fragments<'a>(&self, blocks: impl IntoIterator<Item = (u32, &'a [u8])>) -> Vec<u8> {
+        let read = reflect::members_read(&self.fragment);
+        let mut found = Vec::new();
+        for (binding, bytes) in blocks {
+            let holds = self.resources.iter().find(|own| own.binding == binding).map(|own| &own.holds);
+            let Some(Use::Block(block)) = holds else { continue };
+            for (number, member) in (0..).zip(&block.members) {
+                if read.contains(&(binding, number)) {
+                    found.extend_from_slice(&bytes[member.offset..][..4 * member.floats]);
+                }
+            }
+        }
+        found
     }
 
     /// What the scene did not need: not in the program, not allocated, not uploaded, not bound.

@@ -1,6 +1,7 @@
 //! What a program with text of a user may not hold: arrays that a driver works on for minutes (a compiler takes one of
 //! 400 MB in a blink), and what reaches beyond the bindings, such as addresses of buffers.
 
+use crate::shader::instructions;
 use std::collections::HashMap;
 
 /// The largest array of a program, in bytes: larger ones keep a driver busy for minutes when it makes the pipeline.
@@ -16,8 +17,6 @@ const TYPE_MATRIX: u32 = 24;
 const TYPE_ARRAY: u32 = 28;
 const TYPE_STRUCT: u32 = 30;
 const CONSTANT: u32 = 43;
-/// Words of SPIR-V before its first instruction.
-const HEADER: usize = 5;
 
 /// Why a SPIR-V module is not for a driver, if it is not.
 pub(crate) fn refusal(module: &[u32]) -> Option<String> {
@@ -35,17 +34,6 @@ pub(crate) fn refusal(module: &[u32]) -> Option<String> {
         format!(
             "an array of {largest} bytes; one may have at most {MAX_ARRAY}, since a driver makes a pipeline of more for minutes"
         )
-    })
-}
-
-/// The instructions of a SPIR-V module: their numbers, and their operands.
-fn instructions(module: &[u32]) -> impl Iterator<Item = (u32, &[u32])> {
-    let mut rest = module.get(HEADER..).unwrap_or_default();
-    std::iter::from_fn(move || {
-        let &first = rest.first()?;
-        let (words, after) = rest.split_at_checked((first >> 16).max(1) as usize)?;
-        rest = after;
-        Some((first & 0xffff, &words[1..]))
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::aside::Aside;
 use super::easel::{Easel, by_the_other_pass};
-use super::render_thread::{Accumulation, RenderThread, device_ms};
+use super::render_thread::{Accumulation, RenderThread};
 use super::task::{leave_where, unless_stopped};
 use super::{Event, Job, Picture, Variant};
 use crate::gpu::Area;
@@ -92,7 +92,7 @@ impl RenderThread {
                 let shared = shared.clone();
                 renderer.stop_where(move |_| shared.is_stale(job_number));
                 let frame = renderer.render_areas(&scene, &[Area::whole(size)], Some(sub_frame))?;
-                still.gpu_ms += device_ms(&frame);
+                still.gpu_ms += frame.measurements.device_ms();
                 pictures.push(frame.pixels);
             }
             for (mean, pixels) in still.means.iter_mut().zip(&pictures) {
@@ -210,7 +210,7 @@ impl RenderThread {
             let ms = start.elapsed().as_secs_f64() * 1e3 - frame.measurements.compile_ms;
             count = (areas.len() as f64 * (TILES_MS / ms.max(1e-3)).min(MORE_TILES)).max(1.0) as usize;
             left = rest;
-            drawn.ms += device_ms(&frame);
+            drawn.ms += frame.measurements.device_ms();
             drawn.measurements = Some(frame.measurements);
             show(pixels);
         }
@@ -235,7 +235,7 @@ impl RenderThread {
             let work = move |renderer: &mut Renderer| {
                 renderer.stop_where(move |_| shared.is_stale(number));
                 renderer.render(&scene)?;
-                let frames = (0..TRIALS).map(|_| renderer.render(&scene).map(|frame| device_ms(&frame)));
+                let frames = (0..TRIALS).map(|_| renderer.render(&scene).map(|frame| frame.measurements.alone_ms()));
                 frames.collect::<Result<Vec<f64>, _>>().map(|times| times.into_iter().fold(f64::INFINITY, f64::min))
             };
             let renderer = || Aside::new(Renderer::new(&self.gpu, library, subject));

@@ -4,7 +4,7 @@ use super::easel::{Easel, sight};
 use super::{Event, Job, Picture, Shared};
 use crate::gpu::Gpu;
 use crate::measure::statistics::rms_difference;
-use crate::render::{Frame, RenderError, Sight};
+use crate::render::{RenderError, Sight};
 use crate::scene::Scene;
 use crate::shader::Library;
 use crate::shader::compile::CompileError;
@@ -93,10 +93,6 @@ impl Accumulation {
 
 fn scenes(job: &Job) -> Vec<Scene> {
     job.variants.iter().map(|variant| variant.scene.clone()).collect()
-}
-
-pub(super) fn device_ms(frame: &Frame) -> f64 {
-    frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0)
 }
 
 impl RenderThread {
@@ -212,7 +208,7 @@ impl RenderThread {
                 let scene = easel.preview(&variant.scene, level);
                 match easel.own.render(&scene) {
                     Ok(frame) => {
-                        device += device_ms(&frame);
+                        device += frame.measurements.device_ms();
                         compile_ms += frame.measurements.compile_ms;
                         frames.push(frame);
                     }
