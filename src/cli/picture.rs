@@ -1,7 +1,7 @@
 //! A picture, or a shard of one: rendered, written, and what it took in words.
 
 use super::{absolute, say, with_progress};
-use crate::field::DistanceField;
+use crate::field::{DistanceField, Progress};
 use crate::gpu::Gpu;
 use crate::output::shard::{self, Shard};
 use crate::output::{Depth, Provenance, write};
@@ -44,14 +44,18 @@ pub(super) fn say_fault(fault: Option<Fault>) {
     }
 }
 
-/// Renders a picture and writes it.
-pub(super) fn render_picture(picture: &Picture<'_>) -> Result<Frame, Box<dyn Error>> {
+/// Renders a picture, unless it is `drawn` already, and writes it.
+pub(super) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Result<Frame, Box<dyn Error>> {
     let Picture { gpu, library, scene, subject, output, quiet, .. } = *picture;
-    let frame = with_progress(quiet, "noise", |progress| {
+    let render = |progress: Progress<'_>| {
         let mut renderer = Renderer::new(gpu, library, subject);
         renderer.prepare(scene, progress)?;
         renderer.render(scene)
-    })?;
+    };
+    let frame = match drawn {
+        Some(drawn) => drawn,
+        None => with_progress(quiet, "noise", render)?,
+    };
     let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements)?;
     write(&frame, scene.image.background, picture.depth(), &provenance, output)?;
     if !quiet {
@@ -140,7 +144,7 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
         ));
     }
     if let Some(shadow_ms) = m.shadow_ms {
-        lines.push(format!("shadows    {shadow_ms:.1} ms"));
+        lines.push(format!("shadows    {:.1} ms", shadow_ms + m.shadow_before_ms));
     }
     lines.push(format!(
         "time       {:.1} ms on the device (longest submission {:.1} ms), {:.0} ms to compile, {:.0} ms in all",

@@ -144,7 +144,7 @@ struct Asked {
 /// Draws what was asked for, or says what it would cost.
 fn draw(command: &Render, asked: &Asked, gpu: &Gpu, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let Asked { base, library, subject, bound, shard, sequence, .. } = asked;
-    let mut scene = asked.scene.clone();
+    let (mut scene, mut drawn) = (asked.scene.clone(), None);
     if let Some(bound) = *bound {
         let worker = Worker::new(&start(options)?, library, Load::Scene(scene::to_text(&scene)));
         let stage = Stage { gpu, library, subject, worker: Some(&worker), stop: &|| false };
@@ -152,7 +152,7 @@ fn draw(command: &Render, asked: &Asked, gpu: &Gpu, options: &Options, quiet: bo
         if !quiet {
             say(&explain(&pick, bound));
         }
-        scene = pick.scene;
+        (scene, drawn) = (pick.scene, pick.picture);
     }
     if !quiet {
         let line = command.ignored(library, subject, [base, &asked.scene, &scene]);
@@ -168,7 +168,7 @@ fn draw(command: &Render, asked: &Asked, gpu: &Gpu, options: &Options, quiet: bo
     } else if let Some(shard) = *shard {
         render_shard(&picture, shard)?;
     } else {
-        let frame = render_picture(&picture)?;
+        let frame = render_picture(&picture, drawn)?;
         command.error_map.iter().try_for_each(|path| write_error_map(&picture, &frame, path))?;
         command.validity.iter().try_for_each(|path| write_validity(&picture, &frame, path))?;
     }
@@ -181,7 +181,7 @@ fn draw(command: &Render, asked: &Asked, gpu: &Gpu, options: &Options, quiet: bo
 
 /// A pick in words.
 fn explain(pick: &Pick, bound: ErrorBound) -> String {
-    let [left_out, drawn, kept] = pick.counts;
+    let [left_out, drawn, kept, untried] = pick.counts;
     let remembered = if pick.remembered { ", remembered" } else { "" };
     let mut text = format!("settings   {}{remembered}\n", pick.settings);
     let Verified { error, estimate, pixels: [pixels, proven], ms } = pick.verified;
@@ -195,6 +195,9 @@ fn explain(pick: &Pick, bound: ErrorBound) -> String {
     text += &format!(
         "why        {ms:.1} ms; the fastest of {kept} that should fit, of {drawn} drawn small; {left_out} could not fit"
     );
+    if untried > 0 {
+        text += &format!("; {untried} other ways were not tried, to be done in time");
+    }
     let other = pick.other.as_ref().map(|(settings, times)| format!("; {settings} takes {times:.1}x"));
     text = text + &other.unwrap_or_default() + "\n";
     for Failure { label, message } in &pick.failures {

@@ -71,6 +71,8 @@ fn a_smaller_bound_is_no_cheaper_and_an_impossible_one_says_what_is_nearest() {
         let [loose, tight] = [0.05, 0.002].map(|error| pick(Metric::Rmse, error).unwrap());
         assert!(loose.scene.quality.samples < tight.scene.quality.samples, "{} {}", loose.settings, tight.settings);
         assert!(tight.verified.error <= 0.002 && tight.verified.pixels[0] >= 1024);
+        let whole = tight.picture.expect("what was verified");
+        assert!(whole.pixels == picture(gpu, &library, &tight.scene, &subject).pixels);
         assert!(pick(Metric::Opacity, 0.05).is_ok() && pick(Metric::P999, 0.2).is_ok());
         let error = pick(Metric::Rmse, 1e-12).unwrap_err().to_string();
         assert!(error.starts_with("no settings draw this scene with a rmse error of 1e-12: the nearest, "), "{error}");

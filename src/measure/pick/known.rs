@@ -6,7 +6,7 @@ use crate::measure::metric::{Errors, Metric};
 use crate::measure::reference::{ReferenceError, TOLERANCE, reference_pixels, truth_of};
 use crate::measure::worker::Painter;
 use crate::render::variant::VariantError;
-use crate::render::{Frame, RenderError};
+use crate::render::{Frame, Measurements, RenderError};
 use crate::scene::Scene;
 use crate::support::random::SplitMix;
 
@@ -18,7 +18,7 @@ const EDGE: f32 = 0.1;
 /// A finer picture that stands for a reference should be wrong by less than this part of the bound.
 const FINER: f64 = 0.25;
 /// Samples of the finer picture to begin with, and at most.
-const FINEST: [u32; 2] = [1024, 16_384];
+const FINEST: [u32; 2] = [256, 16_384];
 
 /// Pixels of pictures of one size, and what they are in truth.
 pub(super) struct Known {
@@ -102,7 +102,8 @@ impl Known {
 /// shadow volume is the same one.
 pub(super) fn draw(painter: &mut Painter<'_>, scene: &Scene, times: f64) -> Result<(Frame, f64), RenderError> {
     let frame = painter.render(scene)?;
-    let ms = times * frame.measurements.gpu_ms + frame.measurements.shadow_ms.unwrap_or(0.0);
+    let Measurements { gpu_ms, .. } = frame.measurements;
+    let ms = times * gpu_ms + frame.measurements.alone_ms() - gpu_ms;
     Ok((frame, ms))
 }
 
@@ -160,7 +161,6 @@ impl Sample {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Measurements;
     use std::collections::BTreeSet;
 
     fn disk(side: u32) -> Frame {

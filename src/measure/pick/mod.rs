@@ -7,6 +7,7 @@
 //! the truth of the scene as it is; what is refused was tried to its limit. Source: the protocol of numerical
 //! work-precision diagrams; ratio estimators for the whole picture.
 
+mod ahead;
 mod candidates;
 mod known;
 mod search;
@@ -15,12 +16,13 @@ mod store;
 use crate::measure::compare::{CompareError, Failure, Stage};
 use crate::measure::metric::{Errors, Metric};
 use crate::measure::reference::ReferenceError;
-use crate::measure::worker::Painter;
-use crate::render::RenderError;
+use crate::render::{Frame, RenderError};
 use crate::scene::Scene;
 use known::{Known, draw};
 use search::{Drawn, Search};
 use serde::{Deserialize, Serialize};
+use std::ops::RangeInclusive;
+use std::time::Duration;
 
 /// Pixels of the whole picture that are held against the reference, at most.
 const PIXELS: usize = 1024;
@@ -31,6 +33,10 @@ const VERIFIED: usize = 8;
 const CARE: f64 = 0.95;
 /// A whole picture that takes less than this is drawn again for its time, milliseconds.
 const AGAIN_MS: f64 = 200.0;
+/// A picture with this part of the samples of another one differs from it enough to show where that may have errors.
+const OTHER: RangeInclusive<f64> = 0.25..=0.75;
+/// After so long nothing is begun that only may be faster than what keeps the bound.
+const PATIENCE: Duration = Duration::from_secs(6);
 /// The fewest and the most samples of a candidate.
 const SAMPLES: [u32; 2] = [8, 4096];
 
@@ -71,7 +77,7 @@ pub struct Verified {
 }
 
 /// What was picked.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Pick {
     /// The scene, drawn with the settings that were picked.
     pub scene: Scene,
@@ -81,8 +87,9 @@ pub struct Pick {
     pub verified: Verified,
     /// Why that is not by the reference, where there is none.
     pub unverified: Option<String>,
-    /// Candidates that were left out beforehand, that were drawn, and that kept the bound.
-    pub counts: [usize; 3],
+    /// Candidates that were left out beforehand, that were drawn, and that kept the bound; and methods that were not tried,
+    /// since something kept the bound and time was up.
+    pub counts: [usize; 4],
     /// The fastest settings of another pass that should keep the bound: in words, and how many times longer they should
     /// take.
     pub other: Option<(String, f64)>,
@@ -90,6 +97,8 @@ pub struct Pick {
     pub failures: Vec<Failure>,
     /// Whether it is remembered from an earlier time.
     pub remembered: bool,
+    /// The whole picture, where it was drawn for this.
+    pub picture: Option<Frame>,
 }
 
 /// Why nothing was picked.
@@ -144,7 +153,7 @@ pub fn remembered(
 
 /// Picks the fastest settings for a scene within an error on this device.
 ///
-/// Small pictures are at most 64 pixels wide; the reference is computed for some hundred of their pixels, and for a
+/// Small pictures are at most 96 pixels wide; the reference is computed for some hundred of their pixels, and for a
 /// thousand of the whole. `progress` is called with the part that is done, roughly. A candidate that cannot be drawn is
 /// left out, and told.
 ///
@@ -158,13 +167,16 @@ pub fn pick(
 ) -> Result<Pick, PickError> {
     let families = candidates::families(scene, stage.library, bound.error)?;
     let mut search = Search::new(stage, scene, bound, families.kept, &|done| progress(0.2 * done))?;
-    let mut whole = Whole { stage, bound, painter: stage.painter(), known: None };
-    let mut best: Option<(Drawn, Verified)> = None;
+    let mut whole = Whole { stage, bound, known: None, others: Vec::new() };
+    let mut best: Option<(Drawn, Verified, Frame)> = None;
     let mut nearest: Option<(String, f64)> = None;
     for round in 0..VERIFIED {
         let share = |done: f32| progress(0.2 + 0.7 * (round as f32 + done) / VERIFIED as f32);
-        let Some(next) = search.next(best.as_ref().map(|(drawn, _)| drawn), &share) else { break };
-        let verified = match whole.verify(&next.candidate.scene, search.unverified.is_some(), &share) {
+        if best.is_some() && search.is_late() {
+            break;
+        }
+        let Some(next) = search.next(best.as_ref().map(|(drawn, ..)| drawn), &share) else { break };
+        let (verified, frame) = match whole.verify(&mut search, &next.candidate.scene, &share) {
             Ok(verified) => verified,
             Err(_) if (stage.stop)() => return Err(PickError::Stopped),
             Err(error) => {
@@ -178,21 +190,22 @@ pub fn pick(
         if nearest.as_ref().is_none_or(|(_, nearest)| error < *nearest) {
             nearest = Some((label, error));
         }
-        if error <= CARE * bound.error && best.as_ref().is_none_or(|(_, best)| verified.ms < best.ms) {
-            best = Some((next, verified));
+        if error <= CARE * bound.error && best.as_ref().is_none_or(|(_, best, _)| verified.ms < best.ms) {
+            best = Some((next, verified, frame));
         }
     }
     progress(1.0);
-    let Some((drawn, verified)) = best else { return Err(search.refusal(bound, nearest)) };
+    let Some((drawn, verified, frame)) = best else { return Err(search.refusal(bound, nearest)) };
     Ok(Pick {
         settings: drawn.candidate.label(),
-        counts: [families.left_out, search.count(), search.fitting()],
+        counts: [families.left_out, search.count(), search.fitting(), search.untried()],
         other: search.other_pass(&drawn),
         scene: drawn.candidate.scene,
         verified,
         failures: search.failed.iter().map(Failure::of).collect(),
         unverified: search.unverified,
         remembered: false,
+        picture: Some(frame),
     })
 }
 
@@ -200,26 +213,28 @@ pub fn pick(
 struct Whole<'a> {
     stage: Stage<'a>,
     bound: ErrorBound,
-    painter: Painter<'a>,
     known: Option<Known>,
+    /// Pictures that others were held against.
+    others: Vec<(Scene, Frame)>,
 }
 
 impl Whole<'_> {
-    /// Draws a scene, holds it against what is known, and finds its error. `no_reference` says that a finer picture is
-    /// known in place of the reference.
+    /// Draws a scene with the painter of a search, holds it against what is known, and finds its error. What the search has no
+    /// reference for has none here.
     fn verify(
         &mut self,
+        search: &mut Search<'_>,
         scene: &Scene,
-        no_reference: bool,
         progress: &(dyn Fn(f32) + Sync),
-    ) -> Result<Verified, RenderError> {
-        let Whole { stage, bound, painter, known } = self;
+    ) -> Result<(Verified, Frame), RenderError> {
+        let Whole { stage, bound, known, others } = self;
+        let (painter, has_reference) = (&mut search.painter, search.unverified.is_none());
         let (frame, mut ms) = draw(painter, scene, 1.0)?;
         let known = match known {
             Some(known) => known,
-            none => none.insert(match no_reference {
-                false => Known::by_reference(*stage, scene, &frame, PIXELS, bound.error, progress).map_err(ended)?,
-                true => Known::by_finer_picture(painter, *stage, scene, (bound.metric, bound.error))
+            none => none.insert(match has_reference {
+                true => Known::by_reference(*stage, scene, &frame, PIXELS, bound.error, progress).map_err(ended)?,
+                false => Known::by_finer_picture(painter, *stage, scene, (bound.metric, bound.error))
                     .map_err(|error| RenderError::Worker(error.to_string()))?,
             }),
         };
@@ -228,20 +243,37 @@ impl Whole<'_> {
         let found = known.error(&frame, bound.metric);
         let pixels = [known.count(), known.proven];
         if found > CARE * bound.error {
-            return Ok(Verified { error: found, estimate, pixels, ms });
+            others.push((scene.clone(), frame.clone()));
+            return Ok((Verified { error: found, estimate, pixels, ms }, frame));
         }
         if ms < AGAIN_MS {
             ms = ms.min(draw(painter, scene, 1.0)?.1); // short times are disturbed by what is done once
         }
-        let mut other = scene.clone();
-        other.quality.samples = (scene.quality.samples / 2).max(1);
-        let (other, _) = draw(painter, &other, 1.0)?;
         // A few pixels with most of the error may not be among those that are known: the difference from other samples is
         // known in all of them, and how it is related to the error in those.
+        let with = |samples: u32| {
+            let mut other = scene.clone();
+            other.quality.samples = samples;
+            other
+        };
+        let samples = scene.quality.samples;
+        let serves = |(other, _): &&(Scene, Frame)| {
+            OTHER.contains(&(f64::from(other.quality.samples) / f64::from(samples)))
+                && *other == with(other.quality.samples)
+        };
+        let other = match others.iter().find(serves) {
+            Some((_, other)) => other,
+            None => {
+                let other = with((samples / 2).max(1));
+                let frame = draw(painter, &other, 1.0)?.0;
+                others.push((other, frame));
+                &others[others.len() - 1].1
+            }
+        };
         let all: Vec<[f64; 4]> = other.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
-        let (here, everywhere) = (of(known.difference(&frame, &other)), of(Errors::between(&frame.pixels, &all)));
+        let (here, everywhere) = (of(known.difference(&frame, other)), of(Errors::between(&frame.pixels, &all)));
         let error = found.max(if here > 0.0 { everywhere * found / here } else { everywhere });
-        Ok(Verified { error, estimate, pixels, ms })
+        Ok((Verified { error, estimate, pixels, ms }, frame))
     }
 }
 

@@ -1,26 +1,28 @@
 //! Small pictures of candidates, and which of them is worth a whole one.
 
+use super::ahead::{link, link_ahead};
 use super::known::{Known, draw};
-use super::{CARE, ErrorBound, PickError, SAMPLES, candidates};
+use super::{CARE, ErrorBound, PATIENCE, PickError, SAMPLES, candidates};
 use crate::measure::compare::candidates::{Candidate, Curve};
 use crate::measure::compare::{CompareError, Stage};
 use crate::measure::reference::ReferenceError;
 use crate::measure::worker::Painter;
 use crate::render::RenderError;
-use crate::render::variant::Variant;
-use crate::scene::{Integration, Pass, Scene, TargetFormat};
-use crate::shader::{Library, Linker};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use crate::scene::{Integration, Scene, TargetFormat};
+use crate::shader::Library;
+use std::sync::Once;
+use std::time::Instant;
 
-/// Longest side of the small pictures, pixels. Smaller: few pixels meet an edge. Larger: they take longer than the
-/// picture that is asked for.
-const SMALL: u32 = 64;
+/// Longest side of the small pictures, pixels. Smaller: few pixels meet an edge, and llvmpipe, which gives each thread squares
+/// of 64 pixels, draws with one of them. Larger: they take longer than the picture that is asked for.
+const SMALL: u32 = 96;
 /// Pixels of the small picture that are held against the reference.
 const PIXELS: usize = 512;
 /// Samples of the picture that these are chosen in.
 const LOOK: u32 = 64;
-/// Runs of a small picture, of which the fastest counts.
+/// Runs of a small picture that takes less than so many milliseconds, of which the fastest counts.
 const RUNS: usize = 3;
+const AGAIN_MS: f64 = 50.0;
 /// The highest order in the step that a picture has: so many fewer samples are not tried.
 const ORDER: f64 = 2.0;
 /// An error that twice the samples leave at this part of what it was is one that no samples remove; fewer samples than
@@ -58,7 +60,8 @@ struct Lesson {
 
 /// Small pictures and what they are held against.
 pub(super) struct Search<'a> {
-    painter: Painter<'a>,
+    began: Instant,
+    pub(super) painter: Painter<'a>,
     library: &'a Library,
     bound: ErrorBound,
     families: Vec<Candidate>,
@@ -81,7 +84,7 @@ impl<'a> Search<'a> {
         families: Vec<Candidate>,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Search<'a>, PickError> {
-        let (mut painter, mut failed) = (stage.painter(), Vec::new());
+        let (began, mut painter, mut failed) = (Instant::now(), stage.painter(), Vec::new());
         let mut first = None;
         for family in &families {
             let candidate = candidates::with_samples(family, LOOK);
@@ -106,26 +109,32 @@ impl<'a> Search<'a> {
             }
         };
         let (library, drawn, lessons, flat) = (stage.library, Vec::new(), Vec::new(), Vec::new());
-        Ok(Search { painter, library, bound, families, known, drawn, lessons, flat, failed, unverified })
+        Ok(Search { began, painter, library, bound, families, known, drawn, lessons, flat, failed, unverified })
     }
 
     /// What is worth a whole picture: the fastest that should keep the bound, if it should be faster than the best so far;
     /// where there is none yet, at last the nearest.
     pub(super) fn next(&mut self, best: Option<&Drawn>, progress: &dyn Fn(f32)) -> Option<Drawn> {
         let families = std::mem::take(&mut self.families);
-        let (library, at) = (self.library, AtomicUsize::new(0));
+        let (library, is_first) = (self.library, self.drawn.is_empty());
+        let links: Vec<Once> = families.iter().map(|_| Once::new()).collect();
         std::thread::scope(|scope| {
-            if self.drawn.is_empty() {
-                scope.spawn(|| link_ahead(&families, library, &at));
+            if is_first {
+                scope.spawn(|| link_ahead(&families, library, &links));
             }
-            for (index, family) in families.iter().enumerate() {
-                at.store(index, Ordering::Relaxed);
-                if !self.is_hopeless(family, &families) {
+            for ((index, family), once) in families.iter().enumerate().zip(&links) {
+                let is_late = self.is_late() && self.fitting() > 0;
+                if !is_late && !self.is_hopeless(family, &families) {
+                    once.call_once(|| {
+                        if is_first {
+                            link(&family.scene, library)
+                        }
+                    });
                     self.follow(family);
                 }
+                once.call_once(|| ()); // nobody needs it any more
                 progress((index + 1) as f32 / families.len() as f32 * 0.5);
             }
-            at.store(families.len(), Ordering::Relaxed);
         });
         self.families = families;
         let fitting = self.drawn.iter().filter(|drawn| self.fits(drawn));
@@ -150,6 +159,19 @@ impl<'a> Search<'a> {
     pub(super) fn fail(&mut self, candidate: Candidate, error: RenderError) {
         self.drawn.retain(|drawn| drawn.candidate.curve() != candidate.curve());
         self.failed.push((candidate, error));
+    }
+
+    /// Whether it has taken long enough.
+    pub(super) fn is_late(&self) -> bool {
+        self.began.elapsed() > PATIENCE
+    }
+
+    /// How many curves were not tried, where that was for the time.
+    pub(super) fn untried(&self) -> usize {
+        let untried = |family: &&Candidate| {
+            self.nearest_of(&family.curve()).is_none() && !self.is_hopeless(family, &self.families)
+        };
+        if self.is_late() { self.families.iter().filter(untried).count() } else { 0 }
     }
 
     /// How many candidates were drawn.
@@ -237,7 +259,7 @@ impl<'a> Search<'a> {
         let times = pixels(&candidate.scene) / pixels(&scene);
         let (frame, mut ms) = draw(&mut self.painter, &scene, times)?;
         let error = self.known.error(&frame, self.bound.metric);
-        if error <= self.target(&candidate.curve()) {
+        if error <= self.target(&candidate.curve()) && frame.measurements.gpu_ms < AGAIN_MS {
             for _ in 1..RUNS {
                 ms = ms.min(draw(&mut self.painter, &scene, times)?.1);
             }
@@ -309,9 +331,9 @@ impl<'a> Search<'a> {
             if error <= target || ms > SLOWER * fitting.fold(f64::INFINITY, f64::min) {
                 return;
             }
-            // Its noise is what it has for error, and more samples show no other.
+            // Its block of noise is what it has for error, and more samples show no other.
             let stays = |(fewer, larger): (u32, f64)| samples >= 2 * fewer && error > STAYS * larger;
-            if samples >= FLAT_FROM && before.is_some_and(stays) {
+            if family.curve().block.is_some() && samples >= FLAT_FROM && before.is_some_and(stays) {
                 self.flat.push(family.curve());
                 return;
             }
@@ -368,20 +390,6 @@ impl<'a> Search<'a> {
             self.lesson(drawn).is_none() && (self.lessons.is_empty() || self.error(drawn) <= HOPE * self.bound.error)
         };
         self.drawn.iter().filter(hope).min_by(|a, b| a.error.total_cmp(&b.error)).cloned()
-    }
-}
-
-/// Links the programs of curves that are surely drawn, while those before them are: they are found on the disk then.
-fn link_ahead(families: &[Candidate], library: &Library, at: &AtomicUsize) {
-    let Some(own) = families.first().map(|first| &first.strategy) else { return };
-    for (index, Candidate { scene, strategy, .. }) in families.iter().enumerate() {
-        let method = (scene.quality.pass, scene.quality.integration);
-        let is_sure = method == (Pass::March, Integration::Point)
-            || strategy == own && method != (Pass::Slices, Integration::Segment);
-        if index > at.load(Ordering::Relaxed) && is_sure {
-            // What cannot be linked is said where it is drawn.
-            let _ = Variant::of(scene, library).map(|variant| variant.program(library, Linker::new));
-        }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::support::disk_cache::{self, Kind};
 use serde::{Deserialize, Serialize};
 
 /// Raise it when the same scene may give another pick.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 /// A few thousand picks.
 const KIND: Kind = Kind { ends: &["pick"], limit: 16 << 20 };
 
@@ -29,7 +29,7 @@ struct Stored {
     settings: String,
     verified: Verified,
     unverified: Option<String>,
-    counts: [usize; 3],
+    counts: [usize; 4],
     other: Option<(String, f64)>,
     scene: String,
 }
@@ -46,6 +46,7 @@ pub(super) fn load(key: blake3::Hash) -> Option<Pick> {
         other: stored.other,
         failures: Vec::new(),
         remembered: true,
+        picture: None,
     })
 }
 

@@ -3,12 +3,13 @@
 use super::transport::Matter;
 use super::{ReferenceError, Stop, go_on};
 use crate::exact;
-use crate::render::variant::Variant;
+use crate::render::variant::{Program, Variant};
 use crate::render::{Blocks, CpuInputs, OCTAVES_ID, Subject};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::Mutex;
 
 /// The path of a sample, in depths of the scene: so short that only the hard region is opaque.
 const PROBE: f64 = 1e-7;
@@ -31,8 +32,39 @@ pub(super) struct Probe {
     pub(super) beam: u32,
     /// Side of these squares, in that of the picture.
     pub(super) width: f64,
-    /// The binding of the shadow volume and the program that makes it, where one is read.
-    caster: Option<(u32, exact::Program)>,
+    /// What makes the shadow volume, where one is read.
+    caster: Option<Caster>,
+}
+
+/// What makes the shadow volume.
+struct Caster {
+    /// Where the probe reads it.
+    binding: u32,
+    program: exact::Program,
+    linked: Program,
+    octaves: u32,
+}
+
+/// The last shadow volume, and of what it is: pixels of one scene are often asked for again, or in another size.
+static LAST: Mutex<Option<(blake3::Hash, exact::Texture)>> = Mutex::new(None);
+
+impl Caster {
+    /// What the volume depends on.
+    fn key(&self, blocks: &Blocks, inputs: &exact::Inputs) -> blake3::Hash {
+        let mut hash = blake3::Hasher::new();
+        hash.update(bytemuck::cast_slice(&self.linked.fragment)).update(&self.octaves.to_le_bytes());
+        let filled = blocks.iter().map(|(binding, bytes)| (*binding, bytes.as_slice()));
+        hash.update(&self.linked.read_by_fragments(filled));
+        for resource in &self.linked.resources {
+            if let Some(image) = inputs.images.get(&resource.binding) {
+                hash.update(bytemuck::cast_slice(&image.size)).update(bytemuck::cast_slice(&image.texels));
+            }
+            if let Some(wrap) = inputs.samplers.get(&resource.binding) {
+                hash.update(format!("{wrap:?}").as_bytes());
+            }
+        }
+        hash.finalize()
+    }
 }
 
 /// The blocks of one sub-frame, by binding.
@@ -74,7 +106,10 @@ impl Probe {
         let inputs = cpu_inputs.exact();
         let caster = match shadow {
             None => None,
-            Some((binding, caster)) => Some((binding, exact::Program::read(&caster.fragment, &octaves)?)),
+            Some((binding, linked)) => {
+                let program = exact::Program::read(&linked.fragment, &octaves)?;
+                Some(Caster { binding, program, linked, octaves: truth.effect.octaves })
+            }
         };
         let opacity = exact::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
         let program = exact::Program::read(&program.fragment, &octaves)?;
@@ -91,47 +126,70 @@ impl Probe {
         inputs: &mut exact::Inputs,
         stop: Stop<'_>,
     ) -> Result<(), ReferenceError> {
-        if let Some((binding, caster)) = &self.caster {
-            inputs.blocks.clone_from(&moment.caster);
-            let bound = caster.bind(inputs)?;
-            let [width, height] = self.cpu_inputs.shadow_target();
-            let (side, squares) = self.cpu_inputs.shadow_squares();
-            // Lanes that are computed together are neighbors: they take the same way through the program.
-            let firsts = (0..side).step_by(TILE).flat_map(|y| (0..side).step_by(TILE).map(move |x| [x, y]));
-            let tiles: Vec<Vec<([u32; 2], [f32; 4])>> = (firsts.collect::<Vec<_>>().into_par_iter())
-                .map(|[x, y]| {
-                    let [columns, rows] = [x, y].map(|first| first..side.min(first + TILE as u32));
-                    let mut lit: Vec<([u32; 2], f32)> =
-                        rows.flat_map(|y| columns.clone().map(move |x| ([x, y], 1.0))).collect();
-                    let mut found = Vec::new();
-                    for [left, top] in squares.clone() {
-                        go_on(stop)?;
-                        let places: Vec<[u32; 2]> = lit.iter().map(|([x, y], _)| [left + x, top + y]).collect();
-                        let at = |[x, y]: &[u32; 2]| [f64::from(*x) + 0.5, f64::from(*y) + 0.5, 0.5, 1.0];
-                        let lanes = exact::Lanes {
-                            fragment_coordinates: places.iter().map(at).collect(),
-                            varyings: BTreeMap::new(),
-                        };
-                        let segments = bound.run::<f64>(&lanes)?.remove(&0).unwrap_or_default();
-                        let segments: Vec<[f32; 4]> =
-                            segments.into_iter().map(|four| four.map(|value| value as f32)).collect();
-                        lit.iter_mut().zip(&segments).for_each(|(ray, four)| ray.1 *= four.iter().product::<f32>());
-                        lit.retain(|(_, light)| *light > 0.0); // behind that it is dark whatever there is
-                        found.extend(places.into_iter().zip(segments));
-                    }
-                    Ok(found)
-                })
-                .collect::<Result<_, ReferenceError>>()?;
-            let mut segments = vec![[0.0; 4]; (width * height) as usize];
-            for ([x, y], four) in tiles.into_iter().flatten() {
-                segments[(y * width + x) as usize] = four;
+        if let Some(caster) = &self.caster {
+            let key = caster.key(&moment.caster, inputs);
+            let last = |last: &Option<(blake3::Hash, exact::Texture)>| {
+                last.as_ref().filter(|(own, _)| *own == key).map(|(_, volume)| volume.clone())
+            };
+            let known = LAST.lock().ok().and_then(|kept| last(&kept));
+            let volume = match known {
+                Some(volume) => volume,
+                None => self.shadow_volume(&caster.program, moment, inputs, stop)?,
+            };
+            if let Ok(mut last) = LAST.lock() {
+                *last = Some((key, volume.clone()));
             }
-            let (size, values) = self.cpu_inputs.shadow_volume(&segments);
-            let texels = values.into_iter().map(|value| [value, 0.0, 0.0, 1.0]).collect();
-            inputs.images.insert(*binding, exact::Texture { size, texels });
+            inputs.images.insert(caster.binding, volume);
         }
         inputs.blocks.clone_from(&moment.blocks);
         Ok(())
+    }
+
+    /// The shadow volume of a sub-frame.
+    fn shadow_volume(
+        &self,
+        caster: &exact::Program,
+        moment: &Moment,
+        inputs: &mut exact::Inputs,
+        stop: Stop<'_>,
+    ) -> Result<exact::Texture, ReferenceError> {
+        inputs.blocks.clone_from(&moment.caster);
+        let bound = caster.bind(inputs)?;
+        let [width, height] = self.cpu_inputs.shadow_target();
+        let (side, squares) = self.cpu_inputs.shadow_squares();
+        // Lanes that are computed together are neighbors: they take the same way through the program.
+        let firsts = (0..side).step_by(TILE).flat_map(|y| (0..side).step_by(TILE).map(move |x| [x, y]));
+        let tiles: Vec<Vec<([u32; 2], [f32; 4])>> = (firsts.collect::<Vec<_>>().into_par_iter())
+            .map(|[x, y]| {
+                let [columns, rows] = [x, y].map(|first| first..side.min(first + TILE as u32));
+                let mut lit: Vec<([u32; 2], f32)> =
+                    rows.flat_map(|y| columns.clone().map(move |x| ([x, y], 1.0))).collect();
+                let mut found = Vec::new();
+                for [left, top] in squares.clone() {
+                    go_on(stop)?;
+                    let places: Vec<[u32; 2]> = lit.iter().map(|([x, y], _)| [left + x, top + y]).collect();
+                    let at = |[x, y]: &[u32; 2]| [f64::from(*x) + 0.5, f64::from(*y) + 0.5, 0.5, 1.0];
+                    let lanes = exact::Lanes {
+                        fragment_coordinates: places.iter().map(at).collect(),
+                        varyings: BTreeMap::new(),
+                    };
+                    let segments = bound.run::<f64>(&lanes)?.remove(&0).unwrap_or_default();
+                    let segments: Vec<[f32; 4]> =
+                        segments.into_iter().map(|four| four.map(|value| value as f32)).collect();
+                    lit.iter_mut().zip(&segments).for_each(|(ray, four)| ray.1 *= four.iter().product::<f32>());
+                    lit.retain(|(_, light)| *light > 0.0); // behind that it is dark whatever there is
+                    found.extend(places.into_iter().zip(segments));
+                }
+                Ok(found)
+            })
+            .collect::<Result<_, ReferenceError>>()?;
+        let mut segments = vec![[0.0; 4]; (width * height) as usize];
+        for ([x, y], four) in tiles.into_iter().flatten() {
+            segments[(y * width + x) as usize] = four;
+        }
+        let (size, values) = self.cpu_inputs.shadow_volume(&segments);
+        let texels = values.into_iter().map(|value| [value, 0.0, 0.0, 1.0]).collect();
+        Ok(exact::Texture { size, texels })
     }
 
     /// The path of a sample.
