@@ -118,7 +118,8 @@ pub enum PickError {
     Stopped,
     /// Nothing is that accurate.
     #[error(
-        "no settings draw this scene with a {metric} error of {asked:e}: the nearest, {nearest}, has {found:.1e}; allow that, or try another `--metric`"
+        "no settings draw this scene with a {metric} error of {asked:e}: the nearest, {nearest}, has {}; allow that, or try another `--metric`",
+        known(*found, *own)
     )]
     Bound {
         /// How it is measured.
@@ -127,9 +128,19 @@ pub enum PickError {
         asked: f64,
         /// The nearest settings in words.
         nearest: String,
+        /// What the truth may be wrong by itself; a part of the error.
+        own: f64,
         /// Its error.
         found: f64,
     },
+}
+
+/// An error, and how much of it is that of the truth, where that is much.
+fn known(error: f64, own: f64) -> String {
+    match own > 0.1 * error {
+        true => format!("{error:.1e}, of which the truth may be wrong by {own:.1e} itself"),
+        false => format!("{error:.1e}"),
+    }
 }
 
 /// As [`pick`], remembered on disk by scene, bound, device and driver.
@@ -169,7 +180,7 @@ pub fn pick(
     let mut search = Search::new(stage, scene, bound, families.kept, &|done| progress(0.2 * done))?;
     let mut whole = Whole { stage, bound, known: None, others: Vec::new() };
     let mut best: Option<(Drawn, Verified, Frame)> = None;
-    let mut nearest: Option<(String, f64)> = None;
+    let mut nearest: Option<(String, [f64; 2])> = None;
     for round in 0..VERIFIED {
         let share = |done: f32| progress(0.2 + 0.7 * (round as f32 + done) / VERIFIED as f32);
         if best.is_some() && search.is_late() {
@@ -187,8 +198,8 @@ pub fn pick(
         let (label, error) = (next.candidate.label(), verified.error);
         log::info!("{label}: {:.2e} in a small picture, {error:.2e} of the whole in {:.1} ms", next.error, verified.ms);
         search.learn(&next, error);
-        if nearest.as_ref().is_none_or(|(_, nearest)| error < *nearest) {
-            nearest = Some((label, error));
+        if nearest.as_ref().is_none_or(|(_, [nearest, _])| error < *nearest) {
+            nearest = Some((label, [error, verified.estimate]));
         }
         if error <= CARE * bound.error && best.as_ref().is_none_or(|(_, best, _)| verified.ms < best.ms) {
             best = Some((next, verified, frame));

@@ -193,14 +193,15 @@ impl<'a> Search<'a> {
     }
 
     /// Why nothing was picked; `nearest` is the whole picture with the least error.
-    pub(super) fn refusal(&mut self, bound: ErrorBound, nearest: Option<(String, f64)>) -> PickError {
+    pub(super) fn refusal(&mut self, bound: ErrorBound, nearest: Option<(String, [f64; 2])>) -> PickError {
         if self.drawn.is_empty() && !self.failed.is_empty() {
             return self.failed.swap_remove(0).1.into();
         }
         let least = || self.drawn.iter().min_by(|a, b| a.error.total_cmp(&b.error));
-        let nearest = nearest.or_else(|| least().map(|near| (near.candidate.label(), near.error)));
-        let (nearest, found) = nearest.unwrap_or(("none".into(), f64::INFINITY));
-        PickError::Bound { metric: bound.metric, asked: bound.error, nearest, found }
+        let nearest = nearest
+            .or_else(|| least().map(|near| (near.candidate.label(), [near.error, self.known.own.by(bound.metric)])));
+        let (nearest, [found, own]) = nearest.unwrap_or(("none".into(), [f64::INFINITY, 0.0]));
+        PickError::Bound { metric: bound.metric, asked: bound.error, nearest, own, found }
     }
 
     /// What the error of a small picture of a curve is to be multiplied by to get that of the whole.
