@@ -36,7 +36,7 @@ const AGAIN_MS: f64 = 200.0;
 /// A picture with this part of the samples of another one differs from it enough to show where that may have errors.
 const OTHER: RangeInclusive<f64> = 0.25..=0.75;
 /// After so long nothing is begun that only may be faster than what keeps the bound.
-const PATIENCE: Duration = Duration::from_secs(6);
+const PATIENCE: Duration = Duration::from_secs(4);
 /// The fewest and the most samples of a candidate.
 const SAMPLES: [u32; 2] = [8, 4096];
 

@@ -123,7 +123,7 @@ impl<'a> Search<'a> {
                 scope.spawn(|| link_ahead(&families, library, &links));
             }
             for ((index, family), once) in families.iter().enumerate().zip(&links) {
-                let is_late = self.is_late() && self.fitting() > 0;
+                let is_late = self.is_late() && self.fitting() > 0 && self.nearest_of(&family.curve()).is_none();
                 if !is_late && !self.is_hopeless(family, &families) {
                     once.call_once(|| {
                         if is_first {
