@@ -178,7 +178,7 @@ pub fn pick(
 ) -> Result<Pick, PickError> {
     let families = candidates::families(scene, stage.library, bound.error)?;
     let mut search = Search::new(stage, scene, bound, families.kept, &|done| progress(0.2 * done))?;
-    let mut whole = Whole { stage, bound, known: None, others: Vec::new() };
+    let mut whole = Whole { stage, bound, known: None, other: None };
     let mut best: Option<(Drawn, Verified, Frame)> = None;
     let mut nearest: Option<(String, [f64; 2])> = None;
     for round in 0..VERIFIED {
@@ -225,8 +225,8 @@ struct Whole<'a> {
     stage: Stage<'a>,
     bound: ErrorBound,
     known: Option<Known>,
-    /// Pictures that others were held against.
-    others: Vec<(Scene, Frame)>,
+    /// The last picture that another one may be held against; no more, since it may be large.
+    other: Option<(Scene, Frame)>,
 }
 
 impl Whole<'_> {
@@ -238,7 +238,7 @@ impl Whole<'_> {
         scene: &Scene,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<(Verified, Frame), RenderError> {
-        let Whole { stage, bound, known, others } = self;
+        let Whole { stage, bound, known, other } = self;
         let (painter, has_reference) = (&mut search.painter, search.unverified.is_none());
         let (frame, mut ms) = draw(painter, scene, 1.0)?;
         let known = match known {
@@ -254,7 +254,7 @@ impl Whole<'_> {
         let found = known.error(&frame, bound.metric);
         let pixels = [known.count(), known.proven];
         if found > CARE * bound.error {
-            others.push((scene.clone(), frame.clone()));
+            *other = Some((scene.clone(), frame.clone()));
             return Ok((Verified { error: found, estimate, pixels, ms }, frame));
         }
         if ms < AGAIN_MS {
@@ -263,22 +263,20 @@ impl Whole<'_> {
         // A few pixels with most of the error may not be among those that are known: the difference from other samples is
         // known in all of them, and how it is related to the error in those.
         let with = |samples: u32| {
-            let mut other = scene.clone();
-            other.quality.samples = samples;
-            other
+            let mut scene = scene.clone();
+            scene.quality.samples = samples;
+            scene
         };
         let samples = scene.quality.samples;
-        let serves = |(other, _): &&(Scene, Frame)| {
-            OTHER.contains(&(f64::from(other.quality.samples) / f64::from(samples)))
-                && *other == with(other.quality.samples)
+        let serves = |(own, _): &(Scene, Frame)| {
+            OTHER.contains(&(f64::from(own.quality.samples) / f64::from(samples))) && *own == with(own.quality.samples)
         };
-        let other = match others.iter().find(serves) {
-            Some((_, other)) => other,
+        let (_, other) = match other.take().filter(serves) {
+            Some(serving) => other.insert(serving),
             None => {
-                let other = with((samples / 2).max(1));
-                let frame = draw(painter, &other, 1.0)?.0;
-                others.push((other, frame));
-                &others[others.len() - 1].1
+                let half = with((samples / 2).max(1));
+                let frame = draw(painter, &half, 1.0)?.0;
+                other.insert((half, frame))
             }
         };
         let all: Vec<[f64; 4]> = other.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
