@@ -239,22 +239,19 @@ fn a_picture_whose_loops_a_device_cuts_is_drawn_by_rays_that_do_not_wait() {
         (scene.quality.early_termination, scene.quality.jitter) = (0.0, Jitter::None);
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
         let mut renderer = Renderer::new(gpu, &library, &subject);
-        // lavapipe ends a fragment after 65 535 turns: 26 for each of 2450 samples, and one more for each that is found first.
-        for (samples, is_cut) in [(64, false), (2450, gpu.info().cpu), (64, false)] {
+        // lavapipe of Mesa 22 ends a fragment after 65 535 turns: 26 for each of 2450 samples, and one more for each that is
+        // found first. Where more are borne, none is cut.
+        let is_short = gpu.info().driver.contains("Mesa 22.");
+        for (samples, is_cut) in [(64, false), (2450, is_short), (64, false)] {
             scene.quality.samples = samples;
             scene.effect.warp = Vec::new();
             let whole = picture(gpu, &library, &scene, &subject);
             scene.effect.warp = vec!["slow".into()];
             for _ in 0..2 {
                 let frame = renderer.render(&scene).unwrap();
-                println!(
-                    "{} {:?}",
-                    frame.measurements.modules,
-                    frame.pixels.iter().zip(&whole.pixels).filter(|(a, b)| a != b).take(4).collect::<Vec<_>>()
-                );
                 assert!(frame.pixels == whole.pixels, "{samples} samples");
-                let rays = if is_cut { "empty_space=leap" } else { "empty_space=skip" };
-                assert!(frame.measurements.modules.contains(rays), "{samples}: {}", frame.measurements.modules);
+                let waits = frame.measurements.modules.contains("empty_space=skip");
+                assert!(waits != is_cut, "{samples}: {}", frame.measurements.modules);
             }
             assert!(whole.pixels.iter().any(|pixel| pixel[3] > 0.1));
         }
