@@ -31,16 +31,17 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// By the f64 reference, in `count` pixels of the picture of `scene`, of which `frame` is a drawing.
+    /// By the f64 reference, in `count` pixels of the picture of `scene`, of which there are two drawings, the same one or with other
+    /// samples: where they differ is looked first.
     pub(super) fn by_reference(
         stage: Stage<'_>,
         scene: &Scene,
-        frame: &Frame,
+        [frame, other]: [&Frame; 2],
         count: usize,
         error: f64,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Known, ReferenceError> {
-        let sample = Sample::of(frame, count);
+        let sample = Sample::of([frame, other], count);
         let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
         let tolerance = (OWN * error).clamp(1e-7, TOLERANCE);
         let found =
@@ -76,7 +77,7 @@ impl Known {
             let difference = Errors::between(&before.pixels, &truth);
             let own = difference.scaled(1.0 / (2f64.powf(0.8) - 1.0));
             if own.by(metric) <= FINER * error || 2 * samples > most {
-                return Ok(Known { sample: Sample::of(&finer, usize::MAX), truth, own, proven: 0 });
+                return Ok(Known { sample: Sample::of([&finer; 2], usize::MAX), truth, own, proven: 0 });
             }
             (samples, before) = (2 * samples, finer);
         }
@@ -114,8 +115,9 @@ struct Sample {
 }
 
 impl Sample {
-    /// Some pixels at edges and some elsewhere, the same for the same picture; all of it where that has no more.
-    fn of(frame: &Frame, wanted: usize) -> Sample {
+    /// Some pixels where two drawings differ, some at edges and some elsewhere, the same for the same pictures; all of it where
+    /// that has no more.
+    fn of([frame, other]: [&Frame; 2], wanted: usize) -> Sample {
         let [width, height] = frame.size.map(|side| side as usize);
         let all = width * height;
         let wanted = wanted.min(all);
@@ -136,11 +138,17 @@ impl Sample {
             take(&(0..all).collect::<Vec<_>>(), 1.0);
             return sample;
         }
-        let (mut edges, mut others): (Vec<usize>, Vec<usize>) = (0..all).partition(at_edge);
+        let is_doubtful =
+            |&index: &usize| (0..4).any(|c| (frame.pixels[index][c] - other.pixels[index][c]).abs() > EDGE);
+        let (mut doubtful, rest): (Vec<usize>, Vec<usize>) = (0..all).partition(is_doubtful);
+        let (mut edges, mut others): (Vec<usize>, Vec<usize>) = rest.into_iter().partition(at_edge);
+        let of_doubtful = doubtful.len().min(wanted / 2);
+        let wanted = wanted - of_doubtful;
         let of_edges = edges.len().min((wanted / 2).max(wanted.saturating_sub(others.len())));
         let of_others = others.len().min(wanted - of_edges);
         let mut random = SplitMix(1);
-        for (stratum, count) in [(&mut edges, of_edges), (&mut others, of_others)] {
+        let strata = [(&mut doubtful, of_doubtful), (&mut edges, of_edges), (&mut others, of_others)];
+        for (stratum, count) in strata {
             random.shuffle(stratum);
             take(&stratum[..count], stratum.len() as f64 / count.max(1) as f64);
         }
@@ -174,7 +182,7 @@ mod tests {
     fn a_sample_stands_for_all_pixels_and_looks_at_edges() {
         for side in [1, 4, 16, 97, 256, 512] {
             let frame = disk(side);
-            let sample = Sample::of(&frame, 1024);
+            let sample = Sample::of([&frame; 2], 1024);
             let all = (side * side) as usize;
             let distinct: BTreeSet<_> = sample.pixels.iter().collect();
             assert_eq!(distinct.len(), sample.pixels.len(), "{side}");
@@ -182,7 +190,7 @@ mod tests {
             let stands_for: f64 = sample.weights.iter().sum();
             assert!((stands_for - all as f64).abs() < 1e-6 * all as f64, "{side}: {stands_for}");
         }
-        let sample = Sample::of(&disk(256), 1024);
+        let sample = Sample::of([&disk(256); 2], 1024);
         let at_edges = sample.weights.iter().filter(|weight| **weight < 4.0).count();
         assert!(at_edges >= 512, "{at_edges} at edges, which have much of the error");
     }
@@ -193,7 +201,7 @@ mod tests {
         b.pixels.rotate_left(1); // one pixel to the left
         let truth: Vec<[f64; 4]> = b.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
         let whole = Errors::between(&a.pixels, &truth).rmse;
-        let found = Sample::of(&a, 1024).errors(&a, |_, at| truth[at]).rmse;
+        let found = Sample::of([&a; 2], 1024).errors(&a, |_, at| truth[at]).rmse;
         assert!((found / whole - 1.0).abs() < 0.15, "{found} of {whole}");
     }
 }

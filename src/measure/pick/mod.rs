@@ -33,8 +33,8 @@ const VERIFIED: usize = 8;
 const CARE: f64 = 0.95;
 /// A whole picture that takes less than this is drawn again for its time, milliseconds.
 const AGAIN_MS: f64 = 200.0;
-/// A picture with this part of the samples of another one differs from it enough to show where that may have errors.
-const OTHER: RangeInclusive<f64> = 0.25..=0.75;
+/// A picture with so many times the samples of another one differs from it enough to show where that may have errors.
+const OTHER: [RangeInclusive<f64>; 2] = [0.25..=0.75, 1.5..=4.0];
 /// After so long nothing is begun that only may be faster than what keeps the bound.
 const PATIENCE: Duration = Duration::from_secs(4);
 /// The fewest and the most samples of a candidate.
@@ -241,10 +241,21 @@ impl Whole<'_> {
         let Whole { stage, bound, known, other } = self;
         let (painter, has_reference) = (&mut search.painter, search.unverified.is_none());
         let (frame, mut ms) = draw(painter, scene, 1.0)?;
+        let with = |samples: u32| {
+            let mut scene = scene.clone();
+            scene.quality.samples = samples;
+            scene
+        };
         let known = match known {
             Some(known) => known,
             none => none.insert(match has_reference {
-                true => Known::by_reference(*stage, scene, &frame, PIXELS, bound.error, progress).map_err(ended)?,
+                true => {
+                    let finer = with(2 * scene.quality.samples);
+                    // More samples than its rays may have are refused.
+                    *other = draw(painter, &finer, 1.0).ok().map(|(frame, _)| (finer, frame));
+                    let finer = other.as_ref().map_or(&frame, |(_, finer)| finer);
+                    Known::by_reference(*stage, scene, [&frame, finer], PIXELS, bound.error, progress).map_err(ended)?
+                }
                 false => Known::by_finer_picture(painter, *stage, scene, (bound.metric, bound.error))
                     .map_err(|error| RenderError::Worker(error.to_string()))?,
             }),
@@ -262,14 +273,10 @@ impl Whole<'_> {
         }
         // A few pixels with most of the error may not be among those that are known: the difference from other samples is
         // known in all of them, and how it is related to the error in those.
-        let with = |samples: u32| {
-            let mut scene = scene.clone();
-            scene.quality.samples = samples;
-            scene
-        };
         let samples = scene.quality.samples;
         let serves = |(own, _): &(Scene, Frame)| {
-            OTHER.contains(&(f64::from(own.quality.samples) / f64::from(samples))) && *own == with(own.quality.samples)
+            let times = f64::from(own.quality.samples) / f64::from(samples);
+            OTHER.iter().any(|range| range.contains(&times)) && *own == with(own.quality.samples)
         };
         let (_, other) = match other.take().filter(serves) {
             Some(serving) => other.insert(serving),

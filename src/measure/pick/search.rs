@@ -99,7 +99,7 @@ impl<'a> Search<'a> {
         let Some((look, frame)) = first else {
             return Err(failed.into_iter().next().map_or(CompareError::Nothing.into(), |(_, error)| error.into()));
         };
-        let (known, unverified) = match Known::by_reference(stage, &look, &frame, PIXELS, bound.error, progress) {
+        let (known, unverified) = match Known::by_reference(stage, &look, [&frame; 2], PIXELS, bound.error, progress) {
             Ok(known) => (known, None),
             Err(ReferenceError::Render(error)) => return Err(error.into()),
             Err(ReferenceError::Stopped) => return Err(PickError::Stopped),
