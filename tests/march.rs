@@ -259,6 +259,25 @@ fn a_picture_whose_loops_a_device_cuts_is_drawn_by_rays_that_do_not_wait() {
 }
 
 #[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn an_opacity_of_a_module_is_not_taken_for_that_of_a_ray_that_was_cut() {
+    with_gpu(|gpu| {
+        let negative = "float opacity(float density, float depth) { return -1e5; }\n";
+        let library = shader::shipped().with_module("opacity", "negative", negative);
+        let mut scene = homogeneous("sphere", 0.1, Projection::Parallel);
+        (scene.image.size, scene.quality.samples, scene.effect.opacity) = ([8, 8], 1, "negative".into());
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        scene.quality.pass = Pass::March;
+        let [all, rays] = [EmptySpace::Sample, EmptySpace::Skip].map(|empty_space| {
+            scene.quality.empty_space = empty_space;
+            picture(gpu, &library, &scene, &subject)
+        });
+        assert!(rays.measurements.modules.contains("empty_space=leap"), "{}", rays.measurements.modules);
+        assert!(rays.pixels == all.pixels && rays.pixels.iter().any(|pixel| pixel[3] < -1e4));
+    });
+}
+
+#[test]
 fn a_ray_does_not_skip_where_matter_fills_the_space_around_the_object() {
     let empty_space = |scene: &Scene| scene.slots(&shader::shipped())["empty_space"][0].clone();
     let mut scene = preset("shells").expect("a shipped preset");

@@ -332,7 +332,8 @@ impl Prepared {
                 }
             });
             let texels = resolved.as_ref().unwrap_or(color).read_areas(areas)?;
-            if texels.iter().any(|[.., alpha]| *alpha < CUT_SHORT) {
+            // Rays of other programs do not say so: what a module of a user gives may be below it.
+            if self.variant.waits() && texels.iter().any(|[.., alpha]| *alpha < CUT_SHORT) {
                 return Ok(None);
             }
             add(&mut sum, &texels);

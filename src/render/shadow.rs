@@ -21,6 +21,7 @@ use crate::render::variant::{Program, Variant};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
 use glam::{Mat4, Vec3};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Format of the target that holds the transmittances of four segments in a texel.
@@ -96,6 +97,8 @@ pub fn transmittance(
 #[derive(Clone)]
 pub(super) struct Caster {
     program: Program,
+    /// The members of blocks that it reads.
+    read: BTreeSet<(u32, u32)>,
     pipeline: Arc<Pipeline>,
     pace: Pace,
     last: Option<Cast>,
@@ -129,7 +132,8 @@ impl Caster {
             return Ok(made);
         }
         let pipeline = bind::pipeline(gpu, &program, scene, &[], SEGMENTS, 1, (gpu::Blend::Replace, gpu::Marks::None))?;
-        Ok(Caster { program, pipeline: Arc::new(pipeline), pace: Pace::default(), last: None })
+        let (read, pipeline) = (program.members_read(), Arc::new(pipeline));
+        Ok(Caster { program, read, pipeline, pace: Pace::default(), last: None })
     }
 
     /// Has the next one cast anew.
@@ -147,7 +151,7 @@ impl Caster {
     ) -> Result<Cast, RenderError> {
         let blocks = bound.blocks_of(&self.program)?;
         let filled = blocks.iter().map(|(resource, bytes)| (resource.binding, bytes.as_slice()));
-        let blocks = self.program.read_by_fragments(filled);
+        let blocks = self.program.parts_read(&self.read, filled);
         let images = bound.images_of(&self.program);
         let serves = |last: &&Cast| {
             let same_images =

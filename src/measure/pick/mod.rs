@@ -252,7 +252,10 @@ impl Whole<'_> {
                 true => {
                     let finer = with(2 * scene.quality.samples);
                     // More samples than its rays may have are refused.
-                    *other = draw(painter, &finer, 1.0).ok().map(|(frame, _)| (finer, frame));
+                    *other = match finer.check(stage.library) {
+                        Ok(_) => Some((finer.clone(), draw(painter, &finer, 1.0)?.0)),
+                        Err(_) => None,
+                    };
                     let finer = other.as_ref().map_or(&frame, |(_, finer)| finer);
                     Known::by_reference(*stage, scene, [&frame, finer], PIXELS, bound.error, progress).map_err(ended)?
                 }

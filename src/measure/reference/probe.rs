@@ -54,7 +54,7 @@ impl Caster {
         let mut hash = blake3::Hasher::new();
         hash.update(bytemuck::cast_slice(&self.linked.fragment)).update(&self.octaves.to_le_bytes());
         let filled = blocks.iter().map(|(binding, bytes)| (*binding, bytes.as_slice()));
-        hash.update(&self.linked.read_by_fragments(filled));
+        hash.update(&self.linked.parts_read(&self.linked.members_read(), filled));
         for resource in &self.linked.resources {
             if let Some(image) = inputs.images.get(&resource.binding) {
                 hash.update(bytemuck::cast_slice(&image.size)).update(bytemuck::cast_slice(&image.texels));

@@ -99,11 +99,17 @@ impl Variant {
         Ok(Variant { entries, slots: library.needed(&entries, &choice)?, parameters, parts, octaves, periods })
     }
 
-    /// The same, with rays that do not wait for what others find.
+    /// Whether its rays wait for what others find.
+    pub(super) fn waits(&self) -> bool {
+        self.module("empty_space") == Some("skip")
+    }
+
+    /// The same, with rays that do not.
     pub(super) fn that_waits_for_none(&self) -> Variant {
         let mut variant = self.clone();
-        let waiting = variant.slots.get_mut("empty_space").filter(|names| *names == &["skip"]);
-        waiting.into_iter().for_each(|names| *names = vec!["leap".into()]);
+        if self.waits() {
+            variant.slots.insert("empty_space".into(), vec!["leap".into()]);
+        }
         variant
     }
 

@@ -2,6 +2,7 @@
 
 use super::VariantError;
 use super::reflect::{self, Resource, Use};
+use std::collections::BTreeSet;
 
 /// A linked program and what it reads.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,9 +28,18 @@ impl Program {
         self.resources.iter().any(|resource| resource.name == name)
     }
 
-    /// The parts of filled blocks, by binding, that the fragment stage reads.
-    pub(crate) fn read_by_fragments<'a>(&self, blocks: impl IntoIterator<Item = (u32, &'a [u8])>) -> Vec<u8> {
-        let read = reflect::members_read(&self.fragment);
+    /// The members of blocks that the fragment stage reads: numbers of bindings, and those of members in them. It looks
+    /// through all of the stage.
+    pub(crate) fn members_read(&self) -> BTreeSet<(u32, u32)> {
+        reflect::members_read(&self.fragment)
+    }
+
+    /// Those parts of filled blocks, by binding.
+    pub(crate) fn parts_read<'a>(
+        &self,
+        read: &BTreeSet<(u32, u32)>,
+        blocks: impl IntoIterator<Item = (u32, &'a [u8])>,
+    ) -> Vec<u8> {
         let mut found = Vec::new();
         for (binding, bytes) in blocks {
             let holds = self.resources.iter().find(|own| own.binding == binding).map(|own| &own.holds);
