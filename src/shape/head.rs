@@ -186,11 +186,12 @@ pub fn head() -> Volume {
     let ramp = |distance: f32, samples: f32| (0.5 - 0.5 * distance / (samples * step)).clamp(0.0, 1.0);
     let mut values = vec![0.0; nx * ny * nz];
     values.par_chunks_mut(nx).enumerate().for_each(|(row, values)| {
-        for (x, value) in values.iter_mut().enumerate() {
+        for x in 0..nx.div_ceil(2) {
             let p = low + step * Vec3::new(x as f32, (row % ny) as f32, (row / ny) as f32);
             let skin = distance(p, PARTS, &turns);
             let bone = if skin < 0.0 { distance(p, SKULL, &turns_of_bone).max(skin + FLESH) } else { f32::MAX };
-            *value = ramp(skin, RAMP) + ramp(bone, RAMP_OF_BONE);
+            values[x] = ramp(skin, RAMP) + ramp(bone, RAMP_OF_BONE);
+            values[nx - 1 - x] = values[x];
         }
     });
     let origin = scale * (low - 0.5 * (LOW + HIGH));
