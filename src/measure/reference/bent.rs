@@ -6,7 +6,8 @@
 
 use super::{Reference, ReferenceError, Stop, go_on};
 use crate::exact;
-use crate::render::variant::Variant;
+use crate::measure::statistics::rms;
+use crate::render::variant::{Program, Variant};
 use crate::render::{CpuInputs, OCTAVES_ID, Subject};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
@@ -15,8 +16,11 @@ use std::collections::BTreeMap;
 
 /// Steps through the scene to begin with: smooth glass is done with them.
 pub(super) const FEWEST: u32 = 256;
-/// Steps at most, where a ray may have so many: at an edge of total reflection no number is enough.
-const MOST: u32 = 4096;
+/// So many times they are doubled, at most; a device may not bear as many loops.
+const DOUBLINGS: u32 = 4;
+/// They are doubled again only where that brought the error down to this part of it: at an edge of total reflection no number
+/// of steps is enough.
+const PAYS: f64 = 0.8;
 /// Quads that are evaluated together.
 const TOGETHER: usize = 16;
 
@@ -30,70 +34,79 @@ pub(super) fn reference(
     progress: &(dyn Fn(f32) + Sync),
     stop: Stop<'_>,
 ) -> Result<Reference, ReferenceError> {
-    let with = |steps| {
-        let mut scene = truth.clone();
-        scene.quality.samples = steps;
-        scene
-    };
-    let steps: Vec<Scene> = std::iter::successors(Some(FEWEST), |steps| Some(2 * steps))
-        .take_while(|steps| *steps <= MOST)
-        .map(with)
-        .take_while(|scene| scene.check(library).is_ok())
-        .collect();
-    let [first, finer @ ..] = &steps[..] else { return Err(ReferenceError::NoLimit("a ray may not have 256 steps")) };
-    let mut found = light(library, first, subject, pixels, stop)?;
-    let mut estimate = vec![f64::INFINITY; pixels.len()];
-    for (level, scene) in finer.iter().enumerate() {
-        progress((level + 1) as f32 / steps.len() as f32);
+    let glass = Glass::new(library, truth, subject)?;
+    let mut found = glass.light(FEWEST, pixels, stop)?;
+    let (mut estimate, mut before) = (vec![f64::INFINITY; pixels.len()], f64::INFINITY);
+    for doubling in 1..=DOUBLINGS {
+        progress(doubling as f32 / (DOUBLINGS + 1) as f32);
         let coarse: Vec<usize> = (0..pixels.len()).filter(|&index| estimate[index] > tolerance).collect();
         if coarse.is_empty() {
             break;
         }
         let asked: Vec<[u32; 2]> = coarse.iter().map(|&index| pixels[index]).collect();
-        for (&index, finer) in coarse.iter().zip(light(library, scene, subject, &asked, stop)?) {
+        for (&index, finer) in coarse.iter().zip(glass.light(FEWEST << doubling, &asked, stop)?) {
             estimate[index] = (0..4).map(|c| (finer[c] - found[index][c]).abs()).fold(0.0, f64::max);
             found[index] = finer;
         }
+        let left = rms(estimate.iter().copied());
+        if left > PAYS * before {
+            break;
+        }
+        before = left;
     }
     progress(1.0);
     let open = vec![1.0; pixels.len()]; // no bounds follow a ray that bends
     Ok(Reference { size: truth.image.size, pixels: found, estimate, open })
 }
 
-/// The light of some pixels, by the steps of the scene.
-fn light(
-    library: &Library,
-    scene: &Scene,
-    subject: &Subject,
-    pixels: &[[u32; 2]],
-    stop: Stop<'_>,
-) -> Result<Vec<[f64; 4]>, ReferenceError> {
-    let variant = Variant::of(scene, library)?;
-    let linked = variant.program(library, Linker::new)?;
-    let cpu_inputs = CpuInputs::new(library, scene, subject, &variant, &linked)?;
-    let program = exact::Program::read(&linked.fragment, &[(OCTAVES_ID, scene.effect.octaves)])?;
-    let moments = cpu_inputs.moments(&linked)?;
-    let mut inputs = cpu_inputs.exact();
-    let mut quads: BTreeMap<[u32; 2], [[f64; 4]; 4]> =
-        pixels.iter().map(|p| (p.map(|c| c / 2), [[0.0; 4]; 4])).collect();
-    for blocks in &moments {
-        inputs.blocks.clone_from(blocks);
-        let bound = program.bind(&inputs)?;
-        let mut all: Vec<(&[u32; 2], &mut [[f64; 4]; 4])> = quads.iter_mut().collect();
-        all.par_chunks_mut(TOGETHER).try_for_each(|quads| -> Result<(), ReferenceError> {
-            go_on(stop)?;
-            let place = |quad: [u32; 2], k: u32| [2 * quad[0] + k % 2, 2 * quad[1] + k / 2].map(|c| f64::from(c) + 0.5);
-            let at = quads.iter().flat_map(|(quad, _)| [0, 1, 2, 3].map(|k| place(**quad, k)));
-            let fragment_coordinates = at.map(|[x, y]| [x, y, 0.5, 1.0]).collect();
-            let lanes = exact::Lanes { fragment_coordinates, varyings: BTreeMap::new() };
-            let light = bound.run::<f64>(&lanes)?.remove(&0).unwrap_or_default();
-            for ((_, sum), light) in quads.iter_mut().zip(light.as_chunks::<4>().0) {
-                for (sum, light) in sum.as_flattened_mut().iter_mut().zip(light.as_flattened()) {
-                    *sum += light / moments.len() as f64;
-                }
-            }
-            Ok(())
-        })?;
+/// The program of a picture through glass.
+struct Glass<'a> {
+    library: &'a Library,
+    truth: &'a Scene,
+    subject: &'a Subject,
+    variant: Variant,
+    linked: Program,
+    program: exact::Program,
+}
+
+impl<'a> Glass<'a> {
+    fn new(library: &'a Library, truth: &'a Scene, subject: &'a Subject) -> Result<Glass<'a>, ReferenceError> {
+        let variant = Variant::of(truth, library)?;
+        let linked = variant.program(library, Linker::new)?;
+        let program = exact::Program::read(&linked.fragment, &[(OCTAVES_ID, truth.effect.octaves)])?;
+        Ok(Glass { library, truth, subject, variant, linked, program })
     }
-    Ok(pixels.iter().map(|[x, y]| quads[&[x / 2, y / 2]][(y % 2 * 2 + x % 2) as usize]).collect())
+
+    /// The light of some pixels, by so many steps through the scene.
+    fn light(&self, steps: u32, pixels: &[[u32; 2]], stop: Stop<'_>) -> Result<Vec<[f64; 4]>, ReferenceError> {
+        let Glass { library, truth, subject, variant, linked, program } = self;
+        let mut scene = (*truth).clone();
+        scene.quality.samples = steps;
+        let cpu_inputs = CpuInputs::new(library, &scene, subject, variant, linked)?;
+        let moments = cpu_inputs.moments(linked)?;
+        let mut inputs = cpu_inputs.exact();
+        let mut quads: BTreeMap<[u32; 2], [[f64; 4]; 4]> =
+            pixels.iter().map(|p| (p.map(|c| c / 2), [[0.0; 4]; 4])).collect();
+        for blocks in &moments {
+            inputs.blocks.clone_from(blocks);
+            let bound = program.bind(&inputs)?;
+            let mut all: Vec<(&[u32; 2], &mut [[f64; 4]; 4])> = quads.iter_mut().collect();
+            all.par_chunks_mut(TOGETHER).try_for_each(|quads| -> Result<(), ReferenceError> {
+                go_on(stop)?;
+                let place =
+                    |quad: [u32; 2], k: u32| [2 * quad[0] + k % 2, 2 * quad[1] + k / 2].map(|c| f64::from(c) + 0.5);
+                let at = quads.iter().flat_map(|(quad, _)| [0, 1, 2, 3].map(|k| place(**quad, k)));
+                let fragment_coordinates = at.map(|[x, y]| [x, y, 0.5, 1.0]).collect();
+                let lanes = exact::Lanes { fragment_coordinates, varyings: BTreeMap::new() };
+                let light = bound.run::<f64>(&lanes)?.remove(&0).unwrap_or_default();
+                for ((_, sum), light) in quads.iter_mut().zip(light.as_chunks::<4>().0) {
+                    for (sum, light) in sum.as_flattened_mut().iter_mut().zip(light.as_flattened()) {
+                        *sum += light / moments.len() as f64;
+                    }
+                }
+                Ok(())
+            })?;
+        }
+        Ok(pixels.iter().map(|[x, y]| quads[&[x / 2, y / 2]][(y % 2 * 2 + x % 2) as usize]).collect())
+    }
 }

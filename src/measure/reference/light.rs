@@ -20,6 +20,36 @@ pub(super) type Light = ([f64; 4], f64, f64);
 /// One ray of so many across, and of so many down, is followed first: what was vain for those beside a ray is not tried again.
 /// More: rays that bounds would prove are given up. Fewer: more bounds.
 pub(super) const BETWEEN: u32 = 4;
+/// Of pixels that lie apart, those that were followed first and are nearest say what is vain, so many of them.
+const NEAREST: usize = 3;
+
+/// The rays that are followed first, of these pixels, and the others. Pixels that lie apart have few on the grid: then it is
+/// one of as many.
+fn first(pixels: &[[u32; 2]]) -> (Vec<usize>, Vec<usize>) {
+    let one_of = (BETWEEN * BETWEEN) as usize;
+    let on_grid = |ray: &usize| pixels[*ray].iter().all(|at| at % BETWEEN == 0);
+    let is_dense = 2 * one_of * (0..pixels.len()).filter(on_grid).count() >= pixels.len();
+    (0..pixels.len()).partition(|ray| if is_dense { on_grid(ray) } else { ray.is_multiple_of(one_of) })
+}
+
+/// Whether bounds proved nothing for the rays around a pixel, of those which were followed first: the corners of its cell of the
+/// grid, or the nearest.
+fn is_vain_at(pixel: [u32; 2], known: &HashMap<[u32; 2], bool>) -> bool {
+    let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].into_iter().filter_map(|corner| {
+        let at = |axis: usize| (pixel[axis] / BETWEEN + corner[axis]) * BETWEEN;
+        known.get(&[at(0), at(1)]).copied()
+    });
+    let mut beside: Vec<bool> = corners.collect();
+    if beside.is_empty() {
+        let mut near: Vec<(u32, bool)> = known
+            .iter()
+            .map(|(other, is_vain)| ((0..2).map(|axis| other[axis].abs_diff(pixel[axis]).pow(2)).sum(), *is_vain))
+            .collect();
+        near.sort_unstable();
+        beside.extend(near.into_iter().take(NEAREST).map(|(_, is_vain)| is_vain));
+    }
+    !beside.is_empty() && beside.into_iter().all(|is_vain| is_vain)
+}
 
 impl Probe {
     /// Light and error of some pixels.
@@ -37,21 +67,13 @@ impl Probe {
         let spans = spans.map(|sample| [sample.span[0].max(near), sample.span[1].min(far)]);
         let mut rays = self.rays(programs.1, pixels, &spans.collect::<Vec<_>>(), stop)?;
 
-        let (first, others): (Vec<usize>, Vec<usize>) =
-            (0..pixels.len()).partition(|ray| pixels[*ray].iter().all(|at| at % BETWEEN == 0));
+        let (first, others) = first(pixels);
         let mut found = vec![([0.0; 4], 0.0, 0.0); pixels.len()];
         let mut vain = HashMap::new();
         for which in [first, others] {
             let mut here: Vec<Ray> = which.iter().map(|&ray| std::mem::take(&mut rays[ray])).collect();
             let pixels: Vec<[u32; 2]> = which.iter().map(|&ray| pixels[ray]).collect();
-            for (ray, pixel) in here.iter_mut().zip(&pixels) {
-                let beside = [[0, 0], [1, 0], [0, 1], [1, 1]].into_iter().filter_map(|corner| {
-                    let at = |axis: usize| (pixel[axis] / BETWEEN + corner[axis]) * BETWEEN;
-                    vain.get(&[at(0), at(1)]).copied()
-                });
-                let mut beside = beside.peekable();
-                ray.is_vain = beside.peek().is_some() && beside.all(|is_vain| is_vain);
-            }
+            here.iter_mut().zip(&pixels).for_each(|(ray, pixel)| ray.is_vain = is_vain_at(*pixel, &vain));
             let lights = self.follow(programs, &pixels, &mut here, tolerance, stop)?;
             for ((&at, pixel), light) in which.iter().zip(pixels).zip(lights) {
                 vain.insert(pixel, light.2 > UNSEEN);
@@ -119,5 +141,30 @@ impl Probe {
             ([r, g, b, 1.0 - light.transmittance], error, open)
         };
         Ok(rays.iter().map(light).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_ray_in_sixteen_is_followed_first_whether_pixels_lie_together_or_apart() {
+        let together: Vec<[u32; 2]> = (0..128).map(|at| [32 + at % 16, 8 + at / 16]).collect();
+        let apart: Vec<[u32; 2]> = (0..128).map(|at| [7 * at % 255 / 2 * 2 + 1, 2 * at + 1]).collect();
+        for pixels in [together, apart] {
+            let (first, others) = first(&pixels);
+            assert_eq!((first.len(), others.len()), (8, 120), "{pixels:?}");
+        }
+    }
+
+    #[test]
+    fn a_ray_is_given_up_where_those_around_it_or_nearest_to_it_were_vain() {
+        let known = HashMap::from([([4, 4], true), ([8, 4], true), ([100, 4], false), ([4, 40], true)]);
+        assert!(is_vain_at([5, 5], &known), "two corners of its cell are known");
+        assert!(!is_vain_at([101, 6], &known), "one corner, which was proven");
+        assert!(is_vain_at([14, 14], &known), "the three nearest");
+        assert!(!is_vain_at([70, 14], &known));
+        assert!(!is_vain_at([70, 14], &HashMap::new()), "nothing is known");
     }
 }
