@@ -1,27 +1,68 @@
 //! Programs linked before they are asked for.
 
+use super::PATIENCE;
+use super::candidates::Families;
 use crate::measure::compare::candidates::Candidate;
+use crate::measure::reference::truth_of;
 use crate::render::variant::{Variant, VariantError};
-use crate::scene::{Integration, Pass, Scene};
+use crate::scene::{Integration, Pass, RayPath, Scene};
 use crate::shader::{Library, Linker};
 use std::sync::Once;
+use std::time::Instant;
 
-/// Links the programs of curves that are surely drawn, while those before them are: the worker finds them on the disk.
-pub(super) fn link_ahead(families: &[Candidate], library: &Library, links: &[Once]) {
-    let Some(own) = families.first().map(|first| &first.strategy) else { return };
-    for (Candidate { scene, strategy, .. }, once) in families.iter().zip(links) {
-        let method = (scene.quality.pass, scene.quality.integration);
-        let is_sure = method == (Pass::March, Integration::Point)
-            || strategy == own && method != (Pass::Slices, Integration::Segment);
-        if is_sure {
-            once.call_once(|| link(scene, library));
-        }
-    }
+/// Links the program of the reference and those of curves that are surely drawn, while others are: whoever needs them finds
+/// them on the disk.
+pub(super) struct Ahead<'a> {
+    pub(super) families: &'a Families,
+    library: &'a Library,
+    began: Instant,
+    links: Vec<Once>,
 }
 
-/// Links what a scene is drawn with; what cannot be linked is said where it is drawn.
-pub(super) fn link(scene: &Scene, library: &Library) {
-    let link = || -> Result<(), VariantError> {
+impl<'a> Ahead<'a> {
+    /// For these curves.
+    pub(super) fn new(families: &'a Families, library: &'a Library) -> Ahead<'a> {
+        Ahead { families, library, began: Instant::now(), links: families.kept.iter().map(|_| Once::new()).collect() }
+    }
+
+    /// Links one after the other, the reference of `scene` first, as long as it is early enough that all are drawn.
+    pub(super) fn link(&self, scene: &Scene) {
+        give_way();
+        let Some(own) = self.families.kept.first().map(|first| &first.strategy) else { return };
+        let _ = self.link_reference(scene); // what cannot be linked is said where it is asked for
+        for (index, Candidate { scene, strategy, .. }) in self.families.kept.iter().enumerate() {
+            let method = (scene.quality.pass, scene.quality.integration);
+            let is_sure = method == (Pass::March, Integration::Point)
+                || strategy == own && method != (Pass::Slices, Integration::Segment);
+            if is_sure && self.began.elapsed() < PATIENCE / 2 {
+                self.wait_for(index);
+            }
+        }
+    }
+
+    /// Links the program of a curve, or waits until it is linked.
+    pub(super) fn wait_for(&self, index: usize) {
+        self.links[index].call_once(|| {
+            let _ = self.link_picture(&self.families.kept[index].scene); // what cannot be linked is said where it is drawn
+        });
+    }
+
+    /// Nobody needs what was not linked by now.
+    pub(super) fn end(&self) {
+        self.links.iter().for_each(|link| link.call_once(|| ()));
+    }
+
+    fn link_reference(&self, scene: &Scene) -> Result<(), VariantError> {
+        let truth = truth_of(scene, self.library)?;
+        if truth.effect.ray_path == RayPath::Refracted {
+            return self.link_picture(&truth);
+        }
+        Variant::of(&truth, self.library)?.probe(&truth, self.library)?.program(self.library, Linker::new)?;
+        Ok(())
+    }
+
+    fn link_picture(&self, scene: &Scene) -> Result<(), VariantError> {
+        let library = self.library;
         let variant = Variant::of(scene, library)?;
         let program = variant.program(library, Linker::new)?;
         for (image, other) in [("shadow_image", Variant::shadow as fn(&_, &_, &_) -> _), ("cell_image", Variant::cells)]
@@ -31,6 +72,13 @@ pub(super) fn link(scene: &Scene, library: &Library) {
             }
         }
         Ok(())
-    };
-    let _ = link();
+    }
+}
+
+/// Lets other threads go first: pictures are timed while this one links.
+fn give_way() {
+    #[cfg(target_os = "linux")]
+    if let Err(error) = rustix::process::setpriority_process(Some(rustix::thread::gettid()), 19) {
+        log::info!("what links ahead has the priority of what is timed: {error}");
+    }
 }

@@ -3,15 +3,15 @@
 use super::candidates;
 use crate::measure::compare::{CompareError, Stage};
 use crate::measure::metric::{Errors, Metric};
-use crate::measure::reference::{ReferenceError, TOLERANCE, reference_pixels, truth_of};
+use crate::measure::reference::{ReferenceError, reference_pixels, truth_of};
 use crate::measure::worker::Painter;
 use crate::render::variant::VariantError;
 use crate::render::{Frame, Measurements, RenderError};
 use crate::scene::Scene;
 use crate::support::random::SplitMix;
 
-/// The reference may be wrong by this part of the bound.
-const OWN: f64 = 0.02;
+/// The errors that a pixel of the reference may be asked for.
+const TOLERANCES: [f64; 2] = [1e-7, 1e-3];
 /// A pixel that differs from a neighbor by more than this is at an edge, where few pixels have most of the error: half of
 /// those that are looked at are such. Less: all of a furry object is an edge. More: a dim outline is none.
 const EDGE: f32 = 0.1;
@@ -32,18 +32,18 @@ pub(super) struct Known {
 
 impl Known {
     /// By the f64 reference, in `count` pixels of the picture of `scene`, of which there are two drawings, the same one or with other
-    /// samples: where they differ is looked first.
+    /// samples: where they differ is looked first. Each is known with an error of about `own`.
     pub(super) fn by_reference(
         stage: Stage<'_>,
         scene: &Scene,
         [frame, other]: [&Frame; 2],
         count: usize,
-        error: f64,
+        own: f64,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Known, ReferenceError> {
         let sample = Sample::of([frame, other], count);
         let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
-        let tolerance = (OWN * error).clamp(1e-7, TOLERANCE);
+        let tolerance = own.clamp(TOLERANCES[0], TOLERANCES[1]);
         let found =
             reference_pixels(stage.library, &truth, stage.subject, &sample.pixels, tolerance, progress, stage.stop)?;
         let estimates = found.estimate.iter().zip(&sample.weights);

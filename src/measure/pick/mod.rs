@@ -18,6 +18,7 @@ use crate::measure::metric::{Errors, Metric};
 use crate::measure::reference::ReferenceError;
 use crate::render::{Frame, RenderError};
 use crate::scene::Scene;
+use ahead::Ahead;
 use known::{Known, draw};
 use search::{Drawn, Search};
 use serde::{Deserialize, Serialize};
@@ -33,8 +34,14 @@ const VERIFIED: usize = 8;
 const CARE: f64 = 0.95;
 /// A whole picture that takes less than this is drawn again for its time, milliseconds.
 const AGAIN_MS: f64 = 200.0;
+/// The reference of a whole picture may be wrong by this part of the bound. Less: it takes longer. More: it is a part of the
+/// error that is stated.
+const OWN: f64 = 0.04;
 /// A picture with so many times the samples of another one differs from it enough to show where that may have errors.
 const OTHER: [RangeInclusive<f64>; 2] = [0.25..=0.75, 1.5..=4.0];
+/// The first whole picture is drawn again with so many times the samples, few of which are at the same places: what one of the
+/// two overlooks, the other may find.
+const APART: f64 = 0.7;
 /// After so long nothing is begun that only may be faster than what keeps the bound.
 const PATIENCE: Duration = Duration::from_secs(4);
 /// The fewest and the most samples of a candidate.
@@ -177,7 +184,24 @@ pub fn pick(
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Pick, PickError> {
     let families = candidates::families(scene, stage.library, bound.error)?;
-    let mut search = Search::new(stage, scene, bound, families.kept, &|done| progress(0.2 * done))?;
+    let ahead = Ahead::new(&families, stage.library);
+    std::thread::scope(|scope| {
+        scope.spawn(|| ahead.link(scene));
+        let picked = fastest(stage, scene, bound, &ahead, progress);
+        ahead.end();
+        picked
+    })
+}
+
+/// The fastest of the settings whose programs are linked ahead.
+fn fastest(
+    stage: Stage<'_>,
+    scene: &Scene,
+    bound: ErrorBound,
+    ahead: &Ahead<'_>,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Pick, PickError> {
+    let mut search = Search::new(stage, scene, bound, ahead, &|done| progress(0.2 * done))?;
     let mut whole = Whole { stage, bound, known: None, other: None };
     let mut best: Option<(Drawn, Verified, Frame)> = None;
     let mut nearest: Option<(String, [f64; 2])> = None;
@@ -209,7 +233,7 @@ pub fn pick(
     let Some((drawn, verified, frame)) = best else { return Err(search.refusal(bound, nearest)) };
     Ok(Pick {
         settings: drawn.candidate.label(),
-        counts: [families.left_out, search.count(), search.fitting(), search.untried()],
+        counts: [ahead.families.left_out, search.count(), search.fitting(), search.untried()],
         other: search.other_pass(&drawn),
         scene: drawn.candidate.scene,
         verified,
@@ -250,14 +274,11 @@ impl Whole<'_> {
             Some(known) => known,
             none => none.insert(match has_reference {
                 true => {
-                    let finer = with(2 * scene.quality.samples);
-                    // More samples than its rays may have are refused.
-                    *other = match finer.check(stage.library) {
-                        Ok(_) => Some((finer.clone(), draw(painter, &finer, 1.0)?.0)),
-                        Err(_) => None,
-                    };
-                    let finer = other.as_ref().map_or(&frame, |(_, finer)| finer);
-                    Known::by_reference(*stage, scene, [&frame, finer], PIXELS, bound.error, progress).map_err(ended)?
+                    let apart = with((APART * f64::from(scene.quality.samples)).ceil() as u32);
+                    let drawn = draw(painter, &apart, 1.0)?.0;
+                    let (_, apart) = other.insert((apart, drawn));
+                    Known::by_reference(*stage, scene, [&frame, apart], PIXELS, OWN * bound.error, progress)
+                        .map_err(ended)?
                 }
                 false => Known::by_finer_picture(painter, *stage, scene, (bound.metric, bound.error))
                     .map_err(|error| RenderError::Worker(error.to_string()))?,

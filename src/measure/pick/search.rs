@@ -1,16 +1,15 @@
 //! Small pictures of candidates, and which of them is worth a whole one.
 
-use super::ahead::{link, link_ahead};
+use super::ahead::Ahead;
 use super::known::{Known, draw};
 use super::{CARE, ErrorBound, PATIENCE, PickError, SAMPLES, candidates};
 use crate::measure::compare::candidates::{Candidate, Curve};
 use crate::measure::compare::{CompareError, Stage};
 use crate::measure::reference::ReferenceError;
 use crate::measure::worker::Painter;
-use crate::render::RenderError;
+use crate::render::{Frame, RenderError};
 use crate::scene::{Integration, Scene, TargetFormat};
 use crate::shader::Library;
-use std::sync::Once;
 use std::time::Instant;
 
 /// Longest side of the small pictures, pixels. Smaller: few pixels meet an edge, and llvmpipe, which gives each thread squares
@@ -18,11 +17,16 @@ use std::time::Instant;
 const SMALL: u32 = 96;
 /// Pixels of the small picture that are held against the reference.
 const PIXELS: usize = 512;
+/// Their reference may be wrong by this part of the bound: it decides what is drawn whole, and no more.
+const OWN: f64 = 0.1;
 /// Samples of the picture that these are chosen in.
 const LOOK: u32 = 64;
-/// Runs of a small picture that takes less than so many milliseconds, of which the fastest counts.
+/// Runs of a small picture that may be the fastest, of which the fastest counts; of one that takes longer than so many
+/// milliseconds, only where another one is close.
 const RUNS: usize = 3;
 const AGAIN_MS: f64 = 50.0;
+/// Times that differ by less than this factor are close: a machine is disturbed by as much.
+const CLOSE: f64 = 1.5;
 /// The highest order in the step that a picture has: so many fewer samples are not tried.
 const ORDER: f64 = 2.0;
 /// An error that twice the samples leave at this part of what it was is one that no samples remove; fewer samples than
@@ -45,8 +49,9 @@ const HOPE: f64 = 4.0;
 pub(super) struct Drawn {
     pub(super) candidate: Candidate,
     pub(super) error: f64,
-    /// Milliseconds that the whole picture should take.
+    /// Milliseconds that the whole picture should take, by the fastest of so many runs.
     pub(super) ms: f64,
+    runs: usize,
 }
 
 /// What a whole picture has taught.
@@ -64,7 +69,7 @@ pub(super) struct Search<'a> {
     pub(super) painter: Painter<'a>,
     library: &'a Library,
     bound: ErrorBound,
-    families: Vec<Candidate>,
+    ahead: &'a Ahead<'a>,
     known: Known,
     drawn: Vec<Drawn>,
     lessons: Vec<Lesson>,
@@ -81,12 +86,12 @@ impl<'a> Search<'a> {
         stage: Stage<'a>,
         scene: &Scene,
         bound: ErrorBound,
-        families: Vec<Candidate>,
+        ahead: &'a Ahead<'a>,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Search<'a>, PickError> {
         let (began, mut painter, mut failed) = (Instant::now(), stage.painter(), Vec::new());
         let mut first = None;
-        for family in &families {
+        for family in &ahead.families.kept {
             let candidate = candidates::with_samples(family, LOOK);
             match painter.render(&small(&candidate.scene)) {
                 Ok(frame) => first = Some((small(&candidate.scene), frame)),
@@ -99,44 +104,34 @@ impl<'a> Search<'a> {
         let Some((look, frame)) = first else {
             return Err(failed.into_iter().next().map_or(CompareError::Nothing.into(), |(_, error)| error.into()));
         };
-        let (known, unverified) = match Known::by_reference(stage, &look, [&frame; 2], PIXELS, bound.error, progress) {
-            Ok(known) => (known, None),
-            Err(ReferenceError::Render(error)) => return Err(error.into()),
-            Err(ReferenceError::Stopped) => return Err(PickError::Stopped),
-            Err(why) => {
-                let own = (bound.metric, bound.error);
-                (Known::by_finer_picture(&mut painter, stage, &small(scene), own)?, Some(why.to_string()))
-            }
-        };
+        let (known, unverified) =
+            match Known::by_reference(stage, &look, [&frame; 2], PIXELS, OWN * bound.error, progress) {
+                Ok(known) => (known, None),
+                Err(ReferenceError::Render(error)) => return Err(error.into()),
+                Err(ReferenceError::Stopped) => return Err(PickError::Stopped),
+                Err(why) => {
+                    let own = (bound.metric, bound.error);
+                    (Known::by_finer_picture(&mut painter, stage, &small(scene), own)?, Some(why.to_string()))
+                }
+            };
         let (library, drawn, lessons, flat) = (stage.library, Vec::new(), Vec::new(), Vec::new());
-        Ok(Search { began, painter, library, bound, families, known, drawn, lessons, flat, failed, unverified })
+        Ok(Search { began, painter, library, bound, ahead, known, drawn, lessons, flat, failed, unverified })
     }
 
     /// What is worth a whole picture: the fastest that should keep the bound, if it should be faster than the best so far;
     /// where there is none yet, at last the nearest.
     pub(super) fn next(&mut self, best: Option<&Drawn>, progress: &dyn Fn(f32)) -> Option<Drawn> {
-        let families = std::mem::take(&mut self.families);
-        let (library, is_first) = (self.library, self.drawn.is_empty());
-        let links: Vec<Once> = families.iter().map(|_| Once::new()).collect();
-        std::thread::scope(|scope| {
-            if is_first {
-                scope.spawn(|| link_ahead(&families, library, &links));
+        let ahead = self.ahead;
+        for (index, family) in ahead.families.kept.iter().enumerate() {
+            let is_late = self.is_late() && self.fitting() > 0 && self.nearest_of(&family.curve()).is_none();
+            if !is_late && !self.is_hopeless(family) {
+                ahead.wait_for(index);
+                self.follow(family);
             }
-            for ((index, family), once) in families.iter().enumerate().zip(&links) {
-                let is_late = self.is_late() && self.fitting() > 0 && self.nearest_of(&family.curve()).is_none();
-                if !is_late && !self.is_hopeless(family, &families) {
-                    once.call_once(|| {
-                        if is_first {
-                            link(&family.scene, library)
-                        }
-                    });
-                    self.follow(family);
-                }
-                once.call_once(|| ()); // nobody needs it any more
-                progress((index + 1) as f32 / families.len() as f32 * 0.5);
-            }
-        });
-        self.families = families;
+            progress((index + 1) as f32 / ahead.families.kept.len() as f32 * 0.5);
+        }
+        ahead.end();
+        self.time_again();
         let fitting = self.drawn.iter().filter(|drawn| self.fits(drawn));
         let next = match fitting.min_by(|a, b| a.ms.total_cmp(&b.ms)).cloned() {
             Some(fastest) => Some(self.fewer(fastest)),
@@ -168,10 +163,8 @@ impl<'a> Search<'a> {
 
     /// How many curves were not tried, where that was for the time.
     pub(super) fn untried(&self) -> usize {
-        let untried = |family: &&Candidate| {
-            self.nearest_of(&family.curve()).is_none() && !self.is_hopeless(family, &self.families)
-        };
-        if self.is_late() { self.families.iter().filter(untried).count() } else { 0 }
+        let untried = |family: &&Candidate| self.nearest_of(&family.curve()).is_none() && !self.is_hopeless(family);
+        if self.is_late() { self.ahead.families.kept.iter().filter(untried).count() } else { 0 }
     }
 
     /// How many candidates were drawn.
@@ -242,8 +235,8 @@ impl<'a> Search<'a> {
             return None;
         }
         match self.measure(&candidate) {
-            Ok((error, ms)) => {
-                self.drawn.push(Drawn { candidate, error, ms });
+            Ok((error, ms, runs)) => {
+                self.drawn.push(Drawn { candidate, error, ms, runs });
                 self.drawn.last().cloned()
             }
             Err(error) => {
@@ -253,25 +246,57 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Error and time of a candidate; again for its time, if it fits.
-    fn measure(&mut self, candidate: &Candidate) -> Result<(f64, f64), RenderError> {
+    /// Error of a candidate, and its time by so many runs: more than one, if it fits and is fast.
+    fn measure(&mut self, candidate: &Candidate) -> Result<(f64, f64, usize), RenderError> {
+        let (frame, mut ms) = self.draw(candidate)?;
+        let error = self.known.error(&frame, self.bound.metric);
+        let is_fast = error <= self.target(&candidate.curve()) && frame.measurements.gpu_ms < AGAIN_MS;
+        let runs = if is_fast { RUNS } else { 1 };
+        for _ in 1..runs {
+            ms = ms.min(self.draw(candidate)?.1);
+        }
+        Ok((error, ms, runs))
+    }
+
+    /// A small picture, and the time that the whole one should take.
+    fn draw(&mut self, candidate: &Candidate) -> Result<(Frame, f64), RenderError> {
         let scene = small(&candidate.scene);
         let pixels = |of: &Scene| of.image.size.iter().map(|side| f64::from(*side)).product::<f64>();
-        let times = pixels(&candidate.scene) / pixels(&scene);
-        let (frame, mut ms) = draw(&mut self.painter, &scene, times)?;
-        let error = self.known.error(&frame, self.bound.metric);
-        if error <= self.target(&candidate.curve()) && frame.measurements.gpu_ms < AGAIN_MS {
-            for _ in 1..RUNS {
-                ms = ms.min(draw(&mut self.painter, &scene, times)?.1);
+        draw(&mut self.painter, &scene, pixels(&candidate.scene) / pixels(&scene))
+    }
+
+    /// Times again what fits, where curves are close and were timed once.
+    fn time_again(&mut self) {
+        for _ in 1..RUNS {
+            let mut fitting: Vec<usize> =
+                (0..self.drawn.len()).filter(|&index| self.fits(&self.drawn[index])).collect();
+            fitting.sort_by(|a, b| self.drawn[*a].ms.total_cmp(&self.drawn[*b].ms));
+            let mut close: Vec<usize> = Vec::new();
+            for index in fitting {
+                let (fastest, own) = (close.first().map_or(index, |first| *first), &self.drawn[index]);
+                let is_new = close.iter().all(|other| self.drawn[*other].candidate.curve() != own.candidate.curve());
+                if is_new && own.ms <= CLOSE * self.drawn[fastest].ms {
+                    close.push(index);
+                }
+            }
+            let once: Vec<usize> = close.iter().copied().filter(|index| self.drawn[*index].runs < RUNS).collect();
+            if close.len() < 2 || once.is_empty() {
+                return;
+            }
+            for index in once {
+                let candidate = self.drawn[index].candidate.clone();
+                // One that cannot be drawn again shows that where it is drawn whole.
+                let Ok((_, ms)) = self.draw(&candidate) else { return };
+                let drawn = &mut self.drawn[index];
+                (drawn.ms, drawn.runs) = (drawn.ms.min(ms), drawn.runs + 1);
             }
         }
-        Ok((error, ms))
     }
 
     /// Whether what is known of other curves says that this one is slower than one that fits, or never fits. Its program
     /// would take a driver longer than all its pictures.
-    fn is_hopeless(&self, family: &Candidate, families: &[Candidate]) -> bool {
-        let curve = family.curve();
+    fn is_hopeless(&self, family: &Candidate) -> bool {
+        let (curve, families) = (family.curve(), &self.ahead.families.kept);
         let first = |strategy: &str| families.iter().map(Candidate::curve).find(|other| other.strategy == strategy);
         let Some(base) = first(&curve.strategy).filter(|base| *base != curve) else { return false };
         // Another pass, integration or target does not mend what a strategy makes of its noise.
@@ -379,7 +404,7 @@ impl<'a> Search<'a> {
                 (last.error / more.powf(ORDER), family.clone())
             })
         };
-        let mut hopeful: Vec<(f64, Candidate)> = self.families.iter().filter_map(last).collect();
+        let mut hopeful: Vec<(f64, Candidate)> = self.ahead.families.kept.iter().filter_map(last).collect();
         hopeful.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (_, family) in hopeful.into_iter().take(TO_LIMIT) {
             let mut samples = SAMPLES[1];
@@ -387,8 +412,14 @@ impl<'a> Search<'a> {
                 samples /= 2;
             }
         }
+        // What was drawn whole with as many samples has kept no bound.
+        let has_failed = |drawn: &Drawn| {
+            let samples = drawn.candidate.samples();
+            let of_more = |lesson: &Lesson| lesson.scene.quality.samples >= samples;
+            self.lessons.iter().any(|lesson| lesson.curve == drawn.candidate.curve() && of_more(lesson))
+        };
         let hope = |drawn: &&Drawn| {
-            self.lesson(drawn).is_none() && (self.lessons.is_empty() || self.error(drawn) <= HOPE * self.bound.error)
+            !has_failed(drawn) && (self.lessons.is_empty() || self.error(drawn) <= HOPE * self.bound.error)
         };
         self.drawn.iter().filter(hope).min_by(|a, b| a.error.total_cmp(&b.error)).cloned()
     }
