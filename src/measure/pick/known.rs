@@ -83,9 +83,9 @@ impl Known {
         }
     }
 
-    /// How far a picture is from the truth in these pixels, with what that may be wrong by itself.
+    /// How far a picture is from what is known of these pixels.
     pub(super) fn error(&self, frame: &Frame, metric: Metric) -> f64 {
-        self.sample.errors(frame, |index, _| self.truth[index]).by(metric) + self.own.by(metric)
+        self.sample.errors(frame, |index, _| self.truth[index]).by(metric)
     }
 
     /// How far two pictures are apart in these pixels.

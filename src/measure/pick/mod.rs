@@ -286,7 +286,7 @@ impl Whole<'_> {
         };
         let of = |errors: Errors| errors.by(bound.metric);
         let estimate = of(known.own);
-        let found = known.error(&frame, bound.metric);
+        let found = known.error(&frame, bound.metric) + estimate;
         let pixels = [known.count(), known.proven];
         if found > CARE * bound.error {
             *other = Some((scene.clone(), frame.clone()));

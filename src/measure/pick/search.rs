@@ -190,9 +190,9 @@ impl<'a> Search<'a> {
         if self.drawn.is_empty() && !self.failed.is_empty() {
             return self.failed.swap_remove(0).1.into();
         }
-        let least = || self.drawn.iter().min_by(|a, b| a.error.total_cmp(&b.error));
-        let nearest = nearest
-            .or_else(|| least().map(|near| (near.candidate.label(), [near.error, self.known.own.by(bound.metric)])));
+        let (least, own) = (self.drawn.iter().min_by(|a, b| a.error.total_cmp(&b.error)), self.known.own);
+        let own = own.by(bound.metric);
+        let nearest = nearest.or_else(|| least.map(|near| (near.candidate.label(), [near.error + own, own])));
         let (nearest, [found, own]) = nearest.unwrap_or(("none".into(), [f64::INFINITY, 0.0]));
         PickError::Bound { metric: bound.metric, asked: bound.error, nearest, own, found }
     }
