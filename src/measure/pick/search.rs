@@ -39,6 +39,8 @@ const SLOWER: f64 = 1.5;
 const OF_TARGET: f64 = 2.0;
 /// What is to replace the best must be so much faster, or have so many fewer samples.
 const FASTER: f64 = 0.95;
+/// After two whole pictures of a curve that fail, the next one has so many times the samples.
+const STRIDE: f64 = 1.4;
 /// Where nothing fits, so many curves are drawn to their limit.
 const TO_LIMIT: usize = 3;
 /// Where nothing fits, the nearest are drawn whole if they are not farther off than this times the bound.
@@ -217,7 +219,18 @@ impl<'a> Search<'a> {
     }
 
     fn fits(&self, drawn: &Drawn) -> bool {
-        self.error(drawn) <= CARE * self.bound.error
+        self.error(drawn) <= CARE * self.bound.error && !self.is_near_failed(drawn)
+    }
+
+    /// Whether whole pictures of the same curve have failed again and again with about as many samples: what small ones say is
+    /// worth little then, as a few pixels have most of the error.
+    fn is_near_failed(&self, drawn: &Drawn) -> bool {
+        let curve = drawn.candidate.curve();
+        let failed =
+            self.lessons.iter().filter(|lesson| lesson.curve == curve && lesson.error > CARE * self.bound.error);
+        let failed: Vec<u32> = failed.map(|lesson| lesson.scene.quality.samples).collect();
+        let most = f64::from(failed.iter().copied().max().unwrap_or(0));
+        failed.len() >= 2 && self.lesson(drawn).is_none() && f64::from(drawn.candidate.samples()) < STRIDE * most
     }
 
     fn lesson(&self, drawn: &Drawn) -> Option<&Lesson> {
