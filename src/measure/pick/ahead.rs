@@ -8,6 +8,7 @@ use crate::render::variant::{Variant, VariantError};
 use crate::scene::{Integration, Pass, RayPath, Scene};
 use crate::shader::{Library, Linker};
 use std::sync::Once;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Links the program of the reference and those of curves that are surely drawn, while others are: whoever needs them finds
@@ -17,24 +18,27 @@ pub(super) struct Ahead<'a> {
     library: &'a Library,
     began: Instant,
     links: Vec<Once>,
+    has_ended: AtomicBool,
 }
 
 impl<'a> Ahead<'a> {
     /// For these curves.
     pub(super) fn new(families: &'a Families, library: &'a Library) -> Ahead<'a> {
-        Ahead { families, library, began: Instant::now(), links: families.kept.iter().map(|_| Once::new()).collect() }
+        let links = families.kept.iter().map(|_| Once::new()).collect();
+        Ahead { families, library, began: Instant::now(), links, has_ended: AtomicBool::new(false) }
     }
 
     /// Links one after the other, the reference of `scene` first, as long as it is early enough that all are drawn.
     pub(super) fn link(&self, scene: &Scene) {
         give_way();
-        let Some(own) = self.families.kept.first().map(|first| &first.strategy) else { return };
+        let is_over = || self.has_ended.load(Ordering::Relaxed) || self.began.elapsed() > PATIENCE / 2;
+        let Some(own) = self.families.kept.first().map(|first| &first.strategy).filter(|_| !is_over()) else { return };
         let _ = self.link_reference(scene); // what cannot be linked is said where it is asked for
         for (index, Candidate { scene, strategy, .. }) in self.families.kept.iter().enumerate() {
             let method = (scene.quality.pass, scene.quality.integration);
             let is_sure = method == (Pass::March, Integration::Point)
                 || strategy == own && method != (Pass::Slices, Integration::Segment);
-            if is_sure && self.began.elapsed() < PATIENCE / 2 {
+            if is_sure && !is_over() {
                 self.wait_for(index);
             }
         }
@@ -47,9 +51,9 @@ impl<'a> Ahead<'a> {
         });
     }
 
-    /// Nobody needs what was not linked by now.
+    /// Begins nothing more; what is being linked is not waited for.
     pub(super) fn end(&self) {
-        self.links.iter().for_each(|link| link.call_once(|| ()));
+        self.has_ended.store(true, Ordering::Relaxed);
     }
 
     fn link_reference(&self, scene: &Scene) -> Result<(), VariantError> {
@@ -80,5 +84,24 @@ fn give_way() {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::setpriority_process(Some(rustix::thread::gettid()), 19) {
         log::info!("what links ahead has the priority of what is timed: {error}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::candidates::families;
+    use super::*;
+    use crate::{scene::preset, shader};
+
+    #[test]
+    fn nothing_is_begun_once_nobody_waits_and_what_is_asked_for_is_linked_all_the_same() {
+        let (library, scene) = (shader::shipped(), preset("lit").unwrap());
+        let families = families(&scene, &library, 1e-2).unwrap();
+        let ahead = Ahead::new(&families, &library);
+        ahead.end();
+        ahead.link(&scene);
+        assert!(ahead.links.iter().all(|link| !link.is_completed()));
+        ahead.wait_for(0);
+        assert!(ahead.links[0].is_completed() && !ahead.links[1].is_completed());
     }
 }

@@ -23,15 +23,6 @@ pub(super) const BETWEEN: u32 = 4;
 /// Of pixels that lie apart, those that were followed first and are nearest say what is vain, so many of them.
 const NEAREST: usize = 3;
 
-/// The rays that are followed first, of these pixels, and the others. Pixels that lie apart have few on the grid: then it is
-/// one of as many.
-fn first(pixels: &[[u32; 2]]) -> (Vec<usize>, Vec<usize>) {
-    let one_of = (BETWEEN * BETWEEN) as usize;
-    let on_grid = |ray: &usize| pixels[*ray].iter().all(|at| at % BETWEEN == 0);
-    let is_dense = 2 * one_of * (0..pixels.len()).filter(on_grid).count() >= pixels.len();
-    (0..pixels.len()).partition(|ray| if is_dense { on_grid(ray) } else { ray.is_multiple_of(one_of) })
-}
-
 /// Whether bounds proved nothing for the rays around a pixel, of those which were followed first: the corners of its cell of the
 /// grid, or the nearest.
 fn is_vain_at(pixel: [u32; 2], known: &HashMap<[u32; 2], bool>) -> bool {
@@ -67,7 +58,9 @@ impl Probe {
         let spans = spans.map(|sample| [sample.span[0].max(near), sample.span[1].min(far)]);
         let mut rays = self.rays(programs.1, pixels, &spans.collect::<Vec<_>>(), stop)?;
 
-        let (first, others) = first(pixels);
+        // Of pixels that lie apart about as many are on that grid.
+        let (first, others): (Vec<usize>, Vec<usize>) =
+            (0..pixels.len()).partition(|ray| pixels[*ray].iter().all(|at| at % BETWEEN == 0));
         let mut found = vec![([0.0; 4], 0.0, 0.0); pixels.len()];
         let mut vain = HashMap::new();
         for which in [first, others] {
@@ -147,16 +140,6 @@ impl Probe {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn one_ray_in_sixteen_is_followed_first_whether_pixels_lie_together_or_apart() {
-        let together: Vec<[u32; 2]> = (0..128).map(|at| [32 + at % 16, 8 + at / 16]).collect();
-        let apart: Vec<[u32; 2]> = (0..128).map(|at| [7 * at % 255 / 2 * 2 + 1, 2 * at + 1]).collect();
-        for pixels in [together, apart] {
-            let (first, others) = first(&pixels);
-            assert_eq!((first.len(), others.len()), (8, 120), "{pixels:?}");
-        }
-    }
 
     #[test]
     fn a_ray_is_given_up_where_those_around_it_or_nearest_to_it_were_vain() {
