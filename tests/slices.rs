@@ -4,8 +4,8 @@ mod common;
 
 use common::{difference, formula, homogeneous, picture, rays, subject, with_gpu};
 use hypertexture::gpu::{Format, Gpu};
-use hypertexture::render::{Frame, Subject, render};
-use hypertexture::scene::{EFFECTS, Order, Pass, Projection, Proxy, Scene, Source, preset};
+use hypertexture::render::{Frame, Renderer, Subject, render};
+use hypertexture::scene::{EFFECTS, EmptySpace, Jitter, Order, Pass, Projection, Proxy, Scene, Source, preset};
 use hypertexture::shader;
 use std::path::Path;
 
@@ -136,6 +136,61 @@ fn polygons_shade_less_than_half_the_fragments_of_quads() {
         assert!(polygons > 0.0 && 2.0 * polygons <= quads, "{polygons} against {quads}");
         assert!(quads <= 64.0 * 64.0 * 64.0, "no pixel lies in a slice twice, and {quads} fragments do");
     });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m61_slices_in_the_tiles_of_cells_that_may_hold_matter_are_the_same_picture() {
+    let changes: [(&str, fn(&mut Scene)); 8] = [
+        ("as it is", |_| ()),
+        ("back to front", |scene| scene.quality.order = Order::BackToFront),
+        ("parallel, turned, moved", |scene| {
+            scene.camera.projection = Projection::Parallel;
+            (scene.camera.azimuth, scene.camera.elevation, scene.camera.pan) = (130.0, 50.0, [0.3, -0.2]);
+        }),
+        ("an eye in the matter", |scene| scene.camera.zoom = 30.0),
+        ("many moments, shifted", |scene| {
+            (scene.quality.supersampling, scene.quality.jitter, scene.camera.shutter) = (2, Jitter::Hash, 0.2);
+        }),
+        ("quads", |scene| scene.quality.proxy = Proxy::Quads),
+        ("taken apart", |scene| scene.camera.slice_stack = true),
+        ("four samples a pixel", |scene| scene.quality.msaa = 4),
+    ];
+    let fewer = std::cell::Cell::new(0);
+    with_gpu(|gpu| {
+        effects(192, |name, scene, subject| {
+            let library = shader::shipped();
+            // One with a hard surface, and one that moves it, in every way.
+            let ways = if name.starts_with("solid") || name.starts_with("melting") { changes.len() } else { 1 };
+            for (what, change) in &changes[..ways] {
+                let mut scene = scene.clone();
+                scene.image.size = [200, 160];
+                let with = |empty_space| {
+                    let mut scene = scene.clone();
+                    scene.quality.empty_space = empty_space;
+                    let mut renderer = Renderer::new(gpu, &library, subject);
+                    // What is found for this picture must not serve another; the second of a program finds cells at any rate.
+                    renderer.render(&scene).unwrap_or_else(|error| panic!("{error}"));
+                    change(&mut scene);
+                    renderer
+                        .render(&scene)
+                        .and_then(|_| renderer.render(&scene))
+                        .unwrap_or_else(|error| panic!("{error}"))
+                };
+                let [skipped, every] = [EmptySpace::Skip, EmptySpace::Sample].map(with);
+                let bits = |frame: &Frame| bytemuck::cast_slice::<_, u32>(&frame.pixels).to_vec();
+                assert!(bits(&skipped) == bits(&every), "{name}, {what}");
+                let [few, all] = [&skipped, &every].map(|frame| frame.measurements.fragments);
+                assert!(few <= all, "{name}, {what}: {few:?} fragments for {all:?}");
+                println!("{name}, {what}: {few:?} of {all:?} fragments, {:?}", skipped.measurements.cells);
+                let is_less = few.zip(all).is_none_or(|(few, all)| 10 * few < 9 * all);
+                let serve = !["taken apart", "four samples a pixel"].contains(what);
+                assert_eq!((skipped.measurements.cells.is_some(), every.measurements.cells.is_some()), (serve, false));
+                fewer.set(fewer.get() + usize::from(is_less));
+            }
+        });
+    });
+    assert!(fewer.get() >= 12, "fewer fragments in {} of 40 pictures", fewer.get());
 }
 
 #[test]

@@ -5,6 +5,7 @@ use super::inputs::{CELLS, Inputs, StoredObjects};
 use super::shot::Shot;
 use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
+use super::tiles::Tiles;
 use super::values::{Values, blocks};
 use super::{OCTAVES_ID, Read, RenderError};
 use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler};
@@ -30,12 +31,14 @@ pub(super) struct BoundInputs {
 
 impl BoundInputs {
     /// Everything that a program reads, but for the shadow volume and the cells, which are made with the picture: see
-    /// [`BoundInputs::replace`].
+    /// [`BoundInputs::replace`]. Cells are found where the program reads them, or where its
+    /// slices may be cut to tiles.
     pub(super) fn new(
         gpu: &Gpu,
         library: &Library,
         program: &Program,
         inputs: &Inputs,
+        is_cut: bool,
     ) -> Result<BoundInputs, RenderError> {
         let upload = |(binding, image): &(u32, super::encoded::Encoded)| {
             let uploaded = Image::sampled(gpu, image.name, image.dimension, image.format, image.bytes())?;
@@ -44,7 +47,7 @@ impl BoundInputs {
         let sampler = |(binding, filter): &(u32, super::encoded::Filter)| {
             Ok((*binding, Arc::new(Sampler::new(gpu, filter.address, filter.anisotropy)?)))
         };
-        let cells = program.reads(CELLS).then(|| Cells::new(library));
+        let cells = (is_cut || program.reads(CELLS)).then(|| Cells::new(library));
         let mut bound = BoundInputs {
             blocks: Vec::new(),
             images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
@@ -55,7 +58,7 @@ impl BoundInputs {
             cells,
             values: Values::new(),
         };
-        if bound.cells.is_some() {
+        if program.reads(CELLS) {
             bound.replace(program, CELLS, Arc::new(cells::open(gpu)?));
         }
         Ok(bound)
@@ -78,8 +81,11 @@ impl BoundInputs {
             images.iter().find(|(own, _)| *own == binding).map(|(_, image)| read(image))
         };
         let update = |cells: &mut Cells| cells.update(gpu, shot, &self.values, &image_of, stop);
-        if let Some(image) = self.cells.as_mut().map(update).transpose()?.flatten() {
-            self.replace(program, CELLS, Arc::new(image));
+        if self.cells.as_mut().map(update).transpose()? == Some(true)
+            && program.reads(CELLS)
+            && let Some(cells) = &self.cells
+        {
+            self.replace(program, CELLS, Arc::new(cells.image(gpu)?));
         }
         Ok(())
     }
@@ -89,9 +95,14 @@ impl BoundInputs {
         self.cells.as_ref().is_none_or(|cells| cells.are_decided(gpu, shot))
     }
 
+    /// The tiles that slices of the picture are drawn in, within areas of it.
+    pub(super) fn tiles(&self, shot: &Shot<'_>, within: &[gpu::Area]) -> Tiles {
+        self.cells.as_ref().map_or_else(|| Tiles::everywhere(within), |cells| cells.tiles(shot, within))
+    }
+
     /// What was found of the cells of the picture.
     pub(super) fn cells(&self) -> Option<Found> {
-        self.cells.as_ref().map(Cells::found)
+        self.cells.as_ref().and_then(Cells::found)
     }
 
     /// Largest error of a stored distance, units of its object; 0 for formulas.

@@ -1,15 +1,18 @@
-//! Cells of space that surely hold no matter: what rays leave out.
+//! Cells of space that surely hold no matter: what rays and slices leave out.
 //!
 //! Role: a scene's own program, evaluated by [`exact`] over boxes with the roundings of a device, coarse to fine. Invariant:
 //! a cell is called empty only where that is proven, so that a picture is the same with cells and without; what cannot be
 //! decided may hold matter.
 
+mod cover;
 mod decide;
 
 use super::shot::Shot;
+use super::tiles::Tiles;
 use super::values::Values;
 use super::{Read, RenderError};
-use crate::gpu::{Dimension, Format, Gpu, Image};
+use crate::gpu::{Area, Dimension, Format, Gpu, Image};
+use crate::scene::Pass;
 use crate::shader::Library;
 use decide::{Boxes, Decider, SIDES};
 use serde::{Deserialize, Serialize};
@@ -21,6 +24,8 @@ const SAMPLES: f64 = 400.0;
 const SAMPLES_OF_A_GPU: f64 = 100.0 * SAMPLES;
 /// Samples of a picture for each texel that is read back for bounds. Fewer: small pictures of large volumes wait for them.
 const SAMPLES_OF_A_TEXEL: f64 = 2.0;
+/// The same for the first picture of slices, which gains less than rays, and may be the only one.
+const SAMPLES_OF_FIRST_SLICES: f64 = 16.0;
 
 /// What was found of the cells of a picture.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -46,30 +51,39 @@ pub(super) struct Cells {
     found: Found,
     /// What they depend on; `None` where there are none.
     key: Option<(Vec<u64>, Boxes)>,
+    /// Which of them are empty, x fastest; none where no one is.
+    empty: Vec<bool>,
+    /// Whether no picture was asked for yet.
+    is_first: bool,
+    /// Whether they serve the last picture at all.
+    serve: bool,
 }
 
 impl Cells {
     /// What decides the cells of the pictures of one program.
     pub(super) fn new(library: &Library) -> Cells {
         let (library, decider) = (library.clone(), Decider::Unmade(0));
-        Cells { library, decider, found: Found::default(), key: None }
+        Cells { library, decider, found: Found::default(), key: None, empty: Vec::new(), is_first: true, serve: true }
     }
 
-    /// What was found last.
-    pub(super) fn found(&self) -> Found {
-        self.found.clone()
+    /// What was found last; nothing where none would be left out.
+    pub(super) fn found(&self) -> Option<Found> {
+        self.serve.then(|| self.found.clone())
     }
 
     /// Whether what decides the cells of a picture is made, or none pays for it.
     pub(super) fn are_decided(&self, gpu: &Gpu, shot: &Shot<'_>) -> bool {
+        if !serve(shot, &self.library) {
+            return true;
+        }
         match self.decider {
-            Decider::Unmade(texels) | Decider::Coming(texels, _) => side(gpu, shot, texels) == 0,
+            Decider::Unmade(texels) | Decider::Coming(texels, _) => side(gpu, shot, texels, self.is_first) == 0,
             Decider::Made(_) | Decider::Unbounded(_) => true,
         }
     }
 
-    /// The cells of a picture as rays read them, unless they are those of the picture before; its images are those of the
-    /// picture by name. Ends where it is to `stop`.
+    /// Finds the cells of a picture, whose images are given by name; whether they are others than those of the picture before.
+    /// Ends where it is to `stop`.
     pub(super) fn update(
         &mut self,
         gpu: &Gpu,
@@ -77,9 +91,14 @@ impl Cells {
         values: &Values,
         image_of: &dyn Fn(&str) -> Option<Read>,
         stop: &dyn Fn() -> bool,
-    ) -> Result<Option<Image>, RenderError> {
+    ) -> Result<bool, RenderError> {
         let start = Instant::now();
-        let side_of = |texels| side(gpu, shot, texels);
+        self.serve = serve(shot, &self.library);
+        if !self.serve {
+            return Ok(false);
+        }
+        let is_first = std::mem::replace(&mut self.is_first, false);
+        let side_of = |texels| side(gpu, shot, texels, is_first);
         if let Decider::Unmade(texels) = self.decider
             && side_of(texels) > 0
         {
@@ -99,7 +118,7 @@ impl Cells {
                 boxes => {
                     let read = bounded.fill(values)?;
                     if self.key.as_ref().is_some_and(|(before, of)| *before == read && *of == boxes) {
-                        return Ok(None);
+                        return Ok(false);
                     }
                     let proven = bounded.proven(&boxes, &read, stop).map_err(|error| error.to_string());
                     (Some((read, boxes)), proven.transpose().ok_or(RenderError::Stopped)?)
@@ -114,17 +133,39 @@ impl Cells {
         Ok(match (&self.key, empty) {
             (Some((_, Boxes { side, .. })), Ok((empty, kept))) => {
                 let part = empty.iter().filter(|&&empty| empty).count() as f32 / empty.len() as f32;
-                let image = image(gpu, *side, &distances(&empty, *side as usize))?;
                 let ms = start.elapsed().as_secs_f64() * 1e3;
-                self.found = Found { side: *side, empty: part, ms, kept, why: None };
-                Some(image)
+                (self.found, self.empty) = (Found { side: *side, empty: part, ms, kept, why: None }, empty);
+                true
             }
             (_, why) => {
-                self.found = Found { why: why.err(), ..Found::default() };
-                before.is_some().then(|| open(gpu)).transpose()?
+                (self.found, self.empty) = (Found { why: why.err(), ..Found::default() }, Vec::new());
+                before.is_some()
             }
         })
     }
+
+    /// The cells as rays read them.
+    pub(super) fn image(&self, gpu: &Gpu) -> Result<Image, RenderError> {
+        match &self.key {
+            Some((_, Boxes { side, .. })) if !self.empty.is_empty() => {
+                image(gpu, *side, &distances(&self.empty, *side as usize))
+            }
+            _ => open(gpu),
+        }
+    }
+
+    /// The tiles that slices of a picture are drawn in, within areas of it.
+    pub(super) fn tiles(&self, shot: &Shot<'_>, within: &[Area]) -> Tiles {
+        match &self.key {
+            Some((_, boxes)) if self.serve && !self.empty.is_empty() => cover::tiles(shot, boxes, &self.empty, within),
+            _ => Tiles::everywhere(within),
+        }
+    }
+}
+
+/// Whether a picture is drawn sooner where cells are known to be empty: by all rays whose program asks for them.
+fn serve(shot: &Shot<'_>, library: &Library) -> bool {
+    shot.scene.quality.pass == Pass::March || shot.scene.has_tiles(library)
 }
 
 /// One cell, which may hold matter.
@@ -136,8 +177,8 @@ fn image(gpu: &Gpu, side: u32, texels: &[u8]) -> Result<Image, RenderError> {
     Ok(Image::sampled(gpu, "cells", Dimension::Volume(side, side, side), Format::R8Unorm, texels)?)
 }
 
-/// Cells along a side that pay for a picture; 0 for none.
-fn side(gpu: &Gpu, shot: &Shot<'_>, texels: u64) -> u32 {
+/// Cells along a side that pay for a picture, which may be the first of a program; 0 for none.
+fn side(gpu: &Gpu, shot: &Shot<'_>, texels: u64, is_first: bool) -> u32 {
     let scene = shot.scene;
     let pictures = if scene.camera.shutter == 0.0 { scene.quality.supersampling } else { 1 };
     let [width, height] = shot.whole.map(f64::from);
@@ -145,12 +186,19 @@ fn side(gpu: &Gpu, shot: &Shot<'_>, texels: u64) -> u32 {
     let of_a_cell = if gpu.info().cpu { SAMPLES } else { SAMPLES_OF_A_GPU };
     let levels = (samples / of_a_cell).cbrt().log2().floor().clamp(0.0, 8.0);
     let side = 1 << levels as u32;
-    let pays = side >= SIDES[0] && samples >= texels as f64 * SAMPLES_OF_A_TEXEL;
+    let of_a_texel = match is_first && scene.quality.pass == Pass::Slices {
+        true => SAMPLES_OF_FIRST_SLICES,
+        false => SAMPLES_OF_A_TEXEL,
+    };
+    let pays = side >= SIDES[0] && samples >= texels as f64 * of_a_texel;
     if pays { side.min(SIDES[1]) } else { 0 }
 }
 
-/// About which part of a ray's samples the distance to the objects does not show to be empty.
+/// About which part of the samples is not shown to be empty by the distance to the objects, which rays alone ask for.
 fn unskipped(shot: &Shot<'_>) -> f64 {
+    if shot.scene.quality.pass == Pass::Slices {
+        return 1.0;
+    }
     let near = shot.view.objects.iter().map(|own| {
         let inner_iso = match own.name.as_str() {
             "" => shot.scene.object.inner_iso,

@@ -14,6 +14,7 @@ use super::shot::Shot;
 use super::view::{FLATTEST, View, axis, slant};
 use crate::gpu::{self, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Pipeline};
 use crate::render::pass;
+use crate::render::tiles::Tiles;
 use crate::render::variant::{Program, Variant};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
@@ -133,7 +134,8 @@ impl HalfAngle {
         };
         let sets = [of_eye(0)?, of_eye(1)?];
         let between = pass::Between::Light(&light);
-        pass::draw(gpu, pipeline, [&sets[0], &sets[1]], vertices, stack, areas, target, &between, cut)
+        let places = (areas, &Tiles::everywhere(areas));
+        pass::draw(gpu, pipeline, [&sets[0], &sets[1]], vertices, stack, places, target, &between, cut)
     }
 
     /// Bytes of the buffers on the device.

@@ -34,6 +34,7 @@ mod subject;
 mod table;
 #[doc(hidden)] // for the tests of this crate
 pub mod texture;
+mod tiles;
 mod values;
 pub mod variant;
 mod view;

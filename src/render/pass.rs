@@ -7,6 +7,7 @@
 
 use super::RenderError;
 use super::pace::Cut;
+use super::tiles::Tiles;
 use crate::gpu::{Area, BindSet, Buffer, Commands, Gpu, GpuError, Image, Load, Pipeline, Submitted, Target};
 use crate::scene::{Order, Proxy};
 use std::collections::VecDeque;
@@ -274,7 +275,7 @@ pub enum Between<'a> {
     },
 }
 
-/// Clears the target and blends the slices into areas of it, as for [`march`]. With several samples per pixel the areas
+/// Clears the target and blends the slices into areas of it, as for [`march`], each in its tiles of them. With several samples per pixel the areas
 /// must not touch: lavapipe (Mesa 22) draws beyond its scissor, into the next row, and where an area meets another a slice
 /// would be blended twice.
 ///
@@ -284,13 +285,13 @@ pub enum Between<'a> {
 /// # Errors
 /// What a submission may fail with; [`RenderError::Stopped`].
 #[expect(clippy::too_many_arguments, reason = "what is drawn, with what, where")]
-pub fn draw(
+pub(super) fn draw(
     gpu: &Gpu,
     pipeline: &Pipeline,
     sets: [&BindSet; 2],
     vertices: &Buffer,
     stack: &Stack,
-    areas: &[Area],
+    (areas, tiles): (&[Area], &Tiles),
     target: Target<'_>,
     between: &Between<'_>,
     cut: &mut Cut<'_>,
@@ -307,18 +308,20 @@ pub fn draw(
     drawn.first_use_ms += first_light_ms;
     let mut load = Load::Clear([0.0; 4]);
     let mut next = 0;
-    let pixels = areas.iter().map(Area::pixels).sum::<u64>().max(1) as f64;
+    let pixels = (tiles.pixels(0..stack.slices) as f64 / f64::from(stack.slices)).max(1.0);
     while next < stack.slices {
         cut.check(drawn.gpu_ms)?;
         let batch = (cut.pace.samples() / pixels).max(1.0) as u32;
         let range: Range<u32> = next..next.saturating_add(batch).min(stack.slices);
         let mut blend = |commands: &mut Commands<'_>, slices: Range<u32>| {
-            let (set, span) =
-                (sets[slices.start as usize % 2], slices.start * stack.per_slice..slices.end * stack.per_slice);
+            let set = sets[slices.start as usize % 2];
             commands.render(into, load, |draw| {
-                for area in areas {
-                    draw.within(area);
-                    draw.triangles(pipeline, set, Some(vertices), span.clone());
+                for (run, areas) in tiles.runs(slices) {
+                    for area in areas {
+                        draw.within(area);
+                        let span = run.start * stack.per_slice..run.end * stack.per_slice;
+                        draw.triangles(pipeline, set, Some(vertices), span);
+                    }
                 }
             });
             load = Load::Keep;

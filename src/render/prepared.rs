@@ -102,7 +102,10 @@ impl Prepared {
         let mut compile_ms = start.elapsed().as_secs_f64() * 1e3;
         let quality = &scene.quality;
         let bound = made.bound.map_or_else(
-            || BoundInputs::new(gpu, library, &program, &Inputs::new(library, shot, &program, progress)?),
+            || {
+                let is_cut = destination == Destination::Frame && quality.pass == Pass::Slices;
+                BoundInputs::new(gpu, library, &program, &Inputs::new(library, shot, &program, progress)?, is_cut)
+            },
             Ok,
         )?;
         let format = match (destination, quality.target) {
@@ -324,7 +327,9 @@ impl Prepared {
                         Some(marks) => marks.between(gpu, &self.bound, color, stack.slices)?,
                         None => pass::Between::Nothing,
                     };
-                    pass::draw(gpu, pipeline, [&set; 2], vertices, stack, areas, target, &between, &mut cut)?
+                    let tiles = self.bound.tiles(&shot, areas);
+                    let places = (areas, &tiles);
+                    pass::draw(gpu, pipeline, [&set; 2], vertices, stack, places, target, &between, &mut cut)?
                 }
                 (None, _) => {
                     let set = pipeline.bind(&self.bound.resources())?;

@@ -1,6 +1,6 @@
 //! What a scene asks the headers of its modules.
 
-use super::{Integration, Scene};
+use super::{Integration, Pass, Scene, Storage};
 use crate::shader::declare::Outside;
 use crate::shader::{Declarations, Kind, Library};
 
@@ -28,14 +28,35 @@ impl Scene {
         }
     }
 
+    /// Whether slices may be drawn in the tiles alone in which cells may hold matter: those that face the camera and stay
+    /// where they are, with one sample in a pixel.
+    pub fn has_tiles(&self, library: &Library) -> bool {
+        let (quality, slots) = (&self.quality, self.slots(library));
+        let faces = !self.is_half_angle() && !self.camera.slice_stack;
+        let is_drawn_once = quality.pass == Pass::Slices && quality.msaa == 1;
+        faces && is_drawn_once && slots["empty_space"] != ["sample"] && self.is_plain() && self.has_points(library)
+    }
+
     /// Whether cells may be empty where the distance does not say so, and a sample there shows it: it stands for its place
     /// alone, and something beside the distance decides what is matter.
     pub(super) fn has_cells(&self, library: &Library) -> bool {
         let effect = &self.effect;
-        let by_ends = header(library, "classify", &effect.classify).segments.as_ref() == Some(&effect.classify);
         let by_distance = |dmf: &String| library.kind(dmf) == Ok(Kind::PositionIndependent);
         let moves = !effect.warp.is_empty() || !effect.dmf.iter().all(by_distance) || self.has_several();
-        moves && !by_ends && self.quality.integration == Integration::Point
+        moves && self.has_points(library)
+    }
+
+    /// Whether a sample stands for its place alone.
+    fn has_points(&self, library: &Library) -> bool {
+        let classify = &self.effect.classify;
+        let by_ends = header(library, "classify", classify).segments.as_ref() == Some(classify);
+        !by_ends && self.quality.integration == Integration::Point
+    }
+
+    /// Whether the objects are stored as bounds read them: whole, or as formulas.
+    pub(super) fn is_plain(&self) -> bool {
+        let is_whole = self.object.storage == Storage::Dense && self.quality.anisotropy <= 1.0;
+        is_whole || self.object.is_formula() && !self.has_several()
     }
 }
 

@@ -377,8 +377,7 @@ impl Scene {
             EmptySpace::Sample => "sample",
         };
         fill("empty_space", vec![empty_space.into()]);
-        let is_plain = storage == "dense" || self.object.is_formula() && !self.has_several();
-        let has_cells = empty_space != "sample" && is_plain && self.has_cells(library);
+        let has_cells = empty_space != "sample" && self.is_plain() && self.has_cells(library);
         fill("cells", vec![if has_cells { "grid" } else { "none" }.into()]);
         let jitter = match self.quality.jitter {
             Jitter::None => "none",

@@ -12,7 +12,7 @@ pub struct Quality {
     pub samples: u32,
     /// What a sample stands for.
     pub integration: Integration,
-    /// Which samples of a ray are taken: all of them, or those that may not be empty.
+    /// Which samples of rays and slices are taken: all of them, or those that may not be empty.
     pub empty_space: EmptySpace,
     /// What becomes of the terms of modules that a parameter of 0 takes away.
     pub neutral: Neutral,
@@ -113,13 +113,14 @@ pub enum Jitter {
     Blue,
 }
 
-/// What becomes of the samples of a ray where there is no matter.
+/// What becomes of the samples of rays and slices where there is no matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EmptySpace {
     /// All of them are taken.
     Sample,
-    /// It is skipped as far as the distance to the object and bounds of the matter show it: the same picture, sooner.
+    /// They are left out as far as bounds of the matter show it, and to rays the distance to the object: the same picture,
+    /// sooner.
     #[default]
     Skip,
 }

@@ -47,7 +47,7 @@ const TWINS: [Twin; 7] = [
         what: "every sample taken",
         bound: 0.0,
         of: |scene, _| {
-            let is_other = scene.quality.empty_space != EmptySpace::Sample && scene.quality.pass == Pass::March;
+            let is_other = scene.quality.empty_space != EmptySpace::Sample;
             changed(scene, is_other, |scene| scene.quality.empty_space = EmptySpace::Sample)
         },
     },

@@ -106,7 +106,7 @@ const INTEGRATION: Kind = Choice(&[
     ("segment", "It stands for half a step to either side: second order at surfaces and in opaque matter."),
 ]);
 const EMPTY_SPACE: Kind = Choice(&[
-    ("skip", "Those that neither distance nor bounds show to be empty: the same picture, sooner."),
+    ("skip", "Those that neither bounds nor, to rays, the distance show to be empty: the same picture, sooner."),
     ("sample", "All of them."),
 ]);
 const NEUTRAL: Kind = Choice(&[
@@ -227,7 +227,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("quality.pass", PASS, Images, "How the samples are taken.").flag("pass"),
     setting("quality.samples", whole(1.0, 100_000.0), Picture, "Slices through the sphere around the object, or samples of a ray through it.").usual(1.0, 4096.0).flag("samples"),
     setting("quality.integration", INTEGRATION, Images, "What a sample stands for.").flag("integration"),
-    setting("quality.empty_space", EMPTY_SPACE, Images, "Which samples of a ray are taken.").flag("empty-space"),
+    setting("quality.empty_space", EMPTY_SPACE, Images, "Which samples of rays and slices are taken.").flag("empty-space"),
     setting("quality.neutral", NEUTRAL, Images, "What becomes of the terms of modules that a parameter of 0 takes away."),
     setting("quality.early_termination", number(0.0, 0.5), Targets, "A ray ends where less light than this would still come through, slices from front to back at the end of a batch: the largest error of a pixel."),
     setting("quality.target", TARGET, Targets, "Format that the slices are blended in.").flag("target"),
