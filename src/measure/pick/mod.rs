@@ -10,6 +10,7 @@
 mod ahead;
 mod candidates;
 mod known;
+mod rules;
 mod search;
 mod store;
 

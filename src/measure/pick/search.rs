@@ -2,7 +2,7 @@
 
 use super::ahead::Ahead;
 use super::known::{Known, draw};
-use super::{CARE, ErrorBound, PATIENCE, PickError, SAMPLES, candidates};
+use super::{CARE, ErrorBound, PATIENCE, PickError, SAMPLES, candidates, rules};
 use crate::measure::compare::candidates::{Candidate, Curve};
 use crate::measure::compare::{CompareError, Stage};
 use crate::measure::reference::ReferenceError;
@@ -25,8 +25,6 @@ const LOOK: u32 = 64;
 /// milliseconds, only where another one is close.
 const RUNS: usize = 3;
 const AGAIN_MS: f64 = 50.0;
-/// Times that differ by less than this factor are close: a machine is disturbed by as much.
-const CLOSE: f64 = 1.5;
 /// The highest order in the step that a picture has: so many fewer samples are not tried.
 const ORDER: f64 = 2.0;
 /// An error that twice the samples leave at this part of what it was is one that no samples remove; fewer samples than
@@ -39,8 +37,6 @@ const SLOWER: f64 = 1.5;
 const OF_TARGET: f64 = 2.0;
 /// What is to replace the best must be so much faster, or have so many fewer samples.
 const FASTER: f64 = 0.95;
-/// After two whole pictures of a curve that fail, the next one has so many times the samples.
-const STRIDE: f64 = 1.4;
 /// Where nothing fits, so many curves are drawn to their limit.
 const TO_LIMIT: usize = 3;
 /// Where nothing fits, the nearest are drawn whole if they are not farther off than this times the bound.
@@ -219,18 +215,17 @@ impl<'a> Search<'a> {
     }
 
     fn fits(&self, drawn: &Drawn) -> bool {
-        self.error(drawn) <= CARE * self.bound.error && !self.is_near_failed(drawn)
+        let is_within = self.error(drawn) <= CARE * self.bound.error;
+        is_within && (self.lesson(drawn).is_some() || !self.is_near_failed(drawn))
     }
 
-    /// Whether whole pictures of the same curve have failed again and again with about as many samples: what small ones say is
-    /// worth little then, as a few pixels have most of the error.
+    /// Whether whole pictures of the same curve that have failed speak against one.
     fn is_near_failed(&self, drawn: &Drawn) -> bool {
         let curve = drawn.candidate.curve();
         let failed =
             self.lessons.iter().filter(|lesson| lesson.curve == curve && lesson.error > CARE * self.bound.error);
         let failed: Vec<u32> = failed.map(|lesson| lesson.scene.quality.samples).collect();
-        let most = f64::from(failed.iter().copied().max().unwrap_or(0));
-        failed.len() >= 2 && self.lesson(drawn).is_none() && f64::from(drawn.candidate.samples()) < STRIDE * most
+        rules::is_near_failed(&failed, drawn.candidate.samples())
     }
 
     fn lesson(&self, drawn: &Drawn) -> Option<&Lesson> {
@@ -284,16 +279,11 @@ impl<'a> Search<'a> {
             let mut fitting: Vec<usize> =
                 (0..self.drawn.len()).filter(|&index| self.fits(&self.drawn[index])).collect();
             fitting.sort_by(|a, b| self.drawn[*a].ms.total_cmp(&self.drawn[*b].ms));
-            let mut close: Vec<usize> = Vec::new();
-            for index in fitting {
-                let (fastest, own) = (close.first().map_or(index, |first| *first), &self.drawn[index]);
-                let is_new = close.iter().all(|other| self.drawn[*other].candidate.curve() != own.candidate.curve());
-                if is_new && own.ms <= CLOSE * self.drawn[fastest].ms {
-                    close.push(index);
-                }
-            }
-            let once: Vec<usize> = close.iter().copied().filter(|index| self.drawn[*index].runs < RUNS).collect();
-            if close.len() < 2 || once.is_empty() {
+            let times: Vec<(Curve, f64)> =
+                fitting.iter().map(|&index| (self.drawn[index].candidate.curve(), self.drawn[index].ms)).collect();
+            let close = rules::close(&times).into_iter().map(|place| fitting[place]);
+            let once: Vec<usize> = close.filter(|index| self.drawn[*index].runs < RUNS).collect();
+            if once.is_empty() {
                 return;
             }
             for index in once {
@@ -425,14 +415,8 @@ impl<'a> Search<'a> {
                 samples /= 2;
             }
         }
-        // What was drawn whole with as many samples has kept no bound.
-        let has_failed = |drawn: &Drawn| {
-            let samples = drawn.candidate.samples();
-            let of_more = |lesson: &Lesson| lesson.scene.quality.samples >= samples;
-            self.lessons.iter().any(|lesson| lesson.curve == drawn.candidate.curve() && of_more(lesson))
-        };
         let hope = |drawn: &&Drawn| {
-            !has_failed(drawn) && (self.lessons.is_empty() || self.error(drawn) <= HOPE * self.bound.error)
+            !self.is_near_failed(drawn) && (self.lessons.is_empty() || self.error(drawn) <= HOPE * self.bound.error)
         };
         self.drawn.iter().filter(hope).min_by(|a, b| a.error.total_cmp(&b.error)).cloned()
     }

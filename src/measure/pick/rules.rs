@@ -1,0 +1,50 @@
+//! What pictures of a curve say about others of it, in numbers.
+
+use super::SAMPLES;
+
+/// After two whole pictures of a curve that fail, the next one has so many times the samples.
+const STRIDE: f64 = 1.4;
+/// Times that differ by less than this factor are close: a machine is disturbed by as much.
+const CLOSE: f64 = 1.5;
+
+/// Whether whole pictures of a curve that failed, with so many samples each, speak against one: with fewer samples it fails
+/// too. After two of them small pictures are worth little, as a few pixels have most of the error: then also with a few more,
+/// unless there are no more.
+pub(super) fn is_near_failed(failed: &[u32], samples: u32) -> bool {
+    let most = failed.iter().copied().max().unwrap_or(0);
+    let next = (STRIDE * f64::from(most)).min(f64::from(SAMPLES[1]));
+    samples <= most || failed.len() >= 2 && f64::from(samples) < next
+}
+
+/// Of curves and times, the fastest first, those that are too close to the fastest to tell which is: each curve once, and
+/// none where the fastest is alone.
+pub(super) fn close<C: PartialEq>(times: &[(C, f64)]) -> Vec<usize> {
+    let is_first = |index: usize| times[..index].iter().all(|(curve, _)| *curve != times[index].0);
+    let limit = times.first().map_or(0.0, |(_, fastest)| CLOSE * fastest);
+    let close: Vec<usize> = (0..times.len()).filter(|&index| times[index].1 <= limit && is_first(index)).collect();
+    if close.len() < 2 { Vec::new() } else { close }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn after_a_failure_fewer_samples_are_not_tried_and_after_two_nor_are_a_few_more() {
+        let tried = |failed: &[u32]| [50, 100, 101, 139, 140, 400].map(|samples| !is_near_failed(failed, samples));
+        assert_eq!(tried(&[]), [true; 6]);
+        assert_eq!(tried(&[100]), [false, false, true, true, true, true]);
+        assert_eq!(tried(&[100, 40]), [false, false, false, false, true, true]);
+        assert_eq!(tried(&[100, 280]), [false, false, false, false, false, true]);
+        let last = SAMPLES[1];
+        assert!(!is_near_failed(&[last - 1, last - 2], last), "the most there are");
+        assert!(is_near_failed(&[last, last - 1], last));
+    }
+
+    #[test]
+    fn close_times_are_those_of_other_curves_within_half_of_the_fastest() {
+        assert_eq!(close(&[("a", 10.0), ("a", 11.0), ("b", 12.0), ("b", 13.0), ("c", 15.0), ("d", 15.1)]), [0, 2, 4]);
+        assert_eq!(close(&[("a", 10.0), ("a", 11.0), ("b", 16.0)]), [0; 0]);
+        assert_eq!(close::<u8>(&[]), [0; 0]);
+    }
+}
