@@ -90,6 +90,23 @@ fn b1_another_size_other_samples_and_other_shadows_compile_nothing_and_are_right
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn what_is_prepared_is_ready_once_its_empty_space_can_be_found() {
+    let library = shader::shipped();
+    with_gpu(|gpu| {
+        let (mut scene, subject) = scene("melting", Pass::March);
+        (scene.image.size, scene.quality.samples) = ([256, 256], 256);
+        let mut renderer = Renderer::new(gpu, &library, &subject);
+        let states = |renderer: &Renderer| [renderer.is_prepared(&scene), renderer.is_ready(&scene)];
+        assert_eq!(states(&renderer), [false; 2]);
+        renderer.prepare(&scene, &|_| ()).unwrap();
+        assert_eq!(states(&renderer), [true, false]);
+        let frame = renderer.render(&scene).unwrap();
+        assert_eq!(states(&renderer), [true; 2], "{:?}", frame.measurements.cells);
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn what_a_renderer_keeps_is_there_when_its_scene_comes_back() {
     let library = shader::shipped();
     with_gpu(|gpu| {

@@ -86,16 +86,23 @@ impl Renderer {
         self.prepared(scene, &variant, Destination::Frame, progress).map(drop)
     }
 
-    /// Whether all that a picture of a scene needs is made: it can be drawn at once.
+    /// Whether program and images of a scene are made: what [`Renderer::prepare`] makes.
+    pub fn is_prepared(&self, scene: &Scene) -> bool {
+        self.variant(scene).is_ok_and(|variant| self.serving(scene, &variant).next().is_some())
+    }
+
+    /// Whether a picture of a scene can be drawn at once: it is prepared, and what decides where its space is empty is made.
     pub fn is_ready(&self, scene: &Scene) -> bool {
         let whole = self.whole.unwrap_or(scene.image.size);
         let is_ready = |variant: Variant| {
             let shot = Shot { whole, ..Shot::of(scene, &self.subject, &variant) };
-            let serves =
-                |own: &Prepared| own.fits(scene, &variant, Destination::Frame) && own.bound.is_ready(&self.gpu, &shot);
-            self.prepared.iter().any(serves)
+            self.serving(scene, &variant).any(|own| own.bound.is_ready(&self.gpu, &shot))
         };
         self.variant(scene).is_ok_and(is_ready)
+    }
+
+    fn serving<'a>(&'a self, scene: &'a Scene, variant: &'a Variant) -> impl Iterator<Item = &'a Prepared> {
+        self.prepared.iter().filter(move |own| own.fits(scene, variant, Destination::Frame))
     }
 
     /// Pictures from now on have their shadow volumes cast anew: for their time.

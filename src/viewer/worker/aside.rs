@@ -30,7 +30,7 @@ impl Aside {
         scene: &Scene,
         stale: &dyn Fn() -> bool,
     ) -> Result<Option<&mut Renderer>, RenderError> {
-        if self.back(stale)?.is_some() && self.here.as_ref().is_some_and(|own| !own.is_ready(scene)) {
+        if self.back(stale)?.is_some() && self.here.as_ref().is_some_and(|own| !own.is_prepared(scene)) {
             let scene = scene.clone();
             self.leave(move |renderer| renderer.prepare(&scene, &|_| ()).map(|()| 0.0));
             self.back(stale)?;

@@ -35,7 +35,7 @@ impl Easel {
 
     /// The preview of a scene, by the pass that draws it sooner.
     pub(super) fn preview(&self, scene: &Scene, level: Level) -> Scene {
-        let has_blocks = scene.quality.block_size <= PREVIEW_BLOCK || self.own.is_ready(scene);
+        let has_blocks = scene.quality.block_size <= PREVIEW_BLOCK || self.own.is_prepared(scene);
         let mut preview = level.scene(scene, has_blocks);
         if let Some([sooner, own]) = self.sooner
             && own == scene.quality.pass
