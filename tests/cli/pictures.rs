@@ -425,7 +425,7 @@ fn what_a_picture_is_made_with_is_explained_with_what_leaving_out_saves() {
     line("left out   volume: the object is a formula");
     line("left out   shadow volume: light.shadows is off");
     assert!(line("cells ").contains("% proven to be empty in "), "{said}");
-    assert!(said.contains(") with every sample of a ray (--empty-space sample): skipping saves "), "{said}");
+    assert!(said.contains(") with every sample (--empty-space sample): skipping saves "), "{said}");
     assert!(
         said.contains(", no pixel differs\n") && said.contains(") by slices (--pass slices): rays save "),
         "{said}"
