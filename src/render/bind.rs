@@ -31,8 +31,7 @@ pub(super) struct BoundInputs {
 
 impl BoundInputs {
     /// Everything that a program reads, but for the shadow volume and the cells, which are made with the picture: see
-    /// [`BoundInputs::replace`]. Cells are found where the program reads them, or where its
-    /// slices may be cut to tiles.
+    /// [`BoundInputs::replace`]. Cells are found where the program reads them, or where its slices may be cut to tiles.
     pub(super) fn new(
         gpu: &Gpu,
         library: &Library,

@@ -275,9 +275,9 @@ pub enum Between<'a> {
     },
 }
 
-/// Clears the target and blends the slices into areas of it, as for [`march`], each in its tiles of them. With several samples per pixel the areas
-/// must not touch: lavapipe (Mesa 22) draws beyond its scissor, into the next row, and where an area meets another a slice
-/// would be blended twice.
+/// Clears the target and blends the slices into areas of it, as for [`march`], each in its tiles of them. With several
+/// samples per pixel the areas must not touch, and there are no tiles: lavapipe (Mesa 22) draws beyond its scissor, into the
+/// next row, and where an area meets another a slice would be blended twice.
 ///
 /// With a light, each slice is drawn after the light behind it, with the set of the buffer that holds the light before it.
 /// With marks, which are a part of the target too, what is drawn into a pixel ends with the batch in which it gets opaque.
