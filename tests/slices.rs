@@ -141,7 +141,8 @@ fn polygons_shade_less_than_half_the_fragments_of_quads() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m61_slices_in_the_tiles_of_cells_that_may_hold_matter_are_the_same_picture() {
-    let changes: [(&str, fn(&mut Scene)); 8] = [
+    type Way = (&'static str, fn(&mut Scene));
+    let changes: [Way; 8] = [
         ("as it is", |_| ()),
         ("back to front", |scene| scene.quality.order = Order::BackToFront),
         ("parallel, turned, moved", |scene| {
