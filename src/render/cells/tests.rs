@@ -7,7 +7,7 @@ use crate::exact;
 use crate::render::Subject;
 use crate::render::sub_frame::SubFrame;
 use crate::render::variant::Variant;
-use crate::scene::{Pass, RayPath, Scene, names, preset};
+use crate::scene::{Order, Pass, Projection, RayPath, Scene, names, preset};
 use crate::shader::{self, Linker, ParameterKind};
 use crate::support::random::SplitMix;
 
@@ -202,4 +202,64 @@ fn m61_cells_that_are_called_empty_hold_no_matter() {
     println!("{cells} cells of {} scenes, {seen} samples", presets.len() + count);
     assert!(cells > 20_000, "{cells}");
     assert!(matter.is_empty(), "{}", matter.join("\n"));
+}
+
+#[test]
+fn m61_slices_have_tiles_where_cells_may_hold_matter_and_few_elsewhere() {
+    let library = shader::shipped();
+    let mut random = SplitMix(39);
+    let changes: [fn(&mut Scene); 4] = [
+        |_| (),
+        |scene| scene.quality.order = Order::BackToFront,
+        |scene| scene.camera.projection = Projection::Parallel,
+        |scene| (scene.camera.zoom, scene.camera.pan) = (4.0, [0.3, -0.2]),
+    ];
+    for change in changes {
+        let mut scene = preset("lit").unwrap();
+        scene.object.input = "sphere".into();
+        (scene.quality.pass, scene.quality.samples, scene.image.size) = (Pass::Slices, 200, [300, 200]);
+        (scene.camera.azimuth, scene.camera.elevation) = (130.0, 40.0);
+        change(&mut scene);
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        let variant = Variant::of(&scene, &library).unwrap();
+        let shot = Shot::of(&scene, &subject, &variant);
+        let (side, view, planes) = (16, &shot.view, shot.planes);
+        let boxes = Boxes::of(&shot, side);
+        // A ball of cells in a corner.
+        let away =
+            |index: u32| [index % side, index / side % side, index / side / side].map(|at| (at as f32 - 4.0).powi(2));
+        let empty: Vec<bool> = (0..side.pow(3)).map(|index| away(index).iter().sum::<f32>() > 9.0).collect();
+        let whole = [Area::whole(scene.image.size)];
+        let tiles = cover::tiles(&shot, &boxes, &empty, &whole);
+        let part = tiles.pixels(0..planes.count) as f64 / (whole[0].pixels() * u64::from(planes.count)) as f64;
+        assert!(part > 0.0 && part < 0.3, "{part}");
+        let full: Vec<u32> = (0..side.pow(3)).filter(|&index| !empty[index as usize]).collect();
+        for _ in 0..20_000 {
+            let index = full[(random.next() % full.len() as u64) as usize];
+            let cell = boxes.cell([index % side, index / side % side, index / side / side], side);
+            let [x, y, z, _] = cell.map(|range| (range.lo + (range.hi - range.lo) * random.unit()) as f32);
+            let eye = view.object_matrix.transform_point3(glam::Vec3::new(x, y, z));
+            // Where a ray through a pixel of `march.frag` meets it.
+            let depth = if scene.camera.projection == Projection::Perspective { -eye.z } else { 1.0 };
+            let place = [0, 1].map(|axis| {
+                let sign = if axis == 0 { 1.0 } else { -1.0 };
+                let at = sign * eye[axis] / (view.ray_scale[axis] * depth) + view.pan[axis];
+                (0.5 * (at + 1.0) * scene.image.size[axis] as f32).floor()
+            });
+            let plane = ((-eye.z - planes.first_depth) / planes.step).round();
+            let [width, height] = scene.image.size.map(|side| side as f32);
+            let is_seen = (0.0..width).contains(&place[0]) && (0.0..height).contains(&place[1]);
+            if !is_seen || !(0.0..planes.count as f32).contains(&plane) {
+                continue;
+            }
+            let slice = match scene.quality.order {
+                Order::FrontToBack => plane as u32,
+                Order::BackToFront => planes.count - 1 - plane as u32,
+            };
+            let [column, row] = place.map(|at| at as u32);
+            let drawn = tiles.runs(slice..slice + 1).flat_map(|(_, areas)| areas);
+            let count = drawn.filter(|area| area.columns.contains(&column) && area.rows.contains(&row)).count();
+            assert_eq!(count, 1, "{place:?} in slice {slice}");
+        }
+    }
 }
