@@ -19,6 +19,7 @@ layout(set = 0, binding = 16) uniform Constants {
     mat4 place_matrix;      // object space of the scene to that of this object, where a scene has several
     vec4 own_min;           // box around the soft region, in the object's own space
     vec4 own_max;
+    vec4 transfer_color;    // of a transfer map that has no other: linear RGB, density in A
     float opacity_rate;     // c of PH 3.1, per object unit
     float place_scale;      // object units of the scene in one of this object
     float skip_slack;       // how much nearer the matter may be than a sampled distance says, units of the object

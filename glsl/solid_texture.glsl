@@ -5,7 +5,7 @@
 // @param veins = 3.0 in [0, 40]: Veins per object unit; 0 shows the turbulence alone.
 // @param distortion = 1.5 in [0, 10]: How far the turbulence bends the veins.
 #include <turbulence>
-#include "transfer.glsl"
+#include <transfer>
 vec3 solid_texture(vec3 x) {
     float t = turbulence(grain * x, grain * sample_width());
     float along = dot(x, vec3(0.8, 0.5, 0.33));

@@ -4,7 +4,7 @@
 // @outside transfer
 #include "sample.glsl"
 #include "distance_bound.glsl"
-#include "transfer.glsl"
+#include <transfer>
 #include <dmf>
 #include <opacity>
 

@@ -7,7 +7,7 @@
 // @param relief_rise = 0.6 in [0, 8]: Speed at which the relief rises, object units per second: that of the flames.
 // @param glow = 1.6 in [0, 10]: Brightness of the gas.
 // @param flame_opacity = 1 in [0, 4]: How opaque the gas is, as a part of the opacity rate: beside fur, little.
-#include "transfer.glsl"
+#include <transfer>
 #include <turbulence>
 vec3 medium(Sample s, float density) {
     vec3 p = 2.0 * (s.x - vec3(0.0, relief_rise * time, 0.0));

@@ -7,7 +7,7 @@
 // @param patchiness = 0 in [0, 2]: How far the opacity varies, as a part of it.
 // @param irregularity_frequency = 8 in [0.1, 100]: Noise cells per object unit.
 // @param irregularity_speed = 0 in [0, 8]: How fast the noise drifts, cells per second.
-#include "transfer.glsl"
+#include <transfer>
 #include "four_noises.glsl"
 vec3 irregular_place(Sample s) { return irregularity_frequency * s.x - vec3(0.0, irregularity_speed * time, 0.0); }
 

@@ -49,13 +49,13 @@ pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
     let (field, report) =
         with_progress(quiet, "distance field", |progress| field::load_or_compute(&shape, &request, progress))?;
     let field = field.turned(object.up.turn());
+    let (grid, (low, high)) = (field.grid, field.range());
     let mut bytes = Vec::new();
-    format.write(&field.to_volume(), &mut bytes)?;
+    format.write(&field.into_volume(), &mut bytes)?;
     write_whole(&command.output, &bytes)
         .map_err(|error| format!("{}: {error}; nothing was written", command.output.display()))?;
     if !quiet {
-        let [x, y, z] = field.grid.size;
-        let (low, high) = field.range();
+        let [x, y, z] = grid.size;
         if let Shape::Mesh(Mesh { offset, .. }) = &shape
             && *offset != DVec3::ZERO
         {
@@ -65,7 +65,7 @@ pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
             "field      {x} x {y} x {z}, spacing {:?}, distances {low:.4} to {high:.4} world units\n\
              exact      within {:.4} of the surface; a lower bound beyond\n\
              surface    {} triangles, {} open edges, {} closing; {:.0} ms\nwrote {}\n",
-            field.grid.spacing.to_array(),
+            grid.spacing.to_array(),
             request.band,
             report.triangles,
             report.open_edges,

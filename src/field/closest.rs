@@ -4,7 +4,7 @@
 //! the search for the distance finds the point too (`distance.rs`); a volume of distances brings no surface, and there
 //! the points are made here. Invariant: every point is finite, and next to the surface to the bound stated.
 
-use super::grid::turned;
+use super::grid::{is_as_it_was, turned};
 use super::{DistanceField, Grid, Progress};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -85,7 +85,10 @@ impl ClosestPoints {
     }
 
     /// The same points in a space with other axes: see [`DistanceField::turned`].
-    pub fn turned(&self, axes: [(usize, bool); 3]) -> ClosestPoints {
+    pub fn turned(self, axes: [(usize, bool); 3]) -> ClosestPoints {
+        if is_as_it_was(axes) {
+            return self;
+        }
         let (grid, mut points) = turned(&self.grid, &self.points, axes);
         points.iter_mut().for_each(|point| {
             let old = *point;

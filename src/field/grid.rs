@@ -170,18 +170,21 @@ impl DistanceField {
     /// The same field in a space with other axes: for each new axis the old one, and whether it is reversed.
     ///
     /// Each of the three old axes must be named once. No value changes.
-    pub fn turned(&self, axes: [(usize, bool); 3]) -> DistanceField {
+    pub fn turned(self, axes: [(usize, bool); 3]) -> DistanceField {
+        if is_as_it_was(axes) {
+            return self;
+        }
         let (grid, values) = turned(&self.grid, &self.values, axes);
         DistanceField { grid, values }
     }
 
     /// The field as a volume of [`Content::SignedDistance`], for a file.
-    pub fn to_volume(&self) -> Volume {
+    pub fn into_volume(self) -> Volume {
         Volume {
             size: self.grid.size,
             origin: self.grid.origin,
             steps: Mat3::from_diagonal(self.grid.spacing),
-            values: self.values.clone(),
+            values: self.values,
             content: Content::SignedDistance,
         }
     }
@@ -208,6 +211,11 @@ impl DistanceField {
         assert!(i < nx && j < ny && k < nz, "sample ({i}, {j}, {k}) of a grid of {nx} x {ny} x {nz}");
         (k as usize * ny as usize + j as usize) * nx as usize + i as usize
     }
+}
+
+/// Whether axes are the old ones, in their order.
+pub(super) fn is_as_it_was(axes: [(usize, bool); 3]) -> bool {
+    axes == [(0, false), (1, false), (2, false)]
 }
 
 /// A grid and what is at its samples in a space with other axes: see [`DistanceField::turned`].

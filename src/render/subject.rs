@@ -3,7 +3,7 @@
 use super::RenderError;
 use crate::field::{self, ClosestPoints, DistanceField, Progress};
 use crate::render::variant::Variant;
-use crate::scene::{Axis, Object, Scene};
+use crate::scene::{Object, Scene};
 use crate::shader::Library;
 use crate::shape::{self, Opened, Shape, ShapeError};
 use glam::{DVec3, Vec3};
@@ -113,17 +113,15 @@ impl Subject {
             request.iso = iso;
         }
         let proposed_iso = is_brought.then_some(request.iso);
-        let (mut field, mut points, report) = if closest {
+        let (field, points, report) = if closest {
             let (field, points, report) = field::load_or_compute_closest(&shape, &request, progress)?;
             (field, Some(points), report)
         } else {
             let (field, report) = field::load_or_compute(&shape, &request, progress)?;
             (field, None, report)
         };
-        if object.up != Axis::Y {
-            field = field.turned(object.up.turn());
-            points = points.map(|points| points.turned(object.up.turn()));
-        }
+        let field = field.turned(object.up.turn());
+        let points = points.map(|points| points.turned(object.up.turn()));
         let (low, high) = inside_bounds(&field);
         let offset = if let Shape::Mesh(mesh) = &shape { mesh.offset } else { DVec3::ZERO };
         let (center, scale) = match other {

@@ -5,6 +5,7 @@ use super::item::Item;
 use super::sub_frame::SubFrame;
 use super::view::{View, slant};
 use crate::render::pass::Planes;
+use crate::render::texture::transfer_texel;
 use crate::render::variant::{Program, Resource, Use, Variant};
 use crate::scene::{Integration, Jitter, ParameterValue, Scene};
 use std::collections::HashMap;
@@ -116,6 +117,7 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     set("ambient_color", &color(scene.light.ambient.linear(), 1.0));
     set("light_color", &color(scene.light.color.linear(), scene.light.intensity));
     set("light_position", &view.light_eye.extend(1.0).to_array());
+    set("transfer_color", &transfer_texel(&scene.transfer));
     set("specular_power", &[scene.material.specular_power]);
     set("specular_strength", &[scene.material.specular]);
     set("iso_value", &[scene.object.inner_iso]);

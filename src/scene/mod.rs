@@ -393,6 +393,8 @@ impl Scene {
         };
         fill("wrap", vec![wrap.into()]);
         fill("storage", vec![storage.into()]);
+        let is_flat = self.quality.neutral == Neutral::LeaveOut && self.transfer.is_flat();
+        fill("transfer", vec![if is_flat { "flat" } else { "map" }.into()]);
         fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
         if self.has_several() {
             self.fill_parts(library, &mut slots);

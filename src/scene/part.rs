@@ -170,9 +170,9 @@ impl Scene {
         slots.insert(COMBINE.into(), vec![self.formula_text()]);
         for name in self.parts.keys() {
             let own = self.alone(name).slots(library);
-            let own = own
-                .into_iter()
-                .filter(|(slot, _)| slot != "classify" && schema::slots().any(|own| own == (slot, Filled::ByObject)));
+            let own = own.into_iter().filter(|(slot, _)| {
+                slot != "classify" && (slot == "transfer" || schema::slots().any(|own| own == (slot, Filled::ByObject)))
+            });
             slots.extend(own.map(|(slot, modules)| (format!("{name}.{slot}"), modules)));
         }
     }

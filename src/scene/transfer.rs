@@ -13,6 +13,13 @@ pub struct Transfer {
     pub stops: Vec<Stop>,
 }
 
+impl Transfer {
+    /// Whether it has one color and one opacity at every density, and so need not be looked up.
+    pub fn is_flat(&self) -> bool {
+        self.stops.windows(2).all(|pair| (pair[0].color, pair[0].density) == (pair[1].color, pair[1].density))
+    }
+}
+
 impl std::default::Default for Transfer {
     fn default() -> Transfer {
         let stop = |at, color| Stop { at, color: Color(color), density: at, index: 1.0 };

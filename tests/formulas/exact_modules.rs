@@ -18,11 +18,12 @@ pub const GLASS: &str = include_str!("../glsl/exact_glass.glsl");
 /// that need certain modules beside them.
 type Subject = (&'static str, &'static str, &'static str, &'static [(&'static str, &'static str)]);
 
-const SLOTS: [Subject; 29] = [
+const SLOTS: [Subject; 30] = [
     ("object", POINT, "lit", &[]),
     ("storage", POINT, "lit", &[]),
     ("softness", POINT, "fire", &[]),
     ("surface", POINT, "solid", &[]),
+    ("transfer", POINT, "fire", &[]),
     ("medium", POINT, "fire", &[]),
     ("noise", POINT, "noisy_sphere", &[]),
     ("weights", POINT, "noisy_sphere", &[("noise", "procedural")]),

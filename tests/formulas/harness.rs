@@ -36,7 +36,7 @@ void main() {
 pub const COLOR: DVec3 = DVec3::new(0.5, 0.75, 1.0);
 
 /// What fills the slots where a check does not say so.
-const SLOTS: [(&str, &str); 24] = [
+const SLOTS: [(&str, &str); 25] = [
     ("absorption", "none"),
     ("bandlimit", "none"),
     ("boolean", "algebraic"),
@@ -60,6 +60,7 @@ const SLOTS: [(&str, &str); 24] = [
     ("softness", "linear"),
     ("surface", "unlit"),
     ("empty_space", "sample"),
+    ("transfer", "map"),
     ("turbulence", "procedural"),
 ];
 const MORE_SLOTS: [(&str, &str); 8] = [

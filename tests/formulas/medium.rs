@@ -17,6 +17,8 @@ crate::rows! {
         "medium/lit.glsl": "s.shading" => "s.normal";
     p23_soft_matter_colored_by_the_transfer_map = |l| medium(l, "transfer", |at| DVec3::from_slice(&transfer(at, at.p[1][3]))),
         "medium/transfer.glsl": "transfer(density)" => "transfer(1.0 - density)";
+    a_transfer_map_of_one_color_needs_no_density = flat,
+        "transfer/flat.glsl": "return transfer_color" => "return density * transfer_color";
     m24_the_soft_region_is_a_tinted_haze = |l| medium(l, "soft_region", |at| {
         DVec3::new(c(0.1), 0.25, 1.0).lerp(DVec3::new(c(0.2), 1.0, c(0.6)), at.p[1][3])
     }),
@@ -47,6 +49,12 @@ pub fn medium(library: &Library, module: &str, formula: fn(&At<'_>) -> DVec3) ->
     let text = format!("{SAMPLE}#include <medium>\nvoid check() {{ out0.xyz = medium(given(), p1.w); }}");
     let check = Check::new(library, &[("medium", module)], &text).given(sample);
     check.holds(2e-8, |at| formula(at).to_array().to_vec())
+}
+
+fn flat(library: &Library) -> f64 {
+    let text = format!("{SAMPLE}#include <medium>\nvoid check() {{ out0.xyz = medium(given(), p1.w); }}");
+    let check = Check::new(library, &[("medium", "transfer"), ("transfer", "flat")], &text).given(sample);
+    check.holds(1e-9, |at| at.vector("transfer_color").to_array().to_vec())
 }
 
 /// How opaque soft matter is, as a part of the rate.

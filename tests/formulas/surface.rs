@@ -19,7 +19,7 @@ crate::rows! {
     m45_a_solid_texture_is_lit = |l| surface(l, "solid", |at| phong(at, marble(at), at.place(1))),
         "surface/solid.glsl": "s.normal" => "-s.normal",
         "solid_texture.glsl": "distortion * 0.3" => "distortion * 0.4",
-        "transfer.glsl": "(size - 1.0) + 0.5" => "size + 0.5";
+        "transfer/map.glsl": "(size - 1.0) + 0.5" => "size + 0.5";
     m45_a_solid_texture_is_unlit = |l| surface(l, "solid_unlit", marble),
         "surface/solid_unlit.glsl": "s.x" => "-s.x";
     m46_a_bump_is_the_normal_of_k_v_plus_b = |l| surface(l, "bump", bumped),

@@ -7,6 +7,10 @@ use hypertexture::render::{Frame, Renderer};
 use hypertexture::scene::{Neutral, ParameterValue, Pass, Scene, names, preset};
 use hypertexture::shader::{self, Linker, ParameterKind};
 
+/// A transfer map of one color and one opacity.
+const FLAT: &str =
+    r##"[{ at = 0.0, color = "#c8643c", density = 0.7 }, { at = 1.0, color = "#c8643c", density = 0.7 }]"##;
+
 /// The values of a picture, bit for bit.
 fn bits(frame: &Frame) -> Vec<u32> {
     frame.pixels.as_flattened().iter().map(|value| value.to_bits()).collect()
@@ -38,6 +42,9 @@ fn what_a_zero_takes_away_is_not_in_the_program() {
         ("fire", &[("parameters.relief", "0"), ("parameters.fury", "0")], &["noise_", "turbulence_"]),
         ("fur", &[("light.intensity", "0")], &["shadow_image"]),
         ("lit", &[("light.shadows", "true"), ("light.intensity", "0")], &["shadow_image"]),
+        ("flow", &[("transfer.stops", FLAT)], &["transfer_image"]),
+        ("solid", &[("transfer.stops", FLAT)], &["transfer_image"]),
+        ("tank", &[("parts.turret.transfer.stops", FLAT)], &["transfer_image_turret"]),
     ] {
         let mut scene = scene(effect, settings);
         for pass in [Pass::Slices, Pass::March] {
@@ -73,6 +80,9 @@ fn a_picture_without_what_comes_to_nothing_is_the_same() {
                     _ => None,
                 })
                 .collect();
+            if random.next().is_multiple_of(3) {
+                scene.set_field("transfer.stops", FLAT).expect("stops of a transfer map");
+            }
             for name in &all {
                 let key = match name.rsplit_once('.') {
                     Some((part, own)) => format!("{part}.parameters.{own}"),
@@ -91,7 +101,9 @@ fn a_picture_without_what_comes_to_nothing_is_the_same() {
             (scene.image.size, scene.quality.samples) = ([32, 32], 48);
             scene.object.resolution = scene.object.resolution.min(32);
             (scene.quality.supersampling, scene.light.shadow_resolution) = (1, 16);
-            if scene.check(&library).is_err() || !Variant::of(&scene, &library).unwrap().key().contains("zero=") {
+            let is_less =
+                |variant: &Variant| ["zero=", "transfer=flat"].iter().any(|part| variant.key().contains(part));
+            if scene.check(&library).is_err() || !is_less(&Variant::of(&scene, &library).unwrap()) {
                 continue;
             }
             let subject = subject(&scene, &library);

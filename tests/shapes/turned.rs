@@ -17,7 +17,7 @@ fn a_turned_field_is_the_same_field_rotated_so_that_the_axis_points_up() {
         let rotation = Mat3::from_cols_array_2d(&rows.map(|row| row.to_array())).transpose();
         assert_eq!(rotation.determinant(), 1.0, "{axis:?} mirrors nothing");
         assert_eq!(rotation * up, Vec3::Y, "{axis:?} points up");
-        let turned = field.turned(turn);
+        let turned = field.clone().turned(turn);
         for (i, j, k) in [(0, 0, 0), (2, 3, 4), (1, 2, 3), (2, 0, 1)] {
             let p = rotation * field.grid.position(i, j, k);
             assert!((turned.sample(p) - field.value(i, j, k)).abs() < 1e-4, "{axis:?} at {i} {j} {k}");

@@ -123,7 +123,7 @@ fn p55_turned_points_belong_to_the_turned_field() {
     let mesh = torus(0.7, 0.3, 48, 24);
     let (field, closest, _) = transform_with_closest(&Shape::Mesh(mesh), &REQUEST, &|_| {}).unwrap();
     for axes in [[(0, false), (2, false), (1, true)], [(1, true), (2, true), (0, false)]] {
-        let (field, closest) = (field.turned(axes), closest.turned(axes));
+        let (field, closest) = (field.clone().turned(axes), closest.clone().turned(axes));
         let (_, farther) = worst(&field, &closest, REQUEST.band, |_| 0.0);
         assert!(farther <= 1e-3, "{axes:?}: {farther} voxels");
     }

@@ -138,7 +138,7 @@ fn a_linear_field_is_interpolated_and_differentiated_exactly() {
         };
         let positions = (0..5).flat_map(|k| (0..4).flat_map(move |j| (0..n).map(move |i| grid.position(i, j, k))));
         let field = DistanceField { grid, values: positions.map(f).collect() };
-        assert_eq!(DistanceField::from_volume(&field.to_volume()).unwrap(), field);
+        assert_eq!(DistanceField::from_volume(&field.clone().into_volume()).unwrap(), field);
         let slope = Vec3::new(if n == 1 { 0.0 } else { 0.5 }, -2.0, 0.25);
         for ([i, j, k], p, value) in samples(&field) {
             assert_eq!((field.gradient(i, j, k), field.gradients(j, k)[i as usize]), (slope, slope));

@@ -7,13 +7,13 @@ const STRIDE: f64 = 1.4;
 /// Times that differ by less than this factor are close: a machine is disturbed by as much.
 const CLOSE: f64 = 1.5;
 
-/// Whether whole pictures of a curve that failed, with so many samples each, speak against one: with fewer samples it fails
-/// too. After two of them small pictures are worth little, as a few pixels have most of the error: then also with a few more,
-/// unless there are no more.
-pub(super) fn is_near_failed(failed: &[u32], samples: u32) -> bool {
+/// The fewest samples that whole pictures of a curve which failed, with so many samples each, do not speak against: more than
+/// they had. After two of them small pictures are worth little, as a few pixels have most of the error: then not a few more
+/// either, unless there are no more.
+pub(super) fn least_hopeful(failed: &[u32]) -> u32 {
     let most = failed.iter().copied().max().unwrap_or(0);
     let next = (STRIDE * f64::from(most)).min(f64::from(SAMPLES[1]));
-    samples <= most || failed.len() >= 2 && f64::from(samples) < next
+    if failed.len() >= 2 { (next.ceil() as u32).max(most + 1) } else { most + 1 }
 }
 
 /// Of curves and times, the fastest first, those that are too close to the fastest to tell which is: each curve once, and
@@ -31,14 +31,14 @@ mod tests {
 
     #[test]
     fn after_a_failure_fewer_samples_are_not_tried_and_after_two_nor_are_a_few_more() {
-        let tried = |failed: &[u32]| [50, 100, 101, 139, 140, 400].map(|samples| !is_near_failed(failed, samples));
+        let tried = |failed: &[u32]| [50, 100, 101, 139, 140, 400].map(|samples| samples >= least_hopeful(failed));
         assert_eq!(tried(&[]), [true; 6]);
         assert_eq!(tried(&[100]), [false, false, true, true, true, true]);
         assert_eq!(tried(&[100, 40]), [false, false, false, false, true, true]);
         assert_eq!(tried(&[100, 280]), [false, false, false, false, false, true]);
         let last = SAMPLES[1];
-        assert!(!is_near_failed(&[last - 1, last - 2], last), "the most there are");
-        assert!(is_near_failed(&[last, last - 1], last));
+        assert_eq!(least_hopeful(&[last - 1, last - 2]), last, "the most there are");
+        assert!(least_hopeful(&[last, last - 1]) > last);
     }
 
     #[test]

@@ -219,13 +219,15 @@ impl<'a> Search<'a> {
         is_within && (self.lesson(drawn).is_some() || !self.is_near_failed(drawn))
     }
 
-    /// Whether whole pictures of the same curve that have failed speak against one.
-    fn is_near_failed(&self, drawn: &Drawn) -> bool {
-        let curve = drawn.candidate.curve();
+    /// The fewest samples of a curve that whole pictures of it which failed do not speak against.
+    fn least_hopeful(&self, curve: &Curve) -> u32 {
         let failed =
-            self.lessons.iter().filter(|lesson| lesson.curve == curve && lesson.error > CARE * self.bound.error);
-        let failed: Vec<u32> = failed.map(|lesson| lesson.scene.quality.samples).collect();
-        rules::is_near_failed(&failed, drawn.candidate.samples())
+            self.lessons.iter().filter(|lesson| lesson.curve == *curve && lesson.error > CARE * self.bound.error);
+        rules::least_hopeful(&failed.map(|lesson| lesson.scene.quality.samples).collect::<Vec<_>>())
+    }
+
+    fn is_near_failed(&self, drawn: &Drawn) -> bool {
+        drawn.candidate.samples() < self.least_hopeful(&drawn.candidate.curve())
     }
 
     fn lesson(&self, drawn: &Drawn) -> Option<&Lesson> {
@@ -387,6 +389,7 @@ impl<'a> Search<'a> {
             // Where the error goes down evenly; then in the middle of what is left.
             let even = (errors[0] / (CARE * self.bound.error)).ln() / (errors[0] / errors[1]).ln();
             let fewer = (n * (m / n).powf(if std::mem::take(&mut is_first) { even } else { 0.5 })).ceil();
+            let fewer = fewer.max(f64::from(self.least_hopeful(&curve)));
             if fewer.is_nan() || fewer >= FASTER * m || fewer <= n {
                 return fits;
             }

@@ -139,6 +139,12 @@ pub fn transfer_map(transfer: &Transfer) -> Vec<u16> {
     (0..TRANSFER_SIZE).flat_map(|index| evaluate(transfer, at(index)).to_array().map(code16)).collect()
 }
 
+/// What a device makes of the first texel of a transfer map: of all, where [`Transfer::is_flat`]. The bits are those of
+/// llvmpipe; another device may round the conversion of a code otherwise, by a part in 2^24.
+pub fn transfer_texel(transfer: &Transfer) -> [f32; 4] {
+    evaluate(transfer, 0.0).to_array().map(|value| f32::from(code16(value)) * (1.0 / 65535.0))
+}
+
 /// Color (linear RGB) and density of a transfer map at a density in [0, 1].
 pub fn evaluate(transfer: &Transfer, density: f32) -> Vec4 {
     let value = |stop: &Stop| Vec3::from(stop.color.linear()).extend(stop.density);
@@ -180,6 +186,9 @@ fn interpolate(transfer: &Transfer, density: f32, value: impl Fn(&Stop) -> Vec4)
         Some(index) => (index - 1, index),
         None => return stops.last().map(value).unwrap_or_default(),
     };
+    if value(&stops[low]) == value(&stops[high]) {
+        return value(&stops[low]); // whatever the roundings of a curve
+    }
     let t = (density - stops[low].at) / (stops[high].at - stops[low].at);
     match transfer.curve {
         Curve::Steps => value(&stops[low]),
@@ -262,6 +271,21 @@ pub(super) mod tests {
                 };
                 assert!((decode(&texels, stored) - distance).abs() <= texels.quantization * 1.001);
             }
+        }
+    }
+
+    #[test]
+    fn a_flat_transfer_map_has_one_texel() {
+        let stop = |at, color| Stop { at, color, density: 0.3, index: 1.0 + at };
+        let color = Color([200, 100, 60]);
+        for curve in [Curve::Steps, Curve::Linear, Curve::Spline] {
+            let mut transfer = Transfer { curve, stops: [0.0, 0.1, 0.45, 1.0].map(|at| stop(at, color)).into() };
+            assert!(transfer.is_flat());
+            let texels = transfer_map(&transfer);
+            let first = transfer_texel(&transfer).map(|value| (value * 65535.0).round() as u16);
+            assert!(texels.chunks(4).all(|texel| texel == first), "{curve:?}");
+            transfer.stops[2].density = 0.31;
+            assert!(!transfer.is_flat());
         }
     }
 

@@ -12,6 +12,7 @@ pub(crate) use program::parts;
 pub use program::{Program, why_left_out};
 pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
+use super::texture;
 use crate::noise::Period;
 use crate::scene::{
     Color, Integration, Neutral, ParameterValue, Parameters, SHADOW_SAMPLES, Scene, SceneError, Source,
@@ -288,6 +289,7 @@ fn zero(own: &Scene, object: &str, parameters: &Parameters) -> Vec<String> {
         ("ambient_color", black(light.ambient)),
         ("specular_strength", own.material.specular == 0.0),
         ("material_color", black(own.material.color)),
+        ("transfer_color", own.transfer.is_flat() && texture::transfer_texel(&own.transfer) == [0.0; 4]),
     ];
     let members = members.into_iter().filter(|(_, is_zero)| *is_zero).map(|(name, _)| name);
     parameters.chain(members).map(|name| prefixed(object, name)).collect()

@@ -65,7 +65,7 @@ const PARTS: [(&str, &str, &str); 9] = [
     ("volume_image", "volume", "the object is a formula"),
     ("noise_", "noise block", "no module looks noise up in a block"), // with or without its gradient
     ("turbulence_", "turbulence block", "no module looks turbulence up in a block"),
-    ("transfer_image", "transfer map", "no module asks for a color by density"),
+    ("transfer_image", "transfer map", "no module asks for a color by density, or it has one color"),
     ("segment_image", "segment table", "no segment is classified by the densities at its ends"),
     ("classified_image", "classified volume", "colors are not given to voxels"),
     ("index_image", "index map", "no ray bends"),
