@@ -124,7 +124,12 @@ impl Number for Device {
             | Unary::Trunc
             | Unary::Round
             | Unary::Saturate => Device(all),
-            Unary::Fract | Unary::Hermite => held(Device::rounded(all), 0.0, 1.0),
+            // 0 * 0 * 3 and 1 * 1 * (3 - 2): nothing rounds.
+            Unary::Hermite => {
+                let is_end = (self.0.lo == self.0.hi) & ((self.0.lo == 0.0) | (self.0.lo == 1.0));
+                Device(held(Device::rounded(all), 0.0, 1.0).0.unless(is_end, self.0))
+            }
+            Unary::Fract => held(Device::rounded(all), 0.0, 1.0),
             Unary::Square | Unary::Sqrt | Unary::InverseSqrt => Device::rounded(all),
             Unary::Exp | Unary::Exp2 => Device::of(all, POWER, f64::from(f32::MIN_POSITIVE)),
             Unary::Log | Unary::Log2 => Device::of(all, RELATIVE, LOGARITHM),

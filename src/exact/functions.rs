@@ -89,7 +89,9 @@ impl Lower<'_> {
         match regs {
             [reg] => self.emit(Op::Unary(Unary::Abs), false, &[*reg]),
             _ => {
-                let square = self.dot(regs, regs);
+                // No sum of squares is below 0, however a device rounds it; its bounds alone may be.
+                let (square, zero) = (self.dot(regs, regs), self.float(0.0));
+                let square = self.emit(Op::Max, false, &[square, zero]);
                 self.emit(Op::Unary(Unary::Sqrt), false, &[square])
             }
         }

@@ -1,5 +1,6 @@
 //! From a scene to its picture: what users of the crate call.
 
+use super::masks::Masks;
 use super::pixels::put;
 use super::prepared::{Destination, Made, Prepared};
 use super::shot::Shot;
@@ -10,6 +11,7 @@ use crate::gpu::{Area, Gpu, HostCommands, Recording};
 use crate::render::variant::Variant;
 use crate::scene::{Order, Scene};
 use crate::shader::{Library, Slots};
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -38,6 +40,7 @@ pub struct Renderer {
     stop: Stop,
     /// Modules and samples of scenes whose loops the device has cut where rays waited for each other.
     cut: Vec<(Slots, u32)>,
+    masks: Masks,
 }
 
 /// Whether a picture ends unfinished, after so many milliseconds on the device.
@@ -56,6 +59,7 @@ impl Renderer {
             whole: None,
             stop: Arc::new(|_| false),
             cut: Vec::new(),
+            masks: Masks::default(),
         }
     }
 
@@ -82,23 +86,22 @@ impl Renderer {
     /// # Errors
     /// As [`render`].
     pub fn prepare(&mut self, scene: &Scene, progress: Progress<'_>) -> Result<(), RenderError> {
-        let variant = self.variant(scene)?;
-        self.prepared(scene, &variant, Destination::Frame, progress).map(drop)
+        let (scene, variant) = self.chosen(scene)?;
+        self.prepared(&scene, &variant, Destination::Frame, progress).map(drop)
     }
 
     /// Whether program and images of a scene are made: what [`Renderer::prepare`] makes.
     pub fn is_prepared(&self, scene: &Scene) -> bool {
-        self.variant(scene).is_ok_and(|variant| self.serving(scene, &variant).next().is_some())
+        self.chosen(scene).is_ok_and(|(scene, variant)| self.serving(&scene, &variant).next().is_some())
     }
 
     /// Whether a picture of a scene can be drawn at once: it is prepared, and what decides where its space is empty is made.
     pub fn is_ready(&self, scene: &Scene) -> bool {
         let whole = self.whole.unwrap_or(scene.image.size);
-        let is_ready = |variant: Variant| {
-            let shot = Shot { whole, ..Shot::of(scene, &self.subject, &variant) };
-            self.serving(scene, &variant).any(|own| own.bound.is_ready(&self.gpu, &shot))
-        };
-        self.variant(scene).is_ok_and(is_ready)
+        self.chosen(scene).is_ok_and(|(scene, variant)| {
+            let shot = Shot { whole, ..Shot::of(&scene, &self.subject, &variant) };
+            self.serving(&scene, &variant).any(|own| own.bound.is_ready(&self.gpu, &shot))
+        })
     }
 
     fn serving<'a>(&'a self, scene: &'a Scene, variant: &'a Variant) -> impl Iterator<Item = &'a Prepared> {
@@ -149,13 +152,13 @@ impl Renderer {
     pub fn render_areas(&mut self, scene: &Scene, areas: &[Area], number: Option<u32>) -> Result<Frame, RenderError> {
         let (start, count) = (Instant::now(), scene.quality.supersampling);
         assert!(number.is_none_or(|number| number < count), "{number:?} of {count}");
-        let mut variant = self.variant(scene)?;
+        let (scene, mut variant) = self.chosen(scene)?;
         let (subject, stop) = (self.subject.clone(), self.stop.clone());
         let wanted = |own: u32| number.is_none_or(|number| number == own);
         let mut frame = loop {
-            let prepared = self.prepared(scene, &variant, Destination::Frame, &|_| ())?;
-            let frame = prepared.frame(scene, &subject, &variant, areas, wanted, &*stop);
-            match frame.map_err(|error| explained(error, &self.library, scene, &subject))? {
+            let prepared = self.prepared(&scene, &variant, Destination::Frame, &|_| ())?;
+            let frame = prepared.frame(&scene, &subject, &variant, areas, wanted, &*stop);
+            match frame.map_err(|error| explained(error, &self.library, &scene, &subject))? {
                 Some(frame) => break frame,
                 None => self.cut.push((variant.slots.clone(), scene.quality.samples)),
             }
@@ -184,7 +187,7 @@ impl Renderer {
         if scene.is_half_angle() {
             return Err(RenderError::Recorded("light.method = \"volume\""));
         }
-        let mut variant = self.variant(&scene)?;
+        let (scene, mut variant) = self.chosen(&scene)?;
         if !scene.may_find_first(&self.library) {
             variant = variant.that_waits_for_none(); // what comes of it is not seen here
         }
@@ -193,12 +196,13 @@ impl Renderer {
         prepared.record(commands, &scene, &subject, &variant)
     }
 
-    /// The modules of a scene, with rays that do not wait for each other where the device has cut the loops of such rays.
-    fn variant(&self, scene: &Scene) -> Result<Variant, RenderError> {
-        let variant = Variant::of(scene, &self.library)?;
+    /// A scene as it is drawn, and its modules: without masks that it does not need, and with rays that do not wait for each
+    /// other where the device has cut the loops of such rays.
+    fn chosen<'a>(&self, scene: &'a Scene) -> Result<(Cow<'a, Scene>, Variant), RenderError> {
+        let (scene, variant) = self.masks.without_idle(&self.library, scene, &self.subject)?;
         let is_cut =
             self.cut.iter().any(|(slots, samples)| *slots == variant.slots && *samples <= scene.quality.samples);
-        Ok(if is_cut { variant.that_waits_for_none() } else { variant })
+        Ok((scene, if is_cut { variant.that_waits_for_none() } else { variant }))
     }
 
     /// What serves a scene, from what there is.

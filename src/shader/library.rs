@@ -344,7 +344,7 @@ pub const ZERO: &str = "zero";
 /// The file of what each object has for itself.
 pub const PART: &str = "part.glsl";
 /// The slot of the masks: where a DMF acts.
-const MASK: &str = "mask";
+pub const MASK: &str = "mask";
 /// The slot that colors soft matter.
 pub const MEDIUM: &str = "medium";
 /// What a module of that slot defines: its color and, where it is not 1, how opaque it is against the scene's rate.

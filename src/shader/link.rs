@@ -223,12 +223,17 @@ fn fill(library: &Library, slot: &str, names: &[String]) -> Result<(String, Stri
             (None, _) => {}
         }
         let (_, calls) = layers.last_mut().expect("it starts with one");
-        // Where a mask lets nothing grow there is nothing but the hard region; any other DMF leaves what it is given.
+        // Where a mask lets nothing grow there is nothing but the hard region; any other DMF leaves what it is given. Where it
+        // lets all grow, not a rounding more: it may be left out.
         let bare = if width.is_some() { "s.density >= 1.0 ? density : 0.0" } else { "density" };
         match mask.as_deref().map(self::function) {
             None => calls.push_str(&call.replace("MODULE", &function)),
-            Some(mask) => writeln!(calls, "    density = mix({bare}, {function}(density, s), {mask}(s));")
-                .expect("writing to a string"),
+            Some(mask) => writeln!(
+                calls,
+                "    {{ float grown = {function}(density, s), cover = {mask}(s);\n      \
+                 density = cover >= 1.0 ? grown : mix({bare}, grown, cover); }}"
+            )
+            .expect("writing to a string"),
         }
     }
     match layers.as_slice() {

@@ -42,7 +42,7 @@ const KEPT_FROM_MS: f64 = 20.0;
 /// Some ten thousand proofs.
 const KIND: Kind = Kind { ends: &["cells"], limit: 64 << 20 };
 /// Counts up where proofs change.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// What decides, made for the first picture that it pays for.
 pub(super) enum Decider {
