@@ -141,7 +141,16 @@ impl<'a> Image<'a> {
         });
         if let [Some(x), Some(y), Some(z)] = axes {
             let axes = [x, y, z];
-            return [0, 1, 2, 3].map(|channel| if wanted[channel] { self.extremes(&axes, channel) } else { [0.0; 2] });
+            // One alone costs less by itself.
+            return match wanted.map(usize::from) {
+                [0, 0, 0, 0] => [[0.0; 2]; 4],
+                [r, g, b, a] if r + g + b + a == 1 => {
+                    let channel = g + 2 * b + 3 * a;
+                    let [found] = self.extremes(&axes, |texel| [texel[channel]]);
+                    [0, 1, 2, 3].map(|other| if other == channel { found } else { [0.0; 2] })
+                }
+                _ => self.extremes(&axes, |texel| texel),
+            };
         }
         let mut ranges = [[[0, 0]; 2]; 3];
         let mut counts = [1; 3];
@@ -180,18 +189,21 @@ impl<'a> Image<'a> {
         Some((base, [0, 1, 2, 3, 4, 5, 6, 7].map(corner)))
     }
 
-    /// The range over a box of few cells: multilinear within each, so that the extremes are at corners of their parts.
-    fn extremes(&self, [x, y, z]: &[Crossed; 3], channel: usize) -> [f64; 2] {
-        let mix = |a: f64, b: f64, part: f64| a + part * (b - a);
-        let mut rows = [[0.0; MOST_POINTS]; MOST_POINTS]; // by y of texels and x of points
-        let mut layers = [[[0.0; MOST_POINTS]; MOST_POINTS]; MOST_POINTS]; // by z of texels, y and x of points
-        let mut largest = 0f64;
+    /// The ranges of some channels over a box of few cells: multilinear within each, so that the extremes are at corners of
+    /// their parts.
+    #[inline(always)] // the channels beside each other
+    fn extremes<const N: usize>(&self, [x, y, z]: &[Crossed; 3], of: impl Fn([f32; 4]) -> [f32; N]) -> [[f64; 2]; N] {
+        let mix =
+            |a: [f64; N], b: [f64; N], part: f64| -> [f64; N] { std::array::from_fn(|c| a[c] + part * (b[c] - a[c])) };
+        let mut rows = [[[0.0; N]; MOST_POINTS]; MOST_POINTS]; // by y of texels and x of points
+        let mut layers = [[[[0.0; N]; MOST_POINTS]; MOST_POINTS]; MOST_POINTS]; // by z of texels, y and x of points
+        let mut largest = [0f64; N];
         for (layer, &k) in layers.iter_mut().zip(z.texels()) {
             for (row, &j) in rows.iter_mut().zip(y.texels()) {
-                let mut texels = [0.0; MOST_POINTS];
+                let mut texels = [[0.0; N]; MOST_POINTS];
                 for (texel, &i) in texels.iter_mut().zip(x.texels()) {
-                    *texel = f64::from(self.texel([i, j, k])[channel]);
-                    largest = largest.max(texel.abs());
+                    *texel = of(self.texel([i, j, k])).map(f64::from);
+                    largest = std::array::from_fn(|c| largest[c].max(texel[c].abs()));
                 }
                 for (value, (first, part)) in row.iter_mut().zip(x.points()) {
                     *value = mix(texels[first], texels[first + 1], part);
@@ -203,17 +215,20 @@ impl<'a> Image<'a> {
                 }
             }
         }
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut low, mut high) = ([f64::INFINITY; N], [f64::NEG_INFINITY; N]);
         for (first, part) in z.points() {
             for (near, far) in layers[first].iter().zip(&layers[first + 1]).take(y.count) {
                 for (near, far) in near.iter().zip(far).take(x.count) {
                     let value = mix(*near, *far, part);
-                    (low, high) = (low.min(value), high.max(value));
+                    low = std::array::from_fn(|c| low[c].min(value[c]));
+                    high = std::array::from_fn(|c| high[c].max(value[c]));
                 }
             }
         }
-        let margin = 32.0 * f64::EPSILON * largest;
-        [low - margin, high + margin]
+        std::array::from_fn(|c| {
+            let margin = 32.0 * f64::EPSILON * largest[c];
+            [low[c] - margin, high[c] + margin]
+        })
     }
 
     /// Lower and upper bounds of the channels over a box of texels.
