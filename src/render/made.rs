@@ -50,7 +50,7 @@ fn masks_left_out<'a>(m: &'a Measurements, scene: &'a Scene) -> impl Iterator<It
     let effects = own.chain(scene.parts.iter().map(|(name, part)| (format!("{name}."), &part.effect)));
     effects.flat_map(|(object, effect)| {
         let drawn = m.modules.split(' ').find_map(|slot| slot.strip_prefix(&format!("{object}dmf=")));
-        let pairs = effect.dmf.iter().zip(drawn.unwrap_or_default().split('+'));
+        let pairs = drawn.into_iter().flat_map(|drawn| effect.dmf.iter().zip(drawn.split('+')));
         pairs.filter(|(asked, drawn)| asked.contains('@') && !drawn.contains('@')).map(|(asked, _)| asked)
     })
 }
