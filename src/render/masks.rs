@@ -154,8 +154,10 @@ impl Question {
             NAME,
             &COVER.replace("\"MASK\"", &format!("\"{}\"", self.mask)).replace("FUNCTION", function),
         );
-        let slots = library.needed(&ENTRIES, &variant.slots).map_err(VariantError::from)?;
-        let program = Variant { entries: ENTRIES, slots, ..variant.clone() }.program(&library, Linker::new)?;
+        // One that asks for more than a sample has no program here, and is one that cannot be bounded.
+        let Ok(slots) = library.needed(&ENTRIES, &variant.slots) else { return Ok(false) };
+        let of_mask = Variant { entries: ENTRIES, slots, ..variant.clone() };
+        let Ok(program) = of_mask.program(&library, Linker::new) else { return Ok(false) };
         let read = program.members_read();
         let mut inputs = exact::Inputs::default();
         for resource in &program.resources {
@@ -232,6 +234,7 @@ mod tests {
             ("0.9999999", true),
             ("s.distance > -9.0 ? 1.0 : 0.0", true),
             ("time > -9.0 ? 1.0 : 0.0", true),
+            ("position_eye.x > -9.0 ? 1.0 : 1.0", true), // of the picture's program, not of a sample
         ] {
             assert_eq!(kept(&["fur@own"], &[], own), is_kept, "{own}");
         }
