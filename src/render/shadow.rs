@@ -71,8 +71,8 @@ impl Transmittance {
 
 /// The shadow volume of a scene, as [`render`](super::render) uses it for a scene with `light.shadows`.
 ///
-/// A ray is sampled as finely as the picture: the error is of first order in that step at hard edges and of second in
-/// soft matter, and between the texels of second order in their size.
+/// A step of a ray is two of the picture's, and at most a texel: the error is of first order in that step at hard edges and of
+/// second in soft matter, and between the texels of second order in their size.
 ///
 /// # Errors
 /// The scene has no valid program, or the device refuses.

@@ -27,8 +27,8 @@ const RUNS: usize = 3;
 const AGAIN_MS: f64 = 50.0;
 /// The highest order in the step that a picture has: so many fewer samples are not tried.
 const ORDER: f64 = 2.0;
-/// An error that twice the samples leave at this part of what it was is one that no samples remove; fewer samples than
-/// [`FLAT_FROM`] say nothing about it.
+/// An error that twice the samples leave at this part of what it was is one that no samples remove, or that few pixels have;
+/// fewer samples than [`FLAT_FROM`] say nothing about it.
 const STAYS: f64 = 0.85;
 const FLAT_FROM: u32 = 128;
 /// Curves that take longer than this times the fastest that fits are not drawn on.
@@ -73,6 +73,9 @@ pub(super) struct Search<'a> {
     lessons: Vec<Lesson>,
     /// Curves whose error no samples remove.
     flat: Vec<Curve>,
+    /// Curves with no error but that of their steps, whose small pictures stay off as far with twice the samples: few pixels have
+    /// that error, and the whole picture has others.
+    stuck: Vec<Curve>,
     /// Candidates that could not be drawn; no other of their curves is tried.
     pub(super) failed: Vec<(Candidate, RenderError)>,
     /// Why there is no reference, where there is none.
@@ -112,8 +115,20 @@ impl<'a> Search<'a> {
                     (Known::by_finer_picture(&mut painter, stage, &small(scene), own)?, Some(why.to_string()))
                 }
             };
-        let (library, drawn, lessons, flat) = (stage.library, Vec::new(), Vec::new(), Vec::new());
-        Ok(Search { began, painter, library, bound, ahead, known, drawn, lessons, flat, failed, unverified })
+        Ok(Search {
+            began,
+            painter,
+            library: stage.library,
+            bound,
+            ahead,
+            known,
+            drawn: Vec::new(),
+            lessons: Vec::new(),
+            flat: Vec::new(),
+            stuck: Vec::new(),
+            failed,
+            unverified,
+        })
     }
 
     /// What is worth a whole picture: the fastest that should keep the bound, if it should be faster than the best so far;
@@ -127,6 +142,9 @@ impl<'a> Search<'a> {
                 self.follow(family);
             }
             progress((index + 1) as f32 / ahead.families.kept.len() as f32 * 0.5);
+            if let Some(stuck) = self.worth_a_whole() {
+                return Some(stuck);
+            }
         }
         ahead.end();
         self.time_again();
@@ -139,6 +157,15 @@ impl<'a> Search<'a> {
             next.ms < FASTER * best.ms || next.candidate.curve() == best.candidate.curve() // of which it has fewer samples
         };
         next.filter(|next| self.lesson(next).is_none() && best.is_none_or(|best| is_faster(next, best)))
+    }
+
+    /// The picture of the curve that is stuck near the bound, where nothing keeps it so far and no whole picture was drawn: small ones
+    /// with more samples would say no more of it, and take longer than the whole.
+    fn worth_a_whole(&self) -> Option<Drawn> {
+        let is_first = self.lessons.is_empty() && self.fitting() == 0;
+        let stuck = self.stuck.iter().filter(|_| is_first).filter_map(|curve| self.nearest_of(curve));
+        let hopeful = stuck.filter(|drawn| self.error(drawn) <= HOPE * self.bound.error);
+        hopeful.min_by(|a, b| a.error.total_cmp(&b.error)).cloned()
     }
 
     /// What a whole picture of a candidate has shown.
@@ -246,6 +273,7 @@ impl<'a> Search<'a> {
         }
         match self.measure(&candidate) {
             Ok((error, ms, runs)) => {
+                log::debug!("{}: {error:.2e} in a small picture, {ms:.1} ms of the whole", candidate.label());
                 self.drawn.push(Drawn { candidate, error, ms, runs });
                 self.drawn.last().cloned()
             }
@@ -275,7 +303,7 @@ impl<'a> Search<'a> {
         draw(&mut self.painter, &scene, pixels(&candidate.scene) / pixels(&scene))
     }
 
-    /// Times again what fits, where curves are close and were timed once.
+    /// Times again what fits, where curves are close and were timed once, as long as it is early.
     fn time_again(&mut self) {
         for _ in 1..RUNS {
             let mut fitting: Vec<usize> =
@@ -289,6 +317,9 @@ impl<'a> Search<'a> {
                 return;
             }
             for index in once {
+                if self.is_late() {
+                    return;
+                }
                 let candidate = self.drawn[index].candidate.clone();
                 // One that cannot be drawn again shows that where it is drawn whole.
                 let Ok((_, ms)) = self.draw(&candidate) else { return };
@@ -351,7 +382,7 @@ impl<'a> Search<'a> {
         let target = self.target(&family.curve());
         let [fewest, most] = SAMPLES;
         let steps = (0..).map(|step| (f64::from(fewest) * 2f64.powf(f64::from(step) / 2.0)).round() as u32);
-        let mut least = 0.0;
+        let mut least = f64::from(self.begun(&family.curve(), target));
         let mut before: Option<(u32, f64)> = None;
         for samples in steps.take_while(|samples| *samples <= most).collect::<Vec<_>>() {
             if f64::from(samples) < least {
@@ -362,10 +393,14 @@ impl<'a> Search<'a> {
             if error <= target || ms > SLOWER * fitting.fold(f64::INFINITY, f64::min) {
                 return;
             }
-            // Its block of noise is what it has for error, and more samples show no other.
             let stays = |(fewer, larger): (u32, f64)| samples >= 2 * fewer && error > STAYS * larger;
-            if family.curve().block.is_some() && samples >= FLAT_FROM && before.is_some_and(stays) {
-                self.flat.push(family.curve());
+            let curve = family.curve();
+            let list = match curve.block {
+                Some(_) => Some(&mut self.flat), // a block of noise is wrong by itself, and more samples show no other error
+                None => self.lessons.is_empty().then_some(&mut self.stuck),
+            };
+            if let Some(list) = list.filter(|_| samples >= FLAT_FROM && before.is_some_and(stays)) {
+                list.push(curve);
                 return;
             }
             if before.is_none_or(|(fewer, _)| samples >= 2 * fewer) {
@@ -373,6 +408,13 @@ impl<'a> Search<'a> {
             }
             least = f64::from(samples) * (error / target).powf(1.0 / ORDER); // fewer would not do
         }
+    }
+
+    /// The most samples of a curve that are known not to do, by itself or by the other pass, which has the same samples.
+    fn begun(&self, curve: &Curve, target: f64) -> u32 {
+        let as_curve = |of: &Curve| Curve { pass: curve.pass, target: curve.target, ..of.clone() } == *curve;
+        let fails = self.drawn.iter().filter(|drawn| drawn.error > target && as_curve(&drawn.candidate.curve()));
+        fails.map(|drawn| drawn.candidate.samples()).max().unwrap_or(0)
     }
 
     /// The same curve with fewer samples, if they do: between those that fit and those before that do not.
