@@ -6,6 +6,15 @@ use super::SAMPLES;
 const STRIDE: f64 = 1.4;
 /// Times that differ by less than this factor are close: a machine is disturbed by as much.
 const CLOSE: f64 = 1.5;
+/// An error that twice the samples leave at this part of what it was is one that no samples remove, or that few pixels have;
+/// fewer samples than [`FLAT_FROM`] say nothing about it.
+const STAYS: f64 = 0.85;
+const FLAT_FROM: u32 = 128;
+
+/// Whether the error of a curve stays what it was, by its samples and errors before and now.
+pub(super) fn stays((fewer, before): (u32, f64), (samples, now): (u32, f64)) -> bool {
+    samples >= FLAT_FROM.max(2 * fewer) && now > STAYS * before
+}
 
 /// The fewest samples that whole pictures of a curve which failed, with so many samples each, do not speak against: more than
 /// they had. After two of them small pictures are worth little, as a few pixels have most of the error: then not a few more
@@ -39,6 +48,14 @@ mod tests {
         let last = SAMPLES[1];
         assert_eq!(least_hopeful(&[last - 1, last - 2]), last, "the most there are");
         assert!(least_hopeful(&[last, last - 1]) > last);
+    }
+
+    #[test]
+    fn an_error_stays_that_twice_the_samples_leave_as_it_was() {
+        assert!(stays((64, 1e-2), (128, 1e-2)) && stays((128, 1e-2), (512, 2e-2)));
+        assert!(!stays((64, 1e-2), (128, 8e-3)), "it goes down, if slowly");
+        assert!(!stays((100, 1e-2), (199, 1e-2)), "of not twice as many samples");
+        assert!(!stays((8, 1e-2), (127, 1e-2)), "of so few samples all pictures are wrong");
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Small pictures of candidates, and which of them is worth a whole one.
 
+mod prospects;
+
 use super::ahead::Ahead;
 use super::known::{Known, draw};
 use super::{CARE, ErrorBound, PATIENCE, PickError, SAMPLES, candidates, rules};
@@ -8,7 +10,7 @@ use crate::measure::compare::{CompareError, Stage};
 use crate::measure::reference::ReferenceError;
 use crate::measure::worker::Painter;
 use crate::render::{Frame, RenderError};
-use crate::scene::{Integration, Scene, TargetFormat};
+use crate::scene::Scene;
 use crate::shader::Library;
 use std::time::Instant;
 
@@ -27,10 +29,6 @@ const RUNS: usize = 3;
 const AGAIN_MS: f64 = 50.0;
 /// The highest order in the step that a picture has: so many fewer samples are not tried.
 const ORDER: f64 = 2.0;
-/// An error that twice the samples leave at this part of what it was is one that no samples remove, or that few pixels have;
-/// fewer samples than [`FLAT_FROM`] say nothing about it.
-const STAYS: f64 = 0.85;
-const FLAT_FROM: u32 = 128;
 /// Curves that take longer than this times the fastest that fits are not drawn on.
 const SLOWER: f64 = 1.5;
 /// A target of fewer bits makes slices at most so many times faster.
@@ -157,15 +155,6 @@ impl<'a> Search<'a> {
             next.ms < FASTER * best.ms || next.candidate.curve() == best.candidate.curve() // of which it has fewer samples
         };
         next.filter(|next| self.lesson(next).is_none() && best.is_none_or(|best| is_faster(next, best)))
-    }
-
-    /// The picture of the curve that is stuck near the bound, where nothing keeps it so far and no whole picture was drawn: small ones
-    /// with more samples would say no more of it, and take longer than the whole.
-    fn worth_a_whole(&self) -> Option<Drawn> {
-        let is_first = self.lessons.is_empty() && self.fitting() == 0;
-        let stuck = self.stuck.iter().filter(|_| is_first).filter_map(|curve| self.nearest_of(curve));
-        let hopeful = stuck.filter(|drawn| self.error(drawn) <= HOPE * self.bound.error);
-        hopeful.min_by(|a, b| a.error.total_cmp(&b.error)).cloned()
     }
 
     /// What a whole picture of a candidate has shown.
@@ -329,54 +318,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether what is known of other curves says that this one is slower than one that fits, or never fits. Its program
-    /// would take a driver longer than all its pictures.
-    fn is_hopeless(&self, family: &Candidate) -> bool {
-        let (curve, families) = (family.curve(), &self.ahead.families.kept);
-        let first = |strategy: &str| families.iter().map(Candidate::curve).find(|other| other.strategy == strategy);
-        let Some(base) = first(&curve.strategy).filter(|base| *base != curve) else { return false };
-        // Another pass, integration or target does not mend what a strategy makes of its noise.
-        if base.block == curve.block && self.flat.contains(&base) {
-            return true;
-        }
-        let best =
-            self.drawn.iter().filter(|drawn| self.fits(drawn)).map(|drawn| drawn.ms).fold(f64::INFINITY, f64::min);
-        let is_slow = |ms: f64| ms > SLOWER * best;
-        // A target of fewer bits needs no fewer samples, and may not take as many.
-        let exact = Curve { target: curve.target.map(|_| TargetFormat::Float32), ..curve.clone() };
-        if exact != curve {
-            let Some(exact) = self.nearest_of(&exact) else { return true };
-            let bound = candidates::with_samples(family, exact.candidate.samples()).blend_bound();
-            return is_slow(exact.ms / OF_TARGET) || bound > self.bound.error;
-        }
-        // Slices take about as many times longer than rays with segments as with points.
-        let points = |of: &Curve| Curve { integration: Integration::Point, ..of.clone() };
-        let rays = Curve { integration: curve.integration, ..base.clone() };
-        let known = [&points(&curve), &rays].map(|other| self.nearest_of(other).filter(|drawn| self.fits(drawn)));
-        if curve != points(&curve)
-            && let [Some(slices), Some(rays)] = known
-            && self.nearest_of(&base).is_some_and(|base| is_slow(slices.ms * rays.ms / base.ms))
-        {
-            return true;
-        }
-        // Whatever a method takes more than rays of points, it takes about as much more with every strategy.
-        let others = families.iter().map(Candidate::curve).filter(|other| other.strategy != curve.strategy);
-        let method = |of: &Curve| (of.pass, of.integration, of.target);
-        let same_block = |other: &Curve| curve.block.is_none() || other.block.is_none() || curve.block == other.block;
-        let alike = others.filter(|other| method(other) == method(&curve) && same_block(other));
-        let ms = |curve: &Curve| self.nearest_of(curve).map(|drawn| drawn.ms);
-        let more = alike.filter_map(|other| Some(ms(&other)? / ms(&first(&other.strategy)?)?));
-        let more = more.fold(f64::INFINITY, f64::min);
-        more.is_finite() && ms(&base).is_some_and(|ms| is_slow(ms * more))
-    }
-
-    /// The fastest picture of a curve that fits, or that with the most samples of those that do not.
-    fn nearest_of(&self, curve: &Curve) -> Option<&Drawn> {
-        let own = || self.drawn.iter().filter(|drawn| drawn.candidate.curve() == *curve);
-        let fitting = own().filter(|drawn| self.fits(drawn)).min_by(|a, b| a.ms.total_cmp(&b.ms));
-        fitting.or_else(|| own().max_by_key(|drawn| drawn.candidate.samples()))
-    }
-
     /// Draws a curve with more and more samples until it fits, or takes longer than one that fits.
     fn follow(&mut self, family: &Candidate) {
         let target = self.target(&family.curve());
@@ -393,13 +334,13 @@ impl<'a> Search<'a> {
             if error <= target || ms > SLOWER * fitting.fold(f64::INFINITY, f64::min) {
                 return;
             }
-            let stays = |(fewer, larger): (u32, f64)| samples >= 2 * fewer && error > STAYS * larger;
             let curve = family.curve();
             let list = match curve.block {
                 Some(_) => Some(&mut self.flat), // a block of noise is wrong by itself, and more samples show no other error
                 None => self.lessons.is_empty().then_some(&mut self.stuck),
             };
-            if let Some(list) = list.filter(|_| samples >= FLAT_FROM && before.is_some_and(stays)) {
+            let stays = before.is_some_and(|fewer| rules::stays(fewer, (samples, error)));
+            if let Some(list) = list.filter(|_| stays) {
                 list.push(curve);
                 return;
             }
@@ -408,13 +349,6 @@ impl<'a> Search<'a> {
             }
             least = f64::from(samples) * (error / target).powf(1.0 / ORDER); // fewer would not do
         }
-    }
-
-    /// The most samples of a curve that are known not to do, by itself or by the other pass, which has the same samples.
-    fn begun(&self, curve: &Curve, target: f64) -> u32 {
-        let as_curve = |of: &Curve| Curve { pass: curve.pass, target: curve.target, ..of.clone() } == *curve;
-        let fails = self.drawn.iter().filter(|drawn| drawn.error > target && as_curve(&drawn.candidate.curve()));
-        fails.map(|drawn| drawn.candidate.samples()).max().unwrap_or(0)
     }
 
     /// The same curve with fewer samples, if they do: between those that fit and those before that do not.
@@ -443,11 +377,14 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Of curves that do not fit, drawn to their limit, the nearest that was not drawn whole.
+    /// Of curves that do not fit, drawn to their limit, the nearest that was not drawn whole. One whose block of noise keeps it
+    /// far from the bound is left as it is.
     fn nearest(&mut self) -> Option<Drawn> {
         let last = |family: &Candidate| {
             let own = self.drawn.iter().filter(|drawn| drawn.candidate.curve() == family.curve());
-            own.max_by_key(|drawn| drawn.candidate.samples()).map(|last| {
+            let is_open =
+                |last: &&Drawn| !self.flat.contains(&family.curve()) || self.error(last) <= HOPE * self.bound.error;
+            own.max_by_key(|drawn| drawn.candidate.samples()).filter(is_open).map(|last| {
                 let more = f64::from(SAMPLES[1]) / f64::from(last.candidate.samples());
                 (last.error / more.powf(ORDER), family.clone())
             })

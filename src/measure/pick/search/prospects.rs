@@ -1,0 +1,72 @@
+//! What pictures drawn so far say about what is worth drawing.
+
+use super::{Drawn, HOPE, OF_TARGET, SLOWER, Search};
+use crate::measure::compare::candidates::{Candidate, Curve};
+use crate::measure::pick::candidates;
+use crate::scene::{Integration, TargetFormat};
+
+impl Search<'_> {
+    /// The picture of the curve that is stuck near the bound, where nothing keeps it so far and no whole picture was drawn: small ones
+    /// with more samples would say no more of it, and take longer than the whole.
+    pub(super) fn worth_a_whole(&self) -> Option<Drawn> {
+        let is_first = self.lessons.is_empty() && self.fitting() == 0;
+        let stuck = self.stuck.iter().filter(|_| is_first).filter_map(|curve| self.nearest_of(curve));
+        let hopeful = stuck.filter(|drawn| self.error(drawn) <= HOPE * self.bound.error);
+        hopeful.min_by(|a, b| a.error.total_cmp(&b.error)).cloned()
+    }
+
+    /// Whether what is known of other curves says that this one is slower than one that fits, or never fits. Its program
+    /// would take a driver longer than all its pictures.
+    pub(super) fn is_hopeless(&self, family: &Candidate) -> bool {
+        let (curve, families) = (family.curve(), &self.ahead.families.kept);
+        let first = |strategy: &str| families.iter().map(Candidate::curve).find(|other| other.strategy == strategy);
+        let Some(base) = first(&curve.strategy).filter(|base| *base != curve) else { return false };
+        // Another pass, integration or target does not mend what a strategy makes of its noise.
+        if base.block == curve.block && self.flat.contains(&base) {
+            return true;
+        }
+        let best =
+            self.drawn.iter().filter(|drawn| self.fits(drawn)).map(|drawn| drawn.ms).fold(f64::INFINITY, f64::min);
+        let is_slow = |ms: f64| ms > SLOWER * best;
+        // A target of fewer bits needs no fewer samples, and may not take as many.
+        let exact = Curve { target: curve.target.map(|_| TargetFormat::Float32), ..curve.clone() };
+        if exact != curve {
+            let Some(exact) = self.nearest_of(&exact) else { return true };
+            let bound = candidates::with_samples(family, exact.candidate.samples()).blend_bound();
+            return is_slow(exact.ms / OF_TARGET) || bound > self.bound.error;
+        }
+        // Slices take about as many times longer than rays with segments as with points.
+        let points = |of: &Curve| Curve { integration: Integration::Point, ..of.clone() };
+        let rays = Curve { integration: curve.integration, ..base.clone() };
+        let known = [&points(&curve), &rays].map(|other| self.nearest_of(other).filter(|drawn| self.fits(drawn)));
+        if curve != points(&curve)
+            && let [Some(slices), Some(rays)] = known
+            && self.nearest_of(&base).is_some_and(|base| is_slow(slices.ms * rays.ms / base.ms))
+        {
+            return true;
+        }
+        // Whatever a method takes more than rays of points, it takes about as much more with every strategy.
+        let others = families.iter().map(Candidate::curve).filter(|other| other.strategy != curve.strategy);
+        let method = |of: &Curve| (of.pass, of.integration, of.target);
+        let same_block = |other: &Curve| curve.block.is_none() || other.block.is_none() || curve.block == other.block;
+        let alike = others.filter(|other| method(other) == method(&curve) && same_block(other));
+        let ms = |curve: &Curve| self.nearest_of(curve).map(|drawn| drawn.ms);
+        let more = alike.filter_map(|other| Some(ms(&other)? / ms(&first(&other.strategy)?)?));
+        let more = more.fold(f64::INFINITY, f64::min);
+        more.is_finite() && ms(&base).is_some_and(|ms| is_slow(ms * more))
+    }
+
+    /// The fastest picture of a curve that fits, or that with the most samples of those that do not.
+    pub(super) fn nearest_of(&self, curve: &Curve) -> Option<&Drawn> {
+        let own = || self.drawn.iter().filter(|drawn| drawn.candidate.curve() == *curve);
+        let fitting = own().filter(|drawn| self.fits(drawn)).min_by(|a, b| a.ms.total_cmp(&b.ms));
+        fitting.or_else(|| own().max_by_key(|drawn| drawn.candidate.samples()))
+    }
+
+    /// The most samples of a curve that are known not to do, by itself or by the other pass, which has the same samples.
+    pub(super) fn begun(&self, curve: &Curve, target: f64) -> u32 {
+        let as_curve = |of: &Curve| Curve { pass: curve.pass, target: curve.target, ..of.clone() } == *curve;
+        let fails = self.drawn.iter().filter(|drawn| drawn.error > target && as_curve(&drawn.candidate.curve()));
+        fails.map(|drawn| drawn.candidate.samples()).max().unwrap_or(0)
+    }
+}
