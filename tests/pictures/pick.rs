@@ -49,7 +49,10 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
                     println!("{index:3} {:6.1e} asked, {found:6.1e} found: {}", error, pick.settings);
                     assert!(found <= error, "scene {index}: {found:e} where {error:e} was asked\n{scene:?}");
                 }
-                Err(PickError::Bound { .. }) => refused += 1,
+                Err(error @ PickError::Bound { .. }) => {
+                    refused += 1;
+                    println!("{index:3} {error}");
+                }
                 Err(error) => panic!("scene {index}: {error}"),
             }
         }
