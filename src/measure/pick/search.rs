@@ -71,8 +71,8 @@ pub(super) struct Search<'a> {
     lessons: Vec<Lesson>,
     /// Curves whose error no samples remove.
     flat: Vec<Curve>,
-    /// Curves with no error but that of their steps, whose small pictures stay off as far with twice the samples: few pixels have
-    /// that error, and the whole picture has others.
+    /// Curves with no error but that of their steps, whose small pictures stay off as far with twice the samples when it is late: few
+    /// pixels have that error, and the whole picture has others.
     stuck: Vec<Curve>,
     /// Candidates that could not be drawn; no other of their curves is tried.
     pub(super) failed: Vec<(Candidate, RenderError)>,
@@ -337,7 +337,7 @@ impl<'a> Search<'a> {
             let curve = family.curve();
             let list = match curve.block {
                 Some(_) => Some(&mut self.flat), // a block of noise is wrong by itself, and more samples show no other error
-                None => self.lessons.is_empty().then_some(&mut self.stuck),
+                None => (self.is_late() && self.lessons.is_empty()).then_some(&mut self.stuck),
             };
             let stays = before.is_some_and(|fewer| rules::stays(fewer, (samples, error)));
             if let Some(list) = list.filter(|_| stays) {
