@@ -292,9 +292,12 @@ impl<'a> Search<'a> {
         draw(&mut self.painter, &scene, pixels(&candidate.scene) / pixels(&scene))
     }
 
-    /// Times again what fits, where curves are close and were timed once, as long as it is early.
+    /// Times again what fits, where curves are close and were timed once; where it is late, no more than that.
     fn time_again(&mut self) {
-        for _ in 1..RUNS {
+        for run in 1..RUNS {
+            if run > 1 && self.is_late() {
+                return;
+            }
             let mut fitting: Vec<usize> =
                 (0..self.drawn.len()).filter(|&index| self.fits(&self.drawn[index])).collect();
             fitting.sort_by(|a, b| self.drawn[*a].ms.total_cmp(&self.drawn[*b].ms));
@@ -306,9 +309,6 @@ impl<'a> Search<'a> {
                 return;
             }
             for index in once {
-                if self.is_late() {
-                    return;
-                }
                 let candidate = self.drawn[index].candidate.clone();
                 // One that cannot be drawn again shows that where it is drawn whole.
                 let Ok((_, ms)) = self.draw(&candidate) else { return };
