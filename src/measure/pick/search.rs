@@ -159,7 +159,7 @@ impl<'a> Search<'a> {
 
     /// What a whole picture of a candidate has shown.
     pub(super) fn learn(&mut self, drawn: &Drawn, error: f64) {
-        let factor = (error / drawn.error.max(f64::MIN_POSITIVE)).clamp(0.01, 100.0);
+        let factor = (error / drawn.error.max(f64::MIN_POSITIVE)).clamp(0.01, 10.0);
         let Candidate { scene, .. } = &drawn.candidate;
         self.lessons.push(Lesson { curve: drawn.candidate.curve(), scene: scene.clone(), error, factor });
     }
@@ -323,7 +323,7 @@ impl<'a> Search<'a> {
         let target = self.target(&family.curve());
         let [fewest, most] = SAMPLES;
         let steps = (0..).map(|step| (f64::from(fewest) * 2f64.powf(f64::from(step) / 2.0)).round() as u32);
-        let mut least = f64::from(self.begun(&family.curve(), target));
+        let mut least = f64::from(self.begun(&family.curve(), target).max(self.least_hopeful(&family.curve())));
         let mut before: Option<(u32, f64)> = None;
         for samples in steps.take_while(|samples| *samples <= most).collect::<Vec<_>>() {
             if f64::from(samples) < least {
