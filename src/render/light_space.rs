@@ -15,9 +15,9 @@ const WIDEST: f32 = 80.0;
 /// of the reference of `tank` at 64 x 64 differ with 16 from those with 64 by 8e-6 in the root mean square and 6e-4 at most; with 8
 /// samples by 5e-4 and 0.04.
 const MOST_STEPS: f32 = (SHADOW_SAMPLES / 4) as f32;
-/// Steps of the picture's rays in one of the light's. What a shadow is wrong by is dimmed and blurred in the picture: with 2, the
-/// pictures of five scenes with shadows, at 64 to 512 samples, are off by at most 1.2 times as much as with 1, mostly by the same, and their shadows take
-/// some 0.7 times as long. Less: slower. More: thin hair, off by 1.2 to 1.7 times as much with 4, casts too little.
+/// Steps of the picture's rays in one of the light's. What a shadow is wrong by is dimmed and blurred in the picture: with 2,
+/// pictures of six scenes at 64 to 512 samples are off by at most 1.2 times as much as with 1, mostly by the same, and their
+/// shadows take some 0.7 times as long. Less: slower. More: thin hair, off by 1.2 to 2 times as much with 4, casts too little.
 const STRIDE: f32 = 2.0;
 
 /// Where the shadow volume of a scene is.
