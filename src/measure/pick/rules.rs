@@ -6,6 +6,8 @@ use super::SAMPLES;
 const STRIDE: f64 = 1.4;
 /// Times that differ by less than this factor are close: a machine is disturbed by as much.
 const CLOSE: f64 = 1.5;
+/// The highest order in the step that a picture has: so many fewer samples are not tried.
+pub(super) const ORDER: f64 = 2.0;
 /// An error that twice the samples leave at this part of what it was is one that no samples remove, or that few pixels have;
 /// fewer samples than [`FLAT_FROM`] say nothing about it.
 const STAYS: f64 = 0.85;
@@ -16,13 +18,15 @@ pub(super) fn stays((fewer, before): (u32, f64), (samples, now): (u32, f64)) -> 
     samples >= FLAT_FROM.max(2 * fewer) && now > STAYS * before
 }
 
-/// The fewest samples that whole pictures of a curve which failed, with so many samples each, do not speak against: more than
-/// they had. After two of them small pictures are worth little, as a few pixels have most of the error: then not a few more
-/// either, unless there are no more.
-pub(super) fn least_hopeful(failed: &[u32]) -> u32 {
-    let most = failed.iter().copied().max().unwrap_or(0);
-    let next = (STRIDE * f64::from(most)).min(f64::from(SAMPLES[1]));
-    if failed.len() >= 2 { (next.ceil() as u32).max(most + 1) } else { most + 1 }
+/// The fewest samples that whole pictures of a curve do not speak against which failed: of each its samples, and its error in
+/// parts of the one that it may have. More than they had, and no fewer than would do if the error went down by [`ORDER`].
+/// After two of them small pictures are worth little, as a few pixels have most of the error: then not a few more either,
+/// unless there are no more.
+pub(super) fn least_hopeful(failed: &[(u32, f64)]) -> u32 {
+    let Some((most, error)) = failed.iter().copied().max_by_key(|(samples, _)| *samples) else { return 1 };
+    let stride = if failed.len() >= 2 { STRIDE } else { 1.0 };
+    let next = f64::from(most) * stride.max(error.powf(1.0 / ORDER));
+    (next.min(f64::from(SAMPLES[1])).ceil() as u32).max(most + 1)
 }
 
 /// Of curves and times, the fastest first, those that are too close to the fastest to tell which is: each curve once, and
@@ -40,14 +44,18 @@ mod tests {
 
     #[test]
     fn after_a_failure_fewer_samples_are_not_tried_and_after_two_nor_are_a_few_more() {
-        let tried = |failed: &[u32]| [50, 100, 101, 139, 140, 400].map(|samples| samples >= least_hopeful(failed));
+        let near = |failed: &[u32]| failed.iter().map(|samples| (*samples, 1.01)).collect::<Vec<_>>();
+        let tried =
+            |failed: &[u32]| [50, 100, 101, 139, 142, 400].map(|samples| samples >= least_hopeful(&near(failed)));
         assert_eq!(tried(&[]), [true; 6]);
         assert_eq!(tried(&[100]), [false, false, true, true, true, true]);
         assert_eq!(tried(&[100, 40]), [false, false, false, false, true, true]);
         assert_eq!(tried(&[100, 280]), [false, false, false, false, false, true]);
         let last = SAMPLES[1];
-        assert_eq!(least_hopeful(&[last - 1, last - 2]), last, "the most there are");
-        assert!(least_hopeful(&[last, last - 1]) > last);
+        assert_eq!(least_hopeful(&near(&[last - 1, last - 2])), last, "the most there are");
+        assert!(least_hopeful(&near(&[last, last - 1])) > last);
+        assert_eq!(least_hopeful(&[(100, 9.0)]), 300, "an error of 9 times the bound needs 3 times the samples");
+        assert_eq!(least_hopeful(&[(40, 100.0), (100, 1.1)]), 140, "that of the most samples counts");
     }
 
     #[test]

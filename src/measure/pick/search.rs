@@ -27,8 +27,6 @@ const LOOK: u32 = 64;
 /// milliseconds, only where another one is close.
 const RUNS: usize = 3;
 const AGAIN_MS: f64 = 50.0;
-/// The highest order in the step that a picture has: so many fewer samples are not tried.
-const ORDER: f64 = 2.0;
 /// Curves that take longer than this times the fastest that fits are not drawn on.
 const SLOWER: f64 = 1.5;
 /// A target of fewer bits makes slices at most so many times faster.
@@ -237,9 +235,10 @@ impl<'a> Search<'a> {
 
     /// The fewest samples of a curve that whole pictures of it which failed do not speak against.
     fn least_hopeful(&self, curve: &Curve) -> u32 {
-        let failed =
-            self.lessons.iter().filter(|lesson| lesson.curve == *curve && lesson.error > CARE * self.bound.error);
-        rules::least_hopeful(&failed.map(|lesson| lesson.scene.quality.samples).collect::<Vec<_>>())
+        let bound = CARE * self.bound.error;
+        let failed = self.lessons.iter().filter(|lesson| lesson.curve == *curve && lesson.error > bound);
+        let failed = failed.map(|lesson| (lesson.scene.quality.samples, lesson.error / bound));
+        rules::least_hopeful(&failed.collect::<Vec<_>>())
     }
 
     fn is_near_failed(&self, drawn: &Drawn) -> bool {
@@ -347,7 +346,7 @@ impl<'a> Search<'a> {
             if before.is_none_or(|(fewer, _)| samples >= 2 * fewer) {
                 before = Some((samples, error));
             }
-            least = f64::from(samples) * (error / target).powf(1.0 / ORDER); // fewer would not do
+            least = f64::from(samples) * (error / target).powf(1.0 / rules::ORDER); // fewer would not do
         }
     }
 
@@ -386,7 +385,7 @@ impl<'a> Search<'a> {
                 |last: &&Drawn| !self.flat.contains(&family.curve()) || self.error(last) <= HOPE * self.bound.error;
             own.max_by_key(|drawn| drawn.candidate.samples()).filter(is_open).map(|last| {
                 let more = f64::from(SAMPLES[1]) / f64::from(last.candidate.samples());
-                (last.error / more.powf(ORDER), family.clone())
+                (last.error / more.powf(rules::ORDER), family.clone())
             })
         };
         let mut hopeful: Vec<(f64, Candidate)> = self.ahead.families.kept.iter().filter_map(last).collect();
