@@ -24,7 +24,7 @@ const FIELD: Kind = Kind { magic: b"HYPERFLD", end: "field", floats: 1 };
 /// Closest points of the same input, beside them.
 const CLOSEST: Kind = Kind { magic: b"HYPERCPT", end: "closest", floats: 3 };
 /// Raise it when a field computed from the same input changes, or the layout of the file does.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 /// Magic, version, key, size, origin, spacing, five counts; the payload follows.
 const HEADER_BYTES: usize = 8 + 4 + 32 + 12 + 12 + 12 + 5 * 8;
 /// Less: a few scans at a high resolution push each other out. More: a person finds a full disk.

@@ -1,16 +1,15 @@
 //! Triangles that close the holes of a mesh.
 //!
-//! Invariant: after adding them, neighbors of different sign have distances that add up to at most 1 voxel, so that
+//! Invariant: after adding them, neighbors of different sign have distances that add up to at most [`APART`] voxels, so that
 //! the signed field is continuous. They are the level 1/2 of the winding number, in those tetrahedra of the grid where
 //! the sign changes across an edge that no triangle can cross.
 
+use super::sign::APART;
 use super::tetra::{self, Triangle};
 use super::winding::Winding;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Room for rounding in "distances add up to less than the edge".
-const ROUNDING: f32 = 1.0e-4;
 /// Least distance of a winding number from 1/2 at a voxel, so that a cut never leaves the edge that it closes.
 const OFF_HALF: f64 = 1.0e-3;
 
@@ -37,7 +36,7 @@ pub(super) fn closing_triangles(
                 let uncrossed = |a: usize, b: usize| {
                     let (u, v) = (at(a), at(b));
                     let length = ((a ^ b).count_ones() as f32).sqrt();
-                    inside[u] != inside[v] && distances[u] + distances[v] > length * (1.0 + ROUNDING)
+                    inside[u] != inside[v] && distances[u] + distances[v] > length * APART
                 };
                 if !tetra::any_tetrahedron_edge(uncrossed) {
                     continue;

@@ -1,6 +1,6 @@
 //! Which voxels are inside a mesh.
 //!
-//! Invariant: voxel units; two neighbors whose distances add up to more than 1 have no surface between them.
+//! Invariant: voxel units; two neighbors whose distances add up to more than [`APART`] have no surface between them.
 //! The winding number is evaluated only where it must be: in blocks where it is not clearly a whole number (near the
 //! rim of a hole and across it), at voxels cut off from all their neighbors by the surface, and once for each region
 //! of the rest, through which the sign is flooded.
@@ -18,6 +18,10 @@ const UNCLEAR: f32 = 0.25;
 const NEAR_HALF: f32 = 0.1;
 /// From here on two solids overlap: 1 and 2 are the winding numbers to tell apart.
 const OVERLAP: f32 = 1.5;
+
+/// 1 with room for the rounding of two distances, of a few units in the last place of a number of voxels, of which there are 1024 at
+/// most: less lets a sign through a flat face, and more evaluates a few more winding numbers.
+pub(super) const APART: f32 = 1.0 + 1.0e-3;
 
 /// A voxel that is not decided yet, and the two decisions.
 const UNKNOWN: u8 = 0;
@@ -46,7 +50,7 @@ pub(super) fn signs(size: [usize; 3], distances: &Distances, winding: &Winding, 
             let wanted = (0..nx).filter(|&x| {
                 let i = (z * ny + y) * nx + x;
                 let needed = unclear.as_ref().is_some_and(|unclear| unclear[row + x / BLOCK]);
-                needed || neighbors([x, y, z], size).all(|j| d[i] + d[j] <= 1.0)
+                needed || neighbors([x, y, z], size).all(|j| d[i] + d[j] <= APART)
             });
             let wanted: Vec<usize> = wanted.collect();
             for group in wanted.chunks(POINTS) {
@@ -76,7 +80,7 @@ pub(super) fn signs(size: [usize; 3], distances: &Distances, winding: &Winding, 
                 while let Some(at) = queue.pop_front() {
                     let i = (at[2] * ny + at[1]) * nx + at[0];
                     for j in neighbors(at, size) {
-                        if state[j] == UNKNOWN && d[i] + d[j] > 1.0 {
+                        if state[j] == UNKNOWN && d[i] + d[j] > APART {
                             state[j] = sign;
                             queue.push_back([j % nx, j / nx % ny, j / (nx * ny)]);
                         }

@@ -151,3 +151,27 @@ fn a_linear_field_is_interpolated_and_differentiated_exactly() {
         assert!(field.sample(Vec3::NAN).is_nan());
     }
 }
+
+#[test]
+fn no_rounding_lets_a_sign_through_a_flat_face() {
+    // Neighbors to both sides of a face across them are exactly 1 voxel apart, in f32 a little more or less.
+    let corner =
+        |half: Vec3, i: u32| half * Vec3::from_array([0, 1, 2].map(|bit| f32::from((i >> bit & 1) as u8) * 2.0 - 1.0));
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    for resolution in 100..400 {
+        let mut sides = [1.0, 0.05, 0.04];
+        sides.rotate_right(resolution as usize % 3);
+        let half = Vec3::from_array(sides);
+        let positions = (0..8).map(|i| corner(half, i)).collect();
+        let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let mesh = Mesh { positions, triangles, ..Mesh::default() };
+        let (field, report) = field_of(&mesh, resolution, 0.1, 0.0);
+        assert_eq!(report.closing_triangles, 0, "{resolution}");
+        for (_, p, value) in samples(&field) {
+            let depth = (half - p.abs()).min_element();
+            if depth.abs() > 1e-3 * field.grid.spacing.x {
+                assert_eq!(value < 0.0, depth > 0.0, "{resolution}: {p}");
+            }
+        }
+    }
+}
