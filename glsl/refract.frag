@@ -31,6 +31,7 @@ const float GLASS = 0.0399;             // part of the light that glass reflects
 struct Ray {
     vec3 at;
     vec3 along;     // unit
+    vec3 bent;      // the last point at which it bent, or the eye: how wide it has become is measured from there
     Index medium;
 };
 
@@ -81,6 +82,7 @@ void meet(inout Ray ray, Index beyond, float gap) {
     vec3 mirrored = safe_normalize(ray.along + 2.0 * cos_from * normal, normal);
     if (k < 0.0) {
         ray.along = mirrored;           // total reflection
+        ray.bent = ray.at;
         return;
     }
     float cos_to = sqrt(k);
@@ -96,7 +98,7 @@ void meet(inout Ray ray, Index beyond, float gap) {
     }
     rest *= 1.0 - reflected;
     ray.along = safe_normalize(eta * ray.along + (eta * cos_from - cos_to) * normal, ray.along);
-    ray.at = far;
+    ray.at = ray.bent = far;
     ray.medium = beyond;
 }
 
@@ -115,7 +117,7 @@ void main() {
     float last = min(floor((inside.y - first_depth) / step_size), slice_count - 1.0);
     Ray ray;
     ray.along = normalize(per_depth);
-    ray.at = ray_at(ndc, 0.0) - center_eye;
+    ray.at = ray.bent = ray_at(ndc, 0.0) - center_eye;
     if (first <= last) {
         float before_first = first_depth + (first - 1.0) * step_size;           // an interface may lie before the first
         float k = before_first > 0.0 ? first - 1.0 : first;
@@ -142,6 +144,7 @@ void main() {
                 ray.at = straight ? position_eye - center_eye : ahead.at;
                 ray.along = ahead.along;
                 ray.medium = beyond;
+                if (beyond.slope != 0.0) ray.bent = ray.at;
                 straight = straight && beyond.slope == 0.0;
                 if (gone(x, object_space(ray.along))) break;
                 float next = 1.0;
@@ -182,6 +185,6 @@ void main() {
         }
     }
     float spread = max(length(dFdx(ray.along)), length(dFdy(ray.along)));
-    add_environment(rest, ray.at, ray.along, max(spread, pixel_angle()));
+    add_environment(rest, ray.bent, ray.along, max(spread, pixel_angle()));
     fragment = sum;
 }

@@ -197,6 +197,12 @@ pub fn reference(
     Ok(found)
 }
 
+/// Side of the squares of pixels, from the first on, whose light costs no more than that of one of them: rays that bend are
+/// followed by fours.
+pub fn computed_together(scene: &Scene) -> usize {
+    if scene.effect.ray_path == RayPath::Refracted { 2 } else { 1 }
+}
+
 /// The light of some pixels of a scene that [`truth_of`] or [`converged_settings`] gave, each with an error of about `tolerance`.
 ///
 /// # Errors
