@@ -118,6 +118,7 @@ void main() {
     Ray ray;
     ray.along = normalize(per_depth);
     ray.at = ray.bent = ray_at(ndc, 0.0) - center_eye;
+    bool straight = true;               // so far: then the samples are those of the planes, to the bit
     if (first <= last) {
         float before_first = first_depth + (first - 1.0) * step_size;           // an interface may lie before the first
         float k = before_first > 0.0 ? first - 1.0 : first;
@@ -128,7 +129,7 @@ void main() {
         float travel = k < first ? spacing : 0.0;   // to the next sample
         k = first;
         float steps = 0.0;
-        bool straight = ray.medium.slope == 0.0;    // so far: then the samples are those of the planes, to the bit
+        straight = ray.medium.slope == 0.0;
         // Loops within a loop, and little in the longest: lavapipe runs both sides of every branch, but leaves a loop.
         for (int interfaces = 0; interfaces < MOST_INTERFACES; ++interfaces) {
             Index beyond;
@@ -143,8 +144,8 @@ void main() {
                 tint *= transmitted(0.5 * (ray.medium.density + beyond.density) * travel);
                 ray.at = straight ? position_eye - center_eye : ahead.at;
                 ray.along = ahead.along;
+                ray.bent = ahead.bent;
                 ray.medium = beyond;
-                if (beyond.slope != 0.0) ray.bent = ray.at;
                 straight = straight && beyond.slope == 0.0;
                 if (gone(x, object_space(ray.along))) break;
                 float next = 1.0;
@@ -184,7 +185,7 @@ void main() {
             travel -= found;
         }
     }
-    float spread = max(length(dFdx(ray.along)), length(dFdy(ray.along)));
-    add_environment(rest, ray.bent, ray.along, max(spread, pixel_angle()));
+    float spread = max(length(dFdx(ray.along)), length(dFdy(ray.along)));   // of a straight ray too, beside one that bends
+    add_environment(rest, ray.bent, ray.along, straight ? pixel_angle() : max(spread, pixel_angle()));
     fragment = sum;
 }

@@ -13,7 +13,7 @@ Ray moved(Ray ray, float path) {
     vec3 a = h * bend(ray.at, ray.medium);
     vec3 b = h * bend(ray.at + h * (0.5 * t + 0.125 * a), ray.medium);
     vec3 c = h * bend(ray.at + h * (t + 0.5 * b), ray.medium);
-    ray.at += h * (t + (a + 2.0 * b) / 6.0);
+    ray.bent = ray.at += h * (t + (a + 2.0 * b) / 6.0);
     ray.along = safe_normalize(t + (a + 4.0 * b + c) / 6.0, ray.along);
     return ray;
 }

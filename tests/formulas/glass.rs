@@ -35,13 +35,13 @@ fn absorption(library: &Library, module: &str, formula: fn(&At<'_>) -> DVec3) ->
 /// A step of a ray in a medium whose index n falls with the distance from the axis: n^2 = 4 - |x|^2, in eye space.
 fn ray_path(library: &Library, module: &str, formula: fn(f64, DVec3, DVec3, f64) -> (DVec3, DVec3)) -> f64 {
     let text = "#include \"index_point.glsl\"
-        struct Ray { vec3 at; vec3 along; Index medium; };
+        struct Ray { vec3 at; vec3 along; vec3 bent; Index medium; };
         vec3 object_space(vec3 at) { return mat3(texture_matrix) * at; }
         // n grad n of the index by the place in object space, of which the normal matrix makes that in eye space.
         vec3 pull(vec3 x, Index medium) { return transpose(mat3(object_matrix)) * (mat3(object_matrix) * -x); }
         #include <ray_path>
         void check() {
-            Ray ray = Ray(p0.xyz, p1.xyz, Index(sqrt(4.0 - dot(p0.xyz, p0.xyz)), 1.0, 0.0, 0.5));
+            Ray ray = Ray(p0.xyz, p1.xyz, p0.xyz, Index(sqrt(4.0 - dot(p0.xyz, p0.xyz)), 1.0, 0.0, 0.5));
             ray = moved(ray, p2.x);
             out0.xyz = ray.at;
             out1.xyz = ray.along;

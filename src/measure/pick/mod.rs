@@ -18,7 +18,7 @@ use crate::measure::compare::{CompareError, Failure, Stage};
 use crate::measure::metric::{Errors, Metric};
 use crate::measure::reference::ReferenceError;
 use crate::render::{Frame, RenderError};
-use crate::scene::Scene;
+use crate::scene::{RayPath, Scene};
 use ahead::Ahead;
 use known::{Known, draw};
 use search::{Drawn, Search};
@@ -43,6 +43,8 @@ const OTHER: [RangeInclusive<f64>; 2] = [0.25..=0.75, 1.5..=4.0];
 /// The first whole picture is drawn again with so many times the samples, few of which are at the same places: what one of the
 /// two overlooks, the other may find.
 const APART: f64 = 0.7;
+/// The same where rays bend: what is thin in glass at a glance, fewer samples overlook as well.
+const APART_BENT: f64 = 2.0;
 /// After so long nothing is begun that only may be faster than what keeps the bound.
 const PATIENCE: Duration = Duration::from_secs(4);
 /// The fewest and the most samples of a candidate.
@@ -275,7 +277,8 @@ impl Whole<'_> {
             Some(known) => known,
             none => none.insert(match has_reference {
                 true => {
-                    let apart = with((APART * f64::from(scene.quality.samples)).ceil() as u32);
+                    let apart = if scene.effect.ray_path == RayPath::Refracted { APART_BENT } else { APART };
+                    let apart = with((apart * f64::from(scene.quality.samples)).ceil() as u32);
                     let drawn = draw(painter, &apart, 1.0)?.0;
                     let (_, apart) = other.insert((apart, drawn));
                     Known::by_reference(*stage, scene, [&frame, apart], PIXELS, OWN * bound.error, progress)
