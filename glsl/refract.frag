@@ -66,9 +66,9 @@ void add_environment(float share, vec3 at, vec3 along, float spread) {
 // reflected as a whole.
 void meet(inout Ray ray, Index beyond, float gap) {
     vec3 far = ray.at + gap * ray.along;
-    vec3 g = vec3(0.0);
+    vec3 g = vec3(0.0), face = vec3(0.0);
     if (beyond.value != ray.medium.value)
-        g = mat3(normal_matrix) * interface_normal(object_space(ray.at), object_space(far));
+        g = mat3(normal_matrix) * interface_normal(object_space(ray.at), object_space(far), face);
     float size = length(g);
     if (size < 1e-6) {                  // nothing to bend at, or no side to bend to
         ray.at = far;
@@ -80,8 +80,11 @@ void meet(inout Ray ray, Index beyond, float gap) {
     float cos_from = -dot(ray.along, normal);
     float k = 1.0 - eta * eta * (1.0 - cos_from * cos_from);
     vec3 mirrored = safe_normalize(ray.along + 2.0 * cos_from * normal, normal);
-    if (k < 0.0) {
-        ray.along = mirrored;           // total reflection
+    if (k < 0.0) {                      // total reflection
+        face = safe_normalize(mat3(normal_matrix) * face, normal);
+        // A normal smoother than its face may mirror a ray back out of it, again and again.
+        bool inward = dot(mirrored, face) * dot(ray.along, face) < 0.0;
+        ray.along = inward ? mirrored : reflect(ray.along, face);
         ray.bent = ray.at;
         return;
     }

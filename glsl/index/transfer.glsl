@@ -62,10 +62,19 @@ vec3 pull(vec3 x, Index medium) {
     return at.slope == 0.0 ? vec3(0.0) : at.value * at.slope * density_gradient(x, bare_normal);
 }
 
-// Normal of the interface between two points that are very near to each other: of any length and sign; 0 if there is none.
-vec3 interface_normal(vec3 from, vec3 to) {
-    if (clipped(from) != clipped(to)) return clip_plane.xyz;
+// Normal of the interface between two points that are very near to each other, and that of its face there, which the other
+// smooths: of any length and sign; 0 if there is none.
+vec3 interface_normal(vec3 from, vec3 to, out vec3 face) {
+    face = clip_plane.xyz;
+    if (clipped(from) != clipped(to)) return face;
     vec3 bare_normal;
     vec3 gradient = density_gradient(from, bare_normal);
-    return dot(bare_normal, bare_normal) > 0.0 ? bare_normal : gradient;
+    face = gradient;
+    if (bare_normal == vec3(0.0)) return gradient;
+    const float h = 1e-3;                           // smaller: f32 shows; larger: it blurs
+    for (int axis = 0; axis < 3; ++axis) {
+        vec3 along = h * vec3(axis == 0, axis == 1, axis == 2);
+        face[axis] = sample_object(from + along).distance - sample_object(from - along).distance;
+    }
+    return bare_normal;
 }

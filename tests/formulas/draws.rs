@@ -77,7 +77,9 @@ const BENDING: &str = "\
     position_eye = (object_matrix * vec4(x, 1.0)).xyz;
     vec3 at = (object_matrix * vec4(x, 0.0)).xyz;
     Index medium = index_at(x);
-    fragment = vec4(pull(x, medium) + bend(at, medium) + interface_normal(x, x + 0.001), density_at(x));
+    vec3 face;
+    vec3 normal = interface_normal(x, x + 0.001, face);
+    fragment = vec4(pull(x, medium) + bend(at, medium) + normal + face, density_at(x));
 ";
 /// What is classified in two phases, which rays ask for seldom.
 const IN_PHASES: &str = "\

@@ -121,10 +121,16 @@ fn index(library: &Library) -> f64 {
     })
 }
 
-/// n grad n within the soft region, where the slope of the density is -1 / width along the normal.
+/// n grad n within the soft region, where the slope of the density is -1 / width along the normal, and the normals of an
+/// interface there.
 fn pull(library: &Library) -> f64 {
     let text = "#include <clip>\n#include <index>
-        void check() { out0.xyz = pull(p0.xyz, index_at(p0.xyz)); out1.xyz = interface_normal(p0.xyz, p0.xyz); }";
+        void check() {
+            vec3 face;
+            out0.xyz = pull(p0.xyz, index_at(p0.xyz));
+            out1.xyz = interface_normal(p0.xyz, p0.xyz, face);
+            out1.w = length(cross(normalize(face), out1.xyz));
+        }";
     let check = Check::new(library, &[], text).with_texture("index_image", layered(&mut Random::new(1, "index")));
     check.given(around).worst(|at, found| {
         let x = at.place(0);
@@ -136,7 +142,8 @@ fn pull(library: &Library) -> f64 {
         let expected = -index * slope / width * x.normalize();
         let off = (DVec3::from_slice(&found) - expected).length() / (1.0 + expected.length());
         let normal = (DVec3::from_slice(&found[4..]) - x.normalize()).length();
+        let face = found[7]; // a difference is off by its square, 1e-6
         // A difference that reaches beyond an end of the soft region is of both sides.
-        (if from_end > 0.03 { off } else { 0.0 }).max(normal) / 1e-8
+        (if from_end > 0.03 { off } else { 0.0 }).max(normal).max(0.01 * face) / 1e-8
     })
 }

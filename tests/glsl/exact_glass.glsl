@@ -18,6 +18,7 @@ vec4 color = vec4(1.0);
 struct Ray {
     vec3 at;
     vec3 along;
+    vec3 bent;
     Index medium;
 };
 vec3 object_space(vec3 at) { return mat3(texture_matrix) * at; }
@@ -27,7 +28,7 @@ void main() {
     vec3 x = 0.75 * point().xyz;
     position_eye = (object_matrix * vec4(x, 1.0)).xyz;
     Ray ray;
-    ray.at = x;
+    ray.at = ray.bent = x;
     ray.along = safe_normalize(vec3(0.3, x.z, -1.0), vec3(0.0));
     ray.medium = index_at(x);
     vec4 seen = environment(x, ray.along, 0.0078125);

@@ -2,11 +2,10 @@
 //!
 //! Role: how a ray bends depends on its own steps, and what it meets at last is filtered by its neighbors, so nothing
 //! can be sampled along it beforehand: the program of the picture itself runs in f64, four pixels of a quad together,
-//! with ever more steps. Invariant: what two numbers of steps differ by is the error that is stated.
+//! with ever more steps, between which it locates interfaces as exactly as f64 can. Invariant: what two numbers of steps differ by is the error that is stated.
 
 use super::{Reference, ReferenceError, Stop, go_on};
 use crate::exact;
-use crate::measure::statistics::rms;
 use crate::render::variant::{Program, Variant};
 use crate::render::{CpuInputs, OCTAVES_ID, Subject};
 use crate::scene::Scene;
@@ -18,9 +17,8 @@ use std::collections::BTreeMap;
 pub(super) const FEWEST: u32 = 256;
 /// So many times they are doubled, at most; a device may not bear as many loops.
 const DOUBLINGS: u32 = 4;
-/// They are doubled again only where that brought the error down to this part of it: at an edge of total reflection no number
-/// of steps is enough.
-const PAYS: f64 = 0.8;
+/// Halvings of a step that locate an interface in f64: total reflection multiplies what is left at each.
+const HALVINGS: &str = "44";
 /// Quads that are evaluated together.
 const TOGETHER: usize = 16;
 
@@ -36,7 +34,7 @@ pub(super) fn reference(
 ) -> Result<Reference, ReferenceError> {
     let glass = Glass::new(library, truth, subject)?;
     let mut found = glass.light(FEWEST, pixels, stop)?;
-    let (mut estimate, mut before) = (vec![f64::INFINITY; pixels.len()], f64::INFINITY);
+    let mut estimate = vec![f64::INFINITY; pixels.len()];
     for doubling in 1..=DOUBLINGS {
         progress(doubling as f32 / (DOUBLINGS + 1) as f32);
         let coarse: Vec<usize> = (0..pixels.len()).filter(|&index| estimate[index] > tolerance).collect();
@@ -48,11 +46,6 @@ pub(super) fn reference(
             estimate[index] = (0..4).map(|c| (finer[c] - found[index][c]).abs()).fold(0.0, f64::max);
             found[index] = finer;
         }
-        let left = rms(estimate.iter().copied());
-        if left > PAYS * before {
-            break;
-        }
-        before = left;
     }
     progress(1.0);
     let open = vec![1.0; pixels.len()]; // no bounds follow a ray that bends
@@ -72,7 +65,7 @@ struct Glass<'a> {
 impl<'a> Glass<'a> {
     fn new(library: &'a Library, truth: &'a Scene, subject: &'a Subject) -> Result<Glass<'a>, ReferenceError> {
         let variant = Variant::of(truth, library)?;
-        let linked = variant.program(library, Linker::new)?;
+        let linked = variant.program(&library.with_constant("HALVINGS", HALVINGS), Linker::new)?;
         let program = exact::Program::read(&linked.fragment, &[(OCTAVES_ID, truth.effect.octaves)])?;
         Ok(Glass { library, truth, subject, variant, linked, program })
     }

@@ -10,4 +10,4 @@ vec3 pull(vec3 x, Index medium) {
     float u = 1.0 + dot(x, x);
     return -8.0 * x / (u * u * u);
 }
-vec3 interface_normal(vec3 from, vec3 to) { return from; }
+vec3 interface_normal(vec3 from, vec3 to, out vec3 face) { return face = from; }
