@@ -1,15 +1,17 @@
 //! Log messages on standard error: warnings and errors, more with `HYPERTEXTURE_LOG=info` or `debug`.
 
-use log::{LevelFilter, Log, Metadata, Record};
+use log::{Level, LevelFilter, Log, Metadata, Record};
 
 struct Stderr {
-    /// Whether libraries are heard: what they say is nothing that a person can act upon.
+    /// Whether libraries are heard, down to what informs: what they say is nothing that a person can act upon, and one of them
+    /// traces every instruction of a program.
     libraries: bool,
 }
 
 impl Log for Stderr {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        let heard = self.libraries || metadata.target().starts_with("hypertexture");
+        let heard =
+            metadata.target().starts_with("hypertexture") || (self.libraries && metadata.level() <= Level::Info);
         heard && metadata.level() <= log::max_level()
     }
 
