@@ -294,6 +294,37 @@ fn p43_clear_glass_in_a_white_room_is_white() {
     });
 }
 
+/// Pixels side by side share the spread of their rays: one that passes a ball of glass is not to be blurred by another that
+/// meets it, nor by where its last sample lies.
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn p28_surroundings_beside_glass_are_as_they_are_without_it() {
+    with_gpu(|gpu| {
+        let mut scene = preset("blue_glass").expect("a shipped preset");
+        scene.effect.warp.clear();
+        for unused in ["amplitude", "frequency"] {
+            scene.parameters.remove(unused);
+        }
+        scene.image.size = [96, 96];
+        scene.quality.supersampling = 1;
+        let subject = subject(&scene, &library());
+        let rays = rays(&scene, &subject);
+        let drawn = [(96, EmptySpace::Skip), (41, EmptySpace::Sample)].map(|(samples, empty_space)| {
+            (scene.quality.samples, scene.quality.empty_space) = (samples, empty_space);
+            picture(gpu, &library(), &scene, &subject)
+        });
+        scene.parameters.remove("tint_depth");
+        scene.effect.absorption = "none".into();
+        (scene.material.specular, scene.transfer.stops[1].index) = (0.0, 1.0);
+        let empty = picture(gpu, &library(), &scene, &subject);
+        for frame in &drawn {
+            let beside = frame.pixels.iter().zip(&empty.pixels).zip(&rays).filter(|(_, ray)| ray.impact() > 1.001);
+            let off = beside.clone().flat_map(|((a, b), _)| (0..4).map(|c| (a[c] - b[c]).abs())).fold(0.0, f32::max);
+            assert!(beside.count() > 2000 && off < 1e-4, "off by {off:e}");
+        }
+    });
+}
+
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p28_thick_glass_is_bluer_than_thin() {
