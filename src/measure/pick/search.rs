@@ -209,46 +209,6 @@ impl<'a> Search<'a> {
         PickError::Bound { metric: bound.metric, asked: bound.error, nearest, own, found }
     }
 
-    /// What the error of a small picture of a curve is to be multiplied by to get that of the whole.
-    fn factor(&self, curve: &Curve) -> f64 {
-        if let Some(own) = self.lessons.iter().rev().find(|lesson| lesson.curve == *curve) {
-            return own.factor;
-        }
-        let sum: f64 = self.lessons.iter().map(|lesson| lesson.factor.ln()).sum();
-        (sum / self.lessons.len().max(1) as f64).exp()
-    }
-
-    /// The error that the small picture of a curve may have.
-    fn target(&self, curve: &Curve) -> f64 {
-        CARE * self.bound.error / self.factor(curve)
-    }
-
-    /// The error of the whole picture, as known or as it should be.
-    fn error(&self, drawn: &Drawn) -> f64 {
-        self.lesson(drawn).map_or_else(|| drawn.error * self.factor(&drawn.candidate.curve()), |lesson| lesson.error)
-    }
-
-    fn fits(&self, drawn: &Drawn) -> bool {
-        let is_within = self.error(drawn) <= CARE * self.bound.error;
-        is_within && (self.lesson(drawn).is_some() || !self.is_near_failed(drawn))
-    }
-
-    /// The fewest samples of a curve that whole pictures of it which failed do not speak against.
-    fn least_hopeful(&self, curve: &Curve) -> u32 {
-        let bound = CARE * self.bound.error;
-        let failed = self.lessons.iter().filter(|lesson| lesson.curve == *curve && lesson.error > bound);
-        let failed = failed.map(|lesson| (lesson.scene.quality.samples, lesson.error / bound));
-        rules::least_hopeful(&failed.collect::<Vec<_>>())
-    }
-
-    fn is_near_failed(&self, drawn: &Drawn) -> bool {
-        drawn.candidate.samples() < self.least_hopeful(&drawn.candidate.curve())
-    }
-
-    fn lesson(&self, drawn: &Drawn) -> Option<&Lesson> {
-        self.lessons.iter().find(|lesson| lesson.scene == drawn.candidate.scene)
-    }
-
     /// The candidate drawn small, now or before; `None` where that cannot be.
     fn small(&mut self, candidate: Candidate) -> Option<Drawn> {
         if let Some(known) = self.drawn.iter().find(|drawn| drawn.candidate.scene == candidate.scene) {

@@ -1,11 +1,52 @@
 //! What pictures drawn so far say about what is worth drawing.
 
-use super::{Drawn, HOPE, OF_TARGET, SLOWER, Search};
+use super::super::{CARE, rules};
+use super::{Drawn, HOPE, Lesson, OF_TARGET, SLOWER, Search};
 use crate::measure::compare::candidates::{Candidate, Curve};
 use crate::measure::pick::candidates;
 use crate::scene::{Integration, TargetFormat};
 
 impl Search<'_> {
+    /// What the error of a small picture of a curve is to be multiplied by to get that of the whole.
+    pub(super) fn factor(&self, curve: &Curve) -> f64 {
+        if let Some(own) = self.lessons.iter().rev().find(|lesson| lesson.curve == *curve) {
+            return own.factor;
+        }
+        let sum: f64 = self.lessons.iter().map(|lesson| lesson.factor.ln()).sum();
+        (sum / self.lessons.len().max(1) as f64).exp()
+    }
+
+    /// The error that the small picture of a curve may have.
+    pub(super) fn target(&self, curve: &Curve) -> f64 {
+        CARE * self.bound.error / self.factor(curve)
+    }
+
+    /// The error of the whole picture, as known or as it should be.
+    pub(super) fn error(&self, drawn: &Drawn) -> f64 {
+        self.lesson(drawn).map_or_else(|| drawn.error * self.factor(&drawn.candidate.curve()), |lesson| lesson.error)
+    }
+
+    pub(super) fn fits(&self, drawn: &Drawn) -> bool {
+        let is_within = self.error(drawn) <= CARE * self.bound.error;
+        is_within && (self.lesson(drawn).is_some() || !self.is_near_failed(drawn))
+    }
+
+    /// The fewest samples of a curve that whole pictures of it which failed do not speak against.
+    pub(super) fn least_hopeful(&self, curve: &Curve) -> u32 {
+        let bound = CARE * self.bound.error;
+        let failed = self.lessons.iter().filter(|lesson| lesson.curve == *curve && lesson.error > bound);
+        let failed = failed.map(|lesson| (lesson.scene.quality.samples, lesson.error / bound));
+        rules::least_hopeful(&failed.collect::<Vec<_>>())
+    }
+
+    pub(super) fn is_near_failed(&self, drawn: &Drawn) -> bool {
+        drawn.candidate.samples() < self.least_hopeful(&drawn.candidate.curve())
+    }
+
+    pub(super) fn lesson(&self, drawn: &Drawn) -> Option<&Lesson> {
+        self.lessons.iter().find(|lesson| lesson.scene == drawn.candidate.scene)
+    }
+
     /// The picture of the curve that is stuck near the bound, where nothing keeps it so far and no whole picture was drawn: small ones
     /// with more samples would say no more of it, and take longer than the whole.
     pub(super) fn worth_a_whole(&self) -> Option<Drawn> {
