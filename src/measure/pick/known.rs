@@ -80,7 +80,10 @@ impl Known {
             let difference = Errors::between(&before.pixels, &truth);
             let now = difference.by(metric);
             let own = difference.scaled(remaining(gap, now));
-            log::debug!("finer pictures: {samples} samples are off by {:.2e}, {now:.2e} from half as many", own.by(metric));
+            log::debug!(
+                "finer pictures: {samples} samples are off by {:.2e}, {now:.2e} from half as many",
+                own.by(metric)
+            );
             let is_enough = samples >= least && own.by(metric) <= FINER * error;
             if is_enough || 2 * samples > most {
                 return Ok(Known { sample: Sample::of([&finer; 2], usize::MAX, 1), truth, own, proven: 0 });
