@@ -33,8 +33,9 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// By the f64 reference, in about `count` pixels of the picture of `scene`, of which there are two drawings, the same one or with
-    /// other samples: where they differ is looked first. Twice as many where their light is computed by fours, which costs half. Each is known with an error of about `own`.
+    /// By the f64 reference, in about `count` pixels of the picture of `scene`, of which there are two drawings, the same one or
+    /// with other samples: where they differ is looked first. Twice as many where their light is computed by fours, which costs
+    /// half. Each is known with an error of about `own`.
     pub(super) fn by_reference(
         stage: Stage<'_>,
         scene: &Scene,

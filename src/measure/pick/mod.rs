@@ -43,7 +43,7 @@ const OTHER: [RangeInclusive<f64>; 2] = [0.25..=0.75, 1.5..=4.0];
 /// The first whole picture is drawn again with so many times the samples, few of which are at the same places: what one of the
 /// two overlooks, the other may find.
 const APART: f64 = 0.7;
-/// The same where rays bend: what is thin in glass at a glance, fewer samples overlook as well.
+/// The same where rays bend, if a picture may have as many: what is thin in glass at a glance, fewer samples overlook as well.
 const APART_BENT: f64 = 2.0;
 /// After so long nothing is begun that only may be faster than what keeps the bound.
 const PATIENCE: Duration = Duration::from_secs(4);
@@ -277,8 +277,10 @@ impl Whole<'_> {
             Some(known) => known,
             none => none.insert(match has_reference {
                 true => {
-                    let apart = if scene.effect.ray_path == RayPath::Refracted { APART_BENT } else { APART };
-                    let apart = with((apart * f64::from(scene.quality.samples)).ceil() as u32);
+                    let times = |times: f64| with((times * f64::from(scene.quality.samples)).ceil() as u32);
+                    let bends = scene.effect.ray_path == RayPath::Refracted;
+                    let more = Some(times(APART_BENT)).filter(|more| bends && more.check(stage.library).is_ok());
+                    let apart = more.unwrap_or_else(|| times(APART));
                     let drawn = draw(painter, &apart, 1.0)?.0;
                     let (_, apart) = other.insert((apart, drawn));
                     Known::by_reference(*stage, scene, [&frame, apart], PIXELS, OWN * bound.error, progress)
