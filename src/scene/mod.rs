@@ -395,7 +395,12 @@ impl Scene {
         fill("storage", vec![storage.into()]);
         let is_flat = self.quality.neutral == Neutral::LeaveOut && self.transfer.is_flat();
         fill("transfer", vec![if is_flat { "flat" } else { "map" }.into()]);
-        fill("sampling", vec![if self.quality.msaa > 1 { "sample" } else { "pixel" }.into()]);
+        let sampling = match self.quality.msaa {
+            _ if self.camera.slice_stack => "stack",
+            1 => "pixel",
+            _ => "sample",
+        };
+        fill("sampling", vec![sampling.into()]);
         if self.has_several() {
             self.fill_parts(library, &mut slots);
         }

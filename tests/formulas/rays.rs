@@ -54,6 +54,11 @@ crate::rows! {
     p37_a_ray_enters_and_leaves_the_box_and_the_ball = crossings,
         "box_intersection.glsl": "box_min.xyz - segment_reach" => "box_min.xyz + segment_reach",
         "box_intersection.glsl": "nearest + half_chord" => "nearest - half_chord";
+    m29_a_sample_of_a_slice_is_where_the_ray_of_its_pixel_crosses_it = placed,
+        "on_ray.glsl": "- before) / along" => "+ before) / along",
+        "on_ray.glsl": "+ picture_scale.zw" => "- picture_scale.zw";
+    m29_a_sample_of_a_stack_is_where_its_vertices_say = stacked,
+        "sampling/stack.glsl": "x = x_in" => "x = position_eye_in";
     g11_a_slice_is_cut_to_the_box = polygons,
         "proxy/polygons.glsl": "edge[c] * (past / rise[c])" => "edge[b] * (past / rise[c])",
         "proxy/polygons.glsl": "box_max.xyz + box_margin" => "box_max.xyz";
@@ -276,6 +281,48 @@ fn crossings(library: &Library) -> f64 {
     })
 }
 
+/// The place of a plane, through a point of it, where a ray through a place beside the center of a pixel crosses it.
+fn placed(library: &Library) -> f64 {
+    let text = "#define position_eye_in p3.xyz\n#include \"on_ray.glsl\"
+        void check() { vec3 eye, x; place(eye, x); out0.xyz = eye; out1.xyz = x; }";
+    let slots = [("perspective", "facing"), ("perspective", "half_angle"), ("parallel", "half_angle")];
+    let worst = slots.map(|(projection, planes)| {
+        let seen = std::cell::Cell::new(0u32);
+        Check::new(library, &[("projection", projection), ("planes", planes)], text).holds(1e-9, move |at| {
+            // Points go row by row over 64 pixels.
+            let pixel = DVec2::new(f64::from(seen.get() % 320 % 64), f64::from(seen.get() % 320 / 64)) + 0.5;
+            seen.set(seen.get() + 1);
+            let (width, beside) = (at.vector("picture_scale"), at.fourth("picture_scale"));
+            let ndc = DVec2::new(pixel.x * width.x - 1.0 + width.z, pixel.y * width.y - 1.0 + beside);
+            let (scale, normal) = (at.vector("ray_scale"), at.vector("slice_axis"));
+            let normal = if planes == "facing" { DVec3::Z } else { normal };
+            let aside = DVec3::new(ndc.x * scale.x, -ndc.y * scale.y, 0.0);
+            let (from, along) =
+                if projection == "parallel" { (aside, -DVec3::Z) } else { (DVec3::ZERO, aside - DVec3::Z) };
+            let eye = from + along * (normal.dot(at.place(3) - from) / normal.dot(along));
+            let x = at.matrix("texture_matrix").transform_point3(eye);
+            [eye.to_array().as_slice(), &[0.0], &x.to_array()].concat()
+        })
+    });
+    worst.into_iter().fold(0.0, f64::max)
+}
+
+fn stacked(library: &Library) -> f64 {
+    let text = "#define position_eye_in p3.xyz\n#define x_in p0.xyz\n#include \"checked.glsl\"
+        void check() { vec3 eye, x; place(eye, x); out0.xyz = eye; out1.xyz = x; }";
+    Check::new(&without_layout(library, "sampling/stack.glsl"), &[], text)
+        .holds(1e-12, |at| [&at.p[3][..3], &[0.0], &at.p[0][..3]].concat())
+}
+
+/// With a file `checked.glsl`: one without its inputs.
+fn without_layout(library: &Library, path: &str) -> Library {
+    let own = library.source(path).unwrap();
+    let own = own.lines().filter(|line| !line.starts_with("layout")).collect::<Vec<_>>().join("\n");
+    Library::new(
+        library.sources().map(|(path, text)| (path.into(), text.into())).chain([("checked.glsl".to_string(), own)]),
+    )
+}
+
 /// The twelve edges of the box where a plane of z cuts them, eye space.
 fn cuts(object: DMat4, low: DVec3, high: DVec3, z: f64) -> Vec<DVec3> {
     let corner = |index: usize| {
@@ -339,12 +386,7 @@ fn polygons(library: &Library) -> f64 {
 fn quads(library: &Library) -> f64 {
     let text = "#define position p0.xyz\n#define tex_coord p1.xyz\n#define material p2\n#include \"checked.glsl\"
         void check() { out0.xyz = proxy_position() + proxy_tex_coord(); out1 = proxy_color(); }";
-    let own = library.source("proxy/quads.glsl").unwrap();
-    let own = own.lines().filter(|line| !line.starts_with("layout")).collect::<Vec<_>>().join("\n");
-    let library = Library::new(
-        library.sources().map(|(path, text)| (path.into(), text.into())).chain([("checked.glsl".to_string(), own)]),
-    );
-    Check::new(&library, &[], text).holds(1e-12, |at| {
+    Check::new(&without_layout(library, "proxy/quads.glsl"), &[], text).holds(1e-12, |at| {
         let sum = at.place(0) + at.place(1);
         [sum.to_array().as_slice(), &[c(0.0)], &at.p[2]].concat()
     })
