@@ -96,7 +96,7 @@ impl Format {
             Format::Bgra8Srgb => Format::Rgba8Srgb.decode(bytes).into_iter().map(swapped).collect(),
             Format::Rgba16Unorm => fours(bytes, code16),
             Format::Rgba16Float => fours(bytes, half),
-            Format::Rgba32Float => fours(bytes, |float| f32::from_ne_bytes(*float)),
+            Format::Rgba32Float => bytemuck::pod_collect_to_vec(&bytes[..bytes.len() / 16 * 16]),
         }
     }
 }

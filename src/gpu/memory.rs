@@ -263,10 +263,27 @@ impl Image {
         let vk::Extent3D { width, height, .. } = self.extent;
         let within = |area: &Area| area.pixels() > 0 && area.columns.end <= width && area.rows.end <= height;
         assert!(areas.iter().all(within), "{areas:?} of {width} x {height}");
+        Ok(self.format.decode(self.download(areas)?.content()))
+    }
+
+    /// What is made of the texels of a single-sampled target, row by row, where they are: without a copy.
+    ///
+    /// # Errors
+    /// As [`Image::read`].
+    ///
+    /// # Panics
+    /// Where its format is not [`Format::Rgba32Float`].
+    pub fn read_with<T>(&self, take: impl FnOnce(&[[f32; 4]]) -> T) -> Result<T, GpuError> {
+        assert_eq!(self.format, Format::Rgba32Float);
+        let buffer = self.download(&[Area::whole([self.extent.width, self.extent.height])])?;
+        Ok(take(bytemuck::cast_slice(buffer.content())))
+    }
+
+    fn download(&self, areas: &[Area]) -> Result<Buffer, GpuError> {
         let bytes = areas.iter().map(Area::pixels).sum::<u64>() * self.format.bytes();
         let buffer = Buffer::empty(&self.gpu, "download", BufferUse::Download, bytes)?;
         self.gpu.submit("download", |commands| commands.download(self, areas, &buffer))?;
-        Ok(self.format.decode(buffer.content()))
+        Ok(buffer)
     }
 
     /// The layout that it has after the commands recorded so far.

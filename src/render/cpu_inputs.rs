@@ -87,7 +87,7 @@ impl CpuInputs {
     /// Size and texels of the shadow volume, from the transmittances of its segments.
     #[cfg(feature = "measure")]
     pub(crate) fn shadow_volume(&self, segments: &[[f32; 4]]) -> ([u32; 3], Vec<f32>) {
-        (self.space.texels(), self.space.products(segments))
+        (self.space.texels(), self.space.products(segments, |light| light))
     }
 }
 

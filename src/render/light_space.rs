@@ -109,17 +109,25 @@ impl LightSpace {
         [self.side, self.side, self.side + 1]
     }
 
-    /// The light before and behind each segment, ray by ray, from the transmittances of the segments in the target.
-    pub(super) fn products(&self, segments: &[[f32; 4]]) -> Vec<f32> {
+    /// The light before and behind each segment, ray by ray, from the transmittances of the segments in the target; each
+    /// as this `code` of it.
+    pub(super) fn products<T: Clone>(&self, segments: &[[f32; 4]], code: impl Fn(f32) -> T) -> Vec<T> {
         let (side, columns) = (self.side as usize, self.columns() as usize);
-        let mut left = vec![1.0; side * side * (side + 1)];
-        for layer in 0..side {
-            let (square, of_four) = (layer / 4, layer % 4);
+        let rays = side * side;
+        let mut left = vec![code(1.0); rays * (side + 1)];
+        let mut light = vec![1.0; rays];
+        for square in 0..side.div_ceil(4) {
             let first = (square / columns * side * columns + square % columns) * side;
-            let (before, behind) = left.split_at_mut((layer + 1) * side * side);
-            let before = &before[layer * side * side..];
-            for ray in 0..side * side {
-                behind[ray] = before[ray] * segments[first + ray / side * side * columns + ray % side][of_four];
+            let behind = &mut left[(4 * square + 1) * rays..];
+            let count = (side - 4 * square).min(4);
+            for (row, light) in light.chunks_exact_mut(side).enumerate() {
+                let own = &segments[first + row * side * columns..][..side];
+                for (column, (light, segment)) in light.iter_mut().zip(own).enumerate() {
+                    for (layer, part) in segment[..count].iter().enumerate() {
+                        *light *= part;
+                        behind[layer * rays + row * side + column] = code(*light);
+                    }
+                }
             }
         }
         left

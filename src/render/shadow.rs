@@ -59,14 +59,6 @@ impl Transmittance {
         let layer = |k| mix(row(j, k), row(j + 1, k), t.y);
         mix(layer(k), layer(k + 1), t.z)
     }
-
-    /// The volume as it is sampled by the device.
-    fn image(&self, gpu: &Gpu) -> Result<Image, RenderError> {
-        let texels: Vec<u16> = self.values.iter().map(|value| (value * 65535.0).round() as u16).collect();
-        let [x, y, z] = self.space.texels();
-        let size = Dimension::Volume(x, y, z);
-        Ok(Image::sampled(gpu, "shadow volume", size, Format::R16Unorm, bytemuck::cast_slice(&texels))?)
-    }
 }
 
 /// The shadow volume of a scene, as [`render`](super::render) uses it for a scene with `light.shadows`.
@@ -90,7 +82,9 @@ pub fn transmittance(
     for sub_frame in SubFrame::all(scene).take(1) {
         bound.fill(gpu, &program, &shot, &sub_frame, &|| false)?;
     }
-    Caster::new(gpu, library, scene, &variant, None)?.cast(gpu, &shot, &bound, &|_| false)
+    let mut caster = Caster::new(gpu, library, scene, &variant, None)?;
+    let (values, gpu_ms) = caster.cast(gpu, &shot, &bound, |light| light, &|_| false)?;
+    Ok(Transmittance { space: shot.space, object_matrix: shot.view.object_matrix, values, gpu_ms })
 }
 
 /// The program of the shadow volumes of a scene, made once, and the last of them.
@@ -162,22 +156,27 @@ impl Caster {
             return Ok(Cast { is_kept: true, ..last.clone() });
         }
         self.last = None;
-        let light = self.cast(gpu, shot, bound, stop)?;
-        let image = Arc::new(light.image(gpu)?);
-        let cast = Cast { space: shot.space, blocks, images, image, gpu_ms: light.gpu_ms, is_kept: false };
+        let code = |light: f32| (light * 65535.0 + 0.5) as u16;
+        let (texels, gpu_ms) = self.cast(gpu, shot, bound, code, stop)?;
+        let [x, y, z] = shot.space.texels();
+        let size = Dimension::Volume(x, y, z);
+        let texels = bytemuck::cast_slice(&texels);
+        let image = Arc::new(Image::sampled(gpu, "shadow volume", size, Format::R16Unorm, texels)?);
+        let cast = Cast { space: shot.space, blocks, images, image, gpu_ms, is_kept: false };
         self.last = Some(cast.clone());
         Ok(cast)
     }
 
     /// Draws the segments with the images of the picture's own program, and takes their products; ends where it is to
-    /// `stop`, after so many milliseconds.
-    fn cast(
+    /// `stop`, after so many milliseconds. Results: texels, each the `code` of its light in [0, 1]; milliseconds on the device.
+    fn cast<T: Clone>(
         &mut self,
         gpu: &Gpu,
         shot: &Shot<'_>,
         bound: &BoundInputs,
+        code: impl Fn(f32) -> T,
         stop: &dyn Fn(f64) -> bool,
-    ) -> Result<Transmittance, RenderError> {
+    ) -> Result<(Vec<T>, f64), RenderError> {
         let space = shot.space;
         let [width, height] = space.target();
         let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
@@ -188,7 +187,6 @@ impl Caster {
         let all = [gpu::Area::whole([width, height])];
         let mut cut = Cut { pace: &mut self.pace, stop };
         let drawn = pass::march(gpu, &self.pipeline, &set, (&all[..], SEGMENTS_OF_A_TEXEL), target, &mut cut)?;
-        let values = space.products(&color.read()?);
-        Ok(Transmittance { space, object_matrix: shot.view.object_matrix, values, gpu_ms: drawn.gpu_ms })
+        Ok((color.read_with(|segments| space.products(segments, code))?, drawn.gpu_ms))
     }
 }
