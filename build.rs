@@ -133,7 +133,7 @@ fn collect(root: &Path, folder: &Path, files: &mut Vec<(String, String)>) -> Res
 /// The combinations that one line of the table stands for. What a line does not say has one shipped default.
 fn expand(line: &str, library: &Library) -> Vec<Slots> {
     let defaults = "proxy=polygons reject=discard projection=perspective clip=none sampling=pixel empty_space=skip \
-                    gradient=analytic bandlimit=none jitter=none shadow=none cells=none wrap=repeat storage=dense planes=facing transfer=map";
+                    gradient=analytic bandlimit=none jitter=none shadow=none cells=none wrap=repeat filter=device storage=dense planes=facing transfer=map";
     let mut choices = vec![Slots::new()];
     for word in defaults.split_whitespace().chain(line.split_whitespace().skip(1)) {
         let Some((slot, modules)) = word.split_once('=') else { continue };

@@ -5,8 +5,9 @@
 // One fetch gives four noises, which vector_noise.glsl and four_noises.glsl take: for them there is no noise at other places.
 // @loops 1
 // @period memory
+#include <filter>
 #define FOUR_NOISES
-vec4 four_noises(vec3 p) { return 2.0 * textureLod(random_block, p / vec3(textureSize(random_block, 0)), 0.0) - 1.0; }
+vec4 four_noises(vec3 p) { return 2.0 * lookup_block(random_block, p / vec3(textureSize(random_block, 0)), 0.0) - 1.0; }
 float noise(vec3 p) { return four_noises(p).a; }
 vec4 noise_gradient(vec3 p) {
     const vec2 h = vec2(0.5, 0.0);

@@ -5,9 +5,10 @@
 // A hard surface looks up off itself: a texel along its normal and one toward the light, which clears every texel that
 // the surface itself darkens. Less: it spots itself. More: light leaks in where things touch.
 #include "light_space.glsl"
+#include <filter>
 vec3 shadow(float guess, vec3 normal) {
     vec3 off = normal == vec3(0.0) ? normal : normal + safe_normalize(light_position.xyz - position_eye, normal);
     vec3 place = to_light_space(position_eye + shadow_bias * off);
     float layers = shadow_side + 1.0;       // the light before and behind each segment
-    return texture(shadow_volume, vec3(place.xy, (place.z * shadow_side + 0.5) / layers)).rrr;
+    return lookup_volume(shadow_volume, vec3(place.xy, (place.z * shadow_side + 0.5) / layers)).rrr;
 }

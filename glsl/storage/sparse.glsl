@@ -3,6 +3,7 @@
 // Source: GG 39.6 (bricks; a reconstruction, the chapter is cut); the texels that two bricks share are stored in both, so
 // that the filter of the device gives what it gives on the whole volume, to the rounding of a coordinate.
 // tex_coord: of the whole volume; voxel: counted from 0; results: a filtered texel, and from a voxel to its texel.
+#include <filter>
 const float BRICK = 8.0;                // cells along a side; there is a texel more at the far end
 
 // The brick of a place in voxels, and what the index says: its first texel and 2, or a texel in place of all.
@@ -14,7 +15,7 @@ vec4 volume_at(vec3 tex_coord) {
     vec4 entry = texelFetch(brick_index, brick, 0);
     if (entry.a <= 1.0) return entry;
     vec3 texel = entry.xyz + min(at - BRICK * vec3(brick), BRICK) + 0.5;
-    return textureLod(volume, texel / vec3(textureSize(volume, 0)), 0.0);
+    return lookup_volume(volume, texel / vec3(textureSize(volume, 0)));
 }
 
 ivec3 texel_shift(ivec3 voxel) {

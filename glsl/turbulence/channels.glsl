@@ -6,11 +6,12 @@
 // @loops 5
 // @period memory
 #include "octave_constants.glsl"
+#include <filter>
 
 float turbulence(vec3 p, float width, float enough) {
     float sum = 0.0, scale = 1.0;
     for (int first = 0; first < OCTAVES; first += 4) {
-        vec4 noise = abs(2.0 * textureLod(channel_block, scale * p / channel_cells, 0.0) - 1.0);
+        vec4 noise = abs(2.0 * lookup_block(channel_block, scale * p / channel_cells, 0.0) - 1.0);
         vec4 weight = vec4(octave_weight(scale * width), octave_weight(2.0 * scale * width),
                            octave_weight(4.0 * scale * width), octave_weight(8.0 * scale * width));
         vec4 wanted = vec4(lessThan(first + ivec4(0, 1, 2, 3), ivec4(OCTAVES)));

@@ -7,15 +7,18 @@
 // @period memory
 #include "octave_constants.glsl"
 #include "octave_levels.glsl"
+#include <filter>
 #include <wrap>
 const float TURBULENCE_GRADIENT_BOUND = 24.0;   // as baked; eight octaves never exceed 22.4
 
 vec4 turbulence_gradient(vec3 p, float width) {
-    vec4 texel = textureLod(turbulence_block, p / turbulence_cells, octave_level(width, turbulence_octaves));
+    float level = octave_level(width, turbulence_octaves);
+    vec4 texel = lookup_block(turbulence_block, p / turbulence_cells, level);
     return vec4((2.0 * texel.rgb - 1.0) * fold_sign(p, turbulence_cells) * TURBULENCE_GRADIENT_BOUND, 2.0 * texel.a);
 }
 float turbulence(vec3 p, float width) {
-    return 2.0 * textureLod(turbulence_value_block, p / turbulence_cells, octave_level(width, turbulence_octaves)).r;
+    float level = octave_level(width, turbulence_octaves);
+    return 2.0 * lookup_block(turbulence_value_block, p / turbulence_cells, level).r;
 }
 vec4 turbulence_gradient(vec3 p) { return turbulence_gradient(p, 0.0); }
 vec4 turbulence_gradient(vec3 p, float width, float enough) { return turbulence_gradient(p, width); }

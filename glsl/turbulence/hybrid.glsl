@@ -8,12 +8,14 @@
 #include "octave_gradient.glsl"
 #include "octave_lattice.glsl"
 #include "octave_levels.glsl"
+#include <filter>
 int octaves_held() { return OCTAVES; }
 float octave(vec3 p, int index) { return lattice_noise(p, octave_mask(index)); }
 vec4 octave_gradient(vec3 p, int index) { return lattice_noise_gradient(p, octave_mask(index)); }
 
 float turbulence(vec3 p, float width, float enough) {
-    float sum = 2.0 * textureLod(low_octaves_block, p / turbulence_cells, octave_level(width, low_octaves)).r;
+    float level = octave_level(width, low_octaves);
+    float sum = 2.0 * lookup_block(low_octaves_block, p / turbulence_cells, level).r;
     int first = int(low_octaves);
     float scale = exp2(low_octaves), share = 1.0 / scale;
     for (int index = first; index < OCTAVES; ++index) {

@@ -98,7 +98,7 @@ impl Error for Failed {}
 
 /// Compares, and writes the report.
 pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let (scene, settings) = plan(command)?;
+    let (scene, mut settings) = plan(command)?;
     let library = super::library(&scene)?;
     // What is wrong is said before the work begins: with the settings, and with the text of a module.
     candidates(&scene, &library, &settings.sweep)?;
@@ -106,6 +106,7 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let fault = watch(&library, &scene, &subject)?;
     let gpu = Gpu::new(options)?;
+    settings.sweep.filters = gpu.info().filters_by_few_bits();
     let flag = stop_flag()?;
     make_folder(&command.output)?;
     let stop = || flag.load(Ordering::Relaxed);
@@ -145,7 +146,7 @@ fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
         scene.image.size = SIZE;
     }
     let (samples, strategies) = (command.sweep.clone(), command.strategies.clone());
-    Ok((scene, Settings { sweep: Sweep { quick: command.quick, samples, strategies }, repeat }))
+    Ok((scene, Settings { sweep: Sweep { quick: command.quick, samples, strategies, filters: false }, repeat }))
 }
 
 /// The folder of the report, made and written into before the measurements, so that none is lost.

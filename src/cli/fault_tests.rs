@@ -156,7 +156,12 @@ fn each_call_of_a_comparison_may_fail_and_costs_it_a_candidate_at_most() {
     (scene.object.input, scene.image.size) = ("sphere".into(), [8, 8]);
     let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
     let settings = Settings {
-        sweep: Sweep { quick: true, samples: Some(vec![8]), strategies: Some(vec!["procedural".into()]) },
+        sweep: Sweep {
+            quick: true,
+            samples: Some(vec![8]),
+            strategies: Some(vec!["procedural".into()]),
+            filters: false,
+        },
         repeat: 1,
     };
     let dark = |scene: &Scene| {

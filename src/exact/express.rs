@@ -84,6 +84,19 @@ impl<'m> Lower<'m> {
         Ok(Value::new(Ty::Scalar(kind), vec![reg]))
     }
 
+    /// Whether an integer is written as 0.
+    fn is_zero(&self, function: &Function, handle: Handle<Expression>) -> bool {
+        let is = |expression: &Expression| {
+            matches!(expression, Expression::Literal(Literal::I32(0) | Literal::U32(0)) | Expression::ZeroValue(_))
+        };
+        match &function.expressions[handle] {
+            Expression::Constant(constant) => {
+                is(&self.module.global_expressions[self.module.constants[*constant].init])
+            }
+            own => is(own),
+        }
+    }
+
     fn expression(&mut self, frame: &mut CallFrame<'m>, handle: Handle<Expression>) -> Result<Lowered, ExactError> {
         let function: &'m Function = frame.function;
         let value = match &function.expressions[handle] {
@@ -150,7 +163,10 @@ impl<'m> Lower<'m> {
             Expression::ImageLoad { image, coordinate, array_index: None, sample: None, .. } => {
                 self.lookup(frame, *image, None, *coordinate)?
             }
-            Expression::ImageQuery { image, query: ImageQuery::Size { .. } } => {
+            Expression::ImageQuery { image, query: ImageQuery::Size { level } } => {
+                if level.is_some_and(|level| !self.is_zero(frame.function, level)) {
+                    return Err(self.refuse("the size of a coarser level of an image"));
+                }
                 let Lowered::Image(binding, axes, _) = self.thing(frame, *image)? else {
                     return Err(self.refuse("the size of no image"));
                 };

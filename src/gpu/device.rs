@@ -366,6 +366,13 @@ fn choose(
     Ok((physical, family, device_info))
 }
 
+impl DeviceInfo {
+    /// Whether its samplers may weigh texels by few bits: GPUs have 8; a driver on the processor computes in floats.
+    pub fn filters_by_few_bits(&self) -> bool {
+        !self.cpu
+    }
+}
+
 /// What a device is and can do with these features enabled.
 pub(super) fn device_info(
     instance: &ash::Instance,

@@ -39,7 +39,8 @@ pub use part::{Boolean, Part, Transform};
 pub use preset_texts::names;
 pub use presets::{EFFECTS, nearest_preset, preset};
 pub use quality::{
-    BlockFormat, EmptySpace, Integration, Jitter, Neutral, Order, Pass, Proxy, Quality, Reject, TargetFormat, Wrap,
+    BlockFormat, EmptySpace, Filter, Integration, Jitter, Neutral, Order, Pass, Proxy, Quality, Reject, TargetFormat,
+    Wrap,
 };
 pub use reach::Reach;
 pub use strategy::Repeat;
@@ -392,6 +393,11 @@ impl Scene {
             Wrap::Mirror => "mirror",
         };
         fill("wrap", vec![wrap.into()]);
+        let filter = match self.quality.filter {
+            Filter::Device => "device",
+            Filter::Exact => "exact",
+        };
+        fill("filter", vec![filter.into()]);
         fill("storage", vec![storage.into()]);
         let is_flat = self.quality.neutral == Neutral::LeaveOut && self.transfer.is_flat();
         fill("transfer", vec![if is_flat { "flat" } else { "map" }.into()]);

@@ -35,6 +35,8 @@ pub struct Quality {
     pub seed: u32,
     /// Pictures of which the mean is taken, 1 to 256: each with its own place in the pixel, phase and time.
     pub supersampling: u32,
+    /// Who interpolates between the texels of volumes and blocks.
+    pub filter: Filter,
     /// Anisotropy of the filter of volumes, 1 (off) to 16; blocks of noise have none.
     pub anisotropy: f32,
     /// Texels along a side of the blocks of noise and turbulence: 16, 32, 64, 128 or 256.
@@ -67,6 +69,7 @@ impl std::default::Default for Quality {
             jitter: Jitter::None,
             seed: 0,
             supersampling: 1,
+            filter: Filter::Device,
             anisotropy: 1.0,
             block_size: 64,
             turbulence_cells: 4,
@@ -180,6 +183,17 @@ pub enum Reject {
     Discard,
     /// They are blended with alpha 0 (MJ 7: cards that do not discard).
     Keep,
+}
+
+/// Who interpolates between the texels of volumes and blocks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Filter {
+    /// The device: one lookup, whose weights have 8 bits on most GPUs; those of lavapipe have more.
+    #[default]
+    Device,
+    /// The shader: eight lookups, and weights of 32 bits.
+    Exact,
 }
 
 /// What is beyond the border of a block.

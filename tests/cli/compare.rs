@@ -134,7 +134,7 @@ fn errors_are_those_against_the_reference_and_a_missing_reference_is_a_failure()
         let mut scene = preset("fire").unwrap();
         (scene.object.input, scene.image.size) = ("sphere".into(), [24, 24]);
         let subject = crate::common::subject(&scene, &library);
-        let sweep = Sweep { quick: true, samples: Some(vec![16]), strategies: None };
+        let sweep = Sweep { quick: true, samples: Some(vec![16]), ..Sweep::default() };
         let settings = Settings { sweep, repeat: 2 };
         let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
         let mut refer = |scene: &Scene| match scene.effect.turbulence_repeat {
@@ -181,7 +181,7 @@ fn a_quick_sweep_goes_on_along_the_front_unless_its_samples_are_given() {
             Ok(Arc::new(Reference { pixels, ..dark(scene) }))
         };
         let mut most = |samples: Option<Vec<u32>>| {
-            let sweep = Sweep { quick: true, samples, strategies: strategies.clone() };
+            let sweep = Sweep { quick: true, samples, strategies: strategies.clone(), filters: false };
             let found = compare(stage, &scene, &Settings { sweep, repeat: 1 }, &mut refer, &|_| ()).unwrap();
             assert_eq!(found.rows.len(), found.planned, "{:?}", found.failures);
             let samples = found.rows.iter().map(|row| row.candidate.samples());

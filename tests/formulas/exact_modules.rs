@@ -18,8 +18,9 @@ pub const GLASS: &str = include_str!("../glsl/exact_glass.glsl");
 /// that need certain modules beside them.
 type Subject = (&'static str, &'static str, &'static str, &'static [(&'static str, &'static str)]);
 
-const SLOTS: [Subject; 30] = [
+const SLOTS: [Subject; 31] = [
     ("object", POINT, "lit", &[]),
+    ("filter", POINT, "fire", &[]),
     ("storage", POINT, "lit", &[]),
     ("softness", POINT, "fire", &[]),
     ("surface", POINT, "solid", &[]),

@@ -63,11 +63,12 @@ const SLOTS: [(&str, &str); 25] = [
     ("transfer", "map"),
     ("turbulence", "procedural"),
 ];
-const MORE_SLOTS: [(&str, &str); 8] = [
+const MORE_SLOTS: [(&str, &str); 9] = [
     ("cells", "none"),
     ("planes", "facing"),
     ("reject", "discard"),
     ("scatter", "none"),
+    ("filter", "device"),
     ("storage", "dense"),
     ("warp", "-"),
     ("weights", "quintic"),

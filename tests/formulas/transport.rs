@@ -6,7 +6,7 @@ use crate::medium::medium;
 use crate::surface::material;
 use crate::values::{c, filtered, image};
 use glam::DVec3;
-use hypertexture::exact::Wrap;
+use hypertexture::exact::{Texture, Wrap};
 use hypertexture::shader::Library;
 
 crate::rows! {
@@ -24,7 +24,15 @@ crate::rows! {
         "medium/translucent.glsl": "ambient_color.rgb +" => "ambient_color.rgb -";
     m03_a_dense_volume_has_a_texel_for_each_voxel = |l| dense(l, "dense"),
         "storage/dense.glsl": "ivec3(0)" => "ivec3(1)",
-        "storage/dense.glsl": "tex_coord, 0.0); }" => "1.0 - tex_coord, 0.0); }";
+        "storage/dense.glsl": "volume, tex_coord)" => "volume, 1.0 - tex_coord)";
+    a_device_weighs_eight_texels = |l| lookups(l, "device"),
+        "filter/device.glsl": "textureLod(image, p, level)" => "textureLod(image, p, 0.0)",
+        "filter/device.glsl": "textureLod(image, p, 0.0)" => "textureLod(image, 1.0 - p, 0.0)";
+    a_shader_weighs_eight_texels = |l| lookups(l, "exact"),
+        "filter/exact.glsl": "(size) - 1.0)), 0)" => "(size) - 2.0)), 0)",
+        "filter/exact.glsl": "mix(c, d, w.x), w.y)" => "mix(c, d, w.y), w.y)",
+        "filter/exact.glsl": "vec3(1.0, 1.0, 0.0))" => "vec3(1.0, 0.0, 0.0))",
+        "filter/exact.glsl": "floor(level) + 1.0)" => "floor(level))";
     m57_a_footprint_is_filtered_around_its_place = |l| dense(l, "anisotropic"),
         "storage/anisotropic.glsl": "ivec3(0)" => "ivec3(1)",
         "storage/anisotropic.glsl": "clamp(tex_coord" => "clamp(1.0 - tex_coord";
@@ -105,6 +113,36 @@ fn dense(library: &Library, module: &str) -> f64 {
     check.holds(1e-9, |at| {
         let texel = filtered(at.texture("volume_image"), &at.p[0][..3], Wrap::Clamp);
         [texel.as_slice(), &[0.0; 3]].concat()
+    })
+}
+
+/// Of a volume with sides of any length, which clamps, and of a block of two levels, which repeats, at and between them.
+fn lookups(library: &Library, module: &str) -> f64 {
+    let text = "#include <filter>
+        void check() {
+            out0 = lookup_volume(volume, p0.xyz);
+            out1 = lookup_block(noise_block, p1.xyz, p1.w);
+        }";
+    let random = |p: DVec3| [0.0, 1.0, 2.0, 3.0].map(|c| (17.3 * p.x + 11.9 * p.y + 7.7 * p.z + 0.3 * c).fract());
+    let levels = [8, 4].map(|side| image([side; 3], random));
+    let both = Texture { size: [8; 3], texels: levels.iter().flat_map(|level| level.texels.clone()).collect() };
+    let check = Check::new(library, &[("filter", module)], text)
+        .with_texture("volume_image", image([5, 7, 6], random))
+        .with_texture("noise_image", both)
+        .given(|random, _| {
+            let level = if random.unit() < 0.3 { 0.0 } else { random.unit() };
+            [
+                random.in_cube(1.2).extend(0.0).to_array(),
+                random.in_cube(3.0).extend(level).to_array(),
+                [0.0; 4],
+                [0.0; 4],
+            ]
+        });
+    check.holds(1e-9, move |at| {
+        let [low, high] = [0, 1].map(|index| filtered(&levels[index], &at.p[1][..3], Wrap::Repeat));
+        let between = |channel: usize| low[channel] + at.p[1][3] * (high[channel] - low[channel]);
+        let block = [0, 1, 2, 3].map(between);
+        [filtered(at.texture("volume_image"), &at.p[0][..3], Wrap::Clamp), block].concat()
     })
 }
 

@@ -11,7 +11,7 @@ use hypertexture::shader;
 const MADE_ON: &str = include_str!("../golden/made_on.txt");
 
 /// Every field that a hand may set, with a value that no scene here has.
-const FIELDS: [(&str, &str); 59] = [
+const FIELDS: [(&str, &str); 60] = [
     ("quality.seed", "7"),
     ("quality.jitter", "hash"),
     ("quality.order", "back_to_front"),
@@ -19,6 +19,7 @@ const FIELDS: [(&str, &str); 59] = [
     ("quality.neutral", "keep"),
     ("quality.integration", "segment"),
     ("quality.anisotropy", "4"),
+    ("quality.filter", "exact"),
     ("quality.block_size", "32"),
     ("quality.turbulence_cells", "2"),
     ("quality.block_format", "unorm8"),

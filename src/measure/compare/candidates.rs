@@ -5,7 +5,7 @@
 
 use super::CompareError;
 use crate::render::variant::Variant;
-use crate::scene::{Integration, Pass, Scene, SceneError, TargetFormat};
+use crate::scene::{Filter, Integration, Pass, Scene, SceneError, TargetFormat};
 use crate::shader::Library;
 use crate::shader::file::{Include, include};
 use serde::Serialize;
@@ -20,6 +20,8 @@ pub struct Sweep {
     pub samples: Option<Vec<u32>>,
     /// Names of strategies, or of their turbulence; without them, all that the library has.
     pub strategies: Option<Vec<String>>,
+    /// The other filter too: where the device's own has weights of few bits, what the scene has may be off by it.
+    pub filters: bool,
 }
 
 /// Samples of a ray without `--sweep`: powers of two, as orders are read off them.
@@ -38,6 +40,8 @@ pub struct Candidate {
     pub strategy: String,
     /// Whether its program reads a block of noise.
     pub reads_block: bool,
+    /// Whether its program looks up between texels.
+    pub reads_filter: bool,
     /// Octaves that its turbulence has.
     pub octaves_held: u32,
     /// Whether it differs from the others of its samples in block or target alone.
@@ -59,6 +63,8 @@ pub struct Curve {
     pub block: Option<u32>,
     /// Format that slices are blended in; `None` of rays, which add up in registers.
     pub target: Option<TargetFormat>,
+    /// Who interpolates between texels; the default where none are read.
+    pub filter: Filter,
 }
 
 impl Candidate {
@@ -71,6 +77,7 @@ impl Candidate {
             integration: quality.integration,
             block: self.reads_block.then_some(quality.block_size),
             target: (quality.pass == Pass::Slices).then_some(quality.target),
+            filter: if self.reads_filter { quality.filter } else { Filter::default() },
         }
     }
 
@@ -122,7 +129,8 @@ impl Curve {
             TargetFormat::Float16 => ", 16-bit float",
             TargetFormat::Float32 => ", 32-bit float",
         });
-        format!("{}{block}, {}, {}{target}", self.strategy, pass_name(self.pass), rule_name(self.integration))
+        let filter = if self.filter == Filter::Exact { ", exact filter" } else { "" };
+        format!("{}{block}, {}, {}{target}{filter}", self.strategy, pass_name(self.pass), rule_name(self.integration))
     }
 }
 
@@ -154,7 +162,7 @@ pub fn candidates(scene: &Scene, library: &Library, sweep: &Sweep) -> Result<Vec
     let mut found: Vec<(String, Candidate)> = Vec::new();
     for strategy in chosen(strategies(scene, library, sweep.quick && sweep.strategies.is_none()), sweep)? {
         let brief = sweep.quick && !strategy.is_own(scene);
-        for Method { pass, integration, target, block_size, aside } in methods(scene, sweep.quick) {
+        for Method { pass, integration, target, block_size, filter, aside } in methods(scene, sweep) {
             if brief && !aside && (pass, integration) != (Pass::March, Integration::Point) {
                 continue;
             }
@@ -162,10 +170,16 @@ pub fn candidates(scene: &Scene, library: &Library, sweep: &Sweep) -> Result<Vec
                 let mut scene = strategy.scene.clone();
                 let quality = &mut scene.quality;
                 (quality.pass, quality.integration, quality.samples) = (pass, integration, samples);
-                (quality.target, quality.block_size) = (target, block_size);
+                (quality.target, quality.block_size, quality.filter) = (target, block_size, filter);
                 let Ok(variant) = Variant::of(&scene, library) else { continue };
-                let (strategy, reads_block) = (strategy.name.clone(), reads_block(library, &variant));
-                let candidate = Candidate { strategy, reads_block, octaves_held: variant.octaves, aside, scene };
+                let candidate = Candidate {
+                    strategy: strategy.name.clone(),
+                    reads_block: reads_block(library, &variant),
+                    reads_filter: variant.reads("filter"),
+                    octaves_held: variant.octaves,
+                    aside,
+                    scene,
+                };
                 let key = format!("{} {:?} {samples}", variant.key(), candidate.curve());
                 if found.iter().all(|(other, _)| *other != key) {
                     found.push((key, candidate));
@@ -192,13 +206,15 @@ struct Method {
     integration: Integration,
     target: TargetFormat,
     block_size: u32,
-    /// Whether it differs in target or block alone: passes and integrations are crossed, of those two one moves at a time.
+    filter: Filter,
+    /// Whether it differs in target, block or filter alone: passes and integrations are crossed, of those one moves at a time.
     aside: bool,
 }
 
-fn methods(scene: &Scene, quick: bool) -> Vec<Method> {
-    let (target, block_size) = (TargetFormat::Float32, scene.quality.block_size);
-    let of = |pass, integration| Method { pass, integration, target, block_size, aside: false };
+fn methods(scene: &Scene, sweep: &Sweep) -> Vec<Method> {
+    let quick = sweep.quick;
+    let (target, block_size, filter) = (TargetFormat::Float32, scene.quality.block_size, scene.quality.filter);
+    let of = |pass, integration| Method { pass, integration, target, block_size, filter, aside: false };
     let mut methods = vec![
         of(Pass::March, Integration::Point),
         of(Pass::March, Integration::Segment),
@@ -206,6 +222,11 @@ fn methods(scene: &Scene, quick: bool) -> Vec<Method> {
     ];
     if !quick {
         methods.push(of(Pass::Slices, Integration::Segment));
+    }
+    if sweep.filters {
+        let filter = if filter == Filter::Exact { Filter::Device } else { Filter::Exact };
+        let others: Vec<Method> = methods.iter().map(|method| Method { filter, aside: true, ..*method }).collect();
+        methods.extend(others);
     }
     let slices = Method { aside: true, ..of(Pass::Slices, Integration::Point) };
     methods.push(Method { target: TargetFormat::Unorm8, ..slices }); // the paper's
@@ -327,6 +348,23 @@ mod tests {
     }
 
     #[test]
+    fn both_filters_are_tried_where_the_program_looks_up_between_texels() {
+        let sweep = Sweep { samples: Some(vec![16]), filters: true, ..Sweep::default() };
+        let exact = |candidates: &[Candidate]| {
+            let exact = candidates.iter().filter(|candidate| candidate.curve().filter == Filter::Exact);
+            exact.map(|candidate| candidate.strategy.clone()).collect::<BTreeSet<_>>()
+        };
+        let fire = all("fire_ball", &sweep);
+        assert!(has(&fire, "encoded 64³, march, point, exact filter, 16 samples"));
+        assert!(!exact(&fire).contains("procedural"), "a formula and computed turbulence");
+        assert!(exact(&all("fire_ball", &Sweep { filters: false, ..sweep.clone() })).is_empty());
+        let mut own = preset("fire").unwrap();
+        own.quality.filter = Filter::Exact;
+        let own = candidates(&own, &shader::shipped(), &sweep).unwrap();
+        assert!(has(&own, "encoded 64³, march, point, 16 samples") && exact(&own).contains("encoded"));
+    }
+
+    #[test]
     fn a_sweep_varies_what_the_program_reads_and_nothing_else() {
         let fire = all("fire", &Sweep::default());
         assert!(has(&fire, "encoded 32³, march, segment, 64 samples"));
@@ -366,7 +404,7 @@ mod tests {
     #[test]
     fn a_sweep_may_be_narrowed() {
         let names = |names: &[&str]| Some(names.iter().map(|name| name.to_string()).collect());
-        let sweep = Sweep { samples: Some(vec![24]), strategies: names(&["encoded"]), quick: true };
+        let sweep = Sweep { samples: Some(vec![24]), strategies: names(&["encoded"]), quick: true, filters: false };
         let few = all("fire", &sweep);
         assert_eq!(few.len(), 4, "rays of points and of segments, slices of two targets");
         assert!(few.iter().all(|c| c.samples() == 24 && c.strategy == "encoded"));

@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn nothing_is_begun_once_nobody_waits_and_what_is_asked_for_is_linked_all_the_same() {
         let (library, scene) = (shader::shipped(), preset("lit").unwrap());
-        let families = families(&scene, &library, 1e-2).unwrap();
+        let families = families(&scene, &library, 1e-2, false).unwrap();
         let ahead = Ahead::new(&families, &library);
         ahead.end();
         ahead.link(&scene);

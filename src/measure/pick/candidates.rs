@@ -3,7 +3,7 @@
 use crate::measure::compare::CompareError;
 use crate::measure::compare::candidates::{Candidate, Sweep, candidates};
 use crate::measure::reference::truth_of;
-use crate::scene::{EmptySpace, Integration, Order, Pass, Scene};
+use crate::scene::{EmptySpace, Filter, Integration, Order, Pass, Scene};
 use crate::shader::Library;
 use std::collections::BTreeSet;
 
@@ -14,10 +14,11 @@ pub(super) struct Families {
     pub(super) left_out: usize,
 }
 
-/// Every candidate that has the truth of the scene, with the fewest samples, and that may have an error below `error`.
-pub(super) fn families(scene: &Scene, library: &Library, error: f64) -> Result<Families, CompareError> {
+/// Every candidate that has the truth of the scene, with the fewest samples, and that may have an error below `error`;
+/// `filters`: by both filters, where that of the device may be off.
+pub(super) fn families(scene: &Scene, library: &Library, error: f64, filters: bool) -> Result<Families, CompareError> {
     let truth = truth_of(scene, library)?;
-    let sweep = Sweep { samples: Some(vec![super::SAMPLES[0]]), ..Sweep::default() };
+    let sweep = Sweep { samples: Some(vec![super::SAMPLES[0]]), filters, ..Sweep::default() };
     let mut families = Families { kept: Vec::new(), left_out: 0 };
     let mut known = BTreeSet::new();
     let mut refused = None;
@@ -57,7 +58,8 @@ fn bases(scene: &Scene, truth: &Scene) -> Vec<Scene> {
     let mut bases = Vec::new();
     for computed in [[true, true], [false, true], [true, false], [false, false]] {
         let mut base = scene.clone();
-        (base.quality.empty_space, base.quality.order) = (EmptySpace::Skip, Order::FrontToBack);
+        let quality = &mut base.quality;
+        (quality.empty_space, quality.order, quality.filter) = (EmptySpace::Skip, Order::FrontToBack, Filter::Device);
         let of_parts = base.parts.iter_mut().map(|(name, part)| (&mut part.effect, &truth.parts[name].effect));
         for (effect, exact) in [(&mut base.effect, &truth.effect)].into_iter().chain(of_parts) {
             if computed[0] {
@@ -81,8 +83,13 @@ pub(super) fn with_samples(candidate: &Candidate, samples: u32) -> Candidate {
     candidate
 }
 
-/// The scenes that have no error but that of their steps, the best first.
-pub(super) fn finest(scene: &Scene, library: &Library, samples: u32) -> Result<Vec<Scene>, CompareError> {
+/// The scenes that have no error but that of their steps, the best first, by this filter.
+pub(super) fn finest(
+    scene: &Scene,
+    library: &Library,
+    samples: u32,
+    filter: Filter,
+) -> Result<Vec<Scene>, CompareError> {
     let truth = truth_of(scene, library)?;
     let settings = [
         (Pass::March, Integration::Segment),
@@ -92,7 +99,9 @@ pub(super) fn finest(scene: &Scene, library: &Library, samples: u32) -> Result<V
     ];
     let finest = settings.into_iter().map(|(pass, integration)| {
         let mut finest = truth.clone();
-        (finest.quality.pass, finest.quality.integration, finest.quality.samples) = (pass, integration, samples);
+        let quality = &mut finest.quality;
+        (quality.pass, quality.integration, quality.samples) = (pass, integration, samples);
+        quality.filter = filter;
         finest
     });
     Ok(finest.filter(|scene| scene.check(library).is_ok()).collect())

@@ -7,7 +7,7 @@ use crate::measure::reference::{ReferenceError, computed_together, reference_pix
 use crate::measure::worker::Painter;
 use crate::render::variant::VariantError;
 use crate::render::{Frame, Measurements, RenderError};
-use crate::scene::Scene;
+use crate::scene::{Filter, Scene};
 use crate::support::random::SplitMix;
 
 /// The errors that a pixel of the reference may be asked for.
@@ -62,9 +62,10 @@ impl Known {
         scene: &Scene,
         (metric, error): (Metric, f64),
     ) -> Result<Known, CompareError> {
+        let filter = if stage.gpu.info().filters_by_few_bits() { Filter::Exact } else { Filter::Device };
         let mut draw = |samples| -> Result<Frame, CompareError> {
             let mut drawn = Err(CompareError::Nothing);
-            for finest in candidates::finest(scene, stage.library, samples)? {
+            for finest in candidates::finest(scene, stage.library, samples, filter)? {
                 drawn = painter.render(&finest).map_err(CompareError::from);
                 if drawn.is_ok() {
                     break;

@@ -186,7 +186,7 @@ pub fn pick(
     bound: ErrorBound,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Pick, PickError> {
-    let families = candidates::families(scene, stage.library, bound.error)?;
+    let families = candidates::families(scene, stage.library, bound.error, stage.gpu.info().filters_by_few_bits())?;
     let ahead = Ahead::new(&families, stage.library);
     std::thread::scope(|scope| {
         scope.spawn(|| ahead.link(scene));

@@ -17,8 +17,8 @@ use crate::measure::statistics::rms;
 use crate::render::variant::{Variant, VariantError};
 use crate::render::{RenderError, Subject};
 use crate::scene::{
-    BlockFormat, Effect, EmptySpace, Integration, Jitter, LightMethod, Neutral, Order, Pass, Proxy, Quality, RayPath,
-    Reject, Scene, Storage, TargetFormat,
+    BlockFormat, Effect, EmptySpace, Filter, Integration, Jitter, LightMethod, Neutral, Order, Pass, Proxy, Quality,
+    RayPath, Reject, Scene, Storage, TargetFormat,
 };
 use crate::shader::{Library, LibraryError};
 use light::Light;
@@ -152,6 +152,7 @@ pub fn converged_settings(scene: &Scene) -> Scene {
     quality.target = TargetFormat::Float32;
     quality.order = Order::FrontToBack;
     (quality.proxy, quality.reject) = (Proxy::Polygons, Reject::Discard);
+    quality.filter = Filter::Device; // the same in f64
     quality.msaa = 1;
     (quality.jitter, quality.seed) = (Jitter::None, 0);
     quality.anisotropy = 1.0;

@@ -116,7 +116,7 @@ pub struct Row {
 
 impl Row {
     /// The row of the finest level, or of the first one that misses its bound.
-    fn of(levels: &[Level], bound: fn(&Level) -> f64, expected: Option<[f64; 2]>, pass: &'static str) -> Row {
+    fn of(levels: &[Level], bound: impl Fn(&Level) -> f64, expected: Option<[f64; 2]>, pass: &'static str) -> Row {
         let missed = levels.iter().find(|level| level.max > bound(level));
         let shown = missed.or(levels.last()).copied().unwrap_or(Level::of(0, 0.0, std::iter::empty()));
         let order = expected.and_then(|_| order(levels));

@@ -6,7 +6,7 @@ use super::rays::rays;
 use super::{Bench, PASSES, Row, name};
 use crate::field::{DistanceField, Grid};
 use crate::render::{RenderError, Subject, render};
-use crate::scene::{Pass, Projection, Scene, Source};
+use crate::scene::{Filter, Pass, Projection, Scene, Source};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -57,9 +57,17 @@ pub(super) fn fields(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
         ),
     ];
     let mut rows = Vec::new();
-    for (what, distance, cells, bound, order) in cases {
+    let filters = [(Filter::Device, ""), (Filter::Exact, ", exact filter")];
+    for ((what, distance, cells, bound, order), (filter, named)) in
+        cases.into_iter().flat_map(|case| filters.map(|filter| (case, filter)))
+    {
+        // Weights of 8 bits are off by less than 1 / 256 of a cell along each axis, where distances grow by less than 1.
+        let coarse = filter == Filter::Device && bench.gpu.info().filters_by_few_bits();
+        let by_weights = |level: &Level| if coarse { 0.25 * level.step * 3f64.sqrt() / 256.0 } else { 0.0 };
+        let order = order.filter(|_| !coarse);
         for pass in PASSES {
             let mut scene = face("field_value", pass);
+            scene.quality.filter = filter;
             scene.object.source = Source::Distance32;
             (scene.object.inner_iso, scene.object.outer_iso) = (1.0, 1.0); // all of it is inside, and distances are stored in twice that range
             let mut subject = face_subject();
@@ -74,7 +82,8 @@ pub(super) fn fields(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
                 });
                 levels.push(Level::of(cells, 2.0 / f64::from(cells), off));
             }
-            rows.push(Row { what: what.into(), ..Row::of(&levels, bound, order, name(pass)) });
+            let bound = |level: &Level| bound(level) + by_weights(level);
+            rows.push(Row { what: format!("{what}{named}"), ..Row::of(&levels, bound, order, name(pass)) });
         }
     }
     Ok(rows)

@@ -171,6 +171,8 @@ impl Variant {
                 *names = own.cloned().unwrap_or_else(|| vec!["none".into()]);
             } else if slot == "empty_space" && names == &["skip"] && !scene.may_find_first(library) {
                 *names = vec!["leap".into()];
+            } else if slot == "filter" && entries == CELL_ENTRIES {
+                *names = vec!["device".into()]; // which is asked for bounds of its texels, not for a sample
             } else if slot == "storage" && names == &["anisotropic"] {
                 *names = vec!["dense".into()]; // a sample of the light is wider than a pixel
             }

@@ -133,6 +133,10 @@ const JITTER: Kind = Choice(&[
     ("hash", "A hash of the pixel: white noise."),
     ("blue", "A tile of blue noise: the same error, fine grain alone."),
 ]);
+const FILTER: Kind = Choice(&[
+    ("device", "The device: one lookup, whose weights have 8 bits on most GPUs."),
+    ("exact", "The shader: eight lookups, and weights of 32 bits."),
+]);
 const WRAP: Kind = Choice(&[
     ("repeat", "The block again: it has no seam."),
     ("mirror", "Its mirror image: period twice as long, with creases."),
@@ -238,6 +242,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("quality.jitter", JITTER, Images, "Whether each pixel has its own phase of the steps along its ray: noise in place of banding.").flag_alone("jitter", "hash"),
     setting("quality.seed", whole(0.0, 16_777_215.0), Picture, "Which phases the pixels have.").usual(0.0, 1000.0).flag("seed"),
     setting("quality.supersampling", whole(1.0, 256.0), Picture, "Pictures of which the mean is taken: each with its own place in the pixel, phase and time.").flag("supersampling"),
+    setting("quality.filter", FILTER, Images, "Who interpolates between the texels of volumes and blocks; an anisotropic filter is the device's.").flag("filter"),
     setting("quality.anisotropy", number(1.0, 16.0), Images, "Anisotropy of the filter of volumes; 1 is off.").flag("anisotropy"),
     setting("quality.block_size", OneOf(&[16, 32, 64, 128, 256]), Images, "Texels along a side of the blocks of noise and turbulence."),
     setting("quality.turbulence_cells", OneOf(&[1, 2, 4, 8, 16, 32, 64]), Images, "Cells of the first octave across the block of turbulence: with half as many it holds one octave more, and repeats after half the distance; at most half of block_size."),
