@@ -157,7 +157,8 @@ pub fn write(
     let share = 1.0 / scenes.len().max(1) as f32;
     for (index, (name, scene)) in scenes.iter().enumerate() {
         let done = index as f32 * share;
-        let shared = objects.iter_mut().find(|shared| shared.serves(scene));
+        let variant = Variant::of(scene, library).map_err(RenderError::from)?;
+        let shared = objects.iter_mut().find(|shared| shared.serves(scene, &variant));
         let shared = shared.expect("`objects` holds the object of every scene");
         let loading = |fraction: f32| progress(done + 0.5 * share * fraction);
         let frame = match shared.draw(gpu, library, scene, start, &loading) {
@@ -182,7 +183,6 @@ pub fn write(
         let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements);
         let provenance = provenance.map_err(|source| OutputError::Provenance { path: name.clone(), source })?;
         output::write(&frame, scene.image.background, Depth::Eight, &provenance, &path)?;
-        let variant = Variant::of(scene, library).map_err(RenderError::from)?;
         let m = &frame.measurements;
         let own = preset(name).is_ok_and(|preset| preset.object.input == scene.object.input);
         let input = escape(&scene.object.input);
@@ -224,9 +224,10 @@ fn group(about: &str) -> usize {
     named.min_by_key(|&group| place(&GROUPS[group])).unwrap_or(2)
 }
 
-/// An object that scenes share: how far its field must reach, and the field once it is there.
+/// An object that scenes share, and its field once it is there.
 struct Shared {
     object: Object,
+    /// How far the field reaches: its voxels lie elsewhere where it reaches farther, and a picture is to be that of its scene.
     margin: f32,
     closest: bool,
     /// A scene of several objects shares them with no other.
@@ -236,10 +237,13 @@ struct Shared {
 }
 
 impl Shared {
-    fn serves(&self, scene: &Scene) -> bool {
+    fn serves(&self, scene: &Scene, variant: &Variant) -> bool {
         match &self.alone {
             Some(alone) => alone == scene,
-            None => !scene.has_several() && self.object.without_look() == scene.object.without_look(),
+            None => {
+                let same = || self.object.without_look() == scene.object.without_look();
+                !scene.has_several() && self.margin == margin(scene, variant) && same()
+            }
         }
     }
 
@@ -279,24 +283,25 @@ fn objects(library: &Library, scenes: &[(String, Scene)]) -> Result<Vec<Shared>,
     let mut objects: Vec<Shared> = Vec::new();
     for (_, scene) in scenes {
         let variant = Variant::of(scene, library)?;
-        let margin = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
         let closest = variant.reads_closest();
-        match objects.iter_mut().find(|shared| shared.serves(scene)) {
-            Some(shared) => (shared.margin, shared.closest) = (shared.margin.max(margin), shared.closest || closest),
-            None => {
-                let alone = scene.has_several().then(|| scene.clone());
-                objects.push(Shared {
-                    object: scene.object.clone(),
-                    margin,
-                    closest,
-                    alone,
-                    subject: None,
-                    worker: None,
-                });
-            }
+        match objects.iter_mut().find(|shared| shared.serves(scene, &variant)) {
+            Some(shared) => shared.closest |= closest,
+            None => objects.push(Shared {
+                object: scene.object.clone(),
+                margin: margin(scene, &variant),
+                closest,
+                alone: scene.has_several().then(|| scene.clone()),
+                subject: None,
+                worker: None,
+            }),
         }
     }
     Ok(objects)
+}
+
+/// How far the soft region of a scene reaches, object units.
+fn margin(scene: &Scene, variant: &Variant) -> f32 {
+    variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso)
 }
 
 fn parameter_table(variant: &Variant) -> String {

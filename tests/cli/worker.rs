@@ -13,7 +13,8 @@ use hypertexture::measure::metric::Metric;
 use hypertexture::measure::pick::{ErrorBound, pick};
 use hypertexture::measure::reference::Reference;
 use hypertexture::measure::worker::{Load, PATIENCE, Painter, Start, Worker};
-use hypertexture::render::{RenderError, Subject};
+use hypertexture::output::{self, Depth, Provenance};
+use hypertexture::render::{RenderError, Subject, render};
 use hypertexture::scene::{Integration, Pass, Scene, preset, to_text};
 use hypertexture::shader;
 use std::fs;
@@ -145,6 +146,30 @@ fn a_driver_that_crashes_on_a_way_costs_the_pick_that_one() {
         assert!(!picked.failures.is_empty());
         for failure in &picked.failures {
             assert!(failure.label.contains("march") && failure.message.contains("signal 11"), "{failure:?}");
+        }
+    });
+}
+
+/// Scenes share an object, and its field where it reaches as far: a picture is what its scene gives, as `verify` asks.
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_picture_of_the_gallery_is_that_of_its_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scenes = gallery::effects("teapot").unwrap();
+    for (_, scene) in &mut scenes {
+        (scene.image.size, scene.quality.samples, scene.object.resolution) = ([24, 24], 24, 24);
+    }
+    with_gpu(|gpu| {
+        let library = shader::shipped();
+        gallery::write(gpu, &library, &scenes, None, folder.path(), &|_| ()).unwrap();
+        for (name, scene) in &scenes {
+            let subject = Subject::load(scene, &library, &|_| ()).unwrap();
+            let own = render(gpu, &library, scene, &subject).unwrap();
+            let path = folder.path().join(format!("{name}.png"));
+            let written = image::open(&path).unwrap().into_rgba8();
+            let provenance = Provenance::of(scene, &gpu.info().title(), &own.measurements).unwrap();
+            output::write(&own, scene.image.background, Depth::Eight, &provenance, &path).unwrap();
+            assert!(image::open(&path).unwrap().into_rgba8() == written, "{name}");
         }
     });
 }
