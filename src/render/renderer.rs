@@ -202,7 +202,7 @@ impl Renderer {
         let (scene, variant) = self.masks.without_idle(&self.library, scene, &self.subject)?;
         let is_cut =
             self.cut.iter().any(|(slots, samples)| *slots == variant.slots && *samples <= scene.quality.samples);
-        Ok((scene, if is_cut { variant.that_waits_for_none() } else { variant }))
+        Ok((scene, if is_cut { variant.that_waits_for_none() } else { variant.suited(self.gpu.info().cpu) }))
     }
 
     /// What serves a scene, from what there is.

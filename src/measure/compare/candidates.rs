@@ -4,7 +4,7 @@
 //! out, and so is one that differs only in what its program does not read.
 
 use super::CompareError;
-use crate::render::variant::Variant;
+use crate::render::variant::{Variant, slot_of};
 use crate::scene::{Filter, Integration, Pass, Scene, SceneError, TargetFormat};
 use crate::shader::Library;
 use crate::shader::file::{Include, include};
@@ -326,11 +326,6 @@ fn reads_block(library: &Library, variant: &Variant) -> bool {
         }
     }
     false
-}
-
-/// The slot of a key, which an additional object's name may come before.
-fn slot_of(key: &str) -> &str {
-    key.rsplit('.').next().unwrap_or(key)
 }
 
 #[cfg(test)]

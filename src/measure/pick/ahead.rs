@@ -16,6 +16,7 @@ use std::time::Instant;
 pub(super) struct Ahead<'a> {
     pub(super) families: &'a Families,
     library: &'a Library,
+    on_processor: bool,
     began: Instant,
     links: Vec<Once>,
     has_ended: AtomicBool,
@@ -23,9 +24,9 @@ pub(super) struct Ahead<'a> {
 
 impl<'a> Ahead<'a> {
     /// For these curves.
-    pub(super) fn new(families: &'a Families, library: &'a Library) -> Ahead<'a> {
+    pub(super) fn new(families: &'a Families, library: &'a Library, on_processor: bool) -> Ahead<'a> {
         let links = families.kept.iter().map(|_| Once::new()).collect();
-        Ahead { families, library, began: Instant::now(), links, has_ended: AtomicBool::new(false) }
+        Ahead { families, library, on_processor, began: Instant::now(), links, has_ended: AtomicBool::new(false) }
     }
 
     /// Links one after the other, the reference of `scene` first, as long as it is early enough that all are drawn.
@@ -67,7 +68,7 @@ impl<'a> Ahead<'a> {
 
     fn link_picture(&self, scene: &Scene) -> Result<(), VariantError> {
         let library = self.library;
-        let variant = Variant::of(scene, library)?;
+        let variant = Variant::of(scene, library)?.suited(self.on_processor);
         let program = variant.program(library, Linker::new)?;
         for (image, other) in [("shadow_image", Variant::shadow as fn(&_, &_, &_) -> _), ("cell_image", Variant::cells)]
         {
@@ -97,7 +98,7 @@ mod tests {
     fn nothing_is_begun_once_nobody_waits_and_what_is_asked_for_is_linked_all_the_same() {
         let (library, scene) = (shader::shipped(), preset("lit").unwrap());
         let families = families(&scene, &library, 1e-2, false).unwrap();
-        let ahead = Ahead::new(&families, &library);
+        let ahead = Ahead::new(&families, &library, true);
         ahead.end();
         ahead.link(&scene);
         assert!(ahead.links.iter().all(|link| !link.is_completed()));

@@ -187,7 +187,7 @@ pub fn pick(
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Pick, PickError> {
     let families = candidates::families(scene, stage.library, bound.error, stage.gpu.info().filters_by_few_bits())?;
-    let ahead = Ahead::new(&families, stage.library);
+    let ahead = Ahead::new(&families, stage.library, stage.gpu.info().cpu);
     std::thread::scope(|scope| {
         scope.spawn(|| ahead.link(scene));
         let picked = fastest(stage, scene, bound, &ahead, progress);
