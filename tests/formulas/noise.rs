@@ -61,7 +61,7 @@ crate::rows! {
         "turbulence/lookups4.glsl": "min(OCTAVES, 4)" => "min(OCTAVES, 5)";
     m37_turbulence_that_is_encoded = encoded,
         "turbulence/encoded.glsl": "2.0 * texel.a" => "texel.a",
-        "turbulence/encoded.glsl": "return 2.0 * texture" => "return texture";
+        "turbulence/encoded.glsl": "return 2.0 * lookup" => "return lookup";
     m39_turbulence_of_four_channels = channels,
         "turbulence/channels.glsl": "1.0, 0.5, 0.25, 0.125" => "1.0, 0.5, 0.25, 0.25",
         "turbulence/channels.glsl": "slope / (2.0 * h)" => "slope / h";
