@@ -70,7 +70,7 @@ fn is_tried(calls: &[&str], left: usize) -> bool {
 fn fail_each(words: &str, validation: bool) -> BTreeSet<&'static str> {
     let root = tempfile::tempdir().unwrap();
     let (whole, work) = (root.path().join("whole"), root.path().join("work"));
-    let options = Options { validation, cache: Some(root.path().join("cache")), ..Options::default() };
+    let options = Options { validation, cache: Some(root.path().join("cache")), ..Options::of_tests() };
     fs::create_dir(&whole).unwrap();
     run(words, &whole, &options).unwrap();
     fs::remove_dir_all(&whole).unwrap();
@@ -170,7 +170,7 @@ fn each_call_of_a_comparison_may_fail_and_costs_it_a_candidate_at_most() {
         Ok(Arc::new(Reference { size: scene.image.size, pixels: vec![[0.0; 4]; count], estimate, open }))
     };
     let run = |left: usize| {
-        let gpu = Gpu::new(&Options { validation: true, ..Options::default() }).unwrap();
+        let gpu = Gpu::new(&Options { validation: true, ..Options::of_tests() }).unwrap();
         let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
         fail_after(left);
         let found = compare(stage, &scene, &settings, &mut { dark }, &|_| ());

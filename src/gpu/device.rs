@@ -22,6 +22,14 @@ pub struct Options {
     pub cache: Option<PathBuf>,
 }
 
+#[cfg(test)]
+impl Options {
+    /// For tests: on the device that `HYPERTEXTURE_DEVICE` names.
+    pub(crate) fn of_tests() -> Options {
+        Options { device: std::env::var("HYPERTEXTURE_DEVICE").ok(), ..Options::default() }
+    }
+}
+
 /// What a person wants to know about the device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceInfo {

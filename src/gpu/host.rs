@@ -189,7 +189,7 @@ mod tests {
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn a_recorded_picture_is_that_of_render_over_what_the_host_has_drawn() {
-        let own = Gpu::new(&Options { validation: true, ..Options::default() }).unwrap();
+        let own = Gpu::new(&Options { validation: true, ..Options::of_tests() }).unwrap();
         let messages = own.messages();
         let host = HostDevice {
             entry: own.0.instance.entry.clone(),

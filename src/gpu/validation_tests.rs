@@ -12,7 +12,7 @@ const BYTES: usize = (SIDE * SIDE * 4) as usize;
 
 /// Runs `plant` on a device with validation, closes the device, and returns the distinct ids of what was reported.
 fn reported(plant: impl FnOnce(&Gpu)) -> Vec<String> {
-    let options = Options { validation: true, ..Options::default() };
+    let options = Options { validation: true, ..Options::of_tests() };
     let gpu = Gpu::new(&options).unwrap_or_else(|error| panic!("{error}"));
     let messages = gpu.messages();
     plant(&gpu);

@@ -275,7 +275,7 @@ mod tests {
     }
 
     fn found_with(library: &Library, scene: &Scene) -> (Vec<(&'static str, usize)>, usize) {
-        let gpu = Gpu::new(&Options::default()).unwrap();
+        let gpu = Gpu::new(&Options::of_tests()).unwrap();
         let subject = Subject::load(scene, library, &|_| ()).unwrap();
         let frame = Renderer::new(&gpu, library, &subject).render(scene).unwrap();
         let validity = validity(&gpu, library, scene, &subject, &frame);

@@ -247,7 +247,7 @@ mod tests {
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn where_slices_are_cut_into_submissions_changes_no_bit() {
-        let gpu = Gpu::new(&Options { validation: true, ..Options::default() }).unwrap();
+        let gpu = Gpu::new(&Options { validation: true, ..Options::of_tests() }).unwrap();
         let mut scene = Scene::default();
         scene.object.input = "sphere".into();
         (scene.effect.classify, scene.effect.softness) = ("soft".into(), "quadratic".into());

@@ -196,6 +196,13 @@ pub enum Filter {
     Exact,
 }
 
+impl Filter {
+    /// The faster one of those that weigh by floats, on a device whose own does so or weighs by few bits.
+    pub fn precise(device_has_few_bits: bool) -> Filter {
+        if device_has_few_bits { Filter::Exact } else { Filter::Device }
+    }
+}
+
 /// What is beyond the border of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

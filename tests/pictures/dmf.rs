@@ -6,7 +6,7 @@ use crate::seen::{seen, seen_with, set, worst};
 use glam::{DVec3, Vec3};
 use hypertexture::field::{DistanceField, Grid};
 use hypertexture::render::Subject;
-use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
+use hypertexture::scene::{Filter, ParameterValue, Projection, Scene, preset};
 use hypertexture::shader;
 use std::sync::Arc;
 
@@ -396,6 +396,7 @@ fn g05_a_perturbed_lookup_gives_a_coarse_field_detail_that_it_cannot_hold() {
             &[("perturbation", perturbation), ("perturbation_frequency", 6.0), ("perturbation_speed", 0.0)],
         );
         scene.quality.integration = hypertexture::scene::Integration::Segment;
+        scene.quality.filter = Filter::precise(gpu.info().filters_by_few_bits());
         scene.image.size = [320, 320];
         let grid = Grid {
             size: [resolution; 3],

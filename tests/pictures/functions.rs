@@ -6,7 +6,7 @@ use hypertexture::field::{DistanceField, Grid};
 use hypertexture::gpu::Gpu;
 use hypertexture::noise::{Lattice, Period, Weights};
 use hypertexture::render::{Frame, Subject};
-use hypertexture::scene::{Projection, Scene, Source};
+use hypertexture::scene::{Filter, Projection, Scene, Source};
 use hypertexture::shader::{self, Library};
 use std::sync::Arc;
 
@@ -122,6 +122,7 @@ fn a_linear_field_is_reproduced_at_any_size_because_texels_are_centered() {
         {
             let (mut scene, library) = probe("distance_probe", include_str!("../glsl/distance_probe.glsl"));
             scene.object.source = source;
+            scene.quality.filter = Filter::precise(gpu.info().filters_by_few_bits());
             scene.object.inner_iso = 1.9;
             scene.object.outer_iso = 1.9;
             scene.camera.zoom = 2.0; // the surface is far beyond the face

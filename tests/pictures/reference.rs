@@ -5,7 +5,7 @@ use glam::DVec3;
 use hypertexture::measure::reference::{TOLERANCE, reference_pixels, truth_of};
 use hypertexture::measure::verify::{self, AnalyticCase, rays};
 use hypertexture::render::Subject;
-use hypertexture::scene::{Curve, EFFECTS, Integration, Pass, Scene, names, preset};
+use hypertexture::scene::{Curve, EFFECTS, Filter, Integration, Pass, Scene, names, preset};
 use hypertexture::shader::{self, Library};
 
 /// Light and estimate of every pixel.
@@ -148,6 +148,7 @@ fn p28_the_device_draws_the_glass_that_the_reference_has() {
         let library = shader::shipped();
         let mut scene = preset("blue_glass").unwrap();
         (scene.image.size, scene.quality.samples, scene.quality.msaa) = ([32, 32], 1024, 1);
+        scene.quality.filter = Filter::precise(gpu.info().filters_by_few_bits());
         let subject = subject(&scene, &library);
         let frame = picture(gpu, &library, &scene, &subject);
         let found = found(&library, &scene, &subject, TOLERANCE);

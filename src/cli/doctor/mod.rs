@@ -131,10 +131,10 @@ mod tests {
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn the_device_of_the_tests_is_healthy_and_named() {
         let start = std::time::Instant::now();
-        let report = examine(&Options::default());
+        let report = examine(&Options::of_tests());
         println!("{}{:.2} s", report.text, start.elapsed().as_secs_f64());
         assert!(report.healthy, "{}", report.text);
-        let gpu = Gpu::new(&Options::default()).unwrap();
+        let gpu = Gpu::new(&Options::of_tests()).unwrap();
         assert!(report.text.contains(&gpu.info().name));
         for subject in ["loops", "filter", "blend", "NaN", "timestamps"] {
             assert!(report.text.lines().any(|line| line.contains(subject) && line.len() > 30), "{subject}");
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn the_self_tests_are_valid_vulkan() {
-        let gpu = Gpu::new(&Options { validation: true, ..Options::default() }).unwrap();
+        let gpu = Gpu::new(&Options { validation: true, ..Options::of_tests() }).unwrap();
         let messages = gpu.messages();
         let mut report = Diagnosis { text: String::new(), healthy: true };
         probes::run(&gpu, &mut report);

@@ -62,7 +62,7 @@ impl Known {
         scene: &Scene,
         (metric, error): (Metric, f64),
     ) -> Result<Known, CompareError> {
-        let filter = if stage.gpu.info().filters_by_few_bits() { Filter::Exact } else { Filter::Device };
+        let filter = Filter::precise(stage.gpu.info().filters_by_few_bits());
         let mut draw = |samples| -> Result<Frame, CompareError> {
             let mut drawn = Err(CompareError::Nothing);
             for finest in candidates::finest(scene, stage.library, samples, filter)? {

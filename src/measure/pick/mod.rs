@@ -28,7 +28,7 @@ use std::time::Duration;
 
 /// Pixels of the whole picture that are held against the reference, at most.
 const PIXELS: usize = 1024;
-/// Whole pictures that are held against the reference, at most.
+/// Whole pictures that are held against the reference, at most; twice as many while it is early and none keeps the bound.
 const VERIFIED: usize = 8;
 /// A whole picture is taken whose error is below this part of the bound: the rest is for the pixels that were not looked
 /// at. Less: slower. More: bounds are broken.
@@ -208,9 +208,10 @@ fn fastest(
     let mut whole = Whole { stage, bound, known: None, other: None };
     let mut best: Option<(Drawn, Verified, Frame)> = None;
     let mut nearest: Option<(String, [f64; 2])> = None;
-    for round in 0..VERIFIED {
-        let share = |done: f32| progress(0.2 + 0.7 * (round as f32 + done) / VERIFIED as f32);
-        if best.is_some() && search.is_late() {
+    for round in 0..2 * VERIFIED {
+        let share = |done: f32| progress((0.2 + 0.7 * (round as f32 + done) / VERIFIED as f32).min(0.9));
+        let (is_found, is_late, is_long) = (best.is_some(), search.is_late(), round >= VERIFIED);
+        if is_found && (is_late || is_long) || is_late && is_long {
             break;
         }
         let Some(next) = search.next(best.as_ref().map(|(drawn, ..)| drawn), &share) else { break };

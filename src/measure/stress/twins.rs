@@ -187,7 +187,7 @@ mod tests {
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn noise_that_repeats_gives_the_same_picture_whole_periods_away_and_no_other_does() {
-        let gpu = Gpu::new(&Options::default()).unwrap();
+        let gpu = Gpu::new(&Options::of_tests()).unwrap();
         let away = |library: &Library, name: &str, noise: &str, turbulence: &str| {
             let mut scene = preset(name).unwrap();
             (scene.effect.noise, scene.effect.turbulence) = (noise.into(), turbulence.into());

@@ -61,9 +61,9 @@ pub(super) fn fields(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
     for ((what, distance, cells, bound, order), (filter, named)) in
         cases.into_iter().flat_map(|case| filters.map(|filter| (case, filter)))
     {
-        // Weights of 8 bits are off by less than 1 / 256 of a cell along each axis, where distances grow by less than 1.
+        // Weights of 8 bits are off by less than 1 / 128 of a cell along each axis, where distances grow by less than 1.
         let coarse = filter == Filter::Device && bench.gpu.info().filters_by_few_bits();
-        let by_weights = |level: &Level| if coarse { 0.25 * level.step * 3f64.sqrt() / 256.0 } else { 0.0 };
+        let by_weights = |level: &Level| if coarse { 0.25 * level.step * 3f64.sqrt() / 128.0 } else { 0.0 };
         let order = order.filter(|_| !coarse);
         for pass in PASSES {
             let mut scene = face("field_value", pass);

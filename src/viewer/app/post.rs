@@ -132,7 +132,7 @@ mod tests {
     use crate::viewer::status::Stage;
 
     fn app() -> App {
-        let (scene, library, options) = (preset("lit").unwrap(), shipped(), Options::default());
+        let (scene, library, options) = (preset("lit").unwrap(), shipped(), Options::of_tests());
         let (window, began) = ([640, 400], Instant::now());
         let (max_error, play, frames, screenshot, script) = (None, false, None, None, None);
         let start = Start { scene, library, options, max_error, play, window, frames, screenshot, script, began };

@@ -62,8 +62,8 @@ impl Search<'_> {
         let (curve, families) = (family.curve(), &self.ahead.families.kept);
         let first = |strategy: &str| families.iter().map(Candidate::curve).find(|other| other.strategy == strategy);
         let Some(base) = first(&curve.strategy).filter(|base| *base != curve) else { return false };
-        // Another pass, integration or target does not mend what a strategy makes of its noise.
-        if base.block == curve.block && self.flat.contains(&base) {
+        // Another pass, integration or target does not mend what a strategy makes of its noise; another filter may.
+        if (base.block, base.filter) == (curve.block, curve.filter) && self.flat.contains(&base) {
             return true;
         }
         let best =
