@@ -3,16 +3,36 @@
 use super::RenderError;
 use crate::gpu::Area;
 
-/// Adds a picture to a sum of pictures.
-pub(super) fn add(sum: &mut [[f64; 4]], pixels: &[[f32; 4]]) {
-    for (sum, pixel) in sum.as_flattened_mut().iter_mut().zip(pixels.as_flattened()) {
-        *sum += f64::from(*pixel);
-    }
+/// The mean of pictures; one alone stays as it is.
+#[derive(Default)]
+pub(super) struct Mean {
+    first: Vec<[f32; 4]>,
+    sum: Vec<[f64; 4]>,
+    pub(super) count: u32,
 }
 
-/// The mean of the pictures of a sum.
-pub(super) fn mean(sum: &[[f64; 4]], count: u32) -> Vec<[f32; 4]> {
-    sum.iter().map(|pixel| pixel.map(|channel| (channel / f64::from(count)) as f32)).collect()
+impl Mean {
+    pub(super) fn add(&mut self, pixels: Vec<[f32; 4]>) {
+        self.count += 1;
+        if self.count == 1 {
+            self.first = pixels;
+            return;
+        }
+        if self.count == 2 {
+            self.sum = self.first.iter().map(|pixel| pixel.map(f64::from)).collect();
+        }
+        for (sum, pixel) in self.sum.as_flattened_mut().iter_mut().zip(pixels.as_flattened()) {
+            *sum += f64::from(*pixel);
+        }
+    }
+
+    pub(super) fn of_all(self) -> Vec<[f32; 4]> {
+        if self.count < 2 {
+            return self.first;
+        }
+        let count = f64::from(self.count);
+        self.sum.iter().map(|pixel| pixel.map(|channel| (channel / count) as f32)).collect()
+    }
 }
 
 /// Refuses pixels of areas, one behind the other, that are no numbers.
@@ -51,6 +71,17 @@ pub fn put(pixels: &[[f32; 4]], areas: &[Area], width: u32, into: &mut [[f32; 4]
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_picture_is_its_own_mean() {
+        let mean = |values: &[f32]| {
+            let mut mean = Mean::default();
+            values.iter().for_each(|value| mean.add(vec![[*value, 2.0 * value, 0.0, 1.0]]));
+            mean.of_all()
+        };
+        assert_eq!(mean(&[0.1]), [[0.1, 0.2, 0.0, 1.0]]);
+        assert_eq!(mean(&[1.0, 2.0, 6.0]), [[3.0, 6.0, 0.0, 1.0]]);
+    }
 
     #[test]
     fn pixels_of_areas_are_put_where_they_belong_and_found_there() {

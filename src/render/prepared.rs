@@ -6,7 +6,7 @@ use super::inputs::{Inputs, SHADOW};
 use super::marks::Marks;
 use super::pace::{Cut, Pace};
 use super::pass;
-use super::pixels::{add, check_finite, mean};
+use super::pixels::{Mean, check_finite};
 use super::shadow::{Cast, Caster};
 use super::shot::Shot;
 use super::sub_frame::SubFrame;
@@ -297,17 +297,15 @@ impl Prepared {
         let variant = &self.served(variant);
         let shot = Shot { whole: self.whole, ..Shot::of(scene, subject, variant) };
         let slices = self.slices(&shot)?;
-        let mut sum = vec![[0.0; 4]; areas.iter().map(gpu::Area::pixels).sum::<u64>() as usize];
+        let mut pictures = Mean::default();
         let mut drawn = pass::Drawn { fragments: Some(0), ..Default::default() };
         let (mut shadow_ms, mut shadow_before_ms) = (None, 0.0);
-        let mut count = 0;
         for (_, sub_frame) in (0..).zip(SubFrame::all(scene)).filter(|(number, _)| wanted(*number)) {
-            count += 1;
             let so_far = drawn.gpu_ms + shadow_ms.unwrap_or(0.0);
             self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame, &|| stop(so_far))?;
             if let Some([now, before]) = self.cast(&shot, &|ms| stop(so_far + ms))? {
                 shadow_ms = Some(shadow_ms.unwrap_or(0.0) + now);
-                shadow_before_ms += if count == 1 { before } else { 0.0 };
+                shadow_before_ms += if pictures.count == 0 { before } else { 0.0 };
             }
             let Some((color, resolved)) = &self.targets else { continue };
             let marks = self.marks.as_ref().map(|marks| &marks.image);
@@ -341,9 +339,9 @@ impl Prepared {
             if self.variant.waits() && texels.iter().any(|[.., alpha]| *alpha < CUT_SHORT) {
                 return Ok(None);
             }
-            add(&mut sum, &texels);
+            pictures.add(texels);
         }
-        let pixels = mean(&sum, count);
+        let pixels = pictures.of_all();
         check_finite(&pixels, areas)?;
         let images = self.targets.iter().flat_map(|(color, resolved)| std::iter::once(&**color).chain(resolved));
         let images = images.chain(self.marks.as_ref().map(|marks| &marks.image));
