@@ -210,8 +210,7 @@ fn fastest(
     let mut nearest: Option<(String, [f64; 2])> = None;
     for round in 0..2 * VERIFIED {
         let share = |done: f32| progress((0.2 + 0.7 * (round as f32 + done) / VERIFIED as f32).min(0.9));
-        let (is_found, is_late, is_long) = (best.is_some(), search.is_late(), round >= VERIFIED);
-        if is_found && (is_late || is_long) || is_late && is_long {
+        if rules::has_ended(round, best.is_some(), search.is_late()) {
             break;
         }
         let Some(next) = search.next(best.as_ref().map(|(drawn, ..)| drawn), &share) else { break };

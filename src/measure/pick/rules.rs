@@ -1,6 +1,6 @@
 //! What pictures of a curve say about others of it, in numbers.
 
-use super::SAMPLES;
+use super::{SAMPLES, VERIFIED};
 
 /// After two whole pictures of a curve that fail, the next one has so many times the samples.
 const STRIDE: f64 = 1.4;
@@ -27,6 +27,12 @@ pub(super) fn least_hopeful(failed: &[(u32, f64)]) -> u32 {
     let stride = if failed.len() >= 2 { STRIDE } else { 1.0 };
     let next = f64::from(most) * stride.max(error.powf(1.0 / ORDER));
     (next.min(f64::from(SAMPLES[1])).ceil() as u32).max(most + 1)
+}
+
+/// Whether no more whole pictures are held against the reference, after so many.
+pub(super) fn has_ended(verified: usize, is_found: bool, is_late: bool) -> bool {
+    let is_long = verified >= VERIFIED;
+    is_found && (is_late || is_long) || is_late && is_long
 }
 
 /// Of curves and times, the fastest first, those that are too close to the fastest to tell which is: each curve once, and
@@ -56,6 +62,16 @@ mod tests {
         assert!(least_hopeful(&near(&[last, last - 1])) > last);
         assert_eq!(least_hopeful(&[(100, 9.0)]), 300, "an error of 9 times the bound needs 3 times the samples");
         assert_eq!(least_hopeful(&[(40, 100.0), (100, 1.1)]), 140, "that of the most samples counts");
+    }
+
+    #[test]
+    fn whole_pictures_are_looked_at_while_none_keeps_the_bound_and_it_is_early() {
+        let ends = |verified| {
+            [[false, false], [false, true], [true, false], [true, true]]
+                .map(|[found, late]| has_ended(verified, found, late))
+        };
+        assert_eq!(ends(VERIFIED - 1), [false, false, false, true], "late alone ends nothing before a bound is kept");
+        assert_eq!(ends(VERIFIED), [false, true, true, true]);
     }
 
     #[test]
