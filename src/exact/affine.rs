@@ -355,7 +355,9 @@ impl Number for Affine {
     #[inline(never)]
     fn sample(image: &Image<'_>, at: [Affine; 3], level: Affine, wanted: [bool; 4]) -> [Affine; 4] {
         let all = Interval::sample(image, at.map(|at| at.all), level.all, wanted);
-        let cell = (level.all.hi <= 0.0).then(|| image.cell(at.map(|at| [at.all.lo, at.all.hi]))).flatten();
+        let cell = (level.all.hi <= 0.0 && image.noise.is_none())
+            .then(|| image.cell(at.map(|at| [at.all.lo, at.all.hi])))
+            .flatten();
         let Some((base, corners)) = cell else { return all.map(Affine::bounded) };
         let mut parts = [Affine::new(0.0); 3];
         for axis in 0..image.axes {

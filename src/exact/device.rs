@@ -27,6 +27,9 @@ const WEIGHT: f64 = 1.0 / 256.0;
 /// A filtered value, in parts of the largest that its format holds.
 const FILTERED: f64 = 1.0 / 32768.0;
 
+/// Up to here f32 holds every integer, and nothing rounds.
+const WHOLE: i64 = 1 << 24;
+
 /// The largest size of a number.
 #[inline(always)]
 fn largest(x: Interval) -> f64 {
@@ -211,7 +214,8 @@ impl Number for Device {
     }
     #[inline(always)]
     fn from_int(int: Range, signed: bool) -> Device {
-        Device::rounded(Interval::from_int(int, signed))
+        let (all, holds) = (Interval::from_int(int, signed), (int.lo >= -WHOLE) & (int.hi <= WHOLE));
+        Device(Device::rounded(all).0.unless(holds, all))
     }
     fn to_bits(self, signed: bool) -> Range {
         self.0.to_bits(signed)
@@ -225,7 +229,8 @@ impl Number for Device {
     fn sample(image: &Image<'_>, at: [Device; 3], level: Device, wanted: [bool; 4]) -> [Device; 4] {
         let mut within = at.map(|at| at.0);
         for (axis, within) in within.iter_mut().enumerate().take(image.axes) {
-            *within = Device::of(*within, RELATIVE, WEIGHT / f64::from(image.size[axis])).0;
+            let weight = if image.noise.is_some() { 0.0 } else { WEIGHT / f64::from(image.size[axis]) };
+            *within = Device::of(*within, RELATIVE, weight).0;
         }
         let found = Interval::sample(image, within, level.0, wanted);
         // Of texels that are 0 the filter makes nothing else.
@@ -233,5 +238,22 @@ impl Number for Device {
     }
     fn fetch(image: &Image<'_>, at: [Range; 3]) -> [Device; 4] {
         Interval::fetch(image, at).map(Device::rounded)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_numbers_that_f32_holds_stay_what_they_are() {
+        for (lo, hi) in [(0, WHOLE), (-WHOLE, 7), (5, 5)] {
+            let Device(all) = Device::from_int(Range { lo, hi }, true);
+            assert_eq!((all.lo, all.hi), (lo as f64, hi as f64));
+        }
+        for int in [WHOLE + 1, -WHOLE - 1] {
+            let Device(all) = Device::from_int(Range { lo: int, hi: int }, true);
+            assert!(all.contains(f64::from(int as f32)) && all.lo < all.hi, "{int}: {all:?}");
+        }
     }
 }

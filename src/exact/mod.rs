@@ -41,6 +41,7 @@ pub use number::Number;
 pub use outline::Outline;
 pub use texture::{Texture, Wrap};
 
+use crate::noise::Lattice;
 use naga::front::spv::Error as SpirvError;
 
 use case::Case;
@@ -111,6 +112,8 @@ pub struct Inputs {
     pub images: BTreeMap<u32, Texture>,
     /// Samplers.
     pub samplers: BTreeMap<u32, Wrap>,
+    /// Noise in the place of images: looked up in lattice cells, at a level that is its period; gradient in RGB, value in A.
+    pub noises: BTreeMap<u32, Lattice>,
 }
 
 /// A program with its inputs.
@@ -225,6 +228,10 @@ impl Program {
         let code = &self.code;
         let mut images = Vec::new();
         for pair in &code.images {
+            if let Some(noise) = inputs.noises.get(&pair.image) {
+                images.push(Image::of_noise(*noise));
+                continue;
+            }
             let texture = image(inputs, pair.image)?;
             let wrap = match pair.sampler {
                 None => Wrap::Clamp,

@@ -3,6 +3,7 @@
 //! Texel i of n is centered at (i + 0.5) / n. Between texels values change linearly along each axis; no rounding of
 //! weights as in hardware.
 
+use crate::noise::{Lattice, MOST, STEEPEST};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -39,6 +40,8 @@ pub struct Image<'a> {
     coarser: Option<Box<Image<'a>>>,
     /// Ranges of ever larger boxes: made when an interval is first looked up.
     pyramid: OnceLock<Pyramid>,
+    /// What stands in place of the texels.
+    pub(super) noise: Option<Lattice>,
 }
 
 /// Texels of an image, without those of coarser levels.
@@ -81,11 +84,20 @@ impl<'a> Image<'a> {
     pub(super) fn new(size: [u32; 3], texels: &'a [[f32; 4]], wrap: Wrap, axes: usize) -> Image<'a> {
         let (texels, rest) = texels.split_at(count(size));
         let coarser = (!rest.is_empty()).then(|| Box::new(Image::new(halved(size), rest, wrap, axes)));
-        Image { size, texels, wrap, axes, coarser, pyramid: OnceLock::new() }
+        Image { size, texels, wrap, axes, coarser, pyramid: OnceLock::new(), noise: None }
+    }
+
+    /// Noise, whose levels are its periods.
+    pub(super) fn of_noise(noise: Lattice) -> Image<'a> {
+        Image { noise: Some(noise), ..Image::new([0; 3], &[], Wrap::Repeat, 3) }
     }
 
     /// The channels at a point of a level, which lies between two where it is no whole number.
     pub(super) fn sample_level(&self, at: [f64; 3], level: f64) -> [f64; 4] {
+        if let Some(noise) = self.noise {
+            let ([x, y, z], value) = noise.sample(at, level as u32);
+            return [x, y, z, value];
+        }
         match &self.coarser {
             Some(coarser) if level >= 1.0 => coarser.sample_level(at, level - 1.0),
             Some(coarser) if level > 0.0 => {
@@ -98,6 +110,14 @@ impl<'a> Image<'a> {
 
     /// Lower and upper bounds of the channels over a box of coordinates and levels; those that are not wanted may be 0.
     pub(super) fn range_levels(&self, within: [[f64; 2]; 3], levels: [f64; 2], wanted: [bool; 4]) -> [[f64; 2]; 4] {
+        if let Some(noise) = self.noise {
+            let ends = |end: usize| within.map(|within| within[end]);
+            let value = match levels {
+                [period, same] if period == same && wanted[3] => noise.range(ends(0), ends(1), period as u32),
+                _ => [-MOST, MOST],
+            };
+            return [[-STEEPEST, STEEPEST], [-STEEPEST, STEEPEST], [-STEEPEST, STEEPEST], value];
+        }
         match &self.coarser {
             Some(coarser) if levels[0] >= 1.0 => coarser.range_levels(within, levels.map(|level| level - 1.0), wanted),
             Some(coarser) if levels[1] > 0.0 || levels[1].is_nan() => {

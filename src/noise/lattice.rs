@@ -10,7 +10,20 @@ const MAJOR: f64 = 0.868_890_300_722_201_2;
 const THIRDS: [u32; 2] = [0x5555_5555, 0xaaaa_aaaa];
 const STRIDE: [u32; 3] = [0x8da6_b343, 0xd816_3841, 0xcb1a_b31f];
 /// Cells from the origin; beyond, the noise is that of this border. f32 has no fraction left soon after.
-const FARTHEST: f64 = 1_048_576.0;
+pub(super) const FARTHEST: f64 = 1_048_576.0;
+
+/// The 24 directions, by the axis of the major component and by signs, x first.
+const DIRECTIONS: [[[f64; 3]; 8]; 3] = {
+    let mut found = [[[0.0; 3]; 8]; 3];
+    let mut index = 0;
+    while index < 72 {
+        let (major, signs, axis) = (index / 24, index / 3 % 8, index % 3);
+        let size = if axis == major { MAJOR } else { MINOR };
+        found[major][signs][axis] = if signs >> axis & 1 == 1 { -size } else { size };
+        index += 1;
+    }
+    found
+};
 
 /// After how many cells the lattice of each octave repeats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,11 +96,8 @@ fn hash(cell: [u32; 3], period: u32) -> u32 {
 /// The direction of a lattice point.
 pub(super) fn direction(cell: [u32; 3], period: u32) -> [f64; 3] {
     let h = hash(cell, period);
-    let major = THIRDS.iter().filter(|&&third| h >= third).count();
-    std::array::from_fn(|axis| {
-        let size = if axis == major { MAJOR } else { MINOR };
-        if h >> axis & 1 == 1 { -size } else { size }
-    })
+    let major = usize::from(h >= THIRDS[0]) + usize::from(h >= THIRDS[1]);
+    DIRECTIONS[major][h as usize & 7]
 }
 
 #[cfg(test)]

@@ -8,11 +8,13 @@
 mod bake;
 mod blue;
 mod lattice;
+mod range;
 mod table;
 
 pub use bake::{Bake, Block, random_block};
 pub use blue::blue_noise;
 pub use lattice::{Lattice, Period};
+pub use range::{MOST, STEEPEST};
 pub use table::Noise;
 
 use crate::support::random::SplitMix;

@@ -6,6 +6,7 @@
 
 mod cover;
 mod decide;
+mod ranged;
 
 use super::shot::Shot;
 use super::tiles::Tiles;

@@ -51,6 +51,7 @@ impl CpuInputs {
             blocks: BTreeMap::new(),
             images: self.inputs.images.iter().map(|(binding, image)| (*binding, texture(image))).collect(),
             samplers: self.inputs.samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect(),
+            noises: BTreeMap::new(),
         }
     }
 

@@ -403,7 +403,7 @@ fn a_linear_field_is_reproduced_and_images_wrap_as_they_are_told() {
     let mut inputs = Inputs {
         blocks: BTreeMap::from([(3, block.iter().flat_map(|value| value.to_le_bytes()).collect())]),
         images: BTreeMap::from([(1, Texture { size, texels })]),
-        samplers: BTreeMap::new(),
+        ..Inputs::default()
     };
     let values: Vec<[f64; 4]> = points(400).into_iter().map(|p| p.map(|t| 4.0 * t - 1.5)).collect();
     for wrap in [Wrap::Clamp, Wrap::Repeat, Wrap::Mirror] {

@@ -8,8 +8,10 @@ use super::super::inputs::Inputs;
 use super::super::shot::Shot;
 use super::super::values::{Values, blocks};
 use super::super::{OCTAVES_ID, Read, RenderError};
+use super::ranged;
 use crate::exact::{self, Device, Interval, Outline};
-use crate::render::variant::Program;
+use crate::noise::Lattice;
+use crate::render::variant::{Program, Resource};
 use crate::shader::{Library, Linker};
 use crate::support::disk_cache::{self, Kind};
 use rayon::prelude::*;
@@ -77,6 +79,15 @@ pub(super) struct Boxes {
     margin: [f64; 3],
 }
 
+/// The program that says where matter is, and the noise that it looks up.
+fn deciding(shot: &Shot<'_>, library: &Library) -> Result<(Program, Option<Lattice>), RenderError> {
+    let variant = shot.variant.cells(shot.scene, library)?;
+    Ok(match ranged::ranged(&variant, library) {
+        Some((variant, library, noise)) => (variant.program(&library, Linker::new)?, Some(noise)),
+        None => (variant.program(library, Linker::new)?, None),
+    })
+}
+
 impl Decider {
     /// For the program of a shot, if it `pays` to read so many texels of images.
     pub(super) fn new(
@@ -85,7 +96,7 @@ impl Decider {
         image_of: &dyn Fn(&str) -> Option<Read>,
         pays: impl Fn(u64) -> bool,
     ) -> Result<Decider, RenderError> {
-        let program = shot.variant.cells(shot.scene, library)?.program(library, Linker::new)?;
+        let (program, noise) = deciding(shot, library)?;
         let octaves = [(OCTAVES_ID, shot.scene.effect.octaves)];
         let code = match exact::Program::read_channel(&program.fragment, &octaves, (0, 3)) {
             Ok(code) => code,
@@ -94,6 +105,7 @@ impl Decider {
         let outline = code.outline();
         let is_read = |binding: &u32| outline.images.iter().any(|(image, _)| image == binding);
         let read = program.resources.iter().filter(|resource| is_read(&resource.binding));
+        let read = read.filter(|resource| noise.is_none() || resource.name != ranged::IMAGE);
         let read: Vec<Read> = read.filter_map(|resource| image_of(&resource.name)).collect();
         if let Some(image) = read.iter().find(|image| (image.channels, image.bits) == (4, 8)) {
             let why = format!("the {} has 8 bits, and so have its interpolated values on some devices", image.name);
@@ -111,7 +123,7 @@ impl Decider {
         let (scene, whole) = (shot.scene.clone(), shot.whole);
         let read = move || {
             let shot = Shot { whole, ..Shot::of(&scene, &subject, &variant) };
-            Bounded::new(&library, &shot, (program, code, outline), texels)
+            Bounded::new(&library, &shot, (program, code, outline), (texels, noise))
         };
         Ok(match thread::Builder::new().stack_size(STACK).spawn(read) {
             Ok(thread) => Decider::Coming(texels, Some(thread)),
@@ -138,13 +150,16 @@ impl Decider {
 }
 
 impl Bounded {
-    /// Reads the images of a program, which have so many texels.
-    pub(super) fn new(
+    /// Reads the images of a program, which have so many texels, beside the noise that it looks up.
+    fn new(
         library: &Library,
         shot: &Shot<'_>,
-        (program, code, outline): (Program, exact::Program, Outline),
-        texels: u64,
+        (mut program, code, outline): (Program, exact::Program, Outline),
+        (texels, noise): (u64, Option<Lattice>),
     ) -> Result<Bounded, RenderError> {
+        let is_noise = |resource: &&mut Resource| noise.is_some() && resource.name == ranged::IMAGE;
+        let place = program.resources.iter_mut().find(is_noise).map(|resource| resource.binding);
+        program.resources.retain(|resource| Some(resource.binding) != place);
         let Inputs { mut images, samplers, .. } = Inputs::new(library, shot, &program, &|_| ())?;
         images.retain(|(binding, _)| outline.images.iter().any(|(image, _)| image == binding));
         let mut hash = blake3::Hasher::new();
@@ -156,10 +171,12 @@ impl Bounded {
         samplers.iter().for_each(|(binding, filter)| {
             hash.update(format!("{binding} {:?}", filter.address).as_bytes());
         });
+        hash.update(format!("{noise:?}").as_bytes());
         let hash = hash.finalize();
         let images = images.iter().map(|(binding, image)| (*binding, texture(image))).collect();
         let samplers = samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect();
-        let inputs = exact::Inputs { blocks: BTreeMap::new(), images, samplers };
+        let noises = place.zip(noise).into_iter().collect();
+        let inputs = exact::Inputs { blocks: BTreeMap::new(), images, samplers, noises };
         Ok(Bounded { program, code, outline, inputs, texels, hash })
     }
 

@@ -1,5 +1,7 @@
 //! Cells that are called empty are.
 
+use super::super::OCTAVES_ID;
+use super::super::cpu_inputs::CpuInputs;
 use super::super::inputs::Inputs;
 use super::decide::{packed, unpacked};
 use super::*;
@@ -83,6 +85,15 @@ fn cells_end_where_something_else_is_to_be_done() {
     assert!(bounded.empty(&boxes, &|| false).unwrap().is_some());
 }
 
+/// What says where matter is, as it is drawn: without what bounds replace in it.
+fn drawn(scene: &Scene, library: &Library, subject: &Subject, variant: &Variant) -> (exact::Program, exact::Inputs) {
+    let program = variant.cells(scene, library).unwrap().program(library, Linker::new).unwrap();
+    let code = exact::Program::read(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]).unwrap();
+    let read = CpuInputs::new(library, scene, subject, variant, &program).unwrap();
+    let blocks = read.moments(&program).unwrap().swap_remove(0);
+    (code, exact::Inputs { blocks, ..read.exact() })
+}
+
 /// How many cells of a scene are empty, and how many samples in those hold matter.
 fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (usize, usize) {
     let library = shader::shipped();
@@ -107,8 +118,9 @@ fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (us
         cell.map(|range| range.lo + (range.hi - range.lo) * (1.5 * random.unit() - 0.25).clamp(0.0, 1.0))
     });
     let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
-    let outputs = bounded.code.bind(&bounded.inputs).unwrap().run::<f64>(&lanes).unwrap();
-    (which.len(), outputs[&0].iter().filter(|[alpha, ..]| alpha.is_nan() || *alpha > 0.0).count())
+    let (code, inputs) = drawn(scene, &library, &subject, &variant);
+    let outputs = code.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();
+    (which.len(), outputs[&0].iter().filter(|[.., alpha]| alpha.is_nan() || *alpha > 0.0).count())
 }
 
 #[test]
@@ -151,6 +163,67 @@ fn proofs_are_kept_under_all_that_they_depend_on() {
     assert_eq!(unpacked(&bytes, bytes.len() * 8 + 1), None);
 }
 
+/// Sets the noise and the turbulence of all objects to those that are computed in place; whether the scene takes that.
+fn compute_noise(scene: &mut Scene, library: &Library) -> bool {
+    let mut other = scene.clone();
+    let parts = other.parts.values_mut().map(|part| &mut part.effect);
+    for effect in parts.chain([&mut other.effect]) {
+        (effect.noise, effect.turbulence) = ("procedural".into(), "procedural".into());
+    }
+    let takes = other.check(library).is_ok();
+    if takes {
+        *scene = other;
+    }
+    takes
+}
+
+#[test]
+fn m61_noise_that_bounds_look_up_is_the_noise_that_is_computed() {
+    let library = shader::shipped();
+    let mut random = SplitMix(1985);
+    for (name, weights) in [("clouds", "quintic"), ("fire_ball", "cubic"), ("flow", "quintic")] {
+        let mut scene = preset(name).unwrap();
+        (scene.quality.pass, scene.effect.weights) = (Pass::March, weights.into());
+        assert!(compute_noise(&mut scene, &library), "{name}");
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        let variant = Variant::of(&scene, &library).unwrap();
+        let shot = Shot::of(&scene, &subject, &variant);
+        let program = variant.program(&library, Linker::new).unwrap();
+        let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
+        let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{name}") };
+        bounded.fill(&inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap())).unwrap();
+        assert!(!bounded.inputs.noises.is_empty(), "{name}");
+        let whole = Boxes::of(&shot, 1).cell([0; 3], 1);
+        let places = (0..20_000).map(|_| whole.map(|range| range.lo + (range.hi - range.lo) * random.unit())).collect();
+        let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+        let looked_up = bounded.code.bind(&bounded.inputs).unwrap().run::<f64>(&lanes).unwrap();
+        let (code, inputs) = drawn(&scene, &library, &subject, &variant);
+        let computed = code.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();
+        let mut seen = 0;
+        for (a, b) in looked_up[&0].iter().zip(&computed[&0]) {
+            assert!((a[0] - b[3]).abs() < 1e-6, "{name}: {} and {}", a[0], b[3]);
+            seen += usize::from(b[3] > 0.0 && b[3] < 1.0);
+        }
+        assert!(seen > 100, "{name}: {seen}");
+    }
+}
+
+#[test]
+fn m61_nearly_as_many_cells_of_computed_noise_are_empty_as_of_a_block() {
+    let library = shader::shipped();
+    let mut random = SplitMix(2005);
+    for name in ["noisy_sphere", "fractal_sphere", "clouds", "flow"] {
+        let mut scene = preset(name).unwrap();
+        scene.quality.pass = Pass::March;
+        let (of_a_block, _) = judge(&scene, 16, &mut random, 1);
+        assert!(compute_noise(&mut scene, &library), "{name}");
+        let (computed, wrong) = judge(&scene, 16, &mut random, SAMPLES_OF_A_SCENE);
+        println!("{name}: {computed} cells are empty, {of_a_block} of a block");
+        assert_eq!(wrong, 0, "{name}");
+        assert!(2 * computed > of_a_block, "{name}: {computed} of {of_a_block}");
+    }
+}
+
 #[test]
 fn m61_cells_that_are_called_empty_hold_no_matter() {
     // HYPERTEXTURE_SCENES=200 asks for as many scenes with other parameters, and for 500 000 samples of each.
@@ -158,7 +231,7 @@ fn m61_cells_that_are_called_empty_hold_no_matter() {
     let (count, samples) = asked.map_or((12, SAMPLES_OF_A_SCENE), |count| (count, 25 * SAMPLES_OF_A_SCENE));
     let library = shader::shipped();
     let mut random = SplitMix(1989);
-    let (mut cells, mut seen, mut matter) = (0, 0, Vec::new());
+    let (mut cells, mut seen, mut computed, mut matter) = (0, 0, 0, Vec::new());
     let has_cells = |scene: &Scene| {
         let straight = scene.effect.ray_path == RayPath::Straight;
         straight && scene.slots(&library)["cells"] == ["grid"]
@@ -173,6 +246,10 @@ fn m61_cells_that_are_called_empty_hold_no_matter() {
     assert!(presets.len() > 15, "{}", presets.len());
     for index in 0..presets.len() + count {
         let (name, mut scene) = presets[index % presets.len()].clone();
+        // Of all but the presets every other one computes its noise.
+        if index >= presets.len() && index % 2 == 0 {
+            computed += usize::from(compute_noise(&mut scene, &library));
+        }
         if index >= presets.len() {
             let all: Vec<(String, [f32; 2])> = (Variant::of(&scene, &library).unwrap().all_parameters())
                 .filter_map(|(name, parameter, _)| match parameter.kind {
@@ -195,11 +272,14 @@ fn m61_cells_that_are_called_empty_hold_no_matter() {
         let (empty, wrong) = judge(&scene, 16, &mut random, samples);
         println!("{name}: {empty} of 4096 cells are empty");
         (cells, seen) = (cells + empty, seen + if empty > 0 { samples } else { 0 });
+        // A cube fills its box.
+        assert!(empty > 0 || index >= presets.len() || name == "eroded_cube", "{name}");
         if wrong > 0 {
             matter.push(format!("{index} {name}: {wrong} samples, {:?}", scene.parameters));
         }
     }
-    println!("{cells} cells of {} scenes, {seen} samples", presets.len() + count);
+    println!("{cells} cells of {} scenes, {computed} of computed noise, {seen} samples", presets.len() + count);
+    assert!(computed > 1, "{computed}");
     assert!(cells > 20_000, "{cells}");
     assert!(matter.is_empty(), "{}", matter.join("\n"));
 }

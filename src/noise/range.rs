@@ -1,0 +1,150 @@
+//! The range of the noise over a box.
+//!
+//! Role: bounds as tight as a block of texels gives, without a block. Invariant: every value of [`Lattice::sample`] in the box
+//! lies in the range. Within a cell the noise is linear in each of six numbers, the weights of its far sides and the place
+//! in the box, so that over all of them its extremes are at their ends.
+
+use super::Weights;
+use super::lattice::{FARTHEST, Lattice, direction};
+
+/// No value of the noise is larger.
+pub const MOST: f64 = 0.867;
+/// No component of its gradient is, per lattice cell: as `glsl/noise_fetch.glsl` bounds it.
+pub const STEEPEST: f64 = 3.0;
+/// Boxes that are looked at on their own are at most so long, in lattice cells. Less: slower. More: wider ranges.
+const PIECE: f64 = 0.5;
+/// A box that is longer has the range of all noise. More: hardly narrower, and much slower.
+const LONGEST: f64 = 1.5;
+/// Cells that such a box reaches into along an axis.
+const MOST_CELLS: usize = 3;
+/// What f64 rounds.
+const ROUNDED: f64 = 1e-12;
+
+impl Lattice {
+    /// Bounds of the value of the noise over a box, in lattice cells, which repeats after `period` cells, a power of two.
+    pub fn range(self, low: [f64; 3], high: [f64; 3], period: u32) -> [f64; 2] {
+        let mut parts = [const { Parts { base: 0, ends: [0.0; 3], count: 0 } }; 3 * MOST_CELLS];
+        let mut counts = [0; 3];
+        for axis in 0..3 {
+            let [from, to] = [low[axis], high[axis]].map(|end| end.clamp(-FARTHEST, FARTHEST));
+            if (to - from).is_nan() || to - from > LONGEST {
+                return [-MOST, MOST];
+            }
+            let mut cell = from.floor();
+            while cell <= to {
+                parts[axis * MOST_CELLS + counts[axis]] = Parts::of(from - cell, to - cell, cell as i32);
+                (counts[axis], cell) = (counts[axis] + 1, cell + 1.0);
+            }
+        }
+        let mut all = [f64::INFINITY, f64::NEG_INFINITY];
+        for z in &parts[2 * MOST_CELLS..][..counts[2]] {
+            for y in &parts[MOST_CELLS..][..counts[1]] {
+                for x in &parts[..counts[0]] {
+                    self.weights.include(&mut all, [x, y, z], period);
+                }
+            }
+        }
+        [(all[0] - ROUNDED).max(-MOST), (all[1] + ROUNDED).min(MOST)]
+    }
+}
+
+/// The part of a range within a cell, in one piece or two.
+struct Parts {
+    base: i32,
+    /// Of the pieces, from the base: as many as there are and one more.
+    ends: [f64; 3],
+    count: usize,
+}
+
+impl Parts {
+    fn of(low: f64, high: f64, base: i32) -> Parts {
+        let [from, to] = [low.max(0.0), high.min(1.0)];
+        match to - from > PIECE {
+            true => Parts { base, ends: [from, 0.5 * (from + to), to], count: 2 },
+            false => Parts { base, ends: [from, to, to], count: 1 },
+        }
+    }
+}
+
+/// At a corner of a cell: the value in the middle of a piece, and how far it is from there to the ends along each axis.
+type Knot = [f64; 4];
+
+impl Weights {
+    /// Takes in the range over the part of a cell.
+    fn include(self, all: &mut [f64; 2], parts: [&Parts; 3], period: u32) {
+        let mut directions = [[0.0; 3]; 8];
+        for (corner, found) in directions.iter_mut().enumerate() {
+            let of = |axis: usize| (parts[axis].base as u32).wrapping_add((corner >> axis & 1) as u32);
+            *found = direction([of(0), of(1), of(2)], period);
+        }
+        for piece in 0..parts[0].count * parts[1].count * parts[2].count {
+            let (x, rest) = (piece % parts[0].count, piece / parts[0].count);
+            let at = [x, rest % parts[1].count, rest / parts[1].count];
+            let (mut middle, mut half, mut far) = ([0.0; 3], [0.0; 3], [[0.0; 2]; 3]);
+            for axis in 0..3 {
+                let [low, high] = [parts[axis].ends[at[axis]], parts[axis].ends[at[axis] + 1]];
+                (middle[axis], half[axis]) = (0.5 * (low + high), 0.5 * (high - low));
+                far[axis] = [self.fade(low).0, self.fade(high).0];
+            }
+            let mut knots = [[0.0; 4]; 8];
+            for (corner, (knot, [x, y, z])) in knots.iter_mut().zip(directions).enumerate() {
+                let away = |axis: usize| middle[axis] - (corner >> axis & 1) as f64;
+                *knot = [x * away(0) + y * away(1) + z * away(2), x * half[0], y * half[1], z * half[2]];
+            }
+            for [value, x, y, z] in faded::<4>(faded::<2>(faded::<1>(knots, far[0]), far[1]), far[2]) {
+                let reach = x.abs() + y.abs() + z.abs();
+                *all = [all[0].min(value - reach), all[1].max(value + reach)];
+            }
+        }
+    }
+}
+
+/// Along one axis, the pairs of sides become the pairs of ends of a range of the weight of the far side.
+#[inline(always)]
+fn faded<const AXIS: usize>(knots: [Knot; 8], [low, high]: [f64; 2]) -> [Knot; 8] {
+    let mut found = knots;
+    for near in 0..8 {
+        if near & AXIS == 0 {
+            for part in 0..4 {
+                let (a, step) = (knots[near][part], knots[near | AXIS][part] - knots[near][part]);
+                (found[near][part], found[near | AXIS][part]) = (a + low * step, a + high * step);
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::support::random::SplitMix;
+
+    #[test]
+    fn no_value_in_a_box_is_outside_of_its_range_and_ranges_are_narrow() {
+        let mut random = SplitMix(11);
+        for side in [1e-3, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5] {
+            let (mut width, mut seen) = (0.0, 0.0);
+            for number in 0..400 {
+                let noise = Lattice { weights: [Weights::Cubic, Weights::Quintic][number % 2] };
+                let period = [1 << 20, 4][number / 2 % 2];
+                let low: [f64; 3] = std::array::from_fn(|_| 40.0 * random.unit() - 20.0);
+                let high = low.map(|low| low + side * random.unit());
+                let [least, most] = noise.range(low, high, period);
+                let mut found = [f64::INFINITY, f64::NEG_INFINITY];
+                for point in 0..500 {
+                    let part: [f64; 3] = std::array::from_fn(|a| match point {
+                        ..8 => f64::from(point >> a & 1),
+                        _ => random.unit(),
+                    });
+                    let p = std::array::from_fn(|a| low[a] + part[a] * (high[a] - low[a]));
+                    let value = noise.sample(p, period).1;
+                    assert!((least..=most).contains(&value), "{value} in [{least}, {most}], {low:?} to {high:?}");
+                    found = [found[0].min(value), found[1].max(value)];
+                }
+                (width, seen) = (width + most - least, seen + found[1] - found[0]);
+            }
+            println!("{side}: {:.2} times as wide as what is seen, {:.3}", width / seen, seen / 400.0);
+            assert!(width < 3.0 * seen, "{side}: {} times", width / seen);
+        }
+    }
+}
