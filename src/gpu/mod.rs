@@ -22,6 +22,7 @@ mod messages;
 #[cfg(feature = "viewer")]
 mod overlay;
 mod pipeline;
+mod sampler;
 #[cfg(feature = "viewer")]
 mod surface;
 #[cfg(test)]
@@ -34,11 +35,12 @@ pub use commands::{Area, Commands, Draw, Load, Submitted, Target};
 pub use device::{DeviceInfo, Gpu, Options, optional_features, required_features};
 pub use format::Format;
 pub use host::{HostCommands, HostDevice, HostTarget, Recording};
-pub use memory::{Address, Buffer, BufferUse, Dimension, Image, ImageUse, Sampler};
+pub use memory::{Buffer, BufferUse, Dimension, Image, ImageUse};
 pub use messages::Messages;
 #[cfg(feature = "viewer")]
 pub use overlay::{Canvas, Presented};
 pub use pipeline::{BindSet, Binding, BindingKind, Blend, Marks, Pipeline, PipelineDescription, Resource};
+pub use sampler::{Address, Sampler};
 
 #[cfg(feature = "viewer")]
 pub use window::{WindowHandle, has_library};

@@ -1,8 +1,9 @@
 //! A window's content: the triangles that egui makes of it, drawn into the images of a swapchain.
 
 use super::commands::Commands;
-use super::memory::{Address, Buffer, BufferUse, Dimension, Image, ImageUse, Sampler};
+use super::memory::{Buffer, BufferUse, Dimension, Image, ImageUse};
 use super::pipeline::{BindSet, Binding, BindingKind, Blend, Marks, Pipeline, PipelineDescription, Resource};
+use super::sampler::{Address, Sampler};
 use super::surface::Surface;
 use super::window::WindowHandle;
 use super::{Area, Format, Gpu, GpuError, Named, Options};

@@ -1,0 +1,63 @@
+//! How images are read between their texels.
+
+use super::{Gpu, GpuError, Named};
+use ash::vk;
+
+/// What a sampler returns outside [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Address {
+    /// The texel at the border.
+    Clamp,
+    /// The image again and again.
+    Repeat,
+    /// The image and its mirror image in turns.
+    Mirror,
+}
+
+/// A sampler with linear filtering.
+pub struct Sampler {
+    gpu: Gpu,
+    pub(super) handle: vk::Sampler,
+}
+
+impl Sampler {
+    /// A linear sampler; `anisotropy` of 1 is off.
+    ///
+    /// # Errors
+    /// The device has no such anisotropy.
+    pub fn new(gpu: &Gpu, address: Address, anisotropy: f32) -> Result<Sampler, GpuError> {
+        let info = gpu.info();
+        if anisotropy > info.max_anisotropy {
+            return Err(GpuError::Unsupported {
+                device: info.name.clone(),
+                what: format!("anisotropy {anisotropy}"),
+                remedy: format!("use quality.anisotropy = 1 to {}", info.max_anisotropy),
+            });
+        }
+        let mode = match address {
+            Address::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+            Address::Repeat => vk::SamplerAddressMode::REPEAT,
+            Address::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
+        };
+        let info = vk::SamplerCreateInfo::default()
+            .mag_filter(vk::Filter::LINEAR)
+            .min_filter(vk::Filter::LINEAR)
+            .mipmap_mode(vk::SamplerMipmapMode::LINEAR)
+            .max_lod(vk::LOD_CLAMP_NONE)
+            .address_mode_u(mode)
+            .address_mode_v(mode)
+            .address_mode_w(mode)
+            .anisotropy_enable(anisotropy > 1.0)
+            .max_anisotropy(anisotropy.max(1.0));
+        // SAFETY: the device is alive, and its anisotropy was enabled where it has any.
+        let handle = unsafe { gpu.0.device.create_sampler(&info, None) }.named("vkCreateSampler")?;
+        Ok(Sampler { gpu: gpu.clone(), handle })
+    }
+}
+
+impl Drop for Sampler {
+    fn drop(&mut self) {
+        // SAFETY: submissions that used the sampler were waited for; it is destroyed once.
+        self.gpu.free(|device| unsafe { device.destroy_sampler(self.handle, None) });
+    }
+}
