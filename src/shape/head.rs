@@ -32,6 +32,9 @@ struct Part {
     carve: bool,
 }
 
+/// Places that are computed side by side.
+const LANES: usize = 16;
+
 /// What a part is made of, in head units.
 enum Form {
     /// Center, half axes, and turns about x (the top backward) and then y (the front outward), degrees.
@@ -132,12 +135,15 @@ const RAMP_OF_BONE: f32 = 2.0;
 const NECK_END: f32 = -1.45;
 
 /// First-order signed distance to an ellipsoid about the origin (I. Quilez, "Distance to an ellipsoid", 2008).
+#[inline(always)]
 fn ellipsoid(p: Vec3, axes: Vec3) -> f32 {
     let (scaled, gradient) = ((p / axes).length(), (p / (axes * axes)).length());
-    if gradient == 0.0 { -axes.min_element() } else { scaled * (scaled - 1.0) / gradient }
+    let away = scaled * (scaled - 1.0) / gradient;
+    if gradient == 0.0 { -axes.min_element() } else { away }
 }
 
 /// Distance to a limb: a line whose thickness changes along it.
+#[inline(always)]
 fn limb(p: Vec3, a: Vec3, b: Vec3, [ra, rb]: [f32; 2]) -> f32 {
     let along = b - a;
     let t = ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
@@ -145,6 +151,7 @@ fn limb(p: Vec3, a: Vec3, b: Vec3, [ra, rb]: [f32; 2]) -> f32 {
 }
 
 /// The smaller of two distances, rounded off where they differ by less than `width`.
+#[inline(always)]
 fn blend(a: f32, b: f32, width: f32) -> f32 {
     let h = (1.0 - (a - b).abs() / width.max(1e-6)).max(0.0);
     a.min(b) - 0.25 * width * h * h
@@ -161,17 +168,61 @@ fn turns(parts: &[Part]) -> Vec<Mat3> {
     parts.iter().map(of).collect()
 }
 
-/// Signed distance of parts at `p` in head units, to first order, positive outside; less than the distance where they blend.
-fn distance(p: Vec3, parts: &[Part], turns: &[Mat3]) -> f32 {
-    let p = Vec3::new(p.x.abs(), p.y, p.z);
-    let soft = parts.iter().zip(turns).fold(f32::MAX, |before, (part, turn)| {
-        let own = match part.form {
-            Ellipsoid(center, axes, _) => ellipsoid(*turn * (p - Vec3::from(center)), Vec3::from(axes)),
-            Limb(a, b, radii) => limb(p, Vec3::from(a), Vec3::from(b), radii),
-        };
-        if part.carve { -blend(-before, own, part.blend) } else { blend(before, own, part.blend) }
-    });
-    -blend(-soft, p.y - NECK_END, 0.1)
+/// Signed distances of parts in head units at some places of a row, to first order, positive outside; less than the distance
+/// where they blend.
+#[inline(always)] // into code for the vectors of this processor
+fn distances(x: [f32; LANES], [y, z]: [f32; 2], parts: &[Part], turns: &[Mat3]) -> [f32; LANES] {
+    let (mut soft, mut own) = ([f32::MAX; LANES], [0.0; LANES]);
+    for (part, turn) in parts.iter().zip(turns) {
+        match part.form {
+            Ellipsoid(center, axes, _) => {
+                for lane in 0..LANES {
+                    let away = Vec3::new(x[lane].abs(), y, z) - Vec3::from(center);
+                    own[lane] = ellipsoid(*turn * away, Vec3::from(axes));
+                }
+            }
+            Limb(a, b, radii) => {
+                for lane in 0..LANES {
+                    own[lane] = limb(Vec3::new(x[lane].abs(), y, z), Vec3::from(a), Vec3::from(b), radii);
+                }
+            }
+        }
+        let sign = if part.carve { -1.0 } else { 1.0 };
+        for lane in 0..LANES {
+            soft[lane] = sign * blend(sign * soft[lane], own[lane], part.blend);
+        }
+    }
+    soft.map(|soft| -blend(-soft, y - NECK_END, 0.1))
+}
+
+/// The half of a row of the head where x is negative: from the first sample on, whose place is `low`.
+struct Row<'a> {
+    low: Vec3,
+    step: f32,
+    parts: [(&'a [Part], &'a [Mat3]); 2],
+    values: &'a mut [f32],
+}
+
+impl pulp::NullaryFnOnce for Row<'_> {
+    type Output = ();
+
+    #[inline(always)] // as all that is called here
+    fn call(self) {
+        let Row { low, step, parts: [skin, bone], values } = self;
+        let ramp = |distance: f32, samples: f32| (0.5 - 0.5 * distance / (samples * step)).clamp(0.0, 1.0);
+        for (chunk, values) in values.chunks_mut(LANES).enumerate() {
+            let x = std::array::from_fn(|lane| low.x + step * (chunk * LANES + lane) as f32);
+            let skin = distances(x, [low.y, low.z], skin.0, skin.1);
+            let bone = match skin.iter().any(|skin| *skin < 0.0) {
+                true => distances(x, [low.y, low.z], bone.0, bone.1),
+                false => [f32::MAX; LANES],
+            };
+            for ((value, skin), bone) in values.iter_mut().zip(skin).zip(bone) {
+                let bone = if skin < 0.0 { bone.max(skin + FLESH) } else { f32::MAX };
+                *value = ramp(skin, RAMP) + ramp(bone, RAMP_OF_BONE);
+            }
+        }
+    }
 }
 
 /// The head: scalars from 0 outside by 1 in the flesh to 2 in the bone, as a scan has them; skin is at [`SKIN`], bone at 1.5.
@@ -182,17 +233,14 @@ pub fn head() -> Volume {
     let size = ((HIGH - LOW) / step).floor().as_uvec3() + 1;
     let low = 0.5 * (LOW + HIGH - step * (size - 1).as_vec3()); // in the middle, so that left and right are alike
     let [nx, ny, nz] = size.to_array().map(|n| n as usize);
-    let (turns, turns_of_bone) = (turns(PARTS), turns(SKULL));
-    let ramp = |distance: f32, samples: f32| (0.5 - 0.5 * distance / (samples * step)).clamp(0.0, 1.0);
+    let (turns, turns_of_bone, arch) = (turns(PARTS), turns(SKULL), pulp::Arch::new());
     let mut values = vec![0.0; nx * ny * nz];
     values.par_chunks_mut(nx).enumerate().for_each(|(row, values)| {
-        for x in 0..nx.div_ceil(2) {
-            let p = low + step * Vec3::new(x as f32, (row % ny) as f32, (row / ny) as f32);
-            let skin = distance(p, PARTS, &turns);
-            let bone = if skin < 0.0 { distance(p, SKULL, &turns_of_bone).max(skin + FLESH) } else { f32::MAX };
-            values[x] = ramp(skin, RAMP) + ramp(bone, RAMP_OF_BONE);
-            values[nx - 1 - x] = values[x];
-        }
+        let half = nx.div_ceil(2);
+        let low = low + step * Vec3::new(0.0, (row % ny) as f32, (row / ny) as f32);
+        let parts = [(PARTS, turns.as_slice()), (SKULL, turns_of_bone.as_slice())];
+        arch.dispatch(Row { low, step, parts, values: &mut values[..half] });
+        (0..half).for_each(|x| values[nx - 1 - x] = values[x]);
     });
     let origin = scale * (low - 0.5 * (LOW + HIGH));
     let steps = Mat3::from_diagonal(Vec3::splat(scale * step));
@@ -202,6 +250,10 @@ pub fn head() -> Volume {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn distance(p: Vec3, parts: &[Part], turns: &[Mat3]) -> f32 {
+        distances([p.x; LANES], [p.y, p.z], parts, turns)[0]
+    }
 
     /// Where the surface is, seen from far away along -z at this place of the face, head units.
     fn relief(parts: &[Part], x: f32, y: f32) -> f32 {
