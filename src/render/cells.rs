@@ -13,7 +13,11 @@ use super::tiles::Tiles;
 use super::values::Values;
 use super::{Read, RenderError};
 use crate::gpu::{Area, Dimension, Format, Gpu, Image};
+#[cfg(feature = "measure")]
+use crate::render::variant::{Variant, VariantError};
 use crate::scene::Pass;
+#[cfg(feature = "measure")]
+use crate::scene::Scene;
 use crate::shader::Library;
 use decide::{Boxes, Decider, SIDES};
 use serde::{Deserialize, Serialize};
@@ -162,6 +166,15 @@ impl Cells {
             _ => Tiles::everywhere(within),
         }
     }
+}
+
+/// Links the program that decides the cells of a scene: it is on the disk where it is asked for.
+///
+/// # Errors
+/// As [`Variant::program`].
+#[cfg(feature = "measure")]
+pub(crate) fn link(variant: &Variant, scene: &Scene, library: &Library) -> Result<(), VariantError> {
+    decide::deciding(variant, scene, library).map(drop)
 }
 
 /// Whether a picture is drawn sooner where cells are known to be empty: by all rays whose program asks for them.

@@ -43,6 +43,8 @@ mod watch;
 
 pub use cells::Found;
 #[cfg(feature = "measure")]
+pub(crate) use cells::link as link_cells;
+#[cfg(feature = "measure")]
 pub(crate) use cpu_inputs::{Blocks, CpuInputs};
 pub use density::{densities, density_along};
 pub use doubts::doubts;

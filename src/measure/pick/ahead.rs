@@ -4,6 +4,7 @@ use super::PATIENCE;
 use super::candidates::Families;
 use crate::measure::compare::candidates::Candidate;
 use crate::measure::reference::truth_of;
+use crate::render::link_cells;
 use crate::render::variant::{Variant, VariantError};
 use crate::scene::{Integration, Pass, RayPath, Scene};
 use crate::shader::{Library, Linker};
@@ -70,11 +71,11 @@ impl<'a> Ahead<'a> {
         let library = self.library;
         let variant = Variant::of(scene, library)?.suited(self.on_processor);
         let program = variant.program(library, Linker::new)?;
-        for (image, other) in [("shadow_image", Variant::shadow as fn(&_, &_, &_) -> _), ("cell_image", Variant::cells)]
-        {
-            if program.reads(image) {
-                other(&variant, scene, library)?.program(library, Linker::new)?;
-            }
+        if program.reads("shadow_image") {
+            variant.shadow(scene, library)?.program(library, Linker::new)?;
+        }
+        if program.reads("cell_image") {
+            link_cells(&variant, scene, library)?;
         }
         Ok(())
     }

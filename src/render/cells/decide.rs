@@ -11,7 +11,8 @@ use super::super::{OCTAVES_ID, Read, RenderError};
 use super::ranged;
 use crate::exact::{self, Device, Interval, Outline};
 use crate::noise::Lattice;
-use crate::render::variant::{Program, Resource};
+use crate::render::variant::{Program, Resource, Variant, VariantError};
+use crate::scene::Scene;
 use crate::shader::{Library, Linker};
 use crate::support::disk_cache::{self, Kind};
 use rayon::prelude::*;
@@ -80,8 +81,12 @@ pub(super) struct Boxes {
 }
 
 /// The program that says where matter is, and the noise that it looks up.
-fn deciding(shot: &Shot<'_>, library: &Library) -> Result<(Program, Option<Lattice>), RenderError> {
-    let variant = shot.variant.cells(shot.scene, library)?;
+pub(super) fn deciding(
+    variant: &Variant,
+    scene: &Scene,
+    library: &Library,
+) -> Result<(Program, Option<Lattice>), VariantError> {
+    let variant = variant.cells(scene, library)?;
     Ok(match ranged::ranged(&variant, library) {
         Some((variant, library, noise)) => (variant.program(&library, Linker::new)?, Some(noise)),
         None => (variant.program(library, Linker::new)?, None),
@@ -96,7 +101,7 @@ impl Decider {
         image_of: &dyn Fn(&str) -> Option<Read>,
         pays: impl Fn(u64) -> bool,
     ) -> Result<Decider, RenderError> {
-        let (program, noise) = deciding(shot, library)?;
+        let (program, noise) = deciding(shot.variant, shot.scene, library)?;
         let octaves = [(OCTAVES_ID, shot.scene.effect.octaves)];
         let code = match exact::Program::read_channel(&program.fragment, &octaves, (0, 3)) {
             Ok(code) => code,
