@@ -3,7 +3,7 @@
 //! Texel i of n is centered at (i + 0.5) / n. Between texels values change linearly along each axis; no rounding of
 //! weights as in hardware.
 
-use crate::noise::{Lattice, MOST, STEEPEST};
+use crate::noise::{Lattice, NOISE_BOUND, NOISE_GRADIENT_BOUND};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -114,9 +114,10 @@ impl<'a> Image<'a> {
             let ends = |end: usize| within.map(|within| within[end]);
             let value = match levels {
                 [period, same] if period == same && wanted[3] => noise.range(ends(0), ends(1), period as u32),
-                _ => [-MOST, MOST],
+                _ => [-NOISE_BOUND, NOISE_BOUND],
             };
-            return [[-STEEPEST, STEEPEST], [-STEEPEST, STEEPEST], [-STEEPEST, STEEPEST], value];
+            let slope = [-NOISE_GRADIENT_BOUND, NOISE_GRADIENT_BOUND];
+            return [slope, slope, slope, value];
         }
         match &self.coarser {
             Some(coarser) if levels[0] >= 1.0 => coarser.range_levels(within, levels.map(|level| level - 1.0), wanted),

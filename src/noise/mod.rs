@@ -14,11 +14,12 @@ mod table;
 pub use bake::{Bake, Block, random_block};
 pub use blue::blue_noise;
 pub use lattice::{Lattice, Period};
-pub use range::{MOST, STEEPEST};
 pub use table::Noise;
 
 use crate::support::random::SplitMix;
 
+/// No value of the noise of a lattice is larger.
+pub const NOISE_BOUND: f64 = 0.867;
 /// The gradient of the noise never exceeds this (2.8 for quintic weights and unit gradients), per lattice cell.
 pub const NOISE_GRADIENT_BOUND: f64 = 3.0;
 /// The gradient of eight octaves of turbulence never exceeds this, per lattice cell of the first octave.

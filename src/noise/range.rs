@@ -4,13 +4,9 @@
 //! lies in the range. Within a cell the noise is linear in each of six numbers, the weights of its far sides and the place
 //! in the box, so that over all of them its extremes are at their ends.
 
-use super::Weights;
 use super::lattice::{FARTHEST, Lattice, direction};
+use super::{NOISE_BOUND, Weights};
 
-/// No value of the noise is larger.
-pub const MOST: f64 = 0.867;
-/// No component of its gradient is, per lattice cell: as `glsl/noise_fetch.glsl` bounds it.
-pub const STEEPEST: f64 = 3.0;
 /// Boxes that are looked at on their own are at most so long, in lattice cells. Less: slower. More: wider ranges.
 const PIECE: f64 = 0.5;
 /// A box that is longer has the range of all noise. More: hardly narrower, and much slower.
@@ -28,7 +24,7 @@ impl Lattice {
         for axis in 0..3 {
             let [from, to] = [low[axis], high[axis]].map(|end| end.clamp(-FARTHEST, FARTHEST));
             if (to - from).is_nan() || to - from > LONGEST {
-                return [-MOST, MOST];
+                return [-NOISE_BOUND, NOISE_BOUND];
             }
             let mut cell = from.floor();
             while cell <= to {
@@ -44,7 +40,7 @@ impl Lattice {
                 }
             }
         }
-        [(all[0] - ROUNDED).max(-MOST), (all[1] + ROUNDED).min(MOST)]
+        [(all[0] - ROUNDED).max(-NOISE_BOUND), (all[1] + ROUNDED).min(NOISE_BOUND)]
     }
 }
 
