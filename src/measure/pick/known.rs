@@ -9,6 +9,7 @@ use crate::render::variant::VariantError;
 use crate::render::{Frame, Measurements, RenderError};
 use crate::scene::{Filter, Scene};
 use crate::support::random::SplitMix;
+use std::ops::Range;
 
 /// The errors that a pixel of the reference may be asked for.
 const TOLERANCES: [f64; 2] = [1e-7, 1e-3];
@@ -133,8 +134,9 @@ struct Sample {
 }
 
 impl Sample {
-    /// Some squares of pixels where two drawings differ, some at edges and some elsewhere, the same for the same pictures: `wanted`
-    /// of them, or all where the picture has no more. `side`: of a square, in pixels; at the right and the bottom, less.
+    /// Some squares of pixels where two drawings differ, some at the outline, where a ray that cuts off less of an edge than a step
+    /// meets it or not in all drawings alike, some at other edges and some elsewhere, the same for the same pictures: `wanted` of
+    /// them, or all where the picture has no more. `side`: of a square, in pixels; at the right and the bottom, less.
     fn of([frame, other]: [&Frame; 2], wanted: usize, side: usize) -> Sample {
         let [width, height] = frame.size.map(|side| side as usize);
         let columns = width.div_ceil(side);
@@ -144,8 +146,9 @@ impl Sample {
             let rows = top..(top + side).min(height);
             rows.flat_map(move |y| (left..(left + side).min(width)).map(move |x| y * width + x))
         };
-        let differs = |a: usize, b: usize| (0..4).any(|c| (frame.pixels[a][c] - frame.pixels[b][c]).abs() > EDGE);
-        let at_edge = |&square: &usize| {
+        let differs_in = |channels: Range<usize>, &square: &usize| {
+            let differs =
+                |a: usize, b: usize| channels.clone().any(|c| (frame.pixels[a][c] - frame.pixels[b][c]).abs() > EDGE);
             within(square).any(|index| {
                 let (x, y) = (index % width, index / width);
                 (x > 0 && differs(index, index - 1))
@@ -170,13 +173,24 @@ impl Sample {
             return sample;
         }
         let (mut doubtful, rest): (Vec<usize>, Vec<usize>) = (0..all).partition(is_doubtful);
-        let (mut edges, mut others): (Vec<usize>, Vec<usize>) = rest.into_iter().partition(at_edge);
+        let (mut outline, rest): (Vec<usize>, Vec<usize>) =
+            rest.into_iter().partition(|square| differs_in(3..4, square));
+        let (mut edges, mut others): (Vec<usize>, Vec<usize>) =
+            rest.into_iter().partition(|square| differs_in(0..3, square));
         let of_doubtful = doubtful.len().min(wanted / 2);
         let wanted = wanted - of_doubtful;
+        let spare = [wanted.saturating_sub(edges.len() + others.len()), (wanted / 2).saturating_sub(edges.len())];
+        let of_outline = outline.len().min((wanted / 3).max(spare[0]).max(spare[1]));
+        let wanted = wanted - of_outline;
         let of_edges = edges.len().min((wanted / 2).max(wanted.saturating_sub(others.len())));
         let of_others = others.len().min(wanted - of_edges);
         let mut random = SplitMix(1);
-        let strata = [(&mut doubtful, of_doubtful), (&mut edges, of_edges), (&mut others, of_others)];
+        let strata = [
+            (&mut doubtful, of_doubtful),
+            (&mut outline, of_outline),
+            (&mut edges, of_edges),
+            (&mut others, of_others),
+        ];
         for (stratum, count) in strata {
             random.shuffle(stratum);
             take(&stratum[..count], stratum.len() as f64 / count.max(1) as f64);
@@ -240,6 +254,20 @@ mod tests {
         let sample = Sample::of([&disk(256); 2], 1024, 1);
         let at_edges = sample.weights.iter().filter(|weight| **weight < 4.0).count();
         assert!(at_edges >= 512, "{at_edges} at edges, which have much of the error");
+    }
+
+    #[test]
+    fn a_sample_looks_at_the_whole_outline_of_what_has_edges_everywhere() {
+        let (mut frame, side) = (disk(64), 64);
+        for (index, pixel) in frame.pixels.iter_mut().enumerate() {
+            pixel[0] *= (index % 2) as f32; // as marble is
+        }
+        let alpha = |index: usize| frame.pixels[index][3];
+        let is_outline = |index: &usize| [index + 1, index + side].iter().any(|next| alpha(*index) != alpha(*next));
+        let sample = Sample::of([&frame; 2], 1024, 1);
+        let looked_at = |index: &usize| sample.pixels.contains(&[(index % side) as u32, (index / side) as u32]);
+        let outline: Vec<usize> = (0..side * (side - 1)).filter(is_outline).collect();
+        assert!(outline.len() > 100 && outline.iter().all(looked_at), "{}", outline.len());
     }
 
     #[test]
