@@ -109,8 +109,13 @@ impl Variant {
     /// not found before it is shaded, since its density would be asked for twice. An H100 draws fire in 3.1 ms so in place
     /// of 4.4 and flow in 2.7 in place of 4.7; hard matter, which is shaded once a ray, takes longer: lit 0.2 in place of 0.12.
     pub(crate) fn suited(self, on_processor: bool) -> Variant {
-        let is_soft = self.slots.iter().any(|(key, names)| slot_of(key) == "softness" && names != &["hard"]);
-        if is_soft && !on_processor { self.that_waits_for_none() } else { self }
+        if self.is_hard() || on_processor { self } else { self.that_waits_for_none() }
+    }
+
+    /// Whether the matter of every object begins at a surface, at once.
+    pub(crate) fn is_hard(&self) -> bool {
+        let mut softness = self.slots.iter().filter(|(key, _)| slot_of(key) == "softness");
+        softness.all(|(_, names)| names == &["hard"])
     }
 
     /// The same, with rays that do not.
