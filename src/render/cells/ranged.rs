@@ -8,7 +8,7 @@ use crate::noise::{Lattice, Weights};
 use crate::render::variant::{Variant, slot_of};
 use crate::shader::{self, Library};
 
-/// The image in whose place the noise stands; no program of computed noise reads it.
+/// The image in whose place the noise stands, in programs that do not read it.
 pub(super) const IMAGE: &str = "noise_image";
 /// The modules that are replaced, by slot, with what replaces them.
 const REPLACED: [(&str, &str); 2] =
@@ -33,7 +33,13 @@ pub(super) fn ranged(variant: &Variant, library: &Library) -> Option<(Variant, L
     if TEXTS.iter().any(|path| library.source(path) != shipped.source(path)) {
         return None;
     }
-    // All modules of a slot, of whichever object: what else reads a block of noise reads it under the same name.
+    // Whoever reads the block itself, as a module of a person may, reads it under this name.
+    let reads_block =
+        |path: &str, text: &str| path != "interface.glsl" && (text.contains(IMAGE) || text.contains("noise_block"));
+    if library.sources().any(|(path, text)| reads_block(path, text) && variant.reaches(library, path)) {
+        return None;
+    }
+    // All modules of a slot, of whichever object.
     let are = |slot: &str, module: &str| {
         let mut of = variant.slots.iter().filter(|(key, _)| slot_of(key) == slot);
         of.all(|(_, names)| names.as_slice() == [module])

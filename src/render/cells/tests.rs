@@ -209,6 +209,19 @@ fn m61_noise_that_bounds_look_up_is_the_noise_that_is_computed() {
 }
 
 #[test]
+fn noise_is_not_looked_up_in_place_of_a_block_that_a_module_reads() {
+    let mut scene = preset("noisy_sphere").unwrap();
+    scene.effect.dmf = vec!["own".into()];
+    for (look_up, known) in [("d", true), ("d * textureLod(noise_block, s.x, 0.0).w", false)] {
+        let text = format!("float own(float d, Sample s) {{ return {look_up}; }}");
+        let library = shader::shipped().with_module("dmf", "own", &text);
+        assert!(compute_noise(&mut scene, &library));
+        let cells = Variant::of(&scene, &library).unwrap().cells(&scene, &library).unwrap();
+        assert_eq!(ranged::ranged(&cells, &library).is_some(), known, "{look_up}");
+    }
+}
+
+#[test]
 fn m61_nearly_as_many_cells_of_computed_noise_are_empty_as_of_a_block() {
     let library = shader::shipped();
     let mut random = SplitMix(2005);
