@@ -39,7 +39,7 @@ pub(super) struct Known {
 impl Known {
     /// By the f64 reference, in about `count` pixels of the picture of `scene`, of which there are two drawings, the same one or
     /// with other samples: where they differ is looked first. Twice as many where their light is computed by fours, which costs
-    /// half, and [`HARD`] times as many of hard matter. Each is known with an error of about `own`.
+    /// half, and [`HARD`] times as many of hard matter that bends none. Each is known with an error of about `own`.
     pub(super) fn by_reference(
         stage: Stage<'_>,
         scene: &Scene,
@@ -49,7 +49,7 @@ impl Known {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Known, ReferenceError> {
         let side = computed_together(scene);
-        let is_hard = Variant::of(scene, stage.library)?.is_hard();
+        let is_hard = side == 1 && Variant::of(scene, stage.library)?.is_hard();
         let times = if is_hard { HARD } else { 1 };
         let sample = Sample::of([frame, other], times * count / side, side, is_hard);
         let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
