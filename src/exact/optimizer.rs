@@ -117,30 +117,29 @@ fn drop_images(code: &mut Code) {
     }
 }
 
-/// Instructions whose results nothing reads.
+/// Instructions whose results nothing reads, and those that only such read.
 pub(super) fn drop_unread(code: &mut Code) {
-    loop {
-        let found = Occurrences::of(code);
-        let unread = |reg: &Reg| !found.reads.contains_key(reg);
-        let mut changed = false;
-        for at in 0..code.instrs.len() {
+    let found = Occurrences::of(code);
+    let mut reads: HashMap<Reg, usize> = found.reads.iter().map(|(reg, reads)| (*reg, reads.len())).collect();
+    let mut unread: Vec<Reg> = found.writes.keys().copied().filter(|reg| !reads.contains_key(reg)).collect();
+    while let Some(reg) = unread.pop() {
+        for &at in found.writes.get(&reg).into_iter().flatten() {
             let instr = code.instrs[at];
             if matches!(instr.op, Op::Sample | Op::Fetch) {
                 let channels = &mut code.lookups[instr.table as usize].channels;
-                for channel in channels.iter_mut().filter(|channel| channel.as_ref().is_some_and(unread)) {
-                    *channel = None;
-                    changed = true;
+                channels.iter_mut().filter(|channel| **channel == Some(reg)).for_each(|channel| *channel = None);
+                if channels.iter().any(Option::is_some) {
+                    continue;
                 }
-                if channels.iter().all(Option::is_none) {
-                    code.instrs[at].op = Op::Nop;
-                }
-            } else if instr.op != Op::Nop && unread(&instr.dst) {
-                code.instrs[at].op = Op::Nop;
-                changed = true;
             }
-        }
-        if !changed {
-            return;
+            code.reads(&instr, |operand| {
+                let left = reads.get_mut(&operand).expect("it was counted with the others");
+                *left -= 1;
+                if *left == 0 {
+                    unread.push(operand);
+                }
+            });
+            code.instrs[at].op = Op::Nop;
         }
     }
 }

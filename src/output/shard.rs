@@ -192,6 +192,21 @@ fn band_rows(height: u32, count: u32) -> u32 {
 /// The scene has no valid program.
 pub fn identity(scene: &Scene, library: &Library, subject: &Subject) -> Result<blake3::Hash, RenderError> {
     let program = Variant::of(scene, library)?.program(library, Linker::new)?;
+    Ok(identity_by(scene, subject, &[&program.vertex, &program.fragment].map(|words| bytemuck::cast_slice(words))))
+}
+
+/// The same by the texts of the library, of which the program is not linked: that takes up to a second. Other texts that the
+/// program does not reach make another hash as well.
+///
+/// # Errors
+/// The scene is not valid.
+#[cfg(feature = "measure")]
+pub fn identity_of_texts(scene: &Scene, library: &Library, subject: &Subject) -> Result<blake3::Hash, RenderError> {
+    let key = Variant::of(scene, library)?.text_hash(library);
+    Ok(identity_by(scene, subject, &[key.as_bytes()]))
+}
+
+fn identity_by(scene: &Scene, subject: &Subject, program: &[&[u8]]) -> blake3::Hash {
     let mut named = scene.clone();
     named.modules.clear(); // they are in the program
     let mut hash = blake3::Hasher::new();
@@ -205,8 +220,10 @@ pub fn identity(scene: &Scene, library: &Library, subject: &Subject) -> Result<b
         hash.update(bytemuck::cast_slice(&field.values));
     }
     hash.update(scene::to_text(&named).as_bytes());
-    hash.update(bytemuck::cast_slice(&program.vertex)).update(bytemuck::cast_slice(&program.fragment));
-    Ok(hash.finalize())
+    for part in program {
+        hash.update(part);
+    }
+    hash.finalize()
 }
 
 /// What all shards of one picture agree on.

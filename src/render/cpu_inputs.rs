@@ -12,6 +12,7 @@ use crate::gpu::Address;
 use crate::render::variant::{Program, Variant};
 use crate::scene::Scene;
 use crate::shader::Library;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// The blocks of a program, by binding.
@@ -49,7 +50,7 @@ impl CpuInputs {
     pub(crate) fn exact(&self) -> exact::Inputs {
         exact::Inputs {
             blocks: BTreeMap::new(),
-            images: self.inputs.images.iter().map(|(binding, image)| (*binding, texture(image))).collect(),
+            images: self.inputs.images.par_iter().map(|(binding, image)| (*binding, texture(image))).collect(),
             samplers: self.inputs.samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect(),
             noises: BTreeMap::new(),
         }

@@ -33,8 +33,12 @@ impl<'a> Ahead<'a> {
     /// Links one after the other, the reference of `scene` first, as long as it is early enough that all are drawn.
     pub(super) fn link(&self, scene: &Scene) {
         give_way();
-        let is_over = || self.has_ended.load(Ordering::Relaxed) || self.began.elapsed() > PATIENCE / 2;
-        let Some(own) = self.families.kept.first().map(|first| &first.strategy).filter(|_| !is_over()) else { return };
+        let is_over = || self.has_ended.load(Ordering::Relaxed) || self.began.elapsed() > PATIENCE;
+        let Some(first) = self.families.kept.first().filter(|_| !is_over()) else { return };
+        let own = &first.strategy;
+        self.links[0].call_once(|| {
+            let _ = self.link_shadow(&first.scene); // its picture is drawn, and linked for it, at once
+        });
         let _ = self.link_reference(scene); // what cannot be linked is said where it is asked for
         for (index, Candidate { scene, strategy, .. }) in self.families.kept.iter().enumerate() {
             let method = (scene.quality.pass, scene.quality.integration);
@@ -63,7 +67,19 @@ impl<'a> Ahead<'a> {
         if truth.effect.ray_path == RayPath::Refracted {
             return self.link_picture(&truth);
         }
-        Variant::of(&truth, self.library)?.probe(&truth, self.library)?.program(self.library, Linker::new)?;
+        let own = Variant::of(&truth, self.library)?;
+        let program = own.probe(&truth, self.library)?.program(self.library, Linker::new)?;
+        if program.reads("shadow_image") {
+            own.shadow(&truth, self.library)?.program(self.library, Linker::new)?;
+        }
+        Ok(())
+    }
+
+    fn link_shadow(&self, scene: &Scene) -> Result<(), VariantError> {
+        let variant = Variant::of(scene, self.library)?.suited(self.on_processor);
+        if variant.module("shadow") == Some("volume") {
+            variant.shadow(scene, self.library)?.program(self.library, Linker::new)?;
+        }
         Ok(())
     }
 

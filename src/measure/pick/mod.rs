@@ -306,7 +306,11 @@ impl Whole<'_> {
         let samples = scene.quality.samples;
         let serves = |(own, _): &(Scene, Frame)| {
             let times = f64::from(own.quality.samples) / f64::from(samples);
-            OTHER.iter().any(|range| range.contains(&times)) && *own == with(own.quality.samples)
+            let mut alike = with(own.quality.samples);
+            // Rays and slices have the same samples, and end as early as they say.
+            alike.quality.pass = own.quality.pass;
+            alike.quality.early_termination = own.quality.early_termination;
+            OTHER.iter().any(|range| range.contains(&times)) && *own == alike
         };
         let (_, other) = match other.take().filter(serves) {
             Some(serving) => other.insert(serving),

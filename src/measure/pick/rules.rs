@@ -6,8 +6,9 @@ use super::{SAMPLES, VERIFIED};
 const STRIDE: f64 = 1.4;
 /// Times that differ by less than this factor are close: a machine is disturbed by as much.
 const CLOSE: f64 = 1.5;
-/// The highest order in the step that a picture has: so many fewer samples are not tried.
+/// The highest order in the step that a picture has, and that of an error which few pixels have.
 pub(super) const ORDER: f64 = 2.0;
+pub(super) const STUCK: f64 = 1.0;
 /// An error that twice the samples leave at this part of what it was is one that no samples remove, or that few pixels have;
 /// fewer samples than [`FLAT_FROM`] say nothing about it.
 const STAYS: f64 = 0.85;
@@ -18,14 +19,19 @@ pub(super) fn stays((fewer, before): (u32, f64), (samples, now): (u32, f64)) -> 
     samples >= FLAT_FROM.max(2 * fewer) && now > STAYS * before
 }
 
+/// The fewest samples that may do where so many have an error of `times` the one that they may have.
+pub(super) fn next(samples: u32, times: f64) -> f64 {
+    (f64::from(samples) * times.powf(1.0 / ORDER)).max(f64::from(samples) + 1.0)
+}
+
 /// The fewest samples that whole pictures of a curve do not speak against which failed: of each its samples, and its error in
-/// parts of the one that it may have. More than they had, and no fewer than would do if the error went down by [`ORDER`].
+/// parts of the one that it may have. More than they had, and no fewer than would do if the error went down by `order`.
 /// After two of them small pictures are worth little, as a few pixels have most of the error: then not a few more either,
 /// unless there are no more.
-pub(super) fn least_hopeful(failed: &[(u32, f64)]) -> u32 {
+pub(super) fn least_hopeful(failed: &[(u32, f64)], order: f64) -> u32 {
     let Some((most, error)) = failed.iter().copied().max_by_key(|(samples, _)| *samples) else { return 1 };
     let stride = if failed.len() >= 2 { STRIDE } else { 1.0 };
-    let next = f64::from(most) * stride.max(error.powf(1.0 / ORDER));
+    let next = f64::from(most) * stride.max(error.powf(1.0 / order));
     (next.min(f64::from(SAMPLES[1])).ceil() as u32).max(most + 1)
 }
 
@@ -51,17 +57,19 @@ mod tests {
     #[test]
     fn after_a_failure_fewer_samples_are_not_tried_and_after_two_nor_are_a_few_more() {
         let near = |failed: &[u32]| failed.iter().map(|samples| (*samples, 1.01)).collect::<Vec<_>>();
-        let tried =
-            |failed: &[u32]| [50, 100, 101, 139, 142, 400].map(|samples| samples >= least_hopeful(&near(failed)));
+        let tried = |failed: &[u32]| {
+            [50, 100, 101, 139, 142, 400].map(|samples| samples >= least_hopeful(&near(failed), ORDER))
+        };
         assert_eq!(tried(&[]), [true; 6]);
         assert_eq!(tried(&[100]), [false, false, true, true, true, true]);
         assert_eq!(tried(&[100, 40]), [false, false, false, false, true, true]);
         assert_eq!(tried(&[100, 280]), [false, false, false, false, false, true]);
         let last = SAMPLES[1];
-        assert_eq!(least_hopeful(&near(&[last - 1, last - 2])), last, "the most there are");
-        assert!(least_hopeful(&near(&[last, last - 1])) > last);
-        assert_eq!(least_hopeful(&[(100, 9.0)]), 300, "an error of 9 times the bound needs 3 times the samples");
-        assert_eq!(least_hopeful(&[(40, 100.0), (100, 1.1)]), 140, "that of the most samples counts");
+        assert_eq!(least_hopeful(&near(&[last - 1, last - 2]), ORDER), last, "the most there are");
+        assert!(least_hopeful(&near(&[last, last - 1]), ORDER) > last);
+        assert_eq!(least_hopeful(&[(100, 9.0)], ORDER), 300, "an error of 9 times the bound needs 3 times the samples");
+        assert_eq!(least_hopeful(&[(100, 9.0)], STUCK), 900, "and 9 times as many where few pixels have it");
+        assert_eq!(least_hopeful(&[(40, 100.0), (100, 1.1)], ORDER), 140, "that of the most samples counts");
     }
 
     #[test]

@@ -31,8 +31,8 @@ const AGAIN_MS: f64 = 50.0;
 const SLOWER: f64 = 1.5;
 /// A target of fewer bits makes slices at most so many times faster.
 const OF_TARGET: f64 = 2.0;
-/// What is to replace the best must be so much faster, or have so many fewer samples.
-const FASTER: f64 = 0.95;
+/// What is to replace the best must be so much faster, or have so many fewer samples: while it is early, and when it is late.
+const FASTER: [f64; 2] = [0.95, 0.85];
 /// Where nothing fits, so many curves are drawn to their limit.
 const TO_LIMIT: usize = 3;
 /// Where nothing fits, the nearest are drawn whole if they are not farther off than this times the bound.
@@ -150,7 +150,7 @@ impl<'a> Search<'a> {
             None => self.nearest(),
         };
         let is_faster = |next: &Drawn, best: &Drawn| {
-            next.ms < FASTER * best.ms || next.candidate.curve() == best.candidate.curve() // of which it has fewer samples
+            next.ms < FASTER[usize::from(self.is_late())] * best.ms || next.candidate.curve() == best.candidate.curve() // of which it has fewer samples
         };
         next.filter(|next| self.lesson(next).is_none() && best.is_none_or(|best| is_faster(next, best)))
     }
@@ -282,7 +282,7 @@ impl<'a> Search<'a> {
         let target = self.target(&family.curve());
         let [fewest, most] = SAMPLES;
         let steps = (0..).map(|step| (f64::from(fewest) * 2f64.powf(f64::from(step) / 2.0)).round() as u32);
-        let mut least = f64::from(self.begun(&family.curve(), target).max(self.least_hopeful(&family.curve())));
+        let mut least = self.least(&family.curve(), target);
         let mut before: Option<(u32, f64)> = None;
         for samples in steps.take_while(|samples| *samples <= most).collect::<Vec<_>>() {
             if f64::from(samples) < least {
@@ -306,7 +306,7 @@ impl<'a> Search<'a> {
             if before.is_none_or(|(fewer, _)| samples >= 2 * fewer) {
                 before = Some((samples, error));
             }
-            least = f64::from(samples) * (error / target).powf(1.0 / rules::ORDER); // fewer would not do
+            least = rules::next(samples, error / target);
         }
     }
 
@@ -325,7 +325,7 @@ impl<'a> Search<'a> {
             let even = (errors[0] / (CARE * self.bound.error)).ln() / (errors[0] / errors[1]).ln();
             let fewer = (n * (m / n).powf(if std::mem::take(&mut is_first) { even } else { 0.5 })).ceil();
             let fewer = fewer.max(f64::from(self.least_hopeful(&curve)));
-            if fewer.is_nan() || fewer >= FASTER * m || fewer <= n {
+            if fewer.is_nan() || fewer >= FASTER[usize::from(self.is_late())] * m || fewer <= n {
                 return fits;
             }
             match self.small(candidates::with_samples(&fits.candidate, fewer as u32)) {

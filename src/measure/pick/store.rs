@@ -8,7 +8,7 @@ use crate::support::disk_cache::{self, Kind};
 use serde::{Deserialize, Serialize};
 
 /// Raise it when the same scene may give another pick.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 /// A few thousand picks.
 const KIND: Kind = Kind { ends: &["pick"], limit: 16 << 20 };
 
@@ -18,7 +18,7 @@ pub(super) fn key(stage: Stage<'_>, scene: &Scene, bound: ErrorBound) -> Result<
     let mut hash = blake3::Hasher::new();
     hash.update(&VERSION.to_le_bytes()).update(&bound.error.to_le_bytes());
     hash.update(format!("{}\n{}\n{}\n", bound.metric, info.name, info.driver).as_bytes());
-    hash.update(shard::identity(scene, stage.library, stage.subject)?.as_bytes());
+    hash.update(shard::identity_of_texts(scene, stage.library, stage.subject)?.as_bytes());
     Ok(hash.finalize())
 }
 

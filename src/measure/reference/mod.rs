@@ -34,8 +34,12 @@ pub const TOLERANCE: f64 = 1e-4;
 const BOUNDS: [usize; 2] = [64, 64];
 /// Samples of the truth: they place no sample, but the cap of a clipping plane is 1.5 of their steps thick.
 const SAMPLES: u32 = 16_384;
-/// Pixels whose rays are integrated together. Fewer: the last few samples fill no vector. More: their pieces fill the memory.
+/// Pixels whose rays are integrated together, at most. More: their pieces fill the memory.
 const TILE: [u32; 2] = [16, 8];
+/// The same at least. Fewer: the last few samples fill no vector.
+const LEAST: usize = 32;
+/// Groups of such pixels, where that leaves as many in each. Fewer: threads wait for the last group.
+const GROUPS: usize = 16;
 
 /// The truth of a picture, or of some of its pixels.
 #[derive(Clone, Debug, PartialEq)]
@@ -229,7 +233,8 @@ pub fn reference_pixels(
     for moment in &probe.moments {
         probe.set(moment, &mut inputs, stop)?;
         let (bound, bounds) = (probe.program.bind(&inputs)?, probe.opacity.bind(&inputs)?);
-        let chunks = order.par_chunks((TILE[0] * TILE[1]) as usize).with_max_len(1).map(|chunk| {
+        let together = (pixels.len() / GROUPS).clamp(LEAST, (TILE[0] * TILE[1]) as usize);
+        let chunks = order.par_chunks(together).with_max_len(1).map(|chunk| {
             let here: Vec<[u32; 2]> = chunk.iter().map(|&at| pixels[at]).collect();
             let found = probe.integrate((&bound, &bounds), &here, tolerance, stop)?;
             let all = (pixels.len() * count) as f32;

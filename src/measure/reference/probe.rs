@@ -104,15 +104,20 @@ impl Probe {
             }
         }
         let inputs = cpu_inputs.exact();
-        let caster = match shadow {
-            None => None,
-            Some((binding, linked)) => {
-                let program = exact::Program::read(&linked.fragment, &octaves)?;
-                Some(Caster { binding, program, linked, octaves: truth.effect.octaves })
-            }
+        let read = |linked: &Program| exact::Program::read(&linked.fragment, &octaves);
+        let own = || {
+            let opacity = || exact::Program::read_channel(&program.fragment, &octaves, (0, 3));
+            rayon::join(|| read(&program), opacity)
         };
-        let opacity = exact::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
-        let program = exact::Program::read(&program.fragment, &octaves)?;
+        let of_shadow = || shadow.as_ref().map(|(_, linked)| read(linked)).transpose();
+        let ((program, opacity), of_shadow) = rayon::join(own, of_shadow);
+        let (program, opacity) = (program?, opacity?);
+        let caster = (shadow.zip(of_shadow?)).map(|((binding, linked), program)| Caster {
+            binding,
+            program,
+            linked,
+            octaves: truth.effect.octaves,
+        });
         let side = truth.image.size[0].min(truth.image.size[1]);
         let beam = (side / BEAM).clamp(1, WIDEST);
         let width = f64::from(beam) / f64::from(side);
@@ -159,7 +164,7 @@ impl Probe {
         let (side, squares) = self.cpu_inputs.shadow_squares();
         // Lanes that are computed together are neighbors: they take the same way through the program.
         let firsts = (0..side).step_by(TILE).flat_map(|y| (0..side).step_by(TILE).map(move |x| [x, y]));
-        let tiles: Vec<Vec<([u32; 2], [f32; 4])>> = (firsts.collect::<Vec<_>>().into_par_iter())
+        let tiles: Vec<Vec<([u32; 2], [f32; 4])>> = (firsts.collect::<Vec<_>>().into_par_iter().with_max_len(1))
             .map(|[x, y]| {
                 let [columns, rows] = [x, y].map(|first| first..side.min(first + TILE as u32));
                 let mut lit: Vec<([u32; 2], f32)> =

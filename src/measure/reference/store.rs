@@ -21,7 +21,7 @@ pub(super) fn key(
 ) -> Result<blake3::Hash, RenderError> {
     let mut hash = blake3::Hasher::new();
     hash.update(&VERSION.to_le_bytes()).update(&tolerance.to_le_bytes());
-    hash.update(shard::identity(truth, library, subject)?.as_bytes());
+    hash.update(shard::identity_of_texts(truth, library, subject)?.as_bytes());
     Ok(hash.finalize())
 }
 

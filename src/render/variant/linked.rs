@@ -40,6 +40,12 @@ impl Variant {
         Ok(stages)
     }
 
+    /// A hash of all that decides the words of its program, which is not linked for it.
+    #[cfg(feature = "measure")]
+    pub(crate) fn text_hash(&self, library: &Library) -> blake3::Hash {
+        key(library, self.entries, &self.slots, (true, false))
+    }
+
     /// What links both stages in a process of its own, where the library asks for that and some text of the program is not
     /// as shipped.
     #[cfg(feature = "measure")]

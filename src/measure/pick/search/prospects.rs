@@ -31,12 +31,16 @@ impl Search<'_> {
         is_within && (self.lesson(drawn).is_some() || !self.is_near_failed(drawn))
     }
 
-    /// The fewest samples of a curve that whole pictures of it which failed do not speak against.
+    /// The fewest samples of a curve that whole pictures of it which failed do not speak against; of one that is stuck, those of
+    /// the other pass as well.
     pub(super) fn least_hopeful(&self, curve: &Curve) -> u32 {
         let bound = CARE * self.bound.error;
-        let failed = self.lessons.iter().filter(|lesson| lesson.curve == *curve && lesson.error > bound);
+        let is_stuck = self.stuck.iter().any(|stuck| has_samples_of(stuck, curve));
+        let order = if is_stuck { rules::STUCK } else { rules::ORDER };
+        let speaks = |of: &Curve| of == curve || is_stuck && has_samples_of(of, curve);
+        let failed = self.lessons.iter().filter(|lesson| speaks(&lesson.curve) && lesson.error > bound);
         let failed = failed.map(|lesson| (lesson.scene.quality.samples, lesson.error / bound));
-        rules::least_hopeful(&failed.collect::<Vec<_>>())
+        rules::least_hopeful(&failed.collect::<Vec<_>>(), order)
     }
 
     pub(super) fn is_near_failed(&self, drawn: &Drawn) -> bool {
@@ -104,10 +108,20 @@ impl Search<'_> {
         fitting.or_else(|| own().max_by_key(|drawn| drawn.candidate.samples()))
     }
 
-    /// The most samples of a curve that are known not to do, by itself or by the other pass, which has the same samples.
-    pub(super) fn begun(&self, curve: &Curve, target: f64) -> u32 {
-        let as_curve = |of: &Curve| Curve { pass: curve.pass, target: curve.target, ..of.clone() } == *curve;
-        let fails = self.drawn.iter().filter(|drawn| drawn.error > target && as_curve(&drawn.candidate.curve()));
-        fails.map(|drawn| drawn.candidate.samples()).max().unwrap_or(0)
+    /// The fewest samples of a curve that may do: those of its last picture that does not, which says how many more, and more than
+    /// those of the other pass, which has the same samples. No fewer than whole pictures leave.
+    pub(super) fn least(&self, curve: &Curve, target: f64) -> f64 {
+        let drawn = self.drawn.iter().filter(|drawn| has_samples_of(&drawn.candidate.curve(), curve));
+        let fails = drawn.filter(|drawn| drawn.error > target);
+        let least = fails.map(|drawn| match drawn.candidate.curve() == *curve {
+            true => f64::from(drawn.candidate.samples()),
+            false => rules::next(drawn.candidate.samples(), drawn.error / target),
+        });
+        least.fold(f64::from(self.least_hopeful(curve)), f64::max)
     }
+}
+
+/// Whether the pictures of two curves have the same samples: by rays or by slices.
+fn has_samples_of(curve: &Curve, other: &Curve) -> bool {
+    Curve { pass: other.pass, target: other.target, ..curve.clone() } == *other
 }
