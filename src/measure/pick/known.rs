@@ -16,9 +16,14 @@ const TOLERANCES: [f64; 2] = [1e-7, 1e-3];
 /// A pixel that differs from a neighbor by more than this is at an edge, where few pixels have most of the error: half of
 /// those that are looked at are such. Less: all of a furry object is an edge. More: a dim outline is none.
 const EDGE: f32 = 0.1;
-/// So many times the pixels are looked at where matter is hard, which costs little. A ray that cuts off less of an edge than a
-/// step meets it or not in all drawings alike: as long as all of the outline is among them, none of these is overlooked.
-const HARD: usize = 4;
+/// So many times the pixels are looked at where all matter is hard, which costs little.
+const HARD: usize = 2;
+/// Where some is hard, so many times the pixels beside them, as far as the outline has them: a ray that cuts off less of an edge
+/// than a step meets it or not in all drawings alike. As long as all of the outline is among them, none of these is overlooked.
+const OUTLINE: usize = 2;
+/// A pixel whose opacity differs from a neighbor's by more than this is one of the outline. Less: hair is one. More: that of a
+/// picture which is the mean of several has fewer.
+const SHARP: f32 = 0.3;
 /// A finer picture that stands for a reference should be wrong by less than this part of the bound.
 const FINER: f64 = 0.25;
 /// Samples of the finer picture, at least and at most.
@@ -39,7 +44,7 @@ pub(super) struct Known {
 impl Known {
     /// By the f64 reference, in about `count` pixels of the picture of `scene`, of which there are two drawings, the same one or
     /// with other samples: where they differ is looked first. Twice as many where their light is computed by fours, which costs
-    /// half, and [`HARD`] times as many of hard matter that bends none. Each is known with an error of about `own`.
+    /// half; and more where matter is hard and bends no ray, see [`HARD`] and [`OUTLINE`]. Each is known with an error of about `own`.
     pub(super) fn by_reference(
         stage: Stage<'_>,
         scene: &Scene,
@@ -49,9 +54,10 @@ impl Known {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Known, ReferenceError> {
         let side = computed_together(scene);
-        let is_hard = side == 1 && Variant::of(scene, stage.library)?.is_hard();
-        let times = if is_hard { HARD } else { 1 };
-        let sample = Sample::of([frame, other], times * count / side, side, is_hard);
+        let variant = Variant::of(scene, stage.library)?;
+        let outline = if side == 1 && variant.has_hard() { OUTLINE * count } else { 0 };
+        let times = if side == 1 && variant.is_hard() { HARD } else { 1 };
+        let sample = Sample::of([frame, other], times * count / side, side, outline);
         let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
         let tolerance = own.clamp(TOLERANCES[0], TOLERANCES[1]);
         let found =
@@ -94,7 +100,7 @@ impl Known {
             );
             let is_enough = samples >= least && own.by(metric) <= FINER * error;
             if is_enough || 2 * samples > most {
-                return Ok(Known { sample: Sample::of([&finer; 2], usize::MAX, 1, false), truth, own, proven: 0 });
+                return Ok(Known { sample: Sample::of([&finer; 2], usize::MAX, 1, 0), truth, own, proven: 0 });
             }
             (samples, before, gap) = (2 * samples, finer, now);
         }
@@ -139,10 +145,10 @@ struct Sample {
 }
 
 impl Sample {
-    /// Some squares of pixels where two drawings differ, some at edges, those of an outline first where matter `is_hard`, and some
-    /// elsewhere, the same for the same pictures: `wanted` of them, or all where the picture has no more. `side`: of a square, in
-    /// pixels; at the right and the bottom, less.
-    fn of([frame, other]: [&Frame; 2], wanted: usize, side: usize, is_hard: bool) -> Sample {
+    /// Some squares of pixels where two drawings differ, some at edges, and some elsewhere, the same for the same pictures:
+    /// `wanted` of them, and beside them up to so many of an outline; or all where the picture has no more. `side`: of a square,
+    /// in pixels; at the right and the bottom, less.
+    fn of([frame, other]: [&Frame; 2], wanted: usize, side: usize, outline_wanted: usize) -> Sample {
         let [width, height] = frame.size.map(|side| side as usize);
         let columns = width.div_ceil(side);
         let all = columns * height.div_ceil(side);
@@ -151,9 +157,9 @@ impl Sample {
             let rows = top..(top + side).min(height);
             rows.flat_map(move |y| (left..(left + side).min(width)).map(move |x| y * width + x))
         };
-        let differs_in = |channels: Range<usize>, &square: &usize| {
+        let differs_in = |channels: Range<usize>, least: f32, &square: &usize| {
             let differs =
-                |a: usize, b: usize| channels.clone().any(|c| (frame.pixels[a][c] - frame.pixels[b][c]).abs() > EDGE);
+                |a: usize, b: usize| channels.clone().any(|c| (frame.pixels[a][c] - frame.pixels[b][c]).abs() > least);
             within(square).any(|index| {
                 let (x, y) = (index % width, index / width);
                 (x > 0 && differs(index, index - 1))
@@ -177,21 +183,20 @@ impl Sample {
             take(&(0..all).collect::<Vec<_>>(), 1.0);
             return sample;
         }
-        let (mut doubtful, rest): (Vec<usize>, Vec<usize>) = (0..all).partition(is_doubtful);
         let (mut outline, rest): (Vec<usize>, Vec<usize>) =
-            rest.into_iter().partition(|square| is_hard && differs_in(3..4, square));
+            (0..all).partition(|square| outline_wanted > 0 && differs_in(3..4, SHARP, square));
+        let (mut doubtful, rest): (Vec<usize>, Vec<usize>) = rest.into_iter().partition(is_doubtful);
         let (mut edges, mut others): (Vec<usize>, Vec<usize>) =
-            rest.into_iter().partition(|square| differs_in(0..4, square));
+            rest.into_iter().partition(|square| differs_in(0..4, EDGE, square));
+        let of_outline = outline.len().min(outline_wanted);
         let of_doubtful = doubtful.len().min(wanted / 2);
         let wanted = wanted - of_doubtful;
-        let at_edges = (wanted / 2).max(wanted.saturating_sub(others.len()));
-        let of_outline = outline.len().min((at_edges - at_edges / 4).max(at_edges.saturating_sub(edges.len())));
-        let of_edges = edges.len().min(at_edges - of_outline);
-        let of_others = others.len().min(wanted - of_outline - of_edges);
+        let of_edges = edges.len().min((wanted / 2).max(wanted.saturating_sub(others.len())));
+        let of_others = others.len().min(wanted - of_edges);
         let mut random = SplitMix(1);
         let strata = [
-            (&mut doubtful, of_doubtful),
             (&mut outline, of_outline),
+            (&mut doubtful, of_doubtful),
             (&mut edges, of_edges),
             (&mut others, of_others),
         ];
@@ -241,7 +246,7 @@ mod tests {
     fn a_sample_stands_for_all_pixels_and_looks_at_edges() {
         for (side, square) in [1, 4, 16, 97, 256, 512].into_iter().flat_map(|side| [(side, 1), (side, 2)]) {
             let frame = disk(side);
-            let sample = Sample::of([&frame; 2], 1024 / (square * square), square, square == 1);
+            let sample = Sample::of([&frame; 2], 1024 / (square * square), square, 0);
             let all = (side * side) as usize;
             let distinct: BTreeSet<_> = sample.pixels.iter().collect();
             assert_eq!(distinct.len(), sample.pixels.len(), "{side}");
@@ -255,7 +260,7 @@ mod tests {
             let near = if cut == 0 { 1e-6 } else { 0.02 };
             assert!((stands_for - all as f64).abs() < near * all as f64, "{side}, {square}: {stands_for}");
         }
-        let sample = Sample::of([&disk(256); 2], 1024, 1, false);
+        let sample = Sample::of([&disk(256); 2], 1024, 1, 0);
         let at_edges = sample.weights.iter().filter(|weight| **weight < 4.0).count();
         assert!(at_edges >= 512, "{at_edges} at edges, which have much of the error");
     }
@@ -268,7 +273,7 @@ mod tests {
         }
         let alpha = |index: usize| frame.pixels[index][3];
         let is_outline = |index: &usize| [index + 1, index + side].iter().any(|next| alpha(*index) != alpha(*next));
-        let sample = Sample::of([&frame; 2], 1024, 1, true);
+        let sample = Sample::of([&frame; 2], 1024, 1, 1024);
         let looked_at = |index: &usize| sample.pixels.contains(&[(index % side) as u32, (index / side) as u32]);
         let outline: Vec<usize> = (0..side * (side - 1)).filter(is_outline).collect();
         assert!(outline.len() > 100 && outline.iter().all(looked_at), "{}", outline.len());
@@ -280,7 +285,7 @@ mod tests {
         b.pixels.rotate_left(1); // one pixel to the left
         let truth: Vec<[f64; 4]> = b.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
         let whole = Errors::between(&a.pixels, &truth).rmse;
-        let found = Sample::of([&a; 2], 1024, 1, false).errors(&a, |_, at| truth[at]).rmse;
+        let found = Sample::of([&a; 2], 1024, 1, 0).errors(&a, |_, at| truth[at]).rmse;
         assert!((found / whole - 1.0).abs() < 0.15, "{found} of {whole}");
     }
 }

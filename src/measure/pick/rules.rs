@@ -14,6 +14,9 @@ pub(super) const STUCK: f64 = 1.0;
 const STAYS: f64 = 0.85;
 const FLAT_FROM: u32 = 128;
 
+/// When it is late, a small picture whose error is below so many times the one that it may have is near enough for a whole one.
+pub(super) const NEAR: f64 = 1.5;
+
 /// Whether the error of a curve stays what it was, by its samples and errors before and now.
 pub(super) fn stays((fewer, before): (u32, f64), (samples, now): (u32, f64)) -> bool {
     samples >= FLAT_FROM.max(2 * fewer) && now > STAYS * before
@@ -25,12 +28,13 @@ pub(super) fn next(samples: u32, times: f64) -> f64 {
 }
 
 /// The fewest samples that whole pictures of a curve do not speak against which failed: of each its samples, and its error in
-/// parts of the one that it may have. More than they had, and no fewer than would do if the error went down by `order`.
-/// After two of them small pictures are worth little, as a few pixels have most of the error: then not a few more either,
-/// unless there are no more.
-pub(super) fn least_hopeful(failed: &[(u32, f64)], order: f64) -> u32 {
+/// parts of the one that it may have. More than they had, and no fewer than would do if the error went down by [`ORDER`].
+/// After two of them, or where it `is_stuck`, small pictures are worth little, as a few pixels have most of the error: then not a
+/// few more either, unless there are no more.
+pub(super) fn least_hopeful(failed: &[(u32, f64)], is_stuck: bool) -> u32 {
     let Some((most, error)) = failed.iter().copied().max_by_key(|(samples, _)| *samples) else { return 1 };
-    let stride = if failed.len() >= 2 { STRIDE } else { 1.0 };
+    let stride = if failed.len() >= 2 || is_stuck { STRIDE } else { 1.0 };
+    let order = if is_stuck { STUCK } else { ORDER };
     let next = f64::from(most) * stride.max(error.powf(1.0 / order));
     (next.min(f64::from(SAMPLES[1])).ceil() as u32).max(most + 1)
 }
@@ -58,18 +62,18 @@ mod tests {
     fn after_a_failure_fewer_samples_are_not_tried_and_after_two_nor_are_a_few_more() {
         let near = |failed: &[u32]| failed.iter().map(|samples| (*samples, 1.01)).collect::<Vec<_>>();
         let tried = |failed: &[u32]| {
-            [50, 100, 101, 139, 142, 400].map(|samples| samples >= least_hopeful(&near(failed), ORDER))
+            [50, 100, 101, 139, 142, 400].map(|samples| samples >= least_hopeful(&near(failed), false))
         };
         assert_eq!(tried(&[]), [true; 6]);
         assert_eq!(tried(&[100]), [false, false, true, true, true, true]);
         assert_eq!(tried(&[100, 40]), [false, false, false, false, true, true]);
         assert_eq!(tried(&[100, 280]), [false, false, false, false, false, true]);
         let last = SAMPLES[1];
-        assert_eq!(least_hopeful(&near(&[last - 1, last - 2]), ORDER), last, "the most there are");
-        assert!(least_hopeful(&near(&[last, last - 1]), ORDER) > last);
-        assert_eq!(least_hopeful(&[(100, 9.0)], ORDER), 300, "an error of 9 times the bound needs 3 times the samples");
-        assert_eq!(least_hopeful(&[(100, 9.0)], STUCK), 900, "and 9 times as many where few pixels have it");
-        assert_eq!(least_hopeful(&[(40, 100.0), (100, 1.1)], ORDER), 140, "that of the most samples counts");
+        assert_eq!(least_hopeful(&near(&[last - 1, last - 2]), false), last, "the most there are");
+        assert!(least_hopeful(&near(&[last, last - 1]), false) > last);
+        assert_eq!(least_hopeful(&[(100, 9.0)], false), 300, "an error of 9 times the bound needs 3 times the samples");
+        assert_eq!(least_hopeful(&[(100, 9.0)], true), 900, "and 9 times as many where few pixels have it");
+        assert_eq!(least_hopeful(&[(40, 100.0), (100, 1.1)], false), 140, "that of the most samples counts");
     }
 
     #[test]

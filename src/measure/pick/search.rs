@@ -69,8 +69,8 @@ pub(super) struct Search<'a> {
     lessons: Vec<Lesson>,
     /// Curves whose error no samples remove.
     flat: Vec<Curve>,
-    /// Curves with no error but that of their steps, whose small pictures stay off as far with twice the samples when it is late: few
-    /// pixels have that error, and the whole picture has others.
+    /// Curves with no error but that of their steps, whose small pictures are near when it is late, or stay off as far with twice
+    /// the samples: few pixels have that error, and the whole picture has others.
     stuck: Vec<Curve>,
     /// Candidates that could not be drawn; no other of their curves is tried.
     pub(super) failed: Vec<(Candidate, RenderError)>,
@@ -131,6 +131,9 @@ impl<'a> Search<'a> {
     /// where there is none yet, at last the nearest.
     pub(super) fn next(&mut self, best: Option<&Drawn>, progress: &dyn Fn(f32)) -> Option<Drawn> {
         let ahead = self.ahead;
+        if let Some(stuck) = self.worth_a_whole() {
+            return Some(stuck);
+        }
         for (index, family) in ahead.families.kept.iter().enumerate() {
             let is_late = self.is_late() && self.fitting() > 0 && self.nearest_of(&family.curve()).is_none();
             if !is_late && !self.is_hopeless(family) {
@@ -298,8 +301,9 @@ impl<'a> Search<'a> {
                 Some(_) => Some(&mut self.flat), // a block of noise is wrong by itself, and more samples show no other error
                 None => (self.is_late() && self.lessons.is_empty()).then_some(&mut self.stuck),
             };
+            let is_near = curve.block.is_none() && error <= rules::NEAR * target;
             let stays = before.is_some_and(|fewer| rules::stays(fewer, (samples, error)));
-            if let Some(list) = list.filter(|_| stays) {
+            if let Some(list) = list.filter(|_| is_near || stays) {
                 list.push(curve);
                 return;
             }

@@ -114,8 +114,17 @@ impl Variant {
 
     /// Whether the matter of every object begins at a surface, at once.
     pub(crate) fn is_hard(&self) -> bool {
-        let mut softness = self.slots.iter().filter(|(key, _)| slot_of(key) == "softness");
-        softness.all(|(_, names)| names == &["hard"])
+        self.softness().all(|name| name == "hard")
+    }
+
+    /// Whether that of any does.
+    #[cfg(feature = "measure")]
+    pub(crate) fn has_hard(&self) -> bool {
+        self.softness().any(|name| name == "hard")
+    }
+
+    fn softness(&self) -> impl Iterator<Item = &String> {
+        self.slots.iter().filter(|(key, _)| slot_of(key) == "softness").flat_map(|(_, names)| names)
     }
 
     /// The same, with rays that do not.

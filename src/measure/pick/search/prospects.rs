@@ -36,11 +36,10 @@ impl Search<'_> {
     pub(super) fn least_hopeful(&self, curve: &Curve) -> u32 {
         let bound = CARE * self.bound.error;
         let is_stuck = self.stuck.iter().any(|stuck| has_samples_of(stuck, curve));
-        let order = if is_stuck { rules::STUCK } else { rules::ORDER };
         let speaks = |of: &Curve| of == curve || is_stuck && has_samples_of(of, curve);
         let failed = self.lessons.iter().filter(|lesson| speaks(&lesson.curve) && lesson.error > bound);
         let failed = failed.map(|lesson| (lesson.scene.quality.samples, lesson.error / bound));
-        rules::least_hopeful(&failed.collect::<Vec<_>>(), order)
+        rules::least_hopeful(&failed.collect::<Vec<_>>(), is_stuck)
     }
 
     pub(super) fn is_near_failed(&self, drawn: &Drawn) -> bool {
@@ -51,13 +50,27 @@ impl Search<'_> {
         self.lessons.iter().find(|lesson| lesson.scene == drawn.candidate.scene)
     }
 
-    /// The picture of the curve that is stuck near the bound, where nothing keeps it so far and no whole picture was drawn: small ones
-    /// with more samples would say no more of it, and take longer than the whole.
-    pub(super) fn worth_a_whole(&self) -> Option<Drawn> {
-        let is_first = self.lessons.is_empty() && self.fitting() == 0;
-        let stuck = self.stuck.iter().filter(|_| is_first).filter_map(|curve| self.nearest_of(curve));
-        let hopeful = stuck.filter(|drawn| self.error(drawn) <= HOPE * self.bound.error);
-        hopeful.min_by(|a, b| a.error.total_cmp(&b.error)).cloned()
+    /// The picture of a curve that is stuck near the bound, where nothing keeps it so far: small ones with more samples would say
+    /// no more of it, and take longer than the whole. After a whole one that failed, as many more samples as that asks for.
+    pub(super) fn worth_a_whole(&mut self) -> Option<Drawn> {
+        if self.fitting() > 0 {
+            return None;
+        }
+        let hopeful = |drawn: &&Drawn| self.error(drawn) <= HOPE * self.bound.error;
+        let last = self.stuck.iter().filter_map(|curve| self.nearest_of(curve)).filter(hopeful);
+        let more = |last: &Drawn| {
+            let samples = self.least_hopeful(&last.candidate.curve()).max(last.candidate.samples());
+            let times = f64::from(samples) / f64::from(last.candidate.samples());
+            let candidate = candidates::with_samples(&last.candidate, samples);
+            let is_allowed = candidate.blend_bound() <= self.bound.error && candidate.scene.check(self.library).is_ok();
+            is_allowed.then(|| Drawn { candidate, error: last.error / times, ms: last.ms * times, runs: last.runs })
+        };
+        let next = last.filter_map(more).filter(|next| self.lesson(next).is_none());
+        let next = next.min_by(|a, b| a.error.total_cmp(&b.error))?;
+        if !self.drawn.iter().any(|drawn| drawn.candidate.scene == next.candidate.scene) {
+            self.drawn.push(next.clone());
+        }
+        Some(next)
     }
 
     /// Whether what is known of other curves says that this one is slower than one that fits, or never fits. Its program
