@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
 use crate::common::{picture, subject, with_gpu};
-use hypertexture::output::shard::{Shard, Whole, encode, identity, merge};
+use hypertexture::output::shard::{Shard, Whole, encode, identity, identity_of_texts, merge};
 use hypertexture::output::{Depth, Provenance};
 use hypertexture::render::{Frame, Measurements, Renderer};
 use hypertexture::scene::{Color, Pass, Scene, TargetFormat, preset};
@@ -137,16 +137,25 @@ fn the_identity_of_a_scene_is_its_content_and_not_its_path() {
     let mut scene = preset("lit").unwrap();
     (scene.object.input, scene.object.resolution) = ("knot".into(), 32);
     let subject = subject(&scene, &library);
-    let of = |scene: &_| identity(scene, &library, &subject).unwrap();
-    let own = of(&scene);
-    let mut moved = scene.clone();
-    moved.object.input = "./elsewhere/knot.obj".into();
-    assert_eq!(of(&moved), own);
-    moved.camera.azimuth += 1.0;
-    assert_ne!(of(&moved), own);
-    let mut changed = subject.clone();
-    std::sync::Arc::make_mut(changed.field.as_mut().unwrap()).values[0] += 1.0;
-    assert_ne!(identity(&scene, &library, &changed).unwrap(), own);
+    for identity in [identity, identity_of_texts] {
+        let of = |scene: &_| identity(scene, &library, &subject).unwrap();
+        let own = of(&scene);
+        let mut moved = scene.clone();
+        moved.object.input = "./elsewhere/knot.obj".into();
+        assert_eq!(of(&moved), own);
+        moved.camera.azimuth += 1.0;
+        assert_ne!(of(&moved), own);
+        let mut changed = subject.clone();
+        std::sync::Arc::make_mut(changed.field.as_mut().unwrap()).values[0] += 1.0;
+        assert_ne!(identity(&scene, &library, &changed).unwrap(), own);
+    }
+    let edited =
+        library.clone().with_module("dmf", "other", "float other(float density, Sample s) { return density; }");
+    let by = |identity: fn(&_, &_, &_) -> Result<_, _>| {
+        [&library, &edited].map(|library| identity(&scene, library, &subject).unwrap())
+    };
+    let [[own, same], [texts, other]] = [by(identity), by(identity_of_texts)];
+    assert!(own == same && texts != other && own != texts);
 }
 
 /// What the guide passes to `render`, from these words on, and the first `merge` after it.
