@@ -18,8 +18,9 @@ const TOLERANCES: [f64; 2] = [1e-7, 1e-3];
 const EDGE: f32 = 0.1;
 /// So many times the pixels are looked at where all matter is hard, which costs little.
 const HARD: usize = 2;
-/// Where some is hard, so many times the pixels beside them, as far as the outline has them: a ray that cuts off less of an edge
-/// than a step meets it or not in all drawings alike. As long as all of the outline is among them, none of these is overlooked.
+/// Where some is hard, so many times the pixels beside them, as far as the outline has them: a ray that cuts off less of an
+/// edge than a step meets it or not in all drawings alike. As long as all of the outline is among them, none of these is
+/// overlooked.
 const OUTLINE: usize = 2;
 /// A pixel whose opacity differs from a neighbor's by more than this is one of the outline. Less: hair is one. More: that of a
 /// picture which is the mean of several has fewer.
@@ -44,7 +45,8 @@ pub(super) struct Known {
 impl Known {
     /// By the f64 reference, in about `count` pixels of the picture of `scene`, of which there are two drawings, the same one or
     /// with other samples: where they differ is looked first. Twice as many where their light is computed by fours, which costs
-    /// half; and more where matter is hard and bends no ray, see [`HARD`] and [`OUTLINE`]. Each is known with an error of about `own`.
+    /// half; and more where matter is hard and bends no ray, see [`HARD`] and [`OUTLINE`]. Each is known with an error of about
+    /// `own`.
     pub(super) fn by_reference(
         stage: Stage<'_>,
         scene: &Scene,

@@ -29,8 +29,8 @@ pub(super) fn next(samples: u32, times: f64) -> f64 {
 
 /// The fewest samples that whole pictures of a curve do not speak against which failed: of each its samples, and its error in
 /// parts of the one that it may have. More than they had, and no fewer than would do if the error went down by [`ORDER`].
-/// After two of them, or where it `is_stuck`, small pictures are worth little, as a few pixels have most of the error: then not a
-/// few more either, unless there are no more.
+/// After two of them, or where it `is_stuck`, small pictures are worth little, as a few pixels have most of the error: then
+/// not a few more either, unless there are no more.
 pub(super) fn least_hopeful(failed: &[(u32, f64)], is_stuck: bool) -> u32 {
     let Some((most, error)) = failed.iter().copied().max_by_key(|(samples, _)| *samples) else { return 1 };
     let stride = if failed.len() >= 2 || is_stuck { STRIDE } else { 1.0 };

@@ -31,7 +31,7 @@ const AGAIN_MS: f64 = 50.0;
 const SLOWER: f64 = 1.5;
 /// A target of fewer bits makes slices at most so many times faster.
 const OF_TARGET: f64 = 2.0;
-/// What is to replace the best must be so much faster, or have so many fewer samples: while it is early, and when it is late.
+/// What is to replace the best must be so much faster, or have so many fewer samples; the second when it is late.
 const FASTER: [f64; 2] = [0.95, 0.85];
 /// Where nothing fits, so many curves are drawn to their limit.
 const TO_LIMIT: usize = 3;
@@ -69,8 +69,8 @@ pub(super) struct Search<'a> {
     lessons: Vec<Lesson>,
     /// Curves whose error no samples remove.
     flat: Vec<Curve>,
-    /// Curves with no error but that of their steps, whose small pictures are near when it is late, or stay off as far with twice
-    /// the samples: few pixels have that error, and the whole picture has others.
+    /// Curves with no error but that of their steps, whose small pictures are near when it is late, or stay off as far with
+    /// twice the samples: few pixels have that error, and the whole picture has others.
     stuck: Vec<Curve>,
     /// Candidates that could not be drawn; no other of their curves is tried.
     pub(super) failed: Vec<(Candidate, RenderError)>,
@@ -153,7 +153,8 @@ impl<'a> Search<'a> {
             None => self.nearest(),
         };
         let is_faster = |next: &Drawn, best: &Drawn| {
-            next.ms < FASTER[usize::from(self.is_late())] * best.ms || next.candidate.curve() == best.candidate.curve() // of which it has fewer samples
+            let has_fewer = next.candidate.curve() == best.candidate.curve(); // samples, of the same curve
+            next.ms < self.faster() * best.ms || has_fewer
         };
         next.filter(|next| self.lesson(next).is_none() && best.is_none_or(|best| is_faster(next, best)))
     }
@@ -174,6 +175,10 @@ impl<'a> Search<'a> {
     /// Whether it has taken long enough.
     pub(super) fn is_late(&self) -> bool {
         self.began.elapsed() > PATIENCE
+    }
+
+    fn faster(&self) -> f64 {
+        FASTER[usize::from(self.is_late())]
     }
 
     /// How many curves were not tried, where that was for the time.
@@ -329,7 +334,7 @@ impl<'a> Search<'a> {
             let even = (errors[0] / (CARE * self.bound.error)).ln() / (errors[0] / errors[1]).ln();
             let fewer = (n * (m / n).powf(if std::mem::take(&mut is_first) { even } else { 0.5 })).ceil();
             let fewer = fewer.max(f64::from(self.least_hopeful(&curve)));
-            if fewer.is_nan() || fewer >= FASTER[usize::from(self.is_late())] * m || fewer <= n {
+            if fewer.is_nan() || fewer >= self.faster() * m || fewer <= n {
                 return fits;
             }
             match self.small(candidates::with_samples(&fits.candidate, fewer as u32)) {
