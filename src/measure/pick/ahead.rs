@@ -30,14 +30,16 @@ impl<'a> Ahead<'a> {
         Ahead { families, library, on_processor, began: Instant::now(), links, has_ended: AtomicBool::new(false) }
     }
 
-    /// Links one after the other, the reference of `scene` first, as long as it is early enough that all are drawn.
+    /// Links one after the other, as long as it is early enough that all are drawn: the shadow of the first picture, whose own
+    /// program is linked where it is drawn at once, the reference of `scene`, and the other curves.
     pub(super) fn link(&self, scene: &Scene) {
         give_way();
         let is_over = || self.has_ended.load(Ordering::Relaxed) || self.began.elapsed() > PATIENCE;
         let Some(first) = self.families.kept.first().filter(|_| !is_over()) else { return };
         let own = &first.strategy;
         self.links[0].call_once(|| {
-            let _ = self.link_shadow(&first.scene); // its picture is drawn, and linked for it, at once
+            let variant = Variant::of(&first.scene, self.library).map(|variant| variant.suited(self.on_processor));
+            let _ = variant.and_then(|variant| self.link_shadow(&variant, &first.scene));
         });
         let _ = self.link_reference(scene); // what cannot be linked is said where it is asked for
         for (index, Candidate { scene, strategy, .. }) in self.families.kept.iter().enumerate() {
@@ -68,15 +70,11 @@ impl<'a> Ahead<'a> {
             return self.link_picture(&truth);
         }
         let own = Variant::of(&truth, self.library)?;
-        let program = own.probe(&truth, self.library)?.program(self.library, Linker::new)?;
-        if program.reads("shadow_image") {
-            own.shadow(&truth, self.library)?.program(self.library, Linker::new)?;
-        }
-        Ok(())
+        own.probe(&truth, self.library)?.program(self.library, Linker::new)?;
+        self.link_shadow(&own, &truth)
     }
 
-    fn link_shadow(&self, scene: &Scene) -> Result<(), VariantError> {
-        let variant = Variant::of(scene, self.library)?.suited(self.on_processor);
+    fn link_shadow(&self, variant: &Variant, scene: &Scene) -> Result<(), VariantError> {
         if variant.module("shadow") == Some("volume") {
             variant.shadow(scene, self.library)?.program(self.library, Linker::new)?;
         }
@@ -87,9 +85,7 @@ impl<'a> Ahead<'a> {
         let library = self.library;
         let variant = Variant::of(scene, library)?.suited(self.on_processor);
         let program = variant.program(library, Linker::new)?;
-        if program.reads("shadow_image") {
-            variant.shadow(scene, library)?.program(library, Linker::new)?;
-        }
+        self.link_shadow(&variant, scene)?;
         if program.reads("cell_image") {
             link_cells(&variant, scene, library)?;
         }

@@ -262,6 +262,14 @@ mod tests {
             let near = if cut == 0 { 1e-6 } else { 0.02 };
             assert!((stands_for - all as f64).abs() < near * all as f64, "{side}, {square}: {stands_for}");
         }
+        // Inside and outside, pixels that meet along a circle: 4 sqrt(2) r each.
+        let whole = 8.0 * 2f64.sqrt() * 0.7 * 128.0;
+        for outline in [1, 100, 100_000] {
+            let sample = Sample::of([&disk(256); 2], 1024, 1, outline);
+            let beside = sample.pixels.len() - 1024;
+            assert!(beside == outline || (beside as f64 / whole - 1.0).abs() < 0.02, "{beside} of {outline}");
+            assert!((sample.weights.iter().sum::<f64>() / 65_536.0 - 1.0).abs() < 1e-9, "{outline}");
+        }
         let sample = Sample::of([&disk(256); 2], 1024, 1, 0);
         let at_edges = sample.weights.iter().filter(|weight| **weight < 4.0).count();
         assert!(at_edges >= 512, "{at_edges} at edges, which have much of the error");
