@@ -1,4 +1,5 @@
 #version 450
+#define ONE_SAMPLE
 // How much light four segments of a ray from the light let through: four texels of the shadow volume before the products
 // along the rays are taken. The matter is that of the picture, by the modules of the scene.
 // Source: PH 4 and MJ 7 (shadows by preprocessing); PH 3.1 (opacity of a segment).

@@ -253,7 +253,7 @@ fn function(file: &str) -> String {
 ///
 /// An object colors matter in proportion to its own density; one that only takes matter away colors none.
 fn objects_text(formula: &Formula) -> String {
-    let (mut includes, mut samples, mut shades) = (String::new(), String::new(), String::new());
+    let [mut includes, mut declared, mut samples, mut shades] = [const { String::new() }; 4];
     for (name, adds) in formula.objects() {
         let (prefix, suffix) = match name {
             MAIN => (String::new(), String::new()),
@@ -263,10 +263,11 @@ fn objects_text(formula: &Formula) -> String {
             writeln!(includes, "#include \"{prefix}part.glsl\"").expect("writing to a string");
         }
         writeln!(includes, "#include \"{prefix}{OBJECT_ENTRY}\"").expect("writing to a string");
+        writeln!(declared, "    Sample sample_{name};\n    float density_{name};").expect("writing to a string");
         writeln!(
             samples,
-            "    Sample sample_{name} = one_sample{suffix}(x);\n    \
-             float density_{name} = one_density{suffix}(sample_{name});\n    \
+            "        sample_{name} = one_sample{suffix}(place);\n        \
+             density_{name} = one_density{suffix}(sample_{name});\n        \
              Soft soft_{name} = one_soft{suffix}(sample_{name}, density_{name});"
         )
         .expect("writing to a string");
@@ -282,9 +283,11 @@ fn objects_text(formula: &Formula) -> String {
     }
     let combined = formula.glsl();
     format!(
-        "{includes}vec4 classify(vec3 x, float path) {{\n{samples}    Soft all = {combined};\n    \
-         distance_bound = all.distance_bound;\n    if (all.density <= 0.0) return vec4(0.0);\n    \
-         vec3 normal = cap_normal(x, outward(all));\n    vec4 shade = vec4(0.0);\n    float rate = 0.0;\n{shades}    \
+        "{includes}vec4 classify(vec3 x, float path) {{\n    Entry at = entry(path);\n    vec3 place = x;\n    \
+         Soft all;\n{declared}    do {{\n        place = x + at.t * at.back;\n{samples}        all = {combined};\n        \
+         if (at.turn == HERE) distance_bound = all.distance_bound;\n    }} while (goes_on(at, x, all.density));\n    \
+         if (all.density <= 0.0) return vec4(0.0);\n    position_eye += to_eye() * (at.t * path);\n    \
+         vec3 normal = cap_normal(place, outward(all));\n    vec4 shade = vec4(0.0);\n    float rate = 0.0;\n{shades}    \
          float weight = max(shade.a, 1e-6);\n    float alpha = opacity(all.density, rate / weight * path);\n    \
          return vec4(shade.rgb / weight * alpha, alpha);\n}}\n"
     )
