@@ -1,4 +1,5 @@
 #version 450
+#define ONE_SAMPLE
 // The light behind one slice, from the light before it: half-angle slicing, as the light sees it. The matter is that of the
 // picture, by the modules of the scene.
 // Source: GG 39.5.1; Kniss et al. 2003.

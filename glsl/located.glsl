@@ -1,22 +1,28 @@
-// Where a ray entered the object between the sample before, one step nearer to the eye, and this one.
-// Source: ours: the crossing of a line through both distances, and again through the distance found there: an error of
-// the third order in the step. The first sample behind the surface has that of the first, which shows as terraces.
-// Shares of a step are clamped for lanes that are off: an anisotropic filter looks at all four of a quad.
-// s: a sample inside `level`, a distance in object units, and then that at the surface, or at the plane that cut it;
-// path: of the step. What is shaded is lit where it is. A sample that stands for no step (ONE_SAMPLE) stays.
-void locate(inout Sample s, float level, float path) {
-#ifndef ONE_SAMPLE
-    vec3 back = mat3(texture_matrix) * (to_eye() * path);
-    float end = kept(s.x, back).y, far = s.distance - level;
-    if (end >= 1.0 && far + skip_slack + length(back) < 0.0) return;    // no surface is within a step
-    float near = sample_object(s.x + end * back).distance - level, t = end;
-    if (near <= 0.0 && end >= 1.0) return;      // the ray was inside before
-    if (near > 0.0) {
-        t = clamp(end * far / min(far - near, -1e-20), 0.0, end);
-        float gap = sample_object(s.x + t * back).distance - level;
-        t = clamp(gap > 0.0 ? t * far / min(far - gap, -1e-20) : mix(t, end, gap / min(gap - near, -1e-20)), 0.0, end);
+// Whether a ray meets the object between the sample before, one step nearer to the eye, and this one; and where.
+// Source: ours: see step_back.glsl. The first sample behind the surface has the error of a step, which shows as terraces.
+// x: the sample; gap: its distance from the surface of `level`, object units; path: of the step; at: how far before the
+// sample, in steps. A sample that stands for no step (ONE_SAMPLE) stays.
+#include "step_back.glsl"
+
+bool meets(vec3 x, float gap, float level, float path, out float at) {
+    at = 0.0;
+#ifdef ONE_SAMPLE
+    return gap <= 0.0;
+#else
+    StepBack part = step_back(x, path);
+    for (bool more = part.at > 0.0 || goes_on(part, gap, false); more; more = goes_on(part, gap, false)) {
+        gap = sample_object(x + part.at * part.back).distance - level;
     }
-    s = sample_object(s.x + t * back);
-    position_eye += to_eye() * (t * path);
+    at = part.at;
+    return part.met;
 #endif
+}
+
+// The sample so many steps before; what is shaded is lit where it is.
+Sample moved_back(Sample s, float at, float path) {
+#ifndef ONE_SAMPLE
+    s = sample_object(s.x + at * (mat3(texture_matrix) * (to_eye() * path)));
+    position_eye += to_eye() * (at * path);
+#endif
+    return s;
 }

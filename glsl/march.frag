@@ -59,10 +59,11 @@ void main() {
                 next = advance(step_length);
                 follows = next == 1.0;
             }
-            if (k > last || density >= 1.0) break;
+            if (k > last || (density >= 1.0 && begins(x, step_size * path_scale()))) break;
+            follows = true;
+            if (density >= 1.0) continue;
             sum += (1.0 - sum.a) * matter_at(x, step_size * path_scale(), false);   // PH 3.1: front to back
             if (sum.a >= full_opacity) last = k;                                // PH 3.1: until opaque
-            follows = true;
         }
         if (k > last) break;
         sum += (1.0 - sum.a) * matter_at(x, step_size * path_scale(), true);

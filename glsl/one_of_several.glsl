@@ -24,5 +24,3 @@ vec3 one_shade(Sample s, float density, vec3 normal) {
     s.shading = s.normal;
     return s.density >= 1.0 ? surface(s) : medium(s, density);
 }
-
-float one_rate(Sample s, float density) { return s.density >= 1.0 ? 1.0 : extinction(s, density); }

@@ -53,7 +53,7 @@ void main() {
             next = over_cells(x, path, i);
             if (next > 0.0) continue;
             density = find_density(x);
-            if (density > 0.0) break;
+            if (density > 0.0 && (density < 1.0 || begins(x, path))) break;
             next = to_next(path);
         }
         if (i >= samples) break;

@@ -6,5 +6,5 @@ void shift_sample(inout vec3 eye, inout vec3 x) {
     eye += shift;
     x += mat3(texture_matrix) * shift;
     vec3 beyond = max(box_min.xyz - x, x - box_max.xyz);
-    if (max(beyond.x, max(beyond.y, beyond.z)) > segment_reach) discard;
+    if (max(beyond.x, max(beyond.y, beyond.z)) > sample_reach) discard;
 }

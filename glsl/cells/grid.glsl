@@ -16,7 +16,13 @@ float empty_steps(vec3 x, vec3 stride, float k) {
     rate = mix(rate, vec3(1e-12), lessThan(abs(rate), vec3(1e-12)));
     vec3 ways = (cell + 0.5 + sign(rate) * (max(cells, 1.0) - 0.5) - at) / rate;
     float steps = max(floor(min(min(ways.x, ways.y), ways.z)), 0.0);
-    if (cells > 0.0) return steps + 1.0;
+    // A sample that looks back to the one before is left out where both are in cells that are empty.
+    bool begins_here = any(greaterThan(abs(at - rate - cell - 0.5), vec3(cells - 0.5)));
+#ifdef ONE_SAMPLE
+    begins_here = false;
+#endif
+    if (cells > 0.0 && !(sample_reach > 0.0 && begins_here)) return steps + 1.0;
+    if (cells > 0.0) steps = 0.0;
     open_until = k + steps;
     return 0.0;
 }

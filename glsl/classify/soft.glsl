@@ -21,6 +21,8 @@ Sample look(vec3 x) {
     return s;
 }
 
+bool begins(vec3 x, float path) { return true; }
+
 vec4 matter(Sample s, float path, bool hard) {
     float own = clamp(modulate(s.density, s), 0.0, 1.0), density = own;
     if (own <= 0.0) {
@@ -29,7 +31,9 @@ vec4 matter(Sample s, float path, bool hard) {
     }
     if (hard) {
         remember(own);
-        locate(s, iso_value, path);
+        float at;
+        meets(s.x, s.distance - iso_value, iso_value, path, at);
+        s = moved_back(s, at, path);
         s.normal = cap_normal(s.x, s.normal);
         float alpha = opacity(own, opacity_rate * path);
         return vec4(surface(s) * alpha, alpha);

@@ -2,7 +2,11 @@
 // Source: MJ 1 (internal object detail).
 // x: object space; the side with dot(n, x) > d is removed. The cap is as thick as one and a half slices. A sample that
 // stands for a segment is clipped when all of the segment may be; kept: the part of it that is left, as fractions.
-bool clipped(vec3 x) { return dot(clip_plane.xyz, x) > clip_plane.w + segment_reach; }
+#ifdef ONE_SAMPLE
+bool clipped(vec3 x) { return dot(clip_plane.xyz, x) > clip_plane.w; }
+#else
+bool clipped(vec3 x) { return dot(clip_plane.xyz, x) > clip_plane.w + sample_reach; }
+#endif
 vec2 kept(vec3 from, vec3 along) {
     float over = dot(clip_plane.xyz, from) - clip_plane.w, rise = dot(clip_plane.xyz, along);
     if (abs(rise) < 1e-12) return over > 0.0 ? vec2(1.0, 0.0) : vec2(0.0, 1.0);

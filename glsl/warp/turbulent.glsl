@@ -15,7 +15,7 @@ void turbulent(inout vec3 x, inout mat3 jacobian) {
     // Beyond this radius there is no matter, however far the other warps move it back: the density is 0 from there on.
     float arm = min(length(x), hold_radius);
     float enough = 1.0001 * (own_radius - length(x)) / max(turbulence_amplitude * arm, 1e-6);
-    if (segment_reach > 0.0) enough = ALL;      // a segment asks how far outside its ends are
+    if (sample_reach > 0.0) enough = ALL;      // a segment asks how far outside its ends are
     vec4 t = turbulence_amplitude * turbulence_gradient(p, turbulence_frequency * sample_width(), enough);
     scale_radius(x, jacobian, t.w, turbulence_frequency * t.xyz);
 }

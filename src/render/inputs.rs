@@ -9,7 +9,7 @@ use super::shot::Shot;
 use super::sparse::Sparse;
 use super::sub_frame::SubFrame;
 use super::table::{self, Function};
-use super::values::{Values, moment, values};
+use super::values::{Values, looked_for, moment, values};
 use super::view::View;
 use crate::field::Progress;
 use crate::gpu::{Dimension, Format};
@@ -66,7 +66,8 @@ impl Inputs {
                 item.stored.quantization = texels.quantization * item.subject.scale;
             }
             let bricks = texels.as_ref().filter(|_| program.reads(&format!("brick_image{}", item.suffix)));
-            let bricks = bricks.and_then(|texels| item.bricks(texels, planes));
+            let bricks =
+                bricks.and_then(|texels| item.bricks(looked_for(scene, variant, view, planes), texels, planes));
             if let (Some(texels), Some(bricks)) = (&mut texels, &bricks) {
                 sparse.get_or_insert_with(Sparse::default).add(texels, bricks);
             }

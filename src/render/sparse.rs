@@ -41,12 +41,12 @@ impl Item<'_> {
     /// looks a voxel further; the end of a segment may lie anywhere outside. Of what is opaque the first sample is seen,
     /// which is no deeper than a step along the most slanted ray, and what a warp moves lookups apart; any may be seen of matter
     /// that lets light through, or that a DMF may have made so.
-    pub(super) fn bricks(&self, texels: &Texels, planes: &Planes) -> Option<Bricks> {
+    pub(super) fn bricks(&self, looked_for: f32, texels: &Texels, planes: &Planes) -> Option<Bricks> {
         const MOST_SLANTED: f32 = 4.0; // three quarters of a right angle off the axis of view
         let (scene, field) = (&self.scene, self.subject.field.as_ref()?);
         let voxels = 2.0 * field.grid.spacing.max_element() * self.subject.scale;
         let outer = match scene.quality.integration {
-            Integration::Point => self.own.outer_iso + voxels,
+            Integration::Point => self.own.outer_iso + voxels + looked_for,
             Integration::Segment => self.reach(),
         };
         let effect = &scene.effect;

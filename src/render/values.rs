@@ -54,16 +54,16 @@ pub(super) fn values(scene: &Scene, variant: &Variant, view: &View, items: &[Ite
     set("first_depth", &[planes.first_depth]);
     set("slice_count", &[planes.count as f32]);
     set("full_opacity", &[1.0 - scene.quality.early_termination]);
-    let half_path = half_path(scene, view, planes);
-    let reaches = [scene.quality.integration == Integration::Segment, scene.quality.jitter != Jitter::None]
-        .map(|reaches| f32::from(u8::from(reaches)));
+    let reach = sample_reach(scene, variant, view, planes);
+    let shift = if scene.quality.jitter == Jitter::None { 0.0 } else { 0.5 * longest_step(scene, view, planes) };
     set("slice_axis", &view.axis.extend(0.0).to_array());
     let transport = scene.light.transport.linear();
     set("transport_color", &[transport[0], transport[1], transport[2], 1.0]);
     set("translucency", &[scene.light.translucency]);
     set("scatter", &[scene.light.scatter]);
-    set("segment_reach", &[reaches[0] * half_path]);
-    set("box_margin", &[(reaches[0] + reaches[1]) * half_path]);
+    set("sample_reach", &[reach]);
+    set("steepness", &[steepness(variant)]);
+    set("box_margin", &[reach + shift]);
     set("ray_scale", &[view.ray_scale[0], view.ray_scale[1], 0.0, 0.0]);
     let [noise_cells, turbulence_cells, channel_cells] = scene.block_cells().map(|cells| cells as f32);
     set("noise_cells", &[noise_cells]);
@@ -130,7 +130,29 @@ fn set_object(item: &Item<'_>, view: &View, set: &mut dyn FnMut(&str, &[f32])) {
     }
 }
 
-/// The longest that half a step along a ray can be, object units.
-fn half_path(scene: &Scene, view: &View, planes: &Planes) -> f32 {
-    0.5 * planes.step * slant(scene, view) / glam::Vec3::from(scene.object.stretch).min_element()
+/// How steep distances are taken to be where a warp moves what is looked up. More: rays look for edges where there are none.
+/// Less: of melting, some of the thinnest drips are cut off.
+const WARPED: f32 = 2.0;
+
+/// How far from its place a sample looks for matter along its ray, object units: 0 where it stands for its place alone.
+fn sample_reach(scene: &Scene, variant: &Variant, view: &View, planes: &Planes) -> f32 {
+    let steps = match scene.quality.integration {
+        Integration::Segment => 0.5,
+        Integration::Point => f32::from(u8::from(variant.looks_back)),
+    };
+    steps * longest_step(scene, view, planes)
+}
+
+/// How near the matter may be, object units, where a sample of a point looks for it along its ray.
+pub(super) fn looked_for(scene: &Scene, variant: &Variant, view: &View, planes: &Planes) -> f32 {
+    steepness(variant) * sample_reach(scene, variant, view, planes)
+}
+
+fn steepness(variant: &Variant) -> f32 {
+    if variant.has_warps() { WARPED } else { 1.0 }
+}
+
+/// The longest that a step along a ray can be, object units.
+fn longest_step(scene: &Scene, view: &View, planes: &Planes) -> f32 {
+    planes.step * slant(scene, view) / glam::Vec3::from(scene.object.stretch).min_element()
 }

@@ -186,7 +186,7 @@ impl Scene {
         let effect = &self.effect;
         let procedural = self.has_noise_loops(library);
         if quality.pass == super::Pass::March {
-            let most = (LOOP_BUDGET / self.sample_loops(library)).floor();
+            let most = (self.loop_budget(library) / self.sample_loops(library)).floor();
             if quality.samples as f32 > most {
                 return Err(SceneError::Value {
                     field: "quality.samples".into(),

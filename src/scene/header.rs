@@ -53,6 +53,12 @@ impl Scene {
         !by_ends && self.quality.integration == Integration::Point
     }
 
+    /// Whether a sample also stands for hard matter between it and the one before.
+    pub(crate) fn looks_back(&self, library: &Library) -> bool {
+        let classify = if self.has_several() { "objects" } else { &self.effect.classify };
+        self.has_points(library) && header(library, "classify", classify).looks_back
+    }
+
     /// Whether the objects are stored as bounds read them: whole, or as formulas.
     pub(super) fn is_plain(&self) -> bool {
         let is_whole = self.object.storage == Storage::Dense && self.quality.anisotropy <= 1.0;

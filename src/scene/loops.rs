@@ -17,6 +17,10 @@ pub(super) const BENDING_LOOPS: f32 = 1.0 + 3.0 * 3.0;
 /// Steps of a ray that bends, for each sample of the scene, and in all to locate its interfaces: see `refract.frag`.
 pub(super) const BENDING_STEPS: [f32; 2] = [3.0, 24.0 * (14.0 + 1.0)];
 
+/// Turns in which a ray looks for edges between its samples, at most, beside one for each sample: `MOST_TURNS` of
+/// `step_back.glsl`, and those of the last step. One that several rays wait for is counted once for each.
+const LOOK_TURNS: f32 = LANES * (32.0 + 16.0);
+
 impl Scene {
     /// Iterations of one noise; of a module that does not say, those of a loop over the corners of a cell.
     fn noise_loops(&self, library: &Library) -> f32 {
@@ -42,17 +46,37 @@ impl Scene {
     /// Whether every device bears a ray that finds matter before it asks what is there: at worst each of those marched together
     /// finds its own while the others wait.
     pub fn may_find_first(&self, library: &Library) -> bool {
+        let looks = if self.looks_back(library) { 2.0 } else { 1.0 };
+        let each = looks * LANES * self.found_loops(library) + 2.0 + self.procedural_loops(library);
+        self.quality.samples as f32 * each <= self.loop_budget(library)
+    }
+
+    /// Iterations of one look at whether there is matter.
+    fn found_loops(&self, library: &Library) -> f32 {
         let octave = self.octave_loops(library).max(self.noise_loops(library));
-        let found = 1.0 + self.effect.warp.len() as f32 * self.effect.octaves as f32 * octave;
-        let each = LANES * found + 2.0 + self.procedural_loops(library);
-        self.quality.samples as f32 * each <= LOOP_BUDGET
+        1.0 + self.effect.warp.len() as f32 * self.effect.octaves as f32 * octave
+    }
+
+    /// Iterations of one look between two samples for all objects; none where nobody looks there.
+    fn between_loops(&self, library: &Library) -> f32 {
+        let parts = self.parts.keys().map(|name| self.alone(name).found_loops(library));
+        match (self.looks_back(library), self.has_noise_loops(library)) {
+            (false, _) => 0.0,
+            (true, false) => 1.0,
+            (true, true) => self.found_loops(library) + parts.sum::<f32>(),
+        }
+    }
+
+    /// Iterations that the samples of a ray may have: what looking for edges between them leaves.
+    pub(super) fn loop_budget(&self, library: &Library) -> f32 {
+        LOOP_BUDGET - LOOK_TURNS * self.between_loops(library)
     }
 
     /// Iterations of one sample of a ray, at most.
     pub(super) fn sample_loops(&self, library: &Library) -> f32 {
         let noise = if self.has_noise_loops(library) { self.procedural_loops(library) } else { 1.0 };
         match self.quality.integration {
-            Integration::Point => noise,
+            Integration::Point => noise + self.between_loops(library),
             Integration::Segment => noise + SEGMENT_LOOPS,
         }
     }
@@ -193,7 +217,7 @@ mod tests {
                 Part { effect: s.effect.clone(), parameters: s.parameters.clone(), ..Part::default() },
             );
         };
-        assert!(refusal(several).starts_with("quality.samples = 300: must be from 1 to 175 by rays"));
+        assert!(refusal(several).starts_with("quality.samples = 300: must be from 1 to 172 by rays"));
         let shaded = |s: &mut Scene| {
             (s.effect.noise, s.effect.octaves, s.light.shadows) = ("wavelet".into(), 10, true);
             (s.quality.pass, s.effect.turbulence) = (Pass::Slices, "octaves".into());

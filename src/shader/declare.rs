@@ -17,6 +17,7 @@
 //! // @period memory          the lattice repeats as the module has it, and a scene says `own`
 //! // @outside empty          a classification draws nothing beyond the soft region
 //! // @segments soft_segment  the classification that integrates segments in place of this one
+//! // @looks back             a classification asks for matter between a sample and the one before
 //! ```
 //! The same lines feed the uniform block, the checks of a scene file and the documentation. What a module leaves out has
 //! the value that is safe: most loops, all octaves, matter everywhere.
@@ -57,6 +58,8 @@ pub struct Declarations {
     pub outside: Outside,
     /// The module that classifies segments in place of this one; itself, where it does.
     pub segments: Option<String>,
+    /// Whether a classification asks for matter between a sample and the one before, a step nearer to the eye.
+    pub looks_back: bool,
 }
 
 /// How many octaves a module of turbulence has at most.
@@ -114,7 +117,7 @@ pub enum ParameterKind {
 }
 
 /// How each declaration is written.
-const FORMS: [(&str, &str); 15] = [
+const FORMS: [(&str, &str); 16] = [
     ("param", "`// @param name = 0.5 in [0, 1]: What it does.`"),
     ("color", "`// @color name = #ff8000: What it is.`"),
     ("outer", "`// @outer parameter`, which the module declares by `// @param`"),
@@ -133,6 +136,7 @@ const FORMS: [(&str, &str); 15] = [
     ("period", "`// @period` and memory, never, noise_block, turbulence_block or channel_block"),
     ("outside", "`// @outside empty` or `// @outside transfer`"),
     ("segments", "`// @segments module`"),
+    ("looks", "`// @looks back`"),
 ];
 /// How a lattice may repeat: values of `effect.turbulence_repeat`.
 const PERIODS: [&str; 4] = ["never", "noise_block", "turbulence_block", "channel_block"];
@@ -185,6 +189,7 @@ pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError
             "outside" if word == "empty" => found.outside = Outside::Empty,
             "outside" if word == "transfer" => found.outside = Outside::Transfer,
             "segments" => found.segments = Some(name()?),
+            "looks" if word == "back" => found.looks_back = true,
             _ => return Err(wrong()),
         }
     }
@@ -275,23 +280,24 @@ mod tests {
             ),
             ("@outside air", "`// @outside empty` or `// @outside transfer`"),
             ("@segments A", "`// @segments module`"),
+            ("@looks ahead", "`// @looks back`"),
             ("@needs time", "`// @needs normal`"),
         ] {
             let expected = format!("a.frag:1: `// {text}` is not a declaration; write {allowed}");
             assert_eq!(declarations(&format!("// {text}")).unwrap_err().to_string(), expected);
         }
-        assert!(declarations("// @what x").unwrap_err().to_string().ends_with("@outside, @segments"));
+        assert!(declarations("// @what x").unwrap_err().to_string().ends_with("@segments, @looks"));
     }
 
     #[test]
     fn what_a_module_costs_and_allows_is_read_from_its_header() {
-        let text =
-            "// @loops 5\n// @places 6\n// @octaves 4\n// @period noise_block\n// @outside empty\n// @segments fine";
+        let text = "// @loops 5\n// @places 6\n// @octaves 4\n// @period noise_block\n// @outside empty\n// @segments fine\n\
+             // @looks back";
         let header = |text: &str| Library::new([("a/b.glsl".to_string(), text.to_string())]).header("a", "b").unwrap();
         let found = header(text);
         assert_eq!((found.loops, found.places, found.octaves), (Some(5), 6, Octaves::Most(4)));
         assert_eq!((found.period.as_deref(), found.segments.as_deref()), (Some("noise_block"), Some("fine")));
-        assert_eq!(found.outside, Outside::Empty);
+        assert_eq!((found.outside, found.looks_back), (Outside::Empty, true));
         assert_eq!(header("// Nothing."), Declarations::default());
     }
 }

@@ -253,7 +253,7 @@ fn function(file: &str) -> String {
 ///
 /// An object colors matter in proportion to its own density; one that only takes matter away colors none.
 fn objects_text(formula: &Formula) -> String {
-    let [mut includes, mut declared, mut samples, mut shades] = [const { String::new() }; 4];
+    let [mut includes, mut declared, mut samples, mut bare, mut shades] = [const { String::new() }; 5];
     for (name, adds) in formula.objects() {
         let (prefix, suffix) = match name {
             MAIN => (String::new(), String::new()),
@@ -271,25 +271,55 @@ fn objects_text(formula: &Formula) -> String {
              Soft soft_{name} = one_soft{suffix}(sample_{name}, density_{name});"
         )
         .expect("writing to a string");
+        writeln!(
+            bare,
+            "            Sample sample_{name} = one_sample{suffix}(between);\n            \
+             Soft soft_{name} = one_soft{suffix}(sample_{name}, sample_{name}.density);"
+        )
+        .expect("writing to a string");
         if adds {
             writeln!(
                 shades,
                 "    if (density_{name} > 0.0) {{\n        \
                  shade += density_{name} * vec4(one_shade{suffix}(sample_{name}, density_{name}, normal), 1.0);\n        \
-                 rate += density_{name} * opacity_rate{suffix} * one_rate{suffix}(sample_{name}, density_{name});\n    }}"
+                 rate += density_{name} * opacity_rate{suffix} *\n            \
+                 (density_{name} >= 1.0 ? 1.0 : extinction{suffix}(sample_{name}, density_{name}));\n    }}"
             )
             .expect("writing to a string");
         }
     }
     let combined = formula.glsl();
     format!(
-        "{includes}vec4 classify(vec3 x, float path) {{\n    Entry at = entry(path);\n    vec3 place = x;\n    \
-         Soft all;\n{declared}    do {{\n        place = x + at.t * at.back;\n{samples}        all = {combined};\n        \
-         if (at.turn == HERE) distance_bound = all.distance_bound;\n    }} while (goes_on(at, x, all.density));\n    \
-         if (all.density <= 0.0) return vec4(0.0);\n    position_eye += to_eye() * (at.t * path);\n    \
-         vec3 normal = cap_normal(place, outward(all));\n    vec4 shade = vec4(0.0);\n    float rate = 0.0;\n{shades}    \
-         float weight = max(shade.a, 1e-6);\n    float alpha = opacity(all.density, rate / weight * path);\n    \
-         return vec4(shade.rgb / weight * alpha, alpha);\n}}\n"
+        "{includes}
+vec4 classify(vec3 x, float path) {{
+    StepBack part = step_back(x, path);
+    bool cut = part.at > 0.0;
+    vec3 place = cut ? x + part.at * part.back : x;
+    Soft all;
+{declared}    for (bool looked = false;; looked = true) {{
+{samples}        all = {combined};
+        if (looked) break;
+        distance_bound = cut ? 0.0 : all.distance_bound;
+        float gap = gap_of(all, part.size), end = part.at;
+        bool is_within = follows && gap_before <= 0.0 && gap <= 0.0;
+        if (!may_begin(gap, part.size) || is_within) break;
+        while (goes_on(part, gap, true)) {{
+            vec3 between = x + part.at * part.back;
+{bare}            gap = gap_of({combined}, part.size);
+        }}
+        if (!part.met || part.at <= end) break;
+        place = x + part.at * part.back;
+    }}
+    if (all.density <= 0.0 || (cut && !part.met)) return vec4(0.0);
+    position_eye += to_eye() * (part.at * path);
+    vec3 normal = cap_normal(place, outward(all));
+    vec4 shade = vec4(0.0);
+    float rate = 0.0;
+{shades}    float weight = max(shade.a, 1e-6);
+    float alpha = opacity(all.density, rate / weight * path);
+    return vec4(shade.rgb / weight * alpha, alpha);
+}}
+"
     )
 }
 

@@ -215,7 +215,7 @@ fn more_samples_of_segments_turn_the_normals_less() {
             found.rows.iter().find(|row| is(&row.candidate)).unwrap().normals.unwrap().mean
         };
         assert!(angle(Integration::Point, 128) < 0.5 * angle(Integration::Point, 16));
-        assert!(angle(Integration::Segment, 128) < 0.5 * angle(Integration::Point, 128));
+        assert!(angle(Integration::Segment, 128) < 0.5 * angle(Integration::Segment, 16));
     });
 }
 

@@ -200,7 +200,7 @@ fn value(name: &str, floats: usize) -> Vec<f32> {
         ("first_depth", _) => vec![2.0],
         ("slice_count", _) => vec![256.0],
         ("full_opacity", _) => vec![0.999],
-        ("segment_reach", _) => vec![0.0078125],
+        ("sample_reach", _) => vec![0.0078125],
         ("jitter_seed", _) => vec![12345.0],
         ("time", _) => vec![1.5],
         ("noise_cells", _) => vec![8.0],

@@ -98,7 +98,7 @@ fn p29_the_eroded_cube_is_the_product_of_a_fractal_sphere_and_a_cube_colored_by_
     let scene = shown("eroded_cube");
     let part = &scene.parts["cube"];
     // With one unit of path at the rate, the opacity is the density. Full ambient light shows the color alone.
-    let text = "#include <clip>\n#include <classify>\nvoid check() { out0 = classify(p0.xyz, 1.0 / opacity_rate); }";
+    let text = "#define ONE_SAMPLE\n#include <clip>\n#include <classify>\nvoid check() { out0 = classify(p0.xyz, 1.0 / opacity_rate); }";
     let mut check = Check::of_scene(&shipped(), &scene, text);
     let map = map(&scene);
     let scale = f64::from(part.transform.scale);

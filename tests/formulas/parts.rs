@@ -29,8 +29,12 @@ crate::rows! {
         "entered.glsl": "inside = middle" => "outside = middle",
         "entered.glsl": "< 0.5) return" => "< 2.0) return";
     m30_a_surface_is_located_within_the_step = located,
-        "located.glsl": "mat3(texture_matrix)" => "-mat3(texture_matrix)",
-        "located.glsl": "t * path" => "-t * path";
+        "located.glsl": "s.x + at *" => "s.x - at *",
+        "located.glsl": "(at * path)" => "(-at * path)",
+        "step_back.glsl": "s.far.y / min" => "s.near.y / min";
+    m30_an_edge_is_found_between_two_samples = edge,
+        "step_back.glsl": "gap >= most" => "gap <= most",
+        "step_back.glsl": "to_eye() * path" => "to_eye() * -path";
     p41_three_differences_of_a_line_are_its_slope = |l| ramp(l, "three"),
         "gradient/three.glsl": "s.x + offset[1]" => "s.x - offset[1]";
     p41_three_differences_look_back_along_the_ray = three,
@@ -92,7 +96,7 @@ fn place_of_b(at: &At<'_>) -> DMat4 {
 
 /// A biased sphere, and another one in a place of its own: color and rate are the means by density.
 fn objects(library: &Library) -> f64 {
-    let text = "#include <clip>\n#include <classify>
+    let text = "#define ONE_SAMPLE\n#include <clip>\n#include <classify>
         void check() {
             out0 = classify(p0.xyz, p0.w);
             Sample b = one_sample_b(p0.xyz);
@@ -199,7 +203,9 @@ fn located(library: &Library) -> f64 {
     let text = "#include <clip>\n#include \"sample.glsl\"\n#include \"located.glsl\"
         void check() {
             Sample s = sample_object(p0.xyz);
-            locate(s, iso_value, p0.w);
+            float at;
+            meets(s.x, s.distance - iso_value, iso_value, p0.w, at);
+            s = moved_back(s, at, p0.w);
             out0 = vec4(s.x, s.distance);
             out1.xyz = position_eye;
         }";
@@ -210,6 +216,33 @@ fn located(library: &Library) -> f64 {
         let part = if (0.0..=1.0).contains(&part) { part } else { 0.0 };
         let found = x + part * back;
         [found.to_array().as_slice(), &[found.y - 1.0], &(at.place(3) + part * back_eye).to_array()].concat()
+    })
+}
+
+/// A ray that goes through an edge of a cube between two samples enters where it says, and one that misses it enters nowhere.
+fn edge(library: &Library) -> f64 {
+    let text = "#include <clip>\n#include \"sample.glsl\"\n#include \"located.glsl\"
+        void check() {
+            float at;
+            bool met = meets(p0.xyz, sample_object(p0.xyz).distance - iso_value, iso_value, p0.w, at);
+            out0 = vec4(at, met, steepness, sample_reach);
+        }";
+    let check = Check::new(library, &[("object", "cube")], text).with("iso_value", &[0.0]).with("steepness", &[1.0]);
+    let check = check.given(|random, _| {
+        let x = DVec3::new(random.within(-0.4, 0.4), random.within(0.9, 1.1), random.within(0.9, 1.1));
+        [x.extend(random.within(0.05, 0.4)).to_array(), [0.0; 4], [0.0; 4], random.eye().extend(0.0).to_array()]
+    });
+    check.worst(|at, found| {
+        let ([back, _], x) = (back(at), at.place(0));
+        let (a, b) = ((DVec3::splat(-1.0) - x) / back, (DVec3::ONE - x) / back);
+        let [leaves, enters] = [a.min(b).max_element(), a.max(b).min_element()];
+        let length = enters - leaves;
+        let is_outside = leaves > 0.0 && enters < 1.0 || length < 0.0;
+        match is_outside {
+            true if length > 0.05 => (found[0] - enters).abs().max(1.0 - found[1]) / 0.1,
+            true if length < -0.05 => found[1],
+            _ => 0.0,
+        }
     })
 }
 

@@ -101,7 +101,7 @@ fn p24_no_warp_moves_a_lookup_or_lets_matter_grow_further_than_it_declares() {
                             (_, "own_radius") => own_radius as f32 * 1.000_001,
                             (_, "noise_period" | "turbulence_period") => 256.0,
                             (_, "turbulence_growth" | "turbulence_cycle") => 1.0,
-                            (_, "segment_reach") => 0.0, // a turbulence may end early
+                            (_, "sample_reach") => 0.0, // a turbulence may end early
                             (_, "time") => 1.5,
                             _ => 0.5,
                         };

@@ -24,7 +24,7 @@ crate::rows! {
         "projection/perspective.glsl": "length(position_eye) / max" => "max",
         "projection/perspective.glsl": "cross(side, along)" => "cross(along, side)";
     m64_a_plane_clips_points_and_segments = plane,
-        "clip/plane.glsl": "clip_plane.w + segment_reach" => "clip_plane.w - segment_reach",
+        "clip/plane.glsl": "clip_plane.w + sample_reach" => "clip_plane.w - sample_reach",
         "clip/plane.glsl": "-over / rise" => "over / rise",
         "clip/plane.glsl": "1.5 * step_size" => "0.5 * step_size";
     m64_nothing_is_clipped_without_a_plane = unclipped,
@@ -38,6 +38,7 @@ crate::rows! {
     g09_rays_pass_all_cells_that_are_empty = passes,
         "cells/grid.glsl": "1.0) - 0.5)" => "1.0) + 0.5)",
         "cells/grid.glsl": "sign(rate)" => "-sign(rate)",
+        "cells/grid.glsl": "at - rate - cell" => "at + rate - cell",
         "cells/grid.glsl": "floor(at)" => "round(at)";
     p38_no_cell_is_empty_without_a_grid = |l| Check::new(l, &[], CELLS).holds(1e-12, |_| vec![0.0]),
         "cells/none.glsl": "return 0.0" => "return 1.0";
@@ -52,7 +53,7 @@ crate::rows! {
     p48_without_jitter_samples_stay = still,
         "jitter/none.glsl": "return 0.0" => "return 0.5";
     p37_a_ray_enters_and_leaves_the_box_and_the_ball = crossings,
-        "box_intersection.glsl": "box_min.xyz - segment_reach" => "box_min.xyz + segment_reach",
+        "box_intersection.glsl": "box_min.xyz - sample_reach" => "box_min.xyz + sample_reach",
         "box_intersection.glsl": "nearest + half_chord" => "nearest - half_chord";
     m29_a_sample_of_a_slice_is_where_the_ray_of_its_pixel_crosses_it = placed,
         "on_ray.glsl": "- before) / along" => "+ before) / along",
@@ -116,7 +117,7 @@ fn plane(library: &Library) -> f64 {
             (true, true) if over(to) < over(from) => [1.0, 0.0],
             (true, true) => [0.0, -1.0],
         };
-        let clipped = f64::from(over(from) > at.number("segment_reach"));
+        let clipped = f64::from(over(from) > at.number("sample_reach"));
         let cap = if over(from) > -1.5 * at.number("step_size") { normal } else { at.place(2) };
         [&[clipped], kept.as_slice(), &[0.0], &cap.to_array()].concat()
     })
@@ -167,6 +168,11 @@ fn cells() -> Texture {
 
 /// No sample that is passed may hold matter, and the one that is gone to is beyond what the texel says.
 fn passes(library: &Library) -> f64 {
+    passes_looking(library, 0.0).max(passes_looking(library, 0.1))
+}
+
+/// The same by samples that look so far back.
+fn passes_looking(library: &Library, reach: f64) -> f64 {
     let check = Check::new(library, &[("cells", "grid")], CELLS).with_texture("cell_image", cells());
     let check = check.given(|random, setting| {
         let (low, high) = (setting.vector("box_min"), setting.vector("box_max"));
@@ -176,6 +182,7 @@ fn passes(library: &Library) -> f64 {
         let stride = if along_an_axis { DVec3::new(0.0, stride.y, 0.0) } else { stride };
         [x.extend(0.0).to_array(), stride.extend(0.0).to_array(), [0.0; 4], [0.0; 4]]
     });
+    let check = check.with("sample_reach", &[reach]);
     check.worst(|at, found| {
         let (grid, low, high) = (at.texture("cell_image"), at.vector("box_min"), at.vector("box_max"));
         let place = |steps: f64| {
@@ -192,6 +199,9 @@ fn passes(library: &Library) -> f64 {
         };
         let right = match (cells, found[0]) {
             (0.0, steps) => steps == 0.0,
+            // One that looks back into other cells is taken.
+            (_, steps) if reach > 0.0 && beyond(-1.0).abs() < 1e-9 => steps >= 0.0,
+            (_, steps) if reach > 0.0 && beyond(-1.0) > 0.0 => steps == 0.0,
             (_, steps) => steps >= 1.0 && steps.fract() == 0.0 && beyond(steps - 1.0) < 1e-9 && beyond(steps) > -1e-9,
         };
         if right { 0.0 } else { f64::INFINITY }
@@ -265,7 +275,7 @@ fn crossings(library: &Library) -> f64 {
         p
     });
     check.holds(1e-7, |at| {
-        let (from, along, reach) = (at.place(0), at.place(1), at.number("segment_reach"));
+        let (from, along, reach) = (at.place(0), at.place(1), at.number("sample_reach"));
         let (low, high) = (at.vector("box_min") - reach, at.vector("box_max") + reach);
         let (mut first, mut last) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {

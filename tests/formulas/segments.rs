@@ -11,9 +11,9 @@ crate::rows! {
         "classify/soft_segment.glsl": "amount * (soft.y - soft.x)" => "amount",
         "classify/soft_segment.glsl": "1.0 - near.a" => "1.0 + near.a";
     m30_a_surface_is_found_within_the_step = surface,
-        "classify/surface_segment.glsl": "place_of(0.0, near, gap)" => "place_of(0.0, gap, near)",
-        "classify/surface_segment.glsl": "near <= 0.0 || far <= 0.0" => "near <= 0.0 && far <= 0.0";
-    m05_a_segment_reaches_half_a_path_to_each_side = ends,
+        "classify/surface_segment.glsl": "x + 0.5 *" => "x - 0.5 *",
+        "classify/surface_segment.glsl": "gap < 0.0 && at" => "gap > 0.0 && at";
+    m05_a_sample_reaches_half_a_path_to_each_side = ends,
         "segment.glsl": "to_eye() * -path" => "to_eye() * path",
         "segment.glsl": "(value - a)" => "(value + a)",
         "segment.glsl": "(t - 0.5) * path" => "t * path";
@@ -64,7 +64,8 @@ fn soft(library: &Library) -> f64 {
 fn surface(library: &Library) -> f64 {
     let text = "#include <clip>\n#include <classify>\nvoid check() { out0 = classify(p0.xyz, p0.w); }";
     let slots = [("classify", "surface_segment"), ("softness", "hard"), ("object", "cube"), ("surface", "tex_coord")];
-    let check = Check::new(library, &slots, text).with("outer_iso_value", &[0.1]).given(|random, _| {
+    let check = Check::new(library, &slots, text).with("iso_value", &[0.1]);
+    let check = check.with("steepness", &[1.0]).with("sample_reach", &[2.0]).given(|random, _| {
         let face = DVec3::new(random.within(-0.5, 0.5), 1.1 + random.within(-0.1, 0.1), random.within(-0.5, 0.5));
         let path = random.within(0.01, 0.2);
         [face.extend(path).to_array(), [0.0; 4], [0.0; 4], random.eye().extend(0.0).to_array()]
@@ -75,9 +76,10 @@ fn surface(library: &Library) -> f64 {
         let (low, high) = (at.vector("own_min"), at.vector("own_max"));
         let (over_from, over_to) = (from.y - face, to.y - face);
         let seen = match (over_from > 0.0, over_to > 0.0) {
-            (true, true) => return vec![0.0; 4],
+            // Nothing is met, or the segment before has met it.
+            (_, true) => return vec![0.0; 4],
             (true, false) => from + (to - from) * over_from / (over_from - over_to),
-            (false, _) => from,
+            (false, false) => from,
         };
         covering((seen - low) / (high - low), 1.0)
     })

@@ -204,7 +204,7 @@ fn of_number(name: &str, random: &mut Random) -> f64 {
         "iso_value" | "iso_value_b" => (-0.3, 0.1),
         "outer_iso_value" | "outer_iso_value_b" => (0.15, 0.6),
         "opacity_rate" | "opacity_rate_b" => (0.1, 200.0),
-        "step_size" | "segment_reach" => (0.004, 0.1),
+        "step_size" | "sample_reach" => (0.004, 0.1),
         "first_depth" => (1.0, 3.0),
         "slice_count" => (10.0, 500.0),
         "full_opacity" => (0.9, 1.0),

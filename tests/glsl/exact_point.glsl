@@ -12,6 +12,7 @@ mat3 ray_basis;
 #include <projection>
 #include <jitter>
 #include <clip>
+#define ONE_SAMPLE    // bounds follow no search whose turns they cannot decide
 #include <classify>
 
 void main() {

@@ -15,6 +15,7 @@ mod classification;
 mod custom;
 mod debug_views;
 mod dmf;
+mod edges;
 mod extremes;
 mod figures;
 mod functions;

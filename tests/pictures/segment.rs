@@ -68,16 +68,15 @@ fn m30_a_hard_surface_is_found_within_the_step() {
                 let subject = subject(&scene, &library);
                 errors(gpu, &library, (&scene, &subject), &[16, 32, 64, 128, 256], 0, |ray| {
                     let (b, nearest) = (ray.impact(), -ray.from.dot(ray.along));
-                    // A ray that grazes the sphere may pass it between two ends of segments.
+                    // Beyond, depth is so steep that rounding shows.
                     let hit = || ray.from + ray.along * (nearest - (1.0 - b * b).sqrt());
-                    (b < 0.9).then(|| 0.5 + 0.5 * hit().z)
+                    (b < 0.99).then(|| 0.5 + 0.5 * hit().z)
                 })
             });
             // The step of the coarsest is an eighth of the ball: without a place within it the mean error is near 0.05.
-            // Third order, and at 64 samples down to rounding.
-            let order = (segment[0].mean / segment[1].mean).log2();
-            assert!(order > 2.5, "order {order}");
-            assert!(segment[2].mean < 1e-5 && point[2].mean < 1e-5, "{:?} {:?}", segment[2], point[2]);
+            for level in point.iter().chain(&segment) {
+                assert!(level.mean < 1e-5 && level.max < 2e-4, "{level:?}");
+            }
         }
     });
 }

@@ -14,7 +14,7 @@ use std::ops::Range;
 const GROUPS: u32 = 4;
 /// Pixels by which a cell is taken larger: a picture of several is moved by half a pixel, and places are rounded.
 const MARGIN: f32 = 1.5;
-/// The same along the axis of view, in steps between planes: samples are shifted by up to a half.
+/// The same along the axis of view, in steps between planes: samples are shifted by up to a half. They may look back by one.
 const REACH: f32 = 0.75;
 
 /// Where cells that are not `empty` meet the slices of a shot, within areas of its picture.
@@ -29,7 +29,8 @@ pub(super) fn tiles(shot: &Shot<'_>, boxes: &Boxes, empty: &[bool], within: &[Ar
         let [x, y, z, _] = cell.map(|range| [range.lo as f32, range.hi as f32]);
         let (depths, across, down) = seen.around([x, y, z]);
         let plane = |depth: f32| (depth - planes.first_depth) / planes.step;
-        let met = within_count(plane(depths.start) - REACH + 1.0..plane(depths.end) + REACH, planes.count as usize);
+        let behind = REACH + f32::from(u8::from(shot.variant.looks_back));
+        let met = within_count(plane(depths.start) - REACH + 1.0..plane(depths.end) + behind, planes.count as usize);
         let drawn = match shot.scene.quality.order {
             Order::FrontToBack => met,
             Order::BackToFront => planes.count as usize - met.end..planes.count as usize - met.start,

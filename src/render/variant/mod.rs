@@ -50,6 +50,8 @@ pub struct Variant {
     pub octaves: u32,
     /// After how many cells its procedural noise repeats, and the octaves of its procedural turbulence.
     pub periods: [Period; 2],
+    /// Whether a sample asks for hard matter between it and the one before, a step nearer to the eye.
+    pub looks_back: bool,
 }
 
 /// Why there is no program for a scene.
@@ -97,7 +99,8 @@ impl Variant {
             choice.insert(ZERO.into(), all);
         }
         let (octaves, periods) = (scene.octaves_held(library), scene.periods(library));
-        Ok(Variant { entries, slots: library.needed(&entries, &choice)?, parameters, parts, octaves, periods })
+        let (slots, looks_back) = (library.needed(&entries, &choice)?, scene.looks_back(library));
+        Ok(Variant { entries, slots, parameters, parts, octaves, periods, looks_back })
     }
 
     /// Whether its rays wait for what others find.
@@ -121,6 +124,11 @@ impl Variant {
     #[cfg(feature = "measure")]
     pub(crate) fn has_hard(&self) -> bool {
         self.softness().any(|name| name == "hard")
+    }
+
+    /// Whether a warp moves what is looked up of any object.
+    pub(super) fn has_warps(&self) -> bool {
+        self.slots.iter().any(|(key, names)| slot_of(key) == "warp" && !names.is_empty())
     }
 
     fn softness(&self) -> impl Iterator<Item = &String> {
