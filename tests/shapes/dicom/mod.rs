@@ -108,7 +108,7 @@ fn a_thin_slice_far_away_stands_as_near_as_f32_says() {
     let turn =
         glam::DQuat::from_euler(glam::EulerRot::XYZ, 1.4412572456473927, -0.4752852496098743, 1.9658283236555139);
     let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| turn * axis);
-    let (desk, truth) = scan([x, y, 0.3 * z], DVec3::new(479.37776084664644, -397.4418810911858, 0.0), 2);
+    let (desk, truth) = scan([x, y, 0.3 * z], DVec3::new(479.377_760_846_646_4, -397.441_881_091_185_8, 0.0), 2);
     assert_stands(&desk, &truth);
 }
 
