@@ -17,7 +17,7 @@ layout(set = 0, binding = 0) uniform View {
     float first_depth;      // depth of the slice nearest to the eye
     float slice_count;      // slices from there on
     float full_opacity;     // a ray ends where its opacity reaches this
-    float sample_reach;    // how far from its place a sample looks for matter along its ray, object units: 0 for a point
+    float sample_reach;     // how far from its place a sample looks for matter along its ray, object units: 0 for a point
     float steepness;        // how much a distance changes at most, for the way: more than 1 where a warp moves what is looked up
     float box_margin;       // how much further than the box the slices go: samples reach and move along their rays
     float jitter_seed;      // below 2^24: which phases the pixels have

@@ -17,7 +17,7 @@ pub(super) const BENDING_LOOPS: f32 = 1.0 + 3.0 * 3.0;
 /// Steps of a ray that bends, for each sample of the scene, and in all to locate its interfaces: see `refract.frag`.
 pub(super) const BENDING_STEPS: [f32; 2] = [3.0, 24.0 * (14.0 + 1.0)];
 
-/// Turns in which a ray looks for edges between its samples, at most, beside one for each sample: `MOST_TURNS` of
+/// Turns in which a ray looks for surfaces between its samples, at most, beside one for each sample: `MOST_TURNS` of
 /// `step_back.glsl`, and those of the last step. One that several rays wait for is counted once for each.
 const LOOK_TURNS: f32 = LANES * (32.0 + 16.0);
 
@@ -57,17 +57,13 @@ impl Scene {
         1.0 + self.effect.warp.len() as f32 * self.effect.octaves as f32 * octave
     }
 
-    /// Iterations of one look between two samples for all objects; none where nobody looks there.
+    /// Iterations of one look between two samples, for all objects.
     fn between_loops(&self, library: &Library) -> f32 {
         let parts = self.parts.keys().map(|name| self.alone(name).found_loops(library));
-        match (self.looks_back(library), self.has_noise_loops(library)) {
-            (false, _) => 0.0,
-            (true, false) => 1.0,
-            (true, true) => self.found_loops(library) + parts.sum::<f32>(),
-        }
+        if self.has_noise_loops(library) { self.found_loops(library) + parts.sum::<f32>() } else { 1.0 }
     }
 
-    /// Iterations that the samples of a ray may have: what looking for edges between them leaves.
+    /// Iterations that the samples of a ray may have: what looking for surfaces between them leaves.
     pub(super) fn loop_budget(&self, library: &Library) -> f32 {
         LOOP_BUDGET - LOOK_TURNS * self.between_loops(library)
     }
@@ -76,7 +72,8 @@ impl Scene {
     pub(super) fn sample_loops(&self, library: &Library) -> f32 {
         let noise = if self.has_noise_loops(library) { self.procedural_loops(library) } else { 1.0 };
         match self.quality.integration {
-            Integration::Point => noise + self.between_loops(library),
+            Integration::Point if self.looks_back(library) => noise + self.between_loops(library),
+            Integration::Point => noise,
             Integration::Segment => noise + SEGMENT_LOOPS,
         }
     }
@@ -178,14 +175,14 @@ mod tests {
             move |s: &mut Scene| (s.quality.pass, s.quality.samples, s.effect.noise) = (Pass::March, samples, noise)
         };
         assert!(
-            refusal(march(60_001, "block")).starts_with("quality.samples = 60001: must be from 1 to 60000 by rays")
+            refusal(march(60_001, "block")).starts_with("quality.samples = 60001: must be from 1 to 59616 by rays")
         );
-        assert!(refusal(march(500, "wavelet")).starts_with("quality.samples = 500: must be from 1 to 350 by rays"));
+        assert!(refusal(march(500, "wavelet")).starts_with("quality.samples = 500: must be from 1 to 348 by rays"));
         let segments = |s: &mut Scene| {
             march(149, "wavelet")(s);
             s.quality.integration = Integration::Segment;
         };
-        assert!(refusal(segments).starts_with("quality.samples = 149: must be from 1 to 87 by rays"));
+        assert!(refusal(segments).starts_with("quality.samples = 149: must be from 1 to 86 by rays"));
     }
 
     #[test]

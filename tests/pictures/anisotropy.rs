@@ -29,14 +29,14 @@ fn m57_every_effect_is_drawn_with_any_anisotropy() {
     with_gpu(|gpu| {
         for name in names() {
             let mut scene = preset(name).unwrap_or_else(|error| panic!("{error}"));
-            scene.image.size = [12, 12];
+            scene.image.size = [16, 16];
             let all = pictures(gpu, &scene, if EFFECTS.contains(&name) { &[1.0, 2.0, 16.0] } else { &[1.0, 16.0] });
             let matter = |frame: &Frame| frame.pixels.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>();
             for other in &all[1..] {
-                // A wider footprint blurs what is drawn, and takes away no more than thin parts: of the tank a fifth.
+                // A wider footprint blurs what is drawn, and takes nothing away.
                 let (one, other) = (matter(&all[0]), matter(other));
                 println!("{name}: {:.3} of the opacity", other / one);
-                assert!(one > 1.0 && (other - one).abs() < 0.25 * one, "{name}: opacity {one} and {other}");
+                assert!(one > 1.0 && (other - one).abs() < 0.2 * one, "{name}: opacity {one} and {other}");
             }
         }
     });
