@@ -36,8 +36,8 @@ enum Other {
     Modules(fn(&Scene, &Library) -> Option<Library>),
 }
 
-/// Samples of a picture that shows what more of them would change, at most: lavapipe ends loops behind that.
-const MOST_SAMPLES: u32 = 60_000;
+/// Samples of a picture that shows what more of them would change, at most: rays may have somewhat more.
+const MOST_SAMPLES: u32 = 50_000;
 /// Voxels along a side of an object that shows what more of them would change, at most: with more it takes a minute.
 const MOST_VOXELS: u32 = 384;
 /// Parts of a pixel that show what is finer than one.

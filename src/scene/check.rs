@@ -185,7 +185,7 @@ impl Scene {
         let quality = &self.quality;
         let effect = &self.effect;
         let procedural = self.has_noise_loops(library);
-        if quality.pass == super::Pass::March {
+        if quality.pass == super::Pass::March && effect.ray_path == RayPath::Straight {
             let most = (self.loop_budget(library) / self.sample_loops(library)).floor();
             if quality.samples as f32 > most {
                 return Err(SceneError::Value {
