@@ -18,9 +18,9 @@ const TOLERANCES: [f64; 2] = [1e-7, 1e-3];
 const EDGE: f32 = 0.1;
 /// So many times the pixels are looked at where all matter is hard, which costs little.
 const HARD: usize = 2;
-/// Where some is hard, so many times the pixels beside them, as far as the outline has them: a ray that cuts off less of an
-/// edge than a step meets it or not in all drawings alike. As long as all of the outline is among them, none of these is
-/// overlooked.
+/// Where some is hard, so many times the pixels beside them, as far as the outline has them: a ray that grazes an edge meets it
+/// or not in all drawings alike, and then its pixel is wrong by all that it has. As long as all of the outline is among them,
+/// none of these is overlooked.
 const OUTLINE: usize = 2;
 /// A pixel whose opacity differs from a neighbor's by more than this is one of the outline. Less: hair is one. More: that of a
 /// picture which is the mean of several has fewer.
