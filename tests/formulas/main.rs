@@ -16,6 +16,7 @@ mod probe;
 mod random;
 
 mod branches;
+mod cells;
 mod classify;
 mod density;
 mod draws;
@@ -57,6 +58,7 @@ const DECLARATIONS: [&str; 8] = [
 #[test]
 fn every_module_has_a_check() {
     let rows = [
+        cells::ROWS,
         classify::ROWS,
         density::ROWS,
         glass::ROWS,

@@ -4,7 +4,6 @@ use crate::harness::{At, Check};
 use crate::knots::pcg3d;
 use crate::values::c;
 use glam::{DMat3, DMat4, DVec2, DVec3};
-use hypertexture::exact::Texture;
 use hypertexture::shader::Library;
 
 crate::rows! {
@@ -35,13 +34,6 @@ crate::rows! {
         "empty_space/leap.glsl": "floor(distance_bound" => "ceil(distance_bound";
     m61_p50_rays_that_find_first_leap_alike = |l| advances(l, "skip"),
         "empty_space/skip.glsl": "empty_space/leap.glsl" => "empty_space/sample.glsl";
-    g09_rays_pass_all_cells_that_are_empty = passes,
-        "cells/grid.glsl": "1.0) - 0.5)" => "1.0) + 0.5)",
-        "cells/grid.glsl": "sign(rate)" => "-sign(rate)",
-        "cells/grid.glsl": "at - rate - cell" => "at + rate - cell",
-        "cells/grid.glsl": "floor(at)" => "round(at)";
-    p38_no_cell_is_empty_without_a_grid = |l| Check::new(l, &[], CELLS).holds(1e-12, |_| vec![0.0]),
-        "cells/none.glsl": "return 0.0" => "return 1.0";
     p48_a_hash_of_the_pixel_is_the_phase_of_its_steps = jittered,
         "jitter/hash.glsl": "- 0.5" => "- 0.25",
         "shift_sample.glsl": "-sample_phase()" => "sample_phase()";
@@ -148,61 +140,6 @@ fn advances(library: &Library, module: &str) -> f64 {
                     && (steps + 1.0) * step > distance_bound
             }
             _ => steps == 1.0,
-        };
-        if right { 0.0 } else { f64::INFINITY }
-    })
-}
-
-const CELLS: &str = "#include <cells>\nvoid check() { out0.x = empty_steps(p0.xyz, p1.xyz, 0.0); }";
-
-/// Cells of which few may hold matter; how far it is to those, by trying all of them.
-fn cells() -> Texture {
-    let size = [7, 6, 5];
-    let all =
-        || (0..size.iter().product::<u32>()).map(|at| [at % size[0], at / size[0] % size[1], at / (size[0] * size[1])]);
-    let full: Vec<[u32; 3]> = all().filter(|&cell| pcg3d(cell)[0].is_multiple_of(12)).collect();
-    let away = |a: [u32; 3], b: [u32; 3]| (0..3).map(|axis| a[axis].abs_diff(b[axis])).max().unwrap();
-    let nearest = |cell: [u32; 3]| full.iter().map(|other| away(cell, *other)).min().unwrap();
-    Texture { size, texels: all().map(|cell| [nearest(cell) as f32 / 255.0, 0.0, 0.0, 1.0]).collect() }
-}
-
-/// No sample that is passed may hold matter, and the one that is gone to is beyond what the texel says.
-fn passes(library: &Library) -> f64 {
-    passes_looking(library, 0.0).max(passes_looking(library, 0.1))
-}
-
-/// The same by samples that look so far back.
-fn passes_looking(library: &Library, reach: f64) -> f64 {
-    let check = Check::new(library, &[("cells", "grid")], CELLS).with_texture("cell_image", cells());
-    let check = check.given(|random, setting| {
-        let (low, high) = (setting.vector("box_min"), setting.vector("box_max"));
-        let x = low + (high - low) * (0.5 + 0.499 * random.in_cube(1.0));
-        let stride = random.in_cube(0.06);
-        let along_an_axis = random.unit() < 0.2;
-        let stride = if along_an_axis { DVec3::new(0.0, stride.y, 0.0) } else { stride };
-        [x.extend(0.0).to_array(), stride.extend(0.0).to_array(), [0.0; 4], [0.0; 4]]
-    });
-    let check = check.with("sample_reach", &[reach]);
-    check.worst(|at, found| {
-        let (grid, low, high) = (at.texture("cell_image"), at.vector("box_min"), at.vector("box_max"));
-        let place = |steps: f64| {
-            (at.place(0) + steps * at.place(1) - low) / (high - low) * DVec3::from(grid.size.map(f64::from))
-        };
-        let cell = |p: DVec3| [0, 1, 2].map(|axis| (p[axis].floor() as i64).clamp(0, i64::from(grid.size[axis]) - 1));
-        let own = cell(place(0.0));
-        let [x, y, z] = own.map(|index| index as u32);
-        let cells = (255.0 * grid.texels[((z * grid.size[1] + y) * grid.size[0] + x) as usize][0]).round() as f64;
-        // How far beyond the cells that are known to be empty, in cells.
-        let beyond = |steps: f64| {
-            let from_middle = place(steps) - DVec3::from(own.map(|index| index as f64 + 0.5));
-            from_middle.abs().max_element() - (cells - 0.5)
-        };
-        let right = match (cells, found[0]) {
-            (0.0, steps) => steps == 0.0,
-            // One that looks back into other cells is taken.
-            (_, steps) if reach > 0.0 && beyond(-1.0).abs() < 1e-9 => steps >= 0.0,
-            (_, steps) if reach > 0.0 && beyond(-1.0) > 0.0 => steps == 0.0,
-            (_, steps) => steps >= 1.0 && steps.fract() == 0.0 && beyond(steps - 1.0) < 1e-9 && beyond(steps) > -1e-9,
         };
         if right { 0.0 } else { f64::INFINITY }
     })
