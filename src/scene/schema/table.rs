@@ -106,7 +106,10 @@ const INTEGRATION: Kind = Choice(&[
     ("segment", "It stands for half a step to either side: second order at surfaces and in opaque matter."),
 ]);
 const EMPTY_SPACE: Kind = Choice(&[
-    ("skip", "Those that neither bounds nor, to rays, the distance show to be empty: the same picture, sooner."),
+    (
+        "skip",
+        "Those that neither bounds nor, to rays, the distance show to be empty: the same picture, sooner; rays that bend may end elsewhere in some pixels.",
+    ),
     ("sample", "All of them."),
 ]);
 const NEUTRAL: Kind = Choice(&[
