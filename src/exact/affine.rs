@@ -7,11 +7,13 @@
 //! Source: Comba and Stolfi 1993; rests as in Berz and Makino's Taylor models, of order 1.
 
 use super::case::Case;
+use super::cases::SegmentBounds;
 use super::interval::{Interval, greater, lesser};
 use super::number::{GROUP, Number, Packed, Unary};
 use super::range::{Range, Tri};
 use super::texture::Image;
 use super::{BoundProgram, ExactError, Lanes, Measured};
+use crate::noise::{Lattice, ROUNDED};
 
 /// A number along a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +26,9 @@ pub struct Affine {
     rest: Interval,
 }
 
+/// Noise in longer boxes is not taken as linear, in lattice cells: its form says less there than its range.
+const LINEAR: f64 = 0.25;
+
 /// What a few operations on numbers of this size are rounded by.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
@@ -33,6 +38,12 @@ impl Affine {
         let (middle, slope) = (0.5 * (from + to), 0.5 * (to - from));
         let off = ROUNDING * (from.abs() + to.abs()) + f64::MIN_POSITIVE;
         Affine { all: Interval::of(from, to), slope, rest: Interval { lo: middle - off, hi: middle + off } }
+    }
+
+    /// What it says of the number.
+    pub(super) fn bounds(self) -> SegmentBounds {
+        let mean = Interval { lo: greater(self.rest.lo, self.all.lo), hi: lesser(self.rest.hi, self.all.hi) };
+        SegmentBounds { all: self.all, mean: self.all.unless(mean.lo <= mean.hi, mean) }
     }
 
     /// The same on a part of the segment.
@@ -81,6 +92,31 @@ impl Affine {
         let middle = 0.5 * (self.all.lo + self.all.hi);
         let value = Interval { lo: middle, hi: middle }.unary(function);
         self.along(middle, value, slopes(self.all), all)
+    }
+
+    /// Noise by its value in the middle of the box of its places, and by how steep it is in the box.
+    fn noise(noise: Lattice, at: [Affine; 3], level: Affine, all: [Interval; 4]) -> [Affine; 4] {
+        let mut found = all.map(Affine::bounded);
+        let (period, is_whole) = (level.all.lo, at.iter().any(|at| at.all == Interval::WHOLE));
+        if is_whole || period != level.all.hi {
+            return found;
+        }
+        let period = period as u32;
+        let (low, high) = (at.map(|at| at.all.lo), at.map(|at| at.all.hi));
+        if (0..3).any(|axis| high[axis] - low[axis] > LINEAR) {
+            return found;
+        }
+        let middle: [f64; 3] = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
+        let slopes = noise.gradient_range(low, high, period);
+        let mut form = Affine::new(noise.sample(middle, period).1);
+        for axis in 0..3 {
+            let [low, high] = slopes[axis];
+            form =
+                form.add(at[axis].sub(Affine::new(middle[axis])).mul(Affine::bounded(Interval { lo: low, hi: high })));
+        }
+        // GLSL has its constants in 32 bits.
+        found[3] = Affine::of(all[3], form.slope, Interval { lo: form.rest.lo - ROUNDED, hi: form.rest.hi + ROUNDED });
+        found
     }
 
     #[inline(always)]
@@ -355,9 +391,10 @@ impl Number for Affine {
     #[inline(never)]
     fn sample(image: &Image<'_>, at: [Affine; 3], level: Affine, wanted: [bool; 4]) -> [Affine; 4] {
         let all = Interval::sample(image, at.map(|at| at.all), level.all, wanted);
-        let cell = (level.all.hi <= 0.0 && image.noise.is_none())
-            .then(|| image.cell(at.map(|at| [at.all.lo, at.all.hi])))
-            .flatten();
+        if let Some(noise) = image.noise {
+            return Affine::noise(noise, at, level, all);
+        }
+        let cell = (level.all.hi <= 0.0).then(|| image.cell(at.map(|at| [at.all.lo, at.all.hi]))).flatten();
         let Some((base, corners)) = cell else { return all.map(Affine::bounded) };
         let mut parts = [Affine::new(0.0); 3];
         for axis in 0..image.axes {

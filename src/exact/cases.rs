@@ -11,6 +11,26 @@ use super::interval::Interval;
 use super::number::Number;
 use super::{BoundProgram, ExactError, Lanes};
 
+/// What is known of a number along a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentBounds {
+    /// Bounds of it everywhere on the segment.
+    pub all: Interval,
+    /// Bounds of its mean: narrower, since what is linear along the segment has no part in it.
+    pub mean: Interval,
+}
+
+impl SegmentBounds {
+    fn of(all: Interval) -> SegmentBounds {
+        SegmentBounds { all, mean: all }
+    }
+
+    /// Of a segment in parts; those of parts that overlap are not weighed.
+    fn join(self, other: SegmentBounds) -> SegmentBounds {
+        SegmentBounds::of(self.all.join(other.all))
+    }
+}
+
 impl BoundProgram<'_> {
     /// Bounds of what [`Program::read_channel`](super::Program::read_channel) left, in every lane. Lanes whose bounds are
     /// `open` are computed case by case.
@@ -20,20 +40,20 @@ impl BoundProgram<'_> {
     pub fn bounds(
         &self,
         lanes: &Lanes<Affine>,
-        open: impl Fn(usize, Interval) -> bool,
-    ) -> Result<Vec<Interval>, ExactError> {
+        open: impl Fn(usize, SegmentBounds) -> bool,
+    ) -> Result<Vec<SegmentBounds>, ExactError> {
         let mut of: Vec<usize> = (0..lanes.fragment_coordinates.len()).collect();
-        let mut found: Vec<Option<Interval>> = vec![None; of.len()];
+        let mut found: Vec<Option<SegmentBounds>> = vec![None; of.len()];
         let (mut lanes, mut cases) = (lanes.clone(), vec![Case::default(); of.len()]);
         while !of.is_empty() {
             let mut outputs = self.evaluate(&lanes, &mut cases, None)?.0;
             let values = outputs.pop_first().map(|(_, values)| values).unwrap_or_default();
             let mut next: Vec<(usize, usize, [f64; 2], Case)> = Vec::new();
-            for (at, [Affine { all, .. }, ..]) in values.into_iter().enumerate() {
-                let lane = of[at];
-                let parts = if open(lane, all) { cases[at].parts() } else { Vec::new() };
+            for (at, [value, ..]) in values.into_iter().enumerate() {
+                let (lane, own) = (of[at], value.bounds());
+                let parts = if open(lane, own) { cases[at].parts() } else { Vec::new() };
                 if parts.is_empty() {
-                    found[lane] = Some(found[lane].map_or(all, |found| found.join(all)));
+                    found[lane] = Some(found[lane].map_or(own, |found| found.join(own)));
                 }
                 next.extend(parts.into_iter().map(|(part, case)| (at, lane, part, case)));
             }
@@ -46,6 +66,6 @@ impl BoundProgram<'_> {
             };
             (of, cases) = next.into_iter().map(|(_, lane, _, case)| (lane, case)).unzip();
         }
-        Ok(found.into_iter().map(|value| value.unwrap_or(Interval::WHOLE)).collect())
+        Ok(found.into_iter().map(|value| value.unwrap_or(SegmentBounds::of(Interval::WHOLE))).collect())
     }
 }

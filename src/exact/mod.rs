@@ -35,6 +35,7 @@ mod uniforms;
 mod value;
 
 pub use affine::Affine;
+pub use cases::SegmentBounds;
 pub use device::Device;
 pub use interval::Interval;
 pub use number::Number;
@@ -225,6 +226,18 @@ impl Program {
     /// # Errors
     /// [`ExactError::Missing`] and [`ExactError::Unfit`].
     pub fn bind<'a>(&'a self, inputs: &'a Inputs) -> Result<BoundProgram<'a>, ExactError> {
+        self.bind_with(inputs, &inputs.blocks)
+    }
+
+    /// The same with other blocks than those of the inputs.
+    ///
+    /// # Errors
+    /// As [`Program::bind`].
+    pub fn bind_with<'a>(
+        &'a self,
+        inputs: &'a Inputs,
+        blocks: &BTreeMap<u32, Vec<u8>>,
+    ) -> Result<BoundProgram<'a>, ExactError> {
         let code = &self.code;
         let mut images = Vec::new();
         for pair in &code.images {
@@ -246,7 +259,7 @@ impl Program {
             }
             images.push(Image::new(texture.size, &texture.texels, wrap, pair.axes));
         }
-        let values = code.sources.iter().map(|(reg, source)| start(inputs, reg.file, *source));
+        let values = code.sources.iter().map(|(reg, source)| start((inputs, blocks), reg.file, *source));
         Ok(BoundProgram { code, images, values: values.collect::<Result<_, _>>()?, known: Known::default() })
     }
 }
@@ -265,14 +278,16 @@ fn image(inputs: &Inputs, binding: u32) -> Result<&Texture, ExactError> {
     Ok(texture)
 }
 
-fn start(inputs: &Inputs, file: File, source: Source) -> Result<Start, ExactError> {
+type Filled<'a> = (&'a Inputs, &'a BTreeMap<u32, Vec<u8>>);
+
+fn start((inputs, blocks): Filled<'_>, file: File, source: Source) -> Result<Start, ExactError> {
     Ok(match source {
         Source::Float(bits) => Start::Float(f64::from_bits(bits)),
         Source::Int(bits, signed) => Start::Int(bits, signed),
         Source::Truth(truth) => Start::Truth(truth),
         Source::Size { image: binding, axis, signed } => Start::Int(image(inputs, binding)?.size[axis], signed),
         Source::Block { binding, offset, signed } => {
-            let bytes = inputs.blocks.get(&binding).ok_or(ExactError::Missing { binding, what: "a uniform block" })?;
+            let bytes = blocks.get(&binding).ok_or(ExactError::Missing { binding, what: "a uniform block" })?;
             let word = bytes.get(offset as usize..offset as usize + 4);
             let word = word.ok_or_else(|| ExactError::Unfit {
                 binding,

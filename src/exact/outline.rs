@@ -83,10 +83,10 @@ impl Program {
     /// # Errors
     /// A block is missing or too short.
     pub fn values(&self, outline: &Outline, blocks: &BTreeMap<u32, Vec<u8>>) -> Result<Vec<u64>, ExactError> {
-        let inputs = Inputs { blocks: blocks.clone(), ..Inputs::default() };
+        let inputs = Inputs::default();
         let value = |(reg, source): &(Reg, Source)| match source {
             Source::Size { signed, .. } => Ok(Start::Int(0, *signed)), // that of an image is known with the image
-            source => start(&inputs, reg.file, *source),
+            source => start((&inputs, blocks), reg.file, *source),
         };
         let values = self.code.sources.iter().map(value).collect::<Result<_, _>>()?;
         let (floats, ints, truths) =

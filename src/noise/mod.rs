@@ -9,11 +9,13 @@ mod bake;
 mod blue;
 mod lattice;
 mod range;
+mod steepness;
 mod table;
 
 pub use bake::{Bake, Block, random_block};
 pub use blue::blue_noise;
 pub use lattice::{Lattice, Period};
+pub(crate) use range::ROUNDED;
 pub use table::Noise;
 
 use crate::support::random::SplitMix;

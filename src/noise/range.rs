@@ -13,29 +13,17 @@ const PIECE: f64 = 0.5;
 const LONGEST: f64 = 1.5;
 /// Cells that such a box reaches into along an axis.
 const MOST_CELLS: usize = 3;
-/// What f64 rounds.
-const ROUNDED: f64 = 1e-12;
+/// What f64 rounds, and GLSL in its constants, which have 32 bits.
+pub(crate) const ROUNDED: f64 = 1e-7;
 
 impl Lattice {
     /// Bounds of the value of the noise over a box, in lattice cells, which repeats after `period` cells, a power of two.
     pub fn range(self, low: [f64; 3], high: [f64; 3], period: u32) -> [f64; 2] {
-        let mut parts = [const { Parts { base: 0, ends: [0.0; 3], count: 0 } }; 3 * MOST_CELLS];
-        let mut counts = [0; 3];
-        for axis in 0..3 {
-            let [from, to] = [low[axis], high[axis]].map(|end| end.clamp(-FARTHEST, FARTHEST));
-            if (to - from).is_nan() || to - from > LONGEST {
-                return [-NOISE_BOUND, NOISE_BOUND];
-            }
-            let mut cell = from.floor();
-            while cell <= to {
-                parts[axis * MOST_CELLS + counts[axis]] = Parts::of(from - cell, to - cell, cell as i32);
-                (counts[axis], cell) = (counts[axis] + 1, cell + 1.0);
-            }
-        }
+        let Some((parts, counts)) = parts(low, high) else { return [-NOISE_BOUND, NOISE_BOUND] };
         let mut all = [f64::INFINITY, f64::NEG_INFINITY];
-        for z in &parts[2 * MOST_CELLS..][..counts[2]] {
-            for y in &parts[MOST_CELLS..][..counts[1]] {
-                for x in &parts[..counts[0]] {
+        for z in &parts[2][..counts[2]] {
+            for y in &parts[1][..counts[1]] {
+                for x in &parts[0][..counts[0]] {
                     self.weights.include(&mut all, [x, y, z], period);
                 }
             }
@@ -44,15 +32,38 @@ impl Lattice {
     }
 }
 
+/// The parts of a box within cells, by axis, and how many; none of a box that is too long.
+pub(super) fn parts(low: [f64; 3], high: [f64; 3]) -> Option<([[Parts; MOST_CELLS]; 3], [usize; 3])> {
+    let mut parts = [const { [const { Parts { base: 0, ends: [0.0; 3], count: 0 } }; MOST_CELLS] }; 3];
+    let mut counts = [0; 3];
+    for axis in 0..3 {
+        let [from, to] = [low[axis], high[axis]].map(|end| end.clamp(-FARTHEST, FARTHEST));
+        if (to - from).is_nan() || to - from > LONGEST {
+            return None;
+        }
+        let mut cell = from.floor();
+        while cell <= to {
+            parts[axis][counts[axis]] = Parts::of(from - cell, to - cell, cell as i32);
+            (counts[axis], cell) = (counts[axis] + 1, cell + 1.0);
+        }
+    }
+    Some((parts, counts))
+}
+
 /// The part of a range within a cell, in one piece or two.
-struct Parts {
-    base: i32,
+pub(super) struct Parts {
+    pub(super) base: i32,
     /// Of the pieces, from the base: as many as there are and one more.
     ends: [f64; 3],
     count: usize,
 }
 
 impl Parts {
+    /// From where to where.
+    pub(super) fn whole(&self) -> [f64; 2] {
+        [self.ends[0], self.ends[self.count]]
+    }
+
     fn of(low: f64, high: f64, base: i32) -> Parts {
         let [from, to] = [low.max(0.0), high.min(1.0)];
         match to - from > PIECE {
@@ -63,7 +74,7 @@ impl Parts {
 }
 
 /// At a corner of a cell: the value in the middle of a piece, and how far it is from there to the ends along each axis.
-type Knot = [f64; 4];
+pub(super) type Knot = [f64; 4];
 
 impl Weights {
     /// Takes in the range over the part of a cell.
@@ -97,7 +108,7 @@ impl Weights {
 
 /// Along one axis, the pairs of sides become the pairs of ends of a range of the weight of the far side.
 #[inline(always)]
-fn faded<const AXIS: usize>(knots: [Knot; 8], [low, high]: [f64; 2]) -> [Knot; 8] {
+pub(super) fn faded<const AXIS: usize>(knots: [Knot; 8], [low, high]: [f64; 2]) -> [Knot; 8] {
     let mut found = knots;
     for near in 0..8 {
         if near & AXIS == 0 {

@@ -7,6 +7,8 @@
 mod cover;
 mod decide;
 mod ranged;
+#[cfg(feature = "measure")]
+pub(crate) use ranged::ranged;
 
 use super::shot::Shot;
 use super::tiles::Tiles;

@@ -238,31 +238,33 @@ fn segments_hold(
     };
     let whole = bound.run(&lanes).unwrap()[&0].clone();
     let cut = bound.bounds(&lanes, |_, _| true).unwrap();
-    for _ in 0..POINTS {
-        let inside: Vec<[f64; 4]> = boxes
-            .iter()
-            .map(|at| {
-                let part = random.unit();
-                at.map(|x| (x.lo + part * (x.hi - x.lo)).clamp(x.lo, x.hi))
-            })
-            .collect();
-        let lanes =
-            Lanes { fragment_coordinates: coordinates.to_vec(), varyings: BTreeMap::from([(0, inside.clone())]) };
-        for (index, found) in bound.run::<f64>(&lanes).unwrap()[&0].iter().enumerate() {
-            for channel in 0..4 {
-                let (value, range) = (found[channel], whole[index][channel].all);
+    for _ in 0..POINTS / 2 {
+        let parts: Vec<f64> = boxes.iter().map(|_| random.unit()).collect();
+        // Two places that are as far from the middle: what is linear cancels in the mean of both.
+        let found = [false, true].map(|mirrored| {
+            let along = |(at, part): (&[Interval; 4], &f64)| {
+                at.map(|x| (x.lo + if mirrored { 1.0 - part } else { *part } * (x.hi - x.lo)).clamp(x.lo, x.hi))
+            };
+            let inside: Vec<[f64; 4]> = boxes.iter().zip(&parts).map(along).collect();
+            let lanes =
+                Lanes { fragment_coordinates: coordinates.to_vec(), varyings: BTreeMap::from([(0, inside.clone())]) };
+            let found = bound.run::<f64>(&lanes).unwrap().remove(&0).unwrap();
+            for (index, found) in found.iter().enumerate() {
+                for channel in 0..4 {
+                    let (value, range) = (found[channel], whole[index][channel].all);
+                    assert!(range.contains(value), "{name}: {value} at {:?} is not in {range:?}", inside[index]);
+                }
+                let (value, range) = (found[0], cut[index].all);
                 assert!(range.contains(value), "{name}: {value} at {:?} is not in {range:?}", inside[index]);
             }
-            assert!(
-                cut[index].contains(found[0]),
-                "{name}: {} at {:?} is not in {:?}",
-                found[0],
-                inside[index],
-                cut[index]
-            );
+            found
+        });
+        for (index, (a, b)) in found[0].iter().zip(&found[1]).enumerate() {
+            let (mean, range) = (0.5 * (a[0] + b[0]), cut[index].mean);
+            assert!(range.contains(mean), "{name}: the mean {mean} in {:?} is not in {range:?}", boxes[index]);
         }
     }
-    cut.iter().filter(|range| range.hi - range.lo < 0.1).count() as f64 / boxes.len() as f64
+    cut.iter().filter(|range| range.all.hi - range.all.lo < 0.1).count() as f64 / boxes.len() as f64
 }
 
 #[test]

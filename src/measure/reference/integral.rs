@@ -16,8 +16,7 @@ struct Piece {
     from: f64,
     length: f64,
     samples: [Matter; 5],
-    /// Bounds of the extinction in it.
-    extinction: [f64; 2],
+    extinction: Extinction,
     /// Its halves get bounds of their own.
     asks: bool,
     fine: Transport,
@@ -25,7 +24,7 @@ struct Piece {
 }
 
 impl Piece {
-    fn new(from: f64, length: f64, samples: [Matter; 5], extinction: [f64; 2]) -> Piece {
+    fn new(from: f64, length: f64, samples: [Matter; 5], extinction: Extinction) -> Piece {
         let [a, b, c, d, e] = samples;
         let coarse = Transport::of([a, c, e], length);
         let fine = Transport::of([a, b, c], 0.5 * length).then(Transport::of([c, d, e], 0.5 * length));
@@ -44,8 +43,7 @@ impl Piece {
     /// The opacity that samples may have overlooked: all that there may be where they found nothing, and elsewhere what
     /// bounds leave open.
     fn overlooked(&self) -> f64 {
-        let Piece { from, length, extinction, .. } = *self;
-        let [most, least] = Part { from, length, extinction }.transmittance();
+        let [most, least] = self.extinction.transmittance(self.length);
         if self.looks_empty() { 1.0 - least } else { most - least }
     }
 
@@ -60,19 +58,55 @@ impl Piece {
     }
 }
 
+/// Bounds of the extinction in a part of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Extinction {
+    /// Everywhere in it.
+    pub(super) range: [f64; 2],
+    /// Of its mean, which light depends on.
+    pub(super) mean: [f64; 2],
+}
+
+impl Extinction {
+    /// Of which nothing is known.
+    pub(super) const ANY: Extinction = Extinction::within([0.0, f64::INFINITY]);
+
+    /// Of which no more is known than this, everywhere.
+    pub(super) const fn within(range: [f64; 2]) -> Extinction {
+        Extinction { range, mean: range }
+    }
+
+    /// The same where it is also in the range of the whole that this is a part of.
+    fn in_part_of(self, whole: Extinction) -> Extinction {
+        let held = |[low, high]: [f64; 2]| [low.max(whole.range[0]), high.min(whole.range[1])];
+        Extinction { range: held(self.range), mean: held(self.mean) }
+    }
+
+    /// In a part of a part: of its mean nothing is known.
+    fn part(self) -> Extinction {
+        Extinction::within(self.range)
+    }
+
+    /// The most and the least light that comes through a part of this length.
+    pub(super) fn transmittance(self, length: f64) -> [f64; 2] {
+        // Infinitely thick matter of no length is opaque all the same.
+        self.mean.map(|extinction| if extinction > 0.0 { (-extinction * length).exp() } else { 1.0 })
+    }
+}
+
 /// A part of a ray, and bounds of the extinction in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
     pub(super) from: f64,
     pub(super) length: f64,
-    pub(super) extinction: [f64; 2],
+    pub(super) extinction: Extinction,
 }
 
 impl Part {
     /// The same in pieces of equal length, none longer than that if it is open.
     pub(super) fn cut(&self, longest: f64) -> impl Iterator<Item = Part> + use<> {
         let whole = *self;
-        let open = whole.extinction[0] < whole.extinction[1];
+        let open = whole.extinction.range[0] < whole.extinction.range[1];
         let count = if open { (whole.length / longest).ceil().max(1.0) as u32 } else { 1 };
         whole.pieces(count)
     }
@@ -80,24 +114,19 @@ impl Part {
     /// The same in so many pieces of equal length.
     pub(super) fn pieces(self, count: u32) -> impl Iterator<Item = Part> + use<> {
         let length = self.length / f64::from(count);
-        (0..count).map(move |index| Part { from: self.from + f64::from(index) * length, length, ..self })
+        let extinction = if count == 1 { self.extinction } else { self.extinction.part() };
+        (0..count).map(move |index| Part { from: self.from + f64::from(index) * length, length, extinction })
     }
 
     /// What is left of it between two depths.
     pub(super) fn within(&self, [enters, leaves]: [f64; 2]) -> Option<Part> {
         let (from, to) = (self.from.max(enters), (self.from + self.length).min(leaves));
-        (from < to).then_some(Part { from, length: to - from, ..*self })
+        (from < to).then_some(Part { from, length: to - from, extinction: self.extinction.part() })
     }
 
     /// Whether it begins where another ends, up to rounding.
     fn follows(&self, end: Option<f64>) -> bool {
         end.is_some_and(|end| (self.from - end).abs() < 1e-6 * self.length)
-    }
-
-    /// The most and the least light that it lets through.
-    fn transmittance(&self) -> [f64; 2] {
-        // Infinitely thick matter of no length is opaque all the same.
-        self.extinction.map(|extinction| if extinction > 0.0 { (-extinction * self.length).exp() } else { 1.0 })
     }
 }
 
@@ -105,11 +134,11 @@ impl Part {
 /// like what is there. What is empty, or behind opaque matter, is dropped.
 pub(super) fn undecided(parts: &mut Vec<Part>, shortest: f64) -> Vec<usize> {
     let (mut left, mut found) = (1.0, Vec::new());
-    parts.retain(|part| part.extinction[1] > 0.0);
+    parts.retain(|part| part.extinction.range[1] > 0.0);
     let mut seen = 0;
     for (index, part) in parts.iter().enumerate() {
         seen = index + 1;
-        let [most, least] = part.transmittance();
+        let [most, least] = part.extinction.transmittance(part.length);
         if left * (most - least) > OPEN && part.length > shortest {
             found.push(index);
         }
@@ -271,7 +300,7 @@ impl RayIntegral {
         &mut self,
         coarse: &[usize],
         samples: &mut impl Iterator<Item = Matter>,
-        bounds: &mut impl Iterator<Item = [f64; 2]>,
+        bounds: &mut impl Iterator<Item = Extinction>,
     ) {
         let mut halved = Vec::with_capacity(self.pieces.len() + coarse.len());
         let mut next = coarse.iter().peekable();
@@ -281,11 +310,10 @@ impl RayIntegral {
                 continue;
             }
             let half = 0.5 * piece.length;
-            let [least, most] = piece.extinction;
             for side in 0..piece.seen_halves() {
                 let extinction = match piece.asks.then(|| bounds.next()).flatten() {
-                    Some([low, high]) => [low.max(least), high.min(most)],
-                    None => piece.extinction,
+                    Some(own) => own.in_part_of(piece.extinction),
+                    None => piece.extinction.part(),
                 };
                 let [Some(p), Some(q)] = [samples.next(), samples.next()] else { break };
                 let [a, b, c] = [0, 1, 2].map(|sample| piece.samples[2 * side + sample]);
@@ -293,7 +321,7 @@ impl RayIntegral {
                 halved.push(Piece::new(from, half, [a, p, b, q, c], extinction));
             }
         }
-        halved.retain(|piece| piece.extinction[1] > 0.0);
+        halved.retain(|piece| piece.extinction.range[1] > 0.0);
         self.pieces = halved;
     }
 
@@ -339,7 +367,7 @@ mod tests {
         let step = length / f64::from(pieces);
         for k in 0..pieces {
             let from = f64::from(k) * step;
-            let part = [Part { from, length: step, extinction: [0.0, 1.0] }];
+            let part = [Part { from, length: step, extinction: Extinction::within([0.0, 1.0]) }];
             let samples: Vec<Matter> = ray.first(&part).map(&matter).collect();
             ray.push(&part[0], &mut samples.into_iter());
         }

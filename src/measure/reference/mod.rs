@@ -232,7 +232,7 @@ pub fn reference_pixels(
     order.sort_by_key(|&at| [pixels[at][1] / TILE[1], pixels[at][0] / TILE[0]]);
     for moment in &probe.moments {
         probe.set(moment, &mut inputs, stop)?;
-        let (bound, bounds) = (probe.program.bind(&inputs)?, probe.opacity.bind(&inputs)?);
+        let (bound, bounds) = (probe.program.bind(&inputs)?, probe.opacity.bind_with(&inputs, &moment.opacity)?);
         let together = (pixels.len() / GROUPS).clamp(LEAST, (TILE[0] * TILE[1]) as usize);
         let chunks = order.par_chunks(together).with_max_len(1).map(|chunk| {
             let here: Vec<[u32; 2]> = chunk.iter().map(|&at| pixels[at]).collect();

@@ -1,9 +1,9 @@
 //! Where along rays matter may be: bounds of the extinction over parts of them, halved until they say enough.
 
-use super::integral::{self, OPEN, Part};
+use super::integral::{self, Extinction, OPEN, Part};
 use super::probe::{Probe, extinction};
 use super::{BOUNDS, ReferenceError, Stop, go_on};
-use crate::exact::{self, Affine, Interval};
+use crate::exact::{self, Affine, Interval, SegmentBounds};
 use std::collections::BTreeMap;
 
 /// Parts of a ray that bounds are computed of first. Fewer: bounds of what is empty say nothing. More: more of them.
@@ -115,7 +115,7 @@ impl Probe {
         }
         let beams: Vec<(Beam, f64, Vec<usize>)> = beams.into_values().collect();
         let whole = |(beam, to, _): &(Beam, f64, Vec<usize>)| {
-            let part = Part { from: beam.from, length: to - beam.from, extinction: [0.0, f64::INFINITY] };
+            let part = Part { from: beam.from, length: to - beam.from, extinction: Extinction::ANY };
             Ray { beam: *beam, parts: part.pieces(PARTS).collect(), ..Ray::default() }
         };
         let mut shared: Vec<Ray> = beams.iter().map(whole).collect();
@@ -179,7 +179,7 @@ impl Probe {
         &self,
         bounds: &exact::BoundProgram<'_>,
         wanted: &[Beam],
-    ) -> Result<Vec<[f64; 2]>, ReferenceError> {
+    ) -> Result<Vec<Extinction>, ReferenceError> {
         if wanted.is_empty() {
             return Ok(Vec::new());
         }
@@ -195,22 +195,26 @@ impl Probe {
         });
         let (fragment_coordinates, places) = lanes.unzip();
         let lanes = exact::Lanes { fragment_coordinates, varyings: [(0, places)].into() };
-        let open = |lane: usize, alpha: Interval| is_open(self.extinctions(alpha), wanted[order[lane]].length);
-        let mut found = vec![[0.0; 2]; wanted.len()];
+        let open = |lane: usize, alpha| is_open(self.extinction(alpha), wanted[order[lane]].length);
+        let mut found = vec![Extinction::ANY; wanted.len()];
         for (&at, alpha) in order.iter().zip(bounds.bounds(&lanes, open)?) {
-            found[at] = self.extinctions(alpha);
+            found[at] = self.extinction(alpha);
         }
         Ok(found)
     }
 
-    /// Bounds of the extinction by those of an opacity.
-    fn extinctions(&self, alpha: Interval) -> [f64; 2] {
-        [alpha.lo, alpha.hi].map(|alpha| extinction(alpha, self.path()))
+    /// Bounds of the extinction by those of an opacity, of which it is a convex function.
+    fn extinction(&self, SegmentBounds { all, mean }: SegmentBounds) -> Extinction {
+        let of = |alpha: f64| extinction(alpha, self.path());
+        let [least, most] = [of(all.lo), of(all.hi)];
+        let chord = (mean.hi - all.lo) / (all.hi - all.lo);
+        let high = if most.is_finite() && chord.is_finite() { least + chord * (most - least) } else { most };
+        Extinction { range: [least, most], mean: [of(mean.lo).max(least), high.min(most)] }
     }
 }
 
 /// Whether bounds of the extinction say too little about a part of this length.
-fn is_open(extinction: [f64; 2], length: f64) -> bool {
-    let [most, least] = extinction.map(|extinction| (-extinction * length).exp());
+fn is_open(extinction: Extinction, length: f64) -> bool {
+    let [most, least] = extinction.transmittance(length);
     most - least > OPEN
 }

@@ -4,7 +4,7 @@ use super::transport::Matter;
 use super::{ReferenceError, Stop, go_on};
 use crate::exact;
 use crate::render::variant::{Program, Variant};
-use crate::render::{Blocks, CpuInputs, OCTAVES_ID, Subject};
+use crate::render::{Blocks, CpuInputs, OCTAVES_ID, Subject, ranged};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
 use rayon::prelude::*;
@@ -70,6 +70,8 @@ impl Caster {
 /// The blocks of one sub-frame, by binding.
 pub(super) struct Moment {
     blocks: Blocks,
+    /// Those of the program that bounds are computed of.
+    pub(super) opacity: Blocks,
     /// Those of the program that makes the shadow volume.
     caster: Blocks,
 }
@@ -96,17 +98,26 @@ impl Probe {
             None => None,
             Some(binding) => Some((binding, own.shadow(truth, library)?.program(library, Linker::new)?)),
         };
-        let blocks = cpu_inputs.moments(&program)?.into_iter();
-        let mut moments: Vec<Moment> = blocks.map(|blocks| Moment { blocks, caster: Blocks::new() }).collect();
+        // In bounds, noise that is computed from hashes is a lookup whose range is known.
+        let ranged = ranged(&variant, library);
+        let bounded = match &ranged {
+            Some((variant, library, _)) => variant.program(library, Linker::new)?,
+            None => program.clone(),
+        };
+        let blocks = cpu_inputs.moments(&program)?.into_iter().zip(cpu_inputs.moments(&bounded)?);
+        let mut moments: Vec<Moment> =
+            blocks.map(|(blocks, opacity)| Moment { blocks, opacity, caster: Blocks::new() }).collect();
         if let Some((_, caster)) = &shadow {
             for (moment, blocks) in moments.iter_mut().zip(cpu_inputs.moments(caster)?) {
                 moment.caster = blocks;
             }
         }
-        let inputs = cpu_inputs.exact();
+        let mut inputs = cpu_inputs.exact();
+        let noise = bounded.resources.iter().find(|resource| resource.name == "noise_image");
+        inputs.noises = noise.zip(ranged).map(|(image, (.., noise))| (image.binding, noise)).into_iter().collect();
         let read = |linked: &Program| exact::Program::read(&linked.fragment, &octaves);
         let own = || {
-            let opacity = || exact::Program::read_channel(&program.fragment, &octaves, (0, 3));
+            let opacity = || exact::Program::read_channel(&bounded.fragment, &octaves, (0, 3));
             rayon::join(|| read(&program), opacity)
         };
         let of_shadow = || shadow.as_ref().map(|(_, linked)| read(linked)).transpose();

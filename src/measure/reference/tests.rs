@@ -79,7 +79,8 @@ fn wrong(scene: &Scene, rays: usize, count: usize, random: &mut SplitMix) -> (Ve
     let subject = Subject::load(&truth, &library, &|_| ()).unwrap();
     let (probe, mut inputs) = Probe::new(&library, &truth, &subject).unwrap();
     probe.set(&probe.moments[0], &mut inputs, &|| false).unwrap();
-    let (bound, bounds) = (probe.program.bind(&inputs).unwrap(), probe.opacity.bind(&inputs).unwrap());
+    let (bound, bounds) =
+        (probe.program.bind(&inputs).unwrap(), probe.opacity.bind_with(&inputs, &probe.moments[0].opacity).unwrap());
     let size = scene.image.size;
     let pixels: Vec<[u32; 2]> = (0..rays).map(|_| size.map(|side| (random.next() % u64::from(side)) as u32)).collect();
     // Each with the one across from it, in one beam, and with one that is followed first and may show that bounds are vain.

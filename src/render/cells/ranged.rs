@@ -28,7 +28,7 @@ const TEXTS: [&str; 6] = [
 
 /// The modules that bounds are taken of in place of these, in a library that has them, and the noise that they look up; none
 /// where no noise is computed, or it is not known as well.
-pub(super) fn ranged(variant: &Variant, library: &Library) -> Option<(Variant, Library, Lattice)> {
+pub(crate) fn ranged(variant: &Variant, library: &Library) -> Option<(Variant, Library, Lattice)> {
     let shipped = shader::shipped();
     if TEXTS.iter().any(|path| library.source(path) != shipped.source(path)) {
         return None;
