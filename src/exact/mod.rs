@@ -109,6 +109,8 @@ pub struct Program {
 pub struct Inputs {
     /// Uniform blocks, laid out as on the GPU.
     pub blocks: BTreeMap<u32, Vec<u8>>,
+    /// The same blocks of which every float is known to be between: bounds hold for all of them. Empty: the blocks as they are.
+    pub until: BTreeMap<u32, Vec<u8>>,
     /// Images.
     pub images: BTreeMap<u32, Texture>,
     /// Samplers.
@@ -130,6 +132,7 @@ pub struct BoundProgram<'a> {
 #[derive(Clone, Copy, Debug)]
 enum Start {
     Float(f64),
+    Between(f64, f64),
     Int(u32, bool),
     Truth(bool),
 }
@@ -288,15 +291,21 @@ fn start((inputs, blocks): Filled<'_>, file: File, source: Source) -> Result<Sta
         Source::Size { image: binding, axis, signed } => Start::Int(image(inputs, binding)?.size[axis], signed),
         Source::Block { binding, offset, signed } => {
             let bytes = blocks.get(&binding).ok_or(ExactError::Missing { binding, what: "a uniform block" })?;
-            let word = bytes.get(offset as usize..offset as usize + 4);
-            let word = word.ok_or_else(|| ExactError::Unfit {
-                binding,
-                found: format!("a block of {} bytes", bytes.len()),
-                needed: format!("at least {}", offset + 4),
-            })?;
-            let bits = u32::from_le_bytes([word[0], word[1], word[2], word[3]]);
+            let bits = |bytes: &[u8]| {
+                let word = bytes.get(offset as usize..).and_then(|rest| rest.first_chunk().copied());
+                word.map(u32::from_le_bytes).ok_or_else(|| ExactError::Unfit {
+                    binding,
+                    found: format!("a block of {} bytes", bytes.len()),
+                    needed: format!("at least {}", offset + 4),
+                })
+            };
+            let float = |bits| f64::from(f32::from_bits(bits));
+            let (bits, until) = (bits(bytes)?, inputs.until.get(&binding).map(|bytes| bits(bytes)).transpose()?);
             match file {
-                File::Float => Start::Float(f64::from(f32::from_bits(bits))),
+                File::Float if until.is_some_and(|until| until != bits) => {
+                    Start::Between(float(bits), float(until.unwrap_or(bits)))
+                }
+                File::Float => Start::Float(float(bits)),
                 File::Int => Start::Int(bits, signed),
                 File::Truth => Start::Truth(bits != 0),
             }

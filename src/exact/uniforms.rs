@@ -35,6 +35,7 @@ impl BoundProgram<'_> {
         for ((reg, _), value) in self.code.sources.iter().zip(&self.values) {
             match *value {
                 Start::Float(x) => machine.banks.floats.row(*reg).fill(N::new(x).splat()),
+                Start::Between(a, b) => machine.banks.floats.row(*reg).fill(N::new(a).join(N::new(b)).splat()),
                 Start::Int(bits, signed) => machine.banks.ints.row(*reg).fill(N::Int::new(bits, signed).splat()),
                 Start::Truth(truth) => machine.banks.truths.row(*reg).fill(N::Truth::new(truth).splat()),
             }

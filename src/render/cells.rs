@@ -7,12 +7,13 @@
 mod cover;
 mod decide;
 mod ranged;
+mod span;
 #[cfg(feature = "measure")]
-pub(crate) use ranged::ranged;
+pub(crate) use ranged::{LOOKED_UP, ranged};
 
 use super::shot::Shot;
 use super::tiles::Tiles;
-use super::values::Values;
+use super::values::{TIME, Values};
 use super::{Read, RenderError};
 use crate::gpu::{Area, Dimension, Format, Gpu, Image};
 #[cfg(feature = "measure")]
@@ -23,6 +24,7 @@ use crate::scene::Scene;
 use crate::shader::Library;
 use decide::{Boxes, Decider, SIDES};
 use serde::{Deserialize, Serialize};
+use span::Span;
 use std::time::Instant;
 
 /// Samples of a picture for each cell. Fewer: finer cells, which cost more than they save.
@@ -58,6 +60,8 @@ pub(super) struct Cells {
     found: Found,
     /// What they depend on; `None` where there are none.
     key: Option<(Vec<u64>, Boxes)>,
+    /// For how long they are.
+    span: Span,
     /// Which of them are empty, x fastest; none where no one is.
     empty: Vec<bool>,
     /// Whether no picture was asked for yet.
@@ -70,7 +74,16 @@ impl Cells {
     /// What decides the cells of the pictures of one program.
     pub(super) fn new(library: &Library) -> Cells {
         let (library, decider) = (library.clone(), Decider::Unmade(0));
-        Cells { library, decider, found: Found::default(), key: None, empty: Vec::new(), is_first: true, serve: true }
+        Cells {
+            library,
+            decider,
+            found: Found::default(),
+            key: None,
+            span: Span::default(),
+            empty: Vec::new(),
+            is_first: true,
+            serve: true,
+        }
     }
 
     /// What was found last; nothing where none would be left out.
@@ -123,12 +136,23 @@ impl Cells {
             Decider::Made(bounded) => match Boxes::of(shot, side_of(bounded.texels)) {
                 Boxes { side: 0, .. } => few(),
                 boxes => {
-                    let read = bounded.fill(values)?;
+                    let time = values.get(TIME).and_then(|time| time.first()).copied().unwrap_or_default();
+                    let timeless = bounded.timeless(values)?;
+                    if self.key.as_ref().is_some_and(|(_, of)| *of == boxes) && self.span.holds(&timeless, time) {
+                        return Ok(false);
+                    }
+                    let read = bounded.fill(values, [time; 2])?;
                     if self.key.as_ref().is_some_and(|(before, of)| *before == read && *of == boxes) {
                         return Ok(false);
                     }
+                    let camera = &shot.scene.camera;
+                    let end = (camera.time + f64::from(camera.shutter)) as f32;
+                    let times = self.span.next(&timeless, time, end);
+                    bounded.fill(values, times)?;
                     let proven = bounded.proven(&boxes, &read, stop).map_err(|error| error.to_string());
-                    (Some((read, boxes)), proven.transpose().ok_or(RenderError::Stopped)?)
+                    let proven = proven.transpose().ok_or(RenderError::Stopped)?;
+                    self.span.take(timeless, times, proven.as_ref().map_or(0.0, |(empty, _)| part(empty)));
+                    (Some((read, boxes)), proven)
                 }
             },
         };
@@ -139,9 +163,8 @@ impl Cells {
         let before = std::mem::replace(&mut self.key, key);
         Ok(match (&self.key, empty) {
             (Some((_, Boxes { side, .. })), Ok((empty, kept))) => {
-                let part = empty.iter().filter(|&&empty| empty).count() as f32 / empty.len() as f32;
                 let ms = start.elapsed().as_secs_f64() * 1e3;
-                (self.found, self.empty) = (Found { side: *side, empty: part, ms, kept, why: None }, empty);
+                (self.found, self.empty) = (Found { side: *side, empty: part(&empty), ms, kept, why: None }, empty);
                 true
             }
             (_, why) => {
@@ -170,6 +193,11 @@ impl Cells {
     }
 }
 
+/// The part of them that is empty.
+fn part(empty: &[bool]) -> f32 {
+    empty.iter().filter(|&&empty| empty).count() as f32 / empty.len() as f32
+}
+
 /// Links the program that decides the cells of a scene: it is on the disk where it is asked for.
 ///
 /// # Errors
@@ -196,9 +224,9 @@ fn image(gpu: &Gpu, side: u32, texels: &[u8]) -> Result<Image, RenderError> {
 /// Cells along a side that pay for a picture, which may be the first of a program; 0 for none.
 fn side(gpu: &Gpu, shot: &Shot<'_>, texels: u64, is_first: bool) -> u32 {
     let scene = shot.scene;
-    let pictures = if scene.camera.shutter == 0.0 { scene.quality.supersampling } else { 1 };
     let [width, height] = shot.whole.map(f64::from);
-    let samples = width * height * f64::from(shot.planes.count) * f64::from(pictures) * unskipped(shot);
+    let samples =
+        width * height * f64::from(shot.planes.count) * f64::from(scene.quality.supersampling) * unskipped(shot);
     let of_a_cell = if gpu.info().cpu { SAMPLES } else { SAMPLES_OF_A_GPU };
     let levels = (samples / of_a_cell).cbrt().log2().floor().clamp(0.0, 8.0);
     let side = 1 << levels as u32;
@@ -245,5 +273,7 @@ fn distances(empty: &[bool], side: usize) -> Vec<u8> {
     all
 }
 
+#[cfg(test)]
+mod moments;
 #[cfg(test)]
 mod tests;

@@ -50,6 +50,7 @@ impl CpuInputs {
     pub(crate) fn exact(&self) -> exact::Inputs {
         exact::Inputs {
             blocks: BTreeMap::new(),
+            until: BTreeMap::new(),
             images: self.inputs.images.par_iter().map(|(binding, image)| (*binding, texture(image))).collect(),
             samplers: self.inputs.samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect(),
             noises: BTreeMap::new(),

@@ -10,6 +10,9 @@ use crate::render::variant::{Program, Resource, Use, Variant};
 use crate::scene::{Integration, Jitter, ParameterValue, Scene};
 use std::collections::HashMap;
 
+/// The time's name in `interface.glsl`.
+pub(super) const TIME: &str = "time";
+
 /// The values of the members of all blocks, by name.
 pub(crate) type Values = HashMap<String, Vec<f32>>;
 
@@ -32,7 +35,7 @@ pub(super) fn moment(scene: &Scene, view: &View, sub_frame: &SubFrame) -> [(Stri
     [
         ("projection".into(), projection.to_cols_array().to_vec()),
         ("picture_scale".into(), vec![width, height, x, y]),
-        ("time".into(), vec![sub_frame.time as f32]),
+        (TIME.into(), vec![sub_frame.time as f32]),
         ("jitter_seed".into(), vec![sub_frame.jitter_seed]),
     ]
 }

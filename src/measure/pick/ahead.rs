@@ -3,7 +3,7 @@
 use super::PATIENCE;
 use super::candidates::Families;
 use crate::measure::compare::candidates::Candidate;
-use crate::measure::reference::truth_of;
+use crate::measure::reference::{self, truth_of};
 use crate::render::link_cells;
 use crate::render::variant::{Variant, VariantError};
 use crate::scene::{Integration, Pass, RayPath, Scene};
@@ -70,7 +70,7 @@ impl<'a> Ahead<'a> {
             return self.link_picture(&truth);
         }
         let own = Variant::of(&truth, self.library)?;
-        own.probe(&truth, self.library)?.program(self.library, Linker::new)?;
+        reference::link(&own, &truth, self.library)?;
         self.link_shadow(&own, &truth)
     }
 

@@ -3,8 +3,9 @@
 use super::transport::Matter;
 use super::{ReferenceError, Stop, go_on};
 use crate::exact;
-use crate::render::variant::{Program, Variant};
-use crate::render::{Blocks, CpuInputs, OCTAVES_ID, Subject, ranged};
+use crate::noise::Lattice;
+use crate::render::variant::{Program, Variant, VariantError};
+use crate::render::{Blocks, CpuInputs, LOOKED_UP, OCTAVES_ID, Subject, ranged};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
 use rayon::prelude::*;
@@ -34,6 +35,32 @@ pub(super) struct Probe {
     pub(super) width: f64,
     /// What makes the shadow volume, where one is read.
     caster: Option<Caster>,
+}
+
+/// The programs of a probe, linked.
+pub(super) struct Linked {
+    variant: Variant,
+    program: Program,
+    /// What bounds are computed of: in it, noise that is computed from hashes is a lookup whose range is known.
+    bounded: Program,
+    /// That noise, and the binding it is looked up in.
+    noise: Option<(u32, Lattice)>,
+}
+
+impl Linked {
+    /// Those of a scene and its variant.
+    pub(super) fn of(own: &Variant, truth: &Scene, library: &Library) -> Result<Linked, VariantError> {
+        let variant = own.probe(truth, library)?;
+        let ranged = ranged(&variant, library);
+        let of_bounds =
+            || ranged.as_ref().map(|(variant, library, _)| variant.program(library, Linker::new)).transpose();
+        let (program, bounded) = rayon::join(|| variant.program(library, Linker::new), of_bounds);
+        let (program, bounded) = (program?, bounded?);
+        let bounded = bounded.unwrap_or_else(|| program.clone());
+        let image = bounded.resources.iter().find(|resource| resource.name == LOOKED_UP).map(|image| image.binding);
+        let noise = image.zip(ranged.map(|(.., noise)| noise));
+        Ok(Linked { variant, program, bounded, noise })
+    }
 }
 
 /// What makes the shadow volume.
@@ -90,19 +117,12 @@ impl Probe {
             return Err(ReferenceError::NoLimit("light.translucency is blurred from slice to slice"));
         }
         let own = Variant::of(truth, library)?;
-        let variant = own.probe(truth, library)?;
-        let program = variant.program(library, Linker::new)?;
+        let Linked { variant, program, bounded, noise } = Linked::of(&own, truth, library)?;
         let cpu_inputs = CpuInputs::new(library, truth, subject, &variant, &program)?;
         let octaves = [(OCTAVES_ID, truth.effect.octaves)];
         let shadow = match CpuInputs::shadow_binding(&program) {
             None => None,
             Some(binding) => Some((binding, own.shadow(truth, library)?.program(library, Linker::new)?)),
-        };
-        // In bounds, noise that is computed from hashes is a lookup whose range is known.
-        let ranged = ranged(&variant, library);
-        let bounded = match &ranged {
-            Some((variant, library, _)) => variant.program(library, Linker::new)?,
-            None => program.clone(),
         };
         let blocks = cpu_inputs.moments(&program)?.into_iter().zip(cpu_inputs.moments(&bounded)?);
         let mut moments: Vec<Moment> =
@@ -113,8 +133,7 @@ impl Probe {
             }
         }
         let mut inputs = cpu_inputs.exact();
-        let noise = bounded.resources.iter().find(|resource| resource.name == "noise_image");
-        inputs.noises = noise.zip(ranged).map(|(image, (.., noise))| (image.binding, noise)).into_iter().collect();
+        inputs.noises = noise.into_iter().collect();
         let read = |linked: &Program| exact::Program::read(&linked.fragment, &octaves);
         let own = || {
             let opacity = || exact::Program::read_channel(&bounded.fragment, &octaves, (0, 3));

@@ -6,7 +6,7 @@
 use super::super::cpu_inputs::{texture, wrap};
 use super::super::inputs::Inputs;
 use super::super::shot::Shot;
-use super::super::values::{Values, blocks};
+use super::super::values::{TIME, Values, blocks};
 use super::super::{OCTAVES_ID, Read, RenderError};
 use super::ranged;
 use crate::exact::{self, Device, Interval, Outline};
@@ -16,7 +16,7 @@ use crate::scene::Scene;
 use crate::shader::{Library, Linker};
 use crate::support::disk_cache::{self, Kind};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -63,6 +63,8 @@ pub(super) struct Bounded {
     program: Program,
     pub(super) code: exact::Program,
     outline: Outline,
+    /// The members of blocks that the program reads.
+    members: BTreeSet<(u32, u32)>,
     pub(super) inputs: exact::Inputs,
     pub(super) texels: u64,
     /// That of the program, and of its images and how they are filtered.
@@ -110,7 +112,7 @@ impl Decider {
         let outline = code.outline();
         let is_read = |binding: &u32| outline.images.iter().any(|(image, _)| image == binding);
         let read = program.resources.iter().filter(|resource| is_read(&resource.binding));
-        let read = read.filter(|resource| noise.is_none() || resource.name != ranged::IMAGE);
+        let read = read.filter(|resource| noise.is_none() || resource.name != ranged::LOOKED_UP);
         let read: Vec<Read> = read.filter_map(|resource| image_of(&resource.name)).collect();
         if let Some(image) = read.iter().find(|image| (image.channels, image.bits) == (4, 8)) {
             let why = format!("the {} has 8 bits, and so have its interpolated values on some devices", image.name);
@@ -162,7 +164,7 @@ impl Bounded {
         (mut program, code, outline): (Program, exact::Program, Outline),
         (texels, noise): (u64, Option<Lattice>),
     ) -> Result<Bounded, RenderError> {
-        let is_noise = |resource: &&mut Resource| noise.is_some() && resource.name == ranged::IMAGE;
+        let is_noise = |resource: &&mut Resource| noise.is_some() && resource.name == ranged::LOOKED_UP;
         let place = program.resources.iter_mut().find(is_noise).map(|resource| resource.binding);
         program.resources.retain(|resource| Some(resource.binding) != place);
         let Inputs { mut images, samplers, .. } = Inputs::new(library, shot, &program, &|_| ())?;
@@ -181,19 +183,30 @@ impl Bounded {
         let images = images.iter().map(|(binding, image)| (*binding, texture(image))).collect();
         let samplers = samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect();
         let noises = place.zip(noise).into_iter().collect();
-        let inputs = exact::Inputs { blocks: BTreeMap::new(), images, samplers, noises };
-        Ok(Bounded { program, code, outline, inputs, texels, hash })
+        let inputs = exact::Inputs { images, samplers, noises, ..exact::Inputs::default() };
+        let members = program.members_read();
+        Ok(Bounded { program, code, outline, members, inputs, texels, hash })
     }
 
-    /// Sets what the program reads beside images; what depends on it, in bits.
-    pub(super) fn fill(&mut self, values: &Values) -> Result<Vec<u64>, RenderError> {
-        let filled = blocks(&self.program, values)?.into_iter();
-        self.inputs.blocks = filled.map(|(resource, bytes)| (resource.binding, bytes)).collect();
+    /// What the program reads beside images and the time, in bytes.
+    pub(super) fn timeless(&self, values: &Values) -> Result<Vec<u8>, RenderError> {
+        let filled = filled(&self.program, values, 0.0)?;
+        let blocks = filled.iter().map(|(binding, bytes)| (*binding, bytes.as_slice()));
+        Ok(self.program.parts_read(&self.members, blocks))
+    }
+
+    /// Sets what the program reads beside images, from a time on until another; what depends on it at the first, in bits.
+    pub(super) fn fill(&mut self, values: &Values, [time, until]: [f32; 2]) -> Result<Vec<u64>, RenderError> {
+        self.inputs.blocks = filled(&self.program, values, time)?;
+        self.inputs.until = if until > time { filled(&self.program, values, until)? } else { BTreeMap::new() };
+        if self.inputs.until == self.inputs.blocks {
+            self.inputs.until.clear(); // nothing depends on the time
+        }
         Ok(self.code.values(&self.outline, &self.inputs.blocks)?)
     }
 
-    /// Which cells are proven to be empty by what [`Bounded::fill`] gave, and whether that was kept on disk; none where it
-    /// was to `stop`.
+    /// Which cells are proven to be empty by what [`Bounded::fill`] gave, and whether that was kept on disk, where proofs of
+    /// one time are; none where it was to `stop`.
     pub(super) fn proven(
         &self,
         boxes: &Boxes,
@@ -202,6 +215,9 @@ impl Bounded {
     ) -> Result<Option<(Vec<bool>, bool)>, exact::ExactError> {
         let key = self.key(boxes, read);
         let count = (boxes.side as usize).pow(3);
+        if !self.inputs.until.is_empty() {
+            return Ok(self.empty(boxes, stop)?.map(|empty| (empty, false)));
+        }
         if let Some(empty) = disk_cache::load(KIND, key).and_then(|bytes| unpacked(&bytes, count)) {
             return Ok(Some((empty, true)));
         }
@@ -258,6 +274,14 @@ impl Bounded {
             (open, side) = (next, 2 * side);
         }
     }
+}
+
+/// The blocks of a program at a time, by binding.
+fn filled(program: &Program, values: &Values, time: f32) -> Result<BTreeMap<u32, Vec<u8>>, RenderError> {
+    let mut values = values.clone();
+    values.insert(TIME.into(), vec![time]);
+    let filled = blocks(program, &values)?.into_iter();
+    Ok(filled.map(|(resource, bytes)| (resource.binding, bytes)).collect())
 }
 
 /// Eight truths in a byte.

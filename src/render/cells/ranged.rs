@@ -9,7 +9,7 @@ use crate::render::variant::{Variant, slot_of};
 use crate::shader::{self, Library};
 
 /// The image in whose place the noise stands, in programs that do not read it.
-pub(super) const IMAGE: &str = "noise_image";
+pub(crate) const LOOKED_UP: &str = "noise_image";
 /// The modules that are replaced, by slot, with what replaces them.
 const REPLACED: [(&str, &str); 2] =
     [("noise", include_str!("ranged_noise.glsl")), ("turbulence", include_str!("ranged_turbulence.glsl"))];
@@ -35,7 +35,7 @@ pub(crate) fn ranged(variant: &Variant, library: &Library) -> Option<(Variant, L
     }
     // Whoever reads the block itself, as a module of a person may, reads it under this name.
     let reads_block =
-        |path: &str, text: &str| path != "interface.glsl" && (text.contains(IMAGE) || text.contains("noise_block"));
+        |path: &str, text: &str| path != "interface.glsl" && (text.contains(LOOKED_UP) || text.contains("noise_block"));
     if library.sources().any(|(path, text)| reads_block(path, text) && variant.reaches(library, path)) {
         return None;
     }

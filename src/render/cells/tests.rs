@@ -3,7 +3,7 @@
 use super::super::OCTAVES_ID;
 use super::super::cpu_inputs::CpuInputs;
 use super::super::inputs::Inputs;
-use super::decide::{packed, unpacked};
+use super::decide::{Bounded, packed, unpacked};
 use super::*;
 use crate::exact;
 use crate::render::Subject;
@@ -30,8 +30,13 @@ fn a_cell_knows_how_far_it_is_to_the_next_that_may_hold_matter() {
     assert_eq!(distances(&[true; 8], 2), [u8::MAX; 8]);
 }
 
+/// Sets what is read at one time.
+fn fill(bounded: &mut Bounded, values: &Values) -> Vec<u64> {
+    bounded.fill(values, [values[TIME][0]; 2]).unwrap()
+}
+
 /// What decides, waited for.
-fn decider(library: &Library, shot: &Shot<'_>, pays: impl Fn(u64) -> bool) -> Decider {
+pub(super) fn decider(library: &Library, shot: &Shot<'_>, pays: impl Fn(u64) -> bool) -> Decider {
     let program = shot.variant.program(library, Linker::new).unwrap();
     let images = Inputs::new(library, shot, &program, &|_| ()).unwrap().images;
     let image_of = |name: &str| {
@@ -79,14 +84,19 @@ fn cells_end_where_something_else_is_to_be_done() {
     let Decider::Made(mut bounded) = decider else { panic!("no bounds") };
     let program = variant.program(&library, Linker::new).unwrap();
     let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-    bounded.fill(&inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap())).unwrap();
+    fill(&mut bounded, &inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap()));
     let boxes = Boxes::of(&shot, 8);
     assert!(bounded.empty(&boxes, &|| true).unwrap().is_none());
     assert!(bounded.empty(&boxes, &|| false).unwrap().is_some());
 }
 
 /// What says where matter is, as it is drawn: without what bounds replace in it.
-fn drawn(scene: &Scene, library: &Library, subject: &Subject, variant: &Variant) -> (exact::Program, exact::Inputs) {
+pub(super) fn drawn(
+    scene: &Scene,
+    library: &Library,
+    subject: &Subject,
+    variant: &Variant,
+) -> (exact::Program, exact::Inputs) {
     let program = variant.cells(scene, library).unwrap().program(library, Linker::new).unwrap();
     let code = exact::Program::read(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]).unwrap();
     let read = CpuInputs::new(library, scene, subject, variant, &program).unwrap();
@@ -104,7 +114,7 @@ fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (us
     let shot = Shot::of(scene, &subject, &variant);
     let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
     let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{}", variant.key()) };
-    bounded.fill(&inputs.stored().values(&shot, &SubFrame::all(scene).next().unwrap())).unwrap();
+    fill(&mut bounded, &inputs.stored().values(&shot, &SubFrame::all(scene).next().unwrap()));
     let boxes = Boxes::of(&shot, side);
     let empty = bounded.empty(&boxes, &|| false).unwrap().unwrap();
     let which: Vec<u32> = (0..side.pow(3)).filter(|&index| empty[index as usize]).collect();
@@ -136,7 +146,7 @@ fn proofs_are_kept_under_all_that_they_depend_on() {
         let shot = Shot::of(&scene, &subject, &variant);
         let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
         let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("no bounds") };
-        let read = bounded.fill(&inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap())).unwrap();
+        let read = fill(&mut bounded, &inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap()));
         (bounded, read, Boxes::of(&shot, 8))
     };
     let (bounded, read, boxes) = made(&|_| ());
@@ -191,7 +201,7 @@ fn m61_noise_that_bounds_look_up_is_the_noise_that_is_computed() {
         let program = variant.program(&library, Linker::new).unwrap();
         let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
         let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{name}") };
-        bounded.fill(&inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap())).unwrap();
+        fill(&mut bounded, &inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap()));
         assert!(!bounded.inputs.noises.is_empty(), "{name}");
         let whole = Boxes::of(&shot, 1).cell([0; 3], 1);
         let places = (0..20_000).map(|_| whole.map(|range| range.lo + (range.hi - range.lo) * random.unit())).collect();
