@@ -87,10 +87,13 @@ pub(super) fn deciding(
     library: &Library,
 ) -> Result<(Program, Option<Lattice>), VariantError> {
     let variant = variant.cells(scene, library)?;
-    Ok(match ranged::ranged(&variant, library) {
-        Some((variant, library, noise)) => (variant.program(&library, Linker::new)?, Some(noise)),
-        None => (variant.program(library, Linker::new)?, None),
-    })
+    if let Some((library, noise)) = ranged::ranged(&variant, library) {
+        // A module of a person may use more of a file than what replaces it has.
+        if let Ok(program) = variant.program(&library, Linker::new) {
+            return Ok((program, Some(noise)));
+        }
+    }
+    Ok((variant.program(library, Linker::new)?, None))
 }
 
 impl Decider {
