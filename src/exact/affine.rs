@@ -13,7 +13,7 @@ use super::number::{GROUP, Number, Packed, Unary};
 use super::range::{Range, Tri};
 use super::texture::Image;
 use super::{BoundProgram, ExactError, Lanes, Measured};
-use crate::noise::{Lattice, ROUNDED};
+use crate::noise::{Knots, Lattice, ROUNDED};
 
 /// A number along a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,18 +97,17 @@ impl Affine {
     /// Noise by its value in the middle of the box of its places, and by how steep it is in the box.
     fn noise(noise: Lattice, at: [Affine; 3], level: Affine, all: [Interval; 4]) -> [Affine; 4] {
         let mut found = all.map(Affine::bounded);
-        let (period, is_whole) = (level.all.lo, at.iter().any(|at| at.all == Interval::WHOLE));
-        if is_whole || period != level.all.hi {
+        if level.all.lo != level.all.hi || at.iter().any(|at| at.all == Interval::WHOLE) {
             return found;
         }
-        let period = period as u32;
+        let knots = Knots::of_level(level.all.lo);
         let (low, high) = (at.map(|at| at.all.lo), at.map(|at| at.all.hi));
         if (0..3).any(|axis| high[axis] - low[axis] > LINEAR) {
             return found;
         }
         let middle: [f64; 3] = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]));
-        let slopes = noise.gradient_range(low, high, period);
-        let mut form = Affine::new(noise.sample(middle, period).1);
+        let slopes = noise.gradient_range(knots, low, high);
+        let mut form = Affine::new(noise.sample_of(knots, middle).1);
         for axis in 0..3 {
             let [low, high] = slopes[axis];
             form =

@@ -115,7 +115,8 @@ pub struct Inputs {
     pub images: BTreeMap<u32, Texture>,
     /// Samplers.
     pub samplers: BTreeMap<u32, Wrap>,
-    /// Noise in the place of images: looked up in lattice cells, at a level that is its period; gradient in RGB, value in A.
+    /// Noise in the place of images: looked up in lattice cells, at the level of its [`Knots`](crate::noise::Knots); gradient
+    /// in RGB, value in A.
     pub noises: BTreeMap<u32, Lattice>,
 }
 

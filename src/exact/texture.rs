@@ -3,7 +3,7 @@
 //! Texel i of n is centered at (i + 0.5) / n. Between texels values change linearly along each axis; no rounding of
 //! weights as in hardware.
 
-use crate::noise::{Lattice, NOISE_BOUND, NOISE_GRADIENT_BOUND};
+use crate::noise::{Knots, Lattice, NOISE_BOUND};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -87,7 +87,7 @@ impl<'a> Image<'a> {
         Image { size, texels, wrap, axes, coarser, pyramid: OnceLock::new(), noise: None }
     }
 
-    /// Noise, whose levels are its periods.
+    /// Noise, whose levels are its knots.
     pub(super) fn of_noise(noise: Lattice) -> Image<'a> {
         Image { noise: Some(noise), ..Image::new([0; 3], &[], Wrap::Repeat, 3) }
     }
@@ -95,7 +95,7 @@ impl<'a> Image<'a> {
     /// The channels at a point of a level, which lies between two where it is no whole number.
     pub(super) fn sample_level(&self, at: [f64; 3], level: f64) -> [f64; 4] {
         if let Some(noise) = self.noise {
-            let ([x, y, z], value) = noise.sample(at, level as u32);
+            let ([x, y, z], value) = noise.sample_of(Knots::of_level(level), at);
             return [x, y, z, value];
         }
         match &self.coarser {
@@ -112,11 +112,13 @@ impl<'a> Image<'a> {
     pub(super) fn range_levels(&self, within: [[f64; 2]; 3], levels: [f64; 2], wanted: [bool; 4]) -> [[f64; 2]; 4] {
         if let Some(noise) = self.noise {
             let ends = |end: usize| within.map(|within| within[end]);
-            let value = match levels {
-                [period, same] if period == same && wanted[3] => noise.range(ends(0), ends(1), period as u32),
+            let knots = (levels[0] == levels[1]).then(|| Knots::of_level(levels[0]));
+            let value = match knots {
+                Some(knots) if wanted[3] => noise.range(knots, ends(0), ends(1)),
                 _ => [-NOISE_BOUND, NOISE_BOUND],
             };
-            let slope = [-NOISE_GRADIENT_BOUND, NOISE_GRADIENT_BOUND];
+            let steepest = knots.unwrap_or(Knots::Values).steepest();
+            let slope = [-steepest, steepest];
             return [slope, slope, slope, value];
         }
         match &self.coarser {

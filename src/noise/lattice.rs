@@ -1,6 +1,6 @@
-//! The noise of `glsl/lattice_noise.glsl`: directions from an integer hash of the cell.
+//! The noise of `glsl/lattice_noise.glsl`: directions from an integer hash of the cell; and the same of other [`Knots`].
 
-use super::{Weights, absolute_sum};
+use super::{Knots, Weights, absolute_sum};
 
 /// Components of the 24 directions (a, a, c) in every order and with every sign: 2 a^2 + c^2 = 1, and with
 /// 2 a^4 + c^4 = 3 / 5 the moments up to the fifth order are those of the sphere.
@@ -69,11 +69,16 @@ impl Lattice {
     /// The lattice repeats after `period` cells, a power of two. The value lies in [-0.867, 0.867], is 0 at lattice
     /// points and has their direction as its gradient there. Any finite `p`.
     pub fn sample(self, p: [f64; 3], period: u32) -> ([f64; 3], f64) {
+        self.sample_of(Knots::Hashed(period), p)
+    }
+
+    /// The same of a lattice with these knots. Values are not 0 at lattice points, and their gradient is.
+    pub fn sample_of(self, knots: Knots, p: [f64; 3]) -> ([f64; 3], f64) {
         let inside = p.map(|c| c.clamp(-FARTHEST, FARTHEST));
         let base = inside.map(f64::floor);
         let t: [f64; 3] = std::array::from_fn(|axis| inside[axis] - base[axis]);
         let cell = base.map(|c| c as i32 as u32);
-        self.weights.interpolate(t, |side| direction(std::array::from_fn(|a| cell[a] + side[a] as u32), period))
+        self.weights.interpolate(t, |side| knots.at(std::array::from_fn(|a| cell[a].wrapping_add(side[a] as u32))))
     }
 
     /// Gradient (per cell of the first octave) and value of the turbulence at `p`: the sum over octaves of

@@ -7,6 +7,7 @@
 
 mod bake;
 mod blue;
+mod knots;
 mod lattice;
 mod range;
 mod steepness;
@@ -14,12 +15,15 @@ mod table;
 
 pub use bake::{Bake, Block, random_block};
 pub use blue::blue_noise;
+pub use knots::Knots;
 pub use lattice::{Lattice, Period};
 pub(crate) use range::ROUNDED;
 pub use table::Noise;
 
 use crate::support::random::SplitMix;
 
+/// Seed of Perlin's tables and of random texels: changing it changes every picture that is made of them.
+pub const SEED: u64 = 1989;
 /// No value of the noise of a lattice is larger.
 pub const NOISE_BOUND: f64 = 0.867;
 /// The gradient of the noise never exceeds this (2.8 for quintic weights and unit gradients), per lattice cell.
@@ -51,21 +55,21 @@ impl Weights {
         }
     }
 
-    /// Gradient and value at `t` in [0, 1]^3 of a cell whose corners have the gradients that `knot` gives.
-    fn interpolate(self, t: [f64; 3], knot: impl Fn([usize; 3]) -> [f64; 3]) -> ([f64; 3], f64) {
+    /// Gradient and value at `t` in [0, 1]^3 of a cell whose corners have the values and gradients that `knot` gives.
+    fn interpolate(self, t: [f64; 3], knot: impl Fn([usize; 3]) -> [f64; 4]) -> ([f64; 3], f64) {
         let fade = t.map(|t| self.fade(t).0);
         let slope = t.map(|t| self.fade(t).1);
         let (mut gradient, mut value) = ([0.0; 3], 0.0);
         for corner in 0..8 {
             let side = [corner & 1, corner >> 1 & 1, corner >> 2];
-            let knot = knot(side);
+            let [own, knot @ ..] = knot(side);
             let weight: [f64; 3] = std::array::from_fn(|a| if side[a] == 1 { fade[a] } else { 1.0 - fade[a] });
-            let dot: f64 = (0..3).map(|a| knot[a] * (t[a] - side[a] as f64)).sum();
-            value += weight[0] * weight[1] * weight[2] * dot;
+            let there = own + (0..3).map(|a| knot[a] * (t[a] - side[a] as f64)).sum::<f64>();
+            value += weight[0] * weight[1] * weight[2] * there;
             for a in 0..3 {
                 let others = weight[(a + 1) % 3] * weight[(a + 2) % 3];
                 let sign = if side[a] == 1 { 1.0 } else { -1.0 };
-                gradient[a] += others * (weight[a] * knot[a] + sign * slope[a] * dot);
+                gradient[a] += others * (weight[a] * knot[a] + sign * slope[a] * there);
             }
         }
         (gradient, value)

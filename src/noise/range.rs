@@ -1,11 +1,11 @@
 //! The range of the noise over a box.
 //!
-//! Role: bounds as tight as a block of texels gives, without a block. Invariant: every value of [`Lattice::sample`] in the box
-//! lies in the range. Within a cell the noise is linear in each of six numbers, the weights of its far sides and the place
+//! Role: bounds as tight as a block of texels gives, without a block. Invariant: every value of [`Lattice::sample_of`] in the
+//! box lies in the range. Within a cell the noise is linear in each of six numbers, the weights of its far sides and the place
 //! in the box, so that over all of them its extremes are at their ends.
 
-use super::lattice::{FARTHEST, Lattice, direction};
-use super::{NOISE_BOUND, Weights};
+use super::lattice::{FARTHEST, Lattice};
+use super::{Knots, NOISE_BOUND, Weights};
 
 /// Boxes that are looked at on their own are at most so long, in lattice cells. Less: slower. More: wider ranges.
 const PIECE: f64 = 0.5;
@@ -17,14 +17,14 @@ const MOST_CELLS: usize = 3;
 pub(crate) const ROUNDED: f64 = 1e-7;
 
 impl Lattice {
-    /// Bounds of the value of the noise over a box, in lattice cells, which repeats after `period` cells, a power of two.
-    pub fn range(self, low: [f64; 3], high: [f64; 3], period: u32) -> [f64; 2] {
+    /// Bounds of the value of the noise of these knots over a box, in lattice cells.
+    pub fn range(self, knots: Knots, low: [f64; 3], high: [f64; 3]) -> [f64; 2] {
         let Some((parts, counts)) = parts(low, high) else { return [-NOISE_BOUND, NOISE_BOUND] };
         let mut all = [f64::INFINITY, f64::NEG_INFINITY];
         for z in &parts[2][..counts[2]] {
             for y in &parts[1][..counts[1]] {
                 for x in &parts[0][..counts[0]] {
-                    self.weights.include(&mut all, [x, y, z], period);
+                    self.weights.include(&mut all, [x, y, z], knots);
                 }
             }
         }
@@ -78,11 +78,11 @@ pub(super) type Knot = [f64; 4];
 
 impl Weights {
     /// Takes in the range over the part of a cell.
-    fn include(self, all: &mut [f64; 2], parts: [&Parts; 3], period: u32) {
-        let mut directions = [[0.0; 3]; 8];
-        for (corner, found) in directions.iter_mut().enumerate() {
-            let of = |axis: usize| (parts[axis].base as u32).wrapping_add((corner >> axis & 1) as u32);
-            *found = direction([of(0), of(1), of(2)], period);
+    fn include(self, all: &mut [f64; 2], parts: [&Parts; 3], of: Knots) {
+        let mut corners = [[0.0; 4]; 8];
+        for (corner, found) in corners.iter_mut().enumerate() {
+            let place = |axis: usize| (parts[axis].base as u32).wrapping_add((corner >> axis & 1) as u32);
+            *found = of.at([0, 1, 2].map(place));
         }
         for piece in 0..parts[0].count * parts[1].count * parts[2].count {
             let (x, rest) = (piece % parts[0].count, piece / parts[0].count);
@@ -94,9 +94,10 @@ impl Weights {
                 far[axis] = [self.fade(low).0, self.fade(high).0];
             }
             let mut knots = [[0.0; 4]; 8];
-            for (corner, (knot, [x, y, z])) in knots.iter_mut().zip(directions).enumerate() {
+            for (corner, (knot, [own, x, y, z])) in knots.iter_mut().zip(corners).enumerate() {
                 let away = |axis: usize| middle[axis] - (corner >> axis & 1) as f64;
-                *knot = [x * away(0) + y * away(1) + z * away(2), x * half[0], y * half[1], z * half[2]];
+                let value = own + x * away(0) + y * away(1) + z * away(2);
+                *knot = [value, x * half[0], y * half[1], z * half[2]];
             }
             for [value, x, y, z] in faded::<4>(faded::<2>(faded::<1>(knots, far[0]), far[1]), far[2]) {
                 let reach = x.abs() + y.abs() + z.abs();
@@ -129,29 +130,30 @@ mod tests {
     #[test]
     fn no_value_in_a_box_is_outside_of_its_range_and_ranges_are_narrow() {
         let mut random = SplitMix(11);
-        for side in [1e-3, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5] {
+        let kinds = [Knots::Hashed(1 << 20), Knots::Hashed(4), Knots::Tables, Knots::Values];
+        for (side, knots) in [1e-3, 0.05, 0.1, 0.2, 0.4, 0.8, 1.5].into_iter().flat_map(|s| kinds.map(|k| (s, k))) {
             let (mut width, mut seen) = (0.0, 0.0);
-            for number in 0..400 {
+            for number in 0..200 {
                 let noise = Lattice { weights: [Weights::Cubic, Weights::Quintic][number % 2] };
-                let period = [1 << 20, 4][number / 2 % 2];
                 let low: [f64; 3] = std::array::from_fn(|_| 40.0 * random.unit() - 20.0);
                 let high = low.map(|low| low + side * random.unit());
-                let [least, most] = noise.range(low, high, period);
+                let [least, most] = noise.range(knots, low, high);
                 let mut found = [f64::INFINITY, f64::NEG_INFINITY];
                 for point in 0..500 {
                     let part: [f64; 3] = std::array::from_fn(|a| match point {
                         ..8 => f64::from(point >> a & 1),
                         _ => random.unit(),
                     });
-                    let p = std::array::from_fn(|a| low[a] + part[a] * (high[a] - low[a]));
-                    let value = noise.sample(p, period).1;
+                    let (slope, value) =
+                        noise.sample_of(knots, [0, 1, 2].map(|a| low[a] + part[a] * (high[a] - low[a])));
                     assert!((least..=most).contains(&value), "{value} in [{least}, {most}], {low:?} to {high:?}");
+                    assert!(slope.iter().all(|along| along.abs() <= knots.steepest()), "{slope:?} of {knots:?}");
                     found = [found[0].min(value), found[1].max(value)];
                 }
                 (width, seen) = (width + most - least, seen + found[1] - found[0]);
             }
-            println!("{side}: {:.2} times as wide as what is seen, {:.3}", width / seen, seen / 400.0);
-            assert!(width < 3.0 * seen, "{side}: {} times", width / seen);
+            println!("{side}, {knots:?}: {:.2} times as wide as what is seen, {:.3}", width / seen, seen / 200.0);
+            assert!(width < 3.0 * seen, "{side}, {knots:?}: {} times", width / seen);
         }
     }
 }

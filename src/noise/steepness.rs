@@ -1,38 +1,34 @@
 //! The range of the gradient of the noise over a box: how steep it may be along each axis.
 //!
 //! Role: noise whose place changes along a ray is bounded by its value in the middle and by these slopes, far narrower than
-//! by the box around its places. Invariant: the gradient of every [`Lattice::sample`] in the box lies in the range; so does what
+//! by the box around its places. Invariant: the gradient of every [`Lattice::sample_of`] in the box lies in the range; so does what
 //! two values in the box differ by, divided by how far they are apart along an axis.
 
-use super::lattice::{Lattice, direction};
+use super::lattice::Lattice;
 use super::range::{Knot, Parts, ROUNDED, faded, parts};
-use super::{NOISE_GRADIENT_BOUND, Weights};
-
-/// Any gradient.
-const ALL: [[f64; 2]; 3] = [[-NOISE_GRADIENT_BOUND, NOISE_GRADIENT_BOUND]; 3];
+use super::{Knots, Weights};
 
 impl Lattice {
-    /// Bounds of the gradient of the noise over a box, per axis; of what and per what as [`Lattice::sample`] gives it.
-    pub fn gradient_range(self, low: [f64; 3], high: [f64; 3], period: u32) -> [[f64; 2]; 3] {
-        let Some((parts, [x, y, z])) = parts(low, high) else { return ALL };
+    /// Bounds of the gradient of the noise of these knots over a box, per axis and lattice cell.
+    pub fn gradient_range(self, knots: Knots, low: [f64; 3], high: [f64; 3]) -> [[f64; 2]; 3] {
+        let steepest = knots.steepest();
+        let Some((parts, [x, y, z])) = parts(low, high) else { return [[-steepest, steepest]; 3] };
         let mut all = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
         for z in &parts[2][..z] {
             for y in &parts[1][..y] {
                 for x in &parts[0][..x] {
-                    self.weights.include_gradient(&mut all, [x, y, z], period);
+                    self.weights.include_gradient(&mut all, [x, y, z], knots);
                 }
             }
         }
-        let held = |[low, high]: [f64; 2]| {
-            [(low - ROUNDED).max(-NOISE_GRADIENT_BOUND), (high + ROUNDED).min(NOISE_GRADIENT_BOUND)]
-        };
+        let held = |[low, high]: [f64; 2]| [(low - ROUNDED).max(-steepest), (high + ROUNDED).min(steepest)];
         all.map(held)
     }
 }
 
 impl Weights {
     /// Takes in the range over the part of a cell.
-    fn include_gradient(self, all: &mut [[f64; 2]; 3], parts: [&Parts; 3], period: u32) {
+    fn include_gradient(self, all: &mut [[f64; 2]; 3], parts: [&Parts; 3], of: Knots) {
         let mut knots = [[0.0; 4]; 8];
         let mut directions = [[0.0; 4]; 8];
         let (mut middle, mut half, mut far, mut steep) = ([0.0; 3], [0.0; 3], [[0.0; 2]; 3], [[0.0; 2]; 3]);
@@ -46,11 +42,11 @@ impl Weights {
             steep[axis] = [rise.min(fall), top];
         }
         for corner in 0..8 {
-            let of = |axis: usize| (parts[axis].base as u32).wrapping_add((corner >> axis & 1) as u32);
-            let [x, y, z] = direction([of(0), of(1), of(2)], period);
+            let place = |axis: usize| (parts[axis].base as u32).wrapping_add((corner >> axis & 1) as u32);
+            let [own, x, y, z] = of.at([0, 1, 2].map(place));
             let away = |axis: usize| middle[axis] - (corner >> axis & 1) as f64;
             directions[corner] = [x, y, z, 0.0];
-            knots[corner] = [x * away(0) + y * away(1) + z * away(2), x * half[0], y * half[1], z * half[2]];
+            knots[corner] = [own + x * away(0) + y * away(1) + z * away(2), x * half[0], y * half[1], z * half[2]];
         }
         // The mean of the directions, and the slope of each weight times what it fades between.
         let means = faded::<4>(faded::<2>(faded::<1>(directions, far[0]), far[1]), far[2]);
@@ -94,10 +90,10 @@ mod tests {
             let (mut width, mut seen) = (0.0, 0.0);
             for number in 0..400 {
                 let noise = Lattice { weights: [Weights::Cubic, Weights::Quintic][number % 2] };
-                let period = [1 << 20, 4][number / 2 % 2];
+                let knots = [Knots::Hashed(1 << 20), Knots::Hashed(4), Knots::Tables, Knots::Values][number / 2 % 4];
                 let low: [f64; 3] = std::array::from_fn(|_| 40.0 * random.unit() - 20.0);
                 let high = low.map(|low| low + side * random.unit());
-                let range = noise.gradient_range(low, high, period);
+                let range = noise.gradient_range(knots, low, high);
                 let mut found = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
                 for point in 0..500 {
                     let part: [f64; 3] = std::array::from_fn(|a| match point {
@@ -105,7 +101,7 @@ mod tests {
                         _ => random.unit(),
                     });
                     let p = std::array::from_fn(|a| low[a] + part[a] * (high[a] - low[a]));
-                    let gradient = noise.sample(p, period).0;
+                    let gradient = noise.sample_of(knots, p).0;
                     for axis in 0..3 {
                         let ([least, most], slope) = (range[axis], gradient[axis]);
                         assert!((least..=most).contains(&slope), "{slope} in [{least}, {most}], {low:?} to {high:?}");

@@ -39,7 +39,10 @@ impl Noise {
         let base = p.map(f64::floor);
         let t: [f64; 3] = std::array::from_fn(|axis| p[axis] - base[axis]);
         let wrap = |axis: usize, side: usize| (base[axis] as i64 + side as i64).rem_euclid(i64::from(period)) as usize;
-        self.weights.interpolate(t, |side| self.knot(wrap(0, side[0]), wrap(1, side[1]), wrap(2, side[2])))
+        self.weights.interpolate(t, |side| {
+            let [x, y, z] = self.knot([0, 1, 2].map(|axis| wrap(axis, side[axis])));
+            [0.0, x, y, z]
+        })
     }
 
     /// Gradient and value of the turbulence at `p`: the sum over octaves of |noise(2^i p)| / 2^i.
@@ -58,7 +61,7 @@ impl Noise {
     }
 
     /// PH 2.3: the gradient of a lattice point by a hash folded three times.
-    fn knot(&self, i: usize, j: usize, k: usize) -> [f64; 3] {
+    pub(super) fn knot(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
         let phi = |index: usize| usize::from(self.permutation[index % TABLE]);
         self.gradients[phi(i + phi(j + phi(k)))]
     }
@@ -75,7 +78,7 @@ mod tests {
         for (i, j, k) in [(0, 0, 0), (3, 250, 17), (255, 1, 128)] {
             let (gradient, value) = noise.sample([f64::from(i), f64::from(j), f64::from(k)], 256);
             assert_eq!(value, 0.0);
-            assert_eq!(gradient, noise.knot(i as usize, j as usize, k as usize));
+            assert_eq!(gradient, noise.knot([i, j, k].map(|c| c as usize)));
         }
     }
 
@@ -96,7 +99,7 @@ mod tests {
     fn p19_one_lookup_correlates_neighboring_gradients_and_three_do_not() {
         let noise = Noise::new(1, Weights::Quintic);
         let once = |i: usize, j: usize, k: usize| noise.gradients[usize::from(noise.permutation[(i + j + k) % TABLE])];
-        let thrice = |i: usize, j: usize, k: usize| noise.knot(i, j, k);
+        let thrice = |i: usize, j: usize, k: usize| noise.knot([i, j, k]);
         let correlation = |knot: &dyn Fn(usize, usize, usize) -> [f64; 3]| {
             let (mut sum, mut count) = (0.0, 0.0);
             for (i, j, k) in (0..40).flat_map(|i| (1..41).flat_map(move |j| (0..40).map(move |k| (i, j, k)))) {

@@ -9,7 +9,7 @@ mod decide;
 mod ranged;
 mod span;
 #[cfg(feature = "measure")]
-pub(crate) use ranged::{LOOKED_UP, ranged};
+pub(crate) use ranged::{LOOKED_UP, bounded};
 
 use super::shot::Shot;
 use super::tiles::Tiles;

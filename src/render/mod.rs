@@ -43,7 +43,7 @@ mod watch;
 
 pub use cells::Found;
 #[cfg(feature = "measure")]
-pub(crate) use cells::{LOOKED_UP, link as link_cells, ranged};
+pub(crate) use cells::{LOOKED_UP, bounded, link as link_cells};
 #[cfg(feature = "measure")]
 pub(crate) use cpu_inputs::{Blocks, CpuInputs};
 pub use density::{densities, density_along};

@@ -5,14 +5,12 @@
 use super::encoded::{Content, Encoded};
 use crate::field::Progress;
 use crate::gpu::{Dimension, Format};
-use crate::noise::{Bake, Block, MEAN_NOISE, Noise, Weights, blue_noise, random_block};
+use crate::noise::{Bake, Block, MEAN_NOISE, Noise, SEED, Weights, blue_noise, random_block};
 use crate::render::texture::{self, Depth};
 use crate::scene::{BlockFormat, Scene};
 use crate::support::disk_cache::{self, Kind};
 use std::sync::OnceLock;
 
-/// Seed of Perlin's tables and of random texels: changing it changes every picture that is made of them.
-const SEED: u64 = 1989;
 /// Texels along a side of the tile of phases, a power of two. More: it takes longer to make. Fewer: it is seen to repeat.
 const PHASES: usize = 64;
 /// Raise it when a recipe gives other bytes.

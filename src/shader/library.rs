@@ -41,8 +41,13 @@ impl Library {
     }
 
     /// The same library with one more module, or with that module replaced.
-    pub fn with_module(mut self, slot: &str, name: &str, text: &str) -> Library {
-        Arc::make_mut(&mut self.sources).insert(format!("{slot}/{name}.glsl"), File::new(text.into()));
+    pub fn with_module(self, slot: &str, name: &str, text: &str) -> Library {
+        self.with_file(&format!("{slot}/{name}.glsl"), text)
+    }
+
+    /// The same library with one more file, or with that file replaced.
+    pub(crate) fn with_file(mut self, path: &str, text: &str) -> Library {
+        Arc::make_mut(&mut self.sources).insert(path.into(), File::new(text.into()));
         self
     }
 

@@ -5,7 +5,7 @@ use super::{ReferenceError, Stop, go_on};
 use crate::exact;
 use crate::noise::Lattice;
 use crate::render::variant::{Program, Variant, VariantError};
-use crate::render::{Blocks, CpuInputs, LOOKED_UP, OCTAVES_ID, Subject, ranged};
+use crate::render::{Blocks, CpuInputs, LOOKED_UP, OCTAVES_ID, Subject, bounded};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
 use rayon::prelude::*;
@@ -41,7 +41,7 @@ pub(super) struct Probe {
 pub(super) struct Linked {
     variant: Variant,
     program: Program,
-    /// What bounds are computed of: in it, noise that is computed from hashes is a lookup whose range is known.
+    /// What bounds are computed of: in it, noise that is computed in place is a lookup whose range is known.
     bounded: Program,
     /// That noise, and the binding it is looked up in.
     noise: Option<(u32, Lattice)>,
@@ -51,14 +51,11 @@ impl Linked {
     /// Those of a scene and its variant.
     pub(super) fn of(own: &Variant, truth: &Scene, library: &Library) -> Result<Linked, VariantError> {
         let variant = own.probe(truth, library)?;
-        let ranged = ranged(&variant, library);
-        let of_bounds =
-            || ranged.as_ref().map(|(variant, library, _)| variant.program(library, Linker::new)).transpose();
-        let (program, bounded) = rayon::join(|| variant.program(library, Linker::new), of_bounds);
-        let (program, bounded) = (program?, bounded?);
-        let bounded = bounded.unwrap_or_else(|| program.clone());
+        let drawn = || variant.program(library, Linker::new);
+        let (program, bounded) = rayon::join(drawn, || bounded(&variant, library));
+        let (program, (bounded, noise)) = (program?, bounded?);
         let image = bounded.resources.iter().find(|resource| resource.name == LOOKED_UP).map(|image| image.binding);
-        let noise = image.zip(ranged.map(|(.., noise)| noise));
+        let noise = image.zip(noise);
         Ok(Linked { variant, program, bounded, noise })
     }
 }

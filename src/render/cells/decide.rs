@@ -13,7 +13,7 @@ use crate::exact::{self, Device, Interval, Outline};
 use crate::noise::Lattice;
 use crate::render::variant::{Program, Resource, Variant, VariantError};
 use crate::scene::Scene;
-use crate::shader::{Library, Linker};
+use crate::shader::Library;
 use crate::support::disk_cache::{self, Kind};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -88,11 +88,7 @@ pub(super) fn deciding(
     scene: &Scene,
     library: &Library,
 ) -> Result<(Program, Option<Lattice>), VariantError> {
-    let variant = variant.cells(scene, library)?;
-    Ok(match ranged::ranged(&variant, library) {
-        Some((variant, library, noise)) => (variant.program(&library, Linker::new)?, Some(noise)),
-        None => (variant.program(library, Linker::new)?, None),
-    })
+    ranged::bounded(&variant.cells(scene, library)?, library)
 }
 
 impl Decider {

@@ -1,59 +1,72 @@
 //! Computed noise as bounds know it.
 //!
-//! Role: in a program that is evaluated over boxes, noise that is computed from hashes is replaced by one lookup, whose range
-//! [`Lattice::range`] knows: bounds of a hash whose cell is not certain are those of all noise. Invariant: only of noise whose
-//! text is as shipped, since that is what the range is of.
+//! Role: in a program that is evaluated over boxes, noise that is computed in place, of hashes or of tables, is replaced by one
+//! lookup, whose range [`Lattice::range`] knows: bounds of a hash whose cell is not certain are those of all noise. What sums
+//! octaves of it stays as it is. Invariant: only of noise whose text is as shipped, since that is what the range is of.
 
+use super::super::inputs::CELLS;
 use crate::noise::{Lattice, Weights};
-use crate::render::variant::{Variant, slot_of};
-use crate::shader::{self, Library};
+use crate::render::variant::{Program, Variant, VariantError, slot_of};
+use crate::shader::{self, Library, Linker};
 
-/// The image in whose place the noise stands, in programs that do not read it.
-pub(crate) const LOOKED_UP: &str = "noise_image";
-/// The modules that are replaced, by slot, with what replaces them.
-const REPLACED: [(&str, &str); 2] =
-    [("noise", include_str!("ranged_noise.glsl")), ("turbulence", include_str!("ranged_turbulence.glsl"))];
-const COMPUTED: &str = "procedural";
-/// What replaces them is called.
-const NAME: &str = "ranged";
-/// What the noise is made of.
-const TEXTS: [&str; 6] = [
-    "noise/procedural.glsl",
-    "turbulence/procedural.glsl",
-    "lattice_noise.glsl",
-    "corners.glsl",
-    "weights/cubic.glsl",
-    "weights/quintic.glsl",
+/// The image in whose place the noise stands: a program that decides about cells does not read them.
+pub(crate) const LOOKED_UP: &str = CELLS;
+/// What the texts below call it.
+const NAME: &str = "cell_grid";
+/// The files that are replaced, with what replaces them. The level of a lookup is that of
+/// [`Knots::of_level`](crate::noise::Knots::of_level).
+const REPLACED: [(&str, &str); 4] = [
+    ("lattice_noise.glsl", include_str!("ranged_lattice.glsl")),
+    ("array_noise.glsl", "vec4 array_noise(vec3 p) { return textureLod(cell_grid, p, 0.0); }\n"),
+    ("table_noise.glsl", "vec4 table_noise(vec3 p) { return textureLod(cell_grid, p, 0.0); }\n"),
+    (
+        "noise/wavelet.glsl",
+        "vec4 noise_gradient(vec3 p) { return textureLod(cell_grid, p, -1.0); }\n\
+         float noise(vec3 p) { return noise_gradient(p).w; }\n",
+    ),
 ];
+/// What these include that ranges depend on.
+const INCLUDED: [&str; 5] =
+    ["corners.glsl", "hash.glsl", "noise_tables.glsl", "weights/cubic.glsl", "weights/quintic.glsl"];
 
-/// The modules that bounds are taken of in place of these, in a library that has them, and the noise that they look up; none
-/// where no noise is computed, or it is not known as well.
-pub(crate) fn ranged(variant: &Variant, library: &Library) -> Option<(Variant, Library, Lattice)> {
+/// The program of these modules that bounds are taken of, and the noise that it looks up where it may.
+///
+/// # Errors
+/// As [`Variant::program`].
+pub(crate) fn bounded(variant: &Variant, library: &Library) -> Result<(Program, Option<Lattice>), VariantError> {
+    if let Some((library, noise)) = ranged(variant, library) {
+        // A module of a person may use more of a file than what replaces it has.
+        if let Ok(program) = variant.program(&library, Linker::new) {
+            return Ok((program, Some(noise)));
+        }
+    }
+    Ok((variant.program(library, Linker::new)?, None))
+}
+
+/// The library that bounds of these modules are taken of, and the noise that it looks up; none where no noise is computed,
+/// or it is not known as well.
+pub(super) fn ranged(variant: &Variant, library: &Library) -> Option<(Library, Lattice)> {
+    let replaced = REPLACED.map(|(path, _)| path);
+    if !replaced.iter().any(|path| variant.reaches(library, path)) {
+        return None;
+    }
     let shipped = shader::shipped();
-    if TEXTS.iter().any(|path| library.source(path) != shipped.source(path)) {
+    let differs = |path: &str| library.source(path) != shipped.source(path);
+    if replaced.into_iter().chain(INCLUDED).any(differs) {
         return None;
     }
-    // Whoever reads the block itself, as a module of a person may, reads it under this name.
-    let reads_block =
-        |path: &str, text: &str| path != "interface.glsl" && (text.contains(LOOKED_UP) || text.contains("noise_block"));
-    if library.sources().any(|(path, text)| reads_block(path, text) && variant.reaches(library, path)) {
+    // A module of a person may read cells.
+    let reads_cells = |text: &str| text.contains(NAME) || text.contains(LOOKED_UP);
+    if library.sources().any(|(path, text)| reads_cells(text) && differs(path)) {
         return None;
     }
-    // All modules of a slot, of whichever object.
-    let are = |slot: &str, module: &str| {
-        let mut of = variant.slots.iter().filter(|(key, _)| slot_of(key) == slot);
+    // Of all objects.
+    let are = |module: &str| {
+        let mut of = variant.slots.iter().filter(|(key, _)| slot_of(key) == "weights");
         of.all(|(_, names)| names.as_slice() == [module])
     };
-    if !REPLACED.iter().all(|(slot, _)| are(slot, COMPUTED)) {
-        return None;
-    }
     let weights = [("cubic", Weights::Cubic), ("quintic", Weights::Quintic)];
-    let (_, weights) = weights.into_iter().find(|(module, _)| variant.reads("weights") && are("weights", module))?;
-    let (mut variant, mut library) = (variant.clone(), library.clone());
-    for (slot, text) in REPLACED {
-        library = library.with_module(slot, NAME, text);
-        let own = variant.slots.iter_mut().filter(|(key, _)| slot_of(key) == slot);
-        own.for_each(|(_, names)| *names = vec![NAME.into()]);
-    }
-    Some((variant, library, Lattice { weights }))
+    let (_, weights) = weights.into_iter().find(|(module, _)| variant.reads("weights") && are(module))?;
+    let library = REPLACED.iter().fold(library.clone(), |library, (path, text)| library.with_file(path, text));
+    Some((library, Lattice { weights }))
 }

@@ -104,7 +104,7 @@ fn pack<const CHANNELS: usize, const BYTES: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::{Bake, Lattice, Period, Weights};
+    use crate::noise::{Bake, Lattice, Period, SEED, Weights};
 
     #[test]
     fn m34_a_block_is_stored_to_half_a_code() {
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn m44_the_arrays_of_the_shader_are_the_tables_of_this_noise() {
-        let (noise, path) = (Noise::new(1989, Weights::Quintic), "glsl/noise_tables.glsl");
+        let (noise, path) = (Noise::new(SEED, Weights::Quintic), "glsl/noise_tables.glsl");
         let (permutation, gradients) = noise.tables();
         let rows = |entries: Vec<String>, each: usize| {
             entries.chunks(each).map(|row| format!("    {}", row.join(", "))).collect::<Vec<_>>().join(",\n")

@@ -17,9 +17,10 @@ use crate::noise::Period;
 use crate::scene::{
     Color, Integration, Neutral, ParameterValue, Parameters, SHADOW_SAMPLES, Scene, SceneError, Source,
 };
-use crate::shader::library::{ZERO, prefixed};
+use crate::shader::library::{ZERO, objects, prefixed};
 use crate::shader::{Library, LibraryError, LinkError, Linker, Parameter, Slots};
 use std::collections::BTreeMap;
+use std::iter;
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));
 
@@ -248,11 +249,9 @@ impl Variant {
 
     /// Whether the file is among those that the program is linked from.
     pub fn reaches(&self, library: &Library, path: &str) -> bool {
-        let is_it = |file: &String| file.split('#').next() == Some(path);
-        let filled = |(key, names): (&String, &Vec<String>)| {
-            library.files(slot_of(key), names).is_ok_and(|files| files.iter().any(is_it))
-        };
-        self.slots.iter().any(filled)
+        let own = library.files_reached(&self.entries, &self.slots);
+        let of_parts = objects(&self.slots).into_iter().map(|object| library.object_files(object, &self.slots));
+        iter::once(own).chain(of_parts).flatten().flatten().any(|file| file.split('#').next() == Some(path))
     }
 
     /// Whether the program reads the closest points of the object.
