@@ -393,8 +393,9 @@ impl Number for Interval {
     #[inline(never)]
     fn sample(image: &Image<'_>, at: [Interval; 3], level: Interval, wanted: [bool; 4]) -> [Interval; 4] {
         let endless = |at: &Interval| at.lo.is_infinite() || at.hi.is_infinite();
-        if at[..image.axes].iter().any(|at| at.is_whole() || image.wrap != Wrap::Clamp && endless(at)) {
-            return [Interval::WHOLE; 4]; // there is no such texel: NaN
+        let nowhere = |at: &Interval| at.is_whole() || image.wrap != Wrap::Clamp && endless(at);
+        if image.noise.is_none() && at[..image.axes].iter().any(nowhere) {
+            return [Interval::WHOLE; 4]; // there is no such texel: NaN; noise is held within its farthest cells
         }
         let levels = if level.is_whole() { [0.0, f64::INFINITY] } else { [level.lo, level.hi] };
         image.range_levels(at.map(|at| [at.lo, at.hi]), levels, wanted).map(|[lo, hi]| Interval { lo, hi })
