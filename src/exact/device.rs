@@ -256,4 +256,27 @@ mod tests {
             assert!(all.contains(f64::from(int as f32)) && all.lo < all.hi, "{int}: {all:?}");
         }
     }
+
+    #[test]
+    fn noise_at_a_place_that_is_not_known_is_noise_all_the_same() {
+        // `clamp` of whatever it is leaves a place, as shaders have it.
+        use crate::exact::Affine;
+        use crate::noise::{Lattice, NOISE_BOUND};
+        let image = Image::of_noise(Lattice::default());
+        let known = Interval { lo: 0.5, hi: 0.5 };
+        for unknown in [Interval::WHOLE, Interval { lo: 0.0, hi: f64::INFINITY }] {
+            let (at, level, wanted) = ([unknown, known, known], Interval { lo: 256.0, hi: 256.0 }, [true; 4]);
+            let bounds = [
+                Interval::sample(&image, at, level, wanted)[3],
+                Device::sample(&image, at.map(Device), Device(level), wanted)[3].0,
+                Affine::sample(&image, at.map(Affine::bounded), Affine::bounded(level), wanted)[3].all,
+            ];
+            for bounds in bounds {
+                assert!(
+                    bounds.lo > -1.001 * NOISE_BOUND && bounds.hi < 1.001 * NOISE_BOUND,
+                    "{bounds:?} at {unknown:?}"
+                );
+            }
+        }
+    }
 }
