@@ -7,10 +7,10 @@
 //! Source: Comba and Stolfi 1993; rests as in Berz and Makino's Taylor models, of order 1.
 
 use super::case::Case;
-use super::cases::SegmentBounds;
 use super::interval::{Interval, greater, lesser};
 use super::number::{GROUP, Number, Packed, Unary};
 use super::range::{Range, Tri};
+use super::segment::SegmentBounds;
 use super::texture::Image;
 use super::{BoundProgram, ExactError, Lanes, Measured};
 use crate::noise::{Knots, Lattice, ROUNDED};

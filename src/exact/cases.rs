@@ -9,27 +9,8 @@ use super::affine::Affine;
 use super::case::Case;
 use super::interval::Interval;
 use super::number::Number;
+use super::segment::SegmentBounds;
 use super::{BoundProgram, ExactError, Lanes};
-
-/// What is known of a number along a segment.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SegmentBounds {
-    /// Bounds of it everywhere on the segment.
-    pub all: Interval,
-    /// Bounds of its mean: narrower, since what is linear along the segment has no part in it.
-    pub mean: Interval,
-}
-
-impl SegmentBounds {
-    fn of(all: Interval) -> SegmentBounds {
-        SegmentBounds { all, mean: all }
-    }
-
-    /// Of a segment in parts; those of parts that overlap are not weighed.
-    fn join(self, other: SegmentBounds) -> SegmentBounds {
-        SegmentBounds::of(self.all.join(other.all))
-    }
-}
 
 impl BoundProgram<'_> {
     /// Bounds of what [`Program::read_channel`](super::Program::read_channel) left, in every lane. Lanes whose bounds are

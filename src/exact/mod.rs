@@ -28,6 +28,7 @@ mod ports;
 mod prepass;
 mod range;
 mod run;
+mod segment;
 mod state;
 mod step;
 pub mod texture;
@@ -35,11 +36,11 @@ mod uniforms;
 mod value;
 
 pub use affine::Affine;
-pub use cases::SegmentBounds;
 pub use device::Device;
 pub use interval::Interval;
 pub use number::Number;
 pub use outline::Outline;
+pub use segment::SegmentBounds;
 pub use texture::{Texture, Wrap};
 
 use crate::noise::Lattice;
