@@ -8,7 +8,6 @@
 use super::affine::Affine;
 use super::case::Case;
 use super::interval::Interval;
-use super::number::Number;
 use super::segment::SegmentBounds;
 use super::{BoundProgram, ExactError, Lanes};
 
