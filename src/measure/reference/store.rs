@@ -8,7 +8,7 @@ use crate::shader::Library;
 use crate::support::disk_cache::{self, Kind};
 
 /// Raise it when the same scene gives another reference.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 /// Less: those of a report push each other out. More: a person finds a full disk.
 const KIND: Kind = Kind { ends: &["reference"], limit: 256 << 20 };
 
