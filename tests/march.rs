@@ -220,6 +220,33 @@ fn m61_skipping_changes_no_bit_of_any_picture() {
     });
 }
 
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m61_cells_over_an_interval_of_time_change_no_bit_of_what_moves() {
+    let library = shader::shipped();
+    with_gpu(|gpu| {
+        for name in ["fire", "smoke"] {
+            let mut scene = preset(name).expect("a shipped preset");
+            (scene.object.resolution, scene.quality.block_size, scene.image.size) = (32, 32, [120, 120]);
+            (scene.quality.pass, scene.quality.samples) = (Pass::March, 300);
+            let subject = subject(&scene, &library);
+            let mut renderer = Renderer::new(gpu, &library, &subject);
+            // Frames of a sequence, the last of them exposed for a while.
+            for frame in 0..8 {
+                scene.camera.time = 0.3 + 0.04 * f64::from(frame);
+                let (shutter, count) = if frame == 7 { (0.2, 6) } else { (0.0, 1) };
+                (scene.camera.shutter, scene.quality.supersampling) = (shutter, count);
+                scene.quality.empty_space = EmptySpace::Skip;
+                let skipped = renderer.render(&scene).unwrap();
+                let found = skipped.measurements.cells.clone().unwrap_or_default();
+                assert!(found.empty > 0.1, "{name}, frame {frame}: {found:?}");
+                scene.quality.empty_space = EmptySpace::Sample;
+                assert!(picture(gpu, &library, &scene, &subject).pixels == skipped.pixels, "{name}, frame {frame}");
+            }
+        }
+    });
+}
+
 /// A warp that loops 24 times at each place and leaves it where it is.
 const SLOW: &str = "// @move 0
 void slow(inout vec3 x, inout mat3 jacobian) {

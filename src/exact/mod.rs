@@ -304,10 +304,10 @@ fn start((inputs, blocks): Filled<'_>, file: File, source: Source) -> Result<Sta
             let float = |bits| f64::from(f32::from_bits(bits));
             let (bits, until) = (bits(bytes)?, inputs.until.get(&binding).map(|bytes| bits(bytes)).transpose()?);
             match file {
-                File::Float if until.is_some_and(|until| until != bits) => {
-                    Start::Between(float(bits), float(until.unwrap_or(bits)))
-                }
-                File::Float => Start::Float(float(bits)),
+                File::Float => match until {
+                    Some(until) if until != bits => Start::Between(float(bits), float(until)),
+                    _ => Start::Float(float(bits)),
+                },
                 File::Int => Start::Int(bits, signed),
                 File::Truth => Start::Truth(bits != 0),
             }

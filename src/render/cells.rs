@@ -148,7 +148,9 @@ impl Cells {
                     let camera = &shot.scene.camera;
                     let end = (camera.time + f64::from(camera.shutter)) as f32;
                     let times = self.span.next(&timeless, time, end);
-                    bounded.fill(values, times)?;
+                    if times[0] < times[1] {
+                        bounded.fill(values, times)?;
+                    }
                     let proven = bounded.proven(&boxes, &read, stop).map_err(|error| error.to_string());
                     let proven = proven.transpose().ok_or(RenderError::Stopped)?;
                     self.span.take(timeless, times, proven.as_ref().map_or(0.0, |(empty, _)| part(empty)));
