@@ -2,14 +2,15 @@
 
 use super::super::inputs::Inputs;
 use super::super::sub_frame::SubFrame;
-use super::decide::{Boxes, Decider};
+use super::super::values::Values;
+use super::decide::{Bounded, Boxes, Decider};
 use super::tests::{decider, drawn};
 use crate::exact;
 use crate::render::Subject;
 use crate::render::shot::Shot;
 use crate::render::variant::Variant;
-use crate::scene::{Pass, preset};
-use crate::shader::{self, Linker};
+use crate::scene::{Pass, Scene, preset};
+use crate::shader::{self, Library, Linker};
 use crate::support::random::SplitMix;
 
 /// Cells along a side.
@@ -17,6 +18,28 @@ const SIDE: u32 = 16;
 /// Times at which each scene is looked at, and samples at each.
 const TIMES: usize = 6;
 const SAMPLES: usize = 20_000;
+
+/// What decides about the cells of a scene, and the values of its first picture.
+struct Made {
+    subject: Subject,
+    variant: Variant,
+    bounded: Box<Bounded>,
+    values: Values,
+    /// Of [`SIDE`] cells along a side, and of one.
+    boxes: [Boxes; 2],
+}
+
+fn made(scene: &Scene, library: &Library) -> Made {
+    let subject = Subject::load(scene, library, &|_| ()).unwrap();
+    let variant = Variant::of(scene, library).unwrap();
+    let program = variant.program(library, Linker::new).unwrap();
+    let shot = Shot::of(scene, &subject, &variant);
+    let inputs = Inputs::new(library, &shot, &program, &|_| ()).unwrap();
+    let Decider::Made(bounded) = decider(library, &shot, |_| true) else { panic!("{}", variant.key()) };
+    let values = inputs.stored().values(&shot, &SubFrame::all(scene).next().unwrap());
+    let boxes = [SIDE, 1].map(|side| Boxes::of(&shot, side));
+    Made { subject, variant, bounded, values, boxes }
+}
 
 #[test]
 fn m61_cells_that_are_empty_over_an_interval_of_time_are_so_at_each_time_in_it() {
@@ -27,14 +50,7 @@ fn m61_cells_that_are_empty_over_an_interval_of_time_are_so_at_each_time_in_it()
         let mut scene = preset(name).unwrap();
         (scene.quality.pass, scene.camera.time) = (Pass::March, 1.7);
         scene.object.resolution = scene.object.resolution.min(48);
-        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
-        let variant = Variant::of(&scene, &library).unwrap();
-        let program = variant.program(&library, Linker::new).unwrap();
-        let shot = Shot::of(&scene, &subject, &variant);
-        let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-        let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{name}") };
-        let values = inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap());
-        let boxes = Boxes::of(&shot, SIDE);
+        let Made { subject, variant, mut bounded, values, boxes: [boxes, _] } = made(&scene, &library);
         let start = scene.camera.time as f32;
         let [at_once, during] = [start, start + seconds].map(|until| {
             bounded.fill(&values, [start, until]).unwrap();
@@ -77,15 +93,9 @@ fn segments_of_noise_that_is_looked_up_hold_what_is_drawn() {
         scene.quality.pass = Pass::March;
         (scene.effect.noise, scene.effect.turbulence) = (noise.into(), turbulence.into());
         (scene.effect.octaves, scene.quality.samples) = (3, 40);
-        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
-        let variant = Variant::of(&scene, &library).unwrap();
-        let shot = Shot::of(&scene, &subject, &variant);
-        let program = variant.program(&library, Linker::new).unwrap();
-        let inputs = Inputs::new(&library, &shot, &program, &|_| ()).unwrap();
-        let Decider::Made(mut bounded) = decider(&library, &shot, |_| true) else { panic!("{noise}") };
-        let values = inputs.stored().values(&shot, &SubFrame::all(&scene).next().unwrap());
+        let Made { subject, variant, mut bounded, values, boxes: [_, whole] } = made(&scene, &library);
         bounded.fill(&values, [0.0; 2]).unwrap();
-        let whole = Boxes::of(&shot, 1).cell([0; 3], 1);
+        let whole = whole.cell([0; 3], 1);
         let segments: Vec<[[f64; 4]; 2]> = (0..SEGMENTS)
             .map(|_| {
                 let length = 10f64.powf(-4.0 * random.unit());
