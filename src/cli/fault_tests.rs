@@ -3,7 +3,7 @@
 
 use super::args::{Arguments, Command};
 use super::carry_out;
-use crate::gpu::{Gpu, Options};
+use crate::gpu::{Alone, Gpu, Options};
 use crate::measure::compare::candidates::Sweep;
 use crate::measure::compare::{Settings, Stage, compare};
 use crate::measure::reference::Reference;
@@ -125,6 +125,7 @@ fn fail_each(words: &str, validation: bool) -> BTreeSet<&'static str> {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn each_call_of_a_picture_a_sequence_and_a_field_may_fail() {
+    let _alone = Alone::new();
     let mut failed = fail_each("field sphere --resolution 8 -o @/field.nrrd", false);
     let small = "--size 8x8 --samples 8";
     for (words, validation) in [
@@ -151,6 +152,7 @@ fn each_call_of_a_picture_a_sequence_and_a_field_may_fail() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn each_call_of_a_comparison_may_fail_and_costs_it_a_candidate_at_most() {
+    let _alone = Alone::new();
     let library = shipped();
     let mut scene = preset("fire").unwrap();
     (scene.object.input, scene.image.size) = ("sphere".into(), [8, 8]);

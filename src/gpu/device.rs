@@ -16,7 +16,8 @@ use std::sync::{Arc, Mutex, MutexGuard};
 pub struct Options {
     /// Part of the device's name; `None` takes a discrete GPU before an integrated, virtual or CPU one.
     pub device: Option<String>,
-    /// Core and synchronization validation; needs the layer.
+    /// Core and synchronization validation; needs the layer, whose version 1.3.239 demands that no other thread of the
+    /// process uses a device under validation while one is opened or closed.
     pub validation: bool,
     /// Folder in which compiled pipelines are kept between runs.
     pub cache: Option<PathBuf>,

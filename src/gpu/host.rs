@@ -147,7 +147,7 @@ pub struct Recording {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::{Dimension, Image, ImageUse, Load, Options, Target};
+    use crate::gpu::{Alone, Dimension, Image, ImageUse, Load, Options, Target};
     use crate::render::{Renderer, Subject, render};
     use crate::scene::{Order, Pass, preset};
     use crate::shader;
@@ -189,6 +189,7 @@ mod tests {
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn a_recorded_picture_is_that_of_render_over_what_the_host_has_drawn() {
+        let _alone = Alone::new();
         let own = Gpu::new(&Options { validation: true, ..Options::of_tests() }).unwrap();
         let messages = own.messages();
         let host = HostDevice {

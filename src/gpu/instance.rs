@@ -20,6 +20,8 @@ pub(super) struct Instance {
 impl Instance {
     /// An instance with these extensions, by name.
     pub(super) fn new(validation: bool, extensions: &[*const c_char]) -> Result<Instance, GpuError> {
+        #[cfg(test)]
+        assert!(!validation || super::Alone::is_held(), "a test with validation begins with Alone::new()");
         // SAFETY: the loader is the system's Vulkan library, which has no requirement on when it is loaded.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| GpuError::NoLoader(error.to_string()))?;
         let messages = Messages::default();

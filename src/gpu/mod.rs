@@ -10,6 +10,8 @@
 
 #![allow(unsafe_code)]
 
+#[cfg(test)]
+mod alone;
 mod commands;
 mod device;
 #[cfg(test)]
@@ -30,6 +32,8 @@ mod validation_tests;
 #[cfg(feature = "viewer")]
 mod window;
 
+#[cfg(test)]
+pub(crate) use alone::Alone;
 pub use ash;
 pub use commands::{Area, Commands, Draw, Load, Submitted, Target};
 pub use device::{DeviceInfo, Gpu, Options, optional_features, required_features};

@@ -12,6 +12,7 @@ const BYTES: usize = (SIDE * SIDE * 4) as usize;
 
 /// Runs `plant` on a device with validation, closes the device, and returns the distinct ids of what was reported.
 fn reported(plant: impl FnOnce(&Gpu)) -> Vec<String> {
+    let _alone = Alone::new();
     let options = Options { validation: true, ..Options::of_tests() };
     let gpu = Gpu::new(&options).unwrap_or_else(|error| panic!("{error}"));
     let messages = gpu.messages();

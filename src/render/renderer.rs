@@ -239,7 +239,7 @@ impl Renderer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::Options;
+    use crate::gpu::{Alone, Options};
     use crate::render::pace::Pace;
     use crate::scene::{Pass, Proxy};
     use crate::shader;
@@ -247,6 +247,7 @@ mod tests {
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn where_slices_are_cut_into_submissions_changes_no_bit() {
+        let _alone = Alone::new();
         let gpu = Gpu::new(&Options { validation: true, ..Options::of_tests() }).unwrap();
         let mut scene = Scene::default();
         scene.object.input = "sphere".into();

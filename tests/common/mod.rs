@@ -10,9 +10,14 @@ use hypertexture::measure::verify;
 use hypertexture::render::{Frame, Subject, render};
 use hypertexture::scene::Scene;
 use hypertexture::shader::{self, Library};
+use std::sync::{Mutex, PoisonError};
 
-/// Runs a test on a device with validation, closes the device, and fails on whatever the layer has reported until then.
+/// Whose turn it is: the layer of Debian 12 crashes where one thread opens a device while another uses its own.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// Runs a test on a device with validation, one test at a time, closes the device, and fails on whatever the layer has reported until then.
 pub fn with_gpu<T>(test: impl FnOnce(&Gpu) -> T) -> T {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let device = std::env::var("HYPERTEXTURE_DEVICE").ok();
     let options = Options { device, validation: true, cache: None };
     let gpu =

@@ -126,10 +126,12 @@ impl Diagnosis {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gpu::Alone;
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn the_device_of_the_tests_is_healthy_and_named() {
+        let _alone = Alone::new();
         let start = std::time::Instant::now();
         let report = examine(&Options::of_tests());
         println!("{}{:.2} s", report.text, start.elapsed().as_secs_f64());
@@ -144,6 +146,7 @@ mod tests {
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn the_self_tests_are_valid_vulkan() {
+        let _alone = Alone::new();
         let gpu = Gpu::new(&Options { validation: true, ..Options::of_tests() }).unwrap();
         let messages = gpu.messages();
         let mut report = Diagnosis { text: String::new(), healthy: true };
@@ -155,6 +158,7 @@ mod tests {
 
     #[test]
     fn a_device_that_cannot_be_opened_is_a_finding_with_its_remedy() {
+        let _alone = Alone::new();
         let report = examine(&Options { device: Some("no such device".into()), ..Options::default() });
         assert!(!report.healthy);
         let failed: Vec<&str> = report.text.lines().filter(|line| line.starts_with("FAIL")).collect();
