@@ -10,21 +10,48 @@ use hypertexture::measure::verify;
 use hypertexture::render::{Frame, Subject, render};
 use hypertexture::scene::Scene;
 use hypertexture::shader::{self, Library};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Whose turn it is: the layer of Debian 12 crashes where one thread opens a device while another uses its own.
-static TURN: Mutex<()> = Mutex::new(());
+/// The device of the tests that run now, and how many they are. They share it: the layer of Debian 12 crashes where one
+/// thread opens or closes a device while another one uses its own.
+static SHARED: Mutex<Option<(Gpu, usize)>> = Mutex::new(None);
 
-/// Runs a test on a device with validation, one test at a time, closes the device, and fails on whatever the layer has reported until then.
+/// A test's part of the shared device.
+struct Part(Option<Gpu>);
+
+impl Part {
+    fn shared() -> MutexGuard<'static, Option<(Gpu, usize)>> {
+        SHARED.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn new() -> Part {
+        let mut shared = Part::shared();
+        let (gpu, tests) = shared.get_or_insert_with(|| {
+            let device = std::env::var("HYPERTEXTURE_DEVICE").ok();
+            let gpu = Gpu::new(&Options { device, validation: true, cache: None });
+            (gpu.unwrap_or_else(|error| panic!("{error}; HYPERTEXTURE_NO_GPU=1 leaves these tests out")), 0)
+        });
+        *tests += 1;
+        Part(Some(gpu.clone()))
+    }
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        let mut shared = Part::shared();
+        self.0 = None;
+        *shared = shared.take().map(|(gpu, tests)| (gpu, tests - 1)).filter(|(_, tests)| *tests > 0);
+    }
+}
+
+/// Runs a test on a device with validation, and fails on whatever the layer has reported until then: of this test, of those
+/// that run beside it, and of the closing of the device behind the last of them.
 pub fn with_gpu<T>(test: impl FnOnce(&Gpu) -> T) -> T {
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
-    let device = std::env::var("HYPERTEXTURE_DEVICE").ok();
-    let options = Options { device, validation: true, cache: None };
-    let gpu =
-        Gpu::new(&options).unwrap_or_else(|error| panic!("{error}; HYPERTEXTURE_NO_GPU=1 leaves these tests out"));
+    let part = Part::new();
+    let gpu = part.0.as_ref().expect("it is there until the part ends");
     let messages = gpu.messages();
-    let result = test(&gpu);
-    drop(gpu);
+    let result = test(gpu);
+    drop(part);
     let said = messages.take();
     assert!(said.is_empty(), "{} validation messages:\n{}", said.len(), said.join("\n"));
     result
