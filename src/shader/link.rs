@@ -18,6 +18,7 @@ use super::rounding::as_written;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
+use std::sync::OnceLock;
 
 /// Shader stage of an entry file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,19 +57,29 @@ const STACKS: [(&str, &str, &str, &str); 2] = [
     ),
 ];
 
-/// A GLSL compiler, made once: glslang's start costs far more than a program.
+/// The GLSL compiler of this process, which is never ended: glslang's start, the tables of all that GLSL has built in,
+/// costs 50 ms, as much as a small program.
+static COMPILER: OnceLock<shaderc::Compiler> = OnceLock::new();
+
+/// Links programs with the compiler of this process.
 pub struct Linker {
-    compiler: shaderc::Compiler,
+    compiler: &'static shaderc::Compiler,
     level: shaderc::OptimizationLevel,
 }
 
 impl Linker {
-    /// Starts the compiler.
+    /// Starts the compiler, unless it is.
     ///
     /// # Errors
     /// [`LinkError::Compiler`] when shaderc cannot be initialized.
     pub fn new() -> Result<Linker, LinkError> {
-        let compiler = shaderc::Compiler::new().map_err(|error| LinkError::Compiler(error.to_string()))?;
+        let compiler = match COMPILER.get() {
+            Some(compiler) => compiler,
+            None => {
+                let new = shaderc::Compiler::new().map_err(|error| LinkError::Compiler(error.to_string()))?;
+                COMPILER.get_or_init(|| new)
+            }
+        };
         Ok(Linker { compiler, level: shaderc::OptimizationLevel::Performance })
     }
 

@@ -53,10 +53,12 @@ impl Linked {
         let variant = own.probe(truth, library)?;
         let drawn = || variant.program(library, Linker::new);
         let (program, bounded) = rayon::join(drawn, || bounded(&variant, library));
-        let (program, (bounded, noise)) = (program?, bounded?);
+        let program = program?;
+        let Some((bounded, noise)) = bounded else {
+            return Ok(Linked { variant, bounded: program.clone(), program, noise: None });
+        };
         let image = bounded.resources.iter().find(|resource| resource.name == LOOKED_UP).map(|image| image.binding);
-        let noise = image.zip(noise);
-        Ok(Linked { variant, program, bounded, noise })
+        Ok(Linked { variant, program, bounded, noise: image.map(|image| (image, noise)) })
     }
 }
 

@@ -13,7 +13,7 @@ use crate::exact::{self, Device, Interval, Outline};
 use crate::noise::Lattice;
 use crate::render::variant::{Program, Resource, Variant, VariantError};
 use crate::scene::Scene;
-use crate::shader::Library;
+use crate::shader::{Library, Linker};
 use crate::support::disk_cache::{self, Kind};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -88,7 +88,11 @@ pub(super) fn deciding(
     scene: &Scene,
     library: &Library,
 ) -> Result<(Program, Option<Lattice>), VariantError> {
-    ranged::bounded(&variant.cells(scene, library)?, library)
+    let variant = variant.cells(scene, library)?;
+    match ranged::bounded(&variant, library) {
+        Some((program, noise)) => Ok((program, Some(noise))),
+        None => Ok((variant.program(library, Linker::new)?, None)),
+    }
 }
 
 impl Decider {

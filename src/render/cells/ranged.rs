@@ -6,7 +6,7 @@
 
 use super::super::inputs::CELLS;
 use crate::noise::{Lattice, Weights};
-use crate::render::variant::{Program, Variant, VariantError, slot_of};
+use crate::render::variant::{Program, Variant, slot_of};
 use crate::shader::{self, Library, Linker};
 
 /// The image in whose place the noise stands: a program that decides about cells does not read them.
@@ -29,18 +29,12 @@ const REPLACED: [(&str, &str); 4] = [
 const INCLUDED: [&str; 5] =
     ["corners.glsl", "hash.glsl", "noise_tables.glsl", "weights/cubic.glsl", "weights/quintic.glsl"];
 
-/// The program of these modules that bounds are taken of, and the noise that it looks up where it may.
-///
-/// # Errors
-/// As [`Variant::program`].
-pub(crate) fn bounded(variant: &Variant, library: &Library) -> Result<(Program, Option<Lattice>), VariantError> {
-    if let Some((library, noise)) = ranged(variant, library) {
-        // A module of a person may use more of a file than what replaces it has.
-        if let Ok(program) = variant.program(&library, Linker::new) {
-            return Ok((program, Some(noise)));
-        }
-    }
-    Ok((variant.program(library, Linker::new)?, None))
+/// The program of these modules that bounds are taken of, and the noise that it looks up; none where that is the program
+/// which is drawn.
+pub(crate) fn bounded(variant: &Variant, library: &Library) -> Option<(Program, Lattice)> {
+    let (library, noise) = ranged(variant, library)?;
+    // A module of a person may use more of a file than what replaces it has.
+    Some((variant.program(&library, Linker::new).ok()?, noise))
 }
 
 /// The library that bounds of these modules are taken of, and the noise that it looks up; none where no noise is computed,
