@@ -62,6 +62,11 @@ impl Library {
         Library { compiler: Some(program.into()), ..self }
     }
 
+    /// The same library, whose texts are compiled in this process.
+    pub(crate) fn compiled_here(self) -> Library {
+        Library { compiler: None, ..self }
+    }
+
     /// What [`Library::compiled_by`] said.
     pub fn compiler(&self) -> Option<&Path> {
         self.compiler.as_deref()

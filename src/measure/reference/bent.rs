@@ -9,7 +9,7 @@ use crate::exact;
 use crate::render::variant::{Program, Variant};
 use crate::render::{CpuInputs, OCTAVES_ID, Subject};
 use crate::scene::Scene;
-use crate::shader::{Library, Linker};
+use crate::shader::Library;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -65,7 +65,7 @@ struct Glass<'a> {
 impl<'a> Glass<'a> {
     fn new(library: &'a Library, truth: &'a Scene, subject: &'a Subject) -> Result<Glass<'a>, ReferenceError> {
         let variant = Variant::of(truth, library)?;
-        let linked = variant.program(&library.with_constant("HALVINGS", HALVINGS), Linker::new)?;
+        let linked = variant.program_of(library, library.with_constant("HALVINGS", HALVINGS))?;
         let program = exact::Program::read(&linked.fragment, &[(OCTAVES_ID, truth.effect.octaves)])?;
         Ok(Glass { library, truth, subject, variant, linked, program })
     }

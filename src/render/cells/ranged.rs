@@ -7,7 +7,7 @@
 use super::super::inputs::CELLS;
 use crate::noise::{Lattice, Weights};
 use crate::render::variant::{Program, Variant, slot_of};
-use crate::shader::{self, Library, Linker};
+use crate::shader::{self, Library};
 
 /// The image in whose place the noise stands: a program that decides about cells does not read them.
 pub(crate) const LOOKED_UP: &str = CELLS;
@@ -32,9 +32,9 @@ const INCLUDED: [&str; 5] =
 /// The program of these modules that bounds are taken of, and the noise that it looks up; none where that is the program
 /// which is drawn.
 pub(crate) fn bounded(variant: &Variant, library: &Library) -> Option<(Program, Lattice)> {
-    let (library, noise) = ranged(variant, library)?;
+    let (own, noise) = ranged(variant, library)?;
     // A module of a person may use more of a file than what replaces it has.
-    Some((variant.program(&library, Linker::new).ok()?, noise))
+    Some((variant.program_of(library, own).ok()?, noise))
 }
 
 /// The library that bounds of these modules are taken of, and the noise that it looks up; none where no noise is computed,

@@ -1,6 +1,6 @@
 //! Linked programs kept on disk: glslang takes up to a second for one, and the same one is asked for again and again.
 
-use super::{SHIPPED_PROGRAMS, Variant, VariantError};
+use super::{Program, SHIPPED_PROGRAMS, Variant, VariantError};
 #[cfg(feature = "measure")]
 use crate::shader;
 #[cfg(feature = "measure")]
@@ -44,6 +44,16 @@ impl Variant {
     #[cfg(feature = "measure")]
     pub(crate) fn text_hash(&self, library: &Library) -> blake3::Hash {
         key(library, self.entries, &self.slots, (true, false))
+    }
+
+    /// The program of the same modules and of `own` texts, which stand in place of some of `library`: in a process of its own
+    /// only where that is asked for of `library`.
+    ///
+    /// # Errors
+    /// As [`Variant::program`].
+    pub(crate) fn program_of(&self, library: &Library, own: Library) -> Result<Program, VariantError> {
+        let own = if self.apart(library, true).is_some() { own } else { own.compiled_here() };
+        self.program(&own, Linker::new)
     }
 
     /// What links both stages in a process of its own, where the library asks for that and some text of the program is not
@@ -118,6 +128,26 @@ mod tests {
     use super::*;
     use crate::render::variant::program::words;
     use crate::shader::compile::refusal;
+
+    #[test]
+    fn texts_of_the_program_itself_are_linked_here_and_those_of_a_person_elsewhere() {
+        let mut scene = crate::scene::preset("noisy_sphere").unwrap();
+        let shipped = shader::shipped().compiled_by(std::path::Path::new("no such program"));
+        let own = |library: &Library, variant: &Variant| {
+            let mut reached = library.sources().filter(|(path, _)| variant.reaches(library, path));
+            let (path, text) = reached.next().unwrap();
+            library.clone().with_file(path, &format!("{text}// of the program itself\n"))
+        };
+        let variant = Variant::of(&scene, &shipped).unwrap();
+        assert!(variant.program(&own(&shipped, &variant), Linker::new).is_err());
+        assert!(variant.program_of(&shipped, own(&shipped, &variant)).is_ok());
+        let text = "float modulate(float density, inout Sample s) { return 0.5 * density; }\n";
+        let persons = shipped.with_module("dmf", "halved", text);
+        scene.effect.dmf = vec!["halved".into()];
+        let variant = Variant::of(&scene, &persons).unwrap();
+        let refused = variant.program_of(&persons, own(&persons, &variant)).unwrap_err().to_string();
+        assert!(refused.contains("dmf/halved.glsl"), "{refused}");
+    }
 
     #[test]
     fn every_program_that_ships_asks_for_no_more_than_a_person_may() {
