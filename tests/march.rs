@@ -231,6 +231,7 @@ fn m61_cells_over_an_interval_of_time_change_no_bit_of_what_moves() {
             (scene.quality.pass, scene.quality.samples) = (Pass::March, 300);
             let subject = subject(&scene, &library);
             let mut renderer = Renderer::new(gpu, &library, &subject);
+            let mut sides = Vec::new();
             // Frames of a sequence, the last of them exposed for a while.
             for frame in 0..8 {
                 scene.camera.time = 0.3 + 0.04 * f64::from(frame);
@@ -240,9 +241,11 @@ fn m61_cells_over_an_interval_of_time_change_no_bit_of_what_moves() {
                 let skipped = renderer.render(&scene).unwrap();
                 let found = skipped.measurements.cells.clone().unwrap_or_default();
                 assert!(found.empty > 0.1, "{name}, frame {frame}: {found:?}");
+                sides.push(found.side);
                 scene.quality.empty_space = EmptySpace::Sample;
                 assert!(picture(gpu, &library, &scene, &subject).pixels == skipped.pixels, "{name}, frame {frame}");
             }
+            assert!(sides[6] > sides[0], "{name}: cells that frames share are finer: {sides:?}");
         }
     });
 }

@@ -31,6 +31,8 @@ use std::time::Instant;
 const SAMPLES: f64 = 400.0;
 /// The same on a device that draws much faster than the processor decides.
 const SAMPLES_OF_A_GPU: f64 = 100.0 * SAMPLES;
+/// For so many pictures at most finer cells are decided that share them. More: a window that plays pauses for them.
+const SHARED: u32 = 8;
 /// Samples of a picture for each texel that is read back for bounds. Fewer: small pictures of large volumes wait for them.
 const SAMPLES_OF_A_TEXEL: f64 = 2.0;
 /// The same for the first picture of slices, which gains less than rays, and may be the only one.
@@ -97,7 +99,7 @@ impl Cells {
             return true;
         }
         match self.decider {
-            Decider::Unmade(texels) | Decider::Coming(texels, _) => side(gpu, shot, texels, self.is_first) == 0,
+            Decider::Unmade(texels) | Decider::Coming(texels, _) => side(gpu, shot, texels, self.is_first, 1) == 0,
             Decider::Made(_) | Decider::Unbounded(_) => true,
         }
     }
@@ -118,14 +120,14 @@ impl Cells {
             return Ok(false);
         }
         let is_first = std::mem::replace(&mut self.is_first, false);
-        let side_of = |texels| side(gpu, shot, texels, is_first);
+        let side_of = |texels, pictures| side(gpu, shot, texels, is_first, pictures);
         if let Decider::Unmade(texels) = self.decider
-            && side_of(texels) > 0
+            && side_of(texels, 1) > 0
         {
-            self.decider = Decider::new(&self.library, shot, image_of, |texels| side_of(texels) > 0)?;
+            self.decider = Decider::new(&self.library, shot, image_of, |texels| side_of(texels, 1) > 0)?;
         }
         if let Decider::Coming(texels, _) = self.decider
-            && side_of(texels) > 0
+            && side_of(texels, 1) > 0
         {
             self.decider.wait(stop)?;
         }
@@ -133,21 +135,23 @@ impl Cells {
         let (key, empty) = match &mut self.decider {
             Decider::Unmade(_) | Decider::Coming(..) => few(),
             Decider::Unbounded(why) => (None, Err(why.clone())),
-            Decider::Made(bounded) => match Boxes::of(shot, side_of(bounded.texels)) {
+            Decider::Made(bounded) => match Boxes::of(shot, side_of(bounded.texels, self.span.shared())) {
                 Boxes { side: 0, .. } => few(),
-                boxes => {
+                last => {
+                    let is_of = |boxes: &Boxes| self.key.as_ref().is_some_and(|(_, of)| of == boxes);
                     let time = values.get(TIME).and_then(|time| time.first()).copied().unwrap_or_default();
                     let timeless = bounded.timeless(values)?;
-                    if self.key.as_ref().is_some_and(|(_, of)| *of == boxes) && self.span.holds(&timeless, time) {
+                    if is_of(&last) && self.span.holds(&timeless, time) {
                         return Ok(false);
                     }
                     let read = bounded.fill(values, [time; 2])?;
-                    if self.key.as_ref().is_some_and(|(before, of)| *before == read && *of == boxes) {
-                        return Ok(false);
-                    }
                     let camera = &shot.scene.camera;
                     let end = (camera.time + f64::from(camera.shutter)) as f32;
                     let times = self.span.next(&timeless, time, end);
+                    let boxes = Boxes::of(shot, side_of(bounded.texels, self.span.to_share(times)));
+                    if is_of(&boxes) && self.key.as_ref().is_some_and(|(before, _)| *before == read) {
+                        return Ok(false);
+                    }
                     if times[0] < times[1] {
                         bounded.fill(values, times)?;
                     }
@@ -223,14 +227,16 @@ fn image(gpu: &Gpu, side: u32, texels: &[u8]) -> Result<Image, RenderError> {
     Ok(Image::sampled(gpu, "cells", Dimension::Volume(side, side, side), Format::R8Unorm, texels)?)
 }
 
-/// Cells along a side that pay for a picture, which may be the first of a program; 0 for none.
-fn side(gpu: &Gpu, shot: &Shot<'_>, texels: u64, is_first: bool) -> u32 {
+/// Cells along a side that pay for a picture, which may be the first of a program, where so many share them; 0 for none.
+fn side(gpu: &Gpu, shot: &Shot<'_>, texels: u64, is_first: bool, pictures: u32) -> u32 {
     let scene = shot.scene;
     let [width, height] = shot.whole.map(f64::from);
     let samples =
         width * height * f64::from(shot.planes.count) * f64::from(scene.quality.supersampling) * unskipped(shot);
     let of_a_cell = if gpu.info().cpu { SAMPLES } else { SAMPLES_OF_A_GPU };
-    let levels = (samples / of_a_cell).cbrt().log2().floor().clamp(0.0, 8.0);
+    // Sub-frames of an exposure are counted already.
+    let shared = if scene.camera.shutter > 0.0 { 1 } else { pictures.min(SHARED) };
+    let levels = (samples * f64::from(shared) / of_a_cell).cbrt().log2().floor().clamp(0.0, 8.0);
     let side = 1 << levels as u32;
     let of_a_texel = match is_first && scene.quality.pass == Pass::Slices {
         true => SAMPLES_OF_FIRST_SLICES,

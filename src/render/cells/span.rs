@@ -19,7 +19,9 @@ pub(super) struct Span {
     times: [f32; 2],
     /// The time of the picture before.
     last: f32,
-    /// Pictures that the next proofs are made for.
+    /// Pictures that the last proofs were made for.
+    made_for: u32,
+    /// Pictures that the next ones are made for.
     pictures: u32,
     /// The part of the cells that was empty at one time.
     at_once: f32,
@@ -42,8 +44,19 @@ impl Span {
         [time, if step > 0.0 && self.pictures > 1 { end.max(time + ahead) } else { time }]
     }
 
+    /// How many pictures share the proofs that hold.
+    pub(super) fn shared(&self) -> u32 {
+        self.made_for.max(1)
+    }
+
+    /// How many pictures are to share proofs that hold from when to when.
+    pub(super) fn to_share(&self, times: [f32; 2]) -> u32 {
+        if times[0] < times[1] { self.pictures } else { 1 }
+    }
+
     /// Takes proofs that hold for this and found such a part of the cells empty.
     pub(super) fn take(&mut self, timeless: Vec<u8>, times: [f32; 2], empty: f32) {
+        self.made_for = self.to_share(times);
         self.pictures = match times[0] < times[1] {
             true if empty >= KEPT * self.at_once => (2 * self.pictures).min(MOST),
             true => self.pictures / 2,
