@@ -1,8 +1,8 @@
 //! One test at a time has devices under validation.
 //!
-//! The layer of Debian 12 (1.3.239) keeps instances and devices in a table without a lock: it crashes, once in some fifty
-//! runs of the suite, where one thread opens or closes a device while another uses its own (KhronosGroup/Vulkan-ValidationLayers,
-//! issue 4391). Devices without validation are not in that table.
+//! The layer of Debian 12 (1.3.239) keeps instances and devices in a table without a lock: now and then it crashes where one
+//! thread opens or closes a device while another one uses its own (KhronosGroup/Vulkan-ValidationLayers, issue 4391).
+//! Devices without validation are not in that table.
 
 use std::cell::Cell;
 use std::sync::{Mutex, MutexGuard, PoisonError};
