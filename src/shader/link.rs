@@ -58,7 +58,7 @@ const STACKS: [(&str, &str, &str, &str); 2] = [
 ];
 
 /// The GLSL compiler of this process, which is never ended: glslang's start, the tables of all that GLSL has built in,
-/// costs 50 ms, as much as a small program.
+/// costs 50 to 90 ms, as much as a small program.
 static COMPILER: OnceLock<shaderc::Compiler> = OnceLock::new();
 
 /// Links programs with the compiler of this process.
