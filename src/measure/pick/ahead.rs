@@ -6,7 +6,7 @@ use crate::measure::compare::candidates::Candidate;
 use crate::measure::reference::{self, truth_of};
 use crate::render::link_cells;
 use crate::render::variant::{Variant, VariantError};
-use crate::scene::{Integration, Pass, RayPath, Scene};
+use crate::scene::{Integration, Pass, Scene};
 use crate::shader::{Library, Linker};
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -66,9 +66,6 @@ impl<'a> Ahead<'a> {
 
     fn link_reference(&self, scene: &Scene) -> Result<(), VariantError> {
         let truth = truth_of(scene, self.library)?;
-        if truth.effect.ray_path == RayPath::Refracted {
-            return self.link_picture(&truth);
-        }
         let own = Variant::of(&truth, self.library)?;
         reference::link(&own, &truth, self.library)?;
         self.link_shadow(&own, &truth)

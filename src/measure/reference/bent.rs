@@ -6,7 +6,7 @@
 
 use super::{Reference, ReferenceError, Stop, go_on};
 use crate::exact;
-use crate::render::variant::{Program, Variant};
+use crate::render::variant::{Program, Variant, VariantError};
 use crate::render::{CpuInputs, OCTAVES_ID, Subject};
 use crate::scene::Scene;
 use crate::shader::Library;
@@ -52,6 +52,11 @@ pub(super) fn reference(
     Ok(Reference { size: truth.image.size, pixels: found, estimate, open })
 }
 
+/// The program that follows rays through glass.
+pub(super) fn linked(variant: &Variant, library: &Library) -> Result<Program, VariantError> {
+    variant.program_of(library, library.with_constant("HALVINGS", HALVINGS))
+}
+
 /// The program of a picture through glass.
 struct Glass<'a> {
     library: &'a Library,
@@ -65,7 +70,7 @@ struct Glass<'a> {
 impl<'a> Glass<'a> {
     fn new(library: &'a Library, truth: &'a Scene, subject: &'a Subject) -> Result<Glass<'a>, ReferenceError> {
         let variant = Variant::of(truth, library)?;
-        let linked = variant.program_of(library, library.with_constant("HALVINGS", HALVINGS))?;
+        let linked = linked(&variant, library)?;
         let program = exact::Program::read(&linked.fragment, &[(OCTAVES_ID, truth.effect.octaves)])?;
         Ok(Glass { library, truth, subject, variant, linked, program })
     }
