@@ -12,17 +12,21 @@ use glam::Vec3;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// A kind of file: first bytes, end of the name, floats for each sample.
-struct Kind {
+/// A kind of file: first bytes, end of the name, and a sample of its so many bytes.
+struct Kind<T, const BYTES: usize> {
     magic: &'static [u8; 8],
     end: &'static str,
-    floats: u64,
+    sample: fn([u8; BYTES]) -> T,
 }
 
 /// Distances.
-const FIELD: Kind = Kind { magic: b"HYPERFLD", end: "field", floats: 1 };
+const FIELD: Kind<f32, 4> = Kind { magic: b"HYPERFLD", end: "field", sample: f32::from_le_bytes };
 /// Closest points of the same input, beside them.
-const CLOSEST: Kind = Kind { magic: b"HYPERCPT", end: "closest", floats: 3 };
+const CLOSEST: Kind<Vec3, 12> = Kind {
+    magic: b"HYPERCPT",
+    end: "closest",
+    sample: |bytes| Vec3::from_array(bytemuck::cast::<_, [[u8; 4]; 3]>(bytes).map(f32::from_le_bytes)),
+};
 /// Raise it when a field computed from the same input changes, or the layout of the file does.
 const VERSION: u32 = 5;
 /// Magic, version, key, size, origin, spacing, five counts; the payload follows.
@@ -66,8 +70,8 @@ impl Key {
         Key(*hash.finalize().as_bytes())
     }
 
-    fn file(&self, kind: &Kind, folder: &Path) -> PathBuf {
-        folder.join(format!("{}.{}", blake3::Hash::from_bytes(self.0).to_hex(), kind.end))
+    fn file(&self, end: &str, folder: &Path) -> PathBuf {
+        folder.join(format!("{}.{end}", blake3::Hash::from_bytes(self.0).to_hex()))
     }
 }
 
@@ -137,7 +141,7 @@ pub fn cached(
         return Ok((field, FieldReport { ms: start.elapsed().as_secs_f64() * 1e3, ..report }));
     }
     let (field, report) = compute()?;
-    keep(&FIELD, key, folder, &field.grid, &field.values, &report);
+    keep(&FIELD, key, folder, (&field.grid, &field.values, &report));
     Ok((field, report))
 }
 
@@ -153,19 +157,18 @@ pub fn cached_with_closest(
     let start = Instant::now();
     let stored = || Some((read(&CLOSEST, key, folder)?, read(&FIELD, key, folder)?));
     if let Some(((closest_grid, points, _), (grid, values, report))) = stored() {
-        let points = points.as_chunks::<3>().0.iter().map(|&point| Vec3::from_array(point)).collect();
         let report = FieldReport { ms: start.elapsed().as_secs_f64() * 1e3, ..report };
         return Ok((DistanceField { grid, values }, ClosestPoints { grid: closest_grid, points }, report));
     }
     let (field, closest, report) = compute()?;
-    keep(&FIELD, key, folder, &field.grid, &field.values, &report);
-    keep(&CLOSEST, key, folder, &closest.grid, bytemuck::cast_slice(&closest.points), &report);
+    keep(&FIELD, key, folder, (&field.grid, &field.values, &report));
+    keep(&CLOSEST, key, folder, (&closest.grid, bytemuck::cast_slice(&closest.points), &report));
     Ok((field, closest, report))
 }
 
 /// What is stored under `key`; nothing, and a warning, where a file is damaged or cannot be read.
-fn read(kind: &Kind, key: &Key, folder: &Path) -> Option<Stored> {
-    let path = key.file(kind, folder);
+fn read<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path) -> Option<Stored<T>> {
+    let path = key.file(kind.end, folder);
     match disk_cache::read(&path).map_err(OpenError::from) {
         Ok(bytes) => {
             let stored = bytes.and_then(|bytes| decode(kind, &bytes, key));
@@ -181,9 +184,9 @@ fn read(kind: &Kind, key: &Key, folder: &Path) -> Option<Stored> {
 }
 
 /// Stores under `key`, or warns.
-fn keep(kind: &Kind, key: &Key, folder: &Path, grid: &Grid, values: &[f32], report: &FieldReport) {
-    let path = key.file(kind, folder);
-    if let Err(error) = disk_cache::write(&path, encode(kind, key, grid, values, report), Some(CACHE)) {
+fn keep<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path, made: Made<'_>) {
+    let path = key.file(kind.end, folder);
+    if let Err(error) = disk_cache::write(&path, encode(kind, key, made), Some(CACHE)) {
         let folder = folder.display();
         log::warn!(
             "{folder}: the field cannot be kept: {error}; set HYPERTEXTURE_CACHE to a folder that can be written"
@@ -195,10 +198,12 @@ fn floats(hash: &mut blake3::Hasher, values: &[f32]) {
     hash.update(bytemuck::cast_slice(values));
 }
 
-/// Grid, floats of its samples, and how they were computed.
-type Stored = (Grid, Vec<f32>, FieldReport);
+/// Grid, samples, and how they were computed.
+type Stored<T> = (Grid, Vec<T>, FieldReport);
+/// The same to be stored: the floats of the samples.
+type Made<'a> = (&'a Grid, &'a [f32], &'a FieldReport);
 
-fn encode(kind: &Kind, key: &Key, grid: &Grid, values: &[f32], report: &FieldReport) -> Vec<u8> {
+fn encode<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, (grid, values, report): Made<'_>) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER_BYTES + 4 * values.len());
     bytes.extend_from_slice(kind.magic);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
@@ -213,7 +218,7 @@ fn encode(kind: &Kind, key: &Key, grid: &Grid, values: &[f32], report: &FieldRep
     bytes
 }
 
-fn decode(kind: &Kind, bytes: &[u8], key: &Key) -> Option<Stored> {
+fn decode<T, const BYTES: usize>(kind: &Kind<T, BYTES>, bytes: &[u8], key: &Key) -> Option<Stored<T>> {
     let (header, payload) = bytes.split_at_checked(HEADER_BYTES)?;
     let head = header.strip_prefix(kind.magic)?.strip_prefix(&VERSION.to_le_bytes())?.strip_prefix(&key.0)?;
     let (geometry, counts) = head.split_at_checked(36)?;
@@ -222,7 +227,7 @@ fn decode(kind: &Kind, bytes: &[u8], key: &Key) -> Option<Stored> {
     let size = [word()?, word()?, word()?].map(u32::from_le_bytes);
     let mut vector = || Some(Vec3::from_array([word()?, word()?, word()?].map(f32::from_le_bytes)));
     let grid = Grid { size, origin: vector()?, spacing: vector()? };
-    let expected = size.iter().try_fold(4 * kind.floats, |a, &n| a.checked_mul(u64::from(n)))?;
+    let expected = size.iter().try_fold(BYTES as u64, |a, &n| a.checked_mul(u64::from(n)))?;
     if payload.len() as u64 != expected {
         return None;
     }
@@ -237,7 +242,7 @@ fn decode(kind: &Kind, bytes: &[u8], key: &Key) -> Option<Stored> {
         from_cache: true,
         ms: 0.0,
     };
-    let values = payload.as_chunks::<4>().0.iter().map(|&b| f32::from_le_bytes(b)).collect();
+    let values = payload.as_chunks::<BYTES>().0.iter().map(|&bytes| (kind.sample)(bytes)).collect();
     Some((grid, values, report))
 }
 
@@ -298,7 +303,7 @@ mod tests {
         assert_eq!(computed.get(), 1);
         assert!(report.from_cache && field == again && closest == closest_again);
         assert_eq!(field, cached(&key, folder.path(), || unreachable!("it was kept")).unwrap().0);
-        let path = key.file(&CLOSEST, folder.path());
+        let path = key.file(CLOSEST.end, folder.path());
         let mut bytes = fs::read(&path).unwrap();
         bytes[200] ^= 1;
         fs::write(&path, bytes).unwrap();
@@ -311,7 +316,7 @@ mod tests {
         let folder = folder.path();
         let key = Key::new(&shape(), &REQUEST);
         let (truth, ..) = get(folder);
-        let path = key.file(&FIELD, folder);
+        let path = key.file(FIELD.end, folder);
         let good = fs::read(&path).unwrap();
         for at in 0..good.len() {
             let mut bad = good.clone();
@@ -347,9 +352,9 @@ mod tests {
         assert!(others.iter().all(|other| *other != key));
         assert_ne!(others[4], others[5]);
         let field = transform(&shape(), &REQUEST, &|_| {}).unwrap().0;
-        let foreign = encode(&FIELD, &others[0], &field.grid, &field.values, &FieldReport::default());
+        let foreign = encode(&FIELD, &others[0], (&field.grid, &field.values, &FieldReport::default()));
         assert!(decode(&FIELD, &foreign, &key).is_none());
-        let of_another_kind = encode(&FIELD, &key, &field.grid, &field.values, &FieldReport::default());
+        let of_another_kind = encode(&FIELD, &key, (&field.grid, &field.values, &FieldReport::default()));
         assert!(decode(&FIELD, &of_another_kind, &key).is_some() && decode(&CLOSEST, &of_another_kind, &key).is_none());
     }
 

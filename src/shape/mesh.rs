@@ -4,8 +4,8 @@
 //! what has no area, and moves what stands far away to where f32 can tell its corners apart.
 
 use super::{Bounds, Mesh};
+use foldhash::{HashMap, HashMapExt};
 use glam::{DVec3, Vec3};
-use std::collections::HashMap;
 
 /// How many times farther from the origin than its box is long a mesh may stand without an offset: f32 then still tells
 /// apart 2^19 places along the box.
@@ -165,9 +165,10 @@ fn weld<P: Copy + Into<DVec3>>(positions: &[P]) -> (Vec<P>, Vec<u32>) {
 /// Corners of the triangles of a parametric surface over `nu` x `nv` cells; counterclockwise seen from the side of
 /// dP/du x dP/dv. `point` takes the grid indices 0..=nu and 0..=nv.
 pub(super) fn tessellate(nu: usize, nv: usize, point: impl Fn(usize, usize) -> Vec3) -> Vec<Vec3> {
+    let rows: Vec<Vec<Vec3>> = (0..=nu).map(|u| (0..=nv).map(|v| point(u, v)).collect()).collect();
     let cells = (0..nu).flat_map(|u| (0..nv).map(move |v| (u, v)));
     let corners = cells.flat_map(|(u, v)| {
-        let [a, b, c, d] = [point(u, v), point(u + 1, v), point(u + 1, v + 1), point(u, v + 1)];
+        let [a, b, c, d] = [rows[u][v], rows[u + 1][v], rows[u + 1][v + 1], rows[u][v + 1]];
         [a, b, c, a, c, d]
     });
     corners.collect()

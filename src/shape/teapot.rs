@@ -7,6 +7,7 @@
 use super::Mesh;
 use super::mesh::tessellate;
 use super::teapot_data::{PATCHES, POINTS};
+use foldhash::{HashSet, HashSetExt};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 
@@ -74,15 +75,15 @@ fn closed(mut mesh: Mesh) -> Mesh {
 
 /// The edges that only one triangle has, from its first corner to its second, joined to loops.
 fn open_loops(mesh: &Mesh) -> Vec<Vec<[u32; 2]>> {
-    let mut next = BTreeMap::new();
+    let mut single = HashSet::with_capacity(mesh.triangles.len());
     for &[a, b, c] in &mesh.triangles {
         for (from, to) in [(a, b), (b, c), (c, a)] {
-            if next.remove(&(to, from)).is_none() {
-                next.insert((from, to), ());
+            if !single.remove(&(to, from)) {
+                single.insert((from, to));
             }
         }
     }
-    let mut next: BTreeMap<u32, u32> = next.into_keys().collect();
+    let mut next: BTreeMap<u32, u32> = single.into_iter().collect();
     let mut loops = Vec::new();
     while let Some((&start, _)) = next.first_key_value() {
         let mut edges = Vec::new();

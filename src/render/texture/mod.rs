@@ -101,15 +101,18 @@ pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Tex
 }
 
 /// The way from every sample of a field to the closest point of its level `iso`, as RGBA, 16 bits each, A unused: a
-/// component c, in the units of the field, is stored as `0.5 + 0.5 c / range`. Returns the texels and the range.
+/// component c, in the units of the field, is stored as `0.5 + 0.5 c / range`. Returns the bytes and the range.
 ///
 /// The level is reached from the closest point of the surface straight on, which is exact on the side of the surface
 /// that the level is on as far as its medial axis. Quantization: `range / 65535` for each component.
-pub fn encode_closest(closest: &ClosestPoints, field: &DistanceField, iso: f32) -> (Vec<u16>, f32) {
+pub fn encode_closest(closest: &ClosestPoints, field: &DistanceField, iso: f32) -> (Vec<u8>, f32) {
     let [nx, ny, _] = closest.grid.size;
     let way = |index: usize| {
         let at = [index as u32 % nx, index as u32 / nx % ny, index as u32 / (nx * ny)];
         let to_surface = closest.points[index] - closest.grid.position(at[0], at[1], at[2]);
+        if iso == 0.0 {
+            return to_surface;
+        }
         let outward = match field.values[index] < 0.0 {
             true => to_surface.normalize_or_zero(),
             false => -to_surface.normalize_or_zero(),
@@ -120,13 +123,13 @@ pub fn encode_closest(closest: &ClosestPoints, field: &DistanceField, iso: f32) 
     let samples = 0..closest.points.len();
     let range =
         samples.into_par_iter().map(|index| way(index).abs().max_element()).reduce(|| f32::MIN_POSITIVE, f32::max);
-    let mut texels = vec![0; closest.points.len() * 4];
-    texels.par_chunks_mut(4 * nx as usize).enumerate().for_each(|(row, out)| {
-        for (i, out) in out.as_chunks_mut::<4>().0.iter_mut().enumerate() {
-            *out = (0.5 + 0.5 * way(row * nx as usize + i) / range).extend(0.0).to_array().map(code16);
-        }
+    let mut bytes = vec![0; closest.points.len() * 8];
+    bytes.par_chunks_mut(8 * nx as usize).enumerate().for_each(|(row, out)| {
+        let ways = (0..nx as usize).map(|i| way(row * nx as usize + i));
+        let codes = ways.map(|way| (0.5 + 0.5 * way / range).extend(0.0).to_array().map(code16));
+        fill::<8>(out, codes.map(bytemuck::cast));
     });
-    (texels, range)
+    (bytes, range)
 }
 
 /// Entries of a transfer map on the device. Fewer: steps smear over a visible range of density.
@@ -320,15 +323,19 @@ pub(super) mod tests {
         let values = (0..9261).map(|i| 0.53 - place(i).y.abs()).collect();
         let side = |p: Vec3| if p.y > -0.05 { 1.0 } else { -1.0 };
         let foot = |p: Vec3| Vec3::new(p.x, 0.53 * side(p), p.z);
-        let (field, iso) = (DistanceField { grid, values }, 0.07);
+        let field = DistanceField { grid, values };
         let closest = ClosestPoints { grid, points: (0..9261).map(|i| foot(place(i))).collect() };
-        let (texels, range) = encode_closest(&closest, &field, iso);
-        for (index, texel) in texels.chunks_exact(4).enumerate() {
-            let p = place(index);
-            let way = |c: usize| (f32::from(texel[c]) / 65535.0 * 2.0 - 1.0) * range;
-            let level = p + Vec3::new(way(0), way(1), way(2));
-            let expected = Vec3::new(p.x, (0.53 - iso) * side(p), p.z);
-            assert!(level.distance(expected) < 1e-4, "{p} leads to {level}");
+        for iso in [0.07, 0.0] {
+            let (bytes, range) = encode_closest(&closest, &field, iso);
+            for (index, texel) in bytes.as_chunks::<8>().0.iter().enumerate() {
+                let p = place(index);
+                let way = |c: usize| {
+                    (f32::from(u16::from_ne_bytes([texel[2 * c], texel[2 * c + 1]])) / 65535.0 * 2.0 - 1.0) * range
+                };
+                let level = p + Vec3::new(way(0), way(1), way(2));
+                let expected = Vec3::new(p.x, (0.53 - iso) * side(p), p.z);
+                assert!(level.distance(expected) < 1e-4, "{p} leads to {level}, iso {iso}");
+            }
         }
     }
 
