@@ -141,11 +141,11 @@ impl DistanceField {
         }))
     }
 
-    /// [`DistanceField::gradient`] at every sample of the row (j, k), bit for bit.
+    /// [`DistanceField::gradient`] at every sample of the row (j, k), bit for bit: its components, each for all of them.
     ///
     /// # Panics
     /// Where an index is not below `grid.size`.
-    pub fn gradients(&self, j: u32, k: u32) -> Vec<Vec3> {
+    pub fn gradients(&self, j: u32, k: u32) -> [Vec<f32>; 3] {
         let [nx, ny, nz] = self.grid.size;
         let row = |j: u32, k: u32| &self.values[self.index([0, j, k])..][..nx as usize];
         // From one row to another: the rise is divided by so much, and 0 where there is one row alone.
@@ -164,7 +164,7 @@ impl DistanceField {
             [low, high] if high > low => (own[high as usize] - own[low as usize]) / length([low, high], 0),
             _ => 0.0,
         };
-        (0..nx).map(|i| Vec3::new(dx(i), dy[i as usize], dz[i as usize])).collect()
+        [(0..nx).map(dx).collect(), dy, dz]
     }
 
     /// The same field in a space with other axes: for each new axis the old one, and whether it is reversed.

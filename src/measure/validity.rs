@@ -203,10 +203,12 @@ pub fn examine(
 ) -> Option<Validity> {
     let mut validity = Validity { found: Vec::new(), of: vec![None; pixels.len()], covered: 0 };
     let (mut scene, mut pixels) = (scene.clone(), pixels.to_vec());
+    let variant = Variant::of(&scene, library).ok();
+    let with_own = |own| variant.as_ref().map(|variant| variant.with_own(library, own));
     for cause in &CAUSES {
         let other = match cause.other {
             Other::Scene(better) => better(&scene).map(|better| (better, library.clone())),
-            Other::Modules(other) => other(&scene, library).map(|other| (scene.clone(), other)),
+            Other::Modules(own) => own(&scene, library).and_then(with_own).map(|own| (scene.clone(), own)),
         };
         let Some((better, modules)) = other else { continue };
         if better.object != scene.object && !has_field {
@@ -268,10 +270,12 @@ mod tests {
     use crate::gpu::Options;
     use crate::scene::{parse, preset};
     use crate::shader::shipped;
+    use std::path::Path;
 
-    /// How many pixels of a scene each cause has, by its name, and how many are covered.
+    /// How many pixels of a scene each cause has, by its name, and how many are covered. What is changed is the program's
+    /// own: no other process compiles it.
     fn found(text: &str) -> (Vec<(&'static str, usize)>, usize) {
-        found_with(&shipped(), &parse(text, "scene").unwrap())
+        found_with(&shipped().compiled_by(Path::new("no such program")), &parse(text, "scene").unwrap())
     }
 
     fn found_with(library: &Library, scene: &Scene) -> (Vec<(&'static str, usize)>, usize) {

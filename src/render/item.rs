@@ -87,8 +87,7 @@ impl<'a> Item<'a> {
     pub(super) fn closest(&self) -> Result<(Texels, f32), RenderError> {
         let both = self.subject.field.as_ref().zip(self.subject.closest.as_ref());
         let (field, closest) = both.ok_or(RenderError::Missing(CLOSEST))?;
-        let (bytes, range) =
-            texture::encode_closest(closest, field, self.scene.object.inner_iso / self.subject.scale);
+        let (bytes, range) = texture::encode_closest(closest, field, self.scene.object.inner_iso / self.subject.scale);
         Ok((
             Texels { size: field.grid.size, encoding: Encoding::Normals16, bytes, decode: [0.0; 2], quantization: 0.0 },
             range,

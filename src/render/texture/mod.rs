@@ -80,20 +80,26 @@ pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Tex
     };
     let [nx, ny, _] = field.grid.size.map(|side| side as usize);
     let mut bytes = vec![0; field.values.len() * bytes_per_texel];
+    let arch = pulp::Arch::new();
     bytes.par_chunks_mut(nx * bytes_per_texel).enumerate().for_each(|(row, out)| {
-        let values = field.values[row * nx..][..nx].iter().map(|value| stored(*value));
-        let normals = || field.gradients((row % ny) as u32, (row / ny) as u32).into_iter().map(normal_code);
-        match encoding {
-            Encoding::Distance32 => fill(out, values.map(f32::to_ne_bytes)),
-            Encoding::Distance16 => fill(out, values.map(|s| code16(s).to_ne_bytes())),
-            Encoding::Normals16 => {
-                let codes = normals().zip(values).map(|([x, y, z], s)| [x, y, z, s].map(code16));
-                fill::<8>(out, codes.map(bytemuck::cast));
-            }
-            Encoding::Normals8 => {
-                fill(out, normals().zip(values).map(|([x, y, z], s)| [x, y, z, s].map(code8)));
-            }
-        }
+        let values = &field.values[row * nx..][..nx];
+        let gradients = || field.gradients((row % ny) as u32, (row / ny) as u32);
+        arch.dispatch(
+            #[inline(always)] // into code for the vectors of this processor
+            || match encoding {
+                Encoding::Distance32 => fill(out, values.iter().map(|value| stored(*value).to_ne_bytes())),
+                Encoding::Distance16 => fill(out, values.iter().map(|value| code16(stored(*value)).to_ne_bytes())),
+                Encoding::Normals16 => {
+                    let parts = normal_parts(gradients());
+                    let codes = (0..nx).map(|i| [parts[0][i], parts[1][i], parts[2][i], stored(values[i])].map(code16));
+                    fill::<8>(out, codes.map(bytemuck::cast));
+                }
+                Encoding::Normals8 => {
+                    let parts = normal_parts(gradients());
+                    fill(out, (0..nx).map(|i| [parts[0][i], parts[1][i], parts[2][i], stored(values[i])].map(code8)));
+                }
+            },
+        );
     });
     let rounding = f32::EPSILON * low.abs().max(high.abs());
     let quantization = (high - low) * 0.5 / codes + rounding;
@@ -220,12 +226,17 @@ fn tangent(stops: &[Stop], index: usize, value: impl Fn(&Stop) -> Vec4) -> Vec4 
     Vec4::new(mean(left.x, right.x), mean(left.y, right.y), mean(left.z, right.z), mean(left.w, right.w))
 }
 
-/// The normal of a gradient as it is stored: `0.5 + 0.5 c`, and 0.5 where there is none.
-fn normal_code(gradient: Vec3) -> [f32; 3] {
-    (0.5 + 0.5 * gradient.normalize_or_zero()).to_array()
+/// The normals of a row of gradients as they are stored, component by component: `0.5 + 0.5 c`, and 0.5 where there is none.
+#[inline(always)]
+fn normal_parts([mut x, mut y, mut z]: [Vec<f32>; 3]) -> [Vec<f32>; 3] {
+    for ((x, y), z) in x.iter_mut().zip(&mut y).zip(&mut z) {
+        [*x, *y, *z] = (0.5 + 0.5 * Vec3::new(*x, *y, *z).normalize_or_zero()).to_array();
+    }
+    [x, y, z]
 }
 
 /// Texels one after the other.
+#[inline(always)]
 fn fill<const BYTES: usize>(out: &mut [u8], texels: impl Iterator<Item = [u8; BYTES]>) {
     for (out, texel) in out.as_chunks_mut::<BYTES>().0.iter_mut().zip(texels) {
         *out = texel;

@@ -46,14 +46,18 @@ impl Variant {
         key(library, self.entries, &self.slots, (true, false))
     }
 
-    /// The program of the same modules and of `own` texts, which stand in place of some of `library`: in a process of its own
-    /// only where that is asked for of `library`.
+    /// The program of the same modules and of `own` texts, see [`Variant::with_own`].
     ///
     /// # Errors
     /// As [`Variant::program`].
     pub(crate) fn program_of(&self, library: &Library, own: Library) -> Result<Program, VariantError> {
-        let own = if self.apart(library, true).is_some() { own } else { own.compiled_here() };
-        self.program(&own, Linker::new)
+        self.program(&self.with_own(library, own), Linker::new)
+    }
+
+    /// The library of `own` texts, which the program itself puts in place of some of `library`: it is compiled in a process
+    /// of its own only where that is asked for of `library`.
+    pub(crate) fn with_own(&self, library: &Library, own: Library) -> Library {
+        if self.apart(library, true).is_some() { own } else { own.compiled_here() }
     }
 
     /// What links both stages in a process of its own, where the library asks for that and some text of the program is not
