@@ -59,7 +59,13 @@ fn place(coordinate: f64, count: u32, wrap: Wrap) -> ([usize; 2], f64) {
     let n = f64::from(count);
     let x = coordinate * n - 0.5;
     let x = if wrap == Wrap::Clamp { x.clamp(-1.0, n) } else { x };
-    let low = x.floor();
+    // As `floor`, which is a call for each coordinate.
+    let low = if x.abs() < 1e15 {
+        let whole = (x as i64) as f64;
+        if whole > x { whole - 1.0 } else { whole }
+    } else {
+        x.floor()
+    };
     let first = low as i64;
     ([wrapped(first, count, wrap), wrapped(first + 1, count, wrap)], x - low)
 }
@@ -70,6 +76,7 @@ fn wrapped(index: i64, count: u32, wrap: Wrap) -> usize {
     let index = match wrap {
         _ if 0 <= index && index < n => index,
         Wrap::Clamp => index.clamp(0, n - 1),
+        Wrap::Repeat if n & (n - 1) == 0 => index & (n - 1),
         Wrap::Repeat => index.rem_euclid(n),
         Wrap::Mirror => {
             let index = index.rem_euclid(2 * n);
@@ -139,19 +146,25 @@ impl<'a> Image<'a> {
 
     /// The channels at a point.
     pub(super) fn sample(&self, at: [f64; 3]) -> [f64; 4] {
-        let mut ends = [[0; 2]; 3];
-        let mut weights = [[1.0; 2]; 3];
+        // Of the two texels along each axis, where they are among all, and their weights.
+        let (mut places, mut weights, mut counts) = ([[0; 2]; 3], [[1.0; 2]; 3], [1; 3]);
+        let mut stride = 1;
         for axis in 0..self.axes {
             let (texels, part) = place(at[axis], self.size[axis], self.wrap);
-            (ends[axis], weights[axis]) = (texels, [1.0 - part, part]);
+            (places[axis], weights[axis], counts[axis]) =
+                ([stride * texels[0], stride * texels[1]], [1.0 - part, part], 2);
+            stride *= self.size[axis] as usize;
         }
         let mut sum = [0.0; 4];
-        for corner in 0..1 << self.axes {
-            let side = [corner & 1, corner >> 1 & 1, corner >> 2];
-            let weight = weights[0][side[0]] * weights[1][side[1]] * weights[2][side[2]];
-            let texel = self.texel([0, 1, 2].map(|axis| ends[axis][side[axis]]));
-            for (sum, value) in sum.iter_mut().zip(texel) {
-                *sum += weight * f64::from(value);
+        for z in 0..counts[2] {
+            for y in 0..counts[1] {
+                for x in 0..counts[0] {
+                    let weight = weights[0][x] * weights[1][y] * weights[2][z];
+                    let texel = self.texels[places[0][x] + places[1][y] + places[2][z]];
+                    for channel in 0..4 {
+                        sum[channel] += weight * f64::from(texel[channel]);
+                    }
+                }
             }
         }
         sum
