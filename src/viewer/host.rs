@@ -266,7 +266,7 @@ impl Host {
         if self.app.lost {
             return Err(GpuError::lost().into());
         }
-        if self.waiting && self.app.is_current {
+        if self.waiting && self.app.is_current() {
             self.waiting = false;
             let seconds = self.start.began.elapsed().as_secs_f64();
             match self.script {

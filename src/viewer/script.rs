@@ -150,10 +150,10 @@ impl Script {
         let stage = app.figures.stage;
         let steady = app.tasks == 0;
         let done = match &step {
-            Step::Drawn => app.is_current,
-            Step::Picture => app.is_current && !matches!(stage, Stage::None | Stage::Coarse | Stage::Partial),
-            Step::Converged => app.is_current && matches!(stage, Stage::Converged(_)),
-            Step::Validity => app.is_current && stage == Stage::Validity,
+            Step::Drawn => app.is_current(),
+            Step::Picture => app.is_current() && !matches!(stage, Stage::None | Stage::Coarse | Stage::Partial),
+            Step::Converged => app.is_current() && matches!(stage, Stage::Converged(_)),
+            Step::Validity => app.is_current() && stage == Stage::Validity,
             Step::Inspected => app.is_inspected(),
             Step::Loading => app.loading().is_some(),
             Step::Frames(count) => self.frames > *count,
@@ -255,7 +255,10 @@ impl Script {
     /// A frame is over; the window `was_drawn`, or it waits for a preview.
     pub(super) fn drawn(&mut self, app: &App, was_drawn: bool) {
         if let Some((answers, _)) = &mut self.orbit {
-            answers.posted(app.number);
+            // What moves a scene whose object is not there yet is in the first job of it.
+            if !app.lacks_object {
+                answers.posted(app.number);
+            }
             if was_drawn {
                 answers.drawn(Instant::now(), app.on_screen, app.figures.size, app.figures.samples);
             }

@@ -174,7 +174,7 @@ impl App {
         let rests = self.clock.is_some() || now.duration_since(self.changed) >= CALM;
         let is_free = !ui.input(|input| input.pointer.any_down()) && self.loader.progress().is_none();
         // A picture comes first, if only a coarse one: the search keeps the device busy.
-        if !(rests && is_free && self.is_current && self.tasks == 0) {
+        if !(rests && is_free && self.is_current() && self.tasks == 0) {
             return ui.ctx().request_repaint_after(CALM);
         }
         self.pick = None;

@@ -128,13 +128,13 @@ pub(super) struct App {
     /// Those of the newest job and of the picture that is on the screen.
     pub(super) number: u64,
     pub(super) on_screen: u64,
-    /// The first job of the scene as it is now.
+    /// The first job of the scene as it is now, or as it was before its object was lacking.
     since: u64,
+    /// Whether an object of the scene as it is now is not there: it is being loaded, or cannot be.
+    pub(super) lacks_object: bool,
     /// Tasks that are not finished.
     pub(super) tasks: u32,
     help: bool,
-    /// Whether the picture is that of the scene as it is now.
-    pub(super) is_current: bool,
     /// The first thing that went wrong with an object or a task.
     pub(super) failure: Option<String>,
     pub(super) lost: bool,
@@ -201,9 +201,9 @@ impl App {
             number: 0,
             on_screen: 0,
             since: 0,
+            lacks_object: false,
             tasks: 0,
             help: false,
-            is_current: false,
             failure: None,
             lost: false,
             quit: false,
@@ -245,6 +245,11 @@ impl App {
     /// The module that is being edited.
     pub(super) fn author(&mut self) -> &mut Author {
         self.panels.author()
+    }
+
+    /// Whether the picture is that of the scene as it is now.
+    pub(super) fn is_current(&self) -> bool {
+        !self.lacks_object && self.since > 0 && self.on_screen >= self.since
     }
 
     /// What is being loaded, and how far it is.

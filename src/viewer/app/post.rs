@@ -51,8 +51,8 @@ impl App {
             ui.ctx().request_repaint_after(Duration::from_millis(50));
         }
         let expected = 1 + usize::from(self.kept.is_some());
-        if variants.len() < expected {
-            self.is_current = false;
+        self.lacks_object = variants.len() < expected;
+        if self.lacks_object {
             return;
         }
         let same = |job: &Job| {
@@ -80,7 +80,7 @@ impl App {
         if is_other || self.posted.as_ref().is_some_and(|job| job.moving != moving) {
             self.number += 1;
             if is_other {
-                (self.is_current, self.since) = (false, self.number);
+                self.since = self.number;
             }
             let (number, focus) = (self.number, self.focus());
             let job = Job { number, variants, moving, max_error, focus, validity };
@@ -89,7 +89,7 @@ impl App {
             }
             self.posted = Some(job);
         }
-        self.unread.moves(moving || !self.is_current);
+        self.unread.moves(moving || !self.is_current());
         if let (false, Some(job)) = (moving, &self.posted) {
             self.unread.want(job, move || notify());
         }
@@ -167,6 +167,18 @@ mod tests {
             change(&mut app);
             assert_eq!(app.hold(now), None);
         }
+    }
+
+    #[test]
+    fn a_picture_of_what_was_there_is_none_of_a_scene_whose_object_is_being_loaded() {
+        let mut app = app();
+        assert!(!app.is_current());
+        (app.number, app.on_screen, app.since) = (1, 1, 1);
+        assert!(app.is_current());
+        egui::__run_test_ui(|ui| app.post(ui, Instant::now()));
+        assert!(app.loading().is_some() && !app.is_current());
+        app.on_screen = 2;
+        assert!(!app.is_current(), "it gets better still");
     }
 
     #[test]

@@ -33,7 +33,7 @@ impl App {
                         let surplus = figures.recent_ms.len().saturating_sub(120);
                         figures.recent_ms.drain(..surplus);
                     }
-                    (self.is_current, self.on_screen) = (picture.number >= self.since, picture.number);
+                    self.on_screen = picture.number;
                     // What went wrong with an earlier scene no longer holds.
                     self.said.take_if(|said| said.is_error && picture.number > self.said_at);
                 }
