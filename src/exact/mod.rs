@@ -1,10 +1,10 @@
-//! Exact evaluation: the SPIR-V of a linked program, run on the CPU in f64, in intervals or in affine forms.
+//! Exact evaluation: the SPIR-V of a linked program, run on the CPU in f64, in intervals, in affine forms or with slopes.
 //!
 //! Role: SPIR-V and the bytes and texels that it reads -> its outputs, for many points at once. The program is the very
 //! one that the GPU runs, so nothing about a module is written a second time. naga reads the SPIR-V; it is lowered to
 //! scalar instructions, each of which is one loop over a block of lanes.
 //! Invariant: pure; an [`Interval`] holds everything that any point of its box gives, and an [`Affine`] form everything
-//! that any place of its segment gives, but for numbers too small for normal ones. A comparison that is not decided
+//! that any place of its segment gives, but for numbers too small for normal ones; a [`Sloped`] holds also how fast that changes. A comparison that is not decided
 //! goes both ways, a loop without a bound gives the whole line. What is not covered is an error that names it.
 
 mod affine;
@@ -26,9 +26,11 @@ mod optimizer;
 mod outline;
 mod ports;
 mod prepass;
+mod pyramid;
 mod range;
 mod run;
 mod segment;
+mod sloped;
 mod state;
 mod step;
 pub mod texture;
@@ -41,6 +43,7 @@ pub use interval::Interval;
 pub use number::Number;
 pub use outline::Outline;
 pub use segment::SegmentBounds;
+pub use sloped::Sloped;
 pub use texture::{Texture, Wrap};
 
 use crate::noise::Lattice;

@@ -3,8 +3,8 @@
 //! Texel i of n is centered at (i + 0.5) / n. Between texels values change linearly along each axis; no rounding of
 //! weights as in hardware.
 
+use super::pyramid::{FEW, Pyramid, range};
 use crate::noise::{Knots, Lattice, NOISE_BOUND};
-use rayon::prelude::*;
 use std::sync::OnceLock;
 
 /// How coordinates outside of [0, 1] are taken.
@@ -225,6 +225,34 @@ impl<'a> Image<'a> {
         Some((base, [0, 1, 2, 3, 4, 5, 6, 7].map(corner)))
     }
 
+    /// Least and greatest slopes of each channel over a box of coordinates, along each axis: what two texels beside each other
+    /// differ by, where what is between them is met. `None` where the box is of many cells.
+    pub(super) fn slopes(&self, within: [[f64; 2]; 3]) -> Option<[[[f64; 2]; 3]; 4]> {
+        let mut axes = [POINT; 3];
+        for axis in 0..self.axes {
+            axes[axis] = Crossed::of(within[axis], self.size[axis], self.wrap)?;
+        }
+        let counts = [0, 1, 2].map(|axis| axes[axis].count);
+        let texel = |at: [usize; 3]| self.texel([0, 1, 2].map(|axis| axes[axis].texels[at[axis]]));
+        let mut all = [[[f64::INFINITY, f64::NEG_INFINITY]; 3]; 4];
+        for axis in 0..self.axes {
+            let ends = [0, 1, 2].map(|other| counts[other] - usize::from(other == axis));
+            for place in 0..ends.iter().product() {
+                let at = [place % ends[0], place / ends[0] % ends[1], place / ends[0] / ends[1]];
+                let next = [0, 1, 2].map(|other| at[other] + usize::from(other == axis));
+                for (channel, (from, to)) in texel(at).into_iter().zip(texel(next)).enumerate() {
+                    let slope = (f64::from(to) - f64::from(from)) * f64::from(self.size[axis]);
+                    let [least, most] = &mut all[channel][axis];
+                    (*least, *most) = (least.min(slope), most.max(slope));
+                }
+            }
+        }
+        for axis in self.axes..3 {
+            all.iter_mut().for_each(|channel| channel[axis] = [0.0; 2]);
+        }
+        Some(all)
+    }
+
     /// The ranges of some channels over a box of few cells: multilinear within each, so that the extremes are at corners of
     /// their parts.
     #[inline(always)] // the channels beside each other
@@ -361,74 +389,5 @@ impl Crossed {
 fn include(all: &mut [[f64; 2]; 4], values: [[f64; 2]; 4]) {
     for (range, [low, high]) in all.iter_mut().zip(values) {
         *range = [range[0].min(low), range[1].max(high)];
-    }
-}
-
-/// So few texels or boxes along each axis are looked at one by one.
-const FEW: usize = 3;
-
-/// Least and greatest values of cubes of texels: of two texels along each side, of four, and so on.
-#[derive(Debug)]
-pub struct Pyramid {
-    levels: Vec<Level>,
-}
-
-#[derive(Debug)]
-struct Level {
-    size: [usize; 3],
-    ranges: Vec<Extremes>,
-}
-
-/// The least and the greatest of each channel.
-type Extremes = [[f32; 4]; 2];
-
-/// The extremes of some boxes of a grid: from the first to the last along each axis.
-fn range(size: [usize; 3], [x, y, z]: [[usize; 2]; 3], at: impl Fn(usize) -> Extremes) -> Extremes {
-    let [mut least, mut most] = [[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]];
-    for k in z[0]..=z[1] {
-        for j in y[0]..=y[1] {
-            let row = (k * size[1] + j) * size[0];
-            for index in row + x[0]..=row + x[1] {
-                let [low, high] = at(index);
-                for channel in 0..4 {
-                    least[channel] = least[channel].min(low[channel]);
-                    most[channel] = most[channel].max(high[channel]);
-                }
-            }
-        }
-    }
-    [least, most]
-}
-
-impl Level {
-    /// Of cubes of two boxes along each side of another grid.
-    fn over(size: [usize; 3], at: impl Fn(usize) -> Extremes + Sync) -> Level {
-        let of = |index: usize, axis: usize| [2 * index, (2 * index + 1).min(size[axis] - 1)];
-        let halved = size.map(|side| side.div_ceil(2));
-        let row = |row: usize| {
-            let [y, z] = [row % halved[1], row / halved[1]];
-            let range = |x| range(size, [of(x, 0), of(y, 1), of(z, 2)], &at);
-            (0..halved[0]).map(range).collect::<Vec<_>>()
-        };
-        let rows: Vec<Vec<Extremes>> = (0..halved[1] * halved[2]).into_par_iter().map(row).collect();
-        Level { size: halved, ranges: rows.concat() }
-    }
-}
-
-impl Pyramid {
-    fn new(size: [u32; 3], texels: &[[f32; 4]]) -> Pyramid {
-        let mut levels = vec![Level::over(size.map(|side| side as usize), |index| [texels[index]; 2])];
-        while let Some(last) = levels.last().filter(|level| level.size.iter().any(|side| *side > 1)) {
-            levels.push(Level::over(last.size, |index| last.ranges[index]));
-        }
-        Pyramid { levels }
-    }
-
-    /// The range over a box of texels, of which it has so many along its longest side: of the boxes of one level that cover
-    /// it, at most four along each axis.
-    fn range(&self, of: [[usize; 2]; 3], longest: usize) -> Extremes {
-        let level = (1..self.levels.len()).find(|level| longest >> level < FEW).unwrap_or(self.levels.len());
-        let Level { size, ranges } = &self.levels[level - 1];
-        range(*size, of.map(|ends| ends.map(|index| index >> level)), |index| ranges[index])
     }
 }

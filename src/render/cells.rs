@@ -8,7 +8,6 @@ mod cover;
 mod decide;
 mod ranged;
 mod span;
-#[cfg(feature = "measure")]
 pub(crate) use ranged::{LOOKED_UP, bounded};
 
 use super::shot::Shot;

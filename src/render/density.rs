@@ -1,13 +1,14 @@
 //! The density of a scene anywhere in object space.
 //!
-//! Role: what is measured of matter without a picture: its surface, and how much of it there is of each density. Invariant:
-//! the density is that of the scene's own program, evaluated by [`exact`] in f64.
+//! Role: what is measured of matter without a picture: its surface, how much of it there is of each density, and what is on a
+//! ray. Invariant: the density is that of the scene's own program, evaluated by [`exact`] in f64, and in bounds of it.
 
+use super::cells::{LOOKED_UP, bounded};
 use super::cpu_inputs::CpuInputs;
 use super::shot::Shot;
 use super::view::View;
 use super::{OCTAVES_ID, PolygonizeError, RenderError, Subject};
-use crate::exact::{self, Device, ExactError, Interval};
+use crate::exact::{self, Device, ExactError, Interval, Sloped};
 use crate::render::variant::Variant;
 use crate::scene::{Projection, Scene};
 use crate::shader::{Library, Linker};
@@ -28,20 +29,50 @@ pub(super) struct DensityProgram {
     inputs: exact::Inputs,
     /// Where the soft region is.
     pub view: View,
+    library: Library,
+    variant: Variant,
+    octaves: [(u32, u32); 1],
+    cpu_inputs: CpuInputs,
 }
 
 impl DensityProgram {
     /// That of a scene.
     pub fn of(library: &Library, scene: &Scene, subject: &Subject) -> Result<DensityProgram, PolygonizeError> {
         let library = library.clone().with_module("opacity", "density", DENSITY);
-        let variant = Variant::of(scene, &library)?;
-        let program =
-            variant.cells_by("density", scene, &library)?.program(&library, Linker::new).map_err(RenderError::from)?;
-        let cpu_inputs = CpuInputs::new(&library, scene, subject, &variant, &program)?;
+        let drawn = Variant::of(scene, &library)?;
+        let variant = drawn.cells_by("density", scene, &library)?;
+        let program = variant.program(&library, Linker::new).map_err(RenderError::from)?;
+        let cpu_inputs = CpuInputs::new(&library, scene, subject, &drawn, &program)?;
         let mut inputs = cpu_inputs.exact();
         inputs.blocks = cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
-        let code = exact::Program::read_channel(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)], (0, 3))?;
-        Ok(DensityProgram { code, inputs, view: Shot::of(scene, subject, &variant).view })
+        let octaves = [(OCTAVES_ID, scene.effect.octaves)];
+        let code = exact::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
+        let view = Shot::of(scene, subject, &drawn).view;
+        Ok(DensityProgram { code, inputs, view, library, variant, octaves, cpu_inputs })
+    }
+
+    /// Bounds along segments in object space, each from one of these places to the next, which are a length apart: of the
+    /// density, and of how much it changes, divided by the distance.
+    fn between(&self, places: &[DVec3], length: f64) -> Result<Vec<Sloped>, PolygonizeError> {
+        let (own, inputs) = match bounded(&self.variant, &self.library) {
+            None => (None, self.inputs.clone()),
+            Some((program, noise)) => {
+                let code = exact::Program::read_channel(&program.fragment, &self.octaves, (0, 3))?;
+                let lookup = program.resources.iter().find(|resource| resource.name == LOOKED_UP);
+                let noises = lookup.map(|lookup| (lookup.binding, noise)).into_iter().collect();
+                let blocks = self.cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
+                (Some(code), exact::Inputs { blocks, noises, ..self.inputs.clone() })
+            }
+        };
+        let bound = own.as_ref().unwrap_or(&self.code).bind(&inputs)?;
+        let places = places.windows(2).map(|ends| {
+            let [from, to] = [ends[0], ends[1]].map(|end| end.to_array());
+            let [x, y, z] = [0, 1, 2].map(|axis| Sloped::between(from[axis], to[axis], length));
+            [x, y, z, exact::Number::new(0.0)]
+        });
+        let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+        let outputs = bound.run::<Sloped>(&lanes)?;
+        Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
     }
 
     /// With what it reads.
@@ -113,9 +144,51 @@ pub fn densities(
     Ok(counts)
 }
 
+/// The density at a place on a ray, and what is known from there to the next place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Along {
+    /// Distance from where the ray begins, object units.
+    pub depth: f64,
+    /// The density at the place.
+    pub density: f64,
+    /// Bounds of the density from there to the next place; behind the last one, the density at it.
+    pub range: [f64; 2],
+    /// Bounds of what the densities of two places from there to the next differ by, divided by their distance, per object
+    /// unit: from minus infinity to infinity where the density may jump.
+    pub slope: [f64; 2],
+}
+
+/// Noise has its constants in 32 bits, which bounds of it and its values in f64 round differently.
+const ROUNDED: f64 = 1e-6;
+
+impl Along {
+    /// Makes the range as narrow as the slope says: between two places the density leaves its values there no faster.
+    fn narrowed(self, next: &Along) -> Along {
+        let (length, [fall, rise]) = (next.depth - self.depth, self.slope);
+        let [from, to] = [self.density, next.density];
+        let least = |from: f64, to: f64, fall: f64, rise: f64| match () {
+            () if fall >= 0.0 => from,
+            () if rise <= 0.0 => to,
+            // It falls as fast as it may, and then rises as fast.
+            () => from + fall * ((from - to + length * rise) / (rise - fall)).clamp(0.0, length),
+        };
+        let range = [least(from, to, fall, rise), -least(-from, -to, -rise, -fall)];
+        match range.iter().all(|end| end.is_finite()) {
+            true => Along {
+                range: [
+                    self.range[0].max(range[0] - ROUNDED).min(from).min(to),
+                    self.range[1].min(range[1] + ROUNDED).max(from).max(to),
+                ],
+                ..self
+            },
+            false => self,
+        }
+    }
+}
+
 /// The density of a scene at its first moment along the ray through the middle of a pixel: at `places` equal distances from
-/// where the ray enters the box around the soft region to where it leaves it, the distance from where the ray begins, object
-/// units, and the density. Empty where the ray misses the box. Of a ray that bends, it is the straight one.
+/// where the ray enters the box around the soft region to where it leaves it, and bounds between them, in which noise is taken
+/// to about 1e-6. Empty where the ray misses the box. Of a ray that bends, it is the straight one.
 ///
 /// # Errors
 /// Those of [`polygonize`](super::polygonize), but for its settings.
@@ -125,7 +198,7 @@ pub fn density_along(
     subject: &Subject,
     pixel: [u32; 2],
     places: usize,
-) -> Result<Vec<[f64; 2]>, PolygonizeError> {
+) -> Result<Vec<Along>, PolygonizeError> {
     let program = DensityProgram::of(library, scene, subject)?;
     let view = &program.view;
     let ndc = [0, 1].map(|axis| {
@@ -155,5 +228,22 @@ pub fn density_along(
         None => true,
     };
     let densities = all.iter().zip(found).map(|(place, density)| if kept(place) { density } else { 0.0 });
-    Ok(depths.iter().map(|depth| depth * unit).zip(densities).map(<[f64; 2]>::from).collect())
+    let mut along: Vec<Along> = (depths.iter().zip(densities))
+        .map(|(depth, density)| Along { depth: depth * unit, density, range: [density; 2], slope: [0.0; 2] })
+        .collect();
+    let between = program.between(&all, step * unit)?;
+    for (index, Sloped { all: range, slope }) in between.into_iter().enumerate() {
+        let (range, slope) = ([range.lo - ROUNDED, range.hi + ROUNDED], [slope.lo, slope.hi]);
+        let part = match [index, index + 1].map(|end| kept(&all[end])) {
+            [true, true] => Along { range, slope, ..along[index] },
+            [false, false] => along[index],
+            // Cut off where the plane is.
+            _ => {
+                let range = [range[0].min(0.0), range[1].max(0.0)];
+                Along { range, slope: [f64::NEG_INFINITY, f64::INFINITY], ..along[index] }
+            }
+        };
+        along[index] = part.narrowed(&along[index + 1]);
+    }
+    Ok(along)
 }

@@ -43,10 +43,12 @@ mod watch;
 
 pub use cells::Found;
 #[cfg(feature = "measure")]
-pub(crate) use cells::{LOOKED_UP, bounded, link as link_cells};
+pub(crate) use cells::link as link_cells;
+#[cfg(feature = "measure")]
+pub(crate) use cells::{LOOKED_UP, bounded};
 #[cfg(feature = "measure")]
 pub(crate) use cpu_inputs::{Blocks, CpuInputs};
-pub use density::{densities, density_along};
+pub use density::{Along, densities, density_along};
 pub use doubts::doubts;
 pub use ignored::{idle, ignored};
 pub use made::{made_with, octaves_held};

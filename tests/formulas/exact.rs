@@ -1,6 +1,6 @@
 //! The exact evaluator: operations against Rust's f64, control flow, images, and every program that ships.
 
-use hypertexture::exact::{BoundProgram, Inputs, Interval, Lanes, Number, Program, Texture, Wrap};
+use hypertexture::exact::{BoundProgram, Inputs, Interval, Lanes, Number, Program, Sloped, Texture, Wrap};
 use hypertexture::render::variant::Variant;
 use hypertexture::scene::{self, Pass};
 use hypertexture::shader::{self, Library, Linker, Slots, Stage};
@@ -38,12 +38,59 @@ fn points(count: usize) -> Vec<[f64; 4]> {
     (0..count).map(|n| [1, 2, 3, 4].map(|axis| ((n + 1) as f64 * root.powi(-axis)).fract())).collect()
 }
 
-/// Evaluates `body` in f64, and checks that intervals around and through the points hold what it gives.
+/// Checks that bounds along segments from each point towards the next hold the values in f64, and that bounds of the slope
+/// hold what two of them differ by.
+fn slopes(body: &str, bound: &BoundProgram<'_>, values: &[[f64; 4]]) {
+    const PLACES: usize = 6;
+    for width in [1e-9, 1e-3, 0.1, 1.0] {
+        let ends = |pair: &[[f64; 4]], k: usize| [pair[0][k], pair[0][k] + width * (pair[1][k] - pair[0][k])];
+        let along = values.windows(2).map(|pair| {
+            [0, 1, 2, 3].map(|k| {
+                let [from, to] = ends(pair, k);
+                Sloped::between(from, to, 1.0)
+            })
+        });
+        let lanes = Lanes { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, along.collect())]) };
+        let found = &bound.run(&lanes).unwrap_or_else(|error| panic!("{error}"))[&0];
+        let places = [0, 1, 2, 3, 4, 5].map(|place| place as f64 / (PLACES - 1) as f64);
+        let inside = |pair: &[[f64; 4]], t: f64| {
+            [0, 1, 2, 3].map(|k| {
+                let [from, to] = ends(pair, k);
+                (from + t * (to - from)).clamp(from.min(to), from.max(to))
+            })
+        };
+        let all = places.map(|t| {
+            let points: Vec<[f64; 4]> = values.windows(2).map(|pair| inside(pair, t)).collect();
+            evaluate::<f64>(bound, &points)
+        });
+        for (segment, along) in found.iter().enumerate() {
+            for channel in 0..4 {
+                let Sloped { all: range, slope } = along[channel];
+                let value = |place: usize| all[place][segment][channel];
+                for a in 0..PLACES {
+                    assert!(range.contains(value(a)), "{body}: {} is not in {range:?}", value(a));
+                    for b in 0..a {
+                        // Both are rounded.
+                        let off = 1e-12 * (1.0 + value(a).abs() + value(b).abs());
+                        let apart = (value(a) - value(b)) / (places[a] - places[b]);
+                        let held = slope == Interval::WHOLE
+                            || Interval { lo: slope.lo - off, hi: slope.hi + off }.contains(apart);
+                        let at = values[segment];
+                        assert!(held, "{body}: {apart} is not in {slope:?}, {width} from {at:?} on");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Evaluates `body` in f64, and checks that intervals around and through the points hold what it gives, and slopes.
 fn both(before: &str, body: &str, inputs: &Inputs, values: &[[f64; 4]]) -> Vec<[f64; 4]> {
     let program = program(before, body);
     let bound = program.bind(inputs).unwrap_or_else(|error| panic!("{error}"));
     let found: Vec<[f64; 4]> = evaluate(&bound, values);
     let around: Vec<[Interval; 4]> = evaluate(&bound, values);
+    slopes(body, &bound, values);
     for ((value, found), around) in values.iter().zip(&found).zip(&around) {
         for channel in 0..4 {
             let fits = around[channel].contains(found[channel]);

@@ -1,5 +1,9 @@
 //! Shapes: what files of meshes and volumes give, what is refused and with which words, and what is written and comes back.
 
+#[path = "../common/random_scene.rs"]
+mod random_scene;
+
+mod along;
 mod data;
 mod dicom;
 mod field_data;

@@ -2,14 +2,14 @@
 
 use crate::measure::reference::{TOLERANCE, reference_pixels, truth_of};
 use crate::render::variant::Variant as Program;
-use crate::render::{Subject, density_along};
+use crate::render::{Along, Subject, density_along};
 use crate::scene::Scene;
 use crate::shader::Library;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::thread;
 
-/// Places along the ray. Fewer: thin matter is left out of the plot. More: it comes later.
+/// Places along the ray. Fewer: bounds between them say less. More: the plot comes later.
 const PLACES: usize = 512;
 
 /// The error that the share of a module may have. Smaller: it comes later, and two digits are shown.
@@ -29,8 +29,8 @@ pub struct Exact {
 /// What is known of a pixel.
 #[derive(Clone, Debug, Default)]
 pub struct Answers {
-    /// Along its ray: distance from the camera, object units, and density.
-    pub ray: Option<Result<Vec<[f64; 2]>, String>>,
+    /// The density along its ray.
+    pub ray: Option<Result<Vec<Along>, String>>,
     /// Its reference.
     pub exact: Option<Result<Exact, String>>,
     /// The modules of its program by slot, those of further objects behind the name of the object.
@@ -45,7 +45,7 @@ pub struct Answers {
 /// One answer.
 enum Answer {
     Modules(Vec<[String; 2]>),
-    Ray(Result<Vec<[f64; 2]>, String>),
+    Ray(Result<Vec<Along>, String>),
     Exact(Result<Exact, String>),
     Share(String, f64),
 }

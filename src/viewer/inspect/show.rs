@@ -1,6 +1,7 @@
 //! The window about a pixel, and the mark at it.
 
 use super::{Answers, Exact, Inspector, Kept};
+use crate::render::Along;
 use crate::viewer::panels::widgets::{button, named};
 use egui::{
     Align2, Color32, DragValue, FontId, Grid, Id, Label, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind, Ui,
@@ -102,7 +103,12 @@ impl Inspector {
     fn ray(&self, ui: &mut Ui) {
         match &self.answers.ray {
             Some(Ok(ray)) if ray.is_empty() => drop(ui.label("the ray passes beside the object")),
-            Some(Ok(ray)) => plot(ui, ray),
+            Some(Ok(ray)) => {
+                plot(ui, ray);
+                let doc =
+                    "Proven by bounds of the scene's own program, at every place of the ray and not at samples of it.";
+                ui.label(RichText::new(known(ray)).weak()).on_hover_text(doc);
+            }
             Some(Err(reason)) => drop(ui.add(Label::new(RichText::new(reason).weak()).wrap())),
             None => drop(ui.allocate_exact_size(vec2(ui.available_width(), PLOT), Sense::hover())),
         }
@@ -120,7 +126,7 @@ fn row(ui: &mut Ui, name: &str, doc: &str, value: Option<[f64; 4]>) {
 
 /// The modules that the pixel was made with; of a ray that meets nothing, none.
 fn modules(ui: &mut Ui, answers: &Answers) {
-    let meets = |ray: &Vec<[f64; 2]>| ray.iter().any(|[_, density]| *density > 0.0);
+    let meets = |ray: &Vec<Along>| ray.iter().any(|at| at.density > 0.0);
     if matches!(&answers.ray, Some(Ok(ray)) if !meets(ray)) {
         ui.label("no matter on the ray: no module made this pixel");
         return;
@@ -140,14 +146,30 @@ fn modules(ui: &mut Ui, answers: &Answers) {
     }
 }
 
-/// Density over the distance from the camera, with its axes.
-fn plot(ui: &mut Ui, ray: &[[f64; 2]]) {
+/// What bounds say of the density between the places of a ray: how far off it may be there, and how steep it is.
+pub(super) fn known(ray: &[Along]) -> String {
+    let parts = &ray[..ray.len().saturating_sub(1)];
+    let widest = parts.iter().map(|at| at.range[1] - at.range[0]).fold(0.0, f64::max);
+    let steepness = |at: &Along| at.slope[0].abs().max(at.slope[1].abs());
+    let steep: Vec<f64> = parts.iter().map(steepness).filter(|slope| slope.is_finite()).collect();
+    let steepest = steep.iter().copied().fold(0.0, f64::max);
+    let share = (100.0 * steep.len() as f64 / parts.len().max(1) as f64).floor();
+    let slope = match steep.len() {
+        0 => "it may jump everywhere".to_string(),
+        count if count == parts.len() => format!("it changes by at most {steepest:.3} a unit"),
+        _ => format!("it changes by at most {steepest:.3} a unit in {share} % of them, and may jump in the others"),
+    };
+    format!("density known to {widest:.1e} between {} places; {slope}", ray.len())
+}
+
+/// Density over the distance from the camera, between its bounds, with its axes.
+fn plot(ui: &mut Ui, ray: &[Along]) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), PLOT), Sense::hover());
     named(ui, &response, "pixel.ray");
     let visuals = ui.visuals();
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
-    let (first, last) = (ray[0][0], ray[ray.len() - 1][0].max(ray[0][0] + 1e-9));
+    let (first, last) = (ray[0].depth, ray[ray.len() - 1].depth.max(ray[0].depth + 1e-9));
     let inner = rect.shrink2(vec2(6.0, 14.0));
     let place = |depth: f64, density: f64| -> Pos2 {
         let part = ((depth - first) / (last - first)) as f32;
@@ -163,25 +185,36 @@ fn plot(ui: &mut Ui, ray: &[[f64; 2]]) {
             Stroke::new(1.0, visuals.weak_text_color().gamma_multiply(0.3)),
         );
     }
-    for [depth, density] in ray.iter().filter(|[_, density]| *density > 0.0) {
-        let top = place(*depth, *density);
+    for at in ray.iter().filter(|at| at.density > 0.0) {
+        let top = place(at.depth, at.density);
         painter.vline(top.x, top.y..=inner.bottom(), Stroke::new(1.0, visuals.selection.bg_fill));
     }
-    let line = ray.iter().map(|[depth, density]| place(*depth, *density)).collect();
+    for ends in ray.windows(2) {
+        let [low, high] = ends[0].range;
+        let between = Rect::from_two_pos(place(ends[0].depth, low), place(ends[1].depth, high));
+        painter.rect_filled(between, 0.0, visuals.warn_fg_color.gamma_multiply(0.5));
+    }
+    let line = ray.iter().map(|at| place(at.depth, at.density)).collect();
     painter.add(Shape::line(line, Stroke::new(1.5, visuals.strong_text_color())));
     let font = FontId::proportional(10.0);
     let text =
         |corner: Align2, at: Pos2, text: String| painter.text(at, corner, text, font.clone(), visuals.text_color());
-    text(Align2::LEFT_TOP, rect.left_top() + vec2(4.0, 1.0), "density, 0 to 1".into());
+    text(Align2::LEFT_TOP, rect.left_top() + vec2(4.0, 1.0), "density, 0 to 1, and its bounds".into());
     text(Align2::LEFT_BOTTOM, rect.left_bottom() + vec2(4.0, -1.0), format!("{first:.2}"));
     text(Align2::RIGHT_BOTTOM, rect.right_bottom() + vec2(-4.0, -1.0), format!("{last:.2} units from the camera"));
     if let Some(at) = response.hover_pos() {
         let nearest = ray.iter().min_by(|a, b| {
-            let off = |sample: &[f64; 2]| (place(sample[0], 0.0).x - at.x).abs();
+            let off = |sample: &Along| (place(sample.depth, 0.0).x - at.x).abs();
             off(a).total_cmp(&off(b))
         });
-        if let Some([depth, density]) = nearest {
-            response.on_hover_text(format!("density {density:.4} at {depth:.4}"));
+        if let Some(Along { depth, density, range: [low, high], slope: [fall, rise] }) = nearest {
+            let slope = match fall.is_finite() && rise.is_finite() {
+                true => format!("changing by {fall:.2} to {rise:.2} a unit"),
+                false => "perhaps with a jump".into(),
+            };
+            response.on_hover_text(format!(
+                "density {density:.4} at {depth:.4}\nup to the next place {low:.4} to {high:.4}, {slope}"
+            ));
         }
     }
 }

@@ -70,7 +70,7 @@ fn a_pixel_has_its_value_its_reference_their_error_its_ray_and_its_modules() {
     }
     // The ray meets the front of the ball, and leaves it as far behind.
     let ray = harness.state().0.answers.ray.clone().unwrap().unwrap();
-    let inside: Vec<f64> = ray.iter().filter(|[_, density]| *density >= 1.0).map(|[depth, _]| *depth).collect();
+    let inside: Vec<f64> = ray.iter().filter(|at| at.density >= 1.0).map(|at| at.depth).collect();
     let through = inside.last().unwrap() - inside[0];
     assert!((1.95..2.01).contains(&through), "{through}");
     harness.get_by_label("pixel.ray");
