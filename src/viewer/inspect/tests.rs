@@ -1,6 +1,8 @@
 //! The inspector, used as a person uses it, without a window.
 
+use super::show::known;
 use super::*;
+use crate::render::Along;
 use crate::scene::{self, Projection, Scene};
 use crate::shader;
 use egui::accesskit::{Action, ActionRequest};
@@ -74,6 +76,9 @@ fn a_pixel_has_its_value_its_reference_their_error_its_ray_and_its_modules() {
     let through = inside.last().unwrap() - inside[0];
     assert!((1.95..2.01).contains(&through), "{through}");
     harness.get_by_label("pixel.ray");
+    // Between all places, not only at them.
+    assert!(ray.iter().all(|at| at.range[0] <= at.density && at.density <= at.range[1]));
+    assert!(harness.query_all_by_value(&known(&ray)).next().is_some());
     assert!(harness.query_all_by_value("lit").next().is_some(), "its surface");
     // Beside the ball nothing made it.
     harness.state_mut().0.look_at(Some([0, 0]));
@@ -81,6 +86,19 @@ fn a_pixel_has_its_value_its_reference_their_error_its_ray_and_its_modules() {
     let exact = harness.state().0.answers.exact.clone().unwrap().unwrap();
     assert_eq!(exact.value, [0.0; 4]);
     assert!(harness.query_by_label("pixel.ray").is_none() || harness.query_all_by_value("lit").next().is_none());
+}
+
+#[test]
+fn what_bounds_say_of_a_ray_is_one_line() {
+    let at = |range, slope| Along { depth: 0.0, density: 0.5, range, slope };
+    let jump = [f64::NEG_INFINITY, f64::INFINITY];
+    let last = at([0.5; 2], [0.0; 2]);
+    let smooth = [at([0.5, 0.75], [-1.5, 0.5]), at([0.5; 2], [0.0; 2]), last];
+    assert_eq!(known(&smooth), "density known to 2.5e-1 between 3 places; it changes by at most 1.500 a unit");
+    let mixed = [at([0.25, 0.75], jump), at([0.5; 2], [0.0, 0.25]), last];
+    let of_half = "it changes by at most 0.250 a unit in 50 % of them, and may jump in the others";
+    assert_eq!(known(&mixed), format!("density known to 5.0e-1 between 3 places; {of_half}"));
+    assert!(known(&[at([0.0, 1.0], jump), last]).ends_with("it may jump everywhere"));
 }
 
 #[test]
