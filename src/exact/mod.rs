@@ -34,6 +34,7 @@ mod sloped;
 mod state;
 mod step;
 pub mod texture;
+mod truths;
 mod uniforms;
 mod value;
 
@@ -219,6 +220,7 @@ impl Program {
         change(&mut code);
         optimizer::drop_unread(&mut code);
         flatten::flatten(&mut code, &mut classes);
+        truths::simplify(&mut code);
         optimizer::tidy(&mut code, &classes);
         allocate::allocate(&mut code, &classes);
         Ok(Program { code })

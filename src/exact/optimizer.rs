@@ -212,7 +212,7 @@ pub(super) fn parts(node: &mut Node) -> Vec<&mut Vec<Node>> {
 }
 
 /// Every straight run.
-fn runs(nodes: &[Node]) -> Vec<(usize, usize)> {
+pub(super) fn runs(nodes: &[Node]) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let mut nodes = nodes.to_vec();
     let mut rest: Vec<&mut Node> = nodes.iter_mut().collect();

@@ -365,6 +365,28 @@ fn lanes_go_their_own_ways_through_loops_branches_and_functions() {
 }
 
 #[test]
+fn one_of_two_truths_holds_where_the_second_is_known() {
+    // Whether x.x is at least 1 is not known, but which of the two is true or false does not depend on it.
+    let before = "";
+    for (text, expected) in [
+        ("bool h = !(x.x < 1.0), near = x.y < 10.0; result = vec4((h ? near : !h) ? x.z : 9.0);", [0.25, 0.5]),
+        ("bool h = !(x.x < 1.0), near = x.y < 10.0; result = vec4((h ? h : near) ? x.z : 9.0);", [0.25, 0.5]),
+        ("bool h = !(x.x < 1.0), far = x.y > 10.0; result = vec4((h ? !h : far) ? 9.0 : x.z);", [0.25, 0.5]),
+        ("bool h = !(x.x < 1.0), far = x.y > 10.0; result = vec4((h ? far : h) ? 9.0 : x.z);", [0.25, 0.5]),
+        ("bool h = !(x.x < 1.0), near = x.y < 10.0; result = vec4((h ? near : h) ? x.z : 9.0);", [0.25, 9.0]),
+    ] {
+        let program = program(before, text);
+        let inputs = Inputs::default();
+        let bound = program.bind(&inputs).unwrap_or_else(|error| panic!("{error}"));
+        let place = [[0.5, 1.5], [0.0, 1.0], [0.25, 0.5], [0.0, 0.0]].map(|[lo, hi]| Interval { lo, hi });
+        let lanes = Lanes { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, vec![place])]) };
+        let [found, ..] = bound.run(&lanes).unwrap_or_else(|error| panic!("{error}"))[&0][0];
+        assert_eq!([found.lo, found.hi], expected, "{text}");
+        both(before, text, &inputs, &points(60).into_iter().map(|p| p.map(|t| 3.0 * t - 1.0)).collect::<Vec<_>>());
+    }
+}
+
+#[test]
 fn short_branches_on_integers_are_what_their_sides_say() {
     // Values change places, one side writes, one branch is within another, the condition is written, a loop repeats it.
     let body = "uint h = uint(64.0 * x.x + 640.0) * 668265261u;
