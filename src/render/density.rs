@@ -166,23 +166,23 @@ impl Along {
     fn narrowed(self, next: &Along) -> Along {
         let (length, [fall, rise]) = (next.depth - self.depth, self.slope);
         let [from, to] = [self.density, next.density];
-        let least = |from: f64, to: f64, fall: f64, rise: f64| match () {
-            () if fall >= 0.0 => from,
-            () if rise <= 0.0 => to,
-            // It falls as fast as it may, and then rises as fast.
-            () => from + fall * ((from - to + length * rise) / (rise - fall)).clamp(0.0, length),
+        let least = |from: f64, to: f64, fall: f64, rise: f64| {
+            if fall >= 0.0 {
+                from
+            } else if rise <= 0.0 {
+                to
+            } else {
+                // It falls as fast as it may, and then rises as fast.
+                from + fall * ((from - to + length * rise) / (rise - fall)).clamp(0.0, length)
+            }
         };
         let range = [least(from, to, fall, rise), -least(-from, -to, -rise, -fall)];
-        match range.iter().all(|end| end.is_finite()) {
-            true => Along {
-                range: [
-                    self.range[0].max(range[0] - ROUNDED).min(from).min(to),
-                    self.range[1].min(range[1] + ROUNDED).max(from).max(to),
-                ],
-                ..self
-            },
-            false => self,
+        if range.iter().any(|end| !end.is_finite()) {
+            return self;
         }
+        let low = self.range[0].max(range[0] - ROUNDED).min(from).min(to);
+        let high = self.range[1].min(range[1] + ROUNDED).max(from).max(to);
+        Along { range: [low, high], ..self }
     }
 }
 
