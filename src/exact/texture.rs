@@ -234,8 +234,8 @@ impl<'a> Image<'a> {
         }
         let counts = [0, 1, 2].map(|axis| axes[axis].count);
         let texel = |at: [usize; 3]| self.texel([0, 1, 2].map(|axis| axes[axis].texels[at[axis]]));
-        let mut all = [[[f64::INFINITY, f64::NEG_INFINITY]; 3]; 4];
-        for axis in 0..self.axes {
+        let mut all = [counts.map(|count| if count > 1 { [f64::INFINITY, f64::NEG_INFINITY] } else { [0.0; 2] }); 4];
+        for axis in (0..3).filter(|axis| counts[*axis] > 1) {
             let ends = [0, 1, 2].map(|other| counts[other] - usize::from(other == axis));
             for place in 0..ends.iter().product() {
                 let at = [place % ends[0], place / ends[0] % ends[1], place / ends[0] / ends[1]];
@@ -246,9 +246,6 @@ impl<'a> Image<'a> {
                     (*least, *most) = (least.min(slope), most.max(slope));
                 }
             }
-        }
-        for axis in self.axes..3 {
-            all.iter_mut().for_each(|channel| channel[axis] = [0.0; 2]);
         }
         Some(all)
     }
