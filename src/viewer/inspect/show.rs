@@ -207,7 +207,10 @@ fn plot(ui: &mut Ui, ray: &[Along]) {
             let off = |sample: &Along| (place(sample.depth, 0.0).x - at.x).abs();
             off(a).total_cmp(&off(b))
         });
-        if let Some(Along { depth, density, range: [low, high], slope: [fall, rise] }) = nearest {
+        if let Some(Along { depth, density, range, slope }) = nearest {
+            // A bound just below 0 is 0, and not -0.
+            let [low, high] = range.map(|end| (1e4 * end).round() / 1e4 + 0.0);
+            let [fall, rise] = slope.map(|end| (1e2 * end).round() / 1e2 + 0.0);
             let slope = match fall.is_finite() && rise.is_finite() {
                 true => format!("changing by {fall:.2} to {rise:.2} a unit"),
                 false => "perhaps with a jump".into(),
