@@ -36,6 +36,7 @@ mod parts;
 mod proofs;
 mod rays;
 mod segments;
+mod slopes;
 mod surface;
 mod transport;
 mod values;
