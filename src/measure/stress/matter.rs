@@ -139,7 +139,6 @@ pub(super) fn slices(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
     const MOST: u32 = 59_616;
     let subject = box_subject(SLAB);
     let mut renderer = Renderer::new(lab.bench.gpu, &lab.bench.library, &subject);
-    let truth = slab(RATE, RATE, 2.0 / 3.0);
     let mut rows = Vec::new();
     for (pass, how) in PASSES {
         for samples in [1, 2, 3, 12, 60, 600, 6_000, MOST, 99_996] {
@@ -151,10 +150,10 @@ pub(super) fn slices(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
             (scene.quality.samples, scene.quality.early_termination) = (samples, 0.0);
             let frame = renderer.render(&scene)?;
             let step = 2.0 / f64::from(samples);
-            // Faces lie between two slices where their number is a multiple of 12: what is left is rounding.
-            let cut = if samples % 12 == 0 { 0.0 } else { step };
-            let [_, bound] = chord(RATE, 2.0 / 3.0, cut / SLANT, 0);
-            let off = bound + 2e-6 + 6e-8 * f64::from(samples).sqrt() + 6e-9 * f64::from(samples);
+            // Samples stand in the middle of their steps: those in the slab count, and what is left is rounding.
+            let inside = (0..samples).filter(|&i| ((f64::from(i) + 0.5) * step - 1.0).abs() < 1.0 / 3.0).count();
+            let truth = slab(RATE, RATE, inside as f64 * step);
+            let off = 2e-6 + 6e-8 * f64::from(samples).sqrt() + 6e-9 * f64::from(samples);
             let known = frame.pixels.iter().map(|pixel| (truth, f64::from(pixel[3]), off));
             rows.push(Row::worst(&format!("slab by {how}"), format!("{samples}"), known).at(samples.into()));
         }
