@@ -44,7 +44,7 @@ fn main() {
         let truth = |scene: &Scene| reference(&library, scene, &subject, TOLERANCE, &|_| (), &|| false);
         let mut refer = |scene: &Scene| truth(scene).map(Arc::new).map_err(|error| error.to_string());
         let sweep = of_own_truth(&scene, &library);
-        let found = compare(stage, &scene, &Settings { sweep, repeat: 6 }, &mut refer, &|_| ()).unwrap();
+        let found = compare(stage, &scene, &Settings { sweep, repeat: 6 }, &mut refer, &|_| (), &|_| ()).unwrap();
         let rows: Vec<&Row> = found.rows.iter().filter(|row| row.truth.is_own).collect();
         let errors = rows.iter().map(|row| row.metrics.errors.rmse).filter(|rmse| *rmse > 0.0);
         let [least, most] = [errors.clone().fold(1.0, f64::min), errors.fold(0.0, f64::max).min(0.1)];

@@ -7,7 +7,7 @@ use super::{absolute, say, start, with_progress};
 use crate::gpu::{Gpu, Options};
 use crate::measure::compare::candidates::{Sweep, candidates};
 use crate::measure::compare::report::{self, Environment, Report};
-use crate::measure::compare::{Comparison, Settings, Stage, compare, paper};
+use crate::measure::compare::{Comparison, Forecast, Settings, Stage, compare, paper};
 use crate::measure::reference::{Reference, TOLERANCE, reference};
 use crate::measure::worker::{Load, Worker};
 use crate::render::variant::Variant;
@@ -48,12 +48,12 @@ pub struct Compare {
     /// Where the report goes: a folder.
     #[arg(long, short, default_value = "compare", value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Few candidates and few runs: a few minutes on two cores. Without --sweep, the front of the scene's own noise then gets
-    /// twice the samples, again and again, until an error of 0.001 or for 60 seconds. With --paper, the window of 300 x 300
-    /// without smoothing alone.
+    /// Every candidate, block, format and up to 512 samples: half an hour and more on two cores, for a few minutes
+    /// otherwise. Without it and without --sweep, the front of the scene's own noise gets twice the samples, again and
+    /// again, until an error of 0.001 or for 60 seconds. With --paper, all windows, not only 300 x 300 without smoothing.
     #[arg(long)]
-    pub quick: bool,
-    /// Timed runs of each candidate, at most, 1 to 1000 [default: 31; quick: 7].
+    pub thorough: bool,
+    /// Timed runs of each candidate, at most, 1 to 1000 [default: 7; thorough: 31].
     #[arg(long, value_name = "RUNS")]
     pub repeat: Option<usize>,
     /// Samples to try, such as 32,64,128.
@@ -114,21 +114,25 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &stop };
     let environment = Environment::of(&gpu);
     let title = title(command);
-    let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
     let report = with_progress(quiet, "compare", |progress| -> Result<Report, Box<dyn Error>> {
         let mut refer = |scene: &Scene| truth(stage, scene);
         let part = |fraction: f32| progress(CANDIDATES * fraction);
-        let mut comparison = compare(stage, &scene, &settings, &mut refer, &part)?;
+        let forecast = |forecast: Forecast| {
+            if !quiet {
+                say(&format!("{forecast}\n"));
+            }
+        };
+        let mut comparison = compare(stage, &scene, &settings, &mut refer, &forecast, &part)?;
         let mut failures = Vec::new();
         let part = |fraction: f32| progress(CANDIDATES + (1.0 - CANDIDATES) * fraction);
-        let table = paper::table(stage, &comparison, command.quick, &mut failures, &part);
+        let table = paper::table(stage, &comparison, !command.thorough, &mut failures, &part);
         let crops = paper::figure(stage, &comparison, &mut failures);
         let pictures = report::pictures(stage, &comparison, &mut failures);
         comparison.failures.extend(failures);
         let comparison = Comparison { partial: comparison.partial || stop(), ..comparison };
         let environment = Environment { load_after: report::load(), ..environment };
-        let (command, hash) = (report::command_line(words), report::hash(&scene));
-        Ok(Report { title, command, hash, tolerance: TOLERANCE, environment, comparison, pictures, table, crops })
+        let hash = report::hash(&scene);
+        Ok(Report { title, hash, tolerance: TOLERANCE, environment, comparison, pictures, table, crops })
     })?;
     let page = report::write(&report, &command.output)?;
     say_fault(fault.filter(|_| !quiet));
@@ -137,7 +141,7 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
 
 /// The scene and what to do with it.
 fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
-    let repeat = command.repeat.unwrap_or(if command.quick { 7 } else { 31 });
+    let repeat = command.repeat.unwrap_or(if command.thorough { 31 } else { 7 });
     if !(1..=1000).contains(&repeat) {
         return Err(format!("--repeat {repeat}: must be from 1 to 1000").into());
     }
@@ -146,7 +150,7 @@ fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
         scene.image.size = SIZE;
     }
     let (samples, strategies) = (command.sweep.clone(), command.strategies.clone());
-    Ok((scene, Settings { sweep: Sweep { quick: command.quick, samples, strategies, filters: false }, repeat }))
+    Ok((scene, Settings { sweep: Sweep { quick: !command.thorough, samples, strategies, filters: false }, repeat }))
 }
 
 /// The folder of the report, made and written into before the measurements, so that none is lost.

@@ -175,7 +175,7 @@ fn each_call_of_a_comparison_may_fail_and_costs_it_a_candidate_at_most() {
         let gpu = Gpu::new(&Options { validation: true, ..Options::of_tests() }).unwrap();
         let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
         fail_after(left);
-        let found = compare(stage, &scene, &settings, &mut { dark }, &|_| ());
+        let found = compare(stage, &scene, &settings, &mut { dark }, &|_| (), &|_| ());
         (found, stop())
     };
     let (whole, (calls, _)) = run(usize::MAX);

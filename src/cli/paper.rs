@@ -90,5 +90,5 @@ fn plan(command: &Compare) -> Result<Plan, Box<dyn Error>> {
     };
     let effects = EFFECTS.iter().map(effect).collect::<Result<Vec<_>, _>>()?;
     let asked = effects.first().filter(|_| arguments.settings.has("image.size")).map(|scene| scene.image.size);
-    Ok(Plan { effects, scale, quick: command.quick, repeat, error_size: asked.unwrap_or(ERROR_SIZE) })
+    Ok(Plan { effects, scale, quick: !command.thorough, repeat, error_size: asked.unwrap_or(ERROR_SIZE) })
 }

@@ -129,6 +129,9 @@ pub struct Measurements {
     pub longest_ms: f64,
     /// Milliseconds of everything, wall clock.
     pub total_ms: f64,
+    /// Milliseconds of the processor that this process took meanwhile, all threads; `None` where the system does not say.
+    #[serde(default)]
+    pub processor_ms: Option<f64>,
     /// The images that the program reads.
     #[serde(default)]
     pub images: Vec<Read>,

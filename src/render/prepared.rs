@@ -361,6 +361,7 @@ impl Prepared {
             shadow_before_ms,
             longest_ms: drawn.longest_ms,
             total_ms: 0.0,
+            processor_ms: None,
             images: self.bound.images(),
             device_bytes: self.bound.bytes() + targets + self.pipelines.half_angle.as_ref().map_or(0, HalfAngle::bytes),
             sparse: self.bound.sparse(),

@@ -11,6 +11,7 @@ use crate::gpu::{Area, Gpu, HostCommands, Recording};
 use crate::render::variant::Variant;
 use crate::scene::{Order, Scene};
 use crate::shader::{Library, Slots};
+use crate::support::watch::own_processor_time;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -150,7 +151,8 @@ impl Renderer {
     /// # Panics
     /// With a number that is not below `quality.supersampling`, or an area that is empty or not in the picture.
     pub fn render_areas(&mut self, scene: &Scene, areas: &[Area], number: Option<u32>) -> Result<Frame, RenderError> {
-        let (start, count) = (Instant::now(), scene.quality.supersampling);
+        let (start, before) = (Instant::now(), own_processor_time());
+        let count = scene.quality.supersampling;
         assert!(number.is_none_or(|number| number < count), "{number:?} of {count}");
         let (scene, mut variant) = self.chosen(scene)?;
         let (subject, stop) = (self.subject.clone(), self.stop.clone());
@@ -165,6 +167,8 @@ impl Renderer {
             variant = variant.that_waits_for_none();
         };
         frame.measurements.total_ms = start.elapsed().as_secs_f64() * 1e3;
+        let taken = own_processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
+        frame.measurements.processor_ms = taken.map(|taken| taken.as_secs_f64() * 1e3);
         frame.measurements.others = subject.all_others().cloned().collect();
         Ok(frame)
     }

@@ -35,11 +35,13 @@ fn number(row: &HashMap<String, String>, column: &str) -> f64 {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
     let desk = tempfile::tempdir().unwrap();
-    let arguments = "compare sphere --effect fire --quick --size 48x48 --sweep 8,16,32 --repeat 3";
+    let arguments = "compare sphere --effect fire --size 48x48 --sweep 8,16,32 --repeat 3";
     for name in ["a", "b"] {
         let output = run(desk.path(), &format!("{arguments} -o {name}"));
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success() && said.is_empty(), "{said}");
+        let told = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(told.starts_with("compare ") && told.contains(" truths: about "), "{told}");
     }
     let [first, second] = ["a", "b"].map(|name| rows(&desk.path().join(name).join("candidates.csv")));
     assert!(first.len() >= 18, "{} candidates", first.len());
@@ -49,7 +51,7 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
         {
             assert_eq!(a[column], b[column], "{column}");
         }
-        assert!(number(a, "gpu_low_ms") <= number(a, "gpu_ms") && number(a, "gpu_ms") <= number(a, "gpu_high_ms"));
+        assert!(number(a, "time_low_ms") <= number(a, "time_ms") && number(a, "time_ms") <= number(a, "time_high_ms"));
         assert!(number(a, "wall_ms") > 0.0 && number(a, "runs") == 3.0);
     }
     for curve in first.chunk_by(|a, b| number(a, "samples") < number(b, "samples")) {
@@ -69,7 +71,7 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
         assert!(row["strategy"] != "encoded" || row["truth"] == "0", "{row:?}");
         assert!(row["strategy"] != "procedural" || row["truth"] != "0", "{row:?}");
         assert!(number(row, "reference_rmse") <= number(row, "reference_bound"), "{row:?}");
-        let seconds = 1e-3 * number(row, "gpu_ms");
+        let seconds = 1e-3 * number(row, "time_ms");
         let efficiency = 1.0 / (number(row, "rmse").powi(2) * seconds);
         assert!((number(row, "efficiency_per_mse_second") / efficiency - 1.0).abs() < 1e-9, "{row:?}");
         let all = row["octaves"] == "8";
@@ -141,7 +143,7 @@ fn errors_are_those_against_the_reference_and_a_missing_reference_is_a_failure()
             Repeat::TurbulenceBlock => Ok(Arc::new(plain(scene, if scene.effect.octaves == 4 { 0.75 } else { 0.0 }))),
             _ => Err("not today".into()),
         };
-        let found = compare(stage, &scene, &settings, &mut refer, &|_| ()).unwrap();
+        let found = compare(stage, &scene, &settings, &mut refer, &|_| (), &|_| ()).unwrap();
         assert!(found.rows.len() >= 4 && !found.failures.is_empty());
         assert_eq!(found.rows.len() + found.failures.len(), found.planned);
         assert!(!found.partial && found.failures.iter().all(|failure| failure.message == "no reference: not today"));
@@ -182,7 +184,7 @@ fn a_quick_sweep_goes_on_along_the_front_unless_its_samples_are_given() {
         };
         let mut most = |samples: Option<Vec<u32>>| {
             let sweep = Sweep { quick: true, samples, strategies: strategies.clone(), filters: false };
-            let found = compare(stage, &scene, &Settings { sweep, repeat: 1 }, &mut refer, &|_| ()).unwrap();
+            let found = compare(stage, &scene, &Settings { sweep, repeat: 1 }, &mut refer, &|_| (), &|_| ()).unwrap();
             assert_eq!(found.rows.len(), found.planned, "{:?}", found.failures);
             let samples = found.rows.iter().map(|row| row.candidate.samples());
             let errors = found.rows.iter().map(|row| row.metrics.errors.rmse);
@@ -207,7 +209,7 @@ fn more_samples_of_segments_turn_the_normals_less() {
         let sweep = Sweep { samples: Some(vec![16, 128]), ..Sweep::default() };
         let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
         let mut refer = |scene: &Scene| Ok(Arc::new(dark(scene)));
-        let found = compare(stage, &scene, &Settings { sweep, repeat: 1 }, &mut refer, &|_| ()).unwrap();
+        let found = compare(stage, &scene, &Settings { sweep, repeat: 1 }, &mut refer, &|_| (), &|_| ()).unwrap();
         let angle = |integration, samples| {
             let is = |c: &hypertexture::measure::compare::candidates::Candidate| {
                 (c.curve().pass, c.curve().integration, c.samples()) == (Pass::March, integration, samples)
@@ -224,7 +226,7 @@ fn more_samples_of_segments_turn_the_normals_less() {
 fn a_candidate_that_fails_fails_the_report_which_is_written() {
     let desk = tempfile::tempdir().unwrap();
     fs::write(desk.path().join("s.toml"), "preset = \"lit\"\nobject.input = \"sphere\"\nquality.msaa = 8\n").unwrap();
-    let output = run(desk.path(), "compare s.toml --quick --size 16x16 --sweep 8 --repeat 1 -o r");
+    let output = run(desk.path(), "compare s.toml --size 16x16 --sweep 8 --repeat 1 -o r");
     let said = String::from_utf8(output.stderr).unwrap();
     let page = fs::read_to_string(desk.path().join("r/index.html")).unwrap();
     if with_gpu(|gpu| gpu.sample_counts(Format::Rgba32Float).contains(&8)) {

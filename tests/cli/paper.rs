@@ -26,8 +26,7 @@ fn json(folder: &Path) -> Value {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m54_m55_m56_the_tables_of_the_paper_stand_beside_ours_with_their_errors() {
     let desk = tempfile::tempdir().unwrap();
-    let output =
-        run(desk.path(), "compare torus --paper --quick --scale 0.05 --size 12x12 --samples 48 --repeat 2 -o r");
+    let output = run(desk.path(), "compare torus --paper --scale 0.05 --size 12x12 --samples 48 --repeat 2 -o r");
     let (said, wrong) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
     assert!(output.status.success() && wrong.is_empty(), "{wrong}");
     let json = json(&desk.path().join("r"));
@@ -101,6 +100,22 @@ fn m54_m55_m56_the_tables_of_the_paper_stand_beside_ours_with_their_errors() {
     let columns = table.lines().next().unwrap().split(',').count();
     assert!(table.lines().all(|line| line.split(',').count() == columns));
     assert_eq!(table.lines().count(), 1 + 6 * 4 + 4 * 6 + 6 * 2 + 4);
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn m54_the_errors_of_the_docs_are_those_that_are_measured() {
+    let desk = tempfile::tempdir().unwrap();
+    let output = run(desk.path(), "compare --paper --scale 0.05 --repeat 1 -o r");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let docs = include_str!("../../docs/accuracy.md");
+    let sheets = json(&desk.path().join("r"))["sheets"].clone();
+    for row in sheets[0]["rows"].as_array().unwrap() {
+        let (name, rmse) = (row["name"].as_str().unwrap(), row["errors"]["rmse"].as_f64().unwrap());
+        let line = docs.lines().find(|line| line.starts_with(&format!("| {name} |"))).unwrap();
+        let told: f64 = line.trim_end_matches([' ', '|']).rsplit(' ').next().unwrap().parse().unwrap();
+        assert!((told / rmse - 1.0).abs() < 0.03, "docs/accuracy.md, {name}: {told} is {rmse:.2e}");
+    }
 }
 
 /// A picture of no light at all: wrong, and quick.

@@ -259,7 +259,7 @@ fn glsl_that_harms_a_compiler_or_a_driver_is_refused_in_one_line() {
             ("render torus --effect fire --dmf nul.glsl", &["dmf/nul.glsl:5: error: a NUL byte"]),
             ("render torus --effect fire --dmf terms.glsl", &["dmf/terms.glsl: the GLSL compiler crashed"]),
             ("explain torus --effect fire --dmf terms.glsl", &["dmf/terms.glsl: the GLSL compiler crashed"]),
-            ("compare torus --effect fire --quick --dmf terms.glsl -o report", &["dmf/terms.glsl: the GLSL compiler"]),
+            ("compare torus --effect fire --dmf terms.glsl -o report", &["dmf/terms.glsl: the GLSL compiler"]),
             ("render torus --effect fire --dmf growing.glsl", &["dmf/growing.glsl: the GLSL compiler", "without end"]),
             ("render torus --effect fire --dmf huge.glsl", &["dmf/huge.glsl: an array of 400000000 bytes", "65536"]),
             ("render torus --effect fire --dmf address.glsl", &["dmf/address.glsl: ", "capability 5347", "#extension"]),

@@ -110,7 +110,8 @@ fn a_driver_that_crashes_or_hangs_on_a_candidate_costs_the_comparison_that_one()
             Sweep { quick: true, samples: Some(vec![16, 17]), strategies: Some(strategies.into()), filters: false };
         let worker = Worker::new(&start, &library, Load::Scene(to_text(&scene)));
         let stage = Stage { gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &|| false };
-        let found = compare(stage, &scene, &Settings { sweep, repeat: 3 }, &mut |scene| dark(scene), &|_| ()).unwrap();
+        let found =
+            compare(stage, &scene, &Settings { sweep, repeat: 3 }, &mut |scene| dark(scene), &|_| (), &|_| ()).unwrap();
         let labels = |how: &str| -> Vec<&str> {
             let failed = found.failures.iter().filter(|failure| failure.message.contains(how));
             failed.map(|failure| failure.label.as_str()).collect()

@@ -27,7 +27,7 @@ pub fn answers(rows: &[Row], of: &[usize]) -> Vec<Answer> {
         let points: Vec<(f64, f64)> = within.iter().map(|&index| rows[index].point()).collect();
         let candidate = cheapest(&points, bound).map(|place| within[place]);
         let is_like = |&other: &usize| {
-            candidate.is_some_and(|best| other != best && rows[other].gpu().overlaps(&rows[best].gpu()))
+            candidate.is_some_and(|best| other != best && rows[other].time().overlaps(&rows[best].time()))
         };
         let not_separable = within.iter().copied().filter(is_like).collect();
         Answer { error_at_most: bound, candidate, not_separable }

@@ -39,8 +39,10 @@ use crate::support::random::SplitMix;
 use candidates::{Candidate, Sweep};
 use metrics::{Angles, Metrics};
 use normals::Normals;
+use std::cell::Cell;
+use std::fmt;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use timing::{FEWEST_RUNS, Run, Spread, interleave};
 use truths::Truths;
 
@@ -118,14 +120,19 @@ impl Row {
         Spread::of(&self.runs.iter().map(|run| run.wall_ms).collect::<Vec<_>>())
     }
 
-    /// Time on the device and linear error: the axes of the report.
-    pub fn point(&self) -> (f64, f64) {
-        (self.gpu().median, self.metrics.errors.rmse)
+    /// Milliseconds of the processor where that is the device, which other processes hardly change; else on the device.
+    pub fn time(&self) -> Spread {
+        Spread::of(&self.runs.iter().map(|run| run.processor_ms.unwrap_or(run.gpu_ms)).collect::<Vec<_>>())
     }
 
-    /// How much is had for the time, 1 / (mean square error x seconds on the device).
+    /// Time and linear error: the axes of the report.
+    pub fn point(&self) -> (f64, f64) {
+        (self.time().median, self.metrics.errors.rmse)
+    }
+
+    /// How much is had for the time, 1 / (mean square error x seconds).
     pub fn efficiency(&self) -> f64 {
-        1.0 / (self.metrics.errors.rmse.powi(2) * self.gpu().median * 1e-3)
+        1.0 / (self.metrics.errors.rmse.powi(2) * self.time().median * 1e-3)
     }
 }
 
@@ -191,7 +198,35 @@ impl Comparison {
 
     /// How many rows have unsteady times.
     pub fn unsteady(&self) -> usize {
-        self.rows.iter().filter(|row| row.gpu().is_unsteady()).count()
+        self.rows.iter().filter(|row| row.time().is_unsteady()).count()
+    }
+
+    /// The clock of the report's times, in words.
+    pub fn clock(&self) -> &'static str {
+        let of_processor = self.rows.iter().flat_map(|row| &row.runs).all(|run| run.processor_ms.is_some());
+        if of_processor { "of the processor" } else { "on the device" }
+    }
+}
+
+/// How long a comparison will take, as its first truth and candidate say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forecast {
+    /// Candidates, without those that go on along the front.
+    pub candidates: usize,
+    /// Noise patterns, each with a truth.
+    pub truths: usize,
+    /// Wall clock from now on, as long as each takes what the first took; going on along the front is in it.
+    pub time: Duration,
+}
+
+impl fmt::Display for Forecast {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let minutes = (self.time.as_secs_f64() / 60.0).ceil();
+        let (candidates, truths) = (self.candidates, self.truths);
+        write!(
+            f,
+            "compare    {candidates} candidates, {truths} truths: about {minutes} min, if the machine stays as busy"
+        )
     }
 }
 
@@ -221,7 +256,8 @@ impl<'a> Stage<'a> {
 }
 
 /// Draws, measures and times every candidate for a scene; `refer` gives the truth of a scene. A quick sweep without
-/// samples of its own goes on with more of them along the front. Stopped, it keeps the candidates that were timed.
+/// samples of its own goes on with more of them along the front. `forecast` hears once, behind the first candidate, how
+/// long it will take. Stopped, it keeps the candidates that were timed.
 ///
 /// # Errors
 /// The scene has no candidate. What goes wrong with one of several is a [`Failure`].
@@ -230,8 +266,16 @@ pub fn compare(
     scene: &Scene,
     settings: &Settings,
     refer: &mut Refer<'_>,
+    forecast: &dyn Fn(Forecast),
     progress: &dyn Fn(f32),
 ) -> Result<Comparison, CompareError> {
+    let (began, in_truths) = (Instant::now(), Cell::new(Duration::ZERO));
+    let mut refer = |scene: &Scene| {
+        let start = Instant::now();
+        let found = refer(scene);
+        in_truths.set(in_truths.get() + start.elapsed());
+        found
+    };
     let mut waiting: Vec<(usize, Candidate)> =
         candidates::candidates(scene, stage.library, &settings.sweep)?.into_iter().enumerate().collect();
     let mut random = SplitMix(SEED);
@@ -246,10 +290,11 @@ pub fn compare(
         partial: false,
     };
     let mut truths = Truths::new(scene, stage.library)?;
+    let goes_on = settings.sweep.quick && settings.sweep.samples.is_none();
     let mut swept: Option<Instant> = None;
+    let mut is_first = true;
     while !(stage.stop)() {
         if waiting.is_empty() {
-            let goes_on = settings.sweep.quick && settings.sweep.samples.is_none();
             if !goes_on || swept.get_or_insert_with(Instant::now).elapsed() > refine::BUDGET {
                 break;
             }
@@ -267,7 +312,7 @@ pub fn compare(
             let Some((index, candidate)) = waiting.pop() else { break };
             let mut renderer = stage.painter();
             let label = candidate.label();
-            match first(stage.library, candidate, &mut renderer, &mut truths, refer) {
+            match first(stage.library, candidate, &mut renderer, &mut truths, &mut refer) {
                 Ok(mut row) => {
                     bytes += row.first.measurements.device_bytes;
                     row.normals = normals.angles(&row.candidate.scene);
@@ -276,12 +321,22 @@ pub fn compare(
                 Err(_) if (stage.stop)() => {} // whatever it was in the middle of
                 Err(message) => comparison.failures.push(Failure { label, message }),
             }
+            if std::mem::take(&mut is_first) {
+                let scenes = waiting.iter().map(|(_, candidate)| &candidate.scene);
+                let (candidates, truths) = (waiting.len() + 1, truths.count(stage.library, scenes));
+                let full = usize::from(!settings.sweep.quick);
+                let runs = Duration::from_secs_f64(1e-3 * (REPEAT_MS[full] + WARM_MS[full]));
+                let each = began.elapsed().saturating_sub(in_truths.get()) + runs;
+                let front = if goes_on { refine::BUDGET } else { Duration::ZERO };
+                let time = in_truths.get() * (truths as u32 - 1) + each * candidates as u32 + front;
+                forecast(Forecast { candidates, truths, time });
+            }
             progress((planned - waiting.len()) as f32 / planned as f32 - 0.5 * batch.len() as f32 / planned as f32);
         }
         let done = (planned - waiting.len()) as f32 / planned as f32;
         let share = 0.5 * batch.len() as f32 / planned as f32;
         let within = |fraction: f32| progress(done - share * (1.0 - fraction));
-        comparison.failures.extend(time(&mut batch, settings, &mut random, stage.stop, &within));
+        comparison.failures.extend(time(&mut batch, settings, &mut random, stage, &within));
         rows.extend(batch.into_iter().filter(|(_, row, _)| !row.runs.is_empty()).map(|(index, row, _)| (index, row)));
     }
     comparison.partial = (stage.stop)();
@@ -338,9 +393,10 @@ fn time(
     batch: &mut [(usize, Row, Painter<'_>)],
     settings: &Settings,
     random: &mut SplitMix,
-    stop: &dyn Fn() -> bool,
+    stage: Stage<'_>,
     progress: &dyn Fn(f32),
 ) -> Vec<Failure> {
+    let (stop, on_processor) = (stage.stop, stage.gpu.info().cpu);
     let full = usize::from(!settings.sweep.quick);
     let fit = |ms: f64, row: &Row| (ms / row.first.measurements.gpu_ms.max(1e-3)) as usize;
     let fewest = FEWEST_RUNS.min(settings.repeat);
@@ -361,7 +417,9 @@ fn time(
             continue;
         }
         match run(renderer, &row.candidate.scene) {
-            Ok(run) if timed => row.runs.push(run),
+            Ok(run) if timed => {
+                row.runs.push(Run { processor_ms: run.processor_ms.filter(|_| on_processor), ..run });
+            }
             Ok(_) => {}
             Err(error) => {
                 row.runs.clear();
@@ -375,6 +433,6 @@ fn time(
 
 /// One run of a renderer that is ready for the scene.
 fn run(renderer: &mut Painter<'_>, scene: &Scene) -> Result<Run, RenderError> {
-    let m = renderer.render(scene)?.measurements;
-    Ok(Run { gpu_ms: m.alone_ms(), wall_ms: m.total_ms - m.compile_ms + m.shadow_before_ms })
+    let m = renderer.render_anew(scene)?.measurements;
+    Ok(Run { gpu_ms: m.device_ms(), processor_ms: m.processor_ms, wall_ms: m.total_ms - m.compile_ms })
 }

@@ -19,6 +19,8 @@ pub const FEWEST_RUNS: usize = 6;
 pub struct Run {
     /// Milliseconds on the device, by its timestamps; with the shadow volume, if there is one.
     pub gpu_ms: f64,
+    /// Milliseconds of the processor, all threads, where the system says; of candidates, where the processor is the device.
+    pub processor_ms: Option<f64>,
     /// Milliseconds from scene to pixels in memory, wall clock, without compiling.
     pub wall_ms: f64,
 }

@@ -51,6 +51,17 @@ impl Truths {
         Ok(Truths { own: Some(truth_of(scene, library)?), known: Vec::new() })
     }
 
+    /// How many truths there are with those of more scenes.
+    pub(super) fn count<'a>(&self, library: &Library, scenes: impl Iterator<Item = &'a Scene>) -> usize {
+        let mut all: Vec<Scene> = self.known.iter().map(|(truth, _)| truth.clone()).collect();
+        for truth in scenes.filter_map(|scene| truth_of(scene, library).ok()) {
+            if !all.contains(&truth) {
+                all.push(truth);
+            }
+        }
+        all.len()
+    }
+
     /// The truth of a scene, whatever its quality.
     pub(super) fn of(&mut self, library: &Library, scene: &Scene, refer: &mut Refer<'_>) -> Result<Arc<Truth>, String> {
         let truth = truth_of(scene, library).map_err(|error| error.to_string())?;

@@ -72,8 +72,8 @@ struct Task {
 /// What a worker is asked, a line each.
 #[derive(Debug, Serialize, Deserialize)]
 enum Request {
-    /// A picture by the renderer of this number.
-    Draw(u64, String),
+    /// A picture by the renderer of this number, its shadows cast anew or not.
+    Draw(u64, String, bool),
     /// That renderer is not used any more.
     Forget(u64),
 }
@@ -113,7 +113,7 @@ impl Worker {
     }
 
     /// Draws a scene with the renderer of that number, which the process of that generation has drawn with before.
-    fn draw(&self, number: u64, before: &mut Option<u64>, scene: &Scene) -> Result<Frame, RenderError> {
+    fn draw(&self, number: u64, before: &mut Option<u64>, scene: &Scene, anew: bool) -> Result<Frame, RenderError> {
         let mut state = self.state.borrow_mut();
         let state = &mut *state;
         let process = match &mut state.process {
@@ -125,7 +125,7 @@ impl Worker {
         };
         let generation = state.generation;
         let patience = self.start.patience + Duration::from_secs_f64(SAMPLE * samples(scene));
-        let request = line(&Request::Draw(number, to_text(scene)));
+        let request = line(&Request::Draw(number, to_text(scene), anew));
         // In a new process the first picture is not what it was: what is drawn twice has its own first one there.
         let times = 1 + u32::from(before.is_some_and(|before| before != generation));
         let mut frame = Err(RenderError::Worker("nothing was drawn".into()));
@@ -283,7 +283,21 @@ impl<'a> Painter<'a> {
     pub fn render(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
         match self {
             Painter::Here(renderer) => renderer.render(scene),
-            Painter::There(remote) => remote.worker.draw(remote.number, &mut remote.before, scene),
+            Painter::There(remote) => remote.worker.draw(remote.number, &mut remote.before, scene, false),
+        }
+    }
+
+    /// Renders a scene with shadows cast anew, so that its measurements are those of the whole picture.
+    ///
+    /// # Errors
+    /// As [`Painter::render`].
+    pub fn render_anew(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
+        match self {
+            Painter::Here(renderer) => {
+                renderer.forget_shadows();
+                renderer.render(scene)
+            }
+            Painter::There(remote) => remote.worker.draw(remote.number, &mut remote.before, scene, true),
         }
     }
 }

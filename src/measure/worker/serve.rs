@@ -30,9 +30,12 @@ pub fn serve(input: impl BufRead, output: &mut impl Write, options: &Options) ->
     for request in lines {
         match serde_json::from_str(&request?)? {
             Request::Forget(number) => drop(renderers.remove(&number)),
-            Request::Draw(number, text) => {
+            Request::Draw(number, text, anew) => {
                 let scene = parse(&text)?;
                 let renderer = renderers.entry(number).or_insert_with(|| Renderer::new(&gpu, &library, &subject));
+                if anew {
+                    renderer.forget_shadows();
+                }
                 let drawn = renderer.render(&scene);
                 let said = messages.take(); // of the validation layer, where it is on
                 let answer = match drawn {

@@ -58,11 +58,15 @@ pub struct Chart {
     pub front: Vec<(f64, f64)>,
     /// Error of the reference: what lies below says nothing.
     pub floor: Option<f64>,
+    /// The clock of the times, such as `on the device`.
+    pub clock: &'static str,
 }
 
 const SIZE: [f64; 2] = [960.0, 560.0];
 /// Height of the title of a chart in a file of its own.
 const TITLE: f64 = 36.0;
+/// Orders whose slopes are drawn: the time of a curve grows like its samples.
+const SLOPES: [i32; 2] = [1, 2];
 /// Left, top, right, bottom of the area of the points.
 const AREA: [f64; 4] = [78.0, 20.0, 700.0, 500.0];
 
@@ -149,7 +153,7 @@ pub fn standalone(charts: &[Chart]) -> String {
 fn head(height: f64) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {height}\" role=\"img\" \
-         aria-label=\"Error against time on the device\" font-family=\"system-ui, sans-serif\" font-size=\"13\">\n",
+         aria-label=\"Error against time\" font-family=\"system-ui, sans-serif\" font-size=\"13\">\n",
         SIZE[0]
     )
 }
@@ -198,8 +202,9 @@ fn drawn(chart: &Chart) -> String {
     }
     let middle = 0.5 * (left + right);
     add(format!(
-        "<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\" fill=\"var(--ink)\">time on the device, ms (median)</text>",
-        bottom + 46.0
+        "<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\" fill=\"var(--ink)\">time {}, ms (median)</text>",
+        bottom + 46.0,
+        chart.clock
     ));
     let middle = 0.5 * (top + bottom);
     add(format!(
@@ -219,6 +224,9 @@ fn drawn(chart: &Chart) -> String {
         ));
     }
     let place = |&(time, error): &(f64, f64)| (x.place(time), y.place(error));
+    if all().next().is_some() {
+        SLOPES.into_iter().for_each(|order| add(slope(order, &x, &y)));
+    }
     let faint_first = [true, false].into_iter();
     for line in faint_first.flat_map(|faint| chart.lines.iter().filter(move |line| line.faint == faint)) {
         add(self::line(line, &place));
@@ -243,6 +251,20 @@ fn drawn(chart: &Chart) -> String {
     }
     add(legend(chart));
     out
+}
+
+/// A line along which the error falls like time^-`order`, from the upper left of the area to its edge.
+fn slope(order: i32, x: &Axis, y: &Axis) -> String {
+    let time = (x.low * (y.high / y.low).powf(1.0 / f64::from(order))).min(x.high);
+    let (px, py) = (x.place(time), y.place(y.high * (time / x.low).powi(-order)));
+    format!(
+        "<path d=\"M{:.1} {:.1}L{px:.1} {py:.1}\" stroke=\"var(--muted)\" stroke-dasharray=\"1 5\"/>\
+         <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"var(--muted)\" font-size=\"12\">order {order}</text>",
+        x.place(x.low),
+        y.place(y.high),
+        px - 8.0,
+        py - 6.0
+    )
 }
 
 fn weight(label: bool) -> f64 {
@@ -354,6 +376,18 @@ mod tests {
     }
 
     #[test]
+    fn slopes_fall_as_their_order_says_and_stay_in_the_area() {
+        // Two decades of time over 200 pixels, four of error over 400: order 2 ends in the corner, order 1 half way down.
+        let x = Axis { low: 1.0, high: 100.0, from: 0.0, to: 200.0 };
+        let y = Axis { low: 1e-4, high: 1.0, from: 400.0, to: 0.0 };
+        for (order, end) in
+            [(1, "M0.0 0.0L200.0 200.0\""), (2, "M0.0 0.0L200.0 400.0\""), (4, "M0.0 0.0L100.0 400.0\"")]
+        {
+            assert!(slope(order, &x, &y).contains(end), "{}", slope(order, &x, &y));
+        }
+    }
+
+    #[test]
     fn labels_are_written_out_or_powers_of_ten() {
         let written = [1e-6, 2e-5, 0.001, 0.05, 1.0, 20.0, 10000.0, 1e6].map(tick_label);
         assert_eq!(written, ["10⁻⁶", "2·10⁻⁵", "0.001", "0.05", "1", "20", "10000", "10⁶"]);
@@ -381,12 +415,20 @@ mod tests {
             lines: vec![line(true, false), line(false, true)],
             front: vec![(1.0, 0.1), (4.0, 0.02)],
             floor: Some(2.2e-6),
+            clock: "of the processor",
         };
         let text = svg(&chart);
         assert_eq!(text.matches("<title>a &lt; b</title>").count(), 2);
-        for part in
-            ["encoded", "slices, segments", "slices, points", "error of the reference: 2·10⁻⁶, below", "nothing beats"]
-        {
+        for part in [
+            "time of the processor, ms",
+            ">order 1<",
+            ">order 2<",
+            "encoded",
+            "slices, segments",
+            "slices, points",
+            "error of the reference: 2·10⁻⁶, below",
+            "nothing beats",
+        ] {
             assert!(text.contains(part), "{part}");
         }
         assert!(!text.contains("NaN") && !text.contains("rays, points"));

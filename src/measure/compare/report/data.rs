@@ -16,21 +16,22 @@ use std::fmt::Write;
 const COLUMNS: &str = "candidate,strategy,block,pass,integration,target,samples,octaves,rmse,covered_rmse,rgb_rmse,opacity_rmse,max_rgba,p999_rgba,\
     own_rmse,relative_mse,psnr_db,ssim,flip,flip_p99,normal_mean_deg,normal_p99_deg,reference_rmse,reference_bound,\
     reference_proven,blend_bound,\
-    gpu_ms,gpu_low_ms,gpu_high_ms,gpu_min_ms,gpu_p95_ms,wall_ms,wall_low_ms,wall_high_ms,runs,unsteady,compile_ms,\
+    time_ms,time_low_ms,time_high_ms,time_min_ms,time_p95_ms,gpu_ms,wall_ms,wall_low_ms,wall_high_ms,runs,unsteady,compile_ms,\
     device_bytes,fragments,efficiency_per_mse_second,front,truth";
 
 /// What makes times steady.
 pub const STEADIER: &str = "repeat on an idle machine, with more runs (--repeat)";
 
 /// What the numbers are of, as far as their names leave it open.
-const UNITS: [(&str, &str); 7] = [
+const UNITS: [(&str, &str); 8] = [
     ("rmse", "root mean square over R, G, B and A of premultiplied linear RGBA; 1 is white, or opaque"),
     ("covered_rmse", "the same over the pixels in which the picture or its truth is not clear"),
     ("rgb_rmse, opacity_rmse", "the same over R, G and B, and over A, of all pixels"),
     ("max", "largest difference of any of the four channels"),
     ("p999", "what 99.9 % of the pixels stay below in the worst of their four channels"),
     ("relative_mse", "mean of d^2 / (t^2 + 0.01) over premultiplied linear R, G and B"),
-    ("efficiency_per_mse_second", "1 / (rmse^2 x seconds on the device)"),
+    ("time", "of the processor where that is the device, all threads; else on the device"),
+    ("efficiency_per_mse_second", "1 / (rmse^2 x seconds of that time)"),
 ];
 
 /// One row for each candidate.
@@ -39,7 +40,7 @@ pub fn candidates(report: &Report) -> String {
     let groups = report.comparison.groups();
     for (index, row) in report.comparison.rows.iter().enumerate() {
         let Row { candidate, metrics: m, .. } = row;
-        let (curve, gpu, wall) = (candidate.curve(), row.gpu(), row.wall());
+        let (curve, time, wall) = (candidate.curve(), row.time(), row.wall());
         let block = curve.block.map_or(String::new(), |side| side.to_string());
         let angle = |value: Option<f64>| value.map_or(String::new(), number);
         let first = &row.first.measurements;
@@ -71,16 +72,17 @@ pub fn candidates(report: &Report) -> String {
             number(row.truth.bound()),
             number(row.truth.proven()),
             number(candidate.blend_bound()),
-            number(gpu.median),
-            number(gpu.interval[0]),
-            number(gpu.interval[1]),
-            number(gpu.min),
-            number(gpu.p95),
+            number(time.median),
+            number(time.interval[0]),
+            number(time.interval[1]),
+            number(time.min),
+            number(time.p95),
+            number(row.gpu().median),
             number(wall.median),
             number(wall.interval[0]),
             number(wall.interval[1]),
-            gpu.runs.to_string(),
-            gpu.is_unsteady().to_string(),
+            time.runs.to_string(),
+            time.is_unsteady().to_string(),
             number(first.compile_ms),
             first.device_bytes.to_string(),
             first.fragments.map_or(String::new(), |count| count.to_string()),
@@ -95,10 +97,11 @@ pub fn candidates(report: &Report) -> String {
 
 /// One row for each run.
 pub fn runs(report: &Report) -> String {
-    let mut text = String::from("candidate,run,gpu_ms,wall_ms\n");
+    let mut text = String::from("candidate,run,gpu_ms,processor_ms,wall_ms\n");
     for (index, row) in report.comparison.rows.iter().enumerate() {
         for (number, run) in row.runs.iter().enumerate() {
-            writeln!(text, "{index},{number},{},{}", run.gpu_ms, run.wall_ms).expect("writing to a string");
+            let processor = run.processor_ms.map_or(String::new(), |ms| ms.to_string());
+            writeln!(text, "{index},{number},{},{processor},{}", run.gpu_ms, run.wall_ms).expect("writing to a string");
         }
     }
     text
@@ -122,13 +125,13 @@ pub fn summary(report: &Report) -> String {
     let groups = comparison.groups();
     let row = |truth: usize, index: usize| {
         let row = &comparison.rows[index];
-        let (gpu, label, efficiency) = (row.gpu(), row.candidate.label(), row.efficiency());
+        let (time, label, efficiency) = (row.time(), row.candidate.label(), row.efficiency());
         json!({
             "truth": truth,
             "candidate": index,
             "label": label,
             "metrics": row.metrics,
-            "gpu_ms": gpu,
+            "time_ms": time,
             "efficiency_per_mse_second": efficiency,
         })
     };
@@ -151,7 +154,7 @@ pub fn summary(report: &Report) -> String {
         .collect();
     let value = json!({
         "title": report.title,
-        "command": report.command,
+        "command": report.environment.command,
         "scene": scene_text(&comparison.scene),
         "failed": comparison.failures.len(),
         "partial": comparison.partial,

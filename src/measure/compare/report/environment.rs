@@ -1,5 +1,6 @@
 //! Where and when something was measured. It names no file, no folder and no person.
 
+use super::command_line;
 use crate::gpu::Gpu;
 use serde::{Deserialize, Serialize};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -31,6 +32,9 @@ pub struct Environment {
     pub governor: Option<String>,
     /// Variables that change how fast lavapipe is, and their values.
     pub variables: Vec<(String, String)>,
+    /// The command line, by [`command_line`].
+    #[serde(default)]
+    pub command: String,
 }
 
 /// Variables of Mesa that decide how fast lavapipe draws.
@@ -55,6 +59,7 @@ impl Environment {
             load_after: None,
             governor: read("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor").map(|text| text.trim().into()),
             variables: VARIABLES.into_iter().filter_map(variable).collect(),
+            command: command_line(std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned())),
         }
     }
 }

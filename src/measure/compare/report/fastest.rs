@@ -10,23 +10,27 @@ const LABELS: usize = 2;
 
 /// The fastest candidate within each error: in words of the scene's own truth, and as a table of all.
 pub fn fastest(report: &Report, groups: &[Group]) -> String {
-    let rows = &report.comparison.rows;
+    let (rows, clock) = (&report.comparison.rows, report.comparison.clock());
     let all: Vec<Vec<Answer>> = groups.iter().map(|group| answers(rows, &group.rows)).collect();
     let best = all.first().and_then(|own| own.iter().rev().find_map(|answer| Some((answer, answer.candidate?))));
     let words = match best {
         None => "<p class=\"answer\">No candidate is accurate enough to be named.</p>\n".into(),
         Some((answer, best)) => {
-            let within = groups[0].rows.iter().map(|&index| rows[index].point());
-            let slowest =
-                within.filter(|point| point.1 <= answer.error_at_most).fold(0.0, |most, point| point.0.max(most));
-            let row = &rows[best];
+            let within = groups[0].rows.iter().map(|&index| &rows[index]);
+            let within = within.filter(|row| row.point().1 <= answer.error_at_most);
+            let slowest = within.map(Row::time).max_by(|a, b| a.median.total_cmp(&b.median));
+            let time = rows[best].time();
+            let slowest = slowest.unwrap_or(time);
+            let [low, high] = [slowest.interval[0] / time.interval[1], slowest.interval[1] / time.interval[0]];
             format!(
-                "<p class=\"answer\">The fastest candidate within an error of {} is <b>{}</b>: {} ms, {} times faster than the \
-                 slowest that gets there.</p>\n",
+                "<p class=\"answer\">The fastest candidate within an error of {} is <b>{}</b>: {} ms {clock}, {} <small>[{}, {}]</small> \
+                 times faster than the slowest that gets there.</p>\n",
                 answer.error_at_most,
-                escape(&row.candidate.label()),
-                short(row.gpu().median),
-                short(slowest / row.gpu().median)
+                escape(&rows[best].candidate.label()),
+                spread(&time),
+                short(slowest.median / time.median),
+                short(low),
+                short(high)
             )
         }
     };
@@ -36,7 +40,7 @@ pub fn fastest(report: &Report, groups: &[Group]) -> String {
             "<tr><td class=\"n\">{}<td>{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"wrap\">{}",
             answer.error_at_most,
             escape(&row.candidate.label()),
-            spread(&row.gpu()),
+            spread(&row.time()),
             short(row.metrics.errors.rmse),
             short(row.metrics.flip),
             short(row.metrics.psnr),
@@ -52,7 +56,7 @@ pub fn fastest(report: &Report, groups: &[Group]) -> String {
         })
         .collect();
     format!(
-        "{words}<div class=\"scroll\"><table><tr><th class=\"n\">error at most<th>fastest candidate<th class=\"n\">ms on the device\
+        "{words}<div class=\"scroll\"><table><tr><th class=\"n\">error at most<th>fastest candidate<th class=\"n\">ms {clock}\
          <th class=\"n\">RMSE<th class=\"n\">FLIP<th class=\"n\">PSNR, dB<th>not separable</tr>\n{}\n</table></div>\n\
          <p class=\"note\">The error is the root mean square over R, G, B and A of premultiplied linear RGBA, against the reference of \
          the candidate's own scene. Times are medians with their 95 % interval; of fewer than six runs, with all of them. <i>Not \

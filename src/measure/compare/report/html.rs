@@ -132,7 +132,7 @@ fn front_pictures(report: &Report, groups: &[Group]) -> String {
             "<figure><div>{}</div><figcaption><b>{label}</b><br><span>truth {}; {} ms, RMSE {}, FLIP {}</span></figcaption></figure>",
             images.concat(),
             groups.iter().position(|group| group.rows.contains(index)).unwrap_or_default(),
-            short(row.gpu().median),
+            short(row.time().median),
             short(row.metrics.errors.rmse),
             short(row.metrics.flip),
         ));
@@ -152,7 +152,7 @@ fn front_pictures(report: &Report, groups: &[Group]) -> String {
 }
 
 fn all_candidates(report: &Report, groups: &[Group]) -> String {
-    let rows = &report.comparison.rows;
+    let (rows, clock) = (&report.comparison.rows, report.comparison.clock());
     let answers: Vec<Answer> = groups.iter().flat_map(|group| answers(rows, &group.rows)).collect();
     let line = |(index, row): (usize, &Row)| {
         let m = &row.metrics;
@@ -166,7 +166,7 @@ fn all_candidates(report: &Report, groups: &[Group]) -> String {
         let cell = |text: String| format!("<td class=\"n\">{text}");
         let angle = row.normals.map_or("–".into(), |angles| short(angles.mean));
         let cells = [
-            spread(&row.gpu()),
+            spread(&row.time()),
             spread(&row.wall()),
             short(m.errors.rmse),
             m.own_rmse.map_or("–".into(), short),
@@ -179,7 +179,7 @@ fn all_candidates(report: &Report, groups: &[Group]) -> String {
             angle,
             blend(&row.candidate),
             short(row.efficiency()),
-            row.gpu().runs.to_string(),
+            row.time().runs.to_string(),
         ];
         format!("<tr{class}><td>{}{like}{}", escape(&row.candidate.label()), cells.map(cell).concat())
     };
@@ -195,8 +195,8 @@ fn all_candidates(report: &Report, groups: &[Group]) -> String {
         "<h2>Every candidate</h2>\n<p class=\"note\">Bold: on the front of its truth. ≋: the 95th percentile of the times exceeds the median by more \
          than a quarter, so the machine was disturbed. <i>Blending</i> is what rounding between slices may add to the error, \
          known beforehand. RMSE, max and p99.9 are of all four channels of premultiplied linear RGBA; max and p99.9 of the worst \
-         channel of a pixel. Efficiency is 1 / (RMSE² × seconds on the device). Every run is in <code>runs.csv</code>, every digit in <code>candidates.csv</code>.</p>\n\
-         <details><summary>{} rows</summary><div class=\"scroll\"><table><tr><th>candidate<th class=\"n\">ms on the device\
+         channel of a pixel. Efficiency is 1 / (RMSE² × seconds {clock}). Every run is in <code>runs.csv</code>, every digit in <code>candidates.csv</code>.</p>\n\
+         <details><summary>{} rows</summary><div class=\"scroll\"><table><tr><th>candidate<th class=\"n\">ms {clock}\
          <th class=\"n\">ms in all<th class=\"n\">RMSE<th class=\"n\">of its octaves<th class=\"n\">max<th class=\"n\">p99.9<th class=\"n\">opacity RMSE\
          <th class=\"n\">PSNR, dB<th class=\"n\">SSIM<th class=\"n\">FLIP<th class=\"n\">normals, °<th class=\"n\">blending\
          <th class=\"n\">efficiency, 1/(MSE s)<th class=\"n\">runs</tr>\n{}\n</table></div></details>\n",
@@ -238,13 +238,10 @@ fn method(report: &Report) -> String {
     format!(
         "<h2>Method</h2>\n<p>Every candidate is warmed up, and its runs are mixed with those of others in random order, so that \
          a slow moment of the machine slows all alike; no run is dropped. <i>On the device</i> is what timestamps of the device \
-         say, <i>in all</i> is wall clock from the scene to pixels in memory, without compiling. A strategy that reads a block \
+         say, <i>of the processor</i>, where the processor draws, what all its threads took, which other programs hardly change, <i>in all</i> is wall clock from the scene to pixels in memory, without compiling. A strategy that reads a block \
          is held against the noise that the block was made of, and a computed one against its own noise: they are different \
          noises, and each error is that of the candidate's own picture.</p>\n{}<details><summary>The scene</summary><pre>{}</pre></details>\n",
-        circumstances(
-            &report.environment,
-            &[("command line", report.command.clone()), ("scene, BLAKE3", report.hash.clone())]
-        ),
+        circumstances(&report.environment, &[("scene, BLAKE3", report.hash.clone())]),
         escape(&scene_text(&report.comparison.scene))
     )
 }

@@ -37,8 +37,6 @@ const PICTURES: [usize; 2] = [6, 2];
 pub struct Report {
     /// What was compared: the name of a scene.
     pub title: String,
-    /// The command line that made it, by [`command_line`].
-    pub command: String,
     /// Hash of [`scene_text`].
     pub hash: String,
     /// The error that pixels of a reference are allowed.
@@ -155,7 +153,7 @@ fn chart(report: &Report, number: usize, group: &Group, curves: &[data::CurveRow
         let point = |&index: &usize| {
             let (row, (time, error)) = (&rows[index], rows[index].point());
             let about = format!("{}: error {error:.2e} in {time:.3} ms", row.candidate.label());
-            Point { time, error, interval: row.gpu().interval, reference: group.truth.error(), about }
+            Point { time, error, interval: row.time().interval, reference: group.truth.error(), about }
         };
         lines.push(Line {
             group: color,
@@ -167,7 +165,8 @@ fn chart(report: &Report, number: usize, group: &Group, curves: &[data::CurveRow
     }
     let front = group.front.iter().map(|&index| rows[index].point()).collect();
     let floor = Some(group.truth.error()).filter(|floor| *floor > 0.0);
-    Chart { title: format!("Truth {number}: {}", group.truth.pattern), groups, lines, front, floor }
+    let (title, clock) = (format!("Truth {number}: {}", group.truth.pattern), report.comparison.clock());
+    Chart { title, groups, lines, front, floor, clock }
 }
 
 #[cfg(test)]

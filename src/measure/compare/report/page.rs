@@ -51,6 +51,7 @@ pub fn circumstances(e: &Environment, more: &[(&str, String)]) -> String {
         ("variables", if variables.is_empty() { "none set".into() } else { variables.join(", ") }),
         ("program", format!("hypertexture {}; FLIP by {FLIP}", e.version)),
         ("date", e.date.clone()),
+        ("command line", e.command.clone()),
     ];
     let all = entries.iter().chain(more);
     let list: Vec<String> = all.map(|(name, value)| format!("<dt>{name}<dd>{}", escape(value))).collect();

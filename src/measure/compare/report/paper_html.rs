@@ -105,7 +105,7 @@ pub fn blocks(report: &Report) -> String {
     for row in rows {
         let (curve, error) = (row.candidate.curve(), row.metrics.errors.rmse);
         let key = (row.candidate.samples(), curve.integration == Integration::Segment);
-        tried.entry(key).or_default().extend(curve.block.map(|side| Block { side, time: row.gpu(), error }));
+        tried.entry(key).or_default().extend(curve.block.map(|side| Block { side, time: row.time(), error }));
     }
     let most = tried.values().rev().find(|blocks| blocks.len() > 1);
     let said = most.and_then(|blocks| balance(blocks));
