@@ -89,8 +89,7 @@ pub enum ShapeError {
     },
     /// A face names a vertex that is not there.
     #[error(
-        "{file}: line {line}: vertex index {index} is out of range, {count} vertices are defined above this line \
-        (1 to {count}, or -{count} to -1 counted backwards); export the mesh again"
+        "{file}: line {line}: vertex index {index} is out of range, {}; export the mesh again", defined(*count)
     )]
     IndexOutOfRange {
         /// The path.
@@ -189,14 +188,12 @@ pub enum ShapeError {
         limit: f32,
     },
     /// A mesh without a single triangle that has an area.
-    #[error(
-        "{file}: no triangles ({zero_area} of zero area were dropped); a mesh needs at least 1 face, export it again"
-    )]
+    #[error("{file}: no triangles ({holds}); a mesh needs at least 1 face, export it again")]
     NoTriangles {
         /// The path.
         file: String,
-        /// Triangles whose corners lie on a line.
-        zero_area: usize,
+        /// The cause: what the file holds instead.
+        holds: String,
     },
     /// The compressed data is damaged.
     #[error(
@@ -284,6 +281,16 @@ impl fmt::Display for Found {
             Found::Bytes(bytes) => write!(f, "{bytes}"),
             Found::More => write!(f, "more"),
             Found::AtMost(bytes) => write!(f, "at most {bytes} once decompressed"),
+        }
+    }
+}
+
+/// The vertices that an index may name.
+fn defined(count: usize) -> String {
+    match count {
+        0 => "no vertices are defined above this line: they come before the faces".into(),
+        _ => {
+            format!("{count} vertices are defined above this line (1 to {count}, or -{count} to -1 counted backwards)")
         }
     }
 }

@@ -6,7 +6,7 @@
 //! follow data, and lets NaN pass.
 
 use super::error::{Location, ShapeError, quoted};
-use super::polygon::{MAX_CONCAVE_CORNERS, triangulate};
+use super::polygon::{self, triangulate};
 use super::source::{MAX_LINE, Source, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
 use glam::DVec3;
@@ -20,6 +20,8 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let mut polygon: Vec<u32> = Vec::new();
     let mut statement = Vec::new();
+    // Faces of fewer than 3 corners, and the line of the first; the first word that is of no statement, and its line.
+    let (mut short, mut foreign) = ((0, 0), None);
     while let Some(line) = next_statement(source, &mut statement)? {
         let mut words = tokens(&statement);
         match words.next() {
@@ -28,53 +30,71 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
                 // Three vertices for each triangle, and never more than a u32 can count.
                 source.check_triangles((positions.len() as u64).div_ceil(3))?;
             }
-            Some(b"f") => {
+            // Written by versions up to 2.11 and read as a face since.
+            Some(b"f" | b"fo") => {
                 polygon.clear();
                 for word in words {
                     polygon.push(index(source, line, word, positions.len())?);
                 }
                 if polygon.len() < 3 {
-                    return Err(source.malformed("a face with 3 or more corners", &statement));
+                    short = (short.0 + 1, if short.0 == 0 { line } else { short.1 });
+                    continue;
                 }
                 source.check_triangles((triangles.len() + polygon.len() - 2) as u64)?;
                 if !triangulate(&polygon, &positions, &mut triangles) {
-                    let found = format!("with {} corners (the limit is {MAX_CONCAVE_CORNERS})", polygon.len());
-                    return Err(unsupported(source, line, "a concave face", found, "triangulate the mesh first"));
+                    return Err(polygon::too_large(source, Location::Line(line), polygon.len()));
                 }
             }
             Some(curve @ (b"curv" | b"curv2" | b"surf")) => {
+                let (file, place, found) = (source.file.clone(), Location::Line(line), quoted(curve));
                 let remedy = "convert curves and surfaces to polygons first";
-                return Err(unsupported(source, line, "the statement", quoted(curve), remedy));
+                return Err(ShapeError::Unsupported { file, place, what: "the statement", found, remedy });
             }
+            Some(word) if foreign.is_none() && !PASSED_OVER.contains(&word) => foreign = Some((quoted(word), line)),
             _ => {}
         }
     }
+    if short.0 > 0 {
+        source.note(format!("faces of fewer than 3 corners are left out: {}, the first in line {}", short.0, short.1));
+    }
     source.check_positions("vertices", &positions)?;
-    source.finish(Mesh::cleaned(&positions, triangles))
+    let unread =
+        foreign.map_or(String::new(), |(word, line)| format!("; {word} in line {line} is no statement of OBJ"));
+    source.finish(Mesh::cleaned(&positions, triangles), format!("{} vertices and no face{unread}", positions.len()))
 }
 
-/// Replaces `statement` by the next one: without its comment, and with the lines joined that end in a backslash.
+/// First words of statements that have no part in the surface.
+const PASSED_OVER: [&[u8]; 10] = [b"vt", b"vn", b"vp", b"o", b"g", b"s", b"l", b"p", b"usemtl", b"mtllib"];
+
+/// Replaces `statement` by the next one; the numbers of a vertex or a face go on behind a line that ends in a backslash.
 /// Returns the number of its first line.
 fn next_statement(source: &mut Source, statement: &mut Vec<u8>) -> Result<Option<u64>, ShapeError> {
-    if !source.next_line(statement)? {
+    if !next_part(source, statement)? {
         return Ok(None);
     }
     let first = source.line;
     let mut more = Vec::new();
     while statement.last() == Some(&b'\\') {
         statement.pop();
-        statement.push(b' ');
-        if !source.next_line(&mut more)? {
+        // A name may end in a backslash: that of a folder.
+        if !matches!(tokens(statement).next(), None | Some(b"v" | b"f" | b"fo")) || !next_part(source, &mut more)? {
             break;
         }
+        statement.push(b' ');
         statement.append(&mut more);
         if statement.len() > MAX_LINE {
             return Err(source.malformed("a statement of at most 1 MiB, all of its lines together", statement));
         }
     }
-    let end = statement.iter().position(|&byte| byte == b'#').unwrap_or(statement.len());
-    statement.truncate(end);
     Ok(Some(first))
+}
+
+/// Replaces `part` by the next line, without its comment and the white space at its end; `false` at the end of the file.
+fn next_part(source: &mut Source, part: &mut Vec<u8>) -> Result<bool, ShapeError> {
+    let is_there = source.next_line(part)?;
+    let text = part.split(|byte| *byte == b'#').next().unwrap_or_default();
+    part.truncate(text.trim_ascii_end().len());
+    Ok(is_there)
 }
 
 fn position<'a>(source: &Source, mut words: impl Iterator<Item = &'a [u8]>) -> Result<DVec3, ShapeError> {
@@ -98,10 +118,6 @@ fn index(source: &Source, line: u64, word: &[u8], count: usize) -> Result<u32, S
         Some(from_zero) if (0..count as i64).contains(&from_zero) => Ok(from_zero as u32),
         _ => Err(ShapeError::IndexOutOfRange { file: source.file.clone(), line, index, count }),
     }
-}
-
-fn unsupported(source: &Source, line: u64, what: &'static str, found: String, remedy: &'static str) -> ShapeError {
-    ShapeError::Unsupported { file: source.file.clone(), place: Location::Line(line), what, found, remedy }
 }
 
 // Every index fits: a u32 counts more vertices than three for each triangle.
@@ -165,6 +181,8 @@ mod tests {
             message.starts_with("test.obj: line 4: vertex index -9223372036854775808 is out of range"),
             "{message}"
         );
+        let message = error(format!("f 1 2 3\n{TRIANGLE}").as_bytes()).to_string();
+        assert!(message.contains("line 1: vertex index 1 is out of range, no vertices are defined above"), "{message}");
     }
 
     #[test]
@@ -189,13 +207,21 @@ mod tests {
         );
         assert!(error(b"v 0 0").to_string().contains("line 1"));
         assert!(error(format!("{TRIANGLE}f 1 x 3").as_bytes()).to_string().contains("line 4"));
-        assert!(error(format!("{TRIANGLE}f 1 2").as_bytes()).to_string().contains("3 or more corners"));
     }
 
     #[test]
     fn a_mesh_without_area_is_refused() {
-        assert!(matches!(error(b"v 0 0 0\n"), ShapeError::NoTriangles { zero_area: 0, .. }));
-        assert!(matches!(error(b"v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n"), ShapeError::NoTriangles { zero_area: 1, .. }));
+        for (text, said) in [
+            ("v 0 0 0\n", "no triangles (1 vertices and no face)"),
+            (
+                "v 0 0 0\nl 1 1\nface 1 2 3\nfaces\n",
+                "no triangles (1 vertices and no face; `face` in line 3 is no statement",
+            ),
+            ("v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n", "no triangles (1 of zero area were dropped)"),
+        ] {
+            let line = error(text.as_bytes()).to_string();
+            assert!(line.contains(said), "{line}");
+        }
     }
 
     #[test]
@@ -204,9 +230,8 @@ mod tests {
     }
 
     #[test]
-    fn a_large_concave_face_is_refused_and_a_large_convex_one_is_not() {
-        let wheel = |inner: f64| {
-            let n = 1000;
+    fn a_concave_face_is_read_up_to_its_limit_and_a_convex_one_beyond() {
+        let wheel = |n: usize, inner: f64| {
             let corner = |i: usize| {
                 let (sin, cos) = (i as f64 * std::f64::consts::TAU / n as f64).sin_cos();
                 let radius = if i.is_multiple_of(2) { 1.0 } else { inner };
@@ -215,7 +240,17 @@ mod tests {
             let face: Vec<String> = (1..=n).map(|i| i.to_string()).collect();
             (0..n).map(corner).collect::<String>() + "f " + &face.join(" ")
         };
-        assert_eq!(mesh(&wheel(1.0)).triangles.len(), 998);
-        assert!(matches!(error(wheel(0.9).as_bytes()), ShapeError::Unsupported { .. }));
+        let star = mesh(&wheel(4000, 0.9));
+        let area = |triangle| {
+            let [a, b, c] = star.corners(triangle).map(Vec3::as_dvec3);
+            0.5 * (b - a).cross(c - a).z
+        };
+        assert!(star.triangles.len() == 3998 && (0..3998).all(|triangle| area(triangle) > 0.0));
+        // 4000 triangles around the center, with sides 1 and 0.9.
+        let expected = 2000.0 * 0.9 * (std::f64::consts::TAU / 4000.0).sin();
+        assert!(((0..3998).map(area).sum::<f64>() / expected - 1.0).abs() < 1e-5);
+        assert_eq!(mesh(&wheel(20_000, 1.0)).triangles.len(), 19_998);
+        let line = error(wheel(20_000, 0.9).as_bytes()).to_string();
+        assert!(line.contains("line 20001: a concave face with 20000 corners (the limit is 16384)"), "{line}");
     }
 }

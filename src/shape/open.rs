@@ -3,7 +3,7 @@
 //! Role: choose between built-in objects and file formats. Invariant: only plain files are opened, and a format is
 //! chosen by what is in the file before by what it is called.
 
-use super::error::{quoted, shown, unreadable};
+use super::error::{Location, quoted, shown, unreadable};
 use super::source::Source;
 use super::{BUILT_IN, Shape, ShapeError, dicom, generated, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
 use crate::support::open::{self as plain, OpenError};
@@ -109,12 +109,18 @@ fn known_extensions() -> String {
 
 fn parse(name: &str, len: u64, folder: Option<PathBuf>, reader: &mut dyn BufRead) -> Result<Opened, ShapeError> {
     let mut source = Source::new(shown(name), len, folder, reader);
-    let start = source.peek()?;
-    if start.is_empty() {
+    if source.peek()?.is_empty() {
         return Err(ShapeError::Empty { file: source.file });
     }
-    let by_content = FORMATS.iter().find(|format| (format.recognizes)(start, len));
-    match by_content.or_else(|| by_extension(name)) {
+    let mut format = by_content(source.peek()?, len);
+    if format.is_none() && source.skip_mark()? {
+        format = by_content(source.peek()?, len);
+    }
+    if format.is_none() && is_utf_16(source.peek()?) {
+        return Err(source.malformed_at(Location::Byte(0), "text in UTF-8", "text in UTF-16".into()));
+    }
+    let start = source.peek()?;
+    match format.or_else(|| by_extension(name)) {
         Some(format) => {
             let shape = (format.read)(&mut source)?;
             Ok(Opened { shape, notes: source.notes, others: source.others.into_inner() })
@@ -124,6 +130,21 @@ fn parse(name: &str, len: u64, folder: Option<PathBuf>, reader: &mut dyn BufRead
             Err(ShapeError::UnknownFormat { file: source.file, start, known: known_extensions() })
         }
     }
+}
+
+/// The format that a file with this start is surely of.
+fn by_content(start: &[u8], len: u64) -> Option<&'static Format> {
+    FORMATS.iter().find(|format| (format.recognizes)(start, len))
+}
+
+/// Whether the start is that of Latin text with the byte order mark of UTF-16.
+fn is_utf_16(start: &[u8]) -> bool {
+    let low = match start {
+        [0xff, 0xfe, ..] => 0,
+        [0xfe, 0xff, ..] => 1,
+        _ => return false,
+    };
+    start[2..].chunks_exact(2).take(8).all(|pair| pair[low].is_ascii() && pair[1 - low] == 0)
 }
 
 fn by_extension(name: &str) -> Option<&'static Format> {

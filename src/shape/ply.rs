@@ -5,10 +5,11 @@
 //! the ply-rs-bw crate, which makes room for what a header declares and does not say where a file is wrong.
 
 use super::error::{Found, Location, ShapeError, quoted};
-use super::polygon::{MAX_CONCAVE_CORNERS, triangulate};
+use super::polygon::{self, triangulate};
 use super::source::{Source, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
 use glam::DVec3;
+use std::io::Read;
 
 /// Whether the file begins with the line `ply`.
 pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
@@ -32,6 +33,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
             _ => (0..element.count).try_for_each(|_| values.element(element, |_, _| ()))?,
         }
     }
+    values.leave_rest();
     parts.finish(source)
 }
 
@@ -44,18 +46,23 @@ enum Number {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
 
 impl Number {
-    const NAMES: [(Number, [&'static str; 2]); 8] = [
+    /// By their names; those of 64 bits are of no standard.
+    const NAMES: [(Number, [&'static str; 2]); 10] = [
         (Number::I8, ["char", "int8"]),
         (Number::U8, ["uchar", "uint8"]),
         (Number::I16, ["short", "int16"]),
         (Number::U16, ["ushort", "uint16"]),
         (Number::I32, ["int", "int32"]),
         (Number::U32, ["uint", "uint32"]),
+        (Number::I64, ["long", "int64"]),
+        (Number::U64, ["ulong", "uint64"]),
         (Number::F32, ["float", "float32"]),
         (Number::F64, ["double", "float64"]),
     ];
@@ -70,7 +77,7 @@ impl Number {
             Number::I8 | Number::U8 => 1,
             Number::I16 | Number::U16 => 2,
             Number::I32 | Number::U32 | Number::F32 => 4,
-            Number::F64 => 8,
+            Number::I64 | Number::U64 | Number::F64 => 8,
         }
     }
 
@@ -84,6 +91,8 @@ impl Number {
             Number::U16 => f64::from(u16::from_be_bytes([a, b])),
             Number::I32 => f64::from(i32::from_be_bytes([a, b, c, d])),
             Number::U32 => f64::from(u32::from_be_bytes([a, b, c, d])),
+            Number::I64 => i64::from_be_bytes(big) as f64,
+            Number::U64 => u64::from_be_bytes(big) as f64,
             Number::F32 => f64::from(f32::from_be_bytes([a, b, c, d])),
             Number::F64 => f64::from_be_bytes(big),
         }
@@ -242,6 +251,21 @@ impl Values<'_, '_> {
         Ok(())
     }
 
+    /// Notes what is behind the last element.
+    fn leave_rest(&mut self) {
+        let bytes = self.left();
+        let is_blank = |byte: &u8| byte.is_ascii_whitespace();
+        if self.encoding == Encoding::Text && self.line[self.at..].iter().all(is_blank) {
+            let mut rest = (&mut *self.source.reader).bytes().map_while(Result::ok);
+            if rest.all(|byte| is_blank(&byte)) {
+                return;
+            }
+        }
+        if bytes > 0 {
+            self.source.note(format!("bytes behind the last element are left out: {bytes}"));
+        }
+    }
+
     /// Bytes that are not read yet.
     fn left(&self) -> u64 {
         self.source.remaining() + (self.line.len() - self.at) as u64
@@ -301,6 +325,8 @@ struct Parts {
     corners: Vec<u32>,
     /// How many corners each has, and whether it is a strip.
     polygons: Vec<(u32, bool)>,
+    /// How many triangles they are.
+    declared: u64,
 }
 
 impl Parts {
@@ -353,23 +379,23 @@ impl Parts {
                 return Err(values.wrong("the index of a vertex", format!("{value}")));
             }
             let count = self.corners.len() - before;
-            if count < 3 {
-                return Err(values.wrong("3 corners or more", format!("{count}")));
-            }
-            values
-                .source
-                .check_triangles((self.corners.len() as u64).saturating_sub(2 * self.polygons.len() as u64))?;
+            self.declared += count.saturating_sub(2) as u64;
+            values.source.check_triangles(self.declared)?;
             self.polygons.push((count as u32, is_strip));
         }
         Ok(())
     }
 
-    fn finish(self, source: &Source) -> Result<Shape, ShapeError> {
-        let (mut triangles, mut corners) = (Vec::new(), self.corners.as_slice());
+    fn finish(self, source: &mut Source) -> Result<Shape, ShapeError> {
+        let (mut triangles, mut corners, mut short) = (Vec::new(), self.corners.as_slice(), 0);
         let count = self.positions.len();
         for (face, (own, is_strip)) in self.polygons.into_iter().enumerate() {
             let polygon;
             (polygon, corners) = corners.split_at(own as usize);
+            if own < 3 {
+                short += 1;
+                continue;
+            }
             let place = Location::Face(face as u64);
             if let Some(index) = polygon.iter().find(|index| **index as usize >= count && !(is_strip && **index == END))
             {
@@ -385,13 +411,14 @@ impl Parts {
                     triangles.extend(strip.windows(3).enumerate().map(turned));
                 }
             } else if !triangulate(polygon, &self.positions, &mut triangles) {
-                let found = format!("with {own} corners (the limit is {MAX_CONCAVE_CORNERS})");
-                let (file, what, remedy) = (source.file.clone(), "a concave face", "triangulate the mesh first");
-                return Err(ShapeError::Unsupported { file, place, what, found, remedy });
+                return Err(polygon::too_large(source, place, own as usize));
             }
         }
         source.check_positions("vertices", &self.positions)?;
-        source.finish(Mesh::cleaned(&self.positions, triangles))
+        if short > 0 {
+            source.note(format!("faces and strips of fewer than 3 corners are left out: {short}"));
+        }
+        source.finish(Mesh::cleaned(&self.positions, triangles), format!("{count} vertices and no face"))
     }
 }
 

@@ -4,40 +4,48 @@
 //! its winding. Source: G. Meisters, "Polygons have ears", American Mathematical Monthly 82, 1975; the normal by
 //! Newell's sums.
 
+use super::error::{Location, ShapeError};
+use super::source::Source;
+use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
 /// Most corners of a polygon that is not convex.
 ///
-/// Ear clipping takes up to n^3 / 6 steps: the worst outline tried, a crossing one, took 8 ms with 512 corners. Fewer
-/// and real outlines (lettering, plans) are refused, more and a made-up file holds the reader for seconds.
-pub(super) const MAX_CONCAVE_CORNERS: usize = 512;
+/// The time grows as their square: a star of so many corners took 72 ms, and a made-up outline that crosses itself
+/// everywhere 0.5 s. Fewer and real outlines (lettering, plans) are refused.
+const MAX_CONCAVE_CORNERS: usize = 1 << 14;
 
 /// Appends the triangles of `polygon` (indices into `positions`, at least 3); `false` if it is concave and too large.
 ///
-/// The polygon is projected along its longest normal axis. Self-crossing ones have no right answer: they still give
-/// n - 2 triangles.
+/// The polygon is projected along its longest normal axis. Copies of a polygon, turned over or not, are divided alike where
+/// they are convex. Self-crossing ones have no right answer: they still give n - 2 triangles.
 pub(super) fn triangulate(polygon: &[u32], positions: &[DVec3], triangles: &mut Vec<[u32; 3]>) -> bool {
     let outline = flattened(polygon, positions);
     let n = polygon.len();
-    let convex = n == 3 || (0..n).all(|i| turn(outline[i], outline[(i + 1) % n], outline[(i + 2) % n]) >= 0.0);
-    if convex {
-        triangles.extend((1..n - 1).map(|i| [polygon[0], polygon[i], polygon[i + 1]]));
-        return true;
-    }
-    if n > MAX_CONCAVE_CORNERS {
+    let is_convex = n == 3 || (0..n).all(|i| turn(outline[i], outline[(i + 1) % n], outline[(i + 2) % n]) >= 0.0);
+    if !is_convex && n > MAX_CONCAVE_CORNERS {
         return false;
     }
-    let mut left: Vec<usize> = (0..n).collect();
-    while left.len() > 3 {
-        let m = left.len();
-        let corners = |i: usize| [left[(i + m - 1) % m], left[i], left[(i + 1) % m]];
-        // A crossing outline may have no ear; then any corner is as good.
-        let ear = (0..m).find(|&i| is_ear(corners(i), &left, &outline)).unwrap_or(0);
-        triangles.push(corners(ear).map(|corner| polygon[corner]));
-        left.remove(ear);
+    let mut ears: Vec<u32> = Vec::new();
+    if !is_convex {
+        Earcut::new().earcut(outline.iter().map(DVec2::to_array), &[], &mut ears);
     }
-    triangles.push([left[0], left[1], left[2]].map(|corner| polygon[corner]));
+    match ears.as_chunks().0 {
+        ears if ears.len() == n - 2 => triangles.extend(ears.iter().map(|ear| ear.map(|i| polygon[i as usize]))),
+        _ => {
+            let first = if n == 3 { 0 } else { (0..n).min_by_key(|&i| polygon[i]).unwrap_or_default() };
+            let corner = |i: usize| polygon[(first + i) % n];
+            triangles.extend((1..n - 1).map(|i| [corner(0), corner(i), corner(i + 1)]));
+        }
+    }
     true
+}
+
+/// A concave face of so many corners at `place` is not read.
+pub(super) fn too_large(source: &Source, place: Location, corners: usize) -> ShapeError {
+    let found = format!("with {corners} corners (the limit is {MAX_CONCAVE_CORNERS})");
+    let (file, what, remedy) = (source.file.clone(), "a concave face", "triangulate the mesh first");
+    ShapeError::Unsupported { file, place, what, found, remedy }
 }
 
 /// Corners in a plane, counterclockwise as a whole.
@@ -61,17 +69,6 @@ fn flattened(polygon: &[u32], positions: &[DVec3]) -> Vec<DVec2> {
 /// Twice the signed area of a triangle: positive where a, b, c turn left.
 fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
-}
-
-/// Whether the corner turns left and no other corner lies in its triangle.
-fn is_ear([a, b, c]: [usize; 3], left: &[usize], outline: &[DVec2]) -> bool {
-    let [pa, pb, pc] = [outline[a], outline[b], outline[c]];
-    let inside = |&p: &usize| {
-        let q = outline[p];
-        // A corner at the same place as one of the three (a bridge to a hole) does not spoil the ear.
-        q != pa && q != pb && q != pc && turn(pa, pb, q) >= 0.0 && turn(pb, pc, q) >= 0.0 && turn(pc, pa, q) >= 0.0
-    };
-    turn(pa, pb, pc) > 0.0 && !left.iter().any(inside)
 }
 
 #[cfg(test)]
@@ -127,6 +124,42 @@ mod tests {
         let mut triangles = Vec::new();
         assert!(triangulate(&[0, 1, 2, 3], &positions, &mut triangles));
         assert_eq!(triangles, [[0, 1, 2], [0, 2, 3]]);
+    }
+
+    #[test]
+    fn a_copy_of_a_convex_polygon_is_divided_alike_from_any_corner_and_turned_over() {
+        let positions = [DVec3::X, DVec3::Y, DVec3::ZERO, DVec3::X + DVec3::Y];
+        let divided = |polygon: &[u32]| {
+            let mut triangles = Vec::new();
+            assert!(triangulate(polygon, &positions, &mut triangles));
+            triangles.iter_mut().for_each(|triangle| triangle.sort_unstable());
+            triangles.sort_unstable();
+            triangles
+        };
+        let quad = [2, 0, 3, 1];
+        for from in 0..4 {
+            let mut copy = quad;
+            copy.rotate_left(from);
+            assert_eq!(divided(&copy), divided(&quad));
+            copy.reverse();
+            assert_eq!(divided(&copy), divided(&quad));
+        }
+    }
+
+    #[test]
+    fn a_polygon_with_a_hole_by_a_bridge_is_covered_once() {
+        let ring = |radius: f64, back: bool| {
+            (0..13).map(move |i| {
+                let angle = if back { -1.0 } else { 1.0 } * f64::from(i % 12) / 12.0 * std::f64::consts::TAU;
+                DVec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
+            })
+        };
+        let positions: Vec<DVec3> = ring(2.0, false).chain(ring(1.0, true)).collect();
+        let mut triangles = Vec::new();
+        assert!(triangulate(&(0..26).collect::<Vec<u32>>(), &positions, &mut triangles));
+        let (sum, net) = areas(&positions, &triangles);
+        let expected = 12.0 * 0.5 * (4.0 - 1.0) * (std::f64::consts::TAU / 12.0).sin();
+        assert!(triangles.len() == 24 && (sum - expected).abs() < 1e-12 && (net - expected).abs() < 1e-12, "{sum}");
     }
 
     #[test]

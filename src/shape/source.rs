@@ -5,7 +5,7 @@
 
 use super::error::{Found, Location, ShapeError, quoted, shown};
 use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
-use crate::support::open;
+use crate::support::open::{self, MARK};
 use glam::DVec3;
 use std::cell::RefCell;
 use std::io::{self, BufRead, BufReader, Read};
@@ -29,6 +29,8 @@ pub(super) struct Source<'a> {
     pub offset: u64,
     /// Lines consumed so far by [`Source::next_line`].
     pub line: u64,
+    /// The byte that ends a line, known from the first one on.
+    end: u8,
     /// Where files beside it are; none where it is in memory.
     pub folder: Option<PathBuf>,
     /// What a person should know about the shape besides: see [`Source::note`].
@@ -42,7 +44,17 @@ pub(super) struct Source<'a> {
 impl<'a> Source<'a> {
     /// The start of `len` bytes of which nothing is consumed.
     pub fn new(file: String, len: u64, folder: Option<PathBuf>, reader: &'a mut dyn BufRead) -> Source<'a> {
-        Source { file, len, offset: 0, line: 0, folder, notes: Vec::new(), others: RefCell::default(), reader }
+        Source {
+            file,
+            len,
+            offset: 0,
+            line: 0,
+            end: b'\n',
+            folder,
+            notes: Vec::new(),
+            others: RefCell::default(),
+            reader,
+        }
     }
 
     /// Reads a file beside this one, or below its folder.
@@ -91,18 +103,33 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Replaces `line` by the next line without its end (LF or CRLF); `false` at the end of the file. One that is longer
-    /// than [`MAX_LINE`] is an error: a file without line ends would take its length in memory.
+    /// Goes over the byte order mark of a text; whether there is one.
+    pub fn skip_mark(&mut self) -> Result<bool, ShapeError> {
+        let is_marked = self.peek()?.starts_with(MARK);
+        if is_marked {
+            self.skip(MARK.len() as u64, "a byte order mark")?;
+        }
+        Ok(is_marked)
+    }
+
+    /// Replaces `line` by the next line without its end (LF, CRLF, or CR where all lines end so); `false` at the end of the
+    /// file. One that is longer than [`MAX_LINE`] is an error: a file without line ends would take its length in memory.
     pub fn next_line(&mut self, line: &mut Vec<u8>) -> Result<bool, ShapeError> {
         line.clear();
-        let read = (&mut *self.reader).take(MAX_LINE as u64 + 1).read_until(b'\n', line);
+        if self.line == 0 {
+            // One CR within a line is a slip of the pen, two before the first LF are ends of lines.
+            let first = self.peek()?.split(|byte| *byte == b'\n').next().unwrap_or_default();
+            let first = first.strip_suffix(b"\r").unwrap_or(first);
+            self.end = if first.iter().filter(|byte| **byte == b'\r').count() > 1 { b'\r' } else { b'\n' };
+        }
+        let read = (&mut *self.reader).take(MAX_LINE as u64 + 1).read_until(self.end, line);
         let bytes = read.map_err(|reason| self.unreadable(reason))?;
         self.offset += bytes as u64;
         self.line += u64::from(bytes > 0);
         if bytes > MAX_LINE {
             return Err(self.malformed("a line of at most 1 MiB", line));
         }
-        if line.last() == Some(&b'\n') {
+        if line.last() == Some(&self.end) {
             line.pop();
         }
         if line.last() == Some(&b'\r') {
@@ -192,10 +219,11 @@ impl<'a> Source<'a> {
         check_positions(&self.file, what, positions)
     }
 
-    /// A cleaned mesh as a shape; an error if nothing is left of it.
-    pub fn finish(&self, (mesh, zero_area): (Mesh, usize)) -> Result<Shape, ShapeError> {
+    /// A cleaned mesh as a shape; an error that says what the file `holds` if nothing is left of it.
+    pub fn finish(&self, (mesh, zero_area): (Mesh, usize), holds: impl Into<String>) -> Result<Shape, ShapeError> {
         if mesh.triangles.is_empty() {
-            return Err(ShapeError::NoTriangles { file: self.file.clone(), zero_area });
+            let holds = if zero_area > 0 { format!("{zero_area} of zero area were dropped") } else { holds.into() };
+            return Err(ShapeError::NoTriangles { file: self.file.clone(), holds });
         }
         if zero_area > 0 {
             log::info!("{}: {zero_area} triangles of zero area are dropped", self.file);

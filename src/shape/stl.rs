@@ -1,7 +1,7 @@
 //! Stereolithography (STL): triangles, binary or text.
 //!
 //! Role: triangles into a mesh whose equal corners are one vertex. Invariant: a file is binary if its length is the one
-//! its triangle count asks for, whatever its header says. Source: 3D Systems, "Stereolithography interface
+//! its triangle count asks for, whatever its header says; what else is in a file is passed over with a note. Source: 3D Systems, "Stereolithography interface
 //! specification", 1988. Read here and not by the stl_io crate, which takes every header that begins with "solid " for
 //! text and gives no line numbers.
 
@@ -37,7 +37,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
 
 fn finish(source: &Source, corners: &[impl Copy + Into<DVec3>]) -> Result<Shape, ShapeError> {
     source.check_positions("triangle corners", corners)?;
-    source.finish(Mesh::of_corners(corners))
+    source.finish(Mesh::of_corners(corners), "no facet, or a count of 0 in a binary header")
 }
 
 /// The triangle count of a binary header, if there are enough bytes for one.
@@ -52,7 +52,8 @@ fn is_binary(start: &[u8], len: u64) -> bool {
 
 fn is_text(start: &[u8]) -> bool {
     let word = start.trim_ascii_start().get(..5).unwrap_or_default();
-    word.eq_ignore_ascii_case(b"solid") && !start.contains(&0)
+    // The count of a binary file below 2^24 triangles ends in a zero.
+    word.eq_ignore_ascii_case(b"solid") && !start[..start.len().min(HEADER_BYTES as usize)].contains(&0)
 }
 
 fn binary(source: &mut Source) -> Result<Vec<Vec3>, ShapeError> {
@@ -61,19 +62,31 @@ fn binary(source: &mut Source) -> Result<Vec<Vec3>, ShapeError> {
         return Err(source.data_size(HEADER_BYTES, "an STL header".into(), Found::Bytes(len)));
     };
     source.fill(&mut [0; HEADER_BYTES as usize])?;
-    if len != HEADER_BYTES + TRIANGLE_BYTES * count {
+    let (needed, left) = (TRIANGLE_BYTES * count, source.remaining());
+    if left < needed {
         let what = format!("{count} triangles of {TRIANGLE_BYTES} bytes");
-        return Err(source.data_size(TRIANGLE_BYTES * count, what, Found::Bytes(source.remaining())));
+        return Err(source.data_size(needed, what, Found::Bytes(left)));
     }
     source.check_triangles(count)?;
-    let mut corners = Vec::with_capacity(3 * count as usize);
-    let mut triangle = [0; TRIANGLE_BYTES as usize];
+    // All that the triangles can be with attributes; less, where the rest cannot be that.
+    let most = (needed + u64::from(u16::MAX) * count).min(TRIANGLE_BYTES * MAX_TRIANGLES);
+    let bytes = source.block(left.min(most), "triangles")?;
+    let more = left - needed;
+    // The bytes of attributes behind a triangle, as its last two declare them; most files have something else there.
+    let own = |at: usize| Some(usize::from(u16::from_le_bytes(*bytes.get(at + 48..)?.first_chunk()?)));
+    let stride = TRIANGLE_BYTES as usize;
+    let end = (0..count).try_fold(0, |at, _| Some(at + stride + own(at)?));
+    let is_attributed = more > 0 && end == Some(bytes.len());
+    match is_attributed {
+        true => source.note(format!("attributes of triangles are left out: {more} bytes")),
+        false if more > 0 => source.note(format!("bytes behind the last triangle are left out: {more}")),
+        false => {}
+    }
+    let (mut corners, mut at) = (Vec::with_capacity(3 * count as usize), 0);
     for _ in 0..count {
-        source.fill(&mut triangle)?;
-        let (floats, _) = triangle[12..48].as_chunks(); // between the normal and the unused bytes
-        for xyz in floats.as_chunks::<3>().0 {
-            corners.push(Vec3::from(xyz.map(f32::from_le_bytes)));
-        }
+        let (floats, _) = bytes[at + 12..at + 48].as_chunks(); // between the normal and the last two bytes
+        corners.extend(floats.as_chunks::<3>().0.iter().map(|xyz| Vec3::from(xyz.map(f32::from_le_bytes))));
+        at += stride + own(at).filter(|_| is_attributed).unwrap_or_default();
     }
     Ok(corners)
 }
@@ -82,13 +95,18 @@ fn text(source: &mut Source) -> Result<Vec<DVec3>, ShapeError> {
     let mut corners = Vec::new();
     let mut in_loop = None;
     let mut in_solid = false;
-    let mut line = Vec::new();
+    // Facets of fewer than 3 corners, solids that another one ends or the file, and lines between solids.
+    let (mut short, mut unended, mut between) = (0, 0, 0);
+    let (mut solids, mut line) = (0, Vec::new());
     while source.next_line(&mut line)? {
         let mut words = tokens(&line);
         let Some(keyword) = words.next() else { continue };
         let keyword = keyword.to_ascii_lowercase();
         match (keyword.as_slice(), in_loop) {
-            (b"solid", None) if !in_solid => in_solid = true,
+            (b"solid", None) => {
+                unended += u64::from(in_solid);
+                (in_solid, solids) = (true, solids + 1);
+            }
             (b"endsolid", None) if in_solid => in_solid = false,
             (b"facet" | b"endfacet", None) if in_solid => {}
             (b"outer", None) if in_solid => in_loop = Some(0),
@@ -104,15 +122,30 @@ fn text(source: &mut Source) -> Result<Vec<DVec3>, ShapeError> {
                 in_loop = None;
                 source.check_triangles(corners.len() as u64 / 3)?;
             }
+            (b"endloop", Some(count)) => {
+                corners.truncate(corners.len() - count);
+                (in_loop, short) = (None, short + 1);
+            }
             (_, Some(3)) => return Err(source.malformed("`endloop` after 3 vertices", &line)),
             (_, Some(_)) => return Err(source.malformed("`vertex`, 3 of them in a loop", &line)),
             (_, None) if in_solid => return Err(source.malformed("`facet`, `outer loop` or `endsolid`", &line)),
+            (_, None) if solids > 0 => between += 1,
             (_, None) => return Err(source.malformed("`solid`", &line)),
         }
     }
-    if in_solid || in_loop.is_some() {
+    if in_loop.is_some() {
         let end = Location::Line(source.line);
-        return Err(source.malformed_at(end, "`endsolid`", "the end of the file".into()));
+        return Err(source.malformed_at(end, "`endloop`", "the end of the file".into()));
+    }
+    unended += u64::from(in_solid);
+    for (count, text) in [
+        (short, "facets of fewer than 3 corners are left out"),
+        (unended, "solids without `endsolid` are taken as whole"),
+        (between, "lines behind `endsolid` are left out"),
+    ] {
+        if count > 0 {
+            source.note(format!("{text}: {count}"));
+        }
     }
     Ok(corners)
 }
@@ -122,7 +155,7 @@ const _: () = assert!(3 * MAX_TRIANGLES < u32::MAX as u64);
 
 #[cfg(test)]
 mod tests {
-    use super::super::read as read_any;
+    use super::super::{read as read_any, read_noted};
     use super::*;
 
     const CORNERS: [[f32; 3]; 6] =
@@ -208,8 +241,41 @@ mod tests {
             let error = error(good.replacen(from, to, 1).as_bytes());
             assert!(matches!(error, ShapeError::Malformed { place: Location::Line(l), .. } if l == line), "{error}");
         }
-        let cut = &good[..good.find("endsolid").unwrap()];
-        assert!(error(cut.as_bytes()).to_string().contains("the end of the file"));
+        let cut = &good[..good.rfind("endloop").unwrap()];
+        assert!(error(cut.as_bytes()).to_string().contains("expected `endloop`, found the end of the file"));
+    }
+
+    /// Reads the square, and says what is noted.
+    fn square_noted(bytes: &[u8]) -> Vec<String> {
+        assert_square(bytes);
+        read_noted("test.stl", bytes).unwrap().notes
+    }
+
+    #[test]
+    fn what_is_beside_the_triangles_is_left_out_with_a_line() {
+        let good = binary_square(b"made by hand");
+        let tailed = [&good[..], &[7; 92]].concat();
+        assert_eq!(square_noted(&tailed), ["bytes behind the last triangle are left out: 92"]);
+        // A color in the last two bytes is no count of attributes.
+        let mut colored = tailed.clone();
+        colored[84 + 48..84 + 50].copy_from_slice(&0x7fff_u16.to_le_bytes());
+        assert_eq!(square_noted(&colored), ["bytes behind the last triangle are left out: 92"]);
+        let mut attributed = good[..84].to_vec();
+        for (triangle, bytes) in good[84..].chunks(50).zip([3_u16, 300]) {
+            attributed.extend_from_slice(&triangle[..48]);
+            attributed.extend_from_slice(&bytes.to_le_bytes());
+            attributed.resize(attributed.len() + usize::from(bytes), 0xab);
+        }
+        assert_eq!(square_noted(&attributed), ["attributes of triangles are left out: 303 bytes"]);
+
+        let text = text_square();
+        let unended = &text[..text.find("endsolid").unwrap()];
+        assert_eq!(square_noted(unended.as_bytes()), ["solids without `endsolid` are taken as whole: 1"]);
+        let two = text.replacen(" endfacet\n\n", " endfacet\nsolid b\n", 1);
+        assert_eq!(square_noted(two.as_bytes()), ["solids without `endsolid` are taken as whole: 1"]);
+        assert_eq!(square_noted((text.clone() + "bye\n\0\n").as_bytes()), ["lines behind `endsolid` are left out: 2"]);
+        let short = text.replace("endsolid a", "facet\nouter loop\nvertex 9 9 9\nendloop\nendfacet\nendsolid a");
+        assert_eq!(square_noted(short.as_bytes()), ["facets of fewer than 3 corners are left out: 1"]);
     }
 
     #[test]

@@ -16,13 +16,15 @@ const ENCODINGS: [(Encoding, &str); 3] =
     [(Encoding::Text, "ascii"), (Encoding::Little, "binary_little_endian"), (Encoding::Big, "binary_big_endian")];
 
 /// The types of numbers by both of their names, with bytes and whether they are floats.
-const TYPES: [(&str, &str, usize, bool); 8] = [
+const TYPES: [(&str, &str, usize, bool); 10] = [
     ("char", "int8", 1, false),
     ("uchar", "uint8", 1, false),
     ("short", "int16", 2, false),
     ("ushort", "uint16", 2, false),
     ("int", "int32", 4, false),
     ("uint", "uint32", 4, false),
+    ("long", "int64", 8, false),
+    ("ulong", "uint64", 8, false),
     ("float", "float32", 4, true),
     ("double", "float64", 8, true),
 ];
@@ -158,6 +160,39 @@ fn what_is_wrong_is_said_with_its_place() {
     }
     assert!(error(b"ply\nformat ascii 1.0\nend_header\n").contains("no triangles"));
     assert!(error(b"ply\nproperty float x\n").contains("line 2: expected an `element` before"));
+}
+
+#[test]
+fn faces_without_three_corners_and_what_is_behind_the_last_one_are_left_out_with_a_line() {
+    for (encoding, name) in ENCODINGS {
+        let good = cube(encoding, name, ["float", "uchar", "int"]);
+        let header = b"element face 6";
+        let at = good.windows(header.len()).position(|window| window == header).unwrap();
+        let mut bytes = good.clone();
+        bytes[at + header.len() - 1] = b'8';
+        for count in [0, 2] {
+            for (kind, value) in [("uchar", 9.0), ("uchar", f64::from(count))] {
+                bytes.extend(number(encoding, kind, value));
+            }
+            (0..count).for_each(|corner| bytes.extend(number(encoding, "int", f64::from(corner))));
+            bytes.extend(number(encoding, "double", 1.0));
+        }
+        assert_eq!(mesh(&bytes).signed_volume(), 27.0, "{name}");
+        let notes = |bytes: &[u8]| shape::read_noted("test.ply", bytes).unwrap().notes;
+        assert_eq!(notes(&bytes), ["faces and strips of fewer than 3 corners are left out: 2"], "{name}");
+        let tailed = [&good[..], b"more"].concat();
+        assert_eq!(notes(&tailed), ["bytes behind the last element are left out: 4"], "{name}");
+        assert_eq!(notes(&good), [""; 0]);
+    }
+    assert_eq!(
+        shape::read_noted(
+            "a.ply",
+            &[&cube(Encoding::Text, "ascii", ["float", "uchar", "int"])[..], b"\n \r\n"].concat()
+        )
+        .unwrap()
+        .notes,
+        [""; 0]
+    );
 }
 
 #[test]

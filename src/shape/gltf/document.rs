@@ -5,6 +5,7 @@
 
 use crate::shape::error::{Location, ShapeError, quoted, shown};
 use crate::shape::source::Source;
+use crate::support::open::MARK;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
 use serde_json::error::Category;
@@ -251,7 +252,7 @@ pub fn entry<'b, T>(
 
 /// The document of a text.
 pub fn parse<'a>(source: &Source, json: &'a [u8]) -> Result<Document<'a>, ShapeError> {
-    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let json = json.strip_prefix(MARK).unwrap_or(json); // in GLB
     let document: Document = serde_json::from_slice(json).map_err(|error| refusal(source, json, &error))?;
     for (version, name) in
         [(Some(&document.asset.version), "version"), (document.asset.min_version.as_ref(), "minVersion")]

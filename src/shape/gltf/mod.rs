@@ -30,17 +30,18 @@ pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
 /// Reads the triangles of the default scene (else the first, else of all nodes), of each node that shows a mesh.
 ///
 /// Cameras, lights, materials, textures and normals have no part in the surface and are passed over. Points and lines are
-/// left out, skins and morph targets are not applied; notes say so. Compressed and instanced geometry is refused.
+/// left out, as are primitives without positions; skins and morph targets are not applied; notes say so. Compressed and instanced geometry is refused.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let (json, binary) = match source.peek()?.starts_with(b"glTF") {
         true => chunks(source)?,
-        false => (json(source, source.len)?, None),
+        false => (json(source, source.remaining())?, None),
     };
     let document = document::parse(source, &json)?;
     let found = scene::read(&buffer::Data::new(source, &document, binary))?;
+    let holds = if found.notes.is_empty() { "no mesh in the scene".into() } else { found.notes.join("; ") };
     found.notes.into_iter().for_each(|note| source.note(note));
     let (mesh, flat) = Mesh::cleaned(&found.positions, found.triangles);
-    source.finish((mesh, flat + found.flat))
+    source.finish((mesh, flat + found.flat), holds)
 }
 
 /// The next bytes as JSON.
@@ -60,9 +61,14 @@ fn chunks(source: &mut Source) -> Result<(Vec<u8>, Option<Vec<u8>>), ShapeError>
         let remedy = "export it as glTF 2.0";
         return Err(ShapeError::Unsupported { file: source.file.clone(), place, what: "version", found, remedy });
     }
-    if u64::from(length) != source.len {
-        let (file, declared, found) = (source.file.clone(), u64::from(length), Found::Bytes(source.len));
+    let (declared, held) = (u64::from(length), source.len);
+    if declared > held {
+        let (file, found) = (source.file.clone(), Found::Bytes(held));
         return Err(ShapeError::DataSize { file, offset: 0, declared, what: "the whole file".into(), found });
+    }
+    if declared < held {
+        source.note(format!("bytes behind the declared end of the file are left out: {}", held - declared));
+        source.len = declared;
     }
     let (kind, bytes) = chunk(source)?;
     if kind != *b"JSON" {

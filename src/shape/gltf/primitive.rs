@@ -19,6 +19,10 @@ pub struct Part {
     pub flat: usize,
     /// How many primitives are of points or lines.
     pub thin: usize,
+    /// How many have no positions.
+    pub bare: usize,
+    /// How many corners are too few for a triangle more.
+    pub loose: usize,
     /// Whether there are other shapes to blend with.
     pub morphs: bool,
 }
@@ -54,20 +58,21 @@ impl Part {
         at: impl Fn(&str) -> String,
     ) -> Result<(), ShapeError> {
         use Component::{F32, I8, I16, U8, U16, U32};
-        let position = primitive.attributes.position;
-        let position = position
-            .ok_or_else(|| malformed(data.source, at(".attributes"), "positions of vertices", "no `POSITION`"))?;
+        let Some(position) = primitive.attributes.position else {
+            self.bare += 1; // as the specification asks for
+            return Ok(());
+        };
         let place = || at(".attributes.POSITION");
         let positions = Elements::<3>::read(data, position, &[F32, I8, U8, I16, U16], place)?;
         let indices =
             primitive.indices.map(|index| Elements::<1>::read(data, index, &[U8, U16, U32], || at(".indices")));
         let indices = indices.transpose()?;
         let corners = indices.as_ref().map_or(positions.count, |indices| indices.count);
-        if corners < 3 || mode == 4 && corners % 3 != 0 {
-            let expected = "3 corners or more, and a multiple of 3 for single triangles";
-            return Err(malformed(data.source, at(""), expected, format!("{corners} in mode {mode}")));
-        }
-        let count = if mode == 4 { corners / 3 } else { corners - 2 };
+        let count = if mode == 4 { corners / 3 } else { corners.saturating_sub(2) };
+        self.loose += match mode {
+            4 => corners % 3,
+            _ => corners.min(2) * u64::from(count == 0),
+        } as usize;
         *declared = declared.saturating_add(count);
         data.source.check_triangles(*declared)?;
 

@@ -75,13 +75,13 @@ pub fn read(data: &Data) -> Result<Found, ShapeError> {
     let mut visits = Visits { source, document, nodes: Vec::new(), named: vec![false; document.nodes.len()] };
     visits.begin()?;
     let mut parts: Vec<Option<Part>> = document.meshes.iter().map(|_| None).collect();
-    let (mut shown, mut declared, mut counts) = (Vec::new(), 0, [0; 5]);
+    let (mut shown, mut declared, mut counts) = (Vec::new(), 0, [0; 7]);
     let (mut triangles, mut positions) = (0, 0);
-    counts[4] = document.animations.len();
+    counts[6] = document.animations.len();
     while let Some((index, parent)) = visits.nodes.pop() {
         let node = &document.nodes[index as usize];
         if node.extensions.hides() {
-            counts[3] += 1;
+            counts[5] += 1;
             continue;
         }
         let world = parent * local(data, index, node)?;
@@ -98,11 +98,13 @@ pub fn read(data: &Data) -> Result<Found, ShapeError> {
         source.check_triangles(triangles as u64)?;
         source.check_positions("vertices", &part.at(world).collect::<Vec<_>>())?;
         shown.push((mesh, world));
-        let left_out = [part.thin, usize::from(node.skin.is_some()), usize::from(part.morphs)];
+        let left_out = [part.thin, part.bare, part.loose, usize::from(node.skin.is_some()), usize::from(part.morphs)];
         counts.iter_mut().zip(left_out).for_each(|(count, more)| *count += more);
     }
     let texts = [
         "primitives of points or lines are left out",
+        "primitives without positions are left out",
+        "corners that make no whole triangle are left out",
         "skins are not applied, their meshes stand where their nodes put them",
         "morph targets are not applied, their meshes keep their base shape",
         "hidden nodes are left out, with all below them",

@@ -266,11 +266,21 @@ fn what_is_left_out_of_the_geometry_is_noted_and_the_rest_is_not() {
     primitives[0]["material"] = json!(44);
     primitives[0]["attributes"]["NORMAL"] = json!(99);
     primitives.extend((0..4).map(|mode| json!({ "attributes": { "POSITION": 99 }, "mode": mode })));
+    primitives.push(json!({ "attributes": { "_TEMPERATURE": 0 } }));
+    // A strip of the first two corners, and the two corners behind a triangle that has no area.
+    primitives.push(json!({ "attributes": { "POSITION": 0 }, "indices": 2, "mode": 5 }));
+    primitives.push(json!({ "attributes": { "POSITION": 0 }, "indices": 3 }));
+    document["accessors"].as_array_mut().unwrap().extend(
+        [2, 5].map(|count| json!({ "bufferView": 2, "componentType": 5121, "count": count, "type": "SCALAR" })),
+    );
+    document["bufferViews"].as_array_mut().unwrap().push(json!({ "buffer": 0, "byteLength": 8 }));
     let Opened { shape, notes, .. } = read_noted("a.glb", &glb(&document, &data())).unwrap();
     let Shape::Mesh(mesh) = shape else { panic!("no mesh") };
     assert_tetrahedron(&mesh);
     let expected = [
         "primitives of points or lines are left out: 4",
+        "primitives without positions are left out: 1",
+        "corners that make no whole triangle are left out: 4",
         "skins are not applied, their meshes stand where their nodes put them: 1",
         "morph targets are not applied, their meshes keep their base shape: 1",
         "hidden nodes are left out, with all below them: 1",
