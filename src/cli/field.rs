@@ -6,7 +6,7 @@ use super::{absolute, say, with_progress};
 use crate::render::{open, request};
 use crate::scene::{Object, Scene};
 use crate::shape::{Mesh, Shape, VolumeFormat};
-use crate::support::write_whole;
+use crate::support::{significant, write_whole};
 use crate::{field, output};
 use clap::Args;
 use glam::DVec3;
@@ -61,12 +61,15 @@ pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
         {
             say(&format!("offset     {offset} is its origin in the coordinates of the file\n"));
         }
+        if low >= 0.0 {
+            say(&format!("inside     no sample: {}\n", without_inside(&shape)));
+        }
+        let [low, high, band] = [low, high, request.band].map(|length| significant(length.into(), 5));
         say(&format!(
-            "field      {x} x {y} x {z}, spacing {:?}, distances {low:.4} to {high:.4} world units\n\
-             exact      within {:.4} of the surface; a lower bound beyond\n\
+            "field      {x} x {y} x {z}, spacing {:?}, distances {low} to {high} world units\n\
+             exact      within {band} of the surface; a lower bound beyond\n\
              surface    {} triangles, {} open edges, {} closing; {:.0} ms\nwrote {}\n",
             grid.spacing.to_array(),
-            request.band,
             report.triangles,
             report.open_edges,
             report.closing_triangles,
@@ -75,4 +78,28 @@ pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
         ));
     }
     Ok(())
+}
+
+/// Why a field has no sample inside.
+fn without_inside(shape: &Shape) -> &'static str {
+    match shape {
+        Shape::Mesh(mesh) if mesh.enclosed().is_nothing => Mesh::ENCLOSES_NOTHING,
+        _ => "what it encloses is thinner than a voxel; raise --resolution, or give it a thickness (--shell)",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn a_field_without_inside_says_why() {
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let mut mesh = Mesh { positions, triangles, ..Mesh::default() };
+        assert!(without_inside(&Shape::Mesh(mesh.clone())).contains("thinner than a voxel"));
+        mesh.triangles.extend(mesh.triangles.clone().iter().map(|&[a, b, c]| [a, c, b]));
+        assert_eq!(without_inside(&Shape::Mesh(mesh)), Mesh::ENCLOSES_NOTHING);
+    }
 }

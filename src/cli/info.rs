@@ -2,6 +2,7 @@
 
 use super::say;
 use crate::shape::{Facts, Histogram};
+use crate::support::significant;
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
@@ -56,7 +57,7 @@ pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
 /// Bars as long as the logarithm of the voxels, and how much the values change there.
 fn chart(histogram: &Histogram) -> String {
     let each = histogram.counts.len() / ROWS;
-    let (low, high) = histogram.range;
+    let (low, high) = (f64::from(histogram.range.0), f64::from(histogram.range.1));
     let rows: Vec<(u64, f64)> = (0..ROWS)
         .map(|row| {
             let own = row * each..(row + 1) * each;
@@ -67,12 +68,34 @@ fn chart(histogram: &Histogram) -> String {
         .collect();
     let most = rows.iter().map(|(count, _)| *count).max().unwrap_or(1).max(2);
     let line = |(row, (count, change)): (usize, &(u64, f64))| {
-        let from = low + (high - low) * row as f32 / ROWS as f32;
+        let from = significant(low + (high - low) * row as f64 / ROWS as f64, 5);
         let bar = (((count + 1) as f64).ln() / (most as f64).ln() * BAR).round() as usize;
-        format!("\n  {from:>10.4} {:<41} {count}, change {change:.3}", "#".repeat(bar))
+        format!("\n  {from:>12} {:<41} {count}, change {}", "#".repeat(bar), significant(*change, 4))
     };
     format!(
         "voxels from each value on (logarithmic), and their mean change to the next{}",
         rows.iter().enumerate().map(line).collect::<String>()
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_histogram_shows_the_ends_of_f32_and_small_values() {
+        for scale in [1.0e-6f32, f32::MAX] {
+            let histogram =
+                Histogram { range: (-scale, scale), counts: vec![3; 64], gradients: vec![0.25 * f64::from(scale); 64] };
+            let chart = chart(&histogram);
+            assert!(!chart.contains("inf") && !chart.contains("NaN"), "{chart}");
+            let from: Vec<f64> =
+                chart.lines().skip(1).map(|line| line.split_whitespace().next().unwrap().parse().unwrap()).collect();
+            let expected = |row: usize| f64::from(scale) * (row as f64 / 8.0 - 1.0);
+            assert!(
+                from.iter().enumerate().all(|(row, from)| (from - expected(row)).abs() <= 1e-4 * f64::from(scale)),
+                "{chart}"
+            );
+        }
+    }
 }

@@ -4,6 +4,7 @@
 //! looked at; how a scene reads it changes nothing.
 
 use super::{Content, Histogram, Mesh, Opened, Shape, ShapeError, Solid, Volume};
+use crate::support::significant;
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -90,20 +91,34 @@ fn of_solid(solid: &Solid) -> Facts {
 fn of_mesh(mesh: &Mesh) -> Facts {
     let edges = mesh.edges();
     let (triangles, vertices) = (mesh.triangles.len(), edges.vertices);
-    let volume = mesh.signed_volume();
+    let enclosed = mesh.enclosed();
     let closed = edges.open == 0;
-    let solid = match (closed, edges.turned, volume < 0.0) {
+    let mut solid = match (closed, edges.turned, mesh.signed_volume() < 0.0) {
+        (true, ..) if enclosed.is_nothing => Mesh::ENCLOSES_NOTHING.into(),
+        _ if enclosed.is_nothing => {
+            format!("open: {} edges have one triangle; {}", edges.open, Mesh::ENCLOSES_NOTHING)
+        }
         (false, ..) => format!("open: {} edges have one triangle; holes are closed by the winding number", edges.open),
         (_, 1.., _) => format!("closed, but at {} edges the triangles disagree; they are turned", edges.turned),
         (_, _, true) => "closed, inside out: it is taken as solid either way".into(),
         _ => "closed".into(),
+    };
+    if enclosed.repeated > 0 {
+        solid += &format!("; {} triangles repeat others and count once", enclosed.repeated);
+    }
+    let kind = if enclosed.is_nothing {
+        "nothing"
+    } else if closed {
+        "closed"
+    } else {
+        "open"
     };
     let lines = vec![
         fact("kind", "a mesh", "mesh"),
         fact("triangles", format!("{triangles}, {vertices} vertices at different places"), triangles),
         fact("vertices", format!("{vertices}"), vertices),
         fact("bodies", format!("{}", edges.bodies), edges.bodies),
-        fact("surface", solid, if closed { "closed" } else { "open" }),
+        fact("surface", solid, kind),
         fact(
             "edges",
             format!("{} open, {} crowded, {} turned", edges.open, edges.crowded, edges.turned),
@@ -111,8 +126,12 @@ fn of_mesh(mesh: &Mesh) -> Facts {
         ),
         fact(
             "volume",
-            format!("{volume:.6} cubic world units{}", if closed { "" } else { ", if it were closed" }),
-            volume,
+            format!(
+                "{} cubic world units{}",
+                significant(enclosed.volume, 6),
+                if closed { "" } else { ", if it were closed" }
+            ),
+            enclosed.volume,
         ),
     ];
     Facts { lines, ..Facts::default() }
@@ -149,7 +168,9 @@ fn of_volume(volume: &Volume) -> Facts {
     ];
     if volume.content != Content::Scalar {
         let slope = volume.slope_at_zero();
-        let words = slope.map_or("no surface".into(), |slope| format!("{slope:.3} per world unit at the surface"));
+        let words = slope.map_or("no surface".into(), |slope| {
+            format!("{} per world unit at the surface", significant(slope.into(), 4))
+        });
         lines.push(fact("slope", format!("{words}; 1 for a distance"), slope));
         return Facts { lines, ..Facts::default() };
     }
@@ -161,7 +182,7 @@ fn of_volume(volume: &Volume) -> Facts {
     let histogram = volume.histogram();
     let iso_values = histogram.as_ref().map(Histogram::boundaries).unwrap_or_default();
     let words = match &iso_values[..] {
-        [] => format!("no boundary stands out; {} is the middle of the values", 0.5 * (low + high)),
+        [] => format!("no boundary stands out; {} is the middle of the values", 0.5 * low + 0.5 * high),
         isos => {
             let is_ct = AIR.contains(&low);
             let named = |iso: &f32| if is_ct { format!("{iso} ({})", boundary(*iso)) } else { iso.to_string() };

@@ -51,30 +51,19 @@ impl Mesh {
         let (distinct, welded) = weld(&self.positions);
         // How often each edge is used, forwards and backwards.
         let mut uses: HashMap<(u32, u32), [u32; 2]> = HashMap::with_capacity(self.triangles.len() * 3 / 2);
-        let mut body: Vec<u32> = (0..distinct.len() as u32).collect();
-        let root = |body: &mut Vec<u32>, mut at: u32| {
-            while body[at as usize] != at {
-                body[at as usize] = body[body[at as usize] as usize];
-                at = body[at as usize];
-            }
-            at
-        };
-        for triangle in &self.triangles {
-            let corners = triangle.map(|corner| welded[corner as usize]);
-            for (a, b) in [(0, 1), (1, 2), (2, 0)] {
-                let (a, b) = (corners[a], corners[b]);
-                uses.entry((a.min(b), a.max(b))).or_default()[usize::from(a > b)] += 1;
-                let (a, b) = (root(&mut body, a), root(&mut body, b));
-                body[a.max(b) as usize] = a.min(b);
+        let triangles: Vec<[u32; 3]> = self.triangles.iter().map(|t| t.map(|corner| welded[corner as usize])).collect();
+        for [a, b, c] in &triangles {
+            for (a, b) in [(a, b), (b, c), (c, a)] {
+                uses.entry((*a.min(b), *a.max(b))).or_default()[usize::from(a > b)] += 1;
             }
         }
+        let mut bodies = Bodies::of(&triangles, distinct.len());
         let count = |is: fn(&[u32; 2]) -> bool| uses.values().filter(|uses| is(uses)).count();
         let mut used: Vec<bool> = vec![false; distinct.len()];
-        self.triangles.iter().flatten().for_each(|corner| used[welded[*corner as usize] as usize] = true);
-        let is_body = |at: &usize| used[*at] && body[*at] == *at as u32;
+        triangles.as_flattened().iter().for_each(|corner| used[*corner as usize] = true);
         Edges {
             vertices: used.iter().filter(|used| **used).count(),
-            bodies: (0..distinct.len()).filter(is_body).count(),
+            bodies: (0..distinct.len()).filter(|at| used[*at] && bodies.root(*at as u32) == *at as u32).count(),
             open: count(|uses| uses[0] + uses[1] == 1),
             crowded: count(|uses| uses[0] + uses[1] > 2),
             turned: count(|uses| uses[0] + uses[1] == 2 && uses[0] != 1),
@@ -128,6 +117,32 @@ impl Mesh {
     }
 }
 
+/// Which vertices hang together by triangles.
+pub(super) struct Bodies(Vec<u32>);
+
+impl Bodies {
+    /// Those of triangles over so many vertices.
+    pub(super) fn of(triangles: &[[u32; 3]], vertices: usize) -> Bodies {
+        let mut bodies = Bodies((0..vertices as u32).collect());
+        for [a, b, c] in triangles {
+            for (a, b) in [(a, b), (b, c)] {
+                let (a, b) = (bodies.root(*a), bodies.root(*b));
+                bodies.0[a.max(b) as usize] = a.min(b);
+            }
+        }
+        bodies
+    }
+
+    /// The vertex that stands for the body of this one: the lowest of it.
+    pub(super) fn root(&mut self, mut at: u32) -> u32 {
+        while self.0[at as usize] != at {
+            self.0[at as usize] = self.0[self.0[at as usize] as usize];
+            at = self.0[at as usize];
+        }
+        at
+    }
+}
+
 /// What is taken from coordinates before they become f32: on each axis along which the box of `corners` stands more than
 /// [`FAR`] times its longest side from the origin, its middle, rounded to a multiple of a power of two of about that side.
 ///
@@ -147,7 +162,7 @@ fn offset(corners: impl Iterator<Item = DVec3>) -> DVec3 {
 }
 
 /// The distinct positions in order of first use, and for each position the index of its representative.
-fn weld<P: Copy + Into<DVec3>>(positions: &[P]) -> (Vec<P>, Vec<u32>) {
+pub(super) fn weld<P: Copy + Into<DVec3>>(positions: &[P]) -> (Vec<P>, Vec<u32>) {
     let mut distinct = Vec::new();
     let mut seen = HashMap::with_capacity(positions.len() / 4);
     let indices = positions.iter().map(|position| {

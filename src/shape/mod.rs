@@ -10,6 +10,7 @@
 
 mod axes;
 mod dicom;
+mod enclosed;
 mod error;
 mod facts;
 mod files;
@@ -41,11 +42,13 @@ mod teapot_data;
 mod values;
 mod vdb;
 mod volume;
+mod wound;
 mod write_mesh;
 mod write_nifti;
 mod write_volume;
 
 pub(crate) use axes::Axes;
+pub use enclosed::Enclosed;
 pub use error::{Found, Location, ShapeError};
 pub use facts::{Fact, Facts};
 pub use generated::BUILT_IN;

@@ -20,6 +20,13 @@ use std::time::Duration;
 /// Links that are followed, at most.
 const LINKS: usize = 40;
 
+/// A number of so many significant digits for a person: 0.0123, and where it is far from 1, 1.23e-9.
+pub(crate) fn significant(number: f64, digits: usize) -> String {
+    let rounded: f64 = format!("{number:.*e}", digits.saturating_sub(1)).parse().unwrap_or(number);
+    let is_near = rounded == 0.0 || (1e-4..1e9).contains(&rounded.abs());
+    if is_near { rounded.to_string() } else { format!("{rounded:e}") }
+}
+
 /// Writes a file so that it appears whole or not at all: beside its place under a temporary name, synced and renamed. What
 /// a link names is written, and the link stays; a file that was there gives it its permissions.
 ///

@@ -14,6 +14,7 @@ mod nrrd;
 mod ply;
 mod polygons;
 mod raw;
+mod strange;
 mod turned;
 mod vdb;
 mod vdb_versions;
