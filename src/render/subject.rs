@@ -220,7 +220,7 @@ pub fn request(shape: &Shape, object: &Object, margin: f32) -> field::Request {
     let middle = || match shape {
         Shape::Volume(volume) if volume.content == shape::Content::Scalar => {
             let (low, high) = volume.range();
-            0.5 * (low + high)
+            0.5 * low + 0.5 * high
         }
         _ => 0.0,
     };

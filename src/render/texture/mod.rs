@@ -70,7 +70,7 @@ impl Texels {
 pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Texels {
     let (lowest, highest) = field.range();
     let low = range[0].max(lowest);
-    let high = range[1].min(highest).max(low + f32::EPSILON * low.abs().max(1.0));
+    let high = range[1].min(highest).max(low + (f32::EPSILON * low.abs()).max(f32::MIN_POSITIVE));
     let stored = |distance: f32| ((high - distance) / (high - low)).clamp(0.0, 1.0);
     let (bytes_per_texel, codes) = match encoding {
         Encoding::Normals16 => (8, 65535.0),
@@ -113,16 +113,16 @@ pub fn encode(field: &DistanceField, encoding: Encoding, range: [f32; 2]) -> Tex
 /// that the level is on as far as its medial axis. Quantization: `range / 65535` for each component.
 pub fn encode_closest(closest: &ClosestPoints, field: &DistanceField, iso: f32) -> (Vec<u8>, f32) {
     let [nx, ny, _] = closest.grid.size;
+    // Squares of tiny lengths leave f32; a power of two rounds nothing.
+    let handy = (-closest.grid.spacing.max_element().log2().floor()).exp2();
     let way = |index: usize| {
         let at = [index as u32 % nx, index as u32 / nx % ny, index as u32 / (nx * ny)];
         let to_surface = closest.points[index] - closest.grid.position(at[0], at[1], at[2]);
         if iso == 0.0 {
             return to_surface;
         }
-        let outward = match field.values[index] < 0.0 {
-            true => to_surface.normalize_or_zero(),
-            false => -to_surface.normalize_or_zero(),
-        };
+        let along = (handy * to_surface).normalize_or_zero();
+        let outward = if field.values[index] < 0.0 { along } else { -along };
         let gradient = || field.gradient(at[0], at[1], at[2]).normalize_or_zero();
         to_surface + iso * if outward == Vec3::ZERO { gradient() } else { outward }
     };
@@ -255,7 +255,7 @@ fn code8(part: f32) -> u8 {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::field::Grid;
+    use crate::field::{Grid, Request, transform_with_closest};
     use crate::scene::Color;
 
     fn sphere(side: u32) -> DistanceField {
@@ -285,6 +285,32 @@ pub(super) mod tests {
                 };
                 assert!((decode(&texels, stored) - distance).abs() <= texels.quantization * 1.001);
             }
+        }
+    }
+
+    #[test]
+    fn the_texels_of_an_object_do_not_depend_on_its_scale() {
+        let of = |scale: f32| {
+            let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32);
+            let vertex = |[x, y, z]: [f32; 3]| format!("v {} {} {}\n", 2.0 * scale * x, scale * y, 0.5 * scale * z);
+            let vertices: String = (0..8).map(corner).map(vertex).collect();
+            let faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+            let shape = crate::shape::read("box.obj", (vertices + faces).as_bytes()).unwrap();
+            let lengths = Request { resolution: 24, margin: 0.25 * scale, band: 0.25 * scale, iso: 0.0, shell: 0.0 };
+            transform_with_closest(&shape, &lengths, &|_| ()).unwrap()
+        };
+        let (field, points, _) = of(1.0);
+        let expected = encode(&field, Encoding::Normals16, [-0.5, 0.125]);
+        let (ways, range) = encode_closest(&points, &field, 0.125);
+        // By powers of two, which round nothing: 8.9e-16 to 1.1e15.
+        for scale in [-50, -20, 20, 50].map(|power: i16| f32::from(power).exp2()) {
+            let (field, points, _) = of(scale);
+            let texels = encode(&field, Encoding::Normals16, [-0.5 * scale, 0.125 * scale]);
+            assert!(texels.bytes == expected.bytes, "{scale}");
+            assert_eq!(texels.decode, expected.decode.map(|value| value * scale));
+            assert_eq!(texels.quantization, expected.quantization * scale);
+            let (found, found_range) = encode_closest(&points, &field, 0.125 * scale);
+            assert!(found == ways && found_range == range * scale, "{scale}");
         }
     }
 
