@@ -28,7 +28,7 @@ const CLOSEST: Kind<Vec3, 12> = Kind {
     sample: |bytes| Vec3::from_array(bytemuck::cast::<_, [[u8; 4]; 3]>(bytes).map(f32::from_le_bytes)),
 };
 /// Raise it when a field computed from the same input changes, or the layout of the file does.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 /// Magic, version, key, size, origin, spacing, five counts; the payload follows.
 const HEADER_BYTES: usize = 8 + 4 + 32 + 12 + 12 + 12 + 5 * 8;
 /// Less: a few scans at a high resolution push each other out. More: a person finds a full disk.
@@ -87,14 +87,13 @@ pub fn load_or_compute(
     progress: Progress,
 ) -> Result<(DistanceField, FieldReport), FieldError> {
     let compute = || transform(shape, request, progress);
-    match kept_in(shape) {
-        Some(folder) => {
-            let result = cached(&Key::new(shape, request), &folder, compute)?;
-            progress(1.0);
-            Ok(result)
-        }
-        None => compute(),
-    }
+    let result = match kept_in(shape) {
+        Some(folder) => cached(&Key::new(shape, request), &folder, compute)?,
+        None => compute()?,
+    };
+    warn(&result.1);
+    progress(1.0);
+    Ok(result)
 }
 
 /// [`transform_with_closest`], through the cache on disk, as [`load_or_compute`].
@@ -107,13 +106,22 @@ pub fn load_or_compute_closest(
     progress: Progress,
 ) -> Result<(DistanceField, ClosestPoints, FieldReport), FieldError> {
     let compute = || transform_with_closest(shape, request, progress);
-    match kept_in(shape) {
-        Some(folder) => {
-            let result = cached_with_closest(&Key::new(shape, request), &folder, compute)?;
-            progress(1.0);
-            Ok(result)
-        }
-        None => compute(),
+    let result = match kept_in(shape) {
+        Some(folder) => cached_with_closest(&Key::new(shape, request), &folder, compute)?,
+        None => compute()?,
+    };
+    warn(&result.2);
+    progress(1.0);
+    Ok(result)
+}
+
+/// Says what a person should know of a field.
+fn warn(report: &FieldReport) {
+    if report.tangled {
+        log::warn!(
+            "its solids overlap in too many places to find all surfaces inside of others: distances inside are too short \
+             there; make one solid of them first, or raise the resolution"
+        );
     }
 }
 
@@ -210,7 +218,8 @@ fn encode<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, (grid, values
     bytes.extend_from_slice(&key.0);
     bytes.extend(grid.size.iter().flat_map(|n| n.to_le_bytes()));
     bytes.extend([grid.origin, grid.spacing].iter().flat_map(|v| v.to_array()).flat_map(f32::to_le_bytes));
-    let turned = (report.turned_triangles as u64) << 1 | u64::from(report.buried);
+    let marks = u64::from(report.tangled) << 1 | u64::from(report.buried);
+    let turned = (report.turned_triangles as u64) << 2 | marks;
     let counts =
         [report.triangles as u64, report.open_edges as u64, turned, report.closing_triangles as u64, report.exact];
     bytes.extend(counts.iter().flat_map(|n| n.to_le_bytes()));
@@ -235,8 +244,9 @@ fn decode<T, const BYTES: usize>(kind: &Kind<T, BYTES>, bytes: &[u8], key: &Key)
     let report = FieldReport {
         triangles: counts[0] as usize,
         open_edges: counts[1] as usize,
-        turned_triangles: (counts[2] >> 1) as usize,
+        turned_triangles: (counts[2] >> 2) as usize,
         buried: counts[2] & 1 == 1,
+        tangled: counts[2] & 2 == 2,
         closing_triangles: counts[3] as usize,
         exact: counts[4],
         from_cache: true,

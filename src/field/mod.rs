@@ -82,6 +82,8 @@ pub struct FieldReport {
     pub turned_triangles: usize,
     /// Whether solids overlap, so that surfaces inside of them were dropped.
     pub buried: bool,
+    /// Whether they overlap in so many places that some of those surfaces were kept: distances inside are too short there.
+    pub tangled: bool,
     /// Triangles added where the winding number had to close a hole.
     pub closing_triangles: usize,
     /// Samples with exact distances, near the surface and where a lower bound would have been loose.

@@ -12,6 +12,7 @@ use crate::shape::{Content, MAX_COORDINATE, Mesh, Shape, Volume};
 use crate::support::memory;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::cell::Cell;
 use std::ops::RangeInclusive;
 use std::time::Instant;
 
@@ -174,7 +175,12 @@ fn of_mesh(
     }
     let winding = Winding::new(&whole);
     progress(0.05);
-    let bare = || Bvh::new(&overlap::boundary(&soup.triangles, &winding));
+    let tangled = Cell::new(false);
+    let bare = || {
+        let (boundary, is_tangled) = overlap::boundary(&soup.triangles, &winding, grid.samples());
+        tangled.set(is_tangled);
+        Bvh::new(&boundary)
+    };
     let measured = |surface: &Bvh, from, to| {
         let mut distances = Distances::new(size, closest);
         distances.add(&[surface], band, &Stage::new(progress, from, to, size[2]));
@@ -188,7 +194,7 @@ fn of_mesh(
     if signs.overlap && bared.is_none() {
         distances = measured(bared.insert(bare()), 0.65, 0.9);
     }
-    report.buried = bared.is_some();
+    (report.buried, report.tangled) = (bared.is_some(), tangled.get());
     let surface = bared.as_ref().unwrap_or(&whole);
     let closing = seal::closing_triangles(size, distances.values(), &signs.inside, &winding);
     report.closing_triangles = closing.len();

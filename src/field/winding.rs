@@ -65,6 +65,11 @@ impl<'a> Winding<'a> {
     /// The same around several points, at little more than the price of one where they are near each other: a node that is
     /// near one of them is opened for all.
     pub(super) fn around(&self, points: &[Vec3; POINTS]) -> [f32; POINTS] {
+        self.around_counted(points).0
+    }
+
+    /// The same, and how many nodes and triangles were looked at.
+    pub(super) fn around_counted(&self, points: &[Vec3; POINTS]) -> ([f32; POINTS], u64) {
         self.arch.dispatch(Around { winding: self, points: [0, 1, 2].map(|axis| points.map(|point| point[axis])) })
     }
 }
@@ -77,26 +82,28 @@ struct Around<'a> {
 }
 
 impl pulp::NullaryFnOnce for Around<'_> {
-    type Output = Lanes;
+    type Output = (Lanes, u64);
 
     #[inline(always)] // as all that is called here: into code for the vectors of this processor
-    fn call(self) -> Lanes {
+    fn call(self) -> (Lanes, u64) {
         let Around { winding: Winding { bvh, levels, .. }, points } = self;
-        let mut sum = [0.0; POINTS];
+        let (mut sum, mut visits) = ([0.0; POINTS], 0);
         if bvh.triangles() == 0 {
-            return sum;
+            return (sum, visits);
         }
         let mut stack = [(0u32, 0u32); 3 * 16 + WIDTH];
         let mut top = 1;
         stack[0] = (levels.len() as u32 - 1, 0);
         while top > 0 {
             top -= 1;
+            visits += 1;
             let (level, index) = stack[top];
             let moment = &levels[level as usize][index as usize];
             let (to, near) = moment.seen_from(&points);
             if near == 0 {
                 moment.add(&to, &mut sum);
             } else if level == 0 {
+                visits += WIDTH as u64;
                 for triangle in bvh.packet(index as usize) {
                     add_solid_angles(triangle, &points, &mut sum);
                 }
@@ -109,7 +116,7 @@ impl pulp::NullaryFnOnce for Around<'_> {
                 }
             }
         }
-        sum.map(|sum| sum / (4.0 * PI))
+        (sum.map(|sum| sum / (4.0 * PI)), visits)
     }
 }
 

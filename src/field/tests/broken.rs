@@ -121,3 +121,41 @@ fn any_soup_of_triangles_gives_a_continuous_field() {
         assert_continuous(&field, 1.0);
     }
 }
+
+#[test]
+fn triangles_that_are_there_twice_count_once_and_a_surface_with_two_sides_encloses_nothing() {
+    let ball = icosphere(Vec3::ZERO, 1.0, 3);
+    let (expected, _) = field_of(&ball, 32, 0.3, 0.4);
+    for (share, turned) in [(3, false), (3, true), (1, false), (1, true)] {
+        let mut mesh = ball.clone();
+        let repeated =
+            ball.triangles.iter().step_by(share).map(|&[a, b, c]| if turned { [c, b, a] } else { [b, c, a] });
+        mesh.triangles.extend(repeated);
+        let (field, report) = field_of(&mesh, 32, 0.3, 0.4);
+        if share == 1 && turned {
+            assert!(field.range().0 >= 0.0 && mesh.enclosed().is_nothing);
+        } else {
+            assert_eq!((field, report.triangles), (expected.clone(), ball.triangles.len()), "{share} {turned}");
+        }
+    }
+}
+
+#[test]
+fn a_tangle_is_measured_right_outside_and_the_work_on_its_inside_ends() {
+    let mut random = SplitMix(7);
+    for (triangles, resolution, is_tangled) in [(12, 24, false), (600, 24, true)] {
+        let mut place = || Vec3::from_array([0; 3].map(|_| random.unit() as f32));
+        let positions: Vec<Vec3> = (0..3 * triangles).map(|_| place()).collect();
+        let triangles = (0..triangles).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let mesh = Mesh { positions, triangles, ..Mesh::default() };
+        let (field, report) = field_of(&mesh, resolution, 0.3, 0.3);
+        assert_eq!(report.tangled, is_tangled);
+        assert!(report.triangles == mesh.triangles.len() && field.range().0 < 0.0 || !is_tangled);
+        let bounds = mesh.bounds();
+        // No hole is closed beyond the box around the triangles: there the nearest surface is one of them.
+        for (_, p, value) in samples(&field).filter(|(_, p, _)| p.clamp(bounds.min, bounds.max) != *p) {
+            let error = f64::from(value) - brute_force(&mesh, p);
+            assert!((-0.25 * f64::from(field.grid.spacing.x)..1e-4).contains(&error), "{p}: {value}, off by {error}");
+        }
+    }
+}
