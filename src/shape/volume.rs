@@ -53,7 +53,8 @@ impl Volume {
     pub fn slope_at_zero(&self) -> Option<f32> {
         let [nx, ny, nz] = self.size.map(|n| n as usize);
         let at = |x: usize, y: usize, z: usize| self.values[(z * ny + y) * nx + x];
-        let to_world = self.steps.inverse().transpose();
+        // Products of tiny steps leave f32, and so do differences of large values.
+        let to_world = self.steps.as_dmat3().inverse().transpose();
         let mut slopes = Vec::new();
         for z in 0..nz.saturating_sub(1) {
             for y in 0..ny.saturating_sub(1) {
@@ -61,7 +62,7 @@ impl Volume {
                     let value = at(x, y, z);
                     let next = Vec3::new(at(x + 1, y, z), at(x, y + 1, z), at(x, y, z + 1));
                     if next.to_array().iter().any(|next| (*next <= 0.0) != (value <= 0.0)) {
-                        slopes.push((to_world * (next - value)).length());
+                        slopes.push((to_world * (next.as_dvec3() - f64::from(value))).length() as f32);
                     }
                 }
             }
@@ -210,6 +211,11 @@ mod tests {
             assert!((slope - 1.0).abs() < 0.05, "{rate}: {slope}");
         }
         assert_eq!(Volume { values: vec![1.0; 13 * 15 * 17], ..ball(1.0) }.slope_at_zero(), None);
+        for scale in [1e-15, 1e15] {
+            let mut scaled = ball(scale);
+            (scaled.origin, scaled.steps) = (scale * scaled.origin, scale * scaled.steps);
+            assert!((scaled.slope_at_zero().unwrap() - 1.0).abs() < 0.05, "{scale}");
+        }
     }
 
     #[test]
