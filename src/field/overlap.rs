@@ -17,11 +17,11 @@ const SEAM: f32 = 0.5;
 /// A triangle with longer edges is divided even where its samples agree, so that a rod through it is seen.
 const COARSE: f32 = 8.0;
 /// Nodes and triangles that are looked at for one sample of the grid, at least for all of them (about a second of a
-/// processor), and for one triangle besides: twice what one of millions needs. Fewer: scans of several solids keep parts of
-/// their seams. More: a tangle takes minutes.
+/// processor), and for one triangle besides: four times what one of the teapot takes. Fewer: scans of several solids keep
+/// parts of their seams. More: a tangle takes minutes.
 const VISITS: u64 = 8;
 const LEAST_VISITS: u64 = 24_000_000;
-const VISITS_OF_TRIANGLE: u64 = 256;
+const VISITS_OF_TRIANGLE: u64 = 2048;
 /// Pieces that are looked at between two looks at what has been spent.
 const TOGETHER: usize = 1024;
 

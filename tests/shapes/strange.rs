@@ -17,11 +17,11 @@ fn mesh(name: &str, bytes: &[u8]) -> Mesh {
     }
 }
 
-/// The volume of a closed mesh in OBJ.
+/// The volume of a closed mesh in OBJ, to 1e-9.
 fn volume(text: &str) -> f64 {
     let mesh = mesh("test.obj", text.as_bytes());
     assert_eq!(mesh.open_edges(), 0, "{text}");
-    mesh.signed_volume()
+    (mesh.signed_volume() * 1e9).round() / 1e9
 }
 
 /// Texts of all formats that are read as text, each of one triangle or of two samples.
