@@ -75,13 +75,19 @@ fn fact(name: &'static str, words: impl Into<String>, value: impl Serialize) -> 
 
 fn in_words(corners: [DVec3; 2], size: Vec3) -> String {
     let [low, high] = corners.map(|corner| corner.to_array().map(short).join(", "));
-    let sides = size.to_array().map(|side| format!("{side}")).join(" x ");
+    let sides = size.to_array().map(|side| short(side.into())).join(" x ");
     format!("({low}) to ({high}), {sides} world units")
 }
 
-/// As few digits as tell what was an f32, or all.
+/// As few digits as tell what was an f32, or all; far from 1 with an exponent.
 fn short(number: f64) -> String {
-    if f64::from(number as f32) == number { (number as f32).to_string() } else { number.to_string() }
+    let is_near = number == 0.0 || (1e-4..1e9).contains(&number.abs());
+    match (f64::from(number as f32) == number, is_near) {
+        (true, true) => (number as f32).to_string(),
+        (true, false) => format!("{:e}", number as f32),
+        (false, true) => number.to_string(),
+        (false, false) => format!("{number:e}"),
+    }
 }
 
 fn of_solid(solid: &Solid) -> Facts {
@@ -155,7 +161,7 @@ fn of_volume(volume: &Volume) -> Facts {
         Content::SignedDistance => "signed distances",
         Content::LevelSet => "a level set",
     };
-    let spacings = spacing.to_array().map(|side| side.to_string()).join(" x ");
+    let spacings = spacing.to_array().map(|side| short(side.into())).join(" x ");
     let mut lines = vec![
         fact("kind", format!("a volume of {content}"), content),
         fact(
@@ -164,7 +170,7 @@ fn of_volume(volume: &Volume) -> Facts {
             volume.size,
         ),
         fact("steps", format!("{:?}", volume.steps.to_cols_array_2d()), volume.steps.to_cols_array_2d()),
-        fact("values", format!("{low} to {high}"), [low, high]),
+        fact("values", format!("{} to {}", short(low.into()), short(high.into())), [low, high]),
     ];
     if volume.content != Content::Scalar {
         let slope = volume.slope_at_zero();

@@ -122,7 +122,7 @@ fn one_bad_face_is_left_out_with_a_line_and_outlines_are_faces() {
 fn fact(text: &str, about: &str) -> String {
     let file = tempfile::NamedTempFile::with_suffix(".obj").unwrap();
     std::fs::write(file.path(), text).unwrap();
-    let facts = Facts::of(file.path().to_str().unwrap()).unwrap();
+    let facts = Facts::of(file.path().to_str().unwrap(), None).unwrap();
     facts.lines.into_iter().find(|line| line.name == about).unwrap().words
 }
 
@@ -153,6 +153,9 @@ fn volumes_are_those_of_the_solid_in_digits_that_count() {
         assert!(fact(text, "volume").starts_with(volume), "{}", fact(text, "volume"));
         assert!(fact(text, "surface").starts_with(surface), "{}", fact(text, "surface"));
     }
+    let tiny = "v 0 0 0\nv 2e-15 0 0\nv 0 1e-15 0\nv 0 0 5e-16\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    assert_eq!(fact(tiny, "box"), "(0, 0, 0) to (2e-15, 1e-15, 5e-16), 2e-15 x 1e-15 x 5e-16 world units");
+    assert!(fact(tiny, "volume").starts_with("1.66667e-46 cubic"), "{}", fact(tiny, "volume"));
     let sheet = "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n";
     assert!(fact(sheet, "surface").starts_with("open: 3 edges have one triangle; it encloses nothing"));
 }
