@@ -150,12 +150,17 @@ impl Declarations {
     }
 }
 
+/// The kind of the declaration in a line, and what is behind it: `param` of `// @param`, which needs no blanks.
+pub fn declaration(line: &str) -> Option<(&str, &str)> {
+    let text = line.trim_start().strip_prefix("//")?.trim_start().strip_prefix('@')?;
+    Some(text.split_once(char::is_whitespace).unwrap_or((text, "")))
+}
+
 pub(super) fn parse(path: &str, text: &str) -> Result<Declarations, LibraryError> {
     let (mut found, mut reach) = (Declarations::default(), Reach::default());
     let mut outer = None;
     for (index, line) in text.lines().enumerate() {
-        let Some(declaration) = line.trim_start().strip_prefix("// @") else { continue };
-        let (kind, rest) = declaration.split_once(' ').unwrap_or((declaration, ""));
+        let Some((kind, rest)) = declaration(line) else { continue };
         let wrong = || {
             let (path, text) = (path.to_string(), line.trim_start().to_string());
             LibraryError::Declaration { path, line: index + 1, text, allowed: allowed(kind) }
@@ -251,10 +256,12 @@ mod tests {
     #[test]
     fn parameters_are_read_with_default_range_and_sentence() {
         let text = "// @param size = 0.5 in [0, 2]: Size, in cells.\n// @color tint = #ff8000: Tint.";
-        let found = declarations(text).unwrap();
-        assert_eq!(found.parameters[0].kind, ParameterKind::Number(0.5, [0.0, 2.0]));
-        assert_eq!(found.parameters[0].doc, "Size, in cells.");
-        assert_eq!(found.parameters[1].kind, ParameterKind::Color([255, 128, 0]));
+        for text in [text.to_string(), text.replace("// ", "//"), text.replace("// @", "\t//   @")] {
+            let found = declarations(&text).unwrap();
+            assert_eq!(found.parameters[0].kind, ParameterKind::Number(0.5, [0.0, 2.0]), "{text}");
+            assert_eq!(found.parameters[0].doc, "Size, in cells.");
+            assert_eq!(found.parameters[1].kind, ParameterKind::Color([255, 128, 0]));
+        }
     }
 
     #[test]

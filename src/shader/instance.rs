@@ -3,6 +3,7 @@
 //! Two objects of one scene may fill one slot with different modules, or the same one with different parameters. So whatever
 //! depends on the object is compiled once for each, under names that end in the object's; everything else is shared.
 
+use super::declare::declaration;
 use super::error::LibraryError;
 use super::file::{Include, include};
 use super::library::{Library, PART, Slots, objects, own_names};
@@ -53,7 +54,7 @@ impl Instance {
                     Include::File(file) => own.files.contains(file),
                     Include::Slot(slot) => own.slots.contains(slot),
                 });
-                let declares = text.lines().any(|line| line.starts_with("// @param") || line.starts_with("// @color"));
+                let declares = text.lines().filter_map(declaration).any(|(kind, _)| ["param", "color"].contains(&kind));
                 if !own.files.contains(file) && (depends || declares || has_state(&text) || uses(&text, &own.names)) {
                     own.take(library, file);
                 }

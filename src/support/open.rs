@@ -5,8 +5,8 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 
-/// The byte order mark that some programs write before text in UTF-8; no part of the text.
-pub(crate) const MARK: &[u8] = b"\xef\xbb\xbf";
+/// The byte order mark that some editors put before text in UTF-8.
+const MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Why a file is not read; the words that come behind its name.
 #[derive(Debug, thiserror::Error)]
@@ -71,7 +71,7 @@ pub(crate) fn bytes(path: &Path, most: u64) -> Result<Vec<u8>, OpenError> {
     }
 }
 
-/// The text of a plain file of at most `most` bytes, without its byte order mark.
+/// The text of a plain file of at most `most` bytes, without a byte order mark.
 pub(crate) fn text(path: &Path, most: u64) -> Result<String, OpenError> {
     let mut bytes = bytes(path, most)?;
     if bytes.starts_with(MARK) {
@@ -101,8 +101,8 @@ mod tests {
         fs::write(at("text"), "one\ntwo").unwrap();
         fs::write(at("binary"), b"one\n\xff").unwrap();
         assert_eq!(text(&at("text"), 7).unwrap(), "one\ntwo");
-        fs::write(at("marked"), "\u{feff}one").unwrap();
-        assert_eq!(text(&at("marked"), 7).unwrap(), "one");
+        fs::write(at("marked"), "\u{feff}one\u{feff}").unwrap();
+        assert_eq!(text(&at("marked"), 99).unwrap(), "one\u{feff}");
         for (file, most, found) in [
             ("text", 6, "7 bytes, and at most 6"),
             ("binary", 99, "line 2 is not text"),

@@ -3,6 +3,7 @@
 use crate::render::variant::VariantError;
 use crate::scene::{Pass, Scene};
 use crate::shader::Library;
+use crate::shader::declare::declaration;
 use crate::viewer::programs::programs;
 use std::collections::BTreeSet;
 
@@ -75,8 +76,8 @@ pub(super) fn use_module(scene: &mut Scene, library: &Library, slot: &str, name:
 /// Names of the parameters and functions that a text declares.
 fn declared(text: &str) -> BTreeSet<&str> {
     let name = |line| -> Option<&str> {
-        if let Some(parameter) = ["// @param ", "// @color "].iter().find_map(|word| str::strip_prefix(line, word)) {
-            return parameter.split([' ', '=']).next();
+        if let Some((_, parameter)) = declaration(line).filter(|(kind, _)| ["param", "color"].contains(kind)) {
+            return parameter.trim_start().split([' ', '=']).next();
         }
         let (head, _) = line.split_once('(').filter(|(head, _)| head.starts_with(|c: char| c.is_ascii_alphabetic()))?;
         let (_, name) = head.trim_end().split_once(' ')?;

@@ -1,6 +1,7 @@
 //! Words that a beginning may become: parameters, functions, and what GLSL has.
 
 use super::{FONT, field};
+use crate::shader::declare::declaration;
 use crate::shader::{Library, reserved};
 use egui::text::{CCursor, CCursorRange};
 use egui::{Area, Color32, Frame, Id, Key, Modifiers, Order, Pos2, RichText, TextEdit, Ui};
@@ -190,7 +191,7 @@ fn is_word(c: char) -> bool {
 /// Parameters that a text declares, with what it says about them.
 pub(super) fn parameters(text: &str) -> Vec<Word> {
     let declared = |line: &str| {
-        let rest = ["// @param ", "// @color "].iter().find_map(|start| line.trim_start().strip_prefix(start))?;
+        let (_, rest) = declaration(line).filter(|(kind, _)| ["param", "color"].contains(kind))?;
         let (name, about) = rest.split_once('=')?;
         Some(Word { text: name.trim().into(), about: format!("= {}", about.trim()) })
     };

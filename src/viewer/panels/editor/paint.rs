@@ -2,6 +2,7 @@
 
 use super::FONT;
 use super::complete::BUILTINS;
+use crate::shader::declare::declaration;
 use crate::shader::{is_reserved, tokens};
 use egui::Color32;
 use egui::text::{LayoutJob, TextFormat};
@@ -77,7 +78,7 @@ pub(super) fn job(
         let before = |steps: usize| index.checked_sub(steps).map_or("", |index| all[index]);
         let opens = all[index + 1..].iter().find(|next| !next.trim().is_empty()) == Some(&"(");
         let color = match *token {
-            comment if comment.starts_with("// @") => colors.declaration,
+            comment if declaration(comment).is_some() => colors.declaration,
             comment if comment.starts_with("//") || comment.starts_with("/*") => colors.comment,
             directive if directive.starts_with('#') || before(1) == "#" => colors.directive,
             number if number.starts_with(|c: char| c.is_ascii_digit()) => colors.number,
