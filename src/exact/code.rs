@@ -83,6 +83,24 @@ pub(super) struct Instr {
     pub(super) sources: [Reg; 3],
     pub(super) count: u8,
     pub(super) table: u32,
+    pub(super) at: At,
+}
+
+/// Where an instruction stands, a number of [`Code::places`]. Two programs are the same wherever their lines stand, so an
+/// outline prints none.
+#[derive(Clone, Copy, Default)]
+pub(super) struct At(pub(super) u32);
+
+impl std::fmt::Debug for At {
+    fn fmt(&self, _: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        Ok(())
+    }
+}
+
+impl PartialEq for At {
+    fn eq(&self, _: &At) -> bool {
+        true
+    }
 }
 
 /// A lookup in an image.
@@ -216,6 +234,8 @@ pub(super) struct Code {
     pub(super) outputs: Vec<(u32, Vec<Reg>)>,
     /// Whether it needs lanes in quads.
     pub(super) derivatives: bool,
+    /// Files and lines of instructions; the first is that of those without one.
+    pub(super) places: Vec<String>,
 }
 
 impl Instr {

@@ -1,7 +1,7 @@
 //! Lowering of expressions: loads, stores, element access, operators, conversions and lookups.
 
 use super::ExactError;
-use super::code::{Lookup, Op, Pair, Reg, Source};
+use super::code::{At, Lookup, Op, Pair, Reg, Source};
 use super::lower::{CallFrame, Class, Lower};
 use super::number::{IntBinary, Unary};
 use super::value::{Kind, Lowered, Ty, Value, Variable};
@@ -340,7 +340,8 @@ impl<'m> Lower<'m> {
         let regs = at.regs.iter().chain(level.iter().flat_map(|level| level.regs.iter())).copied().collect();
         self.code.lookups.push(Lookup { image, at: regs, channels: channels.map(Some) });
         let (dst, sources) = (channels[0], [at.regs[0]; 3]);
-        let instr = super::code::Instr { op, signed: true, masked: false, dst, sources, count: 0, table };
+        let instr =
+            super::code::Instr { op, signed: true, masked: false, dst, sources, count: 0, table, at: At::default() };
         self.code.instrs.push(instr);
         Ok(Value::new(Ty::Vector(Kind::Float, 4), channels.to_vec()))
     }

@@ -4,7 +4,7 @@
 //! more than the few instructions of both sides. Invariant: no value changes, in no kind of numbers. What a branch makes
 //! narrower by its comparison, what passes integers and what is long stays a branch.
 
-use super::code::{Code, Instr, Node, Op, Reg};
+use super::code::{At, Code, Instr, Node, Op, Reg};
 use super::lower::Class;
 use super::number::{IntBinary, Unary};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -107,7 +107,8 @@ impl Flat<'_> {
         for dst in written {
             let [a, b] = values.each_ref().map(|values| values.get(&dst).copied().unwrap_or(dst));
             let sources = [condition, a, b];
-            self.instrs.push(Instr { op: Op::Select, signed: false, masked: true, dst, sources, count: 3, table: 0 });
+            let (op, at) = (Op::Select, At::default());
+            self.instrs.push(Instr { op, signed: false, masked: true, dst, sources, count: 3, table: 0, at });
         }
     }
 

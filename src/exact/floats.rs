@@ -143,6 +143,9 @@ impl Number for f64 {
     fn new(x: f64) -> f64 {
         x
     }
+    fn as_f64(self) -> f64 {
+        self
+    }
     fn whole() -> f64 {
         f64::NAN
     }

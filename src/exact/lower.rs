@@ -1,7 +1,7 @@
 //! Lowering: a module of naga becomes registers and instructions. Functions are inlined, pointers become registers.
 
 use super::ExactError;
-use super::code::{Case, Code, File, Instr, Loop, Node, Op, Place, Reg, Source};
+use super::code::{At, Case, Code, File, Instr, Loop, Node, Op, Place, Reg, Source};
 use super::prepass::{Words, unknown};
 use super::value::{Lowered, Ty, Value, Variable, is_private};
 use naga::{Block, Expression, Function, GlobalVariable, Handle, LocalVariable, Module, Statement, SwitchValue};
@@ -36,6 +36,10 @@ pub(super) struct Lower<'m> {
     depth: usize,
     /// Where in the words the current expression is.
     here: Option<usize>,
+    /// Where in the text.
+    at: At,
+    /// The numbers of places in the text.
+    places: HashMap<String, At>,
 }
 
 /// A function that is being inlined.
@@ -52,7 +56,7 @@ pub(super) fn lower(module: &Module, words: &Words) -> Result<(Code, [Vec<Class>
     let mut lower = Lower {
         module,
         words,
-        code: Code::default(),
+        code: Code { places: vec![unknown()], ..Code::default() },
         classes: Default::default(),
         nodes: Vec::new(),
         run_start: 0,
@@ -62,6 +66,8 @@ pub(super) fn lower(module: &Module, words: &Words) -> Result<(Code, [Vec<Class>
         stored_globals: HashSet::new(),
         depth: 0,
         here: None,
+        at: At::default(),
+        places: HashMap::new(),
     };
     let entry = module.entry_points.iter().find(|entry| entry.stage == naga::ShaderStage::Fragment);
     let entry = entry.ok_or_else(|| ExactError::Spirv("it has no fragment stage".into()))?;
@@ -210,7 +216,7 @@ impl<'m> Lower<'m> {
             self.code.tables.push(table.to_vec());
         }
         let count = sources.len() as u8;
-        let instr = Instr { op, signed, masked: false, dst, sources: all, count, table: index };
+        let instr = Instr { op, signed, masked: false, dst, sources: all, count, table: index, at: self.at };
         if known {
             self.computed.insert(key, dst);
             self.code.prelude.push(instr);
@@ -223,7 +229,8 @@ impl<'m> Lower<'m> {
     /// Gives a variable its value in the lanes that are active.
     pub(super) fn assign(&mut self, dst: Reg, value: Reg) {
         let sources = [value; 3];
-        self.code.instrs.push(Instr { op: Op::Copy, signed: false, masked: true, dst, sources, count: 1, table: 0 });
+        let (op, at) = (Op::Copy, self.at);
+        self.code.instrs.push(Instr { op, signed: false, masked: true, dst, sources, count: 1, table: 0, at });
     }
 
     /// A place of its own for a value of this type.
@@ -431,6 +438,13 @@ impl<'m> Lower<'m> {
     pub(super) fn visit(&mut self, function: &Function, handle: Handle<Expression>) {
         if let Some(range) = function.expressions.get_span(handle).to_range() {
             self.here = Some(range.start);
+            if let Some(place) = self.words.place_of_expression(range.start) {
+                let places = &mut self.code.places;
+                self.at = *self.places.entry(place).or_insert_with_key(|place| {
+                    places.push(place.clone());
+                    At(places.len() as u32 - 1)
+                });
+            }
         }
     }
 }

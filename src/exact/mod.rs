@@ -30,6 +30,7 @@ mod pyramid;
 mod range;
 mod run;
 mod segment;
+mod single;
 mod sloped;
 mod state;
 mod step;
@@ -44,6 +45,7 @@ pub use interval::Interval;
 pub use number::Number;
 pub use outline::Outline;
 pub use segment::SegmentBounds;
+pub use single::Overflow;
 pub use sloped::Sloped;
 pub use texture::{Texture, Wrap};
 
@@ -353,9 +355,20 @@ impl BoundProgram<'_> {
         cases: &mut [Case],
         most_turns: Option<u64>,
     ) -> Result<Measured<N>, ExactError> {
-        let count = self.check(lanes)?;
         let mut machine = Machine::new(self.code, &self.images, self.uniforms());
         machine.most_turns = most_turns;
+        self.fill(&mut machine, lanes, cases, &mut |_, _| ())
+    }
+
+    /// Runs all lanes through a machine; after each block of them, and with how many there are, `each` is called.
+    fn fill<N: Number>(
+        &self,
+        machine: &mut Machine<'_, N>,
+        lanes: &Lanes<N>,
+        cases: &mut [Case],
+        each: &mut dyn FnMut(&mut Machine<'_, N>, usize),
+    ) -> Result<Measured<N>, ExactError> {
+        let count = self.check(lanes)?;
         let mut outputs: BTreeMap<u32, Vec<[N; 4]>> =
             self.code.outputs.iter().map(|(location, _)| (*location, Vec::with_capacity(count))).collect();
         for first in (0..count).step_by(lanes::LANES) {
@@ -393,6 +406,7 @@ impl BoundProgram<'_> {
                     pixel
                 }));
             }
+            each(machine, here);
         }
         Ok((outputs, machine.operations))
     }

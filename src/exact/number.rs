@@ -61,6 +61,10 @@ pub trait Number: Packed + Debug + Send + Sync + 'static {
     fn measure(program: &BoundProgram<'_>, lanes: &Lanes<Self>) -> Result<Measured<Self>, ExactError>;
     /// The number that is `x`.
     fn new(x: f64) -> Self;
+    /// It as f64; NaN of what is more than one number.
+    fn as_f64(self) -> f64 {
+        f64::NAN
+    }
     /// Any number at all, NaN included.
     fn whole() -> Self;
     /// What is one or the other.

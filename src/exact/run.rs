@@ -7,13 +7,15 @@ use super::ExactError;
 use super::code::{Case, Code, Instr, Loop, Node, Op, Reg};
 use super::lanes::{Bank, Banks, LANES, Operand, Row, each, get, put};
 use super::number::{GROUP, Integer, Number, Packed, Truth};
+use super::single::Singles;
 use super::state::State;
 use super::texture::Image;
 
-/// Turns of a loop after which a program does not end.
-const ENDLESS: u64 = 1 << 26;
-/// Turns of a loop after which nothing is known about what it gives, where it is not decided how many there are.
-const UNBOUNDED: u64 = 1 << 16;
+/// Turns of all loops of a block of lanes after which a program does not end: 200 times as many as any device makes.
+const ENDLESS: u64 = 1 << 24;
+/// Turns of a loop after which nothing is known about what it gives, where it is not decided how many there are; and of all
+/// loops of a block of lanes.
+const UNBOUNDED: [u64; 2] = [1 << 16, 1 << 20];
 
 /// A part of the program that can be left early.
 struct Construct<'a, N: Number> {
@@ -78,7 +80,7 @@ impl<T: Truth> pulp::NullaryFnOnce for Answers<'_, T> {
 
 /// A program in work, for one block of lanes after another.
 pub(super) struct Machine<'a, N: Number> {
-    code: &'a Code,
+    pub(super) code: &'a Code,
     images: &'a [Image<'a>],
     /// The widest vectors that this processor has.
     arch: pulp::Arch,
@@ -94,6 +96,10 @@ pub(super) struct Machine<'a, N: Number> {
     /// How many turns all the loops of a lane may make together, where they are counted.
     pub(super) most_turns: Option<u64>,
     turns: [u64; LANES],
+    /// Turns of all loops in this run.
+    all_turns: u64,
+    /// Where results are rounded to f32: what is beyond it.
+    pub(super) singles: Option<Singles>,
 }
 
 impl<'a, N: Number> Machine<'a, N> {
@@ -121,15 +127,24 @@ impl<'a, N: Number> Machine<'a, N> {
             operations: 0,
             most_turns: None,
             turns: [0; LANES],
+            all_turns: 0,
+            singles: None,
         }
     }
 
     /// Runs the program; the lanes that come to its end, and those that are discarded or may be.
     pub(super) fn run(&mut self, whole: u64) -> Result<(u64, u64), ExactError> {
-        (self.whole, self.killed, self.turns) = (whole, 0, [0; LANES]);
+        (self.whole, self.killed, self.turns, self.all_turns) = (whole, 0, [0; LANES], 0);
         let code = self.code;
         let ended = self.block(&code.body, whole)?;
         Ok((ended, self.killed))
+    }
+
+    /// Runs instructions one after the other for some lanes.
+    pub(super) fn run_straight(&mut self, start: usize, end: usize, mask: u64) {
+        let (banks, code, images) = (&mut self.banks, self.code, self.images);
+        let instrs = &code.instrs[start..end];
+        self.arch.dispatch(Straight { banks, instrs, code, images, mask, whole: self.whole });
     }
 
     /// Runs nodes for some lanes; those that come to their end.
@@ -140,9 +155,10 @@ impl<'a, N: Number> Machine<'a, N> {
             }
             mask = match node {
                 Node::Run(start, end) => {
-                    let (banks, code, images) = (&mut self.banks, self.code, self.images);
-                    let instrs = &code.instrs[*start..*end];
-                    self.arch.dispatch(Straight { banks, instrs, code, images, mask, whole: self.whole });
+                    match self.singles {
+                        None => self.run_straight(*start, *end, mask),
+                        Some(_) => self.run_single((*start, *end), mask),
+                    }
                     self.operations += u64::from(mask.count_ones()) * (self.work[*end] - self.work[*start]);
                     mask
                 }
@@ -271,7 +287,8 @@ impl<'a, N: Number> Machine<'a, N> {
         let mut seen = State::new();
         while live != 0 {
             turn += 1;
-            if N::DECIDED && turn > ENDLESS {
+            self.all_turns += 1;
+            if N::DECIDED && self.all_turns > ENDLESS {
                 return Err(ExactError::Endless { turns: ENDLESS, place: node.place.0.clone() });
             }
             if let Some(turns) = self.most_turns {
@@ -310,7 +327,8 @@ impl<'a, N: Number> Machine<'a, N> {
         let left = self.frames.last().map_or(0, |frame| frame.left);
         // A turn from here on gives nothing that an earlier one did not: the ways out that it found are all.
         let done = old & left;
-        let lost = if turn > UNBOUNDED { live & !done } else { old & !left };
+        let [most, most_of_all] = UNBOUNDED;
+        let lost = if turn > most || self.all_turns > most_of_all { live & !done } else { old & !left };
         if lost != 0 {
             self.banks.forget(&node.written, lost);
             self.quit(|kind| kind == Kind::Loop, lost);

@@ -3,6 +3,7 @@
 use super::code::{Code, File, Node, Reg};
 use super::number::{Integer, Number, Packed, Truth};
 use super::run::Machine;
+use super::single::Singles;
 use super::{BoundProgram, Start, lanes};
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
@@ -19,11 +20,12 @@ impl BoundProgram<'_> {
     /// What uniform registers hold: of many calls with a few lanes each, they would be most of the work.
     pub(super) fn uniforms<N: Number>(&self) -> Uniforms<N> {
         let mut known = self.known.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = known.entry(TypeId::of::<N>()).or_insert_with(|| Arc::new(self.computed_uniforms::<N>()));
-        known.downcast_ref::<Uniforms<N>>().cloned().unwrap_or_else(|| self.computed_uniforms())
+        let known = known.entry(TypeId::of::<N>()).or_insert_with(|| Arc::new(self.computed_uniforms::<N>(None).0));
+        known.downcast_ref::<Uniforms<N>>().cloned().unwrap_or_else(|| self.computed_uniforms(None).0)
     }
 
-    fn computed_uniforms<N: Number>(&self) -> Uniforms<N> {
+    /// The same, computed; where results are rounded to f32, with what is beyond it in the first lane.
+    pub(super) fn computed_uniforms<N: Number>(&self, singles: Option<Singles>) -> (Uniforms<N>, Option<Singles>) {
         let prelude = Code {
             instrs: self.code.prelude.clone(),
             body: vec![Node::Run(0, self.code.prelude.len())],
@@ -32,6 +34,7 @@ impl BoundProgram<'_> {
             ..Code::default()
         };
         let mut machine = Machine::<N>::new(&prelude, &[], (Vec::new(), Vec::new(), Vec::new()));
+        machine.singles = singles;
         for ((reg, _), value) in self.code.sources.iter().zip(&self.values) {
             match *value {
                 Start::Float(x) => machine.banks.floats.row(*reg).fill(N::new(x).splat()),
@@ -44,10 +47,11 @@ impl BoundProgram<'_> {
         drop(machine.run(1));
         let row = |file, index| Reg { file, uniform: true, index };
         let counts = self.code.uniforms;
-        (
+        let uniforms = (
             (0..counts[0]).map(|index| lanes::get(machine.banks.floats.row(row(File::Float, index)), 0)).collect(),
             (0..counts[1]).map(|index| lanes::get(machine.banks.ints.row(row(File::Int, index)), 0)).collect(),
             (0..counts[2]).map(|index| lanes::get(machine.banks.truths.row(row(File::Truth, index)), 0)).collect(),
-        )
+        );
+        (uniforms, machine.singles)
     }
 }

@@ -1,13 +1,13 @@
-//! Modules of a person, tried before a picture is drawn with them: what they give that is no number, and loops that
-//! devices cut.
+//! Modules of a person, tried before a picture is drawn with them: what they give that is no number, what f32 does not hold,
+//! and loops that devices cut.
 //!
-//! Role: scene -> its own program in f64, at some places of the picture, with modules that note their faults
-//! (`watch.glsl`). Invariant: a scene whose modules all ship costs nothing.
+//! Role: scene -> its own program in f64, and as f32 rounds, at some places of the picture, with modules that note their
+//! faults (`watch.glsl`). Invariant: a scene whose modules all ship costs nothing.
 
 use super::cpu_inputs::CpuInputs;
 use super::inputs::CELLS;
 use super::{OCTAVES_ID, RenderError, Subject};
-use crate::exact::{ExactError, Inputs, Lanes, Program, Texture};
+use crate::exact::{ExactError, Inputs, Lanes, Overflow, Program, Texture};
 use crate::render::variant::{self, Use, Variant};
 use crate::scene::{ParameterValue, Pass, Scene};
 use crate::shader::{FAULT, Library, changed};
@@ -20,6 +20,10 @@ const MOST_TURNS: u64 = 65_535;
 const QUADS: u32 = 1024;
 /// Scalar operations of what is tried, but for the last quads: a sixth of a second.
 const OPERATIONS: u64 = 1 << 25;
+/// The same of what is evaluated as f32 does, which takes some times as long.
+const SINGLE_OPERATIONS: u64 = OPERATIONS / 8;
+/// How far what f32 gives is off, of linear light, where what it does not hold shows.
+const SHOWS: f64 = 0.01;
 /// Quads that are evaluated together: few at first, where a loop may have no end, then as many as a block of lanes has.
 const TOGETHER: [u32; 2] = [2, 16];
 /// Parameters that are named.
@@ -28,13 +32,13 @@ const NAMED: usize = 8;
 /// What to do about a [`Fault`].
 pub const FINITE: &str = "keep what it computes finite, such as log(max(x, 1e-6))";
 
-/// What a custom module gives that is no finite number.
+/// What a custom module gives that is no finite number, or is beyond f32 on the way to what it gives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    /// The module: `dmf/ripples.glsl`.
+    /// The module, `dmf/ripples.glsl`; with the line of what is beyond f32.
     pub module: String,
-    /// `NaN` or `an infinity`.
-    pub what: &'static str,
+    /// `NaN`, `an infinity`, or what is beyond f32.
+    pub what: String,
     /// The values of its parameters: ` with rings = 6`; empty where it has none.
     pub with: String,
     /// At how many of the rays, or places, that were tried.
@@ -54,7 +58,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Tries the custom modules of a scene; what they give that is no number, if they do at a place that was tried. A scene
+/// Tries the custom modules of a scene: what they give that is no number, or is beyond f32, at a place that was tried. A scene
 /// that cannot be evaluated is not tried.
 ///
 /// # Errors
@@ -132,8 +136,16 @@ struct Trial<'a> {
     own: Vec<String>,
 }
 
-/// How many lanes gave what is no number, of how many; of the first, the module, what it gave, and the pixel.
-type Found = (usize, usize, Option<(usize, bool, [u32; 2])>);
+/// What lanes gave that is wrong.
+#[derive(Default)]
+struct Found {
+    /// How many were tried in f64, and as f32 does.
+    tried: [usize; 2],
+    /// How many gave what is no number; of the first, the number of the module, whether it is NaN, and the pixel.
+    wrong: (usize, Option<(usize, bool, [u32; 2])>),
+    /// How many lost something beyond f32; the first, and its pixel.
+    beyond: (usize, Option<(Overflow, [u32; 2])>),
+}
 
 impl Trial<'_> {
     fn run(&self) -> Result<Option<Fault>, RenderError> {
@@ -144,16 +156,27 @@ impl Trial<'_> {
         let program = tried.unoptimized(library)?;
         let cpu_inputs = CpuInputs::new(library, scene, subject, &tried, &program)?;
         let whose = if rays { "ray" } else { "sample" };
-        let (count, tried, first) = self.found(&cpu_inputs, &program, scene.image.size, whose)?;
+        let Found { tried, wrong, beyond } = self.found(&cpu_inputs, &program, scene.image.size, whose)?;
         if scene.light.shadows {
             let caster = variant.shadow(scene, library)?.unoptimized(library)?;
             self.found(&cpu_inputs, &caster, cpu_inputs.shadow_target(), "ray of the light")?;
         }
-        let Some((module, is_nan, pixel)) = first else { return Ok(None) };
-        let module = self.own[module - 1].clone();
-        let what = if is_nan { "NaN" } else { "an infinity" };
-        let (with, of) = (with(library, variant, &module), if rays { "rays" } else { "places" });
-        Ok(Some(Fault { module, what, with, count, tried, of, pixel }))
+        let of = if rays { "rays" } else { "places" };
+        Ok(match (wrong, beyond) {
+            ((count, Some((module, is_nan, pixel))), _) => {
+                let module = self.own[module - 1].clone();
+                let what = if is_nan { "NaN" } else { "an infinity" }.into();
+                let with = with(library, variant, &module);
+                Some(Fault { module, what, with, count, tried: tried[0], of, pixel })
+            }
+            (_, (count, Some((Overflow { place, operation, .. }, pixel)))) => {
+                let path = self.own.iter().find(|path| is_in(path, &place));
+                let with = path.map(|path| with(library, variant, path)).unwrap_or_default();
+                let what = format!("{operation}, which is beyond f32 (3.4e38)");
+                Some(Fault { module: place, what, with, count, tried: tried[1], of, pixel })
+            }
+            _ => None,
+        })
     }
 
     /// What a program gives at places of a target.
@@ -176,9 +199,10 @@ impl Trial<'_> {
         let [near, far] = cpu_inputs.depths;
         let place =
             |depth| [near + (far - near) * depth, (far - near) / f64::from(self.scene.quality.samples), 0.0, 0.0];
-        evaluate(&exact, &inputs, size, place).map_err(|error| match error {
+        let is_own = |place: &str| self.own.iter().any(|path| is_in(path, place));
+        evaluate(&exact, &inputs, size, place, is_own).map_err(|error| match error {
             ExactError::Endless { turns, place } => {
-                let own = |path: &&String| place.contains(path.as_str());
+                let own = |path: &&String| is_in(path, &place);
                 let with = |path: &String| with(&self.library, &self.variant, path);
                 let with = self.own.iter().find(own).or(self.own.first()).map(with).unwrap_or_default();
                 RenderError::Loop { place, whose, turns, with }
@@ -188,16 +212,25 @@ impl Trial<'_> {
     }
 }
 
-/// Evaluates a program in quads all over a target; `place` is what it reads at a depth, from 0 to 1.
+/// Whether a place in the text is in a file; `place` may be of a further object, or of a second copy.
+fn is_in(path: &str, place: &str) -> bool {
+    place
+        .rsplit_once(':')
+        .is_some_and(|(file, _)| file.split('#').next().unwrap_or_default().rsplit(':').next() == Some(path))
+}
+
+/// Evaluates a program in quads all over a target; `place` is what it reads at a depth, from 0 to 1, and `is_own` says whether
+/// a file and line are a person's.
 fn evaluate(
     program: &Program,
     inputs: &Inputs,
     size: [u32; 2],
     place: impl Fn(f64) -> [f64; 4],
+    is_own: impl Fn(&str) -> bool,
 ) -> Result<Found, ExactError> {
     let bound = program.bind(inputs)?;
-    let (mut count, mut tried, mut first) = (0, 0, None);
-    let (mut operations, mut done, mut together) = (0, 0, TOGETHER[0]);
+    let mut found = Found::default();
+    let ([mut operations, mut singles], mut done, mut together) = ([0; 2], 0, TOGETHER[0]);
     while done < QUADS && operations < OPERATIONS {
         let mut lanes = Lanes { fragment_coordinates: Vec::new(), varyings: BTreeMap::from([(0, Vec::new())]) };
         for quad in done..QUADS.min(done + together) {
@@ -209,17 +242,40 @@ fn evaluate(
             lanes.varyings.entry(0).or_default().extend([place(depth); 4]);
         }
         let (outputs, spent) = bound.measure_within(&lanes, MOST_TURNS)?;
-        let faults = outputs.get(&FAULT).into_iter().flatten();
-        for ([module, kind, ..], [x, y, ..]) in
-            faults.zip(&lanes.fragment_coordinates).filter(|(fault, _)| fault[0] > 0.0)
-        {
-            count += 1;
-            first.get_or_insert((*module as usize, *kind == 1.0, [*x as u32, *y as u32]));
+        let pixel = |lane: usize| [0, 1].map(|axis| lanes.fragment_coordinates[lane][axis] as u32);
+        for (lane, [module, kind, ..]) in outputs.get(&FAULT).into_iter().flatten().enumerate() {
+            if *module > 0.0 {
+                found.wrong.0 += 1;
+                found.wrong.1.get_or_insert((*module as usize, *kind == 1.0, pixel(lane)));
+            }
         }
-        tried += lanes.fragment_coordinates.len();
+        found.tried[0] += lanes.fragment_coordinates.len();
+        if singles < SINGLE_OPERATIONS {
+            let ((of_singles, spent), beyond) = bound.measure_single(&lanes, MOST_TURNS, &is_own)?;
+            for (lane, overflow) in beyond.into_iter().enumerate() {
+                let Some(overflow) = overflow.filter(|own| own.is_lost || shows(&outputs, &of_singles, lane)) else {
+                    continue;
+                };
+                found.beyond.0 += 1;
+                found.beyond.1.get_or_insert((overflow, pixel(lane)));
+            }
+            found.tried[1] += lanes.fragment_coordinates.len();
+            singles += spent;
+        }
         (operations, done, together) = (operations + spent, done + together, TOGETHER[1]);
     }
-    Ok((count, tried, first))
+    Ok(found)
+}
+
+/// The outputs of lanes, by location.
+type Outputs = BTreeMap<u32, Vec<[f64; 4]>>;
+
+/// Whether what a lane gives as f32 does is not what it gives in f64.
+fn shows(outputs: &Outputs, singles: &Outputs, lane: usize) -> bool {
+    outputs.iter().filter(|(location, _)| **location != FAULT).any(|(location, all)| {
+        let pairs = all[lane].iter().zip(&singles[location][lane]);
+        pairs.map(|(known, found)| (known - found).abs()).any(|off| off.is_nan() || off > SHOWS)
+    }) || singles.get(&FAULT).is_some_and(|faults| faults[lane][0] > 0.0)
 }
 
 /// The points of a sequence that fills a cube evenly, however many there are (Roberts 2018).

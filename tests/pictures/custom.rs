@@ -71,10 +71,49 @@ fn what_a_module_gives_that_is_no_number_is_named() {
             scene.quality.pass = pass;
             let fault = fault(&scene, &library).unwrap_or_else(|| panic!("{body} is good"));
             assert_eq!(
-                (fault.module.as_str(), fault.what, fault.with.as_str()),
+                (fault.module.as_str(), fault.what.as_str(), fault.with.as_str()),
                 ("dmf/bad.glsl", what, " with rate = 6")
             );
             assert!(fault.count > 0 && fault.count < fault.tried, "{body}: {fault}");
+        }
+    }
+}
+
+#[test]
+fn what_f32_alone_does_not_hold_is_named_with_its_line_and_its_value() {
+    // Right in f64, and nothing in f32: a quotient of infinities, a clamp that takes NaN for 0, a product that comes back.
+    let bodies = [
+        ("float e = exp(20.0 * rate);\nreturn density * clamp(e / (1.0 + e), 0.0, 1.0);", "exp(120)"),
+        ("float e = exp(150.0 * density);\nreturn density * clamp(e / (1.0 + e), 0.0, 1.0);", "exp("),
+        (
+            "float e = density * 1e30 * rate * 1e30;\nreturn density < 1.0 ? clamp(e * 1e-30 * 1e-30, 0.0, 1.0) : density;",
+            " * ",
+        ),
+        ("float e = pow(2.0 + density, 40.0 * rate);\nreturn clamp(density * (e - 0.5 * e) / e, 0.0, 1.0);", "pow("),
+    ];
+    for (body, operation) in bodies {
+        for pass in [Pass::Slices, Pass::March] {
+            let (mut scene, library) = scene(&[("steep", body)]);
+            scene.quality.pass = pass;
+            let fault = fault(&scene, &library).unwrap_or_else(|| panic!("{body} is good"));
+            assert_eq!((fault.module.as_str(), fault.with.as_str()), ("dmf/steep.glsl:3", " with rate = 6"), "{body}");
+            assert!(fault.what.contains(operation) && fault.what.contains("beyond f32 (3.4e38)"), "{fault}");
+        }
+    }
+}
+
+#[test]
+fn what_is_beyond_f32_and_leaves_the_right_value_is_no_fault() {
+    for body in [
+        "return density / (1.0 + exp(-20.0 * rate * density));",
+        "return density * (1.0 - 1.0 / (1.0 + exp(20.0 * rate)));",
+        "return density * min(exp(20.0 * rate), 1.0);",
+        "return rate > 5.0 ? density : density * exp(20.0 * rate) * exp(-20.0 * rate);",
+    ] {
+        for pass in [Pass::Slices, Pass::March] {
+            let (mut scene, library) = scene(&[("steep", body)]);
+            scene.quality.pass = pass;
+            assert_eq!(fault(&scene, &library), None, "{body}");
         }
     }
 }
@@ -114,7 +153,7 @@ fn a_module_of_any_slot_is_watched() {
             _ => scene.effect.medium = name.into(),
         }
         let fault = fault(&scene, &library).unwrap_or_else(|| panic!("{name} is good"));
-        assert_eq!((fault.module.as_str(), fault.what), (format!("{slot}/{name}.glsl").as_str(), "NaN"));
+        assert_eq!((fault.module, fault.what.as_str()), (format!("{slot}/{name}.glsl"), "NaN"));
     }
 }
 
