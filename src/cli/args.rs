@@ -74,13 +74,12 @@ pub enum Command {
     /// Draw the pictures that standard input asks for: what `compare`, `gallery` and `--max-error` draw with.
     #[command(hide = true)]
     Draw,
-    /// Compile the job on standard input: what a user's GLSL goes through.
+    /// Compile the job on standard input: what a user's GLSL goes through for each program.
     #[command(hide = true)]
     Compile(Compile),
-    /// Render a few rays of the scene on standard input: what the window tries a user's GLSL with.
-    #[cfg(feature = "viewer")]
+    /// Try the modules of the scene on standard input: what a user's GLSL goes through first.
     #[command(hide = true)]
-    Rays(Rays),
+    Try(Try),
 }
 
 /// Arguments of `completions`.
@@ -108,11 +107,10 @@ pub struct Compile {
     pub memory_mib: u64,
 }
 
-/// Arguments of `rays`: the limit of the process.
-#[cfg(feature = "viewer")]
+/// Arguments of `try`: the limit of the process.
 #[derive(Args)]
-pub struct Rays {
+pub struct Try {
     /// Time of the processor, seconds.
-    #[arg(long, default_value_t = 20)]
+    #[arg(long, default_value_t = 10)]
     pub seconds: u64,
 }

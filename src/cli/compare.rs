@@ -10,10 +10,8 @@ use crate::measure::compare::report::{self, Environment, Report};
 use crate::measure::compare::{Comparison, Forecast, Settings, Stage, compare, paper};
 use crate::measure::reference::{Reference, TOLERANCE, reference};
 use crate::measure::worker::{Load, Worker};
-use crate::render::variant::Variant;
 use crate::render::{Subject, watch};
 use crate::scene::{Scene, to_text};
-use crate::shader::Linker;
 use crate::support::probe;
 use clap::Args;
 use std::error::Error;
@@ -102,7 +100,7 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let library = super::library(&scene)?;
     // What is wrong is said before the work begins: with the settings, and with the text of a module.
     candidates(&scene, &library, &settings.sweep)?;
-    Variant::of(&scene, &library)?.program(&library, Linker::new)?;
+    super::try_modules(&scene, &library, Some(options))?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let fault = watch(&library, &scene, &subject)?;
     let gpu = Gpu::new(options)?;

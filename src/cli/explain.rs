@@ -1,11 +1,12 @@
 //! `explain`: what a picture is made with, what its scene leaves out and why, and what that saves.
 
+use super::picture::say_fault;
 use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::{say, with_progress};
 use crate::gpu::{Gpu, Options};
 use crate::measure::statistics::quantile;
 use crate::render::variant::Variant;
-use crate::render::{Frame, RenderError, Renderer, Subject, made_with};
+use crate::render::{Frame, RenderError, Renderer, Subject, made_with, watch};
 use crate::scene::{EmptySpace, Neutral, Pass, Scene};
 use crate::shader::library::ZERO;
 use clap::Args;
@@ -31,8 +32,9 @@ pub struct Explain {
 pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let scene = command.arguments.scene(&command.input, &command.object)?;
     let library = super::library(&scene)?;
-    scene.check(&library)?;
+    super::try_modules(&scene, &library, Some(options))?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let fault = watch(&library, &scene, &subject)?;
     let gpu = Gpu::new(options)?;
     let draw = |scene: &Scene| -> Result<(Frame, Vec<f64>), RenderError> {
         let mut renderer = Renderer::new(&gpu, &library, &subject);
@@ -71,6 +73,7 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
     }
     lines.extend(memory);
     say(&(lines.join("\n") + "\n"));
+    say_fault(fault);
     Ok(())
 }
 

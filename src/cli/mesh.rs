@@ -1,10 +1,11 @@
 //! `mesh`: the surface of a hypertextured object, as a file.
 
 use super::convert::MESH_ENDS;
+use super::picture::say_fault;
 use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::{absolute, say, with_progress};
 use crate::output;
-use crate::render::{PolygonizeError, Polygons, Subject, polygonize};
+use crate::render::{PolygonizeError, Polygons, Subject, polygonize, watch};
 use crate::shape::MeshFormat;
 use crate::support::write_whole;
 use clap::Args;
@@ -41,11 +42,12 @@ pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     output::check_folder(path)?;
     let scene = command.arguments.scene(&command.input, &command.object)?;
     let library = super::library(&scene)?;
-    scene.check(&library)?;
+    super::try_modules(&scene, &library, None)?;
     if scene.camera.clip.is_some() {
         ::log::warn!("camera.clip cuts pictures; the mesh is whole");
     }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let fault = watch(&library, &scene, &subject)?;
     let polygons = Polygons { grid: command.grid, density: command.density };
     let mesh = with_progress(quiet, "mesh", |progress| polygonize(&library, &scene, &subject, polygons, progress))
         .map_err(|error| match error {
@@ -70,6 +72,7 @@ pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
             mesh.signed_volume(),
             absolute(path)
         ));
+        say_fault(fault);
     }
     Ok(())
 }

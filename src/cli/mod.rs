@@ -44,13 +44,12 @@ use view::NoWindow;
 
 use crate::field::Progress;
 use crate::gpu::{Gpu, GpuError, Options};
+use crate::measure::guard;
 use crate::measure::worker::{self, PATIENCE, Start};
 use crate::render::RenderError;
 use crate::scene::schema::SETTINGS;
 use crate::scene::{Scene, SceneError};
 use crate::shader::{Library, compile};
-#[cfg(feature = "viewer")]
-use crate::viewer::author::rays;
 use clap::Parser;
 use clap::error::ErrorKind;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -189,10 +188,9 @@ fn carry_out(command: Command, options: &Options, quiet: bool) -> Result<(), Box
             compile::limit(limits.seconds, Some(limits.memory_mib))?;
             Ok(compile::serve(std::io::stdin().lock(), &mut std::io::stdout().lock())?)
         }
-        #[cfg(feature = "viewer")]
-        Command::Rays(limits) => {
+        Command::Try(limits) => {
             compile::limit(limits.seconds, None)?;
-            Ok(rays::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), options)?)
+            Ok(guard::serve(std::io::stdin().lock(), &mut std::io::stdout().lock(), options)?)
         }
     }
 }
@@ -258,9 +256,19 @@ fn with_progress<T>(quiet: bool, what: &'static str, run: impl FnOnce(Progress<'
     result
 }
 
-/// The modules of a scene; what a person wrote is compiled in a process of its own.
+/// The modules of a scene, which is checked; what a person wrote is compiled in a process of its own.
 fn library(scene: &Scene) -> Result<Library, Box<dyn Error>> {
-    Ok(scene.library()?.compiled_by(&std::env::current_exe()?))
+    let library = scene.library()?.compiled_by(&std::env::current_exe()?);
+    scene.check(&library)?;
+    Ok(library)
+}
+
+/// Tries what a person wrote of the modules of a scene: before anything else is done with them, whatever the command. With
+/// `options`, it is tried on a device as well.
+fn try_modules(scene: &Scene, library: &Library, options: Option<&Options>) -> Result<(), Box<dyn Error>> {
+    let device = options.map(|options| options.device.as_deref().unwrap_or_default());
+    guard::try_modules(&std::env::current_exe()?, device, (scene, library), &|| false)?;
+    Ok(())
 }
 
 fn absolute(path: &std::path::Path) -> String {

@@ -100,7 +100,6 @@ fn ends(path: &Path, end: &str) -> bool {
 pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let (scene, base) = command.arguments.scene_and_base(&command.input, &command.object)?;
     let library = super::library(&scene)?;
-    scene.check(&library)?;
     let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
     let bound = bound.map_err(|error| format!("--max-error: {error}"))?;
     output::check(&command.output)?;
@@ -121,6 +120,7 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     if let Some(sequence) = &sequence {
         sequence.scene(&scene, sequence.frames.last).check(&library)?;
     }
+    super::try_modules(&scene, &library, Some(options))?;
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let fault = watch(&library, &scene, &subject)?;
     let asked = Asked { scene, base, library, subject, bound, shard, sequence };

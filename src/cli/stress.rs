@@ -80,7 +80,7 @@ fn cases(command: &Stress, options: &Options, quiet: bool) -> Result<(), Box<dyn
 fn scene(command: &Stress, input: &str, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let scene = command.arguments.scene(input, &command.object)?;
     let library = super::library(&scene)?;
-    scene.check(&library)?;
+    super::try_modules(&scene, &library, Some(options))?;
     let gpu = Gpu::new(options)?;
     let found = with_progress(quiet, "sweep", |progress| stress::sweep(&gpu, &library, &scene, progress))?;
     if !quiet {

@@ -78,7 +78,9 @@ fn truths(options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
 fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let provenance = output::read_provenance(image)?; // before a device is opened
     let reach = reach(command.outside);
-    let library = super::library(&provenance.scene(image, reach)?)?;
+    let scene = provenance.scene(image, reach)?;
+    let library = super::library(&scene)?;
+    super::try_modules(&scene, &library, Some(options))?;
     let gpu = Gpu::new(options)?;
     let asked = CheckOptions { pixels: command.pixels, seed: command.seed, bound: command.bound, reach };
     let known = |scene: &Scene, subject: &Subject, pixels: &[[u32; 2]], progress: Progress<'_>| {

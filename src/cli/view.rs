@@ -72,8 +72,7 @@ impl Error for NoWindow {}
 pub fn run(command: ViewArguments, options: Options) -> Result<(), Box<dyn Error>> {
     let began = Instant::now();
     let scene = command.arguments.scene(&command.input, &command.object)?;
-    let library = scene.library()?;
-    scene.check(&library)?;
+    let library = super::library(&scene)?;
     command.screenshot.iter().try_for_each(|file| crate::output::check(file))?;
     let ViewArguments { max_error, play, window, frames, screenshot, script, .. } = command;
     let start = Start { scene, library, options, max_error, play, window, frames, screenshot, script, began };

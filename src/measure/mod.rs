@@ -3,6 +3,7 @@
 
 pub mod bench;
 pub mod compare;
+pub mod guard;
 pub mod metric;
 pub mod pick;
 pub mod predict;

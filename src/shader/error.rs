@@ -49,6 +49,12 @@ pub enum LibraryError {
         /// The name.
         slot: String,
     },
+    /// A module includes what does not ship; the compiler says its name behind this.
+    #[error(
+        "a module can include slots, such as <noise>, and files that ship; put functions of your own into the module: there is \
+         nothing"
+    )]
+    Include,
     /// A `@move`, `@grow` or `@drift` speaks of what is no parameter.
     #[error(
         "{path}: `{name}` in a `// @move`, `// @grow` or `// @drift` is no parameter of the program; declare it with `// @param`"

@@ -21,7 +21,19 @@ pub type Slots = BTreeMap<String, Vec<String>>;
 #[derive(Clone, Debug)]
 pub struct Library {
     sources: Arc<BTreeMap<String, File>>,
-    compiler: Option<Arc<Path>>,
+    compiler: Compiler,
+}
+
+/// What compiles texts that do not ship.
+#[derive(Clone, Debug, Default)]
+pub enum Compiler {
+    /// This process, without limits.
+    #[default]
+    Here,
+    /// This process, which has limits; what a person's program may not hold is refused.
+    HereWithLimits,
+    /// This executable of hypertexture, in a process of its own with limits.
+    Apart(Arc<Path>),
 }
 
 /// By their texts.
@@ -37,7 +49,7 @@ impl Library {
     /// A library of (path, text) pairs.
     pub fn new(sources: impl IntoIterator<Item = (String, String)>) -> Library {
         let files = sources.into_iter().map(|(path, text)| (path, File::new(text)));
-        Library { sources: Arc::new(files.collect()), compiler: None }
+        Library { sources: Arc::new(files.collect()), compiler: Compiler::Here }
     }
 
     /// The same library with one more module, or with that module replaced.
@@ -59,17 +71,23 @@ impl Library {
     /// The same library, whose texts that do not ship are compiled in a process of their own, with limits: that executable of
     /// hypertexture. A text can crash a compiler, or keep it busy until memory ends.
     pub fn compiled_by(self, program: &Path) -> Library {
-        Library { compiler: Some(program.into()), ..self }
+        Library { compiler: Compiler::Apart(program.into()), ..self }
     }
 
     /// The same library, whose texts are compiled in this process.
     pub(crate) fn compiled_here(self) -> Library {
-        Library { compiler: None, ..self }
+        Library { compiler: Compiler::Here, ..self }
     }
 
-    /// What [`Library::compiled_by`] said.
-    pub fn compiler(&self) -> Option<&Path> {
-        self.compiler.as_deref()
+    /// The same library in a process that has limits.
+    #[cfg(feature = "measure")]
+    pub(crate) fn compiled_with_limits(self) -> Library {
+        Library { compiler: Compiler::HereWithLimits, ..self }
+    }
+
+    /// What compiles its texts that do not ship.
+    pub fn compiler(&self) -> &Compiler {
+        &self.compiler
     }
 
     /// Every file: path relative to the `glsl` folder, and text.

@@ -41,6 +41,9 @@ pub enum LinkError {
     /// glslang refuses the text; the message names module and line.
     #[error("{0}")]
     Compile(String),
+    /// glslang ran out of memory.
+    #[error("the GLSL compiler has not the memory that this text takes; look at `ulimit -v`")]
+    Memory,
     /// The GLSL compiler cannot be started.
     #[error("the GLSL compiler (shaderc) could not be initialized: {0}")]
     Compiler(String),
@@ -130,6 +133,10 @@ impl Linker {
         };
         match self.compiler.compile_into_spirv(text, kind, entry, "main", Some(&options)) {
             Ok(artifact) => Ok(as_written(artifact.as_binary())),
+            // What shaderc says of an exception in glslang, for which no memory is left to say more.
+            Err(shaderc::Error::CompilationError(_, message)) if message.trim_end() == "internal error" => {
+                Err(LinkError::Memory)
+            }
             Err(shaderc::Error::CompilationError(_, message)) => {
                 Err(LinkError::Compile(message.trim_end().to_string()))
             }
@@ -163,6 +170,7 @@ impl<'a> Sources<'a> {
         let (path, text) = match is_slot {
             true if name == PARAMETERS => (name.to_string(), self.parameters.clone()),
             true if name == OBJECTS => (name.to_string(), self.objects.clone()),
+            true if self.library.modules(name).is_empty() => return Err(LibraryError::Include),
             true => {
                 let own = self.slots.get(&format!("{object}.{name}")).or(self.slots.get(name));
                 fill(self.library, name, own.map(Vec::as_slice).unwrap_or_default())?
@@ -172,10 +180,7 @@ impl<'a> Sources<'a> {
                     (name.to_string(), with_constants(text, zero(self.slots)))
                 }
                 Some(_) => (name.to_string(), self.library.text(name).into_owned()),
-                None => {
-                    let known = "the files of the library".into();
-                    return Err(LibraryError::Unknown { slot: "file".into(), name: name.into(), known });
-                }
+                None => return Err(LibraryError::Include),
             },
         };
         match self.instances.get(object) {

@@ -45,6 +45,30 @@ impl Library {
         })
     }
 
+    /// The head of a function that a module must have and has not, as the other modules of its slot have it, and the names of
+    /// those that it has.
+    pub(super) fn lacking(&self, path: &str) -> Option<(String, Vec<&str>)> {
+        let (slot, name) = path.strip_suffix(".glsl")?.split_once('/')?;
+        let own = functions(self.source(path)?);
+        let others = self.modules(slot).into_iter().filter(|other| *other != name);
+        let mut others = others.map(|other| Some((other, functions(self.source(&self.path(slot, other).ok()?)?))));
+        let (first, heads) = others.next()??;
+        let rest: Vec<_> = others.collect::<Option<_>>()?;
+        let has = |functions: &[Function<'_>], name: &str| functions.iter().any(|function| function.name == name);
+        // Some are called by the name of their file, others by one name for all of the slot.
+        let is_named = has(&heads, first) && rest.iter().all(|(other, functions)| has(functions, other));
+        let mut needed = heads.iter().filter(|head| match is_named {
+            true => head.name == first,
+            false => rest.iter().all(|(_, functions)| has(functions, head.name)),
+        });
+        let missing = needed.find_map(|head| {
+            let head = Function { name: if is_named { name } else { head.name }, ..head.clone() };
+            let same = |function: &Function<'_>| function.name == head.name && function.types() == head.types();
+            (!own.iter().any(same)).then(|| head.declared())
+        })?;
+        Some((missing, own.iter().map(|function| function.name).collect()))
+    }
+
     fn with_texts(&self, change: impl Fn(&str, &str) -> String) -> Library {
         self.with_sources(self.sources().map(|(path, text)| (path.to_string(), change(path, text))))
     }
@@ -93,6 +117,7 @@ fn renamed(text: &str, functions: &[Function<'_>], suffix: &str) -> String {
 }
 
 /// A function that a text defines.
+#[derive(Clone)]
 struct Function<'a> {
     /// The type of its result.
     kind: &'a str,
@@ -102,11 +127,18 @@ struct Function<'a> {
     parameters: Vec<Vec<&'a str>>,
 }
 
-impl Function<'_> {
+impl<'a> Function<'a> {
     /// Its head.
     fn declared(&self) -> String {
         let parameters: Vec<String> = self.parameters.iter().map(|words| words.join(" ")).collect();
         format!("{} {}({})", self.kind, self.name, parameters.join(", "))
+    }
+
+    /// The types of its result and of its parameters.
+    fn types(&self) -> Vec<&str> {
+        let is_type = |word: &&&str| !["const", "in", "out", "inout"].contains(*word);
+        let of = |words: &Vec<&'a str>| words.iter().find(is_type).copied().unwrap_or_default();
+        std::iter::once(self.kind).chain(self.parameters.iter().map(of)).collect()
     }
 
     /// The names of its parameters.
@@ -185,6 +217,30 @@ mod tests {
             float noise(vec3 p) { return noise_of_place(p + vec3(8.0)); }\n\n\
             vec4 noise_gradient(const vec3 q, float t) { return noise_gradient_of_place(q + vec3(8.0), t); }\n";
         assert_eq!(moved(text, "place + vec3(8.0)"), expected);
+    }
+
+    #[test]
+    fn the_function_that_a_module_lacks_is_named() {
+        let shipped = crate::shader::shipped();
+        for slot in
+            ["dmf", "warp", "mask", "medium", "opacity", "softness", "noise", "turbulence", "surface", "project"]
+        {
+            for name in shipped.modules(slot) {
+                assert_eq!(shipped.lacking(&format!("{slot}/{name}.glsl")), None);
+            }
+        }
+        let lacking = |slot: &str, text: &str| {
+            shipped.clone().with_module(slot, "mine", text).lacking(&format!("{slot}/mine.glsl")).map(|(head, _)| head)
+        };
+        let dmf = Some("float mine(float density, Sample s)".to_string());
+        assert_eq!(lacking("dmf", "void mainImage(out vec4 color, in vec2 at) { color = vec4(1.0); }"), dmf);
+        assert_eq!(lacking("dmf", "float mine(vec3 x) { return x.x; }"), dmf);
+        assert_eq!(lacking("dmf", "float mine(const float d, inout Sample t) { return d; }"), None);
+        assert_eq!(lacking("mask", ""), Some("float mine(Sample s)".into()));
+        assert_eq!(
+            lacking("medium", "vec3 mine(Sample s) { return s.x; }").unwrap().split('(').next(),
+            Some("vec3 medium")
+        );
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A child process with limits: this very program with a hidden command, a text on its standard input, an answer on its
 //! standard output.
 
-use super::watch::{Watch, end};
+use super::watch::{Excess, Watch, end};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -16,7 +16,7 @@ const PATIENCE: Duration = Duration::from_millis(4);
 pub struct Limits {
     /// Time of the processor; it may rest for three times as long.
     pub time: Duration,
-    /// Address space, MiB; on Unix.
+    /// Memory, MiB; on Linux.
     pub memory_mib: u64,
     /// Length of the answer, bytes.
     pub answer_bytes: u64,
@@ -28,20 +28,22 @@ impl Default for Limits {
     }
 }
 
-/// How a child has ended, and what it has answered.
+/// How a child has ended.
 pub(crate) enum End {
     /// It says that it went well.
-    Well(Vec<u8>),
+    Well,
     /// It was stopped, by a signal or a code.
     Badly(String),
-    /// It did not end in time.
-    Late(Duration),
+    /// It took more time than it may.
+    Late,
+    /// It took more memory than it may.
+    Large,
     /// Its answer is no longer wanted.
     Abandoned,
 }
 
-/// Runs `program` with these arguments. `is_stale` is asked now and then: once it says yes, the child is ended. The error
-/// says why it cannot be run.
+/// Runs `program` with these arguments: how it has ended, and what it has answered until then. `is_stale` is asked now and
+/// then: once it says yes, the child is ended. The error says why it cannot be run.
 pub(crate) fn run(
     program: &Path,
     arguments: &[&str],
@@ -49,7 +51,7 @@ pub(crate) fn run(
     text: String,
     limits: &Limits,
     is_stale: &dyn Fn() -> bool,
-) -> Result<End, String> {
+) -> Result<(End, Vec<u8>), String> {
     let mut command = Command::new(program);
     command.args(arguments).envs(variables.iter().copied());
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
@@ -58,43 +60,44 @@ pub(crate) fn run(
         return Err("it has no standard input or output".into());
     };
     // A child that has died does not read: its end says more than the broken pipe.
-    let writer = thread::spawn(move || drop(input.write_all(text.as_bytes())));
+    let no_thread = |error: std::io::Error| format!("no thread talks to it: {error}");
+    let write = move || drop(input.write_all(text.as_bytes()));
+    let writer = thread::Builder::new().spawn(write).map_err(no_thread)?;
     let most = limits.answer_bytes;
-    let reader = thread::spawn(move || {
+    let read = move || {
         let mut answer = Vec::new();
         output.take(most + 1).read_to_end(&mut answer).map(|_| answer)
-    });
-    let ended = wait(&mut child, limits.time, is_stale);
-    let joined = (writer.join(), reader.join());
-    let status = match ended? {
-        Ok(status) => status,
-        Err(end) => return Ok(end),
     };
-    let answer = match joined {
+    let reader = thread::Builder::new().spawn(read).map_err(no_thread)?;
+    let ended = wait(&mut child, limits, is_stale);
+    let answer = match (writer.join(), reader.join()) {
         (Ok(()), Ok(Ok(answer))) => answer,
         (_, Ok(Err(error))) => return Err(error.to_string()),
         _ => return Err("a thread that talks to it ended".into()),
     };
-    // Whoever is no longer listened to may end badly.
-    if answer.len() as u64 > most {
-        return Err(format!("its answer is longer than {most} bytes"));
-    }
-    Ok(match status.success() {
-        true => End::Well(answer),
-        false if is_out_of_time(status) => End::Late(limits.time),
-        false => End::Badly(end(status)),
-    })
+    let end = match ended? {
+        // Whoever is no longer listened to may end badly.
+        Ok(_) if answer.len() as u64 > most => return Err(format!("its answer is longer than {most} bytes")),
+        Ok(status) if status.success() => End::Well,
+        Ok(status) if is_out_of_time(status) => End::Late,
+        Ok(status) => End::Badly(end(status)),
+        Err(end) => end,
+    };
+    Ok((end, answer))
 }
 
-/// Waits for the child, and ends it when it is late or no longer wanted.
-fn wait(child: &mut Child, limit: Duration, is_stale: &dyn Fn() -> bool) -> Result<Result<ExitStatus, End>, String> {
-    let mut watch = Watch::new(child, limit);
+/// Waits for the child, and ends it when it takes too much or is no longer wanted.
+fn wait(child: &mut Child, limits: &Limits, is_stale: &dyn Fn() -> bool) -> Result<Result<ExitStatus, End>, String> {
+    let mut watch = Watch::new(child.id(), limits.time, limits.memory_mib << 20);
     let ended = loop {
         match child.try_wait() {
             Ok(Some(status)) => return Ok(Ok(status)),
-            Ok(None) if watch.is_late() => break Ok(Err(End::Late(limit))),
             Ok(None) if is_stale() => break Ok(Err(End::Abandoned)),
-            Ok(None) => thread::sleep(PATIENCE),
+            Ok(None) => match watch.excess() {
+                Some(Excess::Time) => break Ok(Err(End::Late)),
+                Some(Excess::Memory) => break Ok(Err(End::Large)),
+                None => thread::sleep(PATIENCE),
+            },
             Err(error) => break Err(error.to_string()),
         }
     };

@@ -1,38 +1,54 @@
-//! What a child process takes.
+//! What a process takes.
 //!
-//! Invariant: what a child may take is time of the processor, so that a machine with much else to do refuses nothing.
+//! Invariant: what it may take is time of the processor, so that a machine with much else to do refuses nothing.
 
-use std::process::{Child, ExitStatus};
+use std::process::ExitStatus;
 use std::time::{Duration, Instant};
 
-/// How many times as long as its processor time a child may rest, such as in a deadlock or for another program's sake.
+/// How many times as long as its processor time a process may rest, such as in a deadlock or for another program's sake.
 const PATIENT: u32 = 3;
 
-/// Watches over the processor time of a child, from now on.
+/// Watches over the processor time and the memory of a process, from now on.
 pub(crate) struct Watch {
     id: u32,
     limit: Duration,
-    /// Processor time of the child when the watch began, where the system says it.
+    /// Bytes of memory that it may hold.
+    memory: u64,
+    /// Its processor time when the watch began, where the system says it.
     before: Option<Duration>,
     /// The processor time last seen, and when it was first seen.
     seen: (Option<Duration>, Instant),
 }
 
+/// What a process has taken more of than it may.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Excess {
+    /// Time of the processor; or it rests for three times as long.
+    Time,
+    /// Memory.
+    Memory,
+}
+
 impl Watch {
-    pub(crate) fn new(child: &Child, limit: Duration) -> Watch {
-        let before = processor_time(child.id());
-        Watch { id: child.id(), limit, before, seen: (before, Instant::now()) }
+    /// Watches over the process of that number.
+    pub(crate) fn new(id: u32, limit: Duration, memory: u64) -> Watch {
+        let before = processor_time(id);
+        Watch { id, limit, memory, before, seen: (before, Instant::now()) }
     }
 
-    /// Whether the child has taken more than it may, or rests for three times as long. Where the system does not say what
-    /// it has taken, all of its time is rest.
-    pub(crate) fn is_late(&mut self) -> bool {
+    /// What the process has taken more of than it may. Where the system does not say what it has taken, all of its time is
+    /// rest.
+    pub(crate) fn excess(&mut self) -> Option<Excess> {
         let now = processor_time(self.id);
         if now != self.seen.0 {
             self.seen = (now, Instant::now());
         }
         let taken = now.zip(self.before).map_or(Duration::ZERO, |(now, before)| now.saturating_sub(before));
-        taken > self.limit || self.seen.1.elapsed() > self.limit * PATIENT
+        if memory(self.id).is_some_and(|bytes| bytes > self.memory) {
+            Some(Excess::Memory)
+        } else {
+            (taken > self.limit || self.seen.1.elapsed() > self.limit * PATIENT).then_some(Excess::Time)
+        }
     }
 }
 
@@ -79,7 +95,7 @@ pub(crate) fn end(status: ExitStatus) -> String {
 mod tests {
     use super::*;
     use std::io::{BufRead, BufReader};
-    use std::process::{Command, Stdio};
+    use std::process::{Child, Command, Stdio};
     use std::thread;
 
     fn shell(script: &str) -> Child {
@@ -89,7 +105,7 @@ mod tests {
     /// Whether a child is late before it has taken so much processor time, or has rested for the wall time.
     fn late_before(child: &mut Child, watch: &mut Watch, done: impl Fn(Duration) -> bool) -> bool {
         loop {
-            if watch.is_late() {
+            if watch.excess() == Some(Excess::Time) {
                 return true;
             }
             if done(processor_time(child.id()).unwrap()) {
@@ -104,7 +120,7 @@ mod tests {
         let mut busy = shell("while :; do :; done");
         let second = Duration::from_secs(1);
         // However long it waits for the processor: before a second of it is taken, it is not late; soon after, it is.
-        let mut watch = Watch::new(&busy, second);
+        let mut watch = Watch::new(busy.id(), second, u64::MAX);
         let nearly = Duration::from_millis(900);
         let early = late_before(&mut busy, &mut watch, |taken| taken >= nearly);
         let late = late_before(&mut busy, &mut watch, |taken| taken > 2 * second);
@@ -135,6 +151,8 @@ mod tests {
             let mut line = String::new();
             BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
             let held = memory(child.id()).unwrap();
+            let excess = |memory| Watch::new(child.id(), Duration::from_secs(1), memory).excess();
+            assert_eq!((excess(held / 2), excess(2 * held)), (Some(Excess::Memory), None));
             child.kill().unwrap();
             child.wait().unwrap();
             held
@@ -146,7 +164,7 @@ mod tests {
     #[test]
     fn a_child_that_rests_for_ever_is_late() {
         let mut resting = shell("exec sleep 1000");
-        let mut watch = Watch::new(&resting, Duration::from_millis(50));
+        let mut watch = Watch::new(resting.id(), Duration::from_millis(50), u64::MAX);
         let late = late_before(&mut resting, &mut watch, |_| false);
         resting.kill().unwrap();
         resting.wait().unwrap();

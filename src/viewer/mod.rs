@@ -27,7 +27,6 @@ pub mod message;
 pub mod model;
 #[doc(hidden)] // for the tests of this crate
 pub mod panels;
-mod programs;
 mod progressive;
 mod screen;
 mod script;

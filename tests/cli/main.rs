@@ -10,6 +10,7 @@ mod author;
 mod compare;
 mod corpus;
 mod desk;
+mod guard;
 mod kills;
 mod paper;
 mod pictures;

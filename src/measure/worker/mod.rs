@@ -13,7 +13,7 @@ use crate::gpu::Gpu;
 use crate::render::{Frame, Measurements, RenderError, Renderer, Subject};
 use crate::scene::{Object, Scene, to_text};
 use crate::shader::{self, Library};
-use crate::support::watch::{Watch, end, memory};
+use crate::support::watch::{Excess, Watch, end, memory};
 use serde::{Deserialize, Serialize};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -29,8 +29,11 @@ pub const COMMAND: &str = "draw";
 pub const PATIENCE: Duration = Duration::from_secs(120);
 /// Processor time that each of its samples may take beyond that, seconds: ten times what a software driver needs.
 const SAMPLE: f64 = 1e-5;
-/// A process that holds more is replaced: lavapipe keeps hundreds of megabytes for each picture of a large program.
+/// A process that holds more after a picture is replaced: lavapipe keeps hundreds of megabytes for each picture of a large
+/// program.
 const MOST_MEMORY: u64 = 4 << 30;
+/// Memory that it may hold while it draws.
+const MOST_WHILE: u64 = 12 << 30;
 /// How often a worker is watched.
 const LOOK: Duration = Duration::from_millis(20);
 
@@ -184,7 +187,7 @@ impl Process {
             return Err(fail(&"it has no standard input or output"));
         };
         let (tell, answers) = channel();
-        std::thread::spawn(move || {
+        let listen = move || {
             let mut output = BufReader::new(output);
             // Once the worker or its parent has ended, so does this.
             while let Some(answer) = read_answer(&mut output) {
@@ -192,7 +195,8 @@ impl Process {
                     break;
                 }
             }
-        });
+        };
+        std::thread::Builder::new().spawn(listen).map_err(|error| fail(&error))?;
         let mut process = Process { child, input, answers };
         match process.ask(task, start.patience).map_err(|reason| fail(&reason))?.0 {
             Answer::Ready => Ok(process),
@@ -203,18 +207,21 @@ impl Process {
 
     /// Sends a line and waits for the answer; the error says how the worker has ended.
     fn ask(&mut self, text: &str, patience: Duration) -> Result<(Answer, Vec<[f32; 4]>), String> {
-        let mut watch = Watch::new(&self.child, patience);
+        let mut watch = Watch::new(self.child.id(), patience, MOST_WHILE);
         let _ = self.input.write_all(text.as_bytes()); // a worker that has ended says more by its end
         loop {
             match self.answers.recv_timeout(LOOK) {
                 Ok(answer) => return Ok(answer),
-                Err(RecvTimeoutError::Timeout) if watch.is_late() => {
-                    return Err(format!(
-                        "the driver did not end within {:.0} s of the processor",
-                        patience.as_secs_f32()
-                    ));
-                }
-                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Timeout) => match watch.excess() {
+                    Some(Excess::Time) => {
+                        let seconds = patience.as_secs_f32();
+                        return Err(format!("the driver did not end within {seconds:.0} s of the processor"));
+                    }
+                    Some(Excess::Memory) => {
+                        return Err(format!("the driver took more than {} GiB of memory", MOST_WHILE >> 30));
+                    }
+                    None => {}
+                },
                 Err(RecvTimeoutError::Disconnected) => {
                     let how = self.child.wait().map_or_else(|error| error.to_string(), end);
                     return Err(format!("the driver crashed ({how})"));

@@ -4,7 +4,9 @@ use super::{Program, SHIPPED_PROGRAMS, Variant, VariantError};
 #[cfg(feature = "measure")]
 use crate::shader;
 #[cfg(feature = "measure")]
-use crate::shader::compile::{CompileError, Job, Limits, Wanted, compile, names};
+use crate::shader::compile::{CompileError, Job, Limits, Wanted, compile, link_allowed, names};
+#[cfg(feature = "measure")]
+use crate::shader::library::Compiler;
 use crate::shader::{Library, LinkError, Linker, Slots, Stage};
 use crate::support::disk_cache::{self, Kind};
 
@@ -60,16 +62,22 @@ impl Variant {
         if self.apart(library, true).is_some() { own } else { own.compiled_here() }
     }
 
-    /// What links both stages in a process of its own, where the library asks for that and some text of the program is not
-    /// as shipped.
+    /// What links both stages under limits, where the library asks for that and some text of the program is not as shipped.
     #[cfg(feature = "measure")]
     fn apart(&self, library: &Library, is_optimized: bool) -> Option<impl FnOnce() -> Result<Stages, LinkError>> {
-        let compiler = library.compiler()?;
+        if matches!(library.compiler(), Compiler::Here) {
+            return None;
+        }
         let mut changed = shader::changed(library);
         changed.retain(|path, _| self.reaches(library, path));
         let names = (!changed.is_empty()).then(|| names(&changed))?;
+        let (library, entries, slots) = (library.clone(), self.entries, self.slots.clone());
         let job = Job { changed, programs: vec![self.wanted(is_optimized)] };
         Some(move || {
+            let Compiler::Apart(compiler) = library.compiler() else {
+                let linker = if is_optimized { Linker::new()? } else { Linker::new()?.unoptimized() };
+                return link_allowed(&linker, &library, entries, &slots, || names);
+            };
             let stages =
                 compile(compiler, &job, &Limits::default(), &|| false).map(|programs| programs.into_iter().next());
             match stages {

@@ -4,19 +4,28 @@
 use crate::shader::instructions;
 use std::collections::HashMap;
 
-/// The largest array of a program, in bytes: larger ones keep a driver busy for minutes when it makes the pipeline.
-const MAX_ARRAY: u64 = 64 << 10;
+/// The largest array of a program, in bytes: lavapipe takes 2 s of the processor for the pipeline of one of 4 KiB, and a time
+/// that grows with the square of it, 20 s for 16 KiB.
+const MAX_ARRAY: u64 = 4 << 10;
+/// All arrays of its functions, those of each place where a function is called by themselves.
+const MAX_ARRAYS: u64 = 256 << 10;
 /// The capabilities of SPIR-V that programs may ask for: Matrix, Shader, Sampled1D, ImageQuery, DerivativeControl.
 const CAPABILITIES: [u32; 5] = [0, 1, 43, 50, 51];
 
 const CAPABILITY: u32 = 17;
+const TYPE_BOOL: u32 = 20;
 const TYPE_INT: u32 = 21;
 const TYPE_FLOAT: u32 = 22;
 const TYPE_VECTOR: u32 = 23;
 const TYPE_MATRIX: u32 = 24;
 const TYPE_ARRAY: u32 = 28;
 const TYPE_STRUCT: u32 = 30;
+const TYPE_POINTER: u32 = 32;
 const CONSTANT: u32 = 43;
+const VARIABLE: u32 = 59;
+/// Storage classes of variables that each invocation has for itself.
+const PRIVATE: u32 = 6;
+const FUNCTION: u32 = 7;
 
 /// Why a SPIR-V module is not for a driver, if it is not.
 pub(crate) fn refusal(module: &[u32]) -> Option<String> {
@@ -29,41 +38,66 @@ pub(crate) fn refusal(module: &[u32]) -> Option<String> {
             "it asks for capability {number} of SPIR-V, which a module may not have: leave its `#extension` out"
         ));
     }
-    let largest = largest(module);
-    (largest > MAX_ARRAY).then(|| {
-        format!(
-            "an array of {largest} bytes; one may have at most {MAX_ARRAY}, since a driver makes a pipeline of more for minutes"
-        )
+    let Arrays { largest: (bytes, kind), all } = Arrays::of(module);
+    let why = "since a driver makes a pipeline of more for minutes; compute what it holds, or use fewer elements";
+    if bytes > MAX_ARRAY {
+        return Some(format!("{kind} of {bytes} bytes; one may have at most {MAX_ARRAY}, {why}"));
+    }
+    (all > MAX_ARRAYS).then(|| {
+        format!("arrays of {all} bytes in all its functions together; they may have at most {MAX_ARRAYS}, {why}")
     })
 }
 
-/// Bytes of the largest array type in a SPIR-V module; 0 where there is none.
-fn largest(module: &[u32]) -> u64 {
-    let mut bytes: HashMap<u32, u64> = HashMap::new();
-    let mut constants: HashMap<u32, u64> = HashMap::new();
-    let mut largest = 0;
-    for instruction in instructions(module) {
-        let of = |id: u32| bytes.get(&id).copied().unwrap_or_default();
-        match instruction {
-            (TYPE_INT | TYPE_FLOAT, &[id, width, ..]) => drop(bytes.insert(id, u64::from(width / 8))),
-            (TYPE_VECTOR | TYPE_MATRIX, &[id, part, count]) => {
-                let size = of(part).saturating_mul(u64::from(count));
-                bytes.insert(id, size);
+/// What a SPIR-V module holds of arrays, in bytes.
+#[derive(Debug, PartialEq)]
+struct Arrays {
+    /// The largest type with an array in it, and what it is.
+    largest: (u64, &'static str),
+    /// All variables of functions whose types have one.
+    all: u64,
+}
+
+impl Arrays {
+    fn of(module: &[u32]) -> Arrays {
+        // Of each type: its bytes, and whether there is an array in it.
+        let mut types: HashMap<u32, (u64, bool)> = HashMap::new();
+        let mut constants: HashMap<u32, u64> = HashMap::new();
+        let mut found = Arrays { largest: (0, "an array"), all: 0 };
+        for instruction in instructions(module) {
+            let of = |id: u32| types.get(&id).copied().unwrap_or_default();
+            let (id, size, kind) = match instruction {
+                (TYPE_INT | TYPE_FLOAT, &[id, width, ..]) => (id, (u64::from(width / 8), false), ""),
+                (TYPE_BOOL, &[id]) => (id, (4, false), ""),
+                (TYPE_VECTOR | TYPE_MATRIX, &[id, part, count]) => {
+                    (id, (of(part).0.saturating_mul(u64::from(count)), false), "")
+                }
+                (TYPE_POINTER, &[id, _, to]) => (id, of(to), ""),
+                (TYPE_STRUCT, [id, parts @ ..]) => {
+                    let add = |sum: (u64, bool), part: &u32| (sum.0.saturating_add(of(*part).0), sum.1 | of(*part).1);
+                    (*id, parts.iter().fold((0, false), add), "a struct with arrays")
+                }
+                (TYPE_ARRAY, &[id, part, length]) => {
+                    let length = constants.get(&length).copied().unwrap_or(1);
+                    (id, (of(part).0.saturating_mul(length), true), "an array")
+                }
+                (CONSTANT, &[_, id, value]) => {
+                    constants.insert(id, u64::from(value));
+                    continue;
+                }
+                (VARIABLE, &[pointer, _, PRIVATE | FUNCTION, ..]) => {
+                    let (bytes, has_array) = of(pointer);
+                    found.all = found.all.saturating_add(if has_array { bytes } else { 0 });
+                    continue;
+                }
+                _ => continue,
+            };
+            types.insert(id, size);
+            if size.1 && !kind.is_empty() && size.0 > found.largest.0 {
+                found.largest = (size.0, kind);
             }
-            (TYPE_STRUCT, [id, parts @ ..]) => {
-                let size = parts.iter().fold(0_u64, |sum, part| sum.saturating_add(of(*part)));
-                bytes.insert(*id, size);
-            }
-            (CONSTANT, &[_, id, value]) => drop(constants.insert(id, u64::from(value))),
-            (TYPE_ARRAY, &[id, part, length]) => {
-                let size = of(part).saturating_mul(constants.get(&length).copied().unwrap_or(1));
-                largest = largest.max(size);
-                bytes.insert(id, size);
-            }
-            _ => {}
         }
+        found
     }
-    largest
 }
 
 #[cfg(test)]
@@ -87,11 +121,18 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_array_is_found_whatever_holds_it() {
-        let bytes = |body: &str| largest(&linked(&format!("layout(location = 0) out vec4 o;\n{body}")));
-        assert_eq!(bytes("void main() { o = vec4(1.0); }"), 0);
-        let loops = "{ S s; for (int i = 0; i < 30; i++) s.t[i][int(gl_FragCoord.x)] = vec3(gl_FragCoord.y); o = s.t[2][int(gl_FragCoord.y)].xyzz; }";
-        assert_eq!(bytes(&format!("struct S {{ float a; vec3 t[30][7]; }};\nvoid main() {loops}")), 30 * 7 * 12);
-        assert_eq!(largest(&[1, 2]), 0);
+    fn arrays_are_found_whatever_holds_them() {
+        let found = |body: &str| Arrays::of(&linked(&format!("layout(location = 0) out vec4 o;\n{body}")));
+        assert_eq!(found("void main() { o = vec4(1.0); }"), Arrays { largest: (0, "an array"), all: 0 });
+        let loops = "for (int i = 0; i < 30; i++) s.t[i][int(gl_FragCoord.x)] = vec3(gl_FragCoord.y); \
+                     o = s.t[2][int(gl_FragCoord.y)].xyzz;";
+        let of_struct = format!("struct S {{ float a; vec3 t[30][7]; bool b; }};\nvoid main() {{ S s; {loops} }}");
+        let bytes = 4 + 30 * 7 * 12 + 4;
+        assert_eq!(found(&of_struct), Arrays { largest: (bytes, "a struct with arrays"), all: bytes });
+        let several = "float f(float x[9]) { float y[5]; y[int(x[1])] = x[2]; return y[int(x[3])]; }\n\
+                       float z[7];\nvoid main() { float x[9]; x[int(gl_FragCoord.x)] = 1.0; z[int(x[0])] = f(x); o = vec4(z[3]); }";
+        let Arrays { largest, all } = found(several);
+        assert!(largest == (36, "an array") && all >= 4 * (9 + 5 + 7), "{largest:?} {all}");
+        assert_eq!(Arrays::of(&[1, 2]).all, 0);
     }
 }

@@ -4,6 +4,7 @@ use super::error::CompileError;
 use crate::support::child::{self, End, Limits};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
@@ -21,6 +22,26 @@ pub(crate) enum Answer<T> {
     Untried(String),
 }
 
+/// How a child has ended without an answer.
+pub(crate) enum Failure {
+    /// By a signal or a code.
+    Crashed(String),
+    /// It took so many seconds of the processor.
+    Late(f32),
+    /// It took more memory than so many MiB.
+    Large(u64),
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Failure::Crashed(how) => write!(f, "crashed ({how})"),
+            Failure::Late(seconds) => write!(f, "took more than {seconds:.0} s of the processor"),
+            Failure::Large(mib) => write!(f, "took more than {mib} MiB of memory"),
+        }
+    }
+}
+
 /// A child: this very program with a hidden command.
 pub(crate) struct Trial<'a> {
     pub(crate) program: &'a Path,
@@ -28,9 +49,8 @@ pub(crate) struct Trial<'a> {
     /// The device that it draws on, where it draws.
     pub(crate) device: Option<&'a str>,
     pub(crate) limits: &'a Limits,
-    /// What it means that the child has ended so, or that it did not end in so many seconds.
-    pub(crate) crashed: fn(String) -> CompileError,
-    pub(crate) late: fn(f32) -> CompileError,
+    /// What it means that the child has failed so, after it has finished so many stages.
+    pub(crate) failed: fn(usize, Failure) -> CompileError,
 }
 
 impl Trial<'_> {
@@ -44,13 +64,30 @@ impl Trial<'_> {
         let text = serde_json::to_string(job).map_err(|error| run(error.to_string()))?;
         let device = self.device.map(|device| [("HYPERTEXTURE_DEVICE", device), ("HYPERTEXTURE_VALIDATION", "")]);
         let variables = device.as_ref().map_or(&[][..], |variables| variables);
-        match child::run(self.program, self.arguments, variables, text, self.limits, is_stale).map_err(run)? {
-            End::Well(answer) => serde_json::from_slice(&answer).map_err(|error| run(format!("its answer: {error}"))),
-            End::Badly(how) => Err((self.crashed)(how)),
-            End::Late(time) => Err((self.late)(time.as_secs_f32())),
-            End::Abandoned => Err(CompileError::Abandoned),
-        }
+        let (end, said) =
+            child::run(self.program, self.arguments, variables, text, self.limits, is_stale).map_err(run)?;
+        let stages = said.iter().take_while(|byte| **byte == STAGE).count();
+        let failure = match end {
+            End::Well => {
+                let answer = serde_json::from_slice(&said[stages..]);
+                return answer.map_err(|error| run(format!("its answer: {error}")));
+            }
+            End::Abandoned => return Err(CompileError::Abandoned),
+            End::Badly(how) => Failure::Crashed(how),
+            End::Late => Failure::Late(self.limits.time.as_secs_f32()),
+            End::Large => Failure::Large(self.limits.memory_mib),
+        };
+        Err((self.failed)(stages, failure))
     }
+}
+
+/// What a child writes at the end of each stage, before its answer.
+const STAGE: u8 = b'\n';
+
+/// The child's side: a stage is finished.
+pub(crate) fn stage(output: &mut impl Write) -> io::Result<()> {
+    output.write_all(&[STAGE])?;
+    output.flush()
 }
 
 /// The child's side: the job.

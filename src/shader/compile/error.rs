@@ -23,26 +23,39 @@ pub enum CompileError {
     #[error("the GLSL compiler crashed on this text ({0}); make its longest expression or its arrays shorter")]
     Crashed(String),
     /// The compiler did not end.
-    #[error("the GLSL compiler was stopped after {0:.1} s; a macro or a constant of this text grows without end")]
+    #[error(
+        "the GLSL compiler was stopped after {0:.1} s of the processor; a macro, a constant or functions that call each other \
+         grow without end"
+    )]
     Late(f32),
     /// The compiler took all the memory that it may.
-    #[error("the GLSL compiler needs more than {0} MiB for this text; a macro or a constant of it grows without end")]
+    #[error(
+        "the GLSL compiler needs more than {0} MiB for this text; a macro, a constant or functions that call each other grow \
+         without end"
+    )]
     Memory(u64),
+    /// The program of the text cannot be evaluated within limits.
+    #[error(
+        "the program of this text {0} when it was evaluated in f64; make its arrays, its functions or its loops shorter"
+    )]
+    Evaluated(String),
     /// The driver did not survive the program.
-    #[error("the driver crashed on this text ({0}); make its arrays or its loops shorter; what ran before goes on")]
+    #[error("the driver {0} on this text; make its arrays, its functions or its loops shorter")]
     Driver(String),
     /// A few rays do not end.
-    #[error("{rays} rays did not end in {seconds:.0} s: a loop of this text is too long; what ran before goes on")]
+    #[error(
+        "the driver did not compile and draw {rays} rays within {seconds:.0} s of the processor: an array, a function or a loop \
+         of this text is too long"
+    )]
     Endless {
         /// How many rays.
         rays: u32,
-        /// How long they were waited for.
+        /// Seconds of the processor that they had.
         seconds: f32,
     },
     /// A few rays take too long.
     #[error(
-        "{rays} rays took {ms:.0} ms on the device, and {most:.0} ms are the most: make the loops of this text shorter; \
-         what ran before goes on"
+        "{rays} rays took {ms:.0} ms on the device, and {most:.0} ms are the most: make the loops of this text shorter"
     )]
     Slow {
         /// How many rays.

@@ -7,15 +7,14 @@ mod allowed;
 mod ask;
 mod error;
 
-use super::{LinkError, Linker, Slots, Stage};
+use super::{Library, LinkError, Linker, Slots, Stage};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-#[cfg(test)]
 pub(crate) use allowed::refusal;
-pub(crate) use ask::{Answer, Trial, read, reply};
+pub(crate) use ask::{Answer, Failure, Trial, read, reply, stage};
 use error::MAX_SOURCE;
 pub use error::{CompileError, Fault};
 
@@ -23,8 +22,6 @@ pub use crate::support::child::{Limits, limit};
 
 /// Name of the hidden command.
 pub const COMMAND: &str = "compile";
-/// What shaderc says of an exception in glslang, for which none is left to say: its memory has come to an end.
-const NO_MEMORY: &str = "internal error";
 
 /// Programs to be linked.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,22 +59,36 @@ pub fn compile(
     limits: &Limits,
     is_stale: &dyn Fn() -> bool,
 ) -> Result<Vec<[Vec<u32>; 2]>, CompileError> {
-    if let Some((path, text)) = job.changed.iter().find(|(_, text)| text.len() > MAX_SOURCE) {
-        return Err(CompileError::Long { path: path.clone(), bytes: text.len() });
-    }
+    check_lengths(&job.changed)?;
     let (seconds, memory) = (limits.time.as_secs().max(1).to_string(), limits.memory_mib.to_string());
     let trial = Trial {
         program,
         arguments: &[COMMAND, "--seconds", &seconds, "--memory-mib", &memory],
         device: None,
         limits,
-        crashed: CompileError::Crashed,
-        late: CompileError::Late,
+        failed: |_, failure| compiler(failure),
     };
     match trial.ask(job, is_stale)? {
         Answer::Good(programs) => Ok(programs),
-        Answer::Bad(text) if text == NO_MEMORY => Err(CompileError::Memory(limits.memory_mib)),
+        Answer::Bad(text) if text == LinkError::Memory.to_string() => Err(CompileError::Memory(limits.memory_mib)),
         Answer::Bad(text) | Answer::Untried(text) => Err(CompileError::Refused(text)),
+    }
+}
+
+/// Whether no text is too long to be tried.
+pub(crate) fn check_lengths(changed: &BTreeMap<String, String>) -> Result<(), CompileError> {
+    match changed.iter().find(|(_, text)| text.len() > MAX_SOURCE) {
+        Some((path, text)) => Err(CompileError::Long { path: path.clone(), bytes: text.len() }),
+        None => Ok(()),
+    }
+}
+
+/// What it means that the compiler has failed.
+pub(crate) fn compiler(failure: Failure) -> CompileError {
+    match failure {
+        Failure::Crashed(how) => CompileError::Crashed(how),
+        Failure::Late(seconds) => CompileError::Late(seconds),
+        Failure::Large(mib) => CompileError::Memory(mib),
     }
 }
 
@@ -87,14 +98,7 @@ pub fn compile(
 /// The job cannot be read or the answer not be written.
 pub fn serve(input: impl Read, output: &mut impl Write) -> io::Result<()> {
     let job: Job = read(input)?;
-    let answer = match link(&job) {
-        Err(error) => Answer::Bad(error.to_string()),
-        Ok(programs) => match programs.iter().flatten().find_map(|module| allowed::refusal(module)) {
-            Some(refusal) => Answer::Bad(format!("{}: {refusal}", names(&job.changed))),
-            None => Answer::Good(programs),
-        },
-    };
-    reply(output, &answer)
+    reply(output, &link(&job).map_or_else(|error| Answer::Bad(error.to_string()), Answer::Good))
 }
 
 /// The files that are not as shipped, as a line names them.
@@ -108,10 +112,47 @@ fn link(job: &Job) -> Result<Vec<Stages>, LinkError> {
     let program = |wanted: &Wanted| {
         let linker = if wanted.is_optimized { Linker::new()? } else { Linker::new()?.unoptimized() };
         let entries = wanted.entries.each_ref().map(String::as_str);
-        let link = |index: usize, stage| linker.link(&library, entries[index], stage, &entries, &wanted.slots);
-        Ok([link(0, Stage::Vertex)?, link(1, Stage::Fragment)?])
+        link_allowed(&linker, &library, entries, &wanted.slots, || names(&job.changed))
     };
     job.programs.iter().map(program).collect()
+}
+
+/// Links both stages of a program that holds nothing which a program with text of a person may not hold; `names` are the
+/// files of that text.
+pub(crate) fn link_allowed(
+    linker: &Linker,
+    library: &Library,
+    entries: [&str; 2],
+    slots: &Slots,
+    names: impl FnOnce() -> String,
+) -> Result<Stages, LinkError> {
+    let link = |index: usize, stage| linker.link(library, entries[index], stage, &entries, slots);
+    let stages = link(0, Stage::Vertex).and_then(|vertex| Ok([vertex, link(1, Stage::Fragment)?]));
+    let stages = stages.map_err(|error| missing(library, slots, error))?;
+    match stages.iter().find_map(|module| refusal(module)) {
+        Some(refusal) => Err(LinkError::Compile(format!("{}: {refusal}", names()))),
+        None => Ok(stages),
+    }
+}
+
+/// An error of a program in which a function is missing: where that shows is a text of the linker, or one that ships.
+fn missing(library: &Library, slots: &Slots, error: LinkError) -> LinkError {
+    let LinkError::Compile(message) = &error else { return error };
+    let files = slots.iter().filter_map(|(key, names)| library.files(key.rsplit('.').next()?, names).ok());
+    let files: Vec<String> = files.flatten().map(|file| file.split('#').next().unwrap_or_default().into()).collect();
+    let own = |file: &String| super::shipped().source(file) != library.source(file);
+    let is_own = |fault: Fault| fault.at.is_some_and(|(file, _)| own(&file));
+    if Fault::all(message).into_iter().any(is_own) {
+        return error;
+    }
+    let lacking = files.iter().filter(|file| own(file)).find_map(|file| Some((file, library.lacking(file)?)));
+    match lacking {
+        None => error,
+        Some((file, (head, found))) => {
+            let found = if found.is_empty() { "no function".into() } else { found.join(", ") };
+            LinkError::Compile(format!("{file}: it has no `{head}`, by which it is called; it has {found}"))
+        }
+    }
 }
 
 #[cfg(test)]

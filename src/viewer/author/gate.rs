@@ -1,14 +1,17 @@
 //! Which programs may be drawn: those that ship, and those of a user's text that have survived a compiler, a driver and a
-//! few rays in processes of their own.
+//! few rays in a process of its own.
 
-use super::rays;
+use crate::measure::guard::{RAYS, own_files, programs, try_modules};
 use crate::scene::Scene;
-use crate::shader::compile::{CompileError, Job, Limits, compile};
-use crate::shader::{Library, changed, shipped};
-use crate::viewer::programs::programs;
+use crate::shader::compile::{CompileError, Job};
+use crate::shader::{Library, shipped};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard};
+
+/// Milliseconds that the rays may take. A window has some hundred times as many pixels, on a device that draws some hundred
+/// times as many at once, or in a coarser picture.
+const MOST_MS: f64 = 1000.0;
 
 /// What is known of programs with text of a user.
 pub struct Gate {
@@ -46,22 +49,21 @@ impl Gate {
             return Ok(());
         }
         let refused = |error: &dyn ToString| CompileError::Refused(error.to_string());
-        let variants = programs(scene, library).map_err(|error| refused(&error))?;
-        let wanted = variants.iter().map(|variant| variant.wanted(true)).collect();
-        let mut job = Job { changed: changed(library), programs: wanted };
-        job.changed.retain(|path, _| variants.iter().any(|variant| variant.reaches(library, path)));
-        if job.changed.is_empty() {
+        let changed = own_files(scene, library).map_err(|error| refused(&error))?;
+        if changed.is_empty() {
             return Ok(());
         }
+        let wanted = programs(scene, library).map_err(|error| refused(&error))?;
+        let job = Job { changed, programs: wanted.iter().map(|variant| variant.wanted(true)).collect() };
         let key = toml::to_string(&job).map_err(|error| refused(&error))?;
         if let Some(verdict) = held(&self.verdicts).get(&key) {
             return verdict.clone().map_or(Ok(()), |reason| Err(CompileError::Refused(reason)));
         }
         let device = held(&self.device).clone();
-        let tried = compile(&self.program, &job, &Limits::default(), is_stale).and_then(|_| match &device {
-            Some(device) => rays::trial_render(&self.program, device, scene, &job, is_stale),
-            None => Ok(()),
-        });
+        let tried = match try_modules(&self.program, device.as_deref(), (scene, library), is_stale) {
+            Ok(Some(ms)) if ms > MOST_MS => Err(CompileError::Slow { rays: RAYS, ms, most: MOST_MS }),
+            tried => tried.map(drop),
+        };
         let verdict = match &tried {
             Ok(()) => None,
             // These say nothing about the text.

@@ -1,10 +1,10 @@
 //! Which programs a changed module is tried in.
 
+use crate::measure::guard::programs;
 use crate::render::variant::VariantError;
 use crate::scene::{Pass, Scene};
 use crate::shader::Library;
 use crate::shader::declare::declaration;
-use crate::viewer::programs::programs;
 use std::collections::BTreeSet;
 
 /// The scene, if the module is in its programs, else the nearest one that has it. None where no scene can have it.

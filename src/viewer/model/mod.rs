@@ -8,7 +8,7 @@ mod files;
 mod presets;
 
 use super::message::Message;
-use super::programs::programs;
+use crate::measure::guard::programs;
 use crate::scene::{self, Camera, ParameterValue, Parameters, Part, Scene, SceneError, schema};
 use crate::shader::ParameterKind;
 use crate::shader::{self, Library, Slots};
