@@ -139,6 +139,7 @@ fn flag_of(error: &(dyn Error + 'static)) -> String {
 /// Runs the command that was asked for.
 fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
     log::start(arguments.quiet);
+    crate::support::threads::start()?;
     let options = Options {
         device: arguments.device.filter(|name| !name.is_empty()),
         validation: std::env::var_os("HYPERTEXTURE_VALIDATION").is_some_and(|value| value == "1"),

@@ -2,8 +2,24 @@
 
 use super::messages::{Messages, Messenger, create_info};
 use super::{GpuError, Named};
+use crate::support::memory;
 use ash::vk;
 use std::ffi::{CStr, c_char};
+use std::thread::available_parallelism;
+
+/// MiB of addresses that loader, driver and compiler of lavapipe take before and with a first picture, and each thread of theirs:
+/// where there are fewer, they end the process.
+const ADDRESSES: [u64; 2] = [600, 8];
+
+/// Whether a driver has as many addresses as it takes.
+fn has_addresses() -> Result<(), GpuError> {
+    let [driver, thread] = ADDRESSES;
+    let needed = driver + thread * available_parallelism().map_or(1, |count| count.get() as u64);
+    match memory::addresses().map(|bytes| bytes >> 20) {
+        Some(left) if left < needed => Err(GpuError::Addresses { left, needed }),
+        _ => Ok(()),
+    }
+}
 
 /// The Vulkan instance, with the registration of its messages, and the surface of its window if it has one.
 pub(super) struct Instance {
@@ -22,6 +38,7 @@ impl Instance {
     pub(super) fn new(validation: bool, extensions: &[*const c_char]) -> Result<Instance, GpuError> {
         #[cfg(test)]
         assert!(!validation || super::Alone::is_held(), "a test with validation begins with Alone::new()");
+        has_addresses()?;
         // SAFETY: the loader is the system's Vulkan library, which has no requirement on when it is loaded.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| GpuError::NoLoader(error.to_string()))?;
         let messages = Messages::default();

@@ -70,6 +70,17 @@ pub enum GpuError {
         /// Names of the devices present.
         found: String,
     },
+    /// The addresses of this process are limited to fewer than a driver takes.
+    #[error(
+        "{left} MiB of addresses are left to this process (`ulimit -v`), and a Vulkan driver takes some {needed} MiB here; raise \
+         that limit"
+    )]
+    Addresses {
+        /// What is left.
+        left: u64,
+        /// What is needed.
+        needed: u64,
+    },
     /// No device can draw into a window.
     #[error("no Vulkan driver here can draw into a window; rendering to a file needs none")]
     NoPresent,

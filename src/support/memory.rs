@@ -2,13 +2,28 @@
 
 use std::fs;
 
-/// Bytes that this process may still take, where the system says: of the machine, and of the group that it runs in.
+/// Bytes that this process may still take, where the system says: of the machine, of the group that it runs in, and of its own
+/// addresses.
 pub(crate) fn available() -> Option<u64> {
     let of_machine = fs::read_to_string("/proc/meminfo").ok().and_then(|text| of_machine(&text));
     let [most, now, uses] =
         ["max", "current", "stat"].map(|name| fs::read_to_string(format!("/sys/fs/cgroup/memory.{name}")).ok());
     let of_group = most.zip(now).zip(uses).and_then(|((most, now), uses)| of_group(&most, &now, &uses));
-    of_machine.into_iter().chain(of_group).min()
+    of_machine.into_iter().chain(of_group).chain(addresses()).min()
+}
+
+/// Bytes of addresses that are left to this process, where they are limited (`ulimit -v`).
+pub(crate) fn addresses() -> Option<u64> {
+    #[cfg(target_os = "linux")]
+    {
+        const PAGE: u64 = 4096; // or more
+        let most = rustix::process::getrlimit(rustix::process::Resource::As).current?;
+        let text = fs::read_to_string("/proc/self/statm").ok()?;
+        let pages: u64 = text.split(' ').next()?.parse().ok()?;
+        Some(most.saturating_sub(pages * PAGE))
+    }
+    #[cfg(not(target_os = "linux"))]
+    None
 }
 
 /// What is left in a group: files that are kept in memory go when it is needed.

@@ -9,6 +9,8 @@ pub(crate) mod memory;
 pub(crate) mod open;
 pub(crate) mod random;
 #[cfg(feature = "measure")]
+#[cfg(feature = "cli")]
+pub(crate) mod threads;
 pub(crate) mod watch;
 
 use std::fs::{self, File, TryLockError};

@@ -1,6 +1,6 @@
 //! Modules that harm: each command refuses them by one line, before it does anything with them.
 
-use crate::desk::{Desk, refused};
+use crate::desk::{Desk, refused, text};
 
 /// A DMF in a file of that name, with that body and text before it; its body begins in the sixth line.
 fn dmf(desk: &Desk, name: &str, before: &str, body: &str) {
@@ -127,4 +127,34 @@ fn a_byte_order_mark_and_declarations_without_blanks_are_read() {
     let plain = draw("plain", text.replace("//@", "// @"));
     assert!(plain == draw("bare", text.into()) && plain == draw("marked", format!("\u{feff}{text}")));
     assert!(plain.pixels().any(|pixel| pixel.0[3] > 0 && pixel.0[3] < 255), "the soft region is drawn");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn where_addresses_are_few_that_is_said_in_one_line() {
+    let desk = Desk::new();
+    for kib in (150_000..=500_000).step_by(25_000) {
+        let mut limited = std::process::Command::new("sh");
+        limited.args([
+            "-c",
+            &format!("ulimit -v {kib}; exec \"$0\" render torus --size 16x16"),
+            env!("CARGO_BIN_EXE_hypertexture"),
+        ]);
+        let output =
+            limited.current_dir(desk.work()).env("HYPERTEXTURE_CACHE", desk.file("../cache")).output().unwrap();
+        let err = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{kib}: {} {err}", output.status);
+        assert!(err.lines().count() == 1 && err.contains("ulimit -v"), "{kib}: {err}");
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn threads_that_help_nothing_are_not_started() {
+    let desk = Desk::new();
+    let output = desk.command("render torus --size 16x16").env("RAYON_NUM_THREADS", "100000").output().unwrap();
+    let err = text(&output.stderr);
+    assert!(output.status.success(), "{}: {err}", output.status);
+    assert!(err.lines().count() == 1 && err.contains("RAYON_NUM_THREADS = 100000: "), "{err}");
 }

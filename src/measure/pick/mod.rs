@@ -189,7 +189,8 @@ pub fn pick(
     let families = candidates::families(scene, stage.library, bound.error, stage.gpu.info().filters_by_few_bits())?;
     let ahead = Ahead::new(&families, stage.library, stage.gpu.info().cpu);
     std::thread::scope(|scope| {
-        scope.spawn(|| ahead.link(scene));
+        // Without a thread, each is linked where it is needed.
+        let _ = std::thread::Builder::new().spawn_scoped(scope, || ahead.link(scene));
         let picked = fastest(stage, scene, bound, &ahead, progress);
         ahead.end();
         picked
