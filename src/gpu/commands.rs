@@ -1,9 +1,10 @@
 //! Recording and submission: every submission is timed and waited for.
 
 use super::{BindSet, Buffer, Gpu, GpuError, Image, Named, Pipeline};
+use crate::support::watch::{Excess, Watch};
 use ash::vk;
 use std::ops::Range;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// A submission that takes longer is given up. Shorter: slow devices fail on large images. Longer: a hang looks like
 /// patience; a desktop resets the device after two seconds anyway.
@@ -120,14 +121,11 @@ impl Gpu {
         unsafe {
             let submits = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
             device.queue_submit2(*queue, &submits, job.fence).named("vkQueueSubmit2")?;
-            let waited = device.wait_for_fences(&[job.fence], true, TIMEOUT_SECONDS * 1_000_000_000);
-            if waited.is_err_and(|error| error != vk::Result::ERROR_DEVICE_LOST) {
+            let waited = self.wait_for(job.fence, what);
+            if waited.as_ref().is_err_and(|error| !error.is_lost()) {
                 self.give_up();
             }
-            match waited {
-                Err(vk::Result::TIMEOUT) => Err(GpuError::Timeout { what: what.into(), seconds: TIMEOUT_SECONDS }),
-                other => other.named("vkWaitForFences"),
-            }?;
+            waited?;
         }
         let wall_ms = start.elapsed().as_secs_f64() * 1e3;
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
@@ -147,6 +145,27 @@ impl Gpu {
         unsafe { device.get_query_pool_results(job.queries, 0, &mut ticks, flags) }.named("vkGetQueryPoolResults")?;
         let gpu_ms = ticks[1].saturating_sub(ticks[0]) as f64 * f64::from(self.0.info.timestamp_period) * 1e-6;
         Ok(Submitted { gpu_ms, wall_ms, fragments })
+    }
+
+    /// Waits for a fence: of a device for a minute; of one that is the processor until it has had a minute of that, too, or
+    /// none of it for three. Where many programs share a processor, it takes long and hangs no more than before.
+    pub(super) fn wait_for(&self, fence: vk::Fence, what: &str) -> Result<(), GpuError> {
+        let (limit, start) = (Duration::from_secs(TIMEOUT_SECONDS), Instant::now());
+        let mut watch = Watch::new(std::process::id(), limit, u64::MAX);
+        let mut patience = limit;
+        loop {
+            let is_awaited = || self.info().cpu && start.elapsed() >= limit;
+            // SAFETY: the fence belongs to the device.
+            match unsafe { self.0.device.wait_for_fences(&[fence], true, patience.as_nanos() as u64) } {
+                Err(vk::Result::TIMEOUT) if is_awaited() && watch.excess() != Some(Excess::Time) => {
+                    patience = Duration::from_secs(1);
+                }
+                Err(vk::Result::TIMEOUT) => {
+                    return Err(GpuError::Timeout { what: what.into(), seconds: TIMEOUT_SECONDS });
+                }
+                other => return other.named("vkWaitForFences"),
+            }
+        }
     }
 }
 

@@ -103,12 +103,7 @@ impl WindowFrame {
 
     /// Waits until nothing is being drawn.
     fn wait(&self) -> Result<(), GpuError> {
-        const SECONDS: u64 = 60;
-        // SAFETY: the fence belongs to the device.
-        match unsafe { self.gpu.0.device.wait_for_fences(&[self.done], true, SECONDS * 1_000_000_000) } {
-            Err(vk::Result::TIMEOUT) => Err(GpuError::Timeout { what: "the window".into(), seconds: SECONDS }),
-            other => other.named("vkWaitForFences"),
-        }
+        self.gpu.wait_for(self.done, "the window")
     }
 }
 
