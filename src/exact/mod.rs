@@ -56,6 +56,7 @@ use case::Case;
 use code::{Code, File, Input, Source};
 use number::Truth;
 use run::Machine;
+use single::Singles;
 use std::collections::BTreeMap;
 use texture::Image;
 use uniforms::Known;
@@ -346,6 +347,30 @@ impl BoundProgram<'_> {
     /// [`ExactError::Lanes`], and [`ExactError::Endless`] where a lane needs more.
     pub fn measure_within(&self, lanes: &Lanes<f64>, most_turns: u64) -> Result<Measured<f64>, ExactError> {
         self.evaluate(lanes, &mut [], Some(most_turns))
+    }
+
+    /// Evaluates a program as f32 does: outputs, the operations that it took, and of each lane the first result in a watched
+    /// file and line that is beyond f32. All the loops of a lane together make `most_turns` at most.
+    ///
+    /// # Errors
+    /// As [`BoundProgram::measure_within`].
+    pub fn measure_single(
+        &self,
+        lanes: &Lanes<f64>,
+        most_turns: u64,
+        is_watched: impl Fn(&str) -> bool,
+    ) -> Result<(Measured<f64>, Vec<Option<Overflow>>), ExactError> {
+        let watched = self.code.places.iter().map(|place| is_watched(place)).collect();
+        let (uniforms, known) = self.computed_uniforms::<f64>(Some(Singles::new(watched)));
+        let start = known.map(|known| known.start());
+        let mut machine = Machine::new(self.code, &self.images, uniforms);
+        (machine.most_turns, machine.singles) = (Some(most_turns), start.clone());
+        let mut found = Vec::new();
+        let measured = self.fill(&mut machine, lanes, &mut [], &mut |machine, here| {
+            let singles = std::mem::replace(&mut machine.singles, start.clone());
+            found.extend(singles.iter().flat_map(|singles| singles.overflows(here, &self.code.places)));
+        })?;
+        Ok((measured, found))
     }
 
     /// [`BoundProgram::measure`], compiled here for each kind of number, and not in every crate that calls it.

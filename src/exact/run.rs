@@ -4,7 +4,7 @@
 //! out. A lane whose comparison is not decided goes both ways, and where they meet its registers hold what is either.
 
 use super::ExactError;
-use super::code::{Case, Code, Instr, Loop, Node, Op, Reg};
+use super::code::{Case, Code, File, Instr, Loop, Node, Op, Reg};
 use super::lanes::{Bank, Banks, LANES, Operand, Row, each, get, put};
 use super::number::{GROUP, Integer, Number, Packed, Truth};
 use super::single::Singles;
@@ -80,7 +80,7 @@ impl<T: Truth> pulp::NullaryFnOnce for Answers<'_, T> {
 
 /// A program in work, for one block of lanes after another.
 pub(super) struct Machine<'a, N: Number> {
-    pub(super) code: &'a Code,
+    code: &'a Code,
     images: &'a [Image<'a>],
     /// The widest vectors that this processor has.
     arch: pulp::Arch,
@@ -141,10 +141,37 @@ impl<'a, N: Number> Machine<'a, N> {
     }
 
     /// Runs instructions one after the other for some lanes.
-    pub(super) fn run_straight(&mut self, start: usize, end: usize, mask: u64) {
+    fn run_straight(&mut self, start: usize, end: usize, mask: u64) {
         let (banks, code, images) = (&mut self.banks, self.code, self.images);
         let instrs = &code.instrs[start..end];
         self.arch.dispatch(Straight { banks, instrs, code, images, mask, whole: self.whole });
+    }
+
+    /// Runs instructions one after the other, each with a result of f32.
+    fn run_single(&mut self, instrs: (usize, usize), mask: u64) {
+        for index in instrs.0..instrs.1 {
+            let instr = self.code.instrs[index];
+            let has_result = instr.single() && instr.dst.file == File::Float && instr.op != Op::Copy;
+            let operands = has_result.then(|| self.operands(&instr));
+            self.run_straight(index, index + 1, mask);
+            let (Some(operands), Some(singles)) = (operands, &mut self.singles) else { continue };
+            let row = self.banks.floats.row(instr.dst);
+            each(mask, |lane| {
+                let operands = operands.each_ref().map(|row| row.as_ref().map(|row| get::<N>(row, lane).as_f64()));
+                let operands = operands.map(|operand| operand.unwrap_or_default());
+                let Some(held) = singles.held(&instr, operands, get::<N>(row, lane).as_f64(), lane) else { return };
+                put(row, lane, N::new(held));
+            });
+        }
+    }
+
+    /// What the instruction reads of floats.
+    fn operands(&self, instr: &Instr) -> [Option<Row<N>>; 3] {
+        [0, 1, 2].map(|source| {
+            let reg = instr.sources[source];
+            let is_read = source < usize::from(instr.count) && reg.file == File::Float;
+            is_read.then(|| self.banks.floats.rows.read(reg).row())
+        })
     }
 
     /// Runs nodes for some lanes; those that come to their end.

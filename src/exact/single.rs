@@ -3,11 +3,9 @@
 //! Invariant: an operation on numbers that f32 holds is computed in f64 and rounded once, which is how f32 rounds sums,
 //! products, quotients and square roots.
 
-use super::code::{At, File, Instr, Op};
-use super::lanes::{LANES, Row, each, get, put};
-use super::number::{Number, Unary};
-use super::run::Machine;
-use super::{BoundProgram, ExactError, Lanes, Measured};
+use super::code::{At, Instr, Op};
+use super::lanes::LANES;
+use super::number::Unary;
 
 /// A result that is beyond f32, of numbers that are not.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,73 +35,31 @@ struct Beyond {
     is_lost: bool,
 }
 
-impl BoundProgram<'_> {
-    /// Evaluates a program as f32 does: outputs, the operations that it took, and of each lane the first result in a watched
-    /// file and line that is beyond f32. All the loops of a lane together make `most_turns` at most.
-    ///
-    /// # Errors
-    /// As [`BoundProgram::measure_within`].
-    pub fn measure_single(
-        &self,
-        lanes: &Lanes<f64>,
-        most_turns: u64,
-        is_watched: impl Fn(&str) -> bool,
-    ) -> Result<(Measured<f64>, Vec<Option<Overflow>>), ExactError> {
-        let watched = self.code.places.iter().map(|place| is_watched(place)).collect();
-        let none = Singles { watched, found: [None; LANES] };
-        let (uniforms, known) = self.computed_uniforms::<f64>(Some(none));
-        // What is the same in all lanes is computed whether a lane takes that way or not.
-        let first = known.as_ref().and_then(|known| known.found[0]).map(|first| Beyond { is_lost: false, ..first });
-        let start = known.map(|known| Singles { found: [first; LANES], ..known });
-        let mut machine = Machine::new(self.code, &self.images, uniforms);
-        (machine.most_turns, machine.singles) = (Some(most_turns), start.clone());
-        let mut found = Vec::new();
-        let measured = self.fill(&mut machine, lanes, &mut [], &mut |machine, here| {
-            let singles = std::mem::replace(&mut machine.singles, start.clone());
-            let noted = singles.map_or([None; LANES], |singles| singles.found);
-            found.extend(noted[..here].iter().map(|beyond| beyond.map(|beyond| self.overflow(&beyond))));
-        })?;
-        Ok((measured, found))
-    }
-
-    fn overflow(&self, beyond: &Beyond) -> Overflow {
-        let place = self.code.places[beyond.at.0 as usize].clone();
-        Overflow { place, operation: words(beyond.op, beyond.operands), is_lost: beyond.is_lost }
-    }
-}
-
-impl<N: Number> Machine<'_, N> {
-    /// Runs instructions one after the other, each with a result of f32.
-    pub(super) fn run_single(&mut self, instrs: (usize, usize), mask: u64) {
-        for index in instrs.0..instrs.1 {
-            let instr = self.code.instrs[index];
-            let has_result = instr.single() && instr.dst.file == File::Float && instr.op != Op::Copy;
-            let operands = has_result.then(|| self.operands(&instr));
-            self.run_straight(index, index + 1, mask);
-            let (Some(operands), Some(singles)) = (operands, &mut self.singles) else { continue };
-            let row = self.banks.floats.row(instr.dst);
-            each(mask, |lane| {
-                let operands = operands.each_ref().map(|row| row.as_ref().map(|row| get::<N>(row, lane).as_f64()));
-                let operands = operands.map(|operand| operand.unwrap_or_default());
-                let Some(held) = singles.held(&instr, operands, get::<N>(row, lane).as_f64(), lane) else { return };
-                put(row, lane, N::new(held));
-            });
-        }
-    }
-
-    /// What the instruction reads of floats.
-    fn operands(&self, instr: &Instr) -> [Option<Row<N>>; 3] {
-        [0, 1, 2].map(|source| {
-            let reg = instr.sources[source];
-            let is_read = source < usize::from(instr.count) && reg.file == File::Float;
-            is_read.then(|| self.banks.floats.rows.read(reg).row())
-        })
-    }
-}
-
 impl Singles {
+    /// Nothing yet, of a program that is watched in these places.
+    pub(super) fn new(watched: Vec<bool>) -> Singles {
+        Singles { watched, found: [None; LANES] }
+    }
+
+    /// Where all lanes begin with the first note of this block, of what is the same in all of them and computed whether a lane
+    /// takes that way or not.
+    pub(super) fn start(&self) -> Singles {
+        let first = self.found[0].map(|first| Beyond { is_lost: false, ..first });
+        Singles { found: [first; LANES], ..self.clone() }
+    }
+
+    /// The notes of so many lanes; `places` are those of the program.
+    pub(super) fn overflows(&self, lanes: usize, places: &[String]) -> impl Iterator<Item = Option<Overflow>> {
+        let overflow = |beyond: Beyond| Overflow {
+            place: places[beyond.at.0 as usize].clone(),
+            operation: words(beyond.op, beyond.operands),
+            is_lost: beyond.is_lost,
+        };
+        self.found[..lanes].iter().map(move |beyond| beyond.map(overflow))
+    }
+
     /// The f32 of a result; `None` where it is that already.
-    fn held(&mut self, instr: &Instr, operands: [f64; 3], result: f64, lane: usize) -> Option<f64> {
+    pub(super) fn held(&mut self, instr: &Instr, operands: [f64; 3], result: f64, lane: usize) -> Option<f64> {
         let single = |x: f64| f64::from(x as f32);
         let [a, b, c] = operands;
         let held = if instr.op == Op::MulAdd { single(single(a * b) + c) } else { single(result) };

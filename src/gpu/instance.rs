@@ -9,7 +9,7 @@ use std::thread::available_parallelism;
 
 /// MiB of addresses that loader, driver and compiler of lavapipe take before and with a first picture, and each thread of theirs:
 /// where there are fewer, they end the process.
-const ADDRESSES: [u64; 2] = [600, 8];
+const ADDRESSES: [u64; 2] = [560, 8];
 
 /// Whether a driver has as many addresses as it takes.
 fn has_addresses() -> Result<(), GpuError> {
