@@ -133,13 +133,11 @@ impl Linker {
         };
         match self.compiler.compile_into_spirv(text, kind, entry, "main", Some(&options)) {
             Ok(artifact) => Ok(as_written(artifact.as_binary())),
-            // What shaderc says of an exception in glslang, for which no memory is left to say more.
-            Err(shaderc::Error::CompilationError(_, message)) if message.trim_end() == "internal error" => {
-                Err(LinkError::Memory)
-            }
             Err(shaderc::Error::CompilationError(_, message)) => {
                 Err(LinkError::Compile(message.trim_end().to_string()))
             }
+            // What shaderc says of an exception in glslang, for which no memory is left to say more.
+            Err(error) if error.to_string() == "internal error" => Err(LinkError::Memory),
             Err(error) => Err(LinkError::Compile(error.to_string())),
         }
     }
