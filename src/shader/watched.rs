@@ -57,9 +57,12 @@ impl Library {
         let has = |functions: &[Function<'_>], name: &str| functions.iter().any(|function| function.name == name);
         // Some are called by the name of their file, others by one name for all of the slot.
         let is_named = has(&heads, first) && rest.iter().all(|(other, functions)| has(functions, other));
+        let is_called = |name: &str| {
+            self.sources().any(|(path, text)| path.split('/').next() != Some(slot) && words(text).contains(&name))
+        };
         let mut needed = heads.iter().filter(|head| match is_named {
             true => head.name == first,
-            false => rest.iter().all(|(_, functions)| has(functions, head.name)),
+            false => rest.iter().all(|(_, functions)| has(functions, head.name)) && is_called(head.name),
         });
         let missing = needed.find_map(|head| {
             let head = Function { name: if is_named { name } else { head.name }, ..head.clone() };
