@@ -11,6 +11,7 @@ use crate::measure::compare::{Failure, Stage};
 use crate::measure::metric::Metric;
 use crate::measure::pick::{ErrorBound, Pick, Verified, remembered};
 use crate::measure::predict::{Estimate, Prediction, predict};
+use crate::measure::statistics::rounded_up;
 use crate::measure::worker::{Load, Worker};
 use crate::output;
 use crate::output::sequence::Sequence;
@@ -184,14 +185,17 @@ fn explain(pick: &Pick, bound: ErrorBound) -> String {
     let [left_out, drawn, kept, untried] = pick.counts;
     let remembered = if pick.remembered { ", remembered" } else { "" };
     let mut text = format!("settings   {}{remembered}\n", pick.settings);
-    let Verified { error, estimate, pixels: [pixels, proven], ms } = pick.verified;
+    let Verified { error, found, estimate, open, pixels: [pixels, proven], ms } = pick.verified;
+    let all = pick.scene.image.size.iter().map(|side| u64::from(*side)).product::<u64>();
     let by = match &pick.unverified {
         None => format!(
-            "by the f64 reference (own error {estimate:.0e}) in {pixels} pixels, {proven} of them proven to have all that is there"
+            "{found:.1e} by the f64 reference in {pixels} of {all} pixels, which is known to {estimate:.0e} as samples say, to \
+             {open:.0e} by proof, which is whole in {proven} of them"
         ),
         Some(why) => format!("by a finer picture (own error {estimate:.0e}): {why}"),
     };
-    text += &format!("error      {} {error:.1e}, asked for {:.1e}; {by}\n", bound.metric, bound.error);
+    let below = rounded_up(error).min(bound.error);
+    text += &format!("error      {} at most {below:e}, asked for {:e}; {by}\n", bound.metric, bound.error);
     text += &format!(
         "why        {ms:.1} ms; the fastest of {kept} that should fit, of {drawn} drawn small; {left_out} could not fit"
     );

@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::fmt;
 
 /// The part of the pixels that [`Errors::p999`] leaves out.
-const ABOVE: f64 = 1e-3;
+pub(super) const ABOVE: f64 = 1e-3;
 
 /// One of the [`Errors`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -11,6 +11,13 @@ pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, f64::max)
 }
 
+/// A number above 0 with two digits, rounded up: a bound stays one where it is shown.
+pub fn rounded_up(number: f64) -> f64 {
+    let shown = |number: f64| format!("{number:.1e}").parse().unwrap_or(number);
+    let near: f64 = shown(number);
+    if near < number { shown(near + 10f64.powf(number.log10().floor() - 1.0)) } else { near }
+}
+
 /// Root of the mean square; 0 of nothing.
 pub fn rms(values: impl Iterator<Item = f64>) -> f64 {
     weighted_rms(values.map(|value| (value, 1.0)))
@@ -48,6 +55,13 @@ pub fn weighted_quantile(mut values: Vec<(f64, f64)>, above: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_rounded_up_has_two_digits_and_is_never_less() {
+        let all = [(2.84e-2, 2.9e-2), (2.9e-2, 2.9e-2), (9.91e-5, 1e-4), (0.1, 0.1), (3.0, 3.0), (1.01, 1.1)];
+        assert!(all.iter().all(|(number, expected)| rounded_up(*number) == *expected));
+        assert!(rounded_up(f64::INFINITY).is_infinite() && rounded_up(0.0) == 0.0);
+    }
 
     #[test]
     fn a_quantile_is_one_of_the_values() {

@@ -33,10 +33,12 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
     let count = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok()).unwrap_or(5);
     let mut random = SplitMix(33);
     let (mut picked, mut refused, mut worst) = (0, 0, 0f64);
+    let mut broken = Vec::new();
     with_gpu(|gpu| {
         let library = shader::shipped();
         for index in 0..count {
-            let scene = random_scene(&mut random);
+            let mut scene = random_scene(&mut random);
+            scene.image.size = [48, 48]; // more pixels than are looked at first
             let error = 10f64.powf(within(&mut random, -2.7, -1.0));
             let bound = ErrorBound::new(Metric::Rmse, error).unwrap();
             let subject = subject(&scene, &library);
@@ -44,10 +46,16 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
             match pick(stage, &scene, bound, &|_| ()) {
                 Ok(pick) => {
                     let found = rmse(gpu, &pick.scene);
-                    worst = worst.max(found / error);
+                    let (stated, pixels) = (pick.verified.error, pick.verified.pixels[0]);
+                    worst = worst.max(found / stated);
                     picked += 1;
-                    println!("{index:3} {:6.1e} asked, {found:6.1e} found: {}", error, pick.settings);
-                    assert!(found <= error, "scene {index}: {found:e} where {error:e} was asked\n{scene:?}");
+                    println!(
+                        "{index:3} {error:6.1e} asked, {stated:6.1e} stated by {pixels} pixels, {found:6.1e} found: {}",
+                        pick.settings
+                    );
+                    if !(found <= stated && stated <= error) {
+                        broken.push(index);
+                    }
                 }
                 Err(error @ PickError::Bound { .. }) => {
                     refused += 1;
@@ -57,7 +65,8 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
             }
         }
     });
-    println!("{picked} picked, {refused} without a way that is so accurate; at most {worst:.2} of the bound");
+    println!("{picked} picked, {refused} without a way that is so accurate; at most {worst:.2} of what is stated");
+    assert!(broken.is_empty(), "more than is stated, or was asked: {broken:?}");
     assert!(picked * 4 >= count * 3, "{refused} of {count} scenes had no settings");
 }
 
@@ -73,12 +82,16 @@ fn a_smaller_bound_is_no_cheaper_and_an_impossible_one_says_what_is_nearest() {
         let pick = |metric, error| pick(stage, &scene, ErrorBound::new(metric, error).unwrap(), &|_| ());
         let [loose, tight] = [0.05, 0.002].map(|error| pick(Metric::Rmse, error).unwrap());
         assert!(loose.scene.quality.samples < tight.scene.quality.samples, "{} {}", loose.settings, tight.settings);
-        assert!(tight.verified.error <= 0.002 && tight.verified.pixels[0] >= 1024);
+        assert!(tight.verified.error <= 0.002 && tight.verified.pixels[0] > 900);
         let whole = tight.picture.expect("what was verified");
         assert!(whole.pixels == picture(gpu, &library, &tight.scene, &subject).pixels);
         assert!(pick(Metric::Opacity, 0.05).is_ok() && pick(Metric::P999, 0.2).is_ok());
-        let error = pick(Metric::Rmse, 1e-12).unwrap_err().to_string();
-        assert!(error.starts_with("no settings draw this scene with a rmse error of 1e-12: the nearest, "), "{error}");
+        let error = pick(Metric::Rmse, 1e-12).unwrap_err();
+        let text = error.to_string();
+        assert!(text.starts_with("no settings draw this scene with a rmse error of 1e-12: the nearest, "), "{text}");
+        let PickError::Bound { allow: Some(allow), .. } = error else { panic!("no advice: {text}") };
+        assert!(text.contains(&format!("; {allow:e} can be kept: ")), "{text}");
+        assert!(pick(Metric::Rmse, allow).unwrap().verified.error <= allow);
         assert!(ErrorBound::new(Metric::Max, 0.0).unwrap_err().to_string().contains("must be above 0"));
     });
 }

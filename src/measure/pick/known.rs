@@ -1,30 +1,28 @@
 //! What is known of some pixels of a picture, and pictures held against it.
 
+use super::ErrorBound;
 use super::candidates;
+use super::sample::Sample;
 use crate::measure::compare::{CompareError, Stage};
-use crate::measure::metric::{Errors, Metric};
-use crate::measure::reference::{ReferenceError, computed_together, reference_pixels, truth_of};
+use crate::measure::metric::{ABOVE, Errors, Metric};
+use crate::measure::reference::{ReferenceError, UNSEEN, computed_together, reference_pixels, truth_of};
+use crate::measure::statistics::largest;
 use crate::measure::worker::Painter;
-use crate::render::variant::{Variant, VariantError};
+use crate::render::variant::VariantError;
 use crate::render::{Frame, Measurements, RenderError};
 use crate::scene::{Filter, Scene};
-use crate::support::random::SplitMix;
 use std::ops::Range;
 
 /// The errors that a pixel of the reference may be asked for.
 const TOLERANCES: [f64; 2] = [1e-7, 1e-3];
-/// A pixel that differs from a neighbor by more than this is at an edge, where few pixels have most of the error: half of
-/// those that are looked at are such. Less: all of a furry object is an edge. More: a dim outline is none.
-const EDGE: f32 = 0.1;
-/// So many times the pixels are looked at where all matter is hard, which costs little.
-const HARD: usize = 2;
-/// Where some is hard, so many times the pixels beside them, as far as the outline has them: a ray that grazes an edge meets it
-/// or not in all drawings alike, and then its pixel is wrong by all that it has. As long as all of the outline is among them,
-/// none of these is overlooked.
-const OUTLINE: usize = 2;
-/// A pixel whose opacity differs from a neighbor's by more than this is one of the outline. Less: hair is one. More: that of a
-/// picture which is the mean of several has fewer.
-const SHARP: f32 = 0.3;
+/// The least score of a pixel, in parts of the mean of all, or of the squared bound. Less: nothing is looked at where pictures
+/// agree. More: what they differ by counts less.
+const LEAST: f64 = 0.1;
+/// The largest of [`Metric::P999`], in squares of the bound: how far a pixel is beyond it does not count.
+const MOST: f64 = 4.0;
+/// The score of a pixel in parts of its squared difference from a neighbor, at least: a ray that only just meets an edge may do
+/// so or not in all drawings alike. Less: edges are overlooked. More: all of a furry object is an edge.
+const EDGE: f64 = 0.03;
 /// A finer picture that stands for a reference should be wrong by less than this part of the bound.
 const FINER: f64 = 0.25;
 /// Samples of the finer picture, at least and at most.
@@ -34,39 +32,85 @@ const ORDERS: [f64; 2] = [0.8, 1.2];
 
 /// Pixels of pictures of one size, and what they are in truth.
 pub(super) struct Known {
+    size: [u32; 2],
+    /// Side of the squares of pixels whose light is computed together.
+    side: usize,
     sample: Sample,
-    truth: Vec<[f64; 4]>,
-    /// What the truth may be wrong by itself.
-    pub(super) own: Errors,
-    /// Pixels that bounds prove to be so.
-    pub(super) proven: usize,
+    /// The scene that the truth is the picture of, and the error that each pixel may have of it.
+    truth: Option<(Scene, f64)>,
+    looked: Vec<Pixel>,
+    /// What a finer picture that stands for the truth may be wrong by itself.
+    finer: Errors,
+}
+
+/// A pixel that was looked at.
+struct Pixel {
+    /// Its index in the picture, and that of its square.
+    at: usize,
+    square: usize,
+    light: [f64; 4],
+    /// How far that may be off as samples say, and with all that bounds leave open.
+    own: [f64; 2],
+    is_proven: bool,
 }
 
 impl Known {
-    /// By the f64 reference, in about `count` pixels of the picture of `scene`, of which there are two drawings, the same one or
-    /// with other samples: where they differ is looked first. Twice as many where their light is computed by fours, which costs
-    /// half; and more where matter is hard and bends no ray, see [`HARD`] and [`OUTLINE`]. Each is known with an error of about
-    /// `own`.
-    pub(super) fn by_reference(
-        stage: Stage<'_>,
-        scene: &Scene,
-        [frame, other]: [&Frame; 2],
-        count: usize,
-        own: f64,
-        progress: &(dyn Fn(f32) + Sync),
-    ) -> Result<Known, ReferenceError> {
-        let side = computed_together(scene);
-        let variant = Variant::of(scene, stage.library)?;
-        let outline = if side == 1 && variant.has_hard() { OUTLINE * count } else { 0 };
-        let times = if side == 1 && variant.is_hard() { HARD } else { 1 };
-        let sample = Sample::of([frame, other], times * count / side, side, outline);
+    /// By the f64 reference of a scene, in no pixel so far; each will be known with an error of about `own`.
+    pub(super) fn by_reference(stage: Stage<'_>, scene: &Scene, own: f64) -> Result<Known, ReferenceError> {
         let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
+        let (size, side) = (scene.image.size, computed_together(scene));
+        let squares = size.map(|pixels| (pixels as usize).div_ceil(side)).iter().product();
         let tolerance = own.clamp(TOLERANCES[0], TOLERANCES[1]);
-        let found =
-            reference_pixels(stage.library, &truth, stage.subject, &sample.pixels, tolerance, progress, stage.stop)?;
-        let estimates = found.estimate.iter().zip(&sample.weights);
-        let own = Errors::of(estimates.map(|(estimate, weight)| ([*estimate; 4], [0.0; 4], *weight)));
-        Ok(Known { sample, own, proven: found.proven(), truth: found.pixels })
+        let (truth, finer) = (Some((truth, tolerance)), Errors::default());
+        Ok(Known { size, side, sample: Sample::new(squares, 1), truth, looked: Vec::new(), finer })
+    }
+
+    /// By a picture of this size that is off by so much.
+    fn whole(size: [u32; 2], light: Vec<[f64; 4]>, finer: Errors) -> Known {
+        let mut sample = Sample::new(light.len(), 1);
+        sample.raise(&vec![1.0; light.len()], light.len());
+        let pixel = |(at, light)| Pixel { at, square: at, light, own: [0.0; 2], is_proven: false };
+        let looked = light.into_iter().enumerate().map(pixel).collect();
+        Known { size, side: 1, sample, truth: None, looked, finer }
+    }
+
+    /// Looks at more pixels, by the scores of their squares, until they are about as many as that.
+    pub(super) fn look(
+        &mut self,
+        stage: Stage<'_>,
+        scores: &[f64],
+        pixels: usize,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<(), ReferenceError> {
+        let Some((truth, tolerance)) = &self.truth else { return Ok(()) };
+        let new = self.sample.raise(scores, pixels.div_ceil(self.side * self.side));
+        let ([width, height], side) = (self.size.map(|side| side as usize), self.side);
+        let columns = width.div_ceil(side);
+        let found: Vec<(usize, [u32; 2])> = new
+            .into_iter()
+            .flat_map(|square| {
+                let [left, top] = [square % columns, square / columns].map(|at| at * side);
+                let rows = top..(top + side).min(height);
+                rows.flat_map(move |y| (left..(left + side).min(width)).map(move |x| [x, y]))
+                    .map(move |at| (square, at.map(|at| at as u32)))
+            })
+            .collect();
+        let places: Vec<[u32; 2]> = found.iter().map(|(_, place)| *place).collect();
+        if places.is_empty() {
+            return Ok(());
+        }
+        let light = reference_pixels(stage.library, truth, stage.subject, &places, *tolerance, progress, stage.stop)?;
+        let known = light.pixels.iter().zip(light.estimate.iter().zip(&light.open));
+        for ((square, [x, y]), (light, (estimate, open))) in found.into_iter().zip(known) {
+            self.looked.push(Pixel {
+                at: y as usize * width + x as usize,
+                square,
+                light: *light,
+                own: [*estimate, (estimate + open).min(1.0)],
+                is_proven: *open <= UNSEEN,
+            });
+        }
+        Ok(())
     }
 
     /// By the scene drawn with ever more samples, where it has no reference: in every pixel.
@@ -102,25 +146,104 @@ impl Known {
             );
             let is_enough = samples >= least && own.by(metric) <= FINER * error;
             if is_enough || 2 * samples > most {
-                return Ok(Known { sample: Sample::of([&finer; 2], usize::MAX, 1, 0), truth, own, proven: 0 });
+                return Ok(Known::whole(finer.size, truth, own));
             }
             (samples, before, gap) = (2 * samples, finer, now);
         }
     }
 
-    /// How far a picture is from what is known of these pixels.
+    /// The scores of all squares: how wrong they may be, by what a picture differs by from another of the same scene,
+    /// and its pixels from their neighbors.
+    pub(super) fn scores(&self, frame: &Frame, other: &Frame, bound: ErrorBound) -> Vec<f64> {
+        let channels = channels(bound.metric);
+        let [width, height] = self.size.map(|side| side as usize);
+        let allowed = bound.error.powi(2) * channels.len() as f64;
+        let most = if bound.metric == Metric::P999 { MOST * allowed } else { f64::MAX };
+        let apart =
+            |a: [f32; 4], b: [f32; 4]| -> f64 { channels.clone().map(|c| f64::from(a[c] - b[c]).powi(2)).sum() };
+        let columns = width.div_ceil(self.side);
+        let mut scores = vec![0.0; columns * height.div_ceil(self.side)];
+        for (at, pixel) in frame.pixels.iter().enumerate() {
+            let (x, y) = (at % width, at / width);
+            let beside = [(x > 0).then(|| at - 1), (x + 1 < width).then(|| at + 1)];
+            let above = [(y > 0).then(|| at - width), (y + 1 < height).then(|| at + width)];
+            let edge =
+                largest(beside.into_iter().chain(above).flatten().map(|other| apart(*pixel, frame.pixels[other])));
+            let moved = apart(*pixel, other.pixels[at]);
+            scores[y / self.side * columns + x / self.side] += moved.max(EDGE * edge).min(most);
+        }
+        let mean = scores.iter().sum::<f64>() / scores.len() as f64;
+        let least = LEAST * mean.max(allowed);
+        scores.into_iter().map(|score| score.max(least)).collect()
+    }
+
+    /// How far a picture is from what is known of these pixels, each of which counts for those that it stands for.
     pub(super) fn error(&self, frame: &Frame, metric: Metric) -> f64 {
-        self.sample.errors(frame, |index, _| self.truth[index]).by(metric)
+        let pixels = self
+            .looked
+            .iter()
+            .map(|pixel| (frame.pixels[pixel.at].map(f64::from), pixel.light, self.sample.weight(pixel.square)));
+        Errors::of(pixels).by(metric)
     }
 
-    /// How far two pictures are apart in these pixels.
-    pub(super) fn difference(&self, frame: &Frame, other: &Frame) -> Errors {
-        self.sample.errors(frame, |_, at| other.pixels[at].map(f64::from))
+    /// The most that a whole picture is off by, with the confidence of [`Sample`]; without an end where that cannot be said.
+    pub(super) fn at_most(&self, frame: &Frame, scores: &[f64], metric: Metric) -> f64 {
+        let off = |pixel: &Pixel, c: usize| (f64::from(frame.pixels[pixel.at][c]) - pixel.light[c]).abs();
+        let sums = |value: &dyn Fn(&Pixel) -> f64| -> Vec<(usize, f64)> {
+            let squares = self.looked.chunk_by(|a, b| a.square == b.square);
+            squares.map(|pixels| (pixels[0].square, pixels.iter().map(value).sum())).collect()
+        };
+        let channels = channels(metric);
+        let mean = |pixels: usize| {
+            let squares = sums(&|pixel| channels.clone().map(|c| off(pixel, c).powi(2)).sum());
+            (self.sample.at_most(&squares, scores, None) / (channels.len() * pixels.max(1)) as f64).sqrt()
+        };
+        match metric {
+            Metric::Rmse | Metric::Rgb | Metric::Opacity => mean(frame.pixels.len()),
+            Metric::Covered => mean(frame.pixels.iter().filter(|pixel| pixel[3] > 0.0).count()),
+            Metric::Max if self.is_whole() => self.error(frame, metric),
+            Metric::Max => f64::INFINITY,
+            Metric::P999 => {
+                let worst = |pixel: &Pixel| largest(channels.clone().map(|c| off(pixel, c)));
+                let mut all: Vec<f64> = self.looked.iter().map(worst).collect();
+                all.sort_by(f64::total_cmp);
+                let in_square = Some((self.side * self.side) as f64);
+                let is_exceeded = |most: &f64| {
+                    let above = sums(&|pixel| f64::from(u8::from(worst(pixel) > *most)));
+                    self.sample.at_most(&above, scores, in_square) > ABOVE * frame.pixels.len() as f64
+                };
+                all.get(all.partition_point(is_exceeded)).copied().unwrap_or(f64::INFINITY)
+            }
+        }
     }
 
-    /// Pixels that are looked at.
-    pub(super) fn count(&self) -> usize {
-        self.truth.len()
+    /// What the truth may be wrong by itself: as far as samples say, and with all the opacity that bounds leave open.
+    pub(super) fn own(&self, metric: Metric) -> [f64; 2] {
+        let of = |which: usize| {
+            let pixels = self.looked.iter();
+            let pixels = pixels.map(|pixel| ([pixel.own[which]; 4], [0.0; 4], self.sample.weight(pixel.square)));
+            Errors::of(pixels).by(metric) + self.finer.by(metric)
+        };
+        [of(0), of(1)]
+    }
+
+    /// Pixels that are looked at, and those of them that bounds prove to be so.
+    pub(super) fn counts(&self) -> [usize; 2] {
+        [self.looked.len(), self.looked.iter().filter(|pixel| pixel.is_proven).count()]
+    }
+
+    /// Whether all are looked at.
+    pub(super) fn is_whole(&self) -> bool {
+        self.looked.len() == self.size.iter().map(|side| *side as usize).product::<usize>()
+    }
+}
+
+/// The channels that a metric is of.
+fn channels(metric: Metric) -> Range<usize> {
+    match metric {
+        Metric::Rmse | Metric::Covered | Metric::Max | Metric::P999 => 0..4,
+        Metric::Rgb => 0..3,
+        Metric::Opacity => 3..4,
     }
 }
 
@@ -140,97 +263,9 @@ pub(super) fn draw(painter: &mut Painter<'_>, scene: &Scene, times: f64) -> Resu
     Ok((frame, ms))
 }
 
-/// Pixels that stand for a picture, each for as many as its weight says.
-struct Sample {
-    pixels: Vec<[u32; 2]>,
-    weights: Vec<f64>,
-}
-
-impl Sample {
-    /// Some squares of pixels where two drawings differ, some at edges, and some elsewhere, the same for the same pictures:
-    /// `wanted` of them, and beside them up to so many of an outline; or all where the picture has no more. `side`: of a square,
-    /// in pixels; at the right and the bottom, less.
-    fn of([frame, other]: [&Frame; 2], wanted: usize, side: usize, outline_wanted: usize) -> Sample {
-        let [width, height] = frame.size.map(|side| side as usize);
-        let columns = width.div_ceil(side);
-        let all = columns * height.div_ceil(side);
-        let within = |square: usize| {
-            let [left, top] = [square % columns * side, square / columns * side];
-            let rows = top..(top + side).min(height);
-            rows.flat_map(move |y| (left..(left + side).min(width)).map(move |x| y * width + x))
-        };
-        let differs_in = |channels: Range<usize>, least: f32, &square: &usize| {
-            let differs =
-                |a: usize, b: usize| channels.clone().any(|c| (frame.pixels[a][c] - frame.pixels[b][c]).abs() > least);
-            within(square).any(|index| {
-                let (x, y) = (index % width, index / width);
-                (x > 0 && differs(index, index - 1))
-                    || (x + 1 < width && differs(index, index + 1))
-                    || (y > 0 && differs(index, index - width))
-                    || (y + 1 < height && differs(index, index + width))
-            })
-        };
-        let is_doubtful = |&square: &usize| {
-            let moved = |index: usize, c: usize| (frame.pixels[index][c] - other.pixels[index][c]).abs();
-            within(square).any(|index| (0..4).any(|c| moved(index, c) > EDGE))
-        };
-        let mut sample = Sample { pixels: Vec::new(), weights: Vec::new() };
-        let mut take = |squares: &[usize], weight: f64| {
-            for index in squares.iter().flat_map(|&square| within(square)) {
-                sample.pixels.push([(index % width) as u32, (index / width) as u32]);
-                sample.weights.push(weight);
-            }
-        };
-        if wanted >= all {
-            take(&(0..all).collect::<Vec<_>>(), 1.0);
-            return sample;
-        }
-        let (mut outline, rest): (Vec<usize>, Vec<usize>) =
-            (0..all).partition(|square| outline_wanted > 0 && differs_in(3..4, SHARP, square));
-        let (mut doubtful, rest): (Vec<usize>, Vec<usize>) = rest.into_iter().partition(is_doubtful);
-        let (mut edges, mut others): (Vec<usize>, Vec<usize>) =
-            rest.into_iter().partition(|square| differs_in(0..4, EDGE, square));
-        let of_outline = outline.len().min(outline_wanted);
-        let of_doubtful = doubtful.len().min(wanted / 2);
-        let wanted = wanted - of_doubtful;
-        let of_edges = edges.len().min((wanted / 2).max(wanted.saturating_sub(others.len())));
-        let of_others = others.len().min(wanted - of_edges);
-        let mut random = SplitMix(1);
-        let strata = [
-            (&mut outline, of_outline),
-            (&mut doubtful, of_doubtful),
-            (&mut edges, of_edges),
-            (&mut others, of_others),
-        ];
-        for (stratum, count) in strata {
-            random.shuffle(stratum);
-            take(&stratum[..count], stratum.len() as f64 / count.max(1) as f64);
-        }
-        sample
-    }
-
-    /// How far a picture is in these pixels from what they are said to be, by their index here and in the picture.
-    fn errors(&self, frame: &Frame, truth: impl Fn(usize, usize) -> [f64; 4]) -> Errors {
-        let width = frame.size[0] as usize;
-        let pixels = self.pixels.iter().zip(&self.weights).enumerate().map(|(index, ([x, y], weight))| {
-            let at = *y as usize * width + *x as usize;
-            (frame.pixels[at].map(f64::from), truth(index, at), *weight)
-        });
-        Errors::of(pixels)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::BTreeSet;
-
-    fn disk(side: u32) -> Frame {
-        let half = f64::from(side) / 2.0;
-        let lit = |index: u32| (f64::from(index % side) - half).hypot(f64::from(index / side) - half) < 0.7 * half;
-        let pixels = (0..side * side).map(|index| [f32::from(u8::from(lit(index))); 4]).collect();
-        Frame { size: [side, side], pixels, measurements: Measurements::default() }
-    }
 
     #[test]
     fn what_remains_of_an_error_is_never_less_than_it_is() {
@@ -242,60 +277,5 @@ mod tests {
         }
         assert_eq!(remaining(0.0, 1e-3), 1.0 / (2f64.powf(ORDERS[0]) - 1.0), "nothing was seen before");
         assert!(remaining(0.0, 0.0).is_finite() && remaining(1e-3, 0.0) < 1.0);
-    }
-
-    #[test]
-    fn a_sample_stands_for_all_pixels_and_looks_at_edges() {
-        for (side, square) in [1, 4, 16, 97, 256, 512].into_iter().flat_map(|side| [(side, 1), (side, 2)]) {
-            let frame = disk(side);
-            let sample = Sample::of([&frame; 2], 1024 / (square * square), square, 0);
-            let all = (side * side) as usize;
-            let distinct: BTreeSet<_> = sample.pixels.iter().collect();
-            assert_eq!(distinct.len(), sample.pixels.len(), "{side}");
-            // Squares of 2 are cut by the border of a picture of 97.
-            let cut = if side % square as u32 == 0 { 0 } else { 16 };
-            assert!(
-                (all.min(1024).saturating_sub(cut)..=all.min(1024)).contains(&sample.pixels.len()),
-                "{side}, {square}"
-            );
-            let stands_for: f64 = sample.weights.iter().sum();
-            let near = if cut == 0 { 1e-6 } else { 0.02 };
-            assert!((stands_for - all as f64).abs() < near * all as f64, "{side}, {square}: {stands_for}");
-        }
-        // Inside and outside, pixels that meet along a circle: 4 sqrt(2) r each.
-        let whole = 8.0 * 2f64.sqrt() * 0.7 * 128.0;
-        for outline in [1, 100, 100_000] {
-            let sample = Sample::of([&disk(256); 2], 1024, 1, outline);
-            let beside = sample.pixels.len() - 1024;
-            assert!(beside == outline || (beside as f64 / whole - 1.0).abs() < 0.02, "{beside} of {outline}");
-            assert!((sample.weights.iter().sum::<f64>() / 65_536.0 - 1.0).abs() < 1e-9, "{outline}");
-        }
-        let sample = Sample::of([&disk(256); 2], 1024, 1, 0);
-        let at_edges = sample.weights.iter().filter(|weight| **weight < 4.0).count();
-        assert!(at_edges >= 512, "{at_edges} at edges, which have much of the error");
-    }
-
-    #[test]
-    fn a_sample_looks_at_the_whole_outline_of_what_has_edges_everywhere() {
-        let (mut frame, side) = (disk(64), 64);
-        for (index, pixel) in frame.pixels.iter_mut().enumerate() {
-            pixel[0] *= (index % 2) as f32; // as marble is
-        }
-        let alpha = |index: usize| frame.pixels[index][3];
-        let is_outline = |index: &usize| [index + 1, index + side].iter().any(|next| alpha(*index) != alpha(*next));
-        let sample = Sample::of([&frame; 2], 1024, 1, 1024);
-        let looked_at = |index: &usize| sample.pixels.contains(&[(index % side) as u32, (index / side) as u32]);
-        let outline: Vec<usize> = (0..side * (side - 1)).filter(is_outline).collect();
-        assert!(outline.len() > 100 && outline.iter().all(looked_at), "{}", outline.len());
-    }
-
-    #[test]
-    fn a_sample_finds_the_error_of_a_moved_edge() {
-        let (a, mut b) = (disk(128), disk(128));
-        b.pixels.rotate_left(1); // one pixel to the left
-        let truth: Vec<[f64; 4]> = b.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
-        let whole = Errors::between(&a.pixels, &truth).rmse;
-        let found = Sample::of([&a; 2], 1024, 1, 0).errors(&a, |_, at| truth[at]).rmse;
-        assert!((found / whole - 1.0).abs() < 0.15, "{found} of {whole}");
     }
 }

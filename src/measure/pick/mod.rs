@@ -2,49 +2,56 @@
 //!
 //! Role: scene and bound -> the same scene with other accuracy settings, and why these. Candidates that cannot keep the bound
 //! are left out beforehand; the others are drawn small, cheapest first, and held against the f64 reference in some pixels.
-//! The fastest that should fit is drawn whole and held against the reference there; what is found corrects what small
-//! pictures say, until nothing faster should fit. Invariants: only what is there for speed changes, so every candidate has
-//! the truth of the scene as it is; what is refused was tried to its limit. Source: the protocol of numerical
-//! work-precision diagrams; ratio estimators for the whole picture.
+//! The fastest that should fit is drawn whole and held against the reference in a sample of its pixels, which grows until a
+//! bound of the whole picture's error is within what is asked; what is found corrects what small pictures say, until nothing
+//! faster should fit. Invariants: only what is there for speed changes, so every candidate has the truth of the scene as it is;
+//! an error that is stated is an upper bound; what is refused was tried to its limit. Source: the protocol of numerical
+//! work-precision diagrams.
 
 mod ahead;
 mod candidates;
 mod known;
 mod rules;
+mod sample;
 mod search;
 mod store;
 
 use crate::measure::compare::{CompareError, Failure, Stage};
-use crate::measure::metric::{Errors, Metric};
+use crate::measure::metric::Metric;
 use crate::measure::reference::ReferenceError;
+use crate::measure::statistics::rounded_up;
 use crate::render::{Frame, RenderError};
 use crate::scene::{RayPath, Scene};
+use crate::shader::Library;
 use ahead::Ahead;
 use known::{Known, draw};
 use search::{Drawn, Search};
 use serde::{Deserialize, Serialize};
-use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// Pixels of the whole picture that are held against the reference, at most.
+/// Pixels of the whole picture that are held against the reference at first.
 const PIXELS: usize = 1024;
+/// So many of them at most, by doubling, while more samples may do instead. Fewer: pictures have more samples than they need.
+const MORE: usize = 4 * PIXELS;
 /// Whole pictures that are held against the reference, at most; twice as many while it is early and none keeps the bound.
 const VERIFIED: usize = 8;
-/// A whole picture is taken whose error is below this part of the bound: the rest is for the pixels that were not looked
-/// at. Less: slower. More: bounds are broken.
-const CARE: f64 = 0.95;
+/// A picture is worth a whole one whose error should be below this part of the bound: the rest is for the pixels that are not
+/// looked at. Less: slower pictures are picked. More: whole ones are drawn in vain.
+const CARE: f64 = 0.9;
 /// A whole picture that takes less than this is drawn again for its time, milliseconds.
 const AGAIN_MS: f64 = 200.0;
 /// The reference of a whole picture may be wrong by this part of the bound. Less: it takes longer. More: it is a part of the
 /// error that is stated.
 const OWN: f64 = 0.04;
-/// A picture with so many times the samples of another one differs from it enough to show where that may have errors.
-const OTHER: [RangeInclusive<f64>; 2] = [0.25..=0.75, 1.5..=4.0];
-/// The first whole picture is drawn again with so many times the samples, few of which are at the same places: what one of the
-/// two overlooks, the other may find.
+/// A whole picture is drawn again with so many times the samples, few of which are at the same places: what one of the two
+/// overlooks, the other may find.
 const APART: f64 = 0.7;
 /// The same where rays bend, if a picture may have as many: what is thin in glass at a glance, fewer samples overlook as well.
 const APART_BENT: f64 = 2.0;
+/// An error that is advised instead of one that cannot be kept is so many times that of the nearest picture; larger by as much
+/// each time that it cannot be kept either, and so often.
+const ADVISED: f64 = 1.1;
+const ADVISED_TIMES: usize = 4;
 /// After so long nothing is begun that only may be faster than what keeps the bound.
 const PATIENCE: Duration = Duration::from_secs(4);
 /// The fewest and the most samples of a candidate.
@@ -75,11 +82,15 @@ impl ErrorBound {
 /// What was found of a whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verified {
-    /// Its error: that over the pixels that were looked at, with what the truth may be wrong by itself; or, if it is larger,
-    /// what they say of the difference from other samples over all pixels.
+    /// What its error is below, with 99.9 % of confidence in the pixels that were chosen to be looked at; with what the truth
+    /// may be wrong by itself as far as samples say.
     pub error: f64,
+    /// Its error by the pixels that were looked at.
+    pub found: f64,
     /// What the truth may be wrong by itself, as far as samples say; a part of the error.
     pub estimate: f64,
+    /// The same with all the opacity that bounds leave open; no part of the error.
+    pub open: f64,
     /// Pixels that were looked at, and in how many of them it is proven that the truth has overlooked nothing.
     pub pixels: [usize; 2],
     /// Milliseconds of the whole picture on the device.
@@ -128,8 +139,9 @@ pub enum PickError {
     Stopped,
     /// Nothing is that accurate.
     #[error(
-        "no settings draw this scene with a {metric} error of {asked:e}: the nearest, {nearest}, has {}; allow that, or try another `--metric`",
-        known(*found, *own)
+        "no settings draw this scene with a {metric} error of {asked:e}: the nearest, {nearest}, has {}; {}try another `--metric`",
+        known(*found, *own),
+        allow.map(|error| format!("{error:e} can be kept: allow that, or ")).unwrap_or_default()
     )]
     Bound {
         /// How it is measured.
@@ -140,8 +152,10 @@ pub enum PickError {
         nearest: String,
         /// What the truth may be wrong by itself; a part of the error.
         own: f64,
-        /// Its error.
+        /// Its error, or what that is below.
         found: f64,
+        /// An error that can be kept: it was tried.
+        allow: Option<f64>,
     },
 }
 
@@ -167,20 +181,63 @@ pub fn remembered(
     if let Some(pick) = store::load(key) {
         return Ok(pick);
     }
-    let pick = pick(stage, scene, bound, progress)?;
-    store::save(key, &pick);
-    Ok(pick)
+    let picked = within(stage, scene, bound, progress).or_else(|error| {
+        let (error, advised) = advise(stage, scene, error, progress)?;
+        if let Some((bound, pick)) = advised {
+            store::save(store::key(stage, scene, bound)?, &pick);
+        }
+        Err(error)
+    });
+    picked.inspect(|pick| store::save(key, pick))
 }
 
 /// Picks the fastest settings for a scene within an error on this device.
 ///
 /// Small pictures are at most 96 pixels wide; the reference is computed for some hundred of their pixels, and for a
-/// thousand of the whole. `progress` is called with the part that is done, roughly. A candidate that cannot be drawn is
+/// thousand of the whole or more. `progress` is called with the part that is done, roughly. A candidate that cannot be drawn is
 /// left out, and told.
 ///
 /// # Errors
 /// The scene cannot be drawn, or no settings keep the bound.
 pub fn pick(
+    stage: Stage<'_>,
+    scene: &Scene,
+    bound: ErrorBound,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Pick, PickError> {
+    within(stage, scene, bound, progress).or_else(|error| Err(advise(stage, scene, error, progress)?.0))
+}
+
+/// Adds to a bound that cannot be kept one that can: it is tried. Beside it, what is picked within that.
+fn advise(
+    stage: Stage<'_>,
+    scene: &Scene,
+    refused: PickError,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<(PickError, Option<(ErrorBound, Pick)>), PickError> {
+    let PickError::Bound { metric, asked, nearest, own, found, .. } = refused else { return Err(refused) };
+    let mut error = found;
+    let mut advised = None;
+    for _ in 0..ADVISED_TIMES {
+        let bound = ErrorBound { metric, error: rounded_up(ADVISED * error) };
+        if !bound.error.is_finite() {
+            break;
+        }
+        match within(stage, scene, bound, progress) {
+            Ok(pick) => {
+                advised = Some((bound, pick));
+                break;
+            }
+            Err(PickError::Bound { found, .. }) => error = found.max(bound.error),
+            Err(error) => return Err(error),
+        }
+    }
+    let allow = advised.as_ref().map(|(bound, _)| bound.error);
+    Ok((PickError::Bound { metric, asked, nearest, own, found, allow }, advised))
+}
+
+/// [`pick`] without advice.
+fn within(
     stage: Stage<'_>,
     scene: &Scene,
     bound: ErrorBound,
@@ -206,16 +263,16 @@ fn fastest(
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Pick, PickError> {
     let mut search = Search::new(stage, scene, bound, ahead, &|done| progress(0.2 * done))?;
-    let mut whole = Whole { stage, bound, known: None, other: None };
+    let mut whole = Whole { stage, bound, known: None };
     let mut best: Option<(Drawn, Verified, Frame)> = None;
-    let mut nearest: Option<(String, [f64; 2])> = None;
+    let mut nearest: Option<(Drawn, Verified)> = None;
     for round in 0..2 * VERIFIED {
         let share = |done: f32| progress((0.2 + 0.7 * (round as f32 + done) / VERIFIED as f32).min(0.9));
         if rules::has_ended(round, best.is_some(), search.is_late()) {
             break;
         }
         let Some(next) = search.next(best.as_ref().map(|(drawn, ..)| drawn), &share) else { break };
-        let (verified, frame) = match whole.verify(&mut search, &next.candidate.scene, &share) {
+        let (verified, frame) = match whole.verify(&mut search, &next.candidate.scene, MORE, &share) {
             Ok(verified) => verified,
             Err(_) if (stage.stop)() => return Err(PickError::Stopped),
             Err(error) => {
@@ -223,14 +280,28 @@ fn fastest(
                 continue;
             }
         };
-        let (label, error) = (next.candidate.label(), verified.error);
-        log::info!("{label}: {:.2e} in a small picture, {error:.2e} of the whole in {:.1} ms", next.error, verified.ms);
+        let (label, Verified { error, found, ms, .. }) = (next.candidate.label(), verified);
+        log::info!(
+            "{label}: {:.2e} in a small picture, {found:.2e} of the whole, below {error:.2e}, in {ms:.1} ms",
+            next.error
+        );
         search.learn(&next, error);
-        if nearest.as_ref().is_none_or(|(_, [nearest, _])| error < *nearest) {
-            nearest = Some((label, [error, verified.estimate]));
+        if nearest.as_ref().is_none_or(|(_, nearest)| error < nearest.error) {
+            nearest = Some((next.clone(), verified));
         }
-        if error <= CARE * bound.error && best.as_ref().is_none_or(|(_, best, _)| verified.ms < best.ms) {
+        if error <= bound.error && best.as_ref().is_none_or(|(_, best, _)| verified.ms < best.ms) {
             best = Some((next, verified, frame));
+        }
+    }
+    // Before a bound is refused that the nearest keeps as far as was seen, all of its pixels are looked at.
+    if let (None, Some((drawn, last))) = (&best, &mut nearest)
+        && last.found <= bound.error
+    {
+        let share = |done: f32| progress(0.9 + 0.1 * done);
+        let (verified, frame) = whole.verify(&mut search, &drawn.candidate.scene, usize::MAX, &share)?;
+        *last = verified;
+        if verified.error <= bound.error {
+            best = Some((drawn.clone(), verified, frame));
         }
     }
     progress(1.0);
@@ -253,79 +324,70 @@ struct Whole<'a> {
     stage: Stage<'a>,
     bound: ErrorBound,
     known: Option<Known>,
-    /// The last picture that another one may be held against; no more, since it may be large.
-    other: Option<(Scene, Frame)>,
 }
 
 impl Whole<'_> {
-    /// Draws a scene with the painter of a search, holds it against what is known, and finds its error. What the search has no
-    /// reference for has none here.
+    /// Draws a scene with the painter of a search, and looks at pixels, `most` of them or, where the metric is of the worst pixels,
+    /// all, until they show that the picture keeps the bound or does not. What the search has no reference for has none here.
     fn verify(
         &mut self,
         search: &mut Search<'_>,
         scene: &Scene,
+        most: usize,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<(Verified, Frame), RenderError> {
-        let Whole { stage, bound, known, other } = self;
-        let (painter, has_reference) = (&mut search.painter, search.unverified.is_none());
-        let (frame, mut ms) = draw(painter, scene, 1.0)?;
-        let with = |samples: u32| {
-            let mut scene = scene.clone();
-            scene.quality.samples = samples;
-            scene
-        };
-        let known = match known {
-            Some(known) => known,
-            none => none.insert(match has_reference {
-                true => {
-                    let times = |times: f64| with((times * f64::from(scene.quality.samples)).ceil() as u32);
-                    let bends = scene.effect.ray_path == RayPath::Refracted;
-                    let more = Some(times(APART_BENT)).filter(|more| bends && more.check(stage.library).is_ok());
-                    let apart = more.unwrap_or_else(|| times(APART));
-                    let drawn = draw(painter, &apart, 1.0)?.0;
-                    let (_, apart) = other.insert((apart, drawn));
-                    Known::by_reference(*stage, scene, [&frame, apart], PIXELS, OWN * bound.error, progress)
-                        .map_err(ended)?
-                }
-                false => Known::by_finer_picture(painter, *stage, scene, (bound.metric, bound.error))
+        let Whole { stage, bound, known } = self;
+        let ErrorBound { metric, error } = *bound;
+        let (frame, mut ms) = draw(&mut search.painter, scene, 1.0)?;
+        if frame.pixels.as_flattened().iter().any(|channel| !channel.is_finite()) {
+            return Err(RenderError::Worker("some of its pixels are no numbers".into()));
+        }
+        let known = match (&mut *known, search.unverified.is_none()) {
+            (Some(known), _) => known,
+            (none, true) => none.insert(Known::by_reference(*stage, scene, OWN * error).map_err(ended)?),
+            (none, false) => none.insert(
+                Known::by_finer_picture(&mut search.painter, *stage, scene, (metric, error))
                     .map_err(|error| RenderError::Worker(error.to_string()))?,
-            }),
+            ),
         };
-        let of = |errors: Errors| errors.by(bound.metric);
-        let estimate = of(known.own);
-        let found = known.error(&frame, bound.metric) + estimate;
-        let pixels = [known.count(), known.proven];
-        if found > CARE * bound.error {
-            *other = Some((scene.clone(), frame.clone()));
-            return Ok((Verified { error: found, estimate, pixels, ms }, frame));
+        let verified = |known: &Known, scores: Option<&[f64]>, ms| {
+            let ([estimate, open], pixels) = (known.own(metric), known.counts());
+            let found = known.error(&frame, metric) + estimate;
+            let below = scores.map(|scores| known.at_most(&frame, scores, metric) + estimate);
+            Verified { error: below.filter(|_| found <= error).unwrap_or(found), found, estimate, open, pixels, ms }
+        };
+        let first = verified(known, None, ms);
+        if first.found > error {
+            return Ok((first, frame));
         }
         if ms < AGAIN_MS {
-            ms = ms.min(draw(painter, scene, 1.0)?.1); // short times are disturbed by what is done once
+            ms = ms.min(draw(&mut search.painter, scene, 1.0)?.1); // short times are disturbed by what is done once
         }
-        // A few pixels with most of the error may not be among those that are known: the difference from other samples is
-        // known in all of them, and how it is related to the error in those.
-        let samples = scene.quality.samples;
-        let serves = |(own, _): &(Scene, Frame)| {
-            let times = f64::from(own.quality.samples) / f64::from(samples);
-            let mut alike = with(own.quality.samples);
-            // Rays and slices have the same samples, and end as early as they say.
-            alike.quality.pass = own.quality.pass;
-            alike.quality.early_termination = own.quality.early_termination;
-            OTHER.iter().any(|range| range.contains(&times)) && *own == alike
-        };
-        let (_, other) = match other.take().filter(serves) {
-            Some(serving) => other.insert(serving),
-            None => {
-                let half = with((samples / 2).max(1));
-                let frame = draw(painter, &half, 1.0)?.0;
-                other.insert((half, frame))
+        let apart = draw(&mut search.painter, &apart(scene, stage.library), 1.0)?.0;
+        let scores = known.scores(&frame, &apart, *bound);
+        let most = if matches!(metric, Metric::Max | Metric::P999) { usize::MAX } else { most };
+        let mut pixels = PIXELS;
+        loop {
+            known.look(*stage, &scores, pixels, progress).map_err(ended)?;
+            let verified = verified(known, Some(&scores), ms);
+            if known.is_whole() || verified.found > error || verified.error <= error || pixels >= most {
+                return Ok((verified, frame));
             }
-        };
-        let all: Vec<[f64; 4]> = other.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
-        let (here, everywhere) = (of(known.difference(&frame, other)), of(Errors::between(&frame.pixels, &all)));
-        let error = found.max(if here > 0.0 { everywhere * found / here } else { everywhere });
-        Ok((Verified { error, estimate, pixels, ms }, frame))
+            pixels *= 2;
+        }
     }
+}
+
+/// A scene with other samples, of which few are at the same places.
+fn apart(scene: &Scene, library: &Library) -> Scene {
+    let times = |times: f64| {
+        let mut other = scene.clone();
+        other.quality.samples = (times * f64::from(scene.quality.samples)).ceil() as u32;
+        other
+    };
+    let bends = scene.effect.ray_path == RayPath::Refracted;
+    let more = Some(times(APART_BENT)).filter(|more| bends && more.check(library).is_ok());
+    more.unwrap_or_else(|| times(APART))
 }
 
 /// A reference that was there for the small picture and is not for the whole.

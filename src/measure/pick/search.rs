@@ -4,7 +4,7 @@ mod prospects;
 
 use super::ahead::Ahead;
 use super::known::{Known, draw};
-use super::{CARE, ErrorBound, PATIENCE, PickError, SAMPLES, candidates, rules};
+use super::{CARE, ErrorBound, PATIENCE, PickError, SAMPLES, Verified, candidates, rules};
 use crate::measure::compare::candidates::{Candidate, Curve};
 use crate::measure::compare::{CompareError, Stage};
 use crate::measure::reference::ReferenceError;
@@ -101,16 +101,19 @@ impl<'a> Search<'a> {
         let Some((look, frame)) = first else {
             return Err(failed.into_iter().next().map_or(CompareError::Nothing.into(), |(_, error)| error.into()));
         };
-        let (known, unverified) =
-            match Known::by_reference(stage, &look, [&frame; 2], PIXELS, OWN * bound.error, progress) {
-                Ok(known) => (known, None),
-                Err(ReferenceError::Render(error)) => return Err(error.into()),
-                Err(ReferenceError::Stopped) => return Err(PickError::Stopped),
-                Err(why) => {
-                    let own = (bound.metric, bound.error);
-                    (Known::by_finer_picture(&mut painter, stage, &small(scene), own)?, Some(why.to_string()))
-                }
-            };
+        let by_reference = Known::by_reference(stage, &look, OWN * bound.error).and_then(|mut known| {
+            let scores = known.scores(&frame, &frame, bound);
+            known.look(stage, &scores, PIXELS, progress).map(|()| known)
+        });
+        let (known, unverified) = match by_reference {
+            Ok(known) => (known, None),
+            Err(ReferenceError::Render(error)) => return Err(error.into()),
+            Err(ReferenceError::Stopped) => return Err(PickError::Stopped),
+            Err(why) => {
+                let own = (bound.metric, bound.error);
+                (Known::by_finer_picture(&mut painter, stage, &small(scene), own)?, Some(why.to_string()))
+            }
+        };
         Ok(Search {
             began,
             painter,
@@ -206,15 +209,18 @@ impl<'a> Search<'a> {
     }
 
     /// Why nothing was picked; `nearest` is the whole picture with the least error.
-    pub(super) fn refusal(&mut self, bound: ErrorBound, nearest: Option<(String, [f64; 2])>) -> PickError {
+    pub(super) fn refusal(&mut self, bound: ErrorBound, nearest: Option<(Drawn, Verified)>) -> PickError {
         if self.drawn.is_empty() && !self.failed.is_empty() {
             return self.failed.swap_remove(0).1.into();
         }
-        let (least, own) = (self.drawn.iter().min_by(|a, b| a.error.total_cmp(&b.error)), self.known.own);
-        let own = own.by(bound.metric);
-        let nearest = nearest.or_else(|| least.map(|near| (near.candidate.label(), [near.error + own, own])));
-        let (nearest, [found, own]) = nearest.unwrap_or(("none".into(), [f64::INFINITY, 0.0]));
-        PickError::Bound { metric: bound.metric, asked: bound.error, nearest, own, found }
+        let least = || self.drawn.iter().min_by(|a, b| a.error.total_cmp(&b.error));
+        let [own, _] = self.known.own(bound.metric);
+        let (nearest, found, own) = match (nearest, least()) {
+            (Some((nearest, verified)), _) => (nearest.candidate.label(), verified.error, verified.estimate),
+            (None, Some(near)) => (near.candidate.label(), near.error + own, own),
+            (None, None) => ("none".into(), f64::INFINITY, 0.0),
+        };
+        PickError::Bound { metric: bound.metric, asked: bound.error, nearest, own, found, allow: None }
     }
 
     /// The candidate drawn small, now or before; `None` where that cannot be.

@@ -8,7 +8,7 @@ use crate::support::disk_cache::{self, Kind};
 use serde::{Deserialize, Serialize};
 
 /// Raise it when the same scene may give another pick.
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 /// A few thousand picks.
 const KIND: Kind = Kind { ends: &["pick"], limit: 16 << 20 };
 

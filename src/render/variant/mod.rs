@@ -117,14 +117,8 @@ impl Variant {
     }
 
     /// Whether the matter of every object begins at a surface, at once.
-    pub(crate) fn is_hard(&self) -> bool {
+    pub(super) fn is_hard(&self) -> bool {
         self.softness().all(|name| name == "hard")
-    }
-
-    /// Whether that of any does.
-    #[cfg(feature = "measure")]
-    pub(crate) fn has_hard(&self) -> bool {
-        self.softness().any(|name| name == "hard")
     }
 
     /// Whether a warp moves what is looked up of any object.

@@ -16,16 +16,6 @@ fn soft_matter_is_found_and_shaded_at_once_on_a_gpu() {
     assert_eq!([true, false].map(|on_processor| suited("lit", on_processor)), ["skip"; 2]);
 }
 
-#[cfg(feature = "measure")]
-#[test]
-fn some_matter_of_a_scene_may_be_hard_and_some_soft() {
-    let of = |name: &str| {
-        let variant = Variant::of(&preset(name).unwrap(), &shader::shipped()).unwrap();
-        [variant.has_hard(), variant.is_hard()]
-    };
-    assert_eq!(["lit", "tank", "fur"].map(of), [[true, true], [true, false], [false, false]]);
-}
-
 fn program(scene: &Scene) -> Program {
     let library = shader::shipped();
     Variant::of(scene, &library).unwrap().program(&library, Linker::new).unwrap()

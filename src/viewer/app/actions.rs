@@ -3,6 +3,7 @@
 use super::App;
 use crate::measure::metric::Metric;
 use crate::measure::pick::{ErrorBound, Pick};
+use crate::measure::statistics::rounded_up;
 use crate::scene::{self, Camera, Scene};
 use crate::viewer::keys::Action;
 use crate::viewer::panels::{Question, Request, SIDES};
@@ -203,8 +204,8 @@ impl App {
         self.model.end_undo_group();
         if good {
             let by = if pick.unverified.is_none() { "the f64 reference" } else { "a finer picture" };
-            let error = pick.verified.error;
-            self.note(format!("drawn with {}: error {error:.1e} by {by}", pick.settings));
+            let error = rounded_up(pick.verified.error);
+            self.note(format!("drawn with {}: error at most {error:.1e} by {by}", pick.settings));
         }
     }
 

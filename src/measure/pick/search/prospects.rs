@@ -27,14 +27,16 @@ impl Search<'_> {
     }
 
     pub(super) fn fits(&self, drawn: &Drawn) -> bool {
-        let is_within = self.error(drawn) <= CARE * self.bound.error;
-        is_within && (self.lesson(drawn).is_some() || !self.is_near_failed(drawn))
+        match self.lesson(drawn) {
+            Some(lesson) => lesson.error <= self.bound.error,
+            None => self.error(drawn) <= CARE * self.bound.error && !self.is_near_failed(drawn),
+        }
     }
 
     /// The fewest samples of a curve that whole pictures of it which failed do not speak against; of one that is stuck, those of
     /// the other pass as well.
     pub(super) fn least_hopeful(&self, curve: &Curve) -> u32 {
-        let bound = CARE * self.bound.error;
+        let bound = self.bound.error;
         let is_stuck = self.stuck.iter().any(|stuck| has_samples_of(stuck, curve));
         let speaks = |of: &Curve| of == curve || is_stuck && has_samples_of(of, curve);
         let failed = self.lessons.iter().filter(|lesson| speaks(&lesson.curve) && lesson.error > bound);
