@@ -11,8 +11,9 @@ use crate::support::write_whole;
 use std::error::Error;
 use std::path::Path;
 
-/// Writes the map of a picture: .exr with the absolute error of each channel of premultiplied linear RGBA and, as
-/// `estimate`, how far the reference itself may be off; .png with the worst channel as a color.
+/// Writes the map of a picture: .exr with the absolute error of each channel of premultiplied linear RGBA, as
+/// `estimate` how far the reference itself may be off, as far as samples say, and as `open` the opacity that they may have
+/// overlooked; .png with the worst channel as a color.
 pub(super) fn write_error_map(picture: &Picture<'_>, frame: &Frame, path: &Path) -> Result<(), Box<dyn Error>> {
     let Picture { library, scene, subject, quiet, .. } = *picture;
     let known = with_progress(quiet, "error map", |progress| {
@@ -26,9 +27,11 @@ pub(super) fn write_error_map(picture: &Picture<'_>, frame: &Frame, path: &Path)
             .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?,
         false => {
             let of = |c: usize| off.iter().map(|off| off[c] as f32).collect::<Vec<f32>>();
-            let estimate = known.estimate.iter().map(|estimate| *estimate as f32).collect();
-            let channels = [("R", of(0)), ("G", of(1)), ("B", of(2)), ("A", of(3)), ("estimate", estimate)];
-            write_map(path, frame.size, &channels)?;
+            let [estimate, open] =
+                [&known.estimate, &known.open].map(|values| values.iter().map(|value| *value as f32).collect());
+            let own = [("estimate", estimate), ("open", open)];
+            let channels = [("R", of(0)), ("G", of(1)), ("B", of(2)), ("A", of(3))].into_iter().chain(own);
+            write_map(path, frame.size, &channels.collect::<Vec<_>>())?;
         }
     }
     if !quiet {
@@ -37,9 +40,10 @@ pub(super) fn write_error_map(picture: &Picture<'_>, frame: &Frame, path: &Path)
         let [x, y] = [at % frame.size[0] as usize, at / frame.size[0] as usize];
         let Errors { rmse, max, p999, .. } = Errors::between(&frame.pixels, &known.pixels);
         say(&format!(
-            "error      rmse {rmse:.1e}, max {max:.1e} in pixel {x}, {y}, 99.9 % of the pixels below {p999:.1e}; known to {:.0e}, \
-             {} of {} pixels proven to have all that is there\nwrote {}\n",
+            "error      rmse {rmse:.1e}, max {max:.1e} in pixel {x}, {y}, 99.9 % of the pixels below {p999:.1e}; known to {:.0e} as \
+             samples say, to {:.0e} by proof, which is whole in {} of {} pixels\nwrote {}\n",
             known.error(),
+            known.bound(),
             known.proven(),
             known.pixels.len(),
             absolute(path)

@@ -48,12 +48,12 @@ pub struct Render {
     /// How that error is measured: rmse (linear RGBA), covered (the same where there is something), rgb, opacity, max, p999.
     #[arg(long, default_value = "rmse", value_parser = metric, requires = "max_error")]
     pub metric: Metric,
-    /// Write how far each pixel is from the f64 reference: .exr (absolute error of premultiplied linear RGBA, and `estimate`, the
-    /// error of the reference) or .png (colors, from 1e-5 to 1).
+    /// Write how far each pixel is from the f64 reference: .exr (absolute error of premultiplied linear RGBA, `estimate`, the
+    /// error of the reference as samples say, and `open`, the opacity that they may have overlooked) or .png (colors, from 1e-5 to 1).
     #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
     pub error_map: Option<PathBuf>,
     /// Write which pixels are not to be trusted, each in the color of the setting that is the cause, as .png: what changes when
-    /// samples, parts of a pixel, voxels and formats are made better one at a time.
+    /// samples, parts of a pixel, voxels and formats are made better one at a time, and what bounds of the f64 reference leave open.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
     pub validity: Option<PathBuf>,
     /// Render part K, from 0 to N - 1, of a picture or of the frames; without a value, the part that Slurm or

@@ -114,8 +114,12 @@ fn set(corner: &Corner) -> impl Iterator<Item = String> + '_ {
 }
 
 fn verdict(corner: &Corner) -> String {
+    let [samples, proof] = corner.known_to;
     let error = match corner.error {
-        Some(error) => format!("error {error:.1e}, known to {:.0e}; jump {:.1e}", corner.known_to, corner.jump),
+        Some(error) => format!(
+            "error {error:.1e}, known to {samples:.0e} as samples say, to {proof:.0e} by proof; jump {:.1e}",
+            corner.jump
+        ),
         None => String::new(),
     };
     [error, corner.why.clone()].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("; ")

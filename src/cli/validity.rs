@@ -3,8 +3,10 @@
 use super::picture::Picture;
 use super::{absolute, say, with_progress};
 use crate::measure::compare::report::images::png_of;
-use crate::measure::validity::{Found, TRUSTED, Validity, validity};
+use crate::measure::reference::{TOLERANCE, reference};
+use crate::measure::validity::{Found, OPEN, TRUSTED, Validity, validity};
 use crate::render::Frame;
+use crate::scene::RayPath;
 use crate::support::write_whole;
 use std::convert::Infallible;
 use std::error::Error;
@@ -13,8 +15,17 @@ use std::path::Path;
 /// Writes the validity of a picture: in grey what is to be trusted, in the color of its cause what is not.
 pub(super) fn write_validity(picture: &Picture<'_>, frame: &Frame, path: &Path) -> Result<(), Box<dyn Error>> {
     let Picture { gpu, library, scene, subject, quiet, .. } = *picture;
-    let validity =
+    let mut validity =
         with_progress(quiet, "validity", |_| Ok::<_, Infallible>(validity(gpu, library, scene, subject, frame)))?;
+    let known = with_progress(quiet, "reference", |progress| {
+        Ok::<_, Infallible>(match scene.effect.ray_path {
+            RayPath::Refracted => {
+                Err("no bounds follow a ray that bends; --error-map compares it with its reference".to_string())
+            }
+            _ => reference(library, scene, subject, TOLERANCE, progress, &|| false).map_err(|error| error.to_string()),
+        })
+    })?;
+    validity.add_open(&frame.pixels, known.as_ref().map_err(Clone::clone));
     write_whole(path, &png_of(frame.size, &validity.colors(&frame.pixels)))
         .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
@@ -24,8 +35,10 @@ pub(super) fn write_validity(picture: &Picture<'_>, frame: &Frame, path: &Path) 
 }
 
 fn words(validity: &Validity) -> String {
+    let is_proven = validity.found.iter().any(|found| found.cause.name == OPEN.name && found.most.is_ok());
+    let proven = if is_proven { "are proven to show all that is there, and " } else { "" };
     let mut text = format!(
-        "validity   {:.1} % of {} pixels change by less than {TRUSTED:.1e} whatever is made better\n",
+        "validity   {:.1} % of {} pixels {proven}change by less than {TRUSTED:.1e} whatever is made better\n",
         validity.trusted(),
         validity.covered
     );

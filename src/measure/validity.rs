@@ -2,8 +2,11 @@
 //!
 //! Role: the picture is drawn again with one thing at a time made better, or off by what is rounded away ([`CAUSES`]). A
 //! pixel that changes by more than a person may see is not to be trusted, and what changes it most is why. Invariant:
-//! nothing is asked of the scene's modules, so that it holds for every scene and for modules of one's own.
+//! nothing is asked of the scene's modules, so that it holds for every scene and for modules of one's own. What all drawings
+//! miss, bounds of the reference leave open, where there is one ([`OPEN`]).
 
+use super::reference::{Reference, UNSEEN};
+use super::statistics::largest;
 use crate::gpu::Gpu;
 use crate::render::variant::Variant;
 use crate::render::{Frame, RenderError, Renderer, Subject};
@@ -149,6 +152,15 @@ fn changed(scene: &Scene, applies: bool, change: impl FnOnce(&mut Scene)) -> Opt
     applies.then_some(better)
 }
 
+/// What no drawing shows: matter that is so thin that all of them miss it, or may.
+pub const OPEN: Cause = Cause {
+    name: "open",
+    why: "the f64 reference has what all drawings miss, or its bounds leave open whether it does: thicker matter, fewer octaves",
+    color: [73, 0, 146],
+    stays: false,
+    other: Other::Scene(|_| None),
+};
+
 /// What one cause does to a picture.
 #[derive(Clone, Debug)]
 pub struct Found {
@@ -240,12 +252,32 @@ pub fn examine(
 }
 
 impl Validity {
+    /// Adds what the reference of a picture has that its pixels do not, and the opacity that its bounds leave [`OPEN`], or why there
+    /// is no reference; it is the cause in pixels that no drawing changes.
+    pub fn add_open(&mut self, pixels: &[[f32; 4]], reference: Result<&Reference, String>) {
+        let (at, mut count) = (self.found.len(), 0);
+        let most = reference.map(|Reference { pixels: known, open, .. }| {
+            let mut most = 0.0f64;
+            for (index, (pixel, open)) in pixels.iter().zip(open).enumerate() {
+                let off = largest((0..4).map(|c| (f64::from(pixel[c]) - known[index][c]).abs()));
+                most = most.max(off.max(*open));
+                if self.of[index].is_none() && (off > TRUSTED || *open > UNSEEN) {
+                    self.of[index] = Some((at, off.max(*open)));
+                    self.covered += usize::from(pixel[3] <= 0.0);
+                    count += 1;
+                }
+            }
+            most
+        });
+        self.found.push(Found { cause: &OPEN, most, pixels: count });
+    }
+
     /// How much of what is covered so many pixels are, percent.
     pub fn percent(&self, pixels: usize) -> f64 {
         100.0 * pixels as f64 / self.covered.max(1) as f64
     }
 
-    /// Pixels that no setting changes, percent of those that are covered.
+    /// Pixels that have no cause, percent of those that are covered.
     pub fn trusted(&self) -> f64 {
         100.0 - self.percent(self.found.iter().map(|found| found.pixels).sum())
     }

@@ -2,10 +2,11 @@
 
 use crate::common::{picture, subject, with_gpu};
 use glam::DVec3;
-use hypertexture::measure::reference::{TOLERANCE, reference_pixels, truth_of};
+use hypertexture::measure::reference::{TOLERANCE, reference, reference_pixels, truth_of};
+use hypertexture::measure::validity::{TRUSTED, validity};
 use hypertexture::measure::verify::{self, AnalyticCase, rays};
 use hypertexture::render::Subject;
-use hypertexture::scene::{Curve, EFFECTS, Filter, Integration, Pass, Scene, names, preset};
+use hypertexture::scene::{Curve, EFFECTS, Filter, Integration, Pass, Scene, names, parse, preset};
 use hypertexture::shader::{self, Library};
 
 /// Light and estimate of every pixel.
@@ -63,6 +64,40 @@ fn what_it_says_of_its_error_is_true() {
         println!("{name}: {off:.1e} off, says {said:.1e}; {beyond} of {} pixels are beyond that", coarse.len());
         assert!(beyond * 100 <= coarse.len(), "{name}: {beyond} pixels are farther off than they say");
     }
+}
+
+/// A ray that meets a sphere meets its shell, however thin that is: where samples miss it, bounds leave it open, and where
+/// drawings miss it, their pixels are not called sound.
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn what_samples_miss_is_left_open() {
+    with_gpu(|gpu| {
+        let library = shader::shipped();
+        let text = "[object]\ninput = \"sphere\"\nshell = 1e-4\n[image]\nsize = [48, 48]\n";
+        let scene = parse(text, "scene").expect("a scene");
+        let subject = subject(&scene, &library);
+        let known = reference(&library, &scene, &subject, TOLERANCE, &|_| (), &|| false).expect("a reference");
+        let frame = picture(gpu, &library, &scene, &subject);
+        let mut validity = validity(gpu, &library, &scene, &subject, &frame);
+        validity.add_open(&frame.pixels, Ok(&known));
+        let (mut missed, mut wrong) = (0, 0);
+        for (index, ray) in rays(&scene, &subject).iter().enumerate() {
+            let impact = ray.impact();
+            if (impact - 1.0).abs() < 1e-3 {
+                continue; // at its rim
+            }
+            let truth = f64::from(u8::from(impact < 1.0));
+            let off = (known.pixels[index][3] - truth).abs();
+            let [estimate, open] = [known.estimate[index], known.open[index]];
+            assert!(off <= estimate + open + 1e-6, "{index}: {off} is no part of {estimate} and {open}");
+            missed += usize::from(off > estimate + 0.1);
+            let is_wrong = (f64::from(frame.pixels[index][3]) - truth).abs() > TRUSTED;
+            assert!(!is_wrong || validity.of[index].is_some(), "{index} is wrong, and called sound");
+            wrong += usize::from(is_wrong);
+        }
+        println!("the reference misses the shell in {missed} pixels, the picture in {wrong}");
+        assert!(missed > 20 && wrong > 100, "{missed} {wrong}");
+    });
 }
 
 #[test]

@@ -24,8 +24,9 @@ pub struct Corner {
     pub changes: Vec<(String, f32)>,
     /// Largest error of linear light of the known pixels; `None` where there is no picture to tell one of.
     pub error: Option<f64>,
-    /// How far that may be off: the error of the reference itself, as far as samples say.
-    pub known_to: f64,
+    /// How far that may be off: the error of the reference itself, as far as samples say, and with all that they may have
+    /// overlooked.
+    pub known_to: [f64; 2],
     /// How much more a pixel changes from a value to its neighbor than from that to the next: a jump.
     pub jump: f64,
     /// Why there is no picture, or no reference; empty where there are both.
@@ -147,8 +148,14 @@ impl Work<'_> {
     }
 
     fn corner(&self, changes: &[(String, f32)]) -> Corner {
-        let mut corner =
-            Corner { changes: changes.to_vec(), error: None, known_to: 0.0, jump: 0.0, why: String::new(), ok: true };
+        let mut corner = Corner {
+            changes: changes.to_vec(),
+            error: None,
+            known_to: [0.0; 2],
+            jump: 0.0,
+            why: String::new(),
+            ok: true,
+        };
         let scene = self.changed(changes);
         if let Err(error) = scene.check(self.library) {
             corner.why = error.to_string(); // with others, a value may be refused by name
@@ -181,7 +188,7 @@ impl Work<'_> {
                     most = off.fold(most, f64::max);
                 }
                 corner.error = Some(most);
-                corner.known_to = reference.error();
+                corner.known_to = [reference.error(), reference.bound()];
             }
             Err(error) => corner.why = error.to_string(),
         }

@@ -22,8 +22,8 @@ pub struct Exact {
     pub value: [f64; 4],
     /// How far off its worst channel may be, as far as samples say.
     pub error: f64,
-    /// Whether bounds prove that samples have overlooked nothing that can be seen.
-    pub proven: bool,
+    /// The most opacity that samples may have overlooked.
+    pub open: f64,
 }
 
 /// What is known of a pixel.
@@ -154,7 +154,7 @@ fn exact(
     let truth = truth_of(scene, library).map_err(|error| error.to_string())?;
     let found = reference_pixels(library, &truth, subject, &[pixel], tolerance, &|_| (), stop);
     let found = found.map_err(|error| error.to_string())?;
-    Ok(Exact { value: found.pixels[0], error: found.estimate[0], proven: found.proven() == 1 })
+    Ok(Exact { value: found.pixels[0], error: found.estimate[0], open: found.open[0] })
 }
 
 /// The scene without each module that its matter has one after another, and without its shadows.

@@ -1,6 +1,7 @@
 //! The window about a pixel, and the mark at it.
 
 use super::{Answers, Exact, Inspector, Kept};
+use crate::measure::reference::UNSEEN;
 use crate::render::Along;
 use crate::viewer::panels::widgets::{button, named};
 use egui::{
@@ -80,9 +81,12 @@ impl Inspector {
             row(ui, "error", "Value less reference.", error);
         });
         match &self.answers.exact {
-            Some(Ok(Exact { error, proven, .. })) => {
-                let proven = if *proven { ", nothing overlooked" } else { "" };
-                ui.label(RichText::new(format!("reference to ±{error:.0e}{proven}")).weak());
+            Some(Ok(Exact { error, open, .. })) => {
+                let overlooked = match *open <= UNSEEN {
+                    true => "nothing overlooked".into(),
+                    false => format!("bounds leave {open:.0e} of opacity open"),
+                };
+                ui.label(RichText::new(format!("reference to ±{error:.0e}, {overlooked}")).weak());
             }
             Some(Err(reason)) => drop(ui.add(Label::new(RichText::new(reason).weak()).wrap())),
             None if self.answers.done => drop(ui.label(RichText::new("reference: given up").weak())),

@@ -41,7 +41,10 @@ impl RenderThread {
     pub(super) fn tell_validity(&self, job: &Job, validity: &Validity, own: &[[f32; 4]], gpu_ms: f64) {
         let picture = Picture::of(job, Stage::Validity, gpu_ms);
         let images = vec![ColorImage::from_rgb(picture.size.map(|side| side as usize), &validity.colors(own))];
-        let trusted = format!("{:.1} % change by less than {TRUSTED:.1e} whatever is made better", validity.trusted());
+        let trusted = format!(
+            "{:.1} % change by less than {TRUSTED:.1e} whatever is made better; what bounds leave open, render --validity shows",
+            validity.trusted()
+        );
         let line = |Found { cause, pixels, .. }: &Found| {
             (cause.color, format!("{} {:.1} %: {}", cause.name, validity.percent(*pixels), cause.why))
         };
