@@ -31,7 +31,7 @@ const float GLASS = 0.0399;             // part of the light that glass reflects
 struct Ray {
     vec3 at;
     vec3 along;     // unit
-    vec3 bent;      // the last point at which it bent, or the eye: how wide it has become is measured from there
+    vec3 bent;      // the last point at which it bent, or the eye: how much wider it becomes is measured from there
     Index medium;
 };
 
@@ -57,8 +57,13 @@ vec3 tint = vec3(1.0);                  // of the rest: not absorbed
 
 float pixel_angle() { return picture_scale.y * ray_scale.y; }
 
+vec3 eye;                               // where the ray begins
+
+// A ray is as wide at a point as if it had come there straight, however much it bends there: it is asked from where it would
+// have had no width.
 void add_environment(float share, vec3 at, vec3 along, float spread) {
-    vec4 seen = environment(at, along, spread);
+    vec3 from = at - along * (distance(eye, at) * pixel_angle() / spread);
+    vec4 seen = environment(from, along, spread);
     sum += share * vec4(tint * seen.rgb, 1.0 - (1.0 - seen.a) * dot(tint, vec3(1.0 / 3.0)));
 }
 
@@ -120,7 +125,7 @@ void main() {
     float last = min(floor((inside.y - first_depth) / step_size), slice_count - 1.0);
     Ray ray;
     ray.along = normalize(per_depth);
-    ray.at = ray.bent = ray_at(ndc, 0.0) - center_eye;
+    ray.at = ray.bent = eye = ray_at(ndc, 0.0) - center_eye;
     bool straight = true;               // so far: then the samples are those of the planes, to the bit
     if (first <= last) {
         float before_first = first_depth + (first - 1.0) * step_size;           // an interface may lie before the first

@@ -1,8 +1,8 @@
 // A studio: a tiled floor that runs into a backdrop, a window with panes, and strips of light. It stays level and turns
 // with the eye, as the light does: the object stands on a turntable.
 // Source: PH 2.4 and 3.1 (refraction and reflection need something to show); the room is ours.
-// from: object's center, axes of the eye; along: unit; spread: radians between rays of neighboring pixels, of which the
-// pattern of the floor is the mean; result: opaque linear RGBA, brighter than 1 in the lights.
+// from: of the ray, where it would have no width, object's center, axes of the eye; along: unit; spread: radians between rays of
+// neighboring pixels, of which the pattern of the floor is the mean; result: opaque linear RGBA, brighter than 1 in the lights.
 // @color backdrop_color = #4d5b73: Color of the backdrop at its top.
 // @color horizon_color = #d5dade: Color of the backdrop where the floor runs into it.
 // @color tile_color = #f2efe8: Color of the light tiles of the floor.

@@ -1,6 +1,6 @@
 //! Rays that bend: Snell, Fresnel, total reflection and smooth indices against closed forms and an exact tracer.
 
-use crate::common::{Ray, picture, rays, subject, with_gpu};
+use crate::common::{Ray, difference, picture, rays, subject, with_gpu};
 use glam::{DMat3, DVec3};
 use hypertexture::gpu::Gpu;
 use hypertexture::measure::verify::{self, TRUTHS, Truth, clear};
@@ -322,6 +322,24 @@ fn p28_surroundings_beside_glass_are_as_they_are_without_it() {
             let off = beside.clone().flat_map(|((a, b), _)| (0..4).map(|c| (a[c] - b[c]).abs())).fold(0.0, f32::max);
             assert!(beside.count() > 2000 && off < 1e-4, "off by {off:e}");
         }
+    });
+}
+
+/// What is behind glass that hardly bends light is as sharp as behind glass that does not bend it.
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn p28_a_picture_goes_on_steadily_where_the_index_begins() {
+    with_gpu(|gpu| {
+        let mut scene = preset("blue_glass").expect("a shipped preset");
+        scene.image.size = [96, 96];
+        scene.quality.supersampling = 1;
+        let subject = subject(&scene, &library());
+        let [straight, bent] = [1.0, 1.000_000_1].map(|index| {
+            scene.transfer.stops[1].index = index;
+            picture(gpu, &library(), &scene, &subject)
+        });
+        let (most, _) = difference(&straight, &bent);
+        assert!(straight.pixels != bent.pixels && most < 0.02, "{most}");
     });
 }
 
