@@ -37,7 +37,7 @@ const MORE: usize = 4 * PIXELS;
 const VERIFIED: usize = 8;
 /// A picture is worth a whole one whose error should be below this part of the bound: the rest is for the pixels that are not
 /// looked at. Less: slower pictures are picked. More: whole ones are drawn in vain.
-const CARE: f64 = 0.9;
+const CARE: f64 = 0.85;
 /// A whole picture that takes less than this is drawn again for its time, milliseconds.
 const AGAIN_MS: f64 = 200.0;
 /// The reference of a whole picture may be wrong by this part of the bound. Less: it takes longer. More: it is a part of the
@@ -286,7 +286,8 @@ fn fastest(
             next.error
         );
         search.learn(&next, error);
-        if nearest.as_ref().is_none_or(|(_, nearest)| error < nearest.error) {
+        let rank = |of: &Verified| (of.found > bound.error, of.error);
+        if nearest.as_ref().is_none_or(|(_, nearest)| rank(&verified) < rank(nearest)) {
             nearest = Some((next.clone(), verified));
         }
         if error <= bound.error && best.as_ref().is_none_or(|(_, best, _)| verified.ms < best.ms) {
@@ -370,7 +371,11 @@ impl Whole<'_> {
         loop {
             known.look(*stage, &scores, pixels, progress).map_err(ended)?;
             let verified = verified(known, Some(&scores), ms);
-            if known.is_whole() || verified.found > error || verified.error <= error || pixels >= most {
+            // What the pixels that were not looked at may have goes down with their number at most.
+            let squares = [verified.found, verified.error].map(|error| error * error);
+            let by_most = squares[0] + (squares[1] - squares[0]) * pixels as f64 / most as f64;
+            let is_in_vain = pixels >= most || most < usize::MAX && by_most > error * error;
+            if known.is_whole() || verified.found > error || verified.error <= error || is_in_vain {
                 return Ok((verified, frame));
             }
             pixels *= 2;
