@@ -162,8 +162,8 @@ pub enum PickError {
 /// An error, and how much of it is that of the truth, where that is much.
 fn known(error: f64, own: f64) -> String {
     match own > 0.1 * error {
-        true => format!("{error:.1e}, of which the truth may be wrong by {own:.1e} itself"),
-        false => format!("{error:.1e}"),
+        true => format!("{:.1e}, of which the truth may be wrong by {own:.1e} itself", rounded_up(error)),
+        false => format!("{:.1e}", rounded_up(error)),
     }
 }
 
