@@ -272,7 +272,7 @@ fn fastest(
             break;
         }
         let Some(next) = search.next(best.as_ref().map(|(drawn, ..)| drawn), &share) else { break };
-        let (verified, frame) = match whole.verify(&mut search, &next.candidate.scene, MORE, &share) {
+        let (verified, expected, frame) = match whole.verify(&mut search, &next.candidate.scene, MORE, &share) {
             Ok(verified) => verified,
             Err(_) if (stage.stop)() => return Err(PickError::Stopped),
             Err(error) => {
@@ -285,7 +285,7 @@ fn fastest(
             "{label}: {:.2e} in a small picture, {found:.2e} of the whole, below {error:.2e}, in {ms:.1} ms",
             next.error
         );
-        search.learn(&next, error);
+        search.learn(&next, expected);
         let rank = |of: &Verified| (of.found > bound.error, of.error);
         if nearest.as_ref().is_none_or(|(_, nearest)| rank(&verified) < rank(nearest)) {
             nearest = Some((next.clone(), verified));
@@ -299,7 +299,7 @@ fn fastest(
         && last.found <= bound.error
     {
         let share = |done: f32| progress(0.9 + 0.1 * done);
-        let (verified, frame) = whole.verify(&mut search, &drawn.candidate.scene, usize::MAX, &share)?;
+        let (verified, _, frame) = whole.verify(&mut search, &drawn.candidate.scene, usize::MAX, &share)?;
         *last = verified;
         if verified.error <= bound.error {
             best = Some((drawn.clone(), verified, frame));
@@ -329,14 +329,15 @@ struct Whole<'a> {
 
 impl Whole<'_> {
     /// Draws a scene with the painter of a search, and looks at pixels, `most` of them or, where the metric is of the worst pixels,
-    /// all, until they show that the picture keeps the bound or does not. What the search has no reference for has none here.
+    /// all, until they show that the picture keeps the bound or does not. Beside what was found, the error that `most` pixels would
+    /// show at best. What the search has no reference for has none here.
     fn verify(
         &mut self,
         search: &mut Search<'_>,
         scene: &Scene,
         most: usize,
         progress: &(dyn Fn(f32) + Sync),
-    ) -> Result<(Verified, Frame), RenderError> {
+    ) -> Result<(Verified, f64, Frame), RenderError> {
         let Whole { stage, bound, known } = self;
         let ErrorBound { metric, error } = *bound;
         let (frame, mut ms) = draw(&mut search.painter, scene, 1.0)?;
@@ -359,7 +360,7 @@ impl Whole<'_> {
         };
         let first = verified(known, None, ms);
         if first.found > error {
-            return Ok((first, frame));
+            return Ok((first, first.found, frame));
         }
         if ms < AGAIN_MS {
             ms = ms.min(draw(&mut search.painter, scene, 1.0)?.1); // short times are disturbed by what is done once
@@ -375,8 +376,11 @@ impl Whole<'_> {
             let squares = [verified.found, verified.error].map(|error| error * error);
             let by_most = squares[0] + (squares[1] - squares[0]) * pixels as f64 / most as f64;
             let is_in_vain = pixels >= most || most < usize::MAX && by_most > error * error;
-            if known.is_whole() || verified.found > error || verified.error <= error || is_in_vain {
-                return Ok((verified, frame));
+            if known.is_whole() || verified.found > error || verified.error <= error {
+                return Ok((verified, verified.error, frame));
+            }
+            if is_in_vain {
+                return Ok((verified, by_most.sqrt(), frame));
             }
             pixels *= 2;
         }
