@@ -31,6 +31,7 @@ layout(set = 0, binding = 0) uniform View {
     float turbulence_period;    // those of the first octave of turbulence
     float turbulence_growth;    // 1: each octave repeats after twice as many cells as the one before; 0: after as many
     float turbulence_cycle; // octaves after which that begins anew, a power of two
+    float random_mean;      // mean of |noise| of the block of random texels
     mat4 shadow_matrix;     // eye space to that of the light: the light at the origin, the scene along +z
     float shadow_rim;       // angle from the axis of the light that the shadow volume covers
     float shadow_near;      // distances from the light between which the scene is
@@ -62,7 +63,7 @@ layout(set = 0, binding = 15) uniform texture3D random_image;       // GG 39.5
 layout(set = 0, binding = 58) uniform texture2D light_before_image; // GG 39.5.1: light that is left before a slice
 layout(set = 0, binding = 56) uniform texture2D light_behind_image; // and behind it
 layout(set = 0, binding = 59) uniform texture3D cell_image;         // cells that are proven to be empty: see cells/grid.glsl
-layout(set = 0, binding = 60) uniform texture2D target_image;       // GG 39.6.2: the picture, as far as it is drawn
+layout(set = 0, binding = 60) uniform texture2D target_image;       // the picture, as far as it is drawn: see mark.frag
 #define noise_block sampler3D(noise_image, block_sampler)
 #define noise_value_block sampler3D(noise_value_image, block_sampler)
 #define turbulence_block sampler3D(turbulence_image, block_sampler)

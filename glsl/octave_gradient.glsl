@@ -3,8 +3,13 @@
 // Includes every other form of both functions; the sum alone is octave_sum.glsl's, or the strategy's own.
 // p: lattice cells of the first octave; width: of a sample, in the same cells; enough: the sum may end where it is as
 // large as this, for it only grows, to at most 1.733; result: gradient per cell in xyz, the sum in w, in [0, 1.733].
-// An octave that fades leaves its mean, so that the turbulence stays as bright as it is.
+// An octave that fades leaves its mean, so that the turbulence stays as bright as it is: OCTAVE_MEAN, which a strategy
+// defines whose octaves are no gradient noise.
 #include "octave_constants.glsl"
+#include <weights>
+#ifndef OCTAVE_MEAN
+#define OCTAVE_MEAN MEAN_OF_GRADIENTS
+#endif
 
 // Of the strategy: how many octaves it has, and the noise of one of them at p, in cells of that octave.
 int octaves_held();
@@ -19,7 +24,7 @@ vec4 turbulence_gradient(vec3 p, float width, float enough) {
         float weight = octave_weight(scale * width);
         vec4 n = weight > 0.0 ? octave_gradient(scale * p, index) : vec4(0.0);
         slope += n.w < 0.0 ? -weight * n.xyz : weight * n.xyz;      // 2^i of the chain rule and 1 / 2^i of the weight cancel
-        sum += mix(MEAN_NOISE, abs(n.w), weight) * share;
+        sum += mix(OCTAVE_MEAN, abs(n.w), weight) * share;
         if (sum >= enough) break;
         scale *= 2.0;
         share *= 0.5;

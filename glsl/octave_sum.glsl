@@ -8,7 +8,7 @@ float turbulence(vec3 p, float width, float enough) {
     for (int index = 0; index < octaves_held(); ++index) {
         float weight = octave_weight(scale * width);
         float noise = weight > 0.0 ? abs(octave(scale * p, index)) : 0.0;
-        sum += mix(MEAN_NOISE, noise, weight) * share;
+        sum += mix(OCTAVE_MEAN, noise, weight) * share;
         if (sum >= enough) break;
         scale *= 2.0;
         share *= 0.5;

@@ -4,5 +4,6 @@
 // @loops 1
 // @period memory
 #include "array_noise.glsl"
+#define NOISE_MEAN MEAN_OF_GRADIENTS
 vec4 noise_gradient(vec3 p) { return array_noise(p); }
 float noise(vec3 p) { return array_noise(p).w; }

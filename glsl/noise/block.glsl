@@ -5,5 +5,6 @@
 // @loops 1
 // @period memory
 #include "noise_fetch.glsl"
+#define NOISE_MEAN MEANS_IN_BLOCKS.z
 vec4 noise_gradient(vec3 p) { return fetched_noise_gradient(p); }
 float noise(vec3 p) { return fetched_noise(p); }

@@ -7,6 +7,7 @@
 // @period memory
 #include <filter>
 #define FOUR_NOISES
+#define NOISE_MEAN random_mean
 vec4 four_noises(vec3 p) { return 2.0 * lookup_block(random_block, p / vec3(textureSize(random_block, 0)), 0.0) - 1.0; }
 float noise(vec3 p) { return four_noises(p).a; }
 vec4 noise_gradient(vec3 p) {

@@ -5,5 +5,6 @@
 // @loops 1
 // @period memory
 #include "table_noise.glsl"
+#define NOISE_MEAN MEAN_OF_GRADIENTS
 vec4 noise_gradient(vec3 p) { return table_noise(p); }
 float noise(vec3 p) { return table_noise(p).w; }

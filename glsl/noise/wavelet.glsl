@@ -4,6 +4,7 @@
 // @loops 9
 #include "hash.glsl"
 #include <weights>
+#define NOISE_MEAN MEAN_OF_VALUES
 
 vec4 noise_gradient(vec3 p) {
     vec3 inside = clamp(p, vec3(-1048576.0), vec3(1048576.0)), base = floor(inside);

@@ -7,6 +7,7 @@
 // @period memory
 #include "octave_constants.glsl"
 #include <filter>
+#include <weights>
 
 float turbulence(vec3 p, float width, float enough) {
     float sum = 0.0, scale = 1.0;
@@ -15,7 +16,7 @@ float turbulence(vec3 p, float width, float enough) {
         vec4 weight = vec4(octave_weight(scale * width), octave_weight(2.0 * scale * width),
                            octave_weight(4.0 * scale * width), octave_weight(8.0 * scale * width));
         vec4 wanted = vec4(lessThan(first + ivec4(0, 1, 2, 3), ivec4(OCTAVES)));
-        sum += dot(mix(vec4(MEAN_NOISE), noise, weight), wanted * vec4(1.0, 0.5, 0.25, 0.125)) / scale;
+        sum += dot(mix(MEANS_IN_BLOCKS, noise, weight), wanted * vec4(1.0, 0.5, 0.25, 0.125)) / scale;
         if (sum >= enough) break;
         scale *= 16.0;
     }

@@ -22,7 +22,7 @@ float turbulence(vec3 p, float width, float enough) {
         if (sum >= enough) break;
         float weight = octave_weight(scale * width);
         float noise = weight > 0.0 ? abs(octave(scale * p, index)) : 0.0;
-        sum += mix(MEAN_NOISE, noise, weight) * share;
+        sum += mix(OCTAVE_MEAN, noise, weight) * share;
         scale *= 2.0;
         share *= 0.5;
     }

@@ -5,6 +5,7 @@
 // @loops 1
 // @period memory
 // @octaves 4
+#define OCTAVE_MEAN MEANS_IN_BLOCKS.z
 #include "octave_sum.glsl"
 #include "noise_fetch.glsl"
 int octaves_held() { return min(OCTAVES, 4); }

@@ -4,6 +4,7 @@
 // @exact procedural noise_block
 // @loops 1
 // @period memory
+#define OCTAVE_MEAN MEANS_IN_BLOCKS.z
 #include "octave_sum.glsl"
 #include "noise_fetch.glsl"
 int octaves_held() { return OCTAVES; }

@@ -2,6 +2,9 @@
 // Source: PH 2.3, MJ Eq. 4; with noise = wavelet the footnote of PH 2.3.
 // p, width, enough and results: as octave_gradient.glsl has them.
 #include <noise>
+#ifdef NOISE_MEAN
+#define OCTAVE_MEAN NOISE_MEAN
+#endif
 #include "octave_sum.glsl"
 int octaves_held() { return OCTAVES; }
 float octave(vec3 p, int index) { return noise(p); }

@@ -379,6 +379,27 @@ pub fn random_block(seed: u64, size: u32, blur: f32) -> Vec<[f32; 4]> {
     block.iter().map(|texel| texel.map(|value| 0.5 + 0.5 * value / largest)).collect()
 }
 
+/// The mean of |noise| of such a block, whose texels hold 0.5 + 0.5 noise, as its last channel is read with a linear filter:
+/// from one place in each of some texels, to about half a percent.
+pub fn random_mean(block: &[[f32; 4]], size: u32) -> f32 {
+    const PLACES: usize = 1 << 16;
+    let side = size as usize;
+    let mut random = SplitMix(1);
+    let (places, stride) = (PLACES.min(block.len()), (block.len() / PLACES).max(1));
+    let at = |random: &mut SplitMix, index: usize| {
+        let near = [index % side, index / side % side, index / side / side];
+        let part: [f32; 3] = std::array::from_fn(|_| random.unit() as f32);
+        let corner = |corner: usize| {
+            let far = [corner & 1, corner >> 1 & 1, corner >> 2];
+            let weight: f32 = (0..3).map(|a| if far[a] == 1 { part[a] } else { 1.0 - part[a] }).product();
+            let [x, y, z] = [0, 1, 2].map(|a| (near[a] + far[a]) % side);
+            weight * (2.0 * block[(z * side + y) * side + x][3] - 1.0)
+        };
+        f64::from((0..8).map(corner).sum::<f32>().abs())
+    };
+    ((0..places).map(|index| at(&mut random, index * stride)).sum::<f64>() / places as f64) as f32
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::{Lattice, Period};
@@ -413,6 +434,17 @@ mod tests {
             }
             println!("{bake:?}: {off:.1e}, gradient {slope_off:.1e}");
             assert!(off <= 1e-6 && slope_off <= 5e-6, "{bake:?}: {off:e}, gradient {slope_off:e}");
+        }
+    }
+
+    #[test]
+    fn the_mean_of_random_texels_is_that_of_what_a_filter_reads() {
+        let block =
+            |of: &dyn Fn(usize) -> f32| (0..16usize.pow(3)).map(|at| [0.0, 0.0, 0.0, of(at)]).collect::<Vec<_>>();
+        // Noise of -0.6 everywhere; and of 1 and -1 by turns along x: |1 - 2 t| between two texels.
+        for (mean, block) in [(0.6, block(&|_| 0.2)), (0.5, block(&|at| (at % 2) as f32))] {
+            let found = random_mean(&block, 16);
+            assert!((found / mean - 1.0).abs() < 0.02, "{found} for {mean}");
         }
     }
 

@@ -13,7 +13,7 @@ mod range;
 mod steepness;
 mod table;
 
-pub use bake::{Bake, Block, random_block};
+pub use bake::{Bake, Block, random_block, random_mean};
 pub use blue::blue_noise;
 pub use knots::Knots;
 pub use lattice::{Lattice, Period};
@@ -33,9 +33,6 @@ pub const TURBULENCE_GRADIENT_BOUND: f64 = 24.0;
 /// The largest value of turbulence that a block can hold; the sum of all octaves stays below 1.733.
 pub const TURBULENCE_BOUND: f64 = 2.0;
 
-/// The mean of the absolute value of noise, as `MEAN_NOISE` in `octave_constants.glsl`: what an octave that fades leaves.
-pub const MEAN_NOISE: f32 = 0.156;
-
 /// How the gradients of the lattice fade into each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weights {
@@ -47,6 +44,16 @@ pub enum Weights {
 }
 
 impl Weights {
+    /// The mean of |noise| of unit gradients, as a linear filter reads it from a block of so many texels a cell, at least 2:
+    /// `MEANS_IN_BLOCKS` and `MEAN_OF_GRADIENTS` in `glsl/weights`.
+    pub fn mean_of_block(self, texels: u32) -> f32 {
+        let means = match self {
+            Weights::Cubic => [0.105, 0.135, 0.145, 0.147, 0.148],
+            Weights::Quintic => [0.108, 0.141, 0.152, 0.155, 0.156],
+        };
+        means[(texels.max(2).ilog2() as usize - 1).min(4)]
+    }
+
     /// Weight of the far side at `t` in [0, 1], and its slope.
     fn fade(self, t: f64) -> (f64, f64) {
         match self {

@@ -5,11 +5,12 @@
 use super::encoded::{Content, Encoded};
 use crate::field::Progress;
 use crate::gpu::{Dimension, Format};
-use crate::noise::{Bake, Block, MEAN_NOISE, Noise, SEED, Weights, blue_noise, random_block};
+use crate::noise::{Bake, Block, Noise, SEED, Weights, blue_noise, random_block, random_mean as mean_of_random};
 use crate::render::texture::{self, Depth};
 use crate::scene::{BlockFormat, Scene};
 use crate::support::disk_cache::{self, Kind};
-use std::sync::OnceLock;
+use std::iter;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Texels along a side of the tile of phases, a power of two. More: it takes longer to make. Fewer: it is seen to repeat.
 const PHASES: usize = 64;
@@ -36,12 +37,17 @@ impl Recipe {
         if matches!(self, Recipe::Values(_)) { 1 } else { 4 }
     }
 
-    /// The level that lacks the last octaves, which leave their mean: it has half as many texels for each of them.
+    /// The level that lacks the last octaves, in half as many texels for each of them; and what it lacks of the mean of the
+    /// block: of these octaves, and of the others, which the filter blurs more.
     fn level(&self, faded: u32) -> (Recipe, f32) {
+        let mean = |bake: &Bake| -> f32 {
+            let octave =
+                |octave| bake.weights.mean_of_block(bake.size / (bake.cells << octave)) / (1u32 << octave) as f32;
+            (0..bake.octaves).map(octave).sum()
+        };
         let coarser = |bake: &Bake| {
-            let amplitude = |octave: u32| 1.0 / (1u32 << octave) as f32;
-            let mean: f32 = (bake.octaves - faded..bake.octaves).map(|octave| MEAN_NOISE * amplitude(octave)).sum();
-            (Bake { size: (bake.size >> faded).max(1), octaves: bake.octaves - faded, ..*bake }, mean)
+            let level = Bake { size: (bake.size >> faded).max(1), octaves: bake.octaves - faded, ..*bake };
+            (level, mean(bake) - mean(&level))
         };
         match self {
             Recipe::Values(bake) => (Recipe::Values(coarser(bake).0), coarser(bake).1),
@@ -136,6 +142,21 @@ pub(super) fn block_key(scene: &Scene, name: &str) -> Option<String> {
     }
 }
 
+/// The mean of |noise| of the block of random texels, which octaves of it leave that fade; 0 where nothing sums them.
+pub(super) fn random_mean(scene: &Scene) -> f32 {
+    static LAST: Mutex<Option<((u32, f32), f32)>> = Mutex::new(None);
+    let mut effects = iter::once(&scene.effect).chain(scene.parts.values().map(|part| &part.effect));
+    if !effects.any(|effect| effect.noise == "random" && effect.turbulence == "octaves") {
+        return 0.0;
+    }
+    let key @ (size, blur) = (scene.quality.block_size, scene.quality.block_blur);
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    match *last {
+        Some((known, mean)) if known == key => mean,
+        _ => last.insert((key, mean_of_random(&random_block(SEED, size, blur), size))).1,
+    }
+}
+
 fn weights(scene: &Scene) -> Weights {
     if scene.effect.weights == "cubic" { Weights::Cubic } else { Weights::Quintic }
 }
@@ -175,7 +196,6 @@ fn recipe(scene: &Scene, name: &str) -> Option<(&'static str, Recipe, Depth, u32
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::Mutex;
 
     #[test]
     fn every_block_is_its_recipe_and_tells_how_far_it_is() {

@@ -2,6 +2,7 @@
 
 use super::RenderError;
 use super::item::Item;
+use super::noise_blocks;
 use super::sub_frame::SubFrame;
 use super::view::{View, slant};
 use crate::render::pass::Planes;
@@ -80,6 +81,7 @@ pub(super) fn values(scene: &Scene, variant: &Variant, view: &View, items: &[Ite
     set("turbulence_period", &[turbulence.cells as f32]);
     set("turbulence_growth", &[f32::from(u8::from(turbulence.growing))]);
     set("turbulence_cycle", &[turbulence.cycle as f32]);
+    set("random_mean", &[noise_blocks::random_mean(scene)]);
     for item in items {
         set_object(item, view, &mut |name, floats| set(&format!("{name}{}", item.suffix), floats));
     }

@@ -29,6 +29,7 @@ mod hairy;
 mod harness;
 mod knots;
 mod light;
+mod means;
 mod medium;
 mod noise;
 mod object;
@@ -65,6 +66,7 @@ fn every_module_has_a_check() {
         glass::ROWS,
         hairy::ROWS,
         light::ROWS,
+        means::ROWS,
         medium::ROWS,
         noise::ROWS,
         object::ROWS,

@@ -39,21 +39,21 @@ crate::rows! {
         "noise_fetch.glsl": "NOISE_GRADIENT_BOUND = 3.0" => "NOISE_GRADIENT_BOUND = 1.0";
     g01_random_numbers_are_filtered = random,
         "noise/random.glsl": "noise(p - h.yyx), noise(p)" => "noise(p - h.xyy), noise(p)";
-    p21_procedural_turbulence_sums_absolute_values = |l| summed(l, "procedural", OCTAVES, |at, p, i| {
+    p21_procedural_turbulence_sums_absolute_values = |l| summed(l, "procedural", 0.156, |at, p, i| {
         lattice(p, quintic, octave_cells(at, i))
     }),
         "turbulence/procedural.glsl": "octave_mask(index)); }" => "0u); }",
         "octave_sum.glsl": "abs(octave" => "(octave",
         "octave_gradient.glsl": "n.w < 0.0" => "n.w > 0.0",
-        "octave_constants.glsl": "0.156" => "0.2",
+        "octave_constants.glsl": "2.0" => "0.02",
         "octave_count.glsl": "constant_id = 0" => "constant_id = 7",
         "octave_lattice.glsl": "<< (growing" => ">> (growing",
         "bandlimit/clamp.glsl": "2.0 - 4.0 * cells" => "2.0 - 3.0 * cells";
-    p21_turbulence_of_arrays = |l| summed(l, "arrays", OCTAVES, |_, p, _| perlin(p, quintic, decimals)),
+    p21_turbulence_of_arrays = |l| summed(l, "arrays", 0.156, |_, p, _| perlin(p, quintic, decimals)),
         "turbulence/arrays.glsl": "array_noise(p).w" => "array_noise(2.0 * p).w";
-    p21_m43_turbulence_of_tables = |l| summed(l, "tables", OCTAVES, |_, p, _| perlin(p, quintic, c)),
+    p21_m43_turbulence_of_tables = |l| summed(l, "tables", 0.156, |_, p, _| perlin(p, quintic, c)),
         "turbulence/tables.glsl": "table_noise(p).w" => "table_noise(2.0 * p).w";
-    p20_p21_turbulence_of_any_noise = |l| summed(l, "octaves", OCTAVES, |_, p, _| wavelet(p, quintic)),
+    p20_p21_turbulence_of_any_noise = |l| summed(l, "octaves", 0.285, |_, p, _| wavelet(p, quintic)),
         "turbulence/octaves.glsl": "return noise(p)" => "return noise(2.0 * p)";
     m38_turbulence_of_eight_lookups = |l| lookups(l, "lookups8", OCTAVES),
         "turbulence/lookups8.glsl": "return fetched_noise(p)" => "return fetched_noise(2.0 * p)";
@@ -174,13 +174,13 @@ fn turbulences(library: &Library, slots: &[(&str, &str)]) -> Check {
 }
 
 /// PH 2.3: the sum of |noise(2^i p)| / 2^i; octaves that do not show leave their mean.
-fn summed(library: &Library, module: &str, count: u32, octave: fn(&At<'_>, Place, u32) -> Dual) -> f64 {
+fn summed(library: &Library, module: &str, mean: f64, octave: fn(&At<'_>, Place, u32) -> Dual) -> f64 {
     let slots = [("turbulence", module), ("noise", "wavelet")];
     turbulences(library, &slots).holds(1e-9, |at| {
         let sum = |width: f64| {
-            octaves(place(at.place(0)), count, |p, index| {
+            octaves(place(at.place(0)), OCTAVES, |p, index| {
                 let part = shown(width, index);
-                octave(at, p, index).abs() * part + (1.0 - part) * c(0.156)
+                octave(at, p, index).abs() * part + (1.0 - part) * c(mean)
             })
         };
         let (all, clear) = (sum(at.p[0][3]), sum(0.0));
@@ -198,7 +198,7 @@ fn lookups(library: &Library, module: &str, count: u32) -> f64 {
             let alone = (2.0 * fetched(at, "noise_value_image", p, "noise_cells")[0] - 1.0).abs();
             let part = shown(at.p[0][3], octave);
             slope += 3.0 * part * texel[3].signum() * DVec3::from_slice(&texel);
-            let faded = |value: f64| part * value + (1.0 - part) * c(0.156);
+            let faded = |value: f64| part * value + (1.0 - part) * c(0.141);
             let values = [faded(texel[3].abs()), faded(alone), alone];
             (0..3).for_each(|sum| sums[sum] += values[sum] / scale);
         }
@@ -228,7 +228,8 @@ fn of_channels(at: &At<'_>, p: DVec3, width: f64) -> f64 {
     let octave = |index: u32| {
         let texel = fetched(at, "channel_image", p * 16f64.powi(index as i32 / 4), "channel_cells");
         let (value, part) = ((2.0 * texel[index as usize % 4] - 1.0).abs(), shown(width, index));
-        (part * value + (1.0 - part) * c(0.156)) / 2f64.powi(index as i32)
+        let mean = [0.155, 0.152, 0.141, 0.108][index as usize % 4];
+        (part * value + (1.0 - part) * c(mean)) / 2f64.powi(index as i32)
     };
     (0..OCTAVES).map(octave).sum()
 }

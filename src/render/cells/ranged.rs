@@ -21,7 +21,7 @@ const REPLACED: [(&str, &str); 4] = [
     ("table_noise.glsl", "vec4 table_noise(vec3 p) { return textureLod(cell_grid, p, 0.0); }\n"),
     (
         "noise/wavelet.glsl",
-        "vec4 noise_gradient(vec3 p) { return textureLod(cell_grid, p, -1.0); }\n\
+        "#define NOISE_MEAN MEAN_OF_VALUES\nvec4 noise_gradient(vec3 p) { return textureLod(cell_grid, p, -1.0); }\n\
          float noise(vec3 p) { return noise_gradient(p).w; }\n",
     ),
 ];
