@@ -7,12 +7,13 @@
 // @param relief_rise = 0.6 in [0, 8]: Speed at which the relief rises, object units per second: that of the flames.
 // @param glow = 1.6 in [0, 10]: Brightness of the gas.
 // @param flame_opacity = 1 in [0, 4]: How opaque the gas is, as a part of the opacity rate: beside fur, little.
+#include "eye_normal.glsl"
 #include <transfer>
 #include <turbulence>
 vec3 medium(Sample s, float density) {
     vec3 p = 2.0 * (s.x - vec3(0.0, relief_rise * time, 0.0));
     vec3 b = safe_normalize(turbulence_gradient(p, 2.0 * sample_width()).xyz, s.normal);
-    vec3 n = safe_normalize(mat3(normal_matrix) * (s.shading + b), to_eye());
+    vec3 n = safe_normalize(eye_normal(s.shading) + eye_normal(b), to_eye());   // MJ 5.2: added in eye space
     float lit = clamp(0.5 + 0.5 * dot(n, safe_normalize(light_position.xyz - position_eye, n)), 0.0, 1.0);
     return glow * transfer(density).rgb * mix(1.0, 0.35 + 1.1 * lit, relief);
 }

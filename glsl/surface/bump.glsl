@@ -3,4 +3,4 @@
 // Result: linear RGB.
 #include "bump_normal.glsl"
 #include "lighting.glsl"
-vec3 surface(Sample s) { return lighting(color.rgb * material_color.rgb, bump_normal(s)); }
+vec3 surface(Sample s) { return eye_lighting(color.rgb * material_color.rgb, bump_normal(s)); }

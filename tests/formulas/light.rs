@@ -38,7 +38,12 @@ pub fn directions(at: &At<'_>) -> [DVec3; 2] {
 
 /// MJ 3.2: ambient, diffuse, and a highlight about the half vector; nothing on the far side.
 pub fn phong(at: &At<'_>, base: DVec3, normal: DVec3) -> DVec3 {
-    let (n, [l, v]) = (to_eye_space(at, normal), directions(at));
+    lit(at, base, to_eye_space(at, normal))
+}
+
+/// The same, of a normal in eye space.
+pub fn lit(at: &At<'_>, base: DVec3, n: DVec3) -> DVec3 {
+    let [l, v] = directions(at);
     let cosine = n.dot(l);
     let mut light = at.vector("ambient_color") * base;
     if cosine > 0.0 {

@@ -3,9 +3,9 @@
 use crate::dual::{Dual, place};
 use crate::harness::{At, COLOR, Check};
 use crate::knots::{noise, turbulence};
-use crate::light::phong;
+use crate::light::{lit, phong, to_eye_space};
 use crate::values::{c, filtered};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use hypertexture::exact::Wrap;
 use hypertexture::shader::Library;
 
@@ -22,11 +22,17 @@ crate::rows! {
         "transfer/map.glsl": "(size - 1.0) + 0.5" => "size + 0.5";
     m45_a_solid_texture_is_unlit = |l| surface(l, "solid_unlit", marble),
         "surface/solid_unlit.glsl": "s.x" => "-s.x";
-    m46_a_bump_is_the_normal_of_k_v_plus_b = |l| surface(l, "bump", bumped),
+    m46_a_bump_is_the_normal_of_k_v_plus_b = |l| surface(l, "bump", |at| lit(at, material(at), bump_normal(at))),
         "surface/bump.glsl": "bump_normal(s)" => "s.normal",
         "bump_normal.glsl": "k * v + b" => "k * b + v",
-        "bump_normal.glsl": "bump_frequency * s.x" => "s.x";
-    m46_bump_normals_are_colors = |l| surface(l, "bump_normals", |at| (bump_normal(at) + 1.0) / 2.0),
+        "bump_normal.glsl": "bump_frequency * s.x" => "s.x",
+        "bump_normal.glsl": "eye_normal(b)" => "b",
+        "bump_normal.glsl": "eye_normal(s.normal), eye_normal(b), bump_scale" => "s.normal, b, bump_scale",
+        "eye_normal.glsl": "mat3(normal_matrix) * normal" => "normal";
+    m46_bump_normals_are_colors = |l| surface(l, "bump_normals", |at| {
+        let back = DMat3::from_mat4(at.matrix("object_matrix")).transpose() * bump_normal(at);
+        (back.normalize() + 1.0) / 2.0
+    }),
         "surface/bump_normals.glsl": "return 0.5 + 0.5" => "return 0.5 - 0.5";
     m41_a_slice_of_noise_is_grey = |l| surface(l, "noise", |at| DVec3::splat(((1.0 + sliced(at).v) / 2.0).powi(2))),
         "surface/noise.glsl": "texel * texel" => "texel",
@@ -94,14 +100,10 @@ pub fn marble(at: &At<'_>) -> DVec3 {
     DVec3::from_slice(&transfer(at, value))
 }
 
-/// MJ 5.2, Eq. 7.
+/// MJ 5.2, Eq. 7: both normals are in eye space before they are added.
 fn bump_normal(at: &At<'_>) -> DVec3 {
-    let b = noise(place(at.number("bump_frequency") * at.place(0))).d.normalize();
-    (at.number("bump_scale") * at.place(1) + b).normalize()
-}
-
-fn bumped(at: &At<'_>) -> DVec3 {
-    phong(at, material(at), bump_normal(at))
+    let b = noise(place(at.number("bump_frequency") * at.place(0))).d;
+    (at.number("bump_scale") * to_eye_space(at, at.place(1)) + to_eye_space(at, b)).normalize()
 }
 
 /// MJ 4.1, Fig. 5: the noise on a plane of z, by the cell.
