@@ -29,8 +29,11 @@ crate::rows! {
     p32_the_foot_on_a_formula_lies_on_the_inner_surface = |l| feet(l, "formula"),
         "project/formula.glsl": "surface.distance - iso_value" => "surface.distance + iso_value";
     p32_the_foot_along_the_gradient_lies_on_the_inner_surface = |l| feet(l, "gradient"),
-        "project/gradient.glsl": "s.distance - iso_value" => "s.distance + iso_value",
-        "project/gradient.glsl": "smoothstep(0.35, 0.85" => "smoothstep(0.85, 0.35";
+        "project/gradient.glsl": "at.distance - iso_value" => "at.distance + iso_value",
+        "project/gradient.glsl": "sample_object(x)" => "s";
+    p32_a_foot_is_trusted_where_the_gradient_is_whole = trusted,
+        "project/gradient.glsl": "smoothstep(0.35, 0.85" => "smoothstep(0.85, 0.35",
+        "project/gradient.glsl": "= at.coherence" => "= s.coherence";
     p55_closest_points_of_a_plane_are_its_feet = flat,
         "project/closest.glsl": "far - dot(down" => "far + dot(down",
         "project/closest.glsl": "return x + sum" => "return x - sum";
@@ -125,26 +128,37 @@ fn sampled(library: &Library) -> f64 {
     })
 }
 
-/// The foot of a point is where the torus with an inner radius of 0.3 + iso is the nearest; trusted where the normal is
-/// whole.
+/// The foot of a point is where the torus with an inner radius of 0.3 + iso is the nearest, wherever the sample is that the
+/// point was displaced from.
 fn feet(library: &Library, project: &str) -> f64 {
     let text = "#include \"sample.glsl\"\n#include <project>
         void check() {
-            Sample s = sample_object(p0.xyz);
+            Sample s = sample_object(p1.xyz);
             out0.xyz = project(p0.xyz, s);
-            s.coherence = p1.x;
             out0.w = trust(s);
         }";
     let check = Check::new(library, &[("object", "torus"), ("project", project)], text).given(|random, _| {
-        [random.in_cube(2.0).extend(0.0).to_array(), [random.unit(); 4], [0.0; 4], [0.0, 0.0, -1.0, 0.0]]
+        let x = random.in_cube(2.0);
+        let from = x + 0.4 * random.direction();
+        [x.extend(0.0).to_array(), from.extend(0.0).to_array(), [0.0; 4], [0.0, 0.0, -1.0, 0.0]]
     });
-    let gradient = project == "gradient";
     check.holds(1e-9, move |at| {
         let x = at.place(0);
         let ring = DVec3::new(x.x, 0.0, x.z).normalize() * c(0.7);
         let foot = ring + (x - ring).normalize() * (c(0.3) + at.number("iso_value"));
-        let trust = if gradient { smoothstep(c(0.35), c(0.85), at.p[1][0]) } else { 1.0 };
-        [foot.to_array().as_slice(), &[trust]].concat()
+        [foot.to_array().as_slice(), &[1.0]].concat()
+    })
+}
+
+/// Between voxels whose normals differ the filtered one is short.
+fn trusted(library: &Library) -> f64 {
+    let text = "#include \"sample.glsl\"\n#include <project>
+        void check() { Sample s = sample_object(p1.xyz); project(p0.xyz, s); out0.x = trust(s); }";
+    Check::new(library, &[("object", "normals"), ("project", "gradient")], text).holds(1e-6, |at| {
+        let p = at.vector("volume_scale") * at.place(0) + at.vector("volume_offset");
+        let texel = filtered(at.texture("volume_image"), &p.to_array(), Wrap::Clamp);
+        let normal = DVec3::from_array([0, 1, 2].map(|axis| (texel[axis] - 0.5) * 2.0));
+        vec![smoothstep(c(0.35), c(0.85), normal.length())]
     })
 }
 
