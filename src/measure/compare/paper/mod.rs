@@ -17,6 +17,7 @@ use crate::gpu::Format;
 use crate::measure::worker::Painter;
 use crate::render::Frame;
 use crate::scene::{Integration, Pass, Scene, TargetFormat};
+use crate::shader::Library;
 use crate::support::random::SplitMix;
 
 /// One row of Table 3: what the paper calls it, our module, and frames per second in the order of [`COLUMNS`].
@@ -90,7 +91,7 @@ pub struct Table {
 pub struct Crop {
     /// The paper's caption.
     pub caption: &'static str,
-    /// What was drawn: the module, and how many octaves it has where those are fewer than the caption says.
+    /// What was drawn: the module, and its block where that is not the scene's.
     pub drawn: String,
     /// The picture.
     pub frame: Frame,
@@ -195,6 +196,14 @@ pub fn table(
     Some(Table { slices, sampling, rows, errors })
 }
 
+/// Gives the turbulence so many octaves: where its block holds fewer, the largest block, with one cell of the first octave.
+fn hold(scene: &mut Scene, octaves: u32, library: &Library) {
+    scene.effect.octaves = octaves;
+    if scene.octaves_held(library) < octaves {
+        (scene.quality.block_size, scene.quality.turbulence_cells) = (256, 1);
+    }
+}
+
 /// The pictures of Fig. 8 that the library has modules for, close to the object, if the scene has turbulence at all. One
 /// that cannot be drawn is missing, and told.
 pub fn figure(stage: Stage<'_>, comparison: &Comparison, failures: &mut Vec<Failure>) -> Vec<Crop> {
@@ -204,14 +213,19 @@ pub fn figure(stage: Stage<'_>, comparison: &Comparison, failures: &mut Vec<Fail
         if (stage.stop)() {
             break;
         }
-        scene.effect.octaves = octaves;
+        hold(&mut scene, octaves, stage.library);
         scene.image.size = [CROP; 2];
         scene.camera.zoom *= CLOSER;
         scene.quality.target = TargetFormat::Float32; // as it looks, not as 8 bits lose it
         scene.quality.samples = comparison.scene.quality.samples;
-        let drawn = match scene.octaves_held(stage.library) {
-            held if held < octaves => format!("{module}, {held} octaves: {}", scene.octaves_limit(stage.library)),
-            _ => module.into(),
+        let drawn = match scene.quality.block_size == comparison.scene.quality.block_size {
+            true => module.into(),
+            false => {
+                format!(
+                    "{module}, a block of {} texels, {} cell",
+                    scene.quality.block_size, scene.quality.turbulence_cells
+                )
+            }
         };
         match stage.painter().render(&scene) {
             Ok(frame) => crops.push(Crop { caption, drawn, frame }),
@@ -219,4 +233,22 @@ pub fn figure(stage: Stage<'_>, comparison: &Comparison, failures: &mut Vec<Fail
         }
     }
     crops
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shader;
+
+    #[test]
+    fn m59_each_picture_of_fig_8_has_the_octaves_of_its_caption() {
+        let library = shader::shipped();
+        for (module, octaves, caption) in FIGURE_8 {
+            let mut scene = Scene::default();
+            scene.effect.turbulence = module.into();
+            hold(&mut scene, octaves, &library);
+            assert_eq!(scene.octaves_held(&library), octaves, "{caption}");
+            assert!(scene.check(&library).is_ok(), "{caption}");
+        }
+    }
 }
