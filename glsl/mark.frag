@@ -1,7 +1,8 @@
 #version 450
 #extension GL_EXT_samplerless_texture_functions : require
 // Marks the pixels of a picture that no slice behind can change any more: they are as opaque as what ends a ray.
-// Source: GG 39.6.2, early ray termination by slices in batches; PH 3.1.
+// Source: PH 3.1 (a ray ends where its opacity reaches 1); of slices, in batches, Krueger and Westermann 2003, whom GG 39.6
+// names: a reconstruction, the chapter is cut.
 // target_image: the picture so far. Result: a fragment where a pixel is marked, and none elsewhere.
 #include "interface.glsl"
 void main() {

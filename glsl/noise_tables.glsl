@@ -1,5 +1,5 @@
 // The tables of Perlin's noise of 1989: a permutation, and gradients uniform on the sphere.
-// Source: PH 2.3; written by a test of src/texture/blocks.rs from the noise of seed 1989.
+// Source: PH 2.3; written by a test of src/render/texture/blocks.rs from the noise of seed 1989.
 // No constants: of a constant that is indexed by a variable, glslang copies the whole for every access.
 // Result: entries by index, 0 to 255.
 int PERMUTATION[256] = int[256](

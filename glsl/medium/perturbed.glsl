@@ -1,5 +1,5 @@
 // The color of the transfer map and the opacity, made irregular by noise: brightness as a whole, and each channel for itself.
-// Source: GG 39.5, first technique: four noises change optical properties after the transfer function.
+// Source: GG 39.5, first method: four noises change optical properties after the transfer function.
 // density: modulated, in [0, 1]; result: linear RGB; extinction: a factor of the opacity rate, at least 0.
 // @drift irregularity_speed
 // @param irregularity = 0.6 in [0, 2]: How far the brightness varies, as a part of it.

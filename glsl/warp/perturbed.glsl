@@ -1,5 +1,6 @@
 // Three scales of vector noise move the place that is looked up: detail on coarse data, and flow when time passes.
-// Source: GG 39.5 (after Kniss et al. 2003): p' = p + sum of w_j N(s_j p + o_j(t)); PH 3.1.
+// Source: GG 39.5, second method (Kniss et al. 2003): p' = p + sum of w_j N(s_j p + o_j(t)); PH 2.4 (vector-valued noise);
+// PH 3.1 (scales finer than a sample fade).
 // x: object space; jacobian: derivative of the displaced by the original point.
 // @move 1.1547006 * noise_bound * perturbation
 // @drift perturbation_speed

@@ -1,5 +1,5 @@
 // Swirl: the object is looked up at a place that vector-valued noise has moved: hand-blown, wavy matter.
-// Source: PH 2.4 (noisy sphere) and 3.1 (vector-valued noise: three noises, far apart).
+// Source: PH 2.4 (noisy sphere; tribble: vector-valued noise of three noises, far apart).
 // x: object space; jacobian: derivative of the displaced by the original point. Moves by at most swirl_depth.
 // @move 1.1547006 * noise_bound * swirl_depth
 // @param swirl_depth = 0.3 in [0, 1]: Farthest that a point of the surface moves, object units.

@@ -2,7 +2,7 @@
 //!
 //! Role: between two batches of slices, a pass over the picture so far marks the pixels that are as opaque as what ends a
 //! ray. Invariant: where batches end depends on the number of slices alone, so the same scene gives the same picture.
-//! Source: GG 39.6.2.
+//! Source: PH 3.1; Krueger and Westermann 2003, whom GG 39.6 names (the chapter is cut: a reconstruction).
 
 use super::bind::{self, BoundInputs};
 use super::{RenderError, pass};

@@ -141,7 +141,7 @@ mod tests {
         let gradients = rows(gradients.iter().map(gradient).collect(), 3);
         let text = format!(
             "// The tables of Perlin's noise of 1989: a permutation, and gradients uniform on the sphere.\n\
-             // Source: PH 2.3; written by a test of src/texture/blocks.rs from the noise of seed 1989.\n\
+             // Source: PH 2.3; written by a test of src/render/texture/blocks.rs from the noise of seed 1989.\n\
              // No constants: of a constant that is indexed by a variable, glslang copies the whole for every access.\n\
              // Result: entries by index, 0 to 255.\n\
              int PERMUTATION[256] = int[256](\n{permutation});\n\
