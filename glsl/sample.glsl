@@ -21,5 +21,6 @@ Sample sample_object(vec3 x) {
     s.distance_bound = s.distance - outer_iso_value - skip_slack;
     s.hair_normal = s.normal;
     s.hair_tangent = s.normal;
+    s.hair_length = outer_iso_value - iso_value;
     return s;
 }

@@ -12,6 +12,7 @@ struct Sample {
     float distance_bound;    // distance to the soft region, less than 0 inside of it: no matter is nearer
     vec3 hair_normal;   // unit normal of the skin at the root of the hair here: left by a DMF that grows hair (PH 4)
     vec3 hair_tangent;  // unit vector along that hair, towards its tip
+    float hair_length;  // of the hair here, object units: left by a DMF that grows it; the soft region's width elsewhere
 };
 
 const float BELOW_ONE = 0.99999994;     // the largest density of soft matter in f32

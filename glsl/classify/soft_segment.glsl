@@ -32,6 +32,7 @@ Sample between(Sample a, Sample b, float t) {
     s.coherence = mix(a.coherence, b.coherence, t);
     s.hair_normal = safe_normalize(mix(a.hair_normal, b.hair_normal, t), a.hair_normal);
     s.hair_tangent = safe_normalize(mix(a.hair_tangent, b.hair_tangent, t), a.hair_tangent);
+    s.hair_length = mix(a.hair_length, b.hair_length, t);
     return s;
 }
 

@@ -25,6 +25,7 @@ vec3 unbent(Sample s, float tip) {
 }
 
 float fur(float density, inout Sample s) {
+    s.hair_length = hair_length;
     if (density >= 1.0) return 1.0;
     vec3 straight = unbent(s, 1.0 - density);
     vec3 root = project(straight, s);

@@ -29,6 +29,7 @@ vec3 uncurled(inout Sample s) {
 }
 
 float tribble(float density, inout Sample s) {
+    s.hair_length = tribble_length;
     if (s.density >= 1.0) return density;
     vec3 root = project(uncurled(s), s);
     float strand = gain(0.9, bias(0.3, 0.5 + 0.5 * tribble_contrast * noise(tribble_fineness * root)));

@@ -1,15 +1,17 @@
 // Hair: dark at the root, bright at the tip, with the highlight of thin cylinders.
 // Source: Kajiya and Kay 1989 (PH 4 asks for anisotropic fur shading).
-// density: modulated, in [0, 1]; result: linear RGB.
+// density: modulated, in [0, 1]; result: linear RGB; extinction: a factor of the opacity rate, by one over the length of the
+// hair (ours): the way through a coat is as long as its hair, and what covers the skin at one length does so at each.
 // @needs normal
 // @color root_color = #2b1509: Color of the hair at the skin.
 // @color tip_color = #d9a05f: Color of the hair at its tip.
 // @param sheen = 0.25 in [0, 2]: Strength of the highlight.
+#include "eye_normal.glsl"
 #include <shadow>
 vec3 medium(Sample s, float density) {
     float tip = clamp(1.0 - s.density, 0.0, 1.0);
-    vec3 t = safe_normalize(mat3(normal_matrix) * s.hair_tangent, to_eye());
-    vec3 n = safe_normalize(mat3(normal_matrix) * s.hair_normal, to_eye());
+    vec3 t = eye_normal(s.hair_tangent);
+    vec3 n = eye_normal(s.hair_normal);
     vec3 l = safe_normalize(light_position.xyz - position_eye, t);
     vec3 v = to_eye();
     float tl = clamp(dot(t, l), -1.0, 1.0), tv = clamp(dot(t, v), -1.0, 1.0);
@@ -21,3 +23,4 @@ vec3 medium(Sample s, float density) {
     return base * (ambient_color.rgb * mix(0.4, 1.0, tip) + lit * sin_tl * light_color.rgb)
          + sheen * lit * specular * light_color.rgb;
 }
+float extinction(Sample s, float density) { return 0.2 / max(s.hair_length, 0.005); }

@@ -35,6 +35,7 @@ pub fn nearest_preset(scene: &Scene) -> Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::ParameterValue;
     use crate::shader;
 
     #[test]
@@ -49,6 +50,23 @@ mod tests {
         let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
         let scenes = files.filter(|path| path.extension().is_some_and(|extension| extension == "toml")).count();
         assert_eq!(scenes, names().count(), "a file that is no preset yet");
+    }
+
+    #[test]
+    fn skin_under_fur_is_no_lighter_than_the_roots_and_has_no_highlight() {
+        let mut furry = 0;
+        for name in names() {
+            let scene = preset(name).unwrap();
+            let Some(ParameterValue::Color(root)) = scene.parameters.get("root_color") else { continue };
+            if scene.effect.dmf.iter().any(|dmf| dmf.contains('@')) {
+                continue; // elsewhere it is bare
+            }
+            let light = |color: crate::scene::Color| color.linear().iter().sum::<f32>();
+            assert_eq!(scene.material.specular, 0.0, "{name}");
+            assert!(light(scene.material.color) <= light(*root), "{name}");
+            furry += 1;
+        }
+        assert!(furry >= 6, "{furry} presets");
     }
 
     #[test]

@@ -14,14 +14,17 @@ crate::rows! {
         "dmf/fur.glsl": "gain(hair_gain, bias(hair_bias" => "gain(hair_bias, bias(hair_gain",
         "dmf/fur.glsl": "s.x + vec3(0.0, droop" => "s.x - vec3(0.0, droop",
         "dmf/fur.glsl": "s.hair_normal - vec3(0.0, 2.0 * droop" => "s.hair_normal + vec3(0.0, 2.0 * droop",
-        "dmf/fur.glsl": "= unevenness * clamp" => "= -unevenness * clamp";
+        "dmf/fur.glsl": "= unevenness * clamp" => "= -unevenness * clamp",
+        "dmf/fur.glsl": "s.hair_length = hair_length" => "s.hair_length = 0.2";
     p34_tribble_curls_towards_its_tips = |l| hairs(l, "tribble", tribble),
         "dmf/tribble.glsl": "s.x + strength * curl" => "s.x - strength * curl",
         "dmf/tribble.glsl": "gain(0.9, bias(0.3" => "gain(0.3, bias(0.9",
-        "dmf/tribble.glsl": "s.normal - bend" => "s.normal + bend";
+        "dmf/tribble.glsl": "s.normal - bend" => "s.normal + bend",
+        "dmf/tribble.glsl": "s.hair_length = tribble_length" => "s.hair_length = 0.2";
     p56_hair_is_lit_as_a_thin_cylinder = hair,
         "medium/hair.glsl": "sin_tl * sin_tv - tl * tv" => "tl * tv + sin_tl * sin_tv",
-        "medium/hair.glsl": "lit * sin_tl" => "lit * tl";
+        "medium/hair.glsl": "lit * sin_tl" => "lit * tl",
+        "medium/hair.glsl": "0.2 / max(s.hair_length, 0.005)" => "1.0";
     p58_woven_threads_go_over_and_under = |l| cloth(l, false),
         "dmf/woven.glsl": "0.5 - 0.25 * parity_v" => "0.5 + 0.25 * parity_v",
         "dmf/woven.glsl": "floor(0.3 * pairs)" => "floor(0.4 * pairs)";
@@ -37,16 +40,17 @@ fn hairs(library: &Library, module: &str, formula: fn(&At<'_>) -> (f64, DVec3, D
         void check() {
             Sample s = sample_object(p0.xyz);
             out0.x = HAIR(s.density, s);
-            if (s.density < 1.0) { out0.yzw = s.hair_normal; out1.xyz = s.hair_tangent; }
+            if (s.density < 1.0) { out0.yzw = s.hair_normal; out1 = vec4(s.hair_tangent, s.hair_length); }
         }";
     let check = Check::new(library, &[("dmf", module)], &text.replace("HAIR", module))
         .given(|random, _| [(random.direction() * random.within(0.6, 1.8)).extend(0.0).to_array(); 4]);
-    check.holds(1e-5, |at| {
+    check.holds(1e-5, move |at| {
         if distance(at) <= at.number("iso_value") {
             return vec![1.0];
         }
         let (density, normal, tangent) = formula(at);
-        [&[density], normal.to_array().as_slice(), &tangent.to_array()].concat()
+        let length = at.number(&format!("{}_length", if module == "fur" { "hair" } else { "tribble" }));
+        [&[density], normal.to_array().as_slice(), &tangent.to_array(), &[length]].concat()
     })
 }
 
@@ -117,7 +121,8 @@ fn hair(library: &Library) -> f64 {
             Sample s;
             s.x = p0.xyz; s.density = p0.w;
             s.hair_normal = p1.xyz; s.hair_tangent = p2.xyz;
-            out0.xyz = medium(s, 0.5);
+            s.hair_length = 0.1 + p0.w * p0.w;
+            out0 = vec4(medium(s, 0.5), extinction(s, 0.5));
         }";
     let check = Check::new(library, &[("medium", "hair")], text).given(|random, _| {
         let [normal, tangent] = [random.direction(), random.direction()].map(|v| v.extend(0.0).to_array());
@@ -135,7 +140,9 @@ fn hair(library: &Library) -> f64 {
         let base = COLOR * at.vector("root_color").lerp(at.vector("tip_color"), tip);
         let light = at.vector("light_color");
         let ambient = at.vector("ambient_color") * mix(c(0.4), 1.0, tip);
-        (base * (ambient + light * lit * across) + light * at.number("sheen") * lit * highlight).to_array().to_vec()
+        let color = base * (ambient + light * lit * across) + light * at.number("sheen") * lit * highlight;
+        // As opaque as at a length of 0.2, whatever the length.
+        color.extend(c(0.2) / (c(0.1) + at.p[0][3].powi(2))).to_array().to_vec()
     })
 }
 
