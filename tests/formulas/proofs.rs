@@ -161,7 +161,7 @@ fn p56_the_highlight_of_hair_is_the_cone_that_a_cylinder_mirrors() {
         "{HEAD}layout(location = 1) in vec4 tangent;\nvec3 position_eye;\nvec4 color = vec4(0.0);\n#include <projection>\n\
          #include \"sample_point.glsl\"\n#include <medium>\nvoid main() {{\n    \
          position_eye = light_position.xyz - 4.0 * point().xyz;\n    \
-         Sample s = Sample(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), vec3(0.0, 0.0, 1.0), 1.0, 0.0, 0.0, point().xyz, tangent.xyz);\n    \
+         Sample s;\n    s.density = 0.0;\n    s.hair_normal = point().xyz;\n    s.hair_tangent = tangent.xyz;\n    \
          fragment = vec4(medium(s, 0.5), 1.0);\n}}\n"
     );
     let mut scene = preset("furry_donut").unwrap();

@@ -30,7 +30,7 @@ crate::rows! {
         "bump_normal.glsl": "eye_normal(s.normal), eye_normal(b), bump_scale" => "s.normal, b, bump_scale",
         "eye_normal.glsl": "mat3(normal_matrix) * normal" => "normal";
     m46_bump_normals_are_colors = |l| surface(l, "bump_normals", |at| {
-        let back = DMat3::from_mat4(at.matrix("object_matrix")).transpose() * bump_normal(at);
+        let back = DMat3::from_mat4(at.matrix("normal_matrix")).inverse() * bump_normal(at);
         (back.normalize() + 1.0) / 2.0
     }),
         "surface/bump_normals.glsl": "return 0.5 + 0.5" => "return 0.5 - 0.5";

@@ -27,7 +27,9 @@ void main() {
     vec3 x = 0.75 * point().xyz, part = fract(x);
     position_eye = (object_matrix * vec4(x, 1.0)).xyz;
     ray_basis = ray_basis_of();
-    Sample s = Sample(x, x.x, safe_normalize(x, vec3(0.0, 0.0, 1.0)), vec3(0.0, 0.0, 1.0), part.x, part.y, x.z, vec3(0.0, 1.0, 0.0), vec3(1.0, 0.0, 0.0));
+    Sample s;
+    s.x = x;
+    s.normal = safe_normalize(x, vec3(0.0, 0.0, 1.0));
     vec4 noises = four_noises(x) + noise_gradient(x) + turbulence_gradient(x, part.x) + turbulence_gradient(x);
     float sums = noise(x) + turbulence(x) + turbulence(x, part.y) + turbulence(x, part.z, part.x);
     float thin = opacity(part.x, abs(x.y)) + segment_opacity(part.x, part.y, abs(x.z)) + segment_opacity(part.x, part.x, part.z);
