@@ -122,6 +122,7 @@ fn m46_a_larger_k_is_a_milder_bump_and_opposite_normals_leave_that_of_the_volume
         let show = |surface: &str, k: Option<f32>| -> Frame {
             let mut scene = scene.clone();
             scene.effect.surface = surface.into();
+            scene.drop_foreign_parameters(&library).unwrap();
             k.into_iter().for_each(|k| parameter(&mut scene, "bump_scale", k));
             picture(gpu, &library, &scene, &subject)
         };
