@@ -19,6 +19,7 @@ Sample sample_object(vec3 x) {
     s.coherence = length(surface.normal);
     s.density = soften(s.distance);
     s.distance_bound = s.distance - outer_iso_value - skip_slack;
+    s.wide_normal = s.normal;
     s.hair_normal = s.normal;
     s.hair_tangent = s.normal;
     s.hair_length = outer_iso_value - iso_value;

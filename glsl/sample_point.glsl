@@ -10,6 +10,7 @@ struct Sample {
     float coherence;    // length of the interpolated gradient: 1, but less where the nearest surface changes sides
     float density;      // D in [0, 1]: 1 is the hard region, 0 is outside, between is the soft region
     float distance_bound;    // distance to the soft region, less than 0 inside of it: no matter is nearer
+    vec3 wide_normal;   // gradient of the distance over a length, at most 1 long: left by a DMF of flames, else the normal
     vec3 hair_normal;   // unit normal of the skin at the root of the hair here: left by a DMF that grows hair (PH 4)
     vec3 hair_tangent;  // unit vector along that hair, towards its tip
     float hair_length;  // of the hair here, object units: left by a DMF that grows it; the soft region's width elsewhere

@@ -30,6 +30,7 @@ Sample between(Sample a, Sample b, float t) {
     s.normal = safe_normalize(mix(a.normal, b.normal, t), a.normal);
     s.shading = s.normal;
     s.coherence = mix(a.coherence, b.coherence, t);
+    s.wide_normal = mix(a.wide_normal, b.wide_normal, t);
     s.hair_normal = safe_normalize(mix(a.hair_normal, b.hair_normal, t), a.hair_normal);
     s.hair_tangent = safe_normalize(mix(a.hair_tangent, b.hair_tangent, t), a.hair_tangent);
     s.hair_length = mix(a.hair_length, b.hair_length, t);

@@ -1,17 +1,30 @@
 // Fire: a soft region that is wider above the object than below it, torn into tongues by turbulence that rises.
 // Source: PH 2.4 (fire ball: D(x (1 + turbulence(x)))), MJ 6 (fire varying with height); the form is a reconstruction.
-// density: D in [0, 1]; result in [0, 1].
-// @needs normal
+// density: D in [0, 1]; result in [0, 1]. Leaves the wide normal to the medium.
 // @outer flame_length
 // @drift rise * 0.45 * flame_scale
 // @param flame_length = 0.5 in [0.01, 1.5]: Length of the flames above the object, object units.
 // @param flame_scale = 3.0 in [0.2, 20]: Fineness of the tongues: turbulence cells per object unit.
 // @param fury = 1.5 in [0, 4]: How deep the turbulence cuts into the flames.
 // @param rise = 0.6 in [0, 8]: Speed of the flames, object units per second.
+#include "sample.glsl"
 #include <turbulence>
-float fire(float density, Sample s) {
+
+// The gradient of the distance over half of it to each side, at most 1 long: four places, the corners of a tetrahedron.
+// The normal jumps where the nearest surface changes sides, and flames would have a crease there; a difference of
+// distances does not, and between two sides it is short.
+vec3 wide_normal(Sample s) {
+    float reach = max(0.5 * (s.distance - iso_value), 1e-3);
+    const vec3 A = vec3(1.0, -1.0, -1.0), B = vec3(-1.0, 1.0, -1.0), C = vec3(-1.0, -1.0, 1.0), D = vec3(1.0);
+    vec3 sum = A * sample_object(s.x + reach * A).distance + B * sample_object(s.x + reach * B).distance
+             + C * sample_object(s.x + reach * C).distance + D * sample_object(s.x + reach * D).distance;
+    return sum / (4.0 * reach);
+}
+
+float fire(float density, inout Sample s) {
     if (density >= 1.0) return 1.0;
-    float up = smoothstep(-0.8, 0.9, s.normal.y);
+    s.wide_normal = wide_normal(s);
+    float up = smoothstep(-0.8, 0.9, s.wide_normal.y);
     float reach = mix(0.22, 1.0, up);                            // of the flame length, in this direction
     float away = clamp((1.0 - density) / reach, 0.0, 1.0);       // 0 at the object, 1 at the tip of a flame
     float height = clamp((s.x.y - own_min.y) / (own_max.y - own_min.y), 0.0, 1.0);
@@ -19,6 +32,7 @@ float fire(float density, Sample s) {
     float enough = 1.0001 * (1.0 - away) / max(cut, 1e-6);       // nothing is left of the flame
     vec3 p = flame_scale * vec3(1.0, 0.45, 1.0) * (s.x - vec3(0.0, rise * time, 0.0));
     float left = 1.0 - away - cut * turbulence(p, flame_scale * sample_width(), enough);
-    // The gas stands off from the object: it is thinnest there, so that slices leave no contours on the surface.
-    return 0.85 * clamp(1.4 * left, 0.0, 1.0) * smoothstep(0.0, 0.22, away);
+    // The gas stands off from the object: it is thinnest there, so that slices leave no contours on the surface, also where
+    // flames are short.
+    return 0.85 * clamp(1.4 * left, 0.0, 1.0) * smoothstep(0.0, 0.15, 1.0 - density);
 }

@@ -6,6 +6,7 @@ use crate::knots::{noise, octaves, turbulence};
 use crate::values::{Random, Setting, c};
 use glam::DVec3;
 use hypertexture::shader::Library;
+use std::cell::Cell;
 
 crate::rows! {
     p13_p14_bias_and_gain_are_phs = shaping,
@@ -32,9 +33,13 @@ crate::rows! {
         "dmf/settled.glsl": "s.normal.y" => "s.normal.z";
     p40_more_gain_forces_less_amplitude = |l| dmf(l, "traded", traded),
         "dmf/traded.glsl": "-log2(1.0 - trade_gain)" => "-log2(trade_gain)";
-    m49_p30_fire_varies_with_height_and_rises = |l| dmf(l, "fire", fire),
+    m49_p30_fire_varies_with_height_and_rises = fire,
         "dmf/fire.glsl": "rise * time" => "-rise * time",
-        "dmf/fire.glsl": "mix(0.22, 1.0, up)" => "mix(1.0, 0.22, up)";
+        "dmf/fire.glsl": "mix(0.22, 1.0, up)" => "mix(1.0, 0.22, up)",
+        "dmf/fire.glsl": "s.x + reach * C" => "s.x - reach * C",
+        "dmf/fire.glsl": "s.wide_normal.y" => "s.normal.y";
+    m49_flames_have_no_crease_where_the_nearest_surface_changes_sides = creases,
+        "dmf/fire.glsl": "s.wide_normal.y" => "s.normal.y";
     m49_a_mask_is_a_ball = |l| mask(l, "ball", |at| {
         let away = at.place(0).distance(DVec3::new(at.number("ball_x"), at.number("ball_y"), at.number("ball_z")));
         1.0 - faded(at.number("ball_radius"), at.number("ball_blend"), away)
@@ -178,19 +183,65 @@ fn settled(at: &At<'_>, density: f64) -> f64 {
     if at.p[2][0] >= 1.0 { density } else { density * faded(at.number("settle_slope"), over, at.p[1][1]) }
 }
 
-fn fire(at: &At<'_>, density: f64) -> f64 {
-    if density >= 1.0 {
-        return 1.0;
-    }
-    let (x, low, high) = (at.place(0), at.vector("own_min").y, at.vector("own_max").y);
-    // 0 on the object, 1 at the tip of a flame, which is shorter where the object faces down.
-    let reach = mix(c(0.22), 1.0, smoothstep(c(-0.8), c(0.9), at.p[1][1]));
-    let away = ((1.0 - density) / reach).clamp(0.0, 1.0);
-    let height = ((x.y - low) / (high - low)).clamp(0.0, 1.0);
-    let rising = DVec3::new(x.x, c(0.45) * (x.y - at.number("rise") * at.number("time")), x.z);
-    let torn = turbulence(place(at.number("flame_scale") * rising)).v;
-    let left = 1.0 - away - at.number("fury") * mix(c(0.8), 1.5, height) * (c(0.35) + away) * torn;
-    c(0.85) * (c(1.4) * left).clamp(0.0, 1.0) * smoothstep(0.0, c(0.22), away)
+/// On a sphere: what is left of a flame, and the direction that it leaves to its medium.
+fn fire(library: &Library) -> f64 {
+    let text = "#include \"sample.glsl\"\n#include <dmf>
+        void check() { Sample s = sample_object(p0.xyz); out0.x = modulate(p0.w, s); out0.yzw = s.wide_normal; }";
+    let check = Check::new(library, &[("dmf", "fire")], text)
+        .given(|random, _| [(random.direction() * random.within(0.6, 1.8)).extend(random.density()).to_array(); 4]);
+    check.holds(1e-7, |at| {
+        let (x, density) = (at.place(0), at.p[0][3]);
+        if density >= 1.0 {
+            return [1.0].into_iter().chain(x.normalize().to_array()).collect();
+        }
+        // Differences of the distance over half of it to each side, at the corners of a tetrahedron.
+        let reach = ((x.length() - 1.0 - at.number("iso_value")) / 2.0).max(c(1e-3));
+        let corners =
+            [DVec3::ONE, DVec3::new(1.0, -1.0, -1.0), DVec3::new(-1.0, 1.0, -1.0), DVec3::new(-1.0, -1.0, 1.0)];
+        let wide =
+            corners.into_iter().map(|corner| corner * (x + reach * corner).length()).sum::<DVec3>() / (4.0 * reach);
+        let (low, high) = (at.vector("own_min").y, at.vector("own_max").y);
+        // 0 on the object, 1 at the tip of a flame, which is shorter where the object faces down.
+        let longest = mix(c(0.22), 1.0, smoothstep(c(-0.8), c(0.9), wide.y));
+        let away = ((1.0 - density) / longest).clamp(0.0, 1.0);
+        let height = ((x.y - low) / (high - low)).clamp(0.0, 1.0);
+        let rising = DVec3::new(x.x, c(0.45) * (x.y - at.number("rise") * at.number("time")), x.z);
+        let torn = turbulence(place(at.number("flame_scale") * rising)).v;
+        let left = 1.0 - away - at.number("fury") * mix(c(0.8), 1.5, height) * (c(0.35) + away) * torn;
+        let gas = c(0.85) * (c(1.4) * left).clamp(0.0, 1.0) * smoothstep(0.0, c(0.15), 1.0 - density);
+        [gas].into_iter().chain(wide.to_array()).collect()
+    })
+}
+
+/// Flames between a floor and a wall: how much more than 1e-3 they differ on both sides of the diagonal, from where both
+/// are equally near.
+fn creases(library: &Library) -> f64 {
+    const CORNER: &str =
+        "// A floor and a wall.\n// Source: a test.\n// x: object space.\n#include \"surface_point.glsl\"
+        Surface object(vec3 x) {
+            return x.x < x.y ? Surface(x.x, vec3(1.0, 0.0, 0.0)) : Surface(x.y, vec3(0.0, 1.0, 0.0));
+        }";
+    let text = "#include \"sample.glsl\"\n#include <dmf>
+        float beside(float way) {
+            Sample s = sample_object(p0.xyz + vec3(way, 0.0, 0.0));
+            return modulate(s.density, s);
+        }
+        void check() { out0.xy = vec2(beside(1e-6), beside(-1e-6)); }";
+    let library = library.clone().with_module("object", "corner", CORNER);
+    let fixed = [("iso_value", 0.0), ("outer_iso_value", 0.5), ("fury", 1.0)];
+    let check = Check::new(&library, &[("dmf", "fire"), ("object", "corner")], text);
+    let check = fixed.into_iter().fold(check, |check, (name, value)| check.with(name, &[value]));
+    let check = check.given(|random, _| {
+        let away = random.within(0.05, 0.4);
+        [[away, away, random.within(-1.0, 1.0), 0.0]; 4]
+    });
+    let burning = Cell::new(0);
+    let worst = check.worst(|_, found| {
+        burning.set(burning.get() + usize::from(found[0].max(found[1]) > 0.05));
+        (found[0] - found[1]).abs() / 1e-3
+    });
+    assert!(worst > 1.0 || burning.get() > 1000, "flames at {} places", burning.get());
+    worst
 }
 
 const SOFTEN: &str = "#include <softness>\nvoid check() { out0.xy = vec2(soften(p0.x), soften_unclamped(p0.x)); }";

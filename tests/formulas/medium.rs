@@ -38,7 +38,7 @@ crate::rows! {
     m45_p29_soft_matter_is_carved_out_of_the_same_block = |l| medium(l, "solid", |at| phong(at, marble(at), at.place(2))),
         "medium/solid.glsl": "s.shading" => "s.normal";
     p30_m53_flames_glow_and_have_relief = |l| medium(l, "flame", flame),
-        "medium/flame.glsl": "eye_normal(s.shading) + eye_normal(b)" => "eye_normal(s.shading + b)",
+        "medium/flame.glsl": "wide + eye_normal(b)" => "wide - eye_normal(b)",
         "medium/flame.glsl": "0.35 + 1.1 * lit" => "1.1 + 0.35 * lit";
     p58_vapor_is_dark_behind_denser_matter = vapor,
         "medium/vapor.glsl": "(density - blocking) - 0.5" => "(density + blocking) - 0.5",
@@ -83,7 +83,7 @@ fn flame(at: &At<'_>) -> DVec3 {
     let risen = DVec3::NEG_Y * at.number("relief_rise") * at.number("time");
     let bump = turbulence(scaled(moved(place(at.place(0)), risen), 2.0)).d;
     // The slope by the place is twice that by the cell, and so is its length.
-    let n = (to_eye_space(at, at.place(2)) + to_eye_space(at, bump)).normalize();
+    let n = (0.75 * to_eye_space(at, at.place(2)) + to_eye_space(at, bump)).normalize();
     let lit = (1.0 + n.dot(directions(at)[0])) / 2.0;
     let color = DVec3::from_slice(&transfer(at, at.p[1][3]));
     at.number("glow") * color * mix(1.0, c(0.35) + c(1.1) * lit, at.number("relief"))

@@ -53,10 +53,11 @@ crate::rows! {
         "bump_normal.glsl": "safe_normalize(k * v + b, v)" => "normalize(k * v + b)";
 }
 
-/// A sample with a place and a unit normal.
+/// A sample with a place, a unit normal, and a wide one that is shorter.
 pub const SAMPLE: &str = "#include \"sample_point.glsl\"\nSample given() {
     Sample s;
     s.x = p0.xyz; s.distance = p0.w; s.normal = p1.xyz; s.shading = p2.xyz; s.coherence = 1.0; s.density = p2.w;
+    s.wide_normal = 0.75 * p2.xyz;
     return s;
 }\n";
 

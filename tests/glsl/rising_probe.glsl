@@ -5,7 +5,8 @@
 #include "medium/flame.glsl"
 vec3 surface(Sample s) {
     s.x += vec3(0.0, 5.0 + 0.7 * time, 0.0);
-    s.normal = s.shading = vec3(0.0, 1.0, 0.0);
+    s.distance = 0.5;
+    s.wide_normal = vec3(0.0, 1.0, 0.0);
     s.density = 0.6;
     return MODE == 0 ? vec3(fire(0.6, s)) : medium(s, 0.5);
 }
