@@ -1,8 +1,8 @@
 // A studio: a tiled floor that runs into a backdrop, a window with panes, and strips of light. It stays level and turns
 // with the eye, as the light does: the object stands on a turntable.
 // Source: PH 2.4 and 3.1 (refraction and reflection need something to show); the room is ours.
-// from: of the ray, where it would have no width, object's center, axes of the eye; along: unit; spread: radians between rays of
-// neighboring pixels, of which the pattern of the floor is the mean; result: opaque linear RGBA, brighter than 1 in the lights.
+// from: object's center, axes of the eye; along: unit; spread: radians between rays of neighboring pixels, of which the
+// pattern of the floor and the lights are the mean; result: opaque linear RGBA, brighter than 1 in the lights.
 // @color backdrop_color = #4d5b73: Color of the backdrop at its top.
 // @color horizon_color = #d5dade: Color of the backdrop where the floor runs into it.
 // @color tile_color = #f2efe8: Color of the light tiles of the floor.
@@ -17,10 +17,19 @@ float stripes(float x, float width) {
     return clamp((ramp_a - ramp_b) / (2.0 * w), -1.0, 1.0);
 }
 
-// 1 inside a rectangle around `center`, 0 outside, with a soft edge; directions projected on a plane at distance 1.
-float panel(vec2 p, vec2 center, vec2 half_size) {
-    vec2 d = (half_size - abs(p - center)) / 0.03;
-    return clamp(d.x, 0.0, 1.0) * clamp(d.y, 0.0, 1.0);
+// Width of a footprint on a plane at distance 1, at least that of the soft edge of a panel.
+const float EDGE = 0.03;
+float footprint_at(vec2 p, float spread) { return max(spread * (1.0 + dot(p, p)), EDGE); }
+
+// Part of a footprint that lies in a rectangle around `center`, along each axis: a box filter.
+vec2 covered(vec2 p, vec2 center, vec2 half_size, float width) {
+    vec2 away = p - center, side = half_size - 0.5 * EDGE;
+    return clamp((min(away + 0.5 * width, side) - max(away - 0.5 * width, -side)) / width, 0.0, 1.0);
+}
+
+float panel(vec2 p, vec2 center, vec2 half_size, float spread) {
+    vec2 part = covered(p, center, half_size, footprint_at(p, spread));
+    return part.x * part.y;
 }
 
 vec4 environment(vec3 from, vec3 along, float spread) {
@@ -42,8 +51,13 @@ vec4 environment(vec3 from, vec3 along, float spread) {
 
     float shine = 0.0;
     vec2 left = d.zy / max(-d.x, 1e-3), right = d.zy / max(d.x, 1e-3), above = d.xz / max(d.y, 1e-3);
-    if (d.x < 0.0) shine += panel(abs(left - vec2(0.35, 0.62)), vec2(0.26), vec2(0.22));    // a window, two by two panes
-    if (d.x > 0.0) shine += 0.6 * panel(right, vec2(-0.3, 0.45), vec2(0.10, 0.75));
-    if (d.y > 0.0) shine += 0.8 * panel(above, vec2(0.1, -0.2), vec2(0.7, 0.22));
+    if (d.x < 0.0) {                                                // a window, two by two panes
+        vec2 middle = vec2(0.35, 0.62), pane = vec2(0.26), size = vec2(0.22);
+        float width = footprint_at(left, spread);
+        vec2 part = covered(left, middle - pane, size, width) + covered(left, middle + pane, size, width);
+        shine += part.x * part.y;
+    }
+    if (d.x > 0.0) shine += 0.6 * panel(right, vec2(-0.3, 0.45), vec2(0.10, 0.75), spread);
+    if (d.y > 0.0) shine += 0.8 * panel(above, vec2(0.1, -0.2), vec2(0.7, 0.22), spread);
     return vec4(light + studio_light * shine, 1.0);
 }

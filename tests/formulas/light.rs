@@ -22,7 +22,9 @@ crate::rows! {
     p28_the_surroundings_are_a_studio = |l| environment(l, "studio", studio),
         "environment/studio.glsl": "fract(0.5 * a)" => "fract(0.4 * a)",
         "environment/studio.glsl": "vec3(0.0, -up.z, up.y)" => "vec3(0.0, up.z, up.y)",
-        "environment/studio.glsl": "0.6 * panel(right" => "0.8 * panel(right";
+        "environment/studio.glsl": "0.6 * panel(right" => "0.8 * panel(right",
+        "environment/studio.glsl": "spread * (1.0 + dot(p, p))" => "spread",
+        "environment/studio.glsl": "middle + pane" => "middle - pane";
 }
 
 /// The normal of an object in eye space.
@@ -103,7 +105,7 @@ fn environment(library: &Library, module: &str, formula: fn(&At<'_>) -> [f64; 4]
         turned.map(|x| 1.25 * x)
     });
     let check = check.given(|random, _| {
-        let from = random.in_cube(0.5).extend(0.03 * random.unit());
+        let from = random.in_cube(0.5).extend(random.unit().powi(4));
         [from.to_array(), random.direction().extend(0.0).to_array(), [0.0; 4], [0.0, 0.0, -1.0, 0.0]]
     });
     check.holds(1e-6, |at| formula(at).to_vec())
@@ -120,10 +122,20 @@ fn stripes(middle: f64, width: f64) -> f64 {
     (a.floor() as i64..=b.floor() as i64).map(stripe).sum::<f64>() / width
 }
 
-/// A rectangle of light on a plane at distance 1, whose edge is 0.03 wide.
-fn panel(p: DVec2, center: [f64; 2], half: [f64; 2]) -> f64 {
-    let inside = |axis: usize| ((c(half[axis]) - (p[axis] - c(center[axis])).abs()) / c(0.03)).clamp(0.0, 1.0);
-    inside(0) * inside(1)
+/// A rectangle of light on a plane at distance 1: the part of a square footprint that it covers. The edge is as wide as the
+/// narrowest footprint.
+fn panel(p: DVec2, centers: &[[f64; 2]], half: [f64; 2], spread: f64) -> f64 {
+    let width = c(0.03).max(spread * (1.0 + p.length_squared()));
+    let covered = |center: &[f64; 2]| {
+        let along = |axis: usize| {
+            let side = c(half[axis]) - c(0.03) / 2.0;
+            let ends = [p[axis] - c(center[axis]) - width / 2.0, p[axis] - c(center[axis]) + width / 2.0];
+            let [a, b] = ends.map(|end| end.clamp(-side, side));
+            (b - a) / width
+        };
+        along(0) * along(1)
+    };
+    centers.iter().map(covered).sum()
 }
 
 fn studio(at: &At<'_>) -> [f64; 4] {
@@ -150,16 +162,16 @@ fn studio(at: &At<'_>) -> [f64; 4] {
         }
     }
     let on = |a: f64, b: f64, depth: f64| DVec2::new(a, b) / depth.max(c(1e-3));
-    let mut shine = 0.0;
+    let (spread, mut shine) = (at.p[0][3], 0.0);
     if d.x < 0.0 {
-        // Two by two panes.
-        let window = on(d.z, d.y, -d.x) - DVec2::new(c(0.35), c(0.62));
-        shine += panel(window.abs(), [0.26; 2], [0.22; 2]);
+        // Two by two panes, 0.26 to each side of the middle.
+        let panes = [[0.09, 0.36], [0.61, 0.36], [0.09, 0.88], [0.61, 0.88]];
+        shine += panel(on(d.z, d.y, -d.x), &panes, [0.22; 2], spread);
     } else if d.x > 0.0 {
-        shine += c(0.6) * panel(on(d.z, d.y, d.x), [-0.3, 0.45], [0.10, 0.75]);
+        shine += c(0.6) * panel(on(d.z, d.y, d.x), &[[-0.3, 0.45]], [0.10, 0.75], spread);
     }
     if d.y > 0.0 {
-        shine += c(0.8) * panel(on(d.x, d.z, d.y), [0.1, -0.2], [0.7, 0.22]);
+        shine += c(0.8) * panel(on(d.x, d.z, d.y), &[[0.1, -0.2]], [0.7, 0.22], spread);
     }
     (light + at.number("studio_light") * shine).extend(1.0).to_array()
 }
