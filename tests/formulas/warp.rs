@@ -31,8 +31,9 @@ crate::rows! {
         "warp/dripping.glsl": "1.0 + slope.y" => "1.0 - slope.y",
         "warp/dripping.glsl": "1.0 : 0.25" => "0.25 : 1.0";
     m53_p27_melting_sags_towards_the_ground = |l| warp(l, "melting", melting),
-        "warp/melting.glsl": "0.5 - 0.5 * x.y" => "0.5 + 0.5 * x.y",
-        "warp/melting.glsl": "ground * 2.0 * drip * inside * drip_frequency * n.z" => "ground * drip * inside * n.z";
+        "warp/melting.glsl": "0.15 - 0.5 * x.y" => "0.15 + 0.5 * x.y",
+        "warp/melting.glsl": "12.0 * (1.0 - raised)" => "6.0 * (1.0 - raised)",
+        "warp/melting.glsl": "0.5 * slower * drip * m.xz" => "0.5 * drip * m.xz";
     g05_perturbed_moves_by_three_scales_of_vector_noise = |l| warp(l, "perturbed", perturbed),
         "warp/perturbed.glsl": "kept * scale * slope" => "kept * slope",
         "warp/perturbed.glsl": "1.5 * drift.zxy" => "1.5 * drift.yzx";
@@ -95,10 +96,16 @@ fn dripping(at: &At<'_>, [x, y, z]: Place) -> Place {
 }
 
 fn melting(at: &At<'_>, [x, y, z]: Place) -> Place {
+    let columns = |frequency: f64, plane: f64| noise([x * frequency, dual(plane), z * frequency]);
     let frequency = at.number("drip_frequency");
-    let drip = (noise([x * frequency, dual(5.5), z * frequency]) * c(1.3) + c(0.35)).clamp(0.0, 1.0);
-    let low = (dual(1.0) - y).clamp(0.0, 2.0) / 2.0;
-    [x, y + low * drip * drip * at.number("drip_length") * at.number("melt_time"), z]
+    let part = (columns(frequency, 5.5) / dual(0.5)).clamp(0.0, 1.0);
+    let raised = part * part * (dual(3.0) - part * 2.0);
+    // Flat where a drip has its length.
+    let drip = dual(1.0) - (dual(1.0) - raised) * (dual(1.0) - raised);
+    let longest =
+        (columns(c(0.7) * frequency, 15.5) * 0.5 + c(0.55)) * at.number("drip_length") * at.number("melt_time");
+    let low = (dual(c(0.15)) - y * 0.5).clamp(0.0, 1.0);
+    [x, y + low * drip * longest, z]
 }
 
 fn perturbed(at: &At<'_>, x: Place) -> Place {
