@@ -53,7 +53,7 @@ const SCENES: &[(&str, &str)] = &[
     ("glow", "preset = 'glow'\n object.resolution = 64"),
     ("nebula", "preset = 'nebula'"),
     ("eroded_cube", "preset = 'eroded_cube'\n light.shadow_resolution = 64"),
-    ("weathered", "preset = 'weathered'\n light.shadow_resolution = 64"),
+    ("weathered", "preset = 'weathered'"),
     ("burning_bush", "preset = 'burning_bush'"),
     (
         "tank",
