@@ -1,10 +1,11 @@
 //! The gallery: every example scene on its own object, or the effects of MJ Fig. 7 on one, and a page that explains them.
 
 use super::compare::Failed;
+use super::picture::smooth;
 use super::scene_arguments::{ObjectFlags, size};
 use super::{absolute, say, start, with_progress};
 use crate::field::Progress;
-use crate::gpu::{Format, Gpu, Options};
+use crate::gpu::{Gpu, Options};
 use crate::measure::worker::{Load, Painter, Start, Worker};
 use crate::output::{self, Depth, OutputError, Provenance};
 use crate::render::variant::Variant;
@@ -61,8 +62,6 @@ const BACKGROUND: Color = Color([24, 26, 31]);
 pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     let library = shader::shipped();
     let gpu = Gpu::new(options)?;
-    // Smooth edges, where the device has them for the default target.
-    let smooth = gpu.sample_counts(Format::Rgba32Float).contains(&4) && gpu.info().sample_shading;
     let mut scenes = match &command.input {
         Some(input) => effects(input)?,
         None => examples()?,
@@ -70,10 +69,7 @@ pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) ->
     for (_, scene) in &mut scenes {
         scene.image.size = command.size;
         scene.quality.samples = command.samples.unwrap_or(scene.quality.samples);
-        // Among many scenes only those are smoothed that have hard edges and are quick: it takes four times as long.
-        let quick = scene.effect.softness == "hard" && scene.effect.warp.is_empty();
-        let smooth = smooth && (command.input.is_some() || quick);
-        scene.quality.msaa = if smooth { 4 } else { 1 };
+        smooth(scene);
         command.object.apply(scene)?;
     }
     // The folder is made with the first picture; whether it can be is known before.

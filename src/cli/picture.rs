@@ -17,6 +17,16 @@ use std::path::Path;
 /// Pixels of a voxel that a sharp edge of the object shows.
 const SEEN_VOXEL: f32 = 6.0;
 
+/// Pictures of which a final one is the mean, where nothing says how many.
+const SMOOTH: u32 = 4;
+
+/// Gives a final picture smooth edges, unless its scene has several rays for each pixel already.
+pub(super) fn smooth(scene: &mut Scene) {
+    if (scene.quality.supersampling, scene.quality.msaa) == (1, 1) {
+        scene.quality.supersampling = SMOOTH;
+    }
+}
+
 /// All that a picture is made of, and where it goes.
 #[derive(Clone, Copy)]
 pub(super) struct Picture<'a> {

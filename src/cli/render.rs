@@ -1,7 +1,7 @@
 //! `render`: a picture, its frames or a shard of them, with the fastest settings or with its cost in advance.
 
 use super::error_map::write_error_map;
-use super::picture::{Picture, render_picture, render_shard, say_fault};
+use super::picture::{Picture, render_picture, render_shard, say_fault, smooth};
 use super::scene_arguments::{ObjectFlags, SceneArguments, metric};
 use super::sequence::{Motion, ShardChoice, render_frames, shard};
 use super::validity::write_validity;
@@ -99,7 +99,10 @@ fn ends(path: &Path, end: &str) -> bool {
 
 /// Renders, or says what it would cost.
 pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let (scene, base) = command.arguments.scene_and_base(&command.input, &command.object)?;
+    let (mut scene, mut base) = command.arguments.scene_and_base(&command.input, &command.object)?;
+    if command.max_error.is_none() && !command.arguments.says_rays_of_a_pixel(&command.input) {
+        [&mut scene, &mut base].into_iter().for_each(smooth);
+    }
     let library = super::library(&scene)?;
     let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
     let bound = bound.map_err(|error| format!("--max-error: {error}"))?;

@@ -8,6 +8,7 @@ use crate::scene::{self, Color, ParameterValue, Pass, Reach, Scene, SceneError};
 use crate::shader::declare::hex_color;
 use clap::{Args, ValueEnum};
 use std::error::Error;
+use std::fs;
 use std::path::Path;
 
 /// How an input becomes an object.
@@ -103,6 +104,22 @@ impl SceneArguments {
         object.apply(&mut scene)?;
         self.apply(&mut scene)?;
         Ok((scene, base))
+    }
+
+    /// Whether a flag, `--set`, a scene file or the scene of a picture says how many rays a pixel has.
+    pub fn says_rays_of_a_pixel(&self, input: &str) -> bool {
+        let path = Path::new(input);
+        let ends = |end: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end));
+        let text = if ends("toml") { fs::read_to_string(path).unwrap_or_default() } else { String::new() };
+        let file: toml::Table = text.trim_start_matches('\u{feff}').parse().unwrap_or_default();
+        ends("png")
+            || ends("exr")
+            || ["supersampling", "msaa"].into_iter().any(|field| {
+                let name = format!("quality.{field}");
+                let set = |text: &String| text.split_once('=').is_some_and(|(own, _)| own.trim() == name);
+                let in_file = file.get("quality").and_then(|quality| quality.get(field)).is_some();
+                in_file || self.settings.has(&name) || self.parameters.iter().any(set)
+            })
     }
 
     fn start(&self, input: &str) -> Result<Scene, Box<dyn Error>> {

@@ -55,6 +55,31 @@ fn what_changes_nothing_is_said_in_one_line() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_final_picture_has_smooth_edges_unless_one_ray_for_each_pixel_is_asked_for() {
+    let desk = Desk::new();
+    desk.write("one.toml", "preset = \"lit\"\nobject.input = \"sphere\"\nquality.supersampling = 1\n");
+    desk.write("open.toml", "preset = \"lit\"\nobject.input = \"sphere\"\nquality.samples = 48\n");
+    // Pixels of the outline that are neither clear nor opaque.
+    let edges = |arguments: &str| {
+        desk.good(&format!("render {arguments} {SMALL} -o x.png --save-scene s.toml"));
+        let saved = hypertexture::scene::load(&desk.file("s.toml"), Reach::Anywhere).unwrap();
+        let pixels = image::open(desk.file("x.png")).unwrap().to_rgba8();
+        (saved.quality.supersampling, pixels.pixels().filter(|pixel| (8..248).contains(&pixel[3])).count())
+    };
+    for (arguments, rays) in [("sphere", 4), ("open.toml", 4), ("sphere --supersampling 2", 2)] {
+        let (saved, smooth) = edges(arguments);
+        assert!(saved == rays && smooth > 40, "{arguments}: {saved} rays, {smooth} pixels");
+    }
+    for arguments in ["one.toml", "sphere --supersampling 1", "sphere --set quality.msaa=1"] {
+        assert_eq!(edges(arguments), (1, 0), "{arguments}");
+    }
+    // A picture says how it was made.
+    desk.good(&format!("render one.toml {SMALL} -o one.png"));
+    assert_eq!(edges("one.png"), (1, 0));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn an_empty_picture_says_why() {
     let desk = Desk::new();
     desk.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
