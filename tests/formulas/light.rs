@@ -128,7 +128,7 @@ fn panel(p: DVec2, centers: &[[f64; 2]], half: [f64; 2], spread: f64) -> f64 {
     let width = c(0.03).max(spread * (1.0 + p.length_squared()));
     let covered = |center: &[f64; 2]| {
         let along = |axis: usize| {
-            let side = c(half[axis]) - c(0.03) / 2.0;
+            let side = c(c(half[axis]) - c(0.03) / 2.0);
             let ends = [p[axis] - c(center[axis]) - width / 2.0, p[axis] - c(center[axis]) + width / 2.0];
             let [a, b] = ends.map(|end| end.clamp(-side, side));
             (b - a) / width
@@ -165,7 +165,9 @@ fn studio(at: &At<'_>) -> [f64; 4] {
     let (spread, mut shine) = (at.p[0][3], 0.0);
     if d.x < 0.0 {
         // Two by two panes, 0.26 to each side of the middle.
-        let panes = [[0.09, 0.36], [0.61, 0.36], [0.09, 0.88], [0.61, 0.88]];
+        let [left, right, low, high] =
+            [(0.35, -1.0), (0.35, 1.0), (0.62, -1.0), (0.62, 1.0)].map(|(middle, side)| c(middle) + side * c(0.26));
+        let panes = [[left, low], [right, low], [left, high], [right, high]];
         shine += panel(on(d.z, d.y, -d.x), &panes, [0.22; 2], spread);
     } else if d.x > 0.0 {
         shine += c(0.6) * panel(on(d.z, d.y, d.x), &[[-0.3, 0.45]], [0.10, 0.75], spread);
