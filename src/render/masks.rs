@@ -25,7 +25,12 @@ layout(location = 1) in vec4 other;
 layout(location = 0) out vec4 fragment;
 #include \"MASK\"
 void main() {
-    fragment = vec4(FUNCTION(Sample(place.xyz, other.x, other.xyz, other.xyz, other.x, place.w, other.x, other.xyz, other.xyz)));
+    Sample s;
+    s.x = place.xyz;
+    s.density = place.w;
+    s.distance = s.distance_bound = s.coherence = s.hair_length = other.x;
+    s.normal = s.shading = s.wide_normal = s.hair_normal = s.hair_tangent = other.xyz;
+    fragment = vec4(FUNCTION(s));
 }
 ";
 const NAME: &str = "cover";
