@@ -17,19 +17,13 @@ float stripes(float x, float width) {
     return clamp((ramp_a - ramp_b) / (2.0 * w), -1.0, 1.0);
 }
 
-// Width of a footprint on a plane at distance 1, at least that of the soft edge of a panel.
+// Part of a footprint that lies in a panel of light around `center`, along each axis: a box filter, at least as wide as the
+// soft edge. Directions projected on a plane at distance 1.
 const float EDGE = 0.03;
-float footprint_at(vec2 p, float spread) { return max(spread * (1.0 + dot(p, p)), EDGE); }
-
-// Part of a footprint that lies in a rectangle around `center`, along each axis: a box filter.
-vec2 covered(vec2 p, vec2 center, vec2 half_size, float width) {
+vec2 covered(vec2 p, vec2 center, vec2 half_size, float spread) {
+    float width = max(spread * (1.0 + dot(p, p)), EDGE);
     vec2 away = p - center, side = half_size - 0.5 * EDGE;
     return clamp((min(away + 0.5 * width, side) - max(away - 0.5 * width, -side)) / width, 0.0, 1.0);
-}
-
-float panel(vec2 p, vec2 center, vec2 half_size, float spread) {
-    vec2 part = covered(p, center, half_size, footprint_at(p, spread));
-    return part.x * part.y;
 }
 
 vec4 environment(vec3 from, vec3 along, float spread) {
@@ -53,11 +47,16 @@ vec4 environment(vec3 from, vec3 along, float spread) {
     vec2 left = d.zy / max(-d.x, 1e-3), right = d.zy / max(d.x, 1e-3), above = d.xz / max(d.y, 1e-3);
     if (d.x < 0.0) {                                                // a window, two by two panes
         vec2 middle = vec2(0.35, 0.62), pane = vec2(0.26), size = vec2(0.22);
-        float width = footprint_at(left, spread);
-        vec2 part = covered(left, middle - pane, size, width) + covered(left, middle + pane, size, width);
+        vec2 part = covered(left, middle - pane, size, spread) + covered(left, middle + pane, size, spread);
         shine += part.x * part.y;
     }
-    if (d.x > 0.0) shine += 0.6 * panel(right, vec2(-0.3, 0.45), vec2(0.10, 0.75), spread);
-    if (d.y > 0.0) shine += 0.8 * panel(above, vec2(0.1, -0.2), vec2(0.7, 0.22), spread);
+    if (d.x > 0.0) {
+        vec2 part = covered(right, vec2(-0.3, 0.45), vec2(0.10, 0.75), spread);
+        shine += 0.6 * part.x * part.y;
+    }
+    if (d.y > 0.0) {
+        vec2 part = covered(above, vec2(0.1, -0.2), vec2(0.7, 0.22), spread);
+        shine += 0.8 * part.x * part.y;
+    }
     return vec4(light + studio_light * shine, 1.0);
 }

@@ -22,7 +22,7 @@ crate::rows! {
     p28_the_surroundings_are_a_studio = |l| environment(l, "studio", studio),
         "environment/studio.glsl": "fract(0.5 * a)" => "fract(0.4 * a)",
         "environment/studio.glsl": "vec3(0.0, -up.z, up.y)" => "vec3(0.0, up.z, up.y)",
-        "environment/studio.glsl": "0.6 * panel(right" => "0.8 * panel(right",
+        "environment/studio.glsl": "0.6 * part.x" => "0.8 * part.x",
         "environment/studio.glsl": "spread * (1.0 + dot(p, p))" => "spread",
         "environment/studio.glsl": "middle + pane" => "middle - pane";
 }
