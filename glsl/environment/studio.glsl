@@ -1,8 +1,9 @@
 // A studio: a tiled floor that runs into a backdrop, a window with panes, and strips of light. It stays level and turns
 // with the eye, as the light does: the object stands on a turntable.
 // Source: PH 2.4 and 3.1 (refraction and reflection need something to show); the room is ours.
-// from: object's center, axes of the eye; along: unit; spread: radians between rays of neighboring pixels, of which the
-// pattern of the floor and the lights are the mean; result: opaque linear RGBA, brighter than 1 in the lights.
+// from: of the ray, where it would have no width, object's center, axes of the eye; along: unit; spread: radians between rays of
+// neighboring pixels, of which the pattern of the floor and the lights are the mean; result: opaque linear RGBA, brighter than 1 in
+// the lights.
 // @color backdrop_color = #4d5b73: Color of the backdrop at its top.
 // @color horizon_color = #d5dade: Color of the backdrop where the floor runs into it.
 // @color tile_color = #f2efe8: Color of the light tiles of the floor.
@@ -18,12 +19,11 @@ float stripes(float x, float width) {
 }
 
 // Part of a footprint that lies in a panel of light around `center`, along each axis: a box filter, at least as wide as the
-// soft edge. Directions projected on a plane at distance 1.
-const float EDGE = 0.03;
+// soft edge, 0.03. Directions projected on a plane at distance 1.
 vec2 covered(vec2 p, vec2 center, vec2 half_size, float spread) {
-    float width = max(spread * (1.0 + dot(p, p)), EDGE);
-    vec2 away = p - center, side = half_size - 0.5 * EDGE;
-    return clamp((min(away + 0.5 * width, side) - max(away - 0.5 * width, -side)) / width, 0.0, 1.0);
+    float width = max(spread * (1.0 + dot(p, p)), 0.03);
+    vec2 from = max(p - center - 0.5 * width, -half_size), to = min(p - center + 0.5 * width, half_size);
+    return clamp((to - from) / width, 0.0, 1.0);
 }
 
 vec4 environment(vec3 from, vec3 along, float spread) {
@@ -46,16 +46,16 @@ vec4 environment(vec3 from, vec3 along, float spread) {
     float shine = 0.0;
     vec2 left = d.zy / max(-d.x, 1e-3), right = d.zy / max(d.x, 1e-3), above = d.xz / max(d.y, 1e-3);
     if (d.x < 0.0) {                                                // a window, two by two panes
-        vec2 middle = vec2(0.35, 0.62), pane = vec2(0.26), size = vec2(0.22);
-        vec2 part = covered(left, middle - pane, size, spread) + covered(left, middle + pane, size, spread);
+        vec2 part = covered(left, vec2(0.09, 0.36), vec2(0.205), spread)
+                  + covered(left, vec2(0.61, 0.88), vec2(0.205), spread);
         shine += part.x * part.y;
     }
     if (d.x > 0.0) {
-        vec2 part = covered(right, vec2(-0.3, 0.45), vec2(0.10, 0.75), spread);
+        vec2 part = covered(right, vec2(-0.3, 0.45), vec2(0.085, 0.735), spread);
         shine += 0.6 * part.x * part.y;
     }
     if (d.y > 0.0) {
-        vec2 part = covered(above, vec2(0.1, -0.2), vec2(0.7, 0.22), spread);
+        vec2 part = covered(above, vec2(0.1, -0.2), vec2(0.685, 0.205), spread);
         shine += 0.8 * part.x * part.y;
     }
     return vec4(light + studio_light * shine, 1.0);

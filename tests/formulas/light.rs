@@ -24,7 +24,7 @@ crate::rows! {
         "environment/studio.glsl": "vec3(0.0, -up.z, up.y)" => "vec3(0.0, up.z, up.y)",
         "environment/studio.glsl": "0.6 * part.x" => "0.8 * part.x",
         "environment/studio.glsl": "spread * (1.0 + dot(p, p))" => "spread",
-        "environment/studio.glsl": "middle + pane" => "middle - pane";
+        "environment/studio.glsl": "vec2(0.61, 0.88)" => "vec2(0.61, 0.36)";
 }
 
 /// The normal of an object in eye space.
@@ -128,7 +128,7 @@ fn panel(p: DVec2, centers: &[[f64; 2]], half: [f64; 2], spread: f64) -> f64 {
     let width = c(0.03).max(spread * (1.0 + p.length_squared()));
     let covered = |center: &[f64; 2]| {
         let along = |axis: usize| {
-            let side = c(c(half[axis]) - c(0.03) / 2.0);
+            let side = c(half[axis]);
             let ends = [p[axis] - c(center[axis]) - width / 2.0, p[axis] - c(center[axis]) + width / 2.0];
             let [a, b] = ends.map(|end| end.clamp(-side, side));
             (b - a) / width
@@ -164,16 +164,14 @@ fn studio(at: &At<'_>) -> [f64; 4] {
     let on = |a: f64, b: f64, depth: f64| DVec2::new(a, b) / depth.max(c(1e-3));
     let (spread, mut shine) = (at.p[0][3], 0.0);
     if d.x < 0.0 {
-        // Two by two panes, 0.26 to each side of the middle.
-        let [left, right, low, high] =
-            [(0.35, -1.0), (0.35, 1.0), (0.62, -1.0), (0.62, 1.0)].map(|(middle, side)| c(middle) + side * c(0.26));
-        let panes = [[left, low], [right, low], [left, high], [right, high]];
-        shine += panel(on(d.z, d.y, -d.x), &panes, [0.22; 2], spread);
+        // Two by two panes.
+        let panes = [[0.09, 0.36], [0.61, 0.36], [0.09, 0.88], [0.61, 0.88]];
+        shine += panel(on(d.z, d.y, -d.x), &panes, [0.205; 2], spread);
     } else if d.x > 0.0 {
-        shine += c(0.6) * panel(on(d.z, d.y, d.x), &[[-0.3, 0.45]], [0.10, 0.75], spread);
+        shine += c(0.6) * panel(on(d.z, d.y, d.x), &[[-0.3, 0.45]], [0.085, 0.735], spread);
     }
     if d.y > 0.0 {
-        shine += c(0.8) * panel(on(d.x, d.z, d.y), &[[0.1, -0.2]], [0.7, 0.22], spread);
+        shine += c(0.8) * panel(on(d.x, d.z, d.y), &[[0.1, -0.2]], [0.685, 0.205], spread);
     }
     (light + at.number("studio_light") * shine).extend(1.0).to_array()
 }
