@@ -10,17 +10,21 @@ use super::inputs::{CELLS, SHADOW, StoredObjects, image_key};
 use super::marks::Marks;
 use super::shot::Shot;
 use super::sub_frame::SubFrame;
+use super::subject::{Recipe, Wanted, opened};
 use super::values::blocks;
 use super::{OCTAVES_ID, RenderError, Subject};
 use crate::exact::{self, Outline};
+use crate::field::Key;
 use crate::noise::Period;
 use crate::render::variant::{Program, Variant};
 use crate::scene::schema::{Kind, SETTINGS, Setting, setting};
-use crate::scene::{Object, Order, Pass, Scene};
+use crate::scene::{Object, Order, Pass, Quality, Scene};
 use crate::shader::{Library, Linker};
 use crate::shape::Shape;
 use blake3::{Hash, Hasher};
+use glam::DVec3;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::rc::Rc;
 
 /// Fields that say something about a scene, or always do something.
@@ -36,7 +40,7 @@ const VERTEX_VALUES: [&str; 7] =
 ///
 /// A scene that has no program has no such fields, and what cannot be decided is none.
 pub fn ignored(library: &Library, subject: &Subject, base: &Scene, scene: &Scene) -> Vec<String> {
-    let mut judge = Judge { library, subject, programs: HashMap::new() };
+    let mut judge = Judge::new(library, subject);
     let before: HashMap<String, String> =
         base.fields().into_iter().map(|(name, value)| (name, value.to_string())).collect();
     let set = scene.fields().into_iter().map(|(name, value)| (name, value.to_string()));
@@ -50,19 +54,17 @@ pub fn ignored(library: &Library, subject: &Subject, base: &Scene, scene: &Scene
     let changes_nothing = |(name, _): &&(String, String)| {
         let mut without = scene.clone();
         let old = before.get(name).map_or("", String::as_str);
-        without.set_field(name, old).is_ok()
-            && same_subject(name, scene, &without)
-            && judge.essence(&without).is_ok_and(|other| other == own)
+        without.set_field(name, old).is_ok() && judge.same_picture(scene, own, &without)
     };
     set.iter().filter(changes_nothing).map(|(name, value)| format!("{name} = {value}")).collect()
 }
 
 /// The settings of a scene that change no bit of its picture, whatever they are: what its programs do not read. Of a number,
-/// the ends of its usual range are tried, of a choice all that the scene allows; a value that chooses another program is
-/// taken to change the picture. Settings of how it is drawn (`quality`, `image`) are never named, nor is text. `is_over` ends
+/// the ends of its usual range are tried, of a choice all that the scene allows without the parameters of modules that are
+/// gone; a value that chooses another program is taken to change the picture. Settings of how it is drawn (`quality`, `image`) are never named, nor is text. `is_over` ends
 /// it early, with none.
 pub fn idle(library: &Library, subject: &Subject, scene: &Scene, is_over: &dyn Fn() -> bool) -> Vec<String> {
-    let mut judge = Judge { library, subject, programs: HashMap::new() };
+    let mut judge = Judge::new(library, subject);
     let (Ok(variant), Ok(own)) = (Variant::of(scene, library), judge.essence(scene)) else { return Vec::new() };
     let values: HashMap<String, String> =
         scene.fields().into_iter().map(|(name, value)| (name, value.to_string())).collect();
@@ -76,22 +78,34 @@ pub fn idle(library: &Library, subject: &Subject, scene: &Scene, is_over: &dyn F
         }
         let with = |other: &String| {
             let mut with = scene.clone();
-            (with.set_field(name, other).is_ok() && with.check(library).is_ok()).then_some(with)
+            with.set_field(name, other).ok()?;
+            with.drop_foreign_parameters(library).ok()?;
+            (with != *scene && with.check(library).is_ok()).then_some(with)
         };
         let all = others(library, setting, values.get(name).map_or("", String::as_str));
         let others: Vec<Scene> = all.iter().filter_map(with).collect();
-        // Of a choice, all that it may be is tried: where the scene refuses every other, there is nothing to choose.
-        let is_choice = matches!(setting.kind, Kind::Choice(_) | Kind::Module(_) | Kind::Switch | Kind::OneOf(_));
         let changes_nothing = |other: &Scene| {
             let same_program =
                 Variant::of(other, library).is_ok_and(|of| of.key() == variant.key() && of.entries == variant.entries);
-            same_program && same_subject(name, scene, other) && judge.essence(other).is_ok_and(|of| of == own)
+            same_program && judge.same_picture(scene, own, other)
         };
-        if (is_choice || !others.is_empty()) && others.iter().all(changes_nothing) {
+        // Where the scene refuses every other value, a module that the program does not reach is not read, and all else is.
+        let is_idle = match others.as_slice() {
+            [] => matches!(setting.kind, Kind::Module(_)) && !variant.reads(setting.field()),
+            others => others.iter().all(changes_nothing),
+        };
+        if is_idle {
             idle.push(name.to_string());
         }
     }
     idle
+}
+
+/// Whether scenes of one subject all have the same picture.
+pub fn all_alike(library: &Library, subject: &Subject, mut scenes: impl Iterator<Item = Scene>) -> bool {
+    let mut judge = Judge::new(library, subject);
+    let first = scenes.next().and_then(|first| Some((judge.essence(&first).ok()?, first)));
+    first.is_some_and(|(own, first)| scenes.all(|other| judge.same_picture(&first, own, &other)))
 }
 
 /// What else a setting may be, as a scene file has it.
@@ -115,33 +129,13 @@ fn others(library: &Library, setting: &Setting, value: &str) -> Vec<String> {
     others
 }
 
-/// Whether two scenes that differ in one field have the same objects.
-fn same_subject(field: &str, scene: &Scene, without: &Scene) -> bool {
-    let (part, field) = match field.strip_prefix("parts.").and_then(|rest| rest.split_once('.')) {
-        Some((part, field)) => (Some(part), field),
-        None => (None, field),
-    };
-    let object = |scene: &Scene| match part {
-        None => Some(scene.object.clone()),
-        Some(part) => scene.parts.get(part).map(|part| part.object.clone()),
-    };
-    let (Some(own), Some(other)) = (object(scene), object(without)) else { return false };
-    let Some(field) = field.strip_prefix("object.") else { return own == other };
-    let is_scan = |object: &Object| !matches!(super::open(object), Ok(Shape::Mesh(_) | Shape::Solid(_)));
-    match field {
-        "input" => false,
-        _ if own.is_formula() != other.is_formula() => false,
-        "resolution" | "up" => own.is_formula(),
-        "iso" | "distance" => own.is_formula() || !is_scan(&own),
-        _ => true,
-    }
-}
-
-/// What programs do, each linked once.
+/// What programs do, each linked once, and the shapes of objects, each read once.
 struct Judge<'a> {
     library: &'a Library,
     subject: &'a Subject,
     programs: HashMap<(String, u32), Rc<Read>>,
+    /// By all that a shape is read by: its input, and whether its values are distances.
+    shapes: HashMap<(String, bool), Rc<Shape>>,
 }
 
 /// A program, and what it does, where the evaluator covers it.
@@ -150,7 +144,56 @@ struct Read {
     outline: Option<(exact::Program, Outline)>,
 }
 
-impl Judge<'_> {
+impl<'a> Judge<'a> {
+    fn new(library: &'a Library, subject: &'a Subject) -> Judge<'a> {
+        Judge { library, subject, programs: HashMap::new(), shapes: HashMap::new() }
+    }
+
+    /// Whether another scene has the picture of a scene, whose essence is `own`. What cannot be decided has another.
+    fn same_picture(&mut self, scene: &Scene, own: Hash, other: &Scene) -> bool {
+        let same = self.same_subject(scene, other).and_then(|same| Ok(same && self.essence(other)? == own));
+        same.unwrap_or(false)
+    }
+
+    /// Whether two scenes have the same objects: what their fields are computed from is equal.
+    fn same_subject(&mut self, scene: &Scene, other: &Scene) -> Result<bool, RenderError> {
+        let wanted = |scene| Ok::<_, RenderError>(Wanted::all(scene, &Variant::of(scene, self.library)?));
+        let (own, others) = (wanted(scene)?, wanted(other)?);
+        let mut same = scene.parts.keys().eq(other.parts.keys());
+        for (own, other) in own.iter().zip(&others) {
+            same = same && self.same_object(own, other)?;
+        }
+        Ok(same)
+    }
+
+    fn same_object(&mut self, own: &Wanted, other: &Wanted) -> Result<bool, RenderError> {
+        if own == other {
+            return Ok(true);
+        }
+        match [own, other].map(|wanted| wanted.object.is_formula()) {
+            [true, true] => return Ok(own.object.input == other.object.input),
+            [false, false] if own.object != other.object => {}
+            _ => return Ok(false),
+        }
+        let ((shape, recipe), (other_shape, other)) = (self.recipe(own)?, self.recipe(other)?);
+        let offset = |shape: &Shape| if let Shape::Mesh(mesh) = shape { mesh.offset } else { DVec3::ZERO };
+        let key = |shape: &Shape, recipe: &Recipe| (offset(shape), Key::new(shape, &recipe.request));
+        let mut placed = recipe.clone();
+        placed.request = other.request;
+        Ok(placed == other && key(&shape, &recipe) == key(&other_shape, &other))
+    }
+
+    /// The shape of an object, and what is made of it.
+    fn recipe(&mut self, wanted: &Wanted) -> Result<(Rc<Shape>, Recipe), RenderError> {
+        let Object { input, distance, .. } = &wanted.object;
+        let shape = match self.shapes.entry((input.clone(), *distance)) {
+            Entry::Occupied(known) => known.get().clone(),
+            Entry::Vacant(new) => new.insert(Rc::new(opened(input, *distance)?.shape)).clone(),
+        };
+        let recipe = Recipe::of(&shape, wanted, self.subject.scale);
+        Ok((shape, recipe))
+    }
+
     /// All that the pictures of a scene are computed from.
     fn essence(&mut self, scene: &Scene) -> Result<Hash, RenderError> {
         let mut variant = Variant::of(scene, self.library)?;
@@ -170,32 +213,59 @@ impl Judge<'_> {
             read = self.read(scene, &variant)?;
         }
         let shot = Shot::of(scene, self.subject, &variant);
-        let (quality, stored) = (&scene.quality, StoredObjects::none(&shot.view));
+        let stored = StoredObjects::none(&shot.view);
         let values = |frame: SubFrame| stored.values(&shot, &frame);
         let moments: Vec<_> = SubFrame::all(scene).map(values).collect();
         let mut all = Hasher::new();
         let mut add = |what: String| {
             all.update(what.as_bytes());
         };
-        add(format!("{:?} {:?} {} {:?}", scene.entries(), scene.image.size, quality.msaa, quality.target));
-        if quality.pass == Pass::Slices {
-            add(format!("{:?} {:?} {:?} {:?}", quality.order, quality.proxy, shot.planes, shot.view.extent));
+        // Each setting is added here, or acts by the program, its values and its images alone.
+        let Quality {
+            pass,
+            target,
+            order,
+            proxy,
+            early_termination,
+            msaa,
+            samples: _,
+            supersampling: _,
+            integration: _,
+            empty_space: _,
+            neutral: _,
+            reject: _,
+            jitter: _,
+            seed: _,
+            filter: _,
+            anisotropy: _,
+            block_size: _,
+            turbulence_cells: _,
+            wrap: _,
+            block_format: _,
+            block_blur: _,
+        } = &scene.quality;
+        add(format!("{:?} {:?} {msaa} {target:?} {}", scene.entries(), scene.image.size, moments.len()));
+        if *pass == Pass::Slices {
+            add(format!("{order:?} {proxy:?} {:?} {:?} {:?}", shot.planes, shot.view.extent, shot.view.axis));
             add(format!("{:?} {}", read.program.vertex, scene.camera.slice_stack));
             if Marks::serve(scene) {
-                add(format!("{}", scene.quality.early_termination));
+                add(format!("{early_termination}"));
             }
             for values in &moments {
                 add(format!("{:?}", VERTEX_VALUES.map(|name| values.get(name))));
             }
         }
-        let caster = match read.program.reads(SHADOW) {
-            false => None,
-            true => Some(self.read(scene, &variant.shadow(scene, self.library)?)?),
-        };
-        for (index, read) in [Some(read), caster].into_iter().flatten().enumerate() {
-            if index > 0 {
-                add(format!("{:?}", shot.space.target()));
-            }
+        let mut programs = vec![(read.clone(), false)];
+        if read.program.reads(SHADOW) {
+            programs.push((self.read(scene, &variant.shadow(scene, self.library)?)?, true));
+        }
+        if scene.is_half_angle() {
+            programs.push((self.read(scene, &variant.light(scene, self.library)?)?, false));
+        }
+        if programs.len() > 1 {
+            add(format!("{:?}", shot.space.target()));
+        }
+        for (read, casts) in programs {
             let names: HashMap<u32, &str> =
                 read.program.resources.iter().map(|resource| (resource.binding, resource.name.as_str())).collect();
             let name = |binding: u32| names.get(&binding).copied().unwrap_or_default();
@@ -211,7 +281,7 @@ impl Judge<'_> {
                 let key = image_key(&shot, name(image));
                 add(format!("{} {key}", name(image)));
                 if let Some(sampler) = sampler {
-                    add(format!("{:?}", Filter::of(name(sampler), quality)));
+                    add(format!("{:?}", Filter::of(name(sampler), &scene.quality)));
                 }
             }
             let mut before = String::new();
@@ -224,10 +294,10 @@ impl Judge<'_> {
                     _ => format!("{:?} {} {blocks:?}", read.program.fragment, scene.effect.octaves),
                 };
                 // Shadows are cast once, or for each moment; from equal values they are the same.
-                if index == 0 || drawn != before {
+                if !casts || drawn != before {
                     add(drawn.clone());
                 }
-                if index > 0 && scene.camera.shutter == 0.0 {
+                if casts && scene.camera.shutter == 0.0 {
                     break;
                 }
                 before = drawn;

@@ -50,7 +50,7 @@ pub(crate) use cells::{LOOKED_UP, bounded};
 pub(crate) use cpu_inputs::{Blocks, CpuInputs};
 pub use density::{Along, densities, density_along};
 pub use doubts::doubts;
-pub use ignored::{idle, ignored};
+pub use ignored::{all_alike, idle, ignored};
 pub use made::{made_with, octaves_held};
 pub use pixels::put;
 pub use polygonize::{PolygonizeError, Polygons, polygonize};
@@ -58,7 +58,7 @@ pub use renderer::{Renderer, render};
 pub use shadow::{Transmittance, transmittance};
 pub use sight::Sight;
 pub use sparse::Sparse;
-pub use subject::{Subject, field_margin, open, request};
+pub use subject::{Subject, Wanted, field_margin, open, request};
 pub use view::half_height;
 pub use watch::{FINITE, Fault, watch};
 
@@ -110,9 +110,9 @@ pub struct Measurements {
     pub left_out: Vec<&'static str>,
     /// Octaves that the turbulence of the scene has, and those that were asked for; `None` where none is read.
     pub octaves: Option<[u32; 2]>,
-    /// Slices drawn.
+    /// Slices drawn, or samples of a ray at most.
     pub slices: u32,
-    /// Distance between slices, object units.
+    /// Distance between them, object units.
     pub step: f32,
     /// Fragments shaded, where the device counts them: those of the passes that mark pixels of slices too.
     pub fragments: Option<u64>,
@@ -127,7 +127,7 @@ pub struct Measurements {
     pub shadow_before_ms: f64,
     /// Longest submission, milliseconds.
     pub longest_ms: f64,
-    /// Milliseconds of everything, wall clock.
+    /// Milliseconds of everything but loading the subject, wall clock: with what was made for the picture before.
     pub total_ms: f64,
     /// Milliseconds of the processor that this process took meanwhile, all threads; `None` where the system does not say.
     #[serde(default)]

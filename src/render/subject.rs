@@ -3,7 +3,7 @@
 use super::RenderError;
 use crate::field::{self, ClosestPoints, DistanceField, Progress};
 use crate::render::variant::Variant;
-use crate::scene::{Object, Scene};
+use crate::scene::{Axis, Object, Parameters, Scene};
 use crate::shader::Library;
 use crate::shape::{self, Opened, Shape, ShapeError};
 use glam::{DVec3, Vec3};
@@ -51,27 +51,86 @@ const MARGIN_STEP: f32 = 0.25;
 /// off is no distance.
 const DISTANCE: RangeInclusive<f32> = 0.8..=1.25;
 
+/// What a scene needs of an object, before any file is read: all that its subject is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wanted {
+    /// The object; an aligned one has the axis of the scene's own.
+    pub object: Object,
+    /// How far its field reaches beyond it, object units: see [`field_margin`].
+    pub reach: f32,
+    /// Whether its closest points are read.
+    pub closest: bool,
+    /// Whether it is where its file has it beside the scene's own object.
+    pub aligned: bool,
+}
+
+impl Wanted {
+    /// The objects of a scene: its own, then the additional ones by their names. `variant` is that of the scene.
+    pub fn all(scene: &Scene, variant: &Variant) -> Vec<Wanted> {
+        let reach =
+            |parameters: &Parameters, object: &Object| field_margin(parameters.outer_iso().unwrap_or(object.outer_iso));
+        let own = Wanted {
+            object: scene.object.clone(),
+            reach: reach(&variant.parameters, &scene.object),
+            closest: variant.reads_closest(),
+            aligned: false,
+        };
+        let parts = scene.parts.iter().map(|(name, part)| {
+            let aligned = part.transform.aligned;
+            let up = if aligned { scene.object.up } else { part.object.up };
+            Wanted {
+                object: Object { up, ..part.object.clone() },
+                reach: reach(&variant.parts[name], &part.object),
+                closest: variant.part_reads_closest(name),
+                aligned,
+            }
+        });
+        [own].into_iter().chain(parts).collect()
+    }
+}
+
+/// What is computed from a shape, and how it is placed: equal recipes and shapes have equal subjects.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Recipe {
+    input: String,
+    pub(super) request: field::Request,
+    up: Axis,
+    closest: bool,
+    aligned: bool,
+    /// The iso-value of a scan for which none was given.
+    proposed_iso: Option<f32>,
+}
+
+impl Recipe {
+    /// That of an object that is no formula; `scale` is that of the scene's own.
+    pub(super) fn of(shape: &Shape, wanted: &Wanted, scale: f32) -> Recipe {
+        let Wanted { object, reach, closest, aligned } = wanted;
+        let mut request = reaching(shape, object, *reach);
+        if *aligned {
+            (request.margin, request.band) = (reach / scale, reach / scale);
+        }
+        let is_brought = object.iso.is_none() && is_scan(shape, &object.input);
+        if let Some(iso) = proposed(shape, &object.input, true).filter(|_| is_brought && *aligned) {
+            request.iso = iso;
+        }
+        let proposed_iso = is_brought.then_some(request.iso);
+        let (input, up) = (object.input.clone(), object.up);
+        Recipe { input, request, up, closest: *closest, aligned: *aligned, proposed_iso }
+    }
+}
+
 impl Subject {
     /// Loads the object of a scene and computes or finds its distance field.
     ///
     /// # Errors
     /// The input cannot be read, or has no surface.
     pub fn load(scene: &Scene, library: &Library, progress: Progress<'_>) -> Result<Subject, RenderError> {
-        let variant = Variant::of(scene, library)?;
-        let count = (scene.parts.len() + 1) as f32;
-        let outer = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
-        let closest = variant.reads_closest();
-        let mut subject = Subject::load_with_margin(&scene.object, outer, closest, &|done| progress(done / count))?;
-        for ((name, part), before) in scene.parts.iter().zip(1u8..) {
-            let outer = variant.parts[name].outer_iso().unwrap_or(part.object.outer_iso);
-            let progress = |done| progress((f32::from(before) + done) / count);
-            let closest = variant.part_reads_closest(name);
-            let beside = part.transform.aligned.then_some(&subject);
-            let mut object = part.object.clone();
-            if part.transform.aligned {
-                object.up = scene.object.up;
-            }
-            let loaded = Subject::load_beside(beside, &object, outer, closest, &progress)?;
+        let objects = Wanted::all(scene, &Variant::of(scene, library)?);
+        let count = objects.len() as f32;
+        let part = |before: u8| move |done: f32| progress((f32::from(before) + done) / count);
+        let mut subject = Subject::of(&objects[0], None, &part(0))?;
+        for ((name, wanted), before) in scene.parts.keys().zip(&objects[1..]).zip(1..) {
+            let loaded = Subject::of(wanted, Some(&subject), &part(before))?;
             subject.parts.insert(name.clone(), loaded);
         }
         Ok(subject)
@@ -88,52 +147,53 @@ impl Subject {
         closest: bool,
         progress: Progress<'_>,
     ) -> Result<Subject, RenderError> {
-        Subject::load_beside(None, object, margin, closest, progress)
+        let wanted = Wanted { object: object.clone(), reach: field_margin(margin), closest, aligned: false };
+        Subject::of(&wanted, None, progress)
     }
 
-    /// The same in the object space of another one, if there is one.
-    fn load_beside(
-        other: Option<&Subject>,
-        object: &Object,
-        margin: f32,
-        closest: bool,
-        progress: Progress<'_>,
-    ) -> Result<Subject, RenderError> {
+    /// An object; `own` is the scene's own one, in whose space an aligned one is.
+    fn of(wanted: &Wanted, own: Option<&Subject>, progress: Progress<'_>) -> Result<Subject, RenderError> {
+        let Wanted { object, aligned, .. } = wanted;
         if object.is_formula() {
             return Ok(formula(&object.input));
         }
-        let (shape, others) = opened(object)?;
-        let mut request = request(&shape, object, margin);
-        if let Some(other) = other {
-            let margin = field_margin(margin) / other.scale;
-            (request.margin, request.band) = (margin, margin);
-        }
-        let is_brought = object.iso.is_none() && is_scan(&shape, &object.input);
-        if let Some(iso) = other.filter(|_| is_brought).and_then(|_| proposed(&shape, &object.input, true)) {
-            request.iso = iso;
-        }
-        let proposed_iso = is_brought.then_some(request.iso);
+        let own = own.filter(|_| *aligned);
+        let mut opened = opened(&object.input, object.distance)?;
+        let others = std::mem::take(&mut opened.others);
+        let shape = opened.warned(&object.input);
+        let recipe = Recipe::of(&shape, wanted, own.map_or(1.0, |own| own.scale));
+        Subject::made(&shape, recipe, own, others, progress)
+    }
+
+    /// That of a recipe.
+    fn made(
+        shape: &Shape,
+        recipe: Recipe,
+        own: Option<&Subject>,
+        others: Vec<PathBuf>,
+        progress: Progress<'_>,
+    ) -> Result<Subject, RenderError> {
+        let Recipe { input, request, up, closest, proposed_iso, .. } = recipe;
         let (field, points, report) = if closest {
-            let (field, points, report) = field::load_or_compute_closest(&shape, &request, progress)?;
+            let (field, points, report) = field::load_or_compute_closest(shape, &request, progress)?;
             (field, Some(points), report)
         } else {
-            let (field, report) = field::load_or_compute(&shape, &request, progress)?;
+            let (field, report) = field::load_or_compute(shape, &request, progress)?;
             (field, None, report)
         };
-        let field = field.turned(object.up.turn());
-        let points = points.map(|points| points.turned(object.up.turn()));
+        let field = field.turned(up.turn());
+        let points = points.map(|points| points.turned(up.turn()));
         let (low, high) = inside_bounds(&field);
-        let offset = if let Shape::Mesh(mesh) = &shape { mesh.offset } else { DVec3::ZERO };
-        let (center, scale) = match other {
+        let offset = if let Shape::Mesh(mesh) = shape { mesh.offset } else { DVec3::ZERO };
+        let (center, scale) = match own {
             None => (0.5 * (low + high), 2.0 / (high - low).max_element()),
-            Some(other) => (other.center + object.up.turned(other.offset - offset).as_vec3(), other.scale),
+            Some(own) => (own.center + up.turned(own.offset - offset).as_vec3(), own.scale),
         };
         // Squares of tiny lengths leave f32; a power of two rounds nothing.
         let handy = scale.log2().floor().exp2();
         let radius =
             inside_points(&field).map(|p| ((p - center) * handy).length()).fold(0.0, f32::max) * (scale / handy);
         let half_size = scale * (high - center).max(center - low);
-        let input = object.input.clone();
         let (field, report, parts) = (Some(Arc::new(field)), Some(report), BTreeMap::new());
         let closest = points.map(Arc::new);
         Ok(Subject {
@@ -151,9 +211,7 @@ impl Subject {
             parts,
         })
     }
-}
 
-impl Subject {
     /// The other files of all objects.
     pub fn all_others(&self) -> impl Iterator<Item = &PathBuf> {
         self.others.iter().chain(self.parts.values().flat_map(|part| &part.others))
@@ -165,33 +223,31 @@ impl Subject {
 /// # Errors
 /// The input cannot be read.
 pub fn open(object: &Object) -> Result<Shape, ShapeError> {
-    opened(object).map(|(shape, _)| shape)
+    Ok(opened(&object.input, object.distance)?.warned(&object.input))
 }
 
-/// The same, and the other files that it was read from.
-fn opened(object: &Object) -> Result<(Shape, Vec<PathBuf>), ShapeError> {
-    let mut opened = Opened::of(&object.input)?;
-    let others = std::mem::take(&mut opened.others);
-    let mut shape = opened.warned(&object.input);
-    if let Shape::Volume(volume) = &mut shape {
-        if object.distance {
+/// The same with what is known of its file besides; `distance` says that the values of a volume are signed distances.
+pub(super) fn opened(input: &str, distance: bool) -> Result<Opened, ShapeError> {
+    let mut opened = Opened::of(input)?;
+    if let Shape::Volume(volume) = &mut opened.shape {
+        if distance {
             volume.content = shape::Content::SignedDistance;
         }
         if volume.content == shape::Content::SignedDistance && !volume.is_aligned() {
-            log::warn!("{}: its grid stands askew; its surface is kept, distances are computed anew", object.input);
+            let note = "its grid stands askew; its surface is kept, distances are computed anew";
+            opened.notes.push(note.into());
             volume.content = shape::Content::LevelSet;
         }
         if volume.content == shape::Content::SignedDistance
             && let Some(slope) = volume.slope_at_zero().filter(|slope| !DISTANCE.contains(slope))
         {
-            let name = &object.input;
-            log::warn!(
-                "{name}: its values are no distances, they change by {slope:.3} per world unit; its surface is kept, distances are computed anew"
-            );
+            opened.notes.push(format!(
+                "its values are no distances, they change by {slope:.3} per world unit; its surface is kept, distances are computed anew"
+            ));
             volume.content = shape::Content::LevelSet;
         }
     }
-    Ok((shape, others))
+    Ok(opened)
 }
 
 /// Whether it is a volume of scalars that was brought.
@@ -215,6 +271,11 @@ fn proposed(shape: &Shape, input: &str, within: bool) -> Option<f32> {
 /// The request for a shape's field, in world units. The iso-value of a volume where none is given is the one that is proposed,
 /// else the middle of the range.
 pub fn request(shape: &Shape, object: &Object, margin: f32) -> field::Request {
+    reaching(shape, object, field_margin(margin))
+}
+
+/// The same of a field that reaches so far beyond the object, object units.
+fn reaching(shape: &Shape, object: &Object, reach: f32) -> field::Request {
     let bounds = shape.bounds();
     let half = 0.5 * (bounds.max - bounds.min).max_element();
     let middle = || match shape {
@@ -226,7 +287,7 @@ pub fn request(shape: &Shape, object: &Object, margin: f32) -> field::Request {
     };
     let own = (object.input == "head").then_some(shape::head::SKIN);
     let iso = object.iso.or(own).or_else(|| proposed(shape, &object.input, false)).unwrap_or_else(middle);
-    let margin = field_margin(margin) * half;
+    let margin = reach * half;
     field::Request { resolution: object.resolution, margin, band: margin, iso, shell: object.shell * half }
 }
 

@@ -1,8 +1,8 @@
 //! Objects loaded beside the window: fields are computed on a thread of their own, with progress, and can be given up.
 
 use crate::render::variant::{Variant, VariantError};
-use crate::render::{RenderError, Subject};
-use crate::scene::{Object, Scene};
+use crate::render::{RenderError, Subject, Wanted};
+use crate::scene::Scene;
 use crate::shader::Library;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -12,35 +12,24 @@ use std::thread;
 /// Subjects that are kept: those of the last presets and variants.
 const KEPT: usize = 6;
 
-/// What decides the subject of a scene: each object, whether it is aligned with the first, how far its field must reach at
-/// least, and whether it has closest points.
+/// What decides the subject of a scene.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Key(Vec<((Object, bool), f32, bool)>);
+pub(super) struct Key(Vec<Wanted>);
 
 impl Key {
     /// The key of a scene.
     pub(super) fn of(scene: &Scene, library: &Library) -> Result<Key, VariantError> {
-        let variant = Variant::of(scene, library)?;
-        let main = variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso);
-        let mut objects = vec![((scene.object.without_look(), false), main, variant.reads_closest())];
-        for (name, part) in &scene.parts {
-            let outer = variant.parts[name].outer_iso().unwrap_or(part.object.outer_iso);
-            objects.push((
-                (part.object.without_look(), part.transform.aligned),
-                outer,
-                variant.part_reads_closest(name),
-            ));
-        }
-        Ok(Key(objects))
+        let mut wanted = Wanted::all(scene, &Variant::of(scene, library)?);
+        wanted.iter_mut().for_each(|wanted| wanted.object = wanted.object.without_look());
+        Ok(Key(wanted))
     }
 
-    /// Whether the subject of `self` serves a scene of `other`: fields reach as far by steps, and closest points that
-    /// nobody reads do no harm.
+    /// Whether the subject of `self` serves a scene of `other`: closest points that nobody reads do no harm.
     fn serves(&self, other: &Key) -> bool {
-        let reach = |outer: f32| crate::render::field_margin(outer);
         self.0.len() == other.0.len()
-            && self.0.iter().zip(&other.0).all(|((object, outer, closest), (wanted, reach_wanted, read))| {
-                object == wanted && reach(*outer) == reach(*reach_wanted) && (*closest || !*read)
+            && self.0.iter().zip(&other.0).all(|(own, other)| {
+                let same = own.object == other.object && own.aligned == other.aligned;
+                same && own.reach == other.reach && (own.closest || !other.closest)
             })
     }
 }
