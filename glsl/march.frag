@@ -7,7 +7,7 @@
 layout(location = 0) out vec4 fragment;
 vec3 position_eye;                      // eye space
 vec4 color = vec4(1.0);
-const float CUT_SHORT = -10000.0;       // in place of what the device did not let a ray finish; see renderer.rs
+const float CUT_SHORT = -10000.0;       // in place of what the device did not let a ray finish; see src/render/prepared.rs
 bool follows = false;                   // the sample taken last is one step nearer to the eye
 mat3 ray_basis;                         // along the ray and to two sides, unit vectors, eye space
 #include <projection>

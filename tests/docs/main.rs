@@ -1,5 +1,6 @@
 //! What pages say of the code is true.
 
 mod layers;
+mod names;
 mod papers;
 mod readme;

@@ -136,7 +136,7 @@ fn the_list_of_effects_is_that_of_the_presets() {
     let written = std::fs::read_to_string(path).unwrap_or_default();
     assert!(
         written == effects(),
-        "docs/effects.md is out of date; `BLESS=effects cargo test --release --test readme` writes it"
+        "docs/effects.md is out of date; `BLESS=effects cargo test --release --test docs` writes it"
     );
     for name in scene::names() {
         assert!(README.contains(&format!("`{name}`")), "the README does not name {name}");

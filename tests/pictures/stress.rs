@@ -20,6 +20,11 @@ fn with(path: &str, change: impl Fn(&str) -> String) -> Library {
 }
 
 #[test]
+fn the_cases_are_numbered_without_a_gap() {
+    assert!(CASES.iter().map(|case| case.number).eq(1..=CASES.len() as u32));
+}
+
+#[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn every_case_holds_and_tells_what_it_found() {
     with_gpu(|gpu| {

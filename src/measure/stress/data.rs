@@ -1,4 +1,4 @@
-//! Cases 13, 27, 31, 34, 38, 44 and 45: unions, texts that must not be, matter without end, data that is none, and codes.
+//! Cases 13, 27, 31, 34, 38 and 44: unions, texts that must not be, matter without end, data that is none, and codes.
 
 use super::function::Function;
 use super::{Lab, Row, StressError, power, with};
@@ -33,7 +33,7 @@ pub(super) fn unions(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
     Ok(rows)
 }
 
-/// Cases 27 and 45: hashes of sines differ by device, and a `smoothstep` between equal edges is not defined.
+/// Case 27: hashes of sines differ by device, and a `smoothstep` between equal edges is not defined.
 pub(super) fn texts(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
     let bare = |text: &str| -> String {
         let lines = text.lines().map(|line| line.split("//").next().unwrap_or_default());
