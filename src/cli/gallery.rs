@@ -75,7 +75,11 @@ pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) ->
     // The folder is made with the first picture; whether it can be is known before.
     let existing = command.output.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
     let existing = if existing.as_os_str().is_empty() { Path::new(".") } else { existing };
-    probe(existing).map_err(|error| format!("{}: {error}; nothing was written", command.output.display()))?;
+    let possible = match command.output.metadata() {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => probe(existing),
+    };
+    possible.map_err(|error| format!("{}: {error}; nothing was written", command.output.display()))?;
     let (began, start) = (Instant::now(), start(options)?);
     let Gallery { page, failures } = with_progress(quiet, "gallery", |progress| {
         write(&gpu, &library, &scenes, Some(&start), &command.output, progress)
@@ -180,14 +184,13 @@ pub fn write(
         let provenance = provenance.map_err(|source| OutputError::Provenance { path: name.clone(), source })?;
         output::write(&frame, scene.image.background, Depth::Eight, &provenance, &path)?;
         let m = &frame.measurements;
-        let own = preset(name).is_ok_and(|preset| preset.object.input == scene.object.input);
         let input = escape(&scene.object.input);
-        let command = if own { name.clone() } else { format!("{input} --effect {name}") };
+        let command = escape(&scene.command_line(library));
         write!(
             groups[group(&scene.about)].1,
             "<figure id=\"{name}\"><img src=\"{file}\" width=\"{}\" height=\"{}\" alt=\"{name} on {input}\">\n<figcaption><h3>{}</h3><p>{}</p>\n{}\n\
              <p class=\"cost\">{} samples in depth, {:.0} ms on the device. Modules: <code>{}</code>. Left out: {}.</p>\n\
-             <p><code>hypertexture render {command} -o {file}</code></p></figcaption></figure>\n",
+             <p><code>{command} -o {file}</code></p></figcaption></figure>\n",
             scene.image.size[0], scene.image.size[1], name.replace('_', " "), escape(&scene.about),
             parameter_table(&variant), m.slices, m.gpu_ms, escape(&m.modules),
             if m.left_out.is_empty() { "nothing".into() } else { m.left_out.join(", ") },

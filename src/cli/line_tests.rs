@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a line is not as described")]
 
 use super::args::{Arguments, Command};
+use super::gallery;
 use crate::scene::{self, Color, Jitter, ParameterValue, Scene, preset};
 use crate::shader;
 use crate::support::random::SplitMix;
@@ -32,6 +33,17 @@ fn the_command_line_of_every_preset_is_its_name() {
         let model = Model::new(preset(name).unwrap(), shader::shipped()).unwrap();
         assert!(model.command_line().len() <= format!("hypertexture render {name}").len(), "{}", model.command_line());
         check(&model);
+    }
+}
+
+#[test]
+fn the_command_line_of_every_picture_of_the_gallery_gives_its_scene() {
+    let mut scenes = gallery::examples().unwrap();
+    scenes.extend(gallery::effects("some where/my box.obj").unwrap());
+    for (name, mut scene) in scenes {
+        (scene.image.size, scene.quality.samples, scene.quality.msaa) = ([300, 200], 99, 4);
+        let line = scene.command_line(&shader::shipped());
+        assert_eq!(read(&line), scene, "{name}: {line}");
     }
 }
 

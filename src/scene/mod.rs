@@ -6,6 +6,8 @@
 mod axis;
 mod check;
 mod color;
+#[cfg(feature = "measure")]
+mod command;
 mod effect;
 mod error;
 mod field;

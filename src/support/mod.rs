@@ -167,7 +167,7 @@ fn remove_left(path: &Path) -> io::Result<bool> {
 const LEFT: Duration = Duration::from_secs(3600);
 
 /// A word as `sh` reads it.
-#[cfg(any(feature = "viewer", feature = "measure"))]
+#[cfg(feature = "measure")]
 pub(crate) fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=+:@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', "'\\''")) }

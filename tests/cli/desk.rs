@@ -37,6 +37,13 @@ impl Desk {
         command
     }
 
+    /// A line for `sh`, which runs in the working folder as the program does.
+    pub fn shell(&self, line: &str) -> Command {
+        let mut command = Command::new("sh");
+        command.args(["-c", line]).current_dir(self.work()).env("HYPERTEXTURE_CACHE", self.root.path().join("cache"));
+        command
+    }
+
     pub fn run(&self, arguments: &str) -> Output {
         self.command(arguments).output().unwrap()
     }

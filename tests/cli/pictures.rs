@@ -6,6 +6,11 @@ use std::fs;
 use std::path::Path;
 use std::process::Stdio;
 
+/// A box of 2 x 1 x 0.5.
+const BOX: &str =
+    "v -1 -.5 -.25\nv 1 -.5 -.25\nv 1 .5 -.25\nv -1 .5 -.25\nv -1 -.5 .25\nv 1 -.5 .25\nv 1 .5 .25\nv -1 .5 .25
+f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n";
+
 fn size_of(path: &Path) -> (u32, u32) {
     image::image_dimensions(path).unwrap()
 }
@@ -308,7 +313,7 @@ fn p58_a_gallery_without_an_object_has_every_figure_under_its_paper() {
     let page = fs::read_to_string(desk.file("dir/index.html")).unwrap();
     for name in hypertexture::scene::names() {
         assert_eq!(size_of(&desk.file(&format!("dir/{name}.png"))), (16, 16));
-        assert!(page.contains(&format!("hypertexture render {name} -o {name}.png")), "no command for {name}");
+        assert!(page.contains(&format!("hypertexture render {name} ")), "no command for {name}");
     }
     let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("`{text}` is not on the page"));
     assert!(place("<h2>Miller and Jones 2005") < place("id=\"fur\""));
@@ -318,6 +323,34 @@ fn p58_a_gallery_without_an_object_has_every_figure_under_its_paper() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+/// The command lines of a gallery's page, each as the shell runs it in a folder.
+fn commands_of(page: &str) -> Vec<String> {
+    let lines = page.split("<code>hypertexture ").skip(1).map(|rest| rest.split_once("</code>").unwrap().0);
+    lines
+        .map(|line| line.replace("&quot;", "\"").replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&"))
+        .collect()
+}
+
+#[cfg(unix)]
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn the_command_under_a_picture_of_the_gallery_makes_that_picture() {
+    let desk = Desk::new();
+    desk.write("my 'new' <box>.obj", BOX);
+    let mut command = desk.command("gallery --size 40x24 --samples 20 --resolution 24 --up z -o dir");
+    assert!(command.arg("my 'new' <box>.obj").status().unwrap().success());
+    let commands = commands_of(&fs::read_to_string(desk.file("dir/index.html")).unwrap());
+    assert_eq!(commands.len(), 6);
+    for command in commands {
+        let mut shell = desk.shell(&format!("{} {command}", env!("CARGO_BIN_EXE_hypertexture")));
+        let output = shell.output().unwrap();
+        assert!(output.status.success(), "{command}: {}", text(&output.stderr));
+        let file = command.rsplit(' ').next().unwrap();
+        let [shown, made] = [format!("dir/{file}"), file.into()].map(|file| fs::read(desk.file(&file)).unwrap());
+        assert!(shown == made, "{command}: another file");
+    }
+}
+
 fn the_name_of_a_figure_renders_it_whole_and_an_effect_goes_over_it() {
     let desk = Desk::new();
     desk.good(&format!("render noisy_sphere -o x.png --save-scene s.toml {SMALL}"));

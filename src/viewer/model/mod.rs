@@ -3,7 +3,6 @@
 //! Role: edits, their history, files. Invariant: [`Model::scene`] passes every check with [`Model::library`]; an edit
 //! that does not is refused with one line and changes nothing.
 
-mod command;
 mod files;
 mod presets;
 
@@ -257,7 +256,7 @@ impl Model {
 
     /// The command line that renders the same picture.
     pub fn command_line(&self) -> String {
-        command::line(&self.scene, &self.library)
+        self.scene.command_line(&self.library)
     }
 }
 

@@ -3,36 +3,38 @@
 //! It starts from the preset, or the preset over an input, that leaves the least to say, and says the rest with the option
 //! that a person would use, else with `--set FIELD=VALUE`.
 
-use crate::scene::schema::{self, Kind, SETTINGS};
-use crate::scene::{self, Scene, parse_value};
+use super::schema::{self, Kind, SETTINGS};
+use super::{Part, Scene, names as presets, parse_value, preset};
 use crate::shader::Library;
 use crate::support::quoted;
 use std::path::Path;
 use toml::Value;
 
-/// The shortest of the command lines that give this scene, for `sh`.
-pub(super) fn line(scene: &Scene, library: &Library) -> String {
-    let starts = scene::names().filter_map(|name| scene::preset(name).ok().map(|preset| (name, preset)));
-    let lines = starts.flat_map(|(name, preset)| {
-        let figure = (vec![name.to_string()], preset.clone());
-        let mut over = preset;
-        over.bring(&scene.object.input);
-        let effect: &[&str] = if name == "lit" { &[] } else { &["--effect", name] };
-        let words = [&scene.object.input].into_iter().cloned().chain(effect.iter().map(|word| word.to_string()));
-        let input = is_plain_input(&scene.object.input).then(|| (words.collect(), over));
-        [Some(figure), input].into_iter().flatten()
-    });
-    let lines = lines.map(|(start, base): (Vec<String>, Scene)| {
-        let words = ["hypertexture", "render"].map(String::from).into_iter().chain(start);
-        words.chain(options(&base, scene, library)).map(|word| quoted(&word)).collect::<Vec<_>>().join(" ")
-    });
-    lines.min_by_key(String::len).unwrap_or_default()
+impl Scene {
+    /// The shortest of the command lines that render this scene, for `sh`.
+    pub fn command_line(&self, library: &Library) -> String {
+        let starts = presets().filter_map(|name| preset(name).ok().map(|preset| (name, preset)));
+        let lines = starts.flat_map(|(name, preset)| {
+            let figure = (vec![name.to_string()], preset.clone());
+            let mut over = preset;
+            over.bring(&self.object.input);
+            let effect: &[&str] = if name == "lit" { &[] } else { &["--effect", name] };
+            let words = [&self.object.input].into_iter().cloned().chain(effect.iter().map(|word| word.to_string()));
+            let input = is_plain_input(&self.object.input).then(|| (words.collect(), over));
+            [Some(figure), input].into_iter().flatten()
+        });
+        let lines = lines.map(|(start, base): (Vec<String>, Scene)| {
+            let words = ["hypertexture", "render"].map(String::from).into_iter().chain(start);
+            words.chain(options(&base, self, library)).map(|word| quoted(&word)).collect::<Vec<_>>().join(" ")
+        });
+        lines.min_by_key(String::len).unwrap_or_default()
+    }
 }
 
 /// Whether `render INPUT` means this input as the object.
 fn is_plain_input(input: &str) -> bool {
     let is_scene = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
-    !is_scene && !input.starts_with('-') && !input.is_empty() && scene::names().all(|name| name != input)
+    !is_scene && !input.starts_with('-') && !input.is_empty() && presets().all(|name| name != input)
 }
 
 /// The words that turn `base` into `scene`, in the order in which they act.
@@ -47,6 +49,7 @@ fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
     let object = &mut exchanged.object;
     (object.iso, object.up, object.source) = (scene.object.iso, scene.object.up, scene.object.source);
     (object.stretch, object.resolution) = (scene.object.stretch, scene.object.resolution);
+    object.grid.clone_from(&scene.object.grid);
     object.distance |= scene.object.distance;
     let mut modules = Vec::new();
     let own = |(slot, value): &(&str, &Value)| names(value).iter().all(|name| is_known(scene, slot, name));
@@ -77,7 +80,7 @@ fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
     }
     for part in scene.parts.keys().filter(|name| !base.parts.contains_key(*name)).cloned().collect::<Vec<_>>() {
         words.extend(["--set".to_string(), format!("parts.{part}={{}}")]);
-        base.parts.insert(part, scene::Part::default());
+        base.parts.insert(part, Part::default());
     }
     for part in base.parts.keys().filter(|name| !scene.parts.contains_key(*name)).cloned().collect::<Vec<_>>() {
         words.extend(["--set".to_string(), format!("parts.{part}=")]);
