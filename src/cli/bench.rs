@@ -43,10 +43,10 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
     if !(1..=1000).contains(&repeats) {
         return Err(format!("--repeat {repeats}: must be from 1 to 1000").into());
     }
-    let saved = command.baseline.as_deref().map(read).transpose()?;
     if let Some(path) = &command.json {
-        crate::output::check_folder(path)?;
+        crate::output::check_all([("--json", path.clone())], command.baseline.clone())?;
     }
+    let saved = command.baseline.as_deref().map(read).transpose()?;
     let library = bench::library();
     let groups = bench::suite(&library, command.quick, &command.rows)?;
     if groups.is_empty() {

@@ -2,7 +2,7 @@
 
 use super::{absolute, say};
 use crate::output;
-use crate::shape::{self, MeshFormat, RawLayout, SampleType, Shape, VolumeFormat};
+use crate::shape::{self, MeshFormat, Opened, RawLayout, SampleType, Shape, VolumeFormat};
 use crate::support::write_whole;
 use clap::Args;
 use std::error::Error;
@@ -40,7 +40,7 @@ pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
     if volume.is_none() && mesh.is_none() {
         return Err(format!("--output {}: end the name in {ENDS}, or of a mesh in {MESH_ENDS}", path.display()).into());
     }
-    output::check_folder(path)?;
+    output::check_all([("--output", path.clone())], [PathBuf::from(&command.input)])?;
     let shape = match &command.dims {
         Some(dims) => {
             let size = three(dims).ok_or("--dims: give 3 numbers, such as 256,256,128")?;
@@ -53,7 +53,11 @@ pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
             let layout = RawLayout { size, kind, big_endian, spacing, skip: command.skip };
             shape::open_raw(&command.input, &layout)?
         }
-        None => shape::open(&command.input)?,
+        None => {
+            let opened = Opened::of(&command.input)?;
+            output::check_all([("--output", path.clone())], opened.others.clone())?;
+            opened.warned(&command.input)
+        }
     };
     let (input, mut bytes) = (&command.input, Vec::new());
     let about = match (&shape, volume, mesh) {

@@ -33,7 +33,7 @@ pub struct Field {
 pub(super) fn run(command: &Field, quiet: bool) -> Result<(), Box<dyn Error>> {
     let known = VolumeFormat::from_path(&command.output);
     let format = known.ok_or_else(|| format!("--output {}: end the name in {ENDS}", command.output.display()))?;
-    output::check_folder(&command.output)?;
+    output::check_all([("--output", command.output.clone())], [PathBuf::from(&command.input)])?;
     let mut scene = Scene { object: Object { input: command.input.clone(), ..Object::default() }, ..Scene::default() };
     command.object.apply(&mut scene)?;
     let object = scene.object;

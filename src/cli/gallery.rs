@@ -16,6 +16,7 @@ use crate::support::{probe, write_whole};
 use clap::Args;
 use std::error::Error;
 use std::fmt::Write;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 

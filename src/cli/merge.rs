@@ -19,6 +19,7 @@ pub struct Merge {
 /// Joins the shards.
 pub(super) fn run(command: &Merge, quiet: bool) -> Result<(), Box<dyn Error>> {
     output::check(&command.output)?;
+    output::check_all([("OUTPUT", command.output.clone())], command.shards.clone())?;
     let (frame, whole, others) = shard::merge(&command.shards)?;
     if !others.is_empty() {
         let all = &whole.provenance.device;

@@ -2,7 +2,7 @@
 
 use super::convert::MESH_ENDS;
 use super::picture::say_fault;
-use super::scene_arguments::{ObjectFlags, SceneArguments};
+use super::scene_arguments::{ObjectFlags, SceneArguments, files_read};
 use super::{absolute, say, with_progress};
 use crate::output;
 use crate::render::{PolygonizeError, Polygons, Subject, polygonize, watch};
@@ -39,14 +39,15 @@ pub(super) fn run(command: &Mesh, quiet: bool) -> Result<(), Box<dyn Error>> {
     let path = &command.output;
     let known = MeshFormat::from_path(path);
     let format = known.ok_or_else(|| format!("--output {}: end the name in {MESH_ENDS}", path.display()))?;
-    output::check_folder(path)?;
     let scene = command.arguments.scene(&command.input, &command.object)?;
+    output::check_all([("--output", path.clone())], files_read(&command.input, &scene))?;
     let library = super::library(&scene)?;
     super::try_modules(&scene, &library, None)?;
     if scene.camera.clip.is_some() {
         ::log::warn!("camera.clip cuts pictures; the mesh is whole");
     }
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    output::check_all([("--output", path.clone())], subject.all_others().cloned())?;
     let fault = watch(&library, &scene, &subject)?;
     let polygons = Polygons { grid: command.grid, density: command.density };
     let mesh = with_progress(quiet, "mesh", |progress| polygonize(&library, &scene, &subject, polygons, progress))

@@ -1,9 +1,9 @@
 //! `render`: a picture, its frames or a shard of them, with the fastest settings or with its cost in advance.
 
 use super::error_map::write_error_map;
-use super::picture::{Picture, render_picture, render_shard, say_fault, smooth};
-use super::scene_arguments::{ObjectFlags, SceneArguments, metric};
-use super::sequence::{Motion, ShardChoice, render_frames, shard};
+use super::picture::{Picture, render_picture, render_shard, say_fault};
+use super::scene_arguments::{ObjectFlags, SceneArguments, files_read, metric};
+use super::sequence::{Motion, ShardChoice, frames_of, render_frames, shard};
 use super::validity::write_validity;
 use super::{say, start, with_device, with_progress};
 use crate::gpu::{Gpu, Options};
@@ -14,7 +14,7 @@ use crate::measure::predict::{Estimate, Prediction, predict};
 use crate::measure::statistics::rounded_up;
 use crate::measure::worker::{Load, Worker};
 use crate::output;
-use crate::output::sequence::Sequence;
+use crate::output::sequence::{Sequence, manifest_path};
 use crate::output::shard::Shard;
 use crate::render::{Renderer, Subject, ignored, watch};
 use crate::scene::{self, Pass, Scene};
@@ -90,6 +90,28 @@ impl Render {
         }
         (!all.is_empty()).then(|| all.join(", "))
     }
+
+    /// The files that it writes, and what asks for them.
+    fn written(
+        &self,
+        shard: Option<Shard>,
+        sequence: Option<&Sequence>,
+    ) -> Result<Vec<(&'static str, PathBuf)>, Box<dyn Error>> {
+        let pictures = match (sequence, shard) {
+            _ if self.predict => Vec::new(),
+            (Some(sequence), _) => {
+                let frames = frames_of(&self.output, sequence, shard)?;
+                let manifest = manifest_path(&self.output, shard);
+                frames.into_iter().map(|(_, path)| path).chain([manifest]).collect()
+            }
+            (None, Some(shard)) => vec![shard.path(&self.output)],
+            (None, None) => vec![self.output.clone()],
+        };
+        let more =
+            [("--save-scene", &self.save_scene), ("--error-map", &self.error_map), ("--validity", &self.validity)];
+        let more = more.into_iter().filter_map(|(flag, file)| Some((flag, file.clone()?)));
+        Ok(pictures.into_iter().map(|path| ("--output", path)).chain(more).collect())
+    }
 }
 
 /// Whether a file has this end.
@@ -106,26 +128,24 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     let library = super::library(&scene)?;
     let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
     let bound = bound.map_err(|error| format!("--max-error: {error}"))?;
-    output::check(&command.output)?;
-    command.save_scene.iter().try_for_each(|file| output::check_folder(file))?;
-    for (flag, file) in [("error-map", &command.error_map), ("validity", &command.validity)] {
-        let Some(file) = file else { continue };
-        output::check(file)?;
-        let name = file.display();
-        if *file == command.output {
-            return Err(format!("--{flag} {name}: the picture goes there; give the map a name of its own").into());
-        }
-        if flag == "validity" && !ends(file, "png") {
-            return Err(format!("--{flag} {name}: its colors are words; write .png").into());
-        }
+    [Some(&command.output), command.error_map.as_ref(), command.validity.as_ref()]
+        .into_iter()
+        .flatten()
+        .try_for_each(|file| output::check(file))?;
+    if let Some(file) = command.validity.as_ref().filter(|file| !ends(file, "png")) {
+        return Err(format!("--validity {}: its colors are words; write .png", file.display()).into());
     }
     let shard = command.shard.map(ShardChoice::shard).transpose()?;
     let sequence = command.motion.sequence()?;
+    let written = command.written(shard, sequence.as_ref())?;
+    output::check_all(written.clone(), files_read(&command.input, &scene))?;
     if let Some(sequence) = &sequence {
         sequence.scene(&scene, sequence.frames.last).check(&library)?;
     }
-    super::try_modules(&scene, &library, Some(options))?;
+    let began = Instant::now();
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let loading_ms = began.elapsed().as_secs_f64() * 1e3;
+    output::check_all(written, subject.all_others().cloned())?;
     let fault = watch(&library, &scene, &subject)?;
     let asked = Asked { scene, base, library, subject, bound, shard, sequence };
     with_device(options, |gpu| draw(command, &asked, gpu, options, quiet))?;
@@ -143,6 +163,8 @@ struct Asked {
     bound: Option<ErrorBound>,
     shard: Option<Shard>,
     sequence: Option<Sequence>,
+    began: Instant,
+    loading_ms: f64,
 }
 
 /// Draws what was asked for, or says what it would cost.

@@ -8,8 +8,7 @@ use crate::scene::{self, Color, ParameterValue, Pass, Reach, Scene, SceneError};
 use crate::shader::declare::hex_color;
 use clap::{Args, ValueEnum};
 use std::error::Error;
-use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// How an input becomes an object.
 pub type ObjectFlags = Flags<true>;
@@ -237,6 +236,11 @@ impl SceneArguments {
         let library = scene.library()?;
         scene.drop_foreign_parameters(&library)
     }
+}
+
+/// The files that a command reads: the input, and those that the scene names.
+pub(super) fn files_read(input: &str, scene: &Scene) -> Vec<PathBuf> {
+    scene.files().map(|(_, file)| file).chain([input]).map(PathBuf::from).collect()
 }
 
 /// The files that a scene may name, by the flag.

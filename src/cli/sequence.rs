@@ -9,7 +9,7 @@ use crate::render::Renderer;
 use clap::Args;
 use std::error::Error;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -77,6 +77,21 @@ impl Motion {
     }
 }
 
+/// The frames of a sequence, or those of a shard of them, and their files.
+pub(super) fn frames_of(
+    output: &Path,
+    sequence: &Sequence,
+    shard: Option<Shard>,
+) -> Result<Vec<(u32, PathBuf)>, Box<dyn Error>> {
+    if output.file_name().is_some_and(|name| name.to_str().is_none()) {
+        let name = output.display();
+        return Err(format!("--output {name}: the number of a frame goes into the name, which must be UTF-8").into());
+    }
+    let Frames { first, last } = sequence.frames;
+    let own = |frame: &u32| shard.is_none_or(|shard| shard.takes(frame - first));
+    Ok((first..=last).filter(own).map(|frame| (frame, frame_path(output, frame))).collect())
+}
+
 /// Renders the frames of a sequence, or those of a shard of them.
 pub fn render_frames(
     picture: &Picture<'_>,
@@ -90,6 +105,11 @@ pub fn render_frames(
     let frames: Vec<(u32, PathBuf)> =
         (first..=last).filter(own).map(|frame| (frame, frame_path(output, frame))).collect();
     let identity = sequence.identity(shard::identity(scene, library, subject)?, depth);
+    let Frames { first, last } = sequence.frames;
+    let some = (first..=last).step_by(((last - first) / MOST_TRIED + 1) as usize).chain([last]);
+    if !quiet && first < last && all_alike(library, subject, some.map(|frame| sequence.scene(scene, frame))) {
+        say("still      nothing in the scene moves with time: all frames are the same picture; --turntable turns it\n");
+    }
     let mut manifest = Manifest::open(&manifest_path(output, shard), identity, restart)?;
     let stop = stop_flag()?;
     let mut renderer = Renderer::new(gpu, library, subject);

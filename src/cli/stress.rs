@@ -47,9 +47,9 @@ fn cases(command: &Stress, options: &Options, quiet: bool) -> Result<(), Box<dyn
     }
     let chosen = CASES.iter().filter(|case| command.cases.is_empty() || command.cases.contains(&case.number));
     let chosen: Vec<stress::Case> = chosen.copied().collect();
-    for path in command.json.iter().chain(&command.html) {
-        crate::output::check_folder(path)?;
-    }
+    let written = [("--json", &command.json), ("--html", &command.html)];
+    let written = written.into_iter().filter_map(|(flag, file)| Some((flag, file.clone()?)));
+    crate::output::check_all(written, [])?;
     let gpu = Gpu::new(options)?;
     let found = with_progress(quiet, "stress", |progress| stress::run(&gpu, verify::library(), &chosen, progress))?;
     let failed: Vec<String> = found.failed().map(Row::title).collect();

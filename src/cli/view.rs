@@ -1,6 +1,6 @@
 //! The window, by the arguments of `view`.
 
-use super::scene_arguments::{ObjectFlags, SceneArguments, size};
+use super::scene_arguments::{ObjectFlags, SceneArguments, files_read, size};
 use crate::gpu::Options;
 use crate::viewer::{self, Start, ViewError};
 use clap::Args;
@@ -73,7 +73,10 @@ pub fn run(command: ViewArguments, options: Options) -> Result<(), Box<dyn Error
     let began = Instant::now();
     let scene = command.arguments.scene(&command.input, &command.object)?;
     let library = super::library(&scene)?;
-    command.screenshot.iter().try_for_each(|file| crate::output::check(file))?;
+    if let Some(file) = &command.screenshot {
+        crate::output::check(file)?;
+        crate::output::check_all([("--screenshot", file.clone())], files_read(&command.input, &scene))?;
+    }
     let ViewArguments { max_error, play, window, frames, screenshot, script, .. } = command;
     let start = Start { scene, library, options, max_error, play, window, frames, screenshot, script, began };
     viewer::run(start).map_err(|error| NoWindow(error).into())

@@ -21,6 +21,8 @@ use exr::image::write::WritableImage;
 use exr::image::{Image, SpecificChannels};
 use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, Text};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 
@@ -62,6 +64,14 @@ pub enum OutputError {
         /// What the system says.
         source: io::Error,
     },
+    /// Another file is to be written there, or one is read from there.
+    #[error("{file}: {what}; give it a name of its own")]
+    Taken {
+        /// What asks for the file, and its name.
+        file: String,
+        /// What else is done with it.
+        what: String,
+    },
     /// The file cannot be read.
     #[error("{path}: {reason}")]
     Read {
@@ -99,14 +109,46 @@ pub fn check(path: &Path) -> Result<(), OutputError> {
 /// Checks, before any work is done, that this file can be written.
 ///
 /// # Errors
-/// A folder that does not exist or cannot be written into, or what no file may replace.
+/// A folder that does not exist or cannot be written into, a name that is too long, or what no file may replace.
 pub fn check_folder(path: &Path) -> Result<(), OutputError> {
-    let folder = folder(path);
-    let possible = match folder.is_dir() {
-        true => destination(path).and_then(|(file, _)| probe(&self::folder(&file))),
-        false => Err(io::Error::new(io::ErrorKind::NotFound, format!("there is no folder {}", folder.display()))),
-    };
-    possible.map_err(|source| OutputError::Write { path: path.display().to_string(), source })
+    check_all([("", path.into())], [])
+}
+
+/// Checks, before any work is done, that all of these files can be written, each named by what asks for it such as `-o`:
+/// no two of them are the same file, and none is one that is `read`.
+///
+/// # Errors
+/// Those of [`check_folder`], and a file that is taken.
+pub fn check_all<'a>(
+    written: impl IntoIterator<Item = (&'a str, PathBuf)>,
+    read: impl IntoIterator<Item = PathBuf>,
+) -> Result<(), OutputError> {
+    let read =
+        read.into_iter().filter_map(|file| Some((file.canonicalize().ok()?, "this command reads that file".into())));
+    let mut taken: HashMap<PathBuf, String> = read.collect();
+    let mut folders: HashMap<PathBuf, PathBuf> = HashMap::new();
+    for (asked_by, path) in written {
+        let fail = |source| OutputError::Write { path: path.display().to_string(), source };
+        let none =
+            |folder: &Path| io::Error::new(io::ErrorKind::NotFound, format!("there is no folder {}", folder.display()));
+        let own = folder(&path);
+        if !own.is_dir() {
+            return Err(fail(none(&own)));
+        }
+        let (file, _) = destination(&path).map_err(fail)?;
+        let folder = match folders.entry(folder(&file)) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => {
+                let found = probe(new.key()).and_then(|()| new.key().canonicalize()).map_err(fail)?;
+                new.insert(found)
+            }
+        };
+        let place = folder.join(file.file_name().unwrap_or_default());
+        if let Some(what) = taken.insert(place, format!("{asked_by} goes there")) {
+            return Err(OutputError::Taken { file: format!("{asked_by} {}", path.display()), what });
+        }
+    }
+    Ok(())
 }
 
 /// Writes a picture over `background`; without one, its alpha is kept. The provenance goes into the file.

@@ -79,13 +79,16 @@ pub(crate) fn may_fail(_call: &'static str) -> io::Result<()> {
     Ok(())
 }
 
-/// A name beside a file that nobody else uses.
+/// A name beside a file that nobody else uses, no longer than file systems take.
 fn temporary(path: &Path) -> PathBuf {
     static NEXT: AtomicU32 = AtomicU32::new(0);
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name: String = path.file_name().unwrap_or_default().to_string_lossy().chars().take(SHOWN).collect();
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
     path.with_file_name(format!(".{name}.{}-{number}{TEMPORARY}", std::process::id()))
 }
+
+/// Characters that such a name has of the file's own: at most 4 bytes each.
+const SHOWN: usize = 24;
 
 /// How names of files end that are being written.
 const TEMPORARY: &str = ".tmp";
@@ -93,7 +96,8 @@ const TEMPORARY: &str = ".tmp";
 /// Where a file of this name is written, and the permissions of the one that is there.
 ///
 /// # Errors
-/// A directory, a device or a pipe is there, which no file may replace; or a link that leads to itself.
+/// A directory, a device or a pipe is there, which no file may replace; a link that leads to itself; or a name that no file
+/// can have.
 pub(crate) fn destination(path: &Path) -> io::Result<(PathBuf, Option<fs::Permissions>)> {
     let mut path = path.to_path_buf();
     for _ in 0..LINKS {
@@ -106,7 +110,14 @@ pub(crate) fn destination(path: &Path) -> io::Result<(PathBuf, Option<fs::Permis
                     Ok(_) => {
                         Err(io::Error::other("it is a device, pipe or socket, which no file may replace; name a file"))
                     }
-                    Err(_) => Ok((path, None)),
+                    Err(error) if error.kind() == io::ErrorKind::InvalidFilename => {
+                        let bytes = path.file_name().map_or(0, |name| name.as_encoded_bytes().len());
+                        Err(io::Error::other(format!(
+                            "its name has {bytes} bytes, more than its file system takes (most take 255); give a shorter one"
+                        )))
+                    }
+                    Err(error) if error.kind() == io::ErrorKind::NotFound => Ok((path, None)),
+                    Err(error) => Err(error),
                 };
             }
         }

@@ -307,6 +307,86 @@ fn what_never_ends_is_not_read() {
     );
 }
 
+#[test]
+fn no_file_is_written_over_another_that_the_command_reads_or_writes() {
+    let read = "this command reads that file; give it a name of its own";
+    let goes = "--output goes there; give it a name of its own";
+    refused(
+        |desk| {
+            let face = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+            desk.write("a.obj", face);
+            desk.write("s.toml", "[object]\ninput = \"a.obj\"\n");
+            desk.write(
+                "a.nhdr",
+                "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: a.npy\n",
+            );
+            desk.write("a.npy", [0, 0, 0, 0, 9, 9, 9, 9]);
+            desk.write("a.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 2\nencoding: ascii\n\n1 2\n");
+            desk.write("b.json", "{}");
+        },
+        &[
+            ("render torus -o x.png --save-scene x.png", &["--save-scene x.png: ", goes]),
+            ("render torus -o x.png --save-scene ../work/x.png", &["--save-scene ../work/x.png: ", goes]),
+            ("render torus -o x.png --error-map ./x.png", &["--error-map ./x.png: ", goes]),
+            ("render torus --error-map y.png --validity y.png", &["--validity y.png: --error-map goes there"]),
+            ("render torus --validity y.png --save-scene y.png", &["--validity y.png: --save-scene goes there"]),
+            ("render torus --frames 0..3 -o f_#.png --save-scene f_2.png", &["--save-scene f_2.png: ", goes]),
+            ("render torus --frames 0..3 -o f.png --save-scene f.png.frames", &["--save-scene f.png.frames: ", goes]),
+            ("render torus --shard 0/2 -o f.png --save-scene f.shard-0-of-2", &["f.shard-0-of-2: ", goes]),
+            ("render s.toml --save-scene s.toml", &["--save-scene s.toml: ", read]),
+            ("render s.toml --save-scene a.obj", &["--save-scene a.obj: ", read]),
+            ("mesh a.obj -o a.obj", &["--output a.obj: ", read]),
+            ("mesh s.toml -o a.obj", &["--output a.obj: ", read]),
+            ("convert a.obj -o ./a.obj", &["--output ./a.obj: ", read]),
+            ("convert a.nhdr -o a.npy", &["--output a.npy: ", read]),
+            ("field a.nrrd -o a.nrrd", &["--output a.nrrd: ", read]),
+            ("merge out.png out.png", &["OUTPUT out.png: ", read]),
+            ("stress --json a.x --html a.x", &["--html a.x: --json goes there"]),
+            ("bench lit --baseline b.json --json b.json", &["--json b.json: ", read]),
+        ],
+    );
+}
+
+#[cfg(unix)]
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn names_are_written_as_they_are_or_refused_before_the_work() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    let desk = Desk::new();
+    let small = "--size 16x16 --samples 8";
+    let long = |count: usize, end: &str| "n".repeat(count - end.len()) + end;
+    for (arguments, says) in [
+        (format!("render torus -o {}", long(256, ".png")), "256 bytes"),
+        (format!("render torus --frames 0..9 -o {}", long(251, ".png")), "256 bytes"),
+        (format!("render torus --frames 0..9 -o {}", long(249, ".png")), "256 bytes"), // with `.frames`
+        (format!("render torus --save-scene {}", long(256, ".toml")), "256 bytes"),
+        (format!("mesh torus -o {}", long(256, ".stl")), "256 bytes"),
+        (format!("field torus -o {}", long(300, ".nrrd")), "300 bytes"),
+        (format!("gallery torus -o {}", long(260, "/x")), "too long"),
+    ] {
+        let output = desk.run(&arguments);
+        let err = text(&output.stderr);
+        assert!(
+            output.status.code() == Some(2) && err.lines().count() == 1 && err.contains(says),
+            "{arguments}: {err}"
+        );
+    }
+    assert!(desk.files().is_empty());
+    for count in [241, 255] {
+        let name = long(count, ".png");
+        desk.good(&format!("render torus {small} -o {name}"));
+        assert_eq!(image::image_dimensions(desk.file(&name)).unwrap(), (16, 16));
+    }
+    let name = OsStr::from_bytes(b"\xe9t\xe9.png");
+    let output = desk.command(&format!("render torus {small} --frames 0..1 -o")).arg(name).output().unwrap();
+    let err = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && err.lines().count() == 1 && err.contains("must be UTF-8"), "{err}");
+    assert_eq!(desk.files().len(), 2);
+    assert!(desk.command(&format!("render torus {small} -o")).arg(name).status().unwrap().success());
+    assert!(desk.work().join(name).exists());
+}
+
 #[cfg(unix)]
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
