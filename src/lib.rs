@@ -18,7 +18,7 @@
 //! let subject = render::Subject::load(&scene, &library, &|_| ())?;
 //! let gpu = gpu::Gpu::new(&gpu::Options::default())?;
 //! let frame = render::render(&gpu, &library, &scene, &subject)?;
-//! println!("{} slices in {:.1} ms", frame.measurements.slices, frame.measurements.gpu_ms);
+//! println!("{} samples in depth, {:.1} ms", frame.measurements.slices, frame.measurements.gpu_ms);
 //! # Ok(())
 //! # }
 //! ```

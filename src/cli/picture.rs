@@ -7,12 +7,13 @@ use crate::output::shard::{self, Shard};
 use crate::output::{Depth, Provenance, write};
 use crate::render::variant::Variant;
 use crate::render::{FINITE, Fault, Frame, Renderer, Subject, doubts, half_height, octaves_held};
-use crate::scene::Scene;
 use crate::scene::schema::{Kind, setting};
+use crate::scene::{Pass, Scene};
 use crate::shader::Library;
 use crate::support::write_whole;
 use std::error::Error;
 use std::path::Path;
+use std::time::Instant;
 
 /// Pixels of a voxel that a sharp edge of the object shows.
 const SEEN_VOXEL: f32 = 6.0;
@@ -38,6 +39,9 @@ pub(super) struct Picture<'a> {
     /// Bits of each channel of a PNG: 8 or 16.
     pub(super) depth: &'a str,
     pub(super) quiet: bool,
+    /// When the work began, and how many milliseconds of it loaded the objects.
+    pub(super) began: Instant,
+    pub(super) loading_ms: f64,
 }
 
 impl Picture<'_> {
@@ -125,7 +129,7 @@ pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<(), Bo
 
 /// What a render took, and what it left out.
 fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject, .. } = *picture;
+    let Picture { gpu, library, scene, subject, began, loading_ms, .. } = *picture;
     let half_height = half_height(scene, subject, &Variant::of(scene, library)?);
     let info = gpu.info();
     let m = &frame.measurements;
@@ -145,8 +149,16 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
     lines.extend(coarse(scene, subject, half_height));
     lines.extend(octaves_held(m, scene, library).map(|text| format!("octaves    {text}")));
     lines.extend(doubts(m, scene, subject, library)?.into_iter().map(|text| format!("note       {text}")));
-    let fragments = m.fragments.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
-    lines.push(format!("slices     {} of thickness {:.5} object units{fragments}", m.slices, m.step));
+    lines.push(match (scene.quality.pass, m.fragments) {
+        (Pass::Slices, count) => {
+            let count = count.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
+            format!("slices     {} of thickness {:.5} object units{count}", m.slices, m.step)
+        }
+        (Pass::March, count) => {
+            let count = count.map_or(String::new(), |count| format!("{count}, "));
+            format!("rays       {count}at most {} samples each, {:.5} object units apart", m.slices, m.step)
+        }
+    });
     lines.extend(m.cells.as_ref().map(|cells| format!("cells      {cells}")));
     if let Some(radius) = m.held_beyond {
         lines.push(format!(
@@ -156,9 +168,10 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
     if let Some(shadow_ms) = m.shadow_ms {
         lines.push(format!("shadows    {:.1} ms", shadow_ms + m.shadow_before_ms));
     }
+    let all_ms = began.elapsed().as_secs_f64() * 1e3;
     lines.push(format!(
-        "time       {:.1} ms on the device (longest submission {:.1} ms), {:.0} ms to compile, {:.0} ms in all",
-        m.gpu_ms, m.longest_ms, m.compile_ms, m.total_ms
+        "time       {:.1} ms on the device (longest submission {:.1} ms), {loading_ms:.0} ms to load, {:.0} ms to compile, {all_ms:.0} ms in all",
+        m.gpu_ms, m.longest_ms, m.compile_ms
     ));
     if let Some(sparse) = m.sparse {
         let [bytes, dense] = [sparse.bytes, sparse.dense_bytes].map(|bytes| bytes as f64 / f64::from(1 << 20));

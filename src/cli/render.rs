@@ -1,7 +1,7 @@
 //! `render`: a picture, its frames or a shard of them, with the fastest settings or with its cost in advance.
 
 use super::error_map::write_error_map;
-use super::picture::{Picture, render_picture, render_shard, say_fault};
+use super::picture::{Picture, render_picture, render_shard, say_fault, smooth};
 use super::scene_arguments::{ObjectFlags, SceneArguments, files_read, metric};
 use super::sequence::{Motion, ShardChoice, frames_of, render_frames, shard};
 use super::validity::write_validity;
@@ -23,6 +23,7 @@ use crate::support::write_whole;
 use clap::Args;
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Arguments of `render`.
 #[derive(Args)]
@@ -142,12 +143,13 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     if let Some(sequence) = &sequence {
         sequence.scene(&scene, sequence.frames.last).check(&library)?;
     }
+    super::try_modules(&scene, &library, Some(options))?;
     let began = Instant::now();
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let loading_ms = began.elapsed().as_secs_f64() * 1e3;
     output::check_all(written, subject.all_others().cloned())?;
     let fault = watch(&library, &scene, &subject)?;
-    let asked = Asked { scene, base, library, subject, bound, shard, sequence };
+    let asked = Asked { scene, base, library, subject, bound, shard, sequence, began, loading_ms };
     with_device(options, |gpu| draw(command, &asked, gpu, options, quiet))?;
     say_fault(fault.filter(|_| !quiet));
     Ok(())
@@ -169,7 +171,7 @@ struct Asked {
 
 /// Draws what was asked for, or says what it would cost.
 fn draw(command: &Render, asked: &Asked, gpu: &Gpu, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
-    let Asked { base, library, subject, bound, shard, sequence, .. } = asked;
+    let Asked { base, library, subject, bound, shard, sequence, began, loading_ms, .. } = asked;
     let (mut scene, mut drawn) = (asked.scene.clone(), None);
     if let Some(bound) = *bound {
         let worker = Worker::new(&start(options)?, library, Load::Scene(scene::to_text(&scene)));
@@ -185,7 +187,8 @@ fn draw(command: &Render, asked: &Asked, gpu: &Gpu, options: &Options, quiet: bo
         say(&line.map_or(String::new(), |fields| format!("ignored    {fields}: the picture is the same without\n")));
     }
     let (output, depth) = (&*command.output, &*command.depth);
-    let picture = Picture { gpu, library, scene: &scene, subject, output, depth, quiet };
+    let (began, loading_ms) = (*began, *loading_ms);
+    let picture = Picture { gpu, library, scene: &scene, subject, output, depth, quiet, began, loading_ms };
     if command.predict {
         let prediction = predict(&mut Renderer::new(gpu, library, subject), &scene)?;
         say(&format_prediction(&scene, &prediction));
@@ -253,7 +256,8 @@ fn format_prediction(scene: &Scene, prediction: &Prediction) -> String {
             let [low, expected, high] = [low, expected, high].map(millions);
             format!("slices     {slices}, {expected:.1} M fragments ({low:.1} to {high:.1} M)")
         }
-        (_, None) => format!("slices     {slices}; the device does not count fragments"),
+        (Pass::March, None) => format!("rays       of at most {slices} samples; the device does not count them"),
+        (Pass::Slices, None) => format!("slices     {slices}; the device does not count fragments"),
     };
     format!(
         "probes     {}: {} in all\n{count}\ndevice     {} for {width} x {height}\n\

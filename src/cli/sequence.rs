@@ -99,11 +99,8 @@ pub fn render_frames(
     shard: Option<Shard>,
     restart: bool,
 ) -> Result<(), Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject, output, depth, quiet } = *picture;
-    let (first, last) = (sequence.frames.first, sequence.frames.last);
-    let own = |frame: &u32| shard.is_none_or(|shard| shard.takes(frame - first));
-    let frames: Vec<(u32, PathBuf)> =
-        (first..=last).filter(own).map(|frame| (frame, frame_path(output, frame))).collect();
+    let Picture { gpu, library, scene, subject, output, depth, quiet, .. } = *picture;
+    let frames = frames_of(output, sequence, shard)?;
     let identity = sequence.identity(shard::identity(scene, library, subject)?, depth);
     let Frames { first, last } = sequence.frames;
     let some = (first..=last).step_by(((last - first) / MOST_TRIED + 1) as usize).chain([last]);

@@ -42,6 +42,8 @@ pub struct Renderer {
     /// Modules and samples of scenes whose loops the device has cut where rays waited for each other.
     cut: Vec<(Slots, u32)>,
     masks: Masks,
+    /// Milliseconds of making what the next picture needs.
+    prepared_ms: f64,
 }
 
 /// Whether a picture ends unfinished, after so many milliseconds on the device.
@@ -61,6 +63,7 @@ impl Renderer {
             stop: Arc::new(|_| false),
             cut: Vec::new(),
             masks: Masks::default(),
+            prepared_ms: 0.0,
         }
     }
 
@@ -87,8 +90,11 @@ impl Renderer {
     /// # Errors
     /// As [`render`].
     pub fn prepare(&mut self, scene: &Scene, progress: Progress<'_>) -> Result<(), RenderError> {
+        let start = Instant::now();
         let (scene, variant) = self.chosen(scene)?;
-        self.prepared(&scene, &variant, Destination::Frame, progress).map(drop)
+        self.prepared(&scene, &variant, Destination::Frame, progress)?;
+        self.prepared_ms += start.elapsed().as_secs_f64() * 1e3;
+        Ok(())
     }
 
     /// Whether program and images of a scene are made: what [`Renderer::prepare`] makes.
@@ -166,7 +172,7 @@ impl Renderer {
             }
             variant = variant.that_waits_for_none();
         };
-        frame.measurements.total_ms = start.elapsed().as_secs_f64() * 1e3;
+        frame.measurements.total_ms = std::mem::take(&mut self.prepared_ms) + start.elapsed().as_secs_f64() * 1e3;
         let taken = own_processor_time().zip(before).map(|(after, before)| after.saturating_sub(before));
         frame.measurements.processor_ms = taken.map(|taken| taken.as_secs_f64() * 1e3);
         frame.measurements.others = subject.all_others().cloned().collect();

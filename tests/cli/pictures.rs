@@ -20,7 +20,7 @@ fn size_of(path: &Path) -> (u32, u32) {
 fn a_render_writes_the_picture_and_says_what_it_took() {
     let desk = Desk::new();
     let said = desk.good(&format!("render torus --effect fur -o x.png {SMALL}"));
-    for start in ["device ", "program ", "left out ", "slices ", "time ", "memory ", "wrote "] {
+    for start in ["device ", "program ", "left out ", "rays ", "time ", "memory ", "wrote "] {
         assert!(said.lines().any(|line| line.starts_with(start)), "no line `{start}`: {said}");
     }
     assert!(said.contains("dmf=fur") && said.contains("x.png"), "{said}");
@@ -28,6 +28,24 @@ fn a_render_writes_the_picture_and_says_what_it_took() {
     let bytes = fs::read(desk.file("x.png")).unwrap();
     assert!(bytes.windows(4).any(|window| window == b"sRGB"), "no sRGB chunk");
     assert_eq!(desk.files().len(), 1, "a render writes its picture and nothing else");
+    assert!(desk.good(&format!("render torus --pass slices {SMALL}")).contains("\nslices     32 of thickness "));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn the_parts_of_the_time_are_in_the_whole() {
+    let desk = Desk::new();
+    // Neither field nor program is in the cache.
+    let said = desk.good(&format!("render teapot --effect fur --resolution 96 --module weights=cubic {SMALL}"));
+    let line = said.lines().find(|line| line.starts_with("time ")).unwrap();
+    let ms = |behind: &str| -> f64 {
+        let number = line.split_once(behind).unwrap_or_else(|| panic!("no `{behind}`: {line}")).0;
+        number.rsplit([' ', '(']).next().unwrap().parse().unwrap()
+    };
+    let [load, compile, all] = [" ms to load", " ms to compile", " ms in all"].map(ms);
+    let field = said.split_once("computed in ").and_then(|(_, rest)| rest.split_once(" ms")).unwrap().0;
+    // Each is rounded to a millisecond.
+    assert!(load >= field.parse::<f64>().unwrap() - 1.0 && load + compile <= all + 1.5, "{said}");
 }
 
 #[test]
@@ -305,24 +323,6 @@ fn a_gallery_has_six_pictures_and_a_page_that_names_them() {
     assert_eq!(desk.files().len(), 7);
 }
 
-#[test]
-#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn p58_a_gallery_without_an_object_has_every_figure_under_its_paper() {
-    let desk = Desk::new();
-    desk.good("gallery -o dir --size 16x16 --samples 16 --resolution 24");
-    let page = fs::read_to_string(desk.file("dir/index.html")).unwrap();
-    for name in hypertexture::scene::names() {
-        assert_eq!(size_of(&desk.file(&format!("dir/{name}.png"))), (16, 16));
-        assert!(page.contains(&format!("hypertexture render {name} ")), "no command for {name}");
-    }
-    let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("`{text}` is not on the page"));
-    assert!(place("<h2>Miller and Jones 2005") < place("id=\"fur\""));
-    assert!(place("id=\"fur\"") < place("<h2>Perlin and Hoffert 1989"));
-    assert!(place("<h2>Perlin and Hoffert 1989") < place("id=\"noisy_sphere\""));
-}
-
-#[test]
-#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 /// The command lines of a gallery's page, each as the shell runs it in a folder.
 fn commands_of(page: &str) -> Vec<String> {
     let lines = page.split("<code>hypertexture ").skip(1).map(|rest| rest.split_once("</code>").unwrap().0);
@@ -351,6 +351,24 @@ fn the_command_under_a_picture_of_the_gallery_makes_that_picture() {
     }
 }
 
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn p58_a_gallery_without_an_object_has_every_figure_under_its_paper() {
+    let desk = Desk::new();
+    desk.good("gallery -o dir --size 16x16 --samples 16 --resolution 24");
+    let page = fs::read_to_string(desk.file("dir/index.html")).unwrap();
+    for name in hypertexture::scene::names() {
+        assert_eq!(size_of(&desk.file(&format!("dir/{name}.png"))), (16, 16));
+        assert!(page.contains(&format!("hypertexture render {name} ")), "no command for {name}");
+    }
+    let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("`{text}` is not on the page"));
+    assert!(place("<h2>Miller and Jones 2005") < place("id=\"fur\""));
+    assert!(place("id=\"fur\"") < place("<h2>Perlin and Hoffert 1989"));
+    assert!(place("<h2>Perlin and Hoffert 1989") < place("id=\"noisy_sphere\""));
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn the_name_of_a_figure_renders_it_whole_and_an_effect_goes_over_it() {
     let desk = Desk::new();
     desk.good(&format!("render noisy_sphere -o x.png --save-scene s.toml {SMALL}"));
