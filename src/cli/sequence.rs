@@ -5,7 +5,7 @@ use super::{absolute, say, with_progress};
 use crate::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
 use crate::output::shard::{self, Shard, ShardError};
 use crate::output::{Provenance, write};
-use crate::render::Renderer;
+use crate::render::{Renderer, all_alike};
 use clap::Args;
 use std::error::Error;
 use std::fmt;
@@ -13,6 +13,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
+
+/// Frames that are looked at to see whether anything moves.
+const MOST_TRIED: u32 = 256;
 
 /// Which shard to render.
 #[derive(Clone, Copy)]

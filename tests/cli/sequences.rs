@@ -60,6 +60,29 @@ fn a_sequence_goes_on_where_it_stopped_and_mends_what_is_damaged() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn frames_of_what_does_not_move_are_said_to_be_equal() {
+    let folder = tempfile::tempdir().unwrap();
+    let desk = folder.path();
+    for (look, is_still) in [
+        ("torus", true),
+        ("torus --effect fire --set rise=0", true),
+        ("torus --effect fire", false),
+        ("torus --turntable", false),
+        ("dodecahedron --resolution 24 --effect fur --jitter", true),
+    ] {
+        let said = good(desk, &format!("render {look} --size 24x24 --samples 16 --frames 0..2 -o f_#.png --restart"));
+        let frames = [0, 1, 2].map(|frame| image::open(desk.join(format!("f_{frame}.png"))).unwrap().to_rgba8());
+        let same = frames.iter().all(|frame| *frame == frames[0]);
+        assert_eq!(
+            (same, said.contains("\nstill ") || said.starts_with("still ")),
+            (is_still, is_still),
+            "{look}: {said}"
+        );
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_frame_is_the_picture_of_its_time_and_azimuth() {
     let folder = tempfile::tempdir().unwrap();
     let desk = folder.path();
