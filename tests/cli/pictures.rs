@@ -36,7 +36,7 @@ fn a_render_writes_the_picture_and_says_what_it_took() {
 fn the_parts_of_the_time_are_in_the_whole() {
     let desk = Desk::new();
     // Neither field nor program is in the cache.
-    let said = desk.good(&format!("render teapot --effect fur --resolution 96 --module weights=cubic {SMALL}"));
+    let said = desk.good(&format!("render dodecahedron --effect fur --resolution 64 --module weights=cubic {SMALL}"));
     let line = said.lines().find(|line| line.starts_with("time ")).unwrap();
     let ms = |behind: &str| -> f64 {
         let number = line.split_once(behind).unwrap_or_else(|| panic!("no `{behind}`: {line}")).0;

@@ -65,7 +65,7 @@ fn frames_of_what_does_not_move_are_said_to_be_equal() {
     let desk = folder.path();
     for (look, is_still) in [
         ("torus", true),
-        ("torus --effect fire --set rise=0", true),
+        ("torus --effect fire --set rise=0 --set relief_rise=0", true),
         ("torus --effect fire", false),
         ("torus --turntable", false),
         ("dodecahedron --resolution 24 --effect fur --jitter", true),
