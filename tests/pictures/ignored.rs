@@ -165,10 +165,20 @@ fn what_is_ignored_of_meshes_scans_and_further_objects_changes_no_bit() {
     let folder = tempfile::tempdir().unwrap();
     let scan = scan(folder.path());
     with_gpu(|gpu| {
-        check(gpu, "lit mesh", &scene("lit", "knot", |_| ()));
-        check(gpu, "fire on a mesh", &scene("fire", "knot", |_| ()));
-        check(gpu, "lit scan", &scene("lit", &scan, |_| ()));
-        check(gpu, "wax, half angle", &scene("wax", "dodecahedron", |_| ()));
+        let objects = FIELDS.into_iter().filter(|(field, _)| field.starts_with("object."));
+        let objects: Vec<(&str, &str)> = objects.chain([("quality.seed", "7")]).collect();
+        check_fields(gpu, "lit mesh", &scene("lit", "knot", |_| ()), &objects);
+        check_fields(gpu, "fire on a mesh", &scene("fire", "knot", |_| ()), &objects);
+        check_fields(gpu, "lit scan", &scene("lit", &scan, |_| ()), &objects);
+        let light = [
+            ("light.scatter", "0.7"),
+            ("light.transport", "#204060"),
+            ("light.translucency", "0.3"),
+            ("light.shadow_resolution", "64"),
+            ("light.ambient", "#ff00ff"),
+            ("quality.seed", "7"),
+        ];
+        check_fields(gpu, "wax, half angle", &scene("wax", "dodecahedron", |_| ()), &light);
         let parts = [
             ("object.shell", "0.1"),
             ("parts.b.object.shell", "0.1"),
