@@ -186,7 +186,6 @@ fn what_is_ignored_of_meshes_scans_and_further_objects_changes_no_bit() {
             ("parts.b.object.distance", "true"),
             ("parts.b.object.resolution", "40"),
             ("parts.b.object.up", "z"),
-            ("parts.b.effect.opacity_rate", "3"),
             ("parts.b.material.color", "#00ff00"),
             ("parts.b.transform.at", "[1, 0.3, 0]"),
             ("parts.b.transform.aligned", "true"),
