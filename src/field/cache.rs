@@ -177,7 +177,7 @@ pub fn cached_with_closest(
 /// What is stored under `key`; nothing, and a warning, where a file is damaged or cannot be read.
 fn read<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path) -> Option<Stored<T>> {
     let path = key.file(kind.end, folder);
-    match disk_cache::read(&path).map_err(OpenError::from) {
+    match disk_cache::read(&path, CACHE) {
         Ok(bytes) => {
             let stored = bytes.and_then(|bytes| decode(kind, &bytes, key));
             if stored.is_none() {
@@ -194,7 +194,7 @@ fn read<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path) 
 /// Stores under `key`, or warns.
 fn keep<T, const BYTES: usize>(kind: &Kind<T, BYTES>, key: &Key, folder: &Path, made: Made<'_>) {
     let path = key.file(kind.end, folder);
-    if let Err(error) = disk_cache::write(&path, encode(kind, key, made), Some(CACHE)) {
+    if let Err(error) = disk_cache::write(&path, encode(kind, key, made), CACHE) {
         let folder = folder.display();
         log::warn!(
             "{folder}: the field cannot be kept: {error}; set HYPERTEXTURE_CACHE to a folder that can be written"

@@ -3,13 +3,16 @@
 use super::instance::Instance;
 use super::memory::ALLOCATED_AT_ONCE;
 use super::{Format, GpuError, Messages, Named};
-use crate::support::disk_cache;
+use crate::support::disk_cache::{self, Kind};
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::c_char;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
+
+/// Compiled pipelines: one file for each driver, which none evicts.
+const PIPELINES: Kind = Kind { ends: &[], limit: 256 << 20 };
 
 /// How to open a device.
 #[derive(Clone, Debug, Default)]
@@ -148,7 +151,7 @@ impl Drop for PipelineCache {
         unsafe {
             if let (Some(file), Ok(data)) = (&self.file, self.device.get_pipeline_cache_data(self.handle)) {
                 // A folder that cannot be written costs time, not correctness.
-                if let Err(error) = disk_cache::write(file, data, None) {
+                if let Err(error) = disk_cache::write(file, data, PIPELINES) {
                     log::warn!("the pipeline cache {} could not be written: {error}", file.display());
                 }
             }
@@ -208,7 +211,7 @@ impl Gpu {
         let handle = unsafe { device.create_command_pool(&info, None) }.named("vkCreateCommandPool")?;
         let pool = CommandPool { device: device.raw.clone(), handle };
         let file = cache.map(|folder| folder.join(cache_name(&instance.raw, physical)));
-        let known = file.as_ref().and_then(|file| disk_cache::read(file).ok()?).unwrap_or_default();
+        let known = file.as_ref().and_then(|file| disk_cache::read(file, PIPELINES).ok()?).unwrap_or_default();
         let info = vk::PipelineCacheCreateInfo::default().initial_data(&known);
         // SAFETY: the device is alive; the data was written by this very driver, as its file name and checksum say.
         let handle = unsafe { device.create_pipeline_cache(&info, None) }.named("vkCreatePipelineCache")?;

@@ -9,10 +9,10 @@ use crate::render::variant::Variant;
 use crate::render::{Frame, Measurements, RenderError, Subject};
 use crate::scene::{self, Color, Scene};
 use crate::shader::{Library, Linker};
-use crate::support::open;
+use crate::support::open::{self, OpenError};
 use std::collections::BTreeMap;
 use std::fmt;
-use std::io;
+use std::io::{self, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -27,6 +27,8 @@ const BAND_STEP: u32 = 4;
 const BAND_ROWS: u32 = 32;
 /// The largest side of a picture, as scenes have it.
 const MAX_SIDE: u32 = 16_384;
+/// The longest file that is read: all of the largest picture, and where it comes from.
+const MAX_BYTES: u64 = 16 * (MAX_SIDE as u64).pow(2) + (16 << 20);
 const MAGIC: &[u8; 8] = b"HTSHARD2";
 /// Bytes of a BLAKE3 hash.
 const HASH: usize = 32;
@@ -282,8 +284,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<(Frame, Whole, Vec<String>), ShardErro
     let mut devices = Vec::new();
     for path in paths {
         let name = path.display().to_string();
-        let bytes = open::bytes(path, u64::MAX)
-            .map_err(|error| ShardError::Read { path: name.clone(), source: error.into() })?;
+        let bytes = bytes_of(path).map_err(|error| ShardError::Read { path: name.clone(), source: error.into() })?;
         let (whole, shard, rows) = decode(&bytes).map_err(|what| ShardError::Damaged { path: name.clone(), what })?;
         let (one, of, count) = first.get_or_insert_with(|| (name.clone(), whole.clone(), shard.count));
         if let Some(what) = difference((of, *count), (&whole, shard.count)) {
@@ -319,6 +320,13 @@ pub fn merge(paths: &[PathBuf]) -> Result<(Frame, Whole, Vec<String>), ShardErro
         whole.provenance.device.push_str(&format!(", {device}"));
     }
     Ok((Frame { size: whole.size, pixels, measurements: Measurements::default() }, whole, devices))
+}
+
+/// What a file holds; of one that is no shard, how it begins.
+fn bytes_of(path: &Path) -> Result<Vec<u8>, OpenError> {
+    let mut start = Vec::new();
+    open::open(path, MAX_BYTES)?.0.take(MAGIC.len() as u64).read_to_end(&mut start)?;
+    if start == MAGIC { open::bytes(path, MAX_BYTES) } else { Ok(start) }
 }
 
 /// In what two shards differ that should not.

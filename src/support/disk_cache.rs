@@ -1,9 +1,11 @@
 //! What is kept on disk between runs, because it takes longer to make than to read.
 //!
 //! Invariant: a file is used only if it ends in the BLAKE3 hash of its name and the rest; files appear whole. A folder that cannot be
-//! read or written costs the next run its time, and no more.
+//! read or written costs the next run its time, and no more. A link, a pipe, a directory or anything else in the place of a file is
+//! neither followed nor opened, and makes way for the file.
 
-use super::{may_fail, sweep, write_whole};
+use super::open::{self, OpenError};
+use super::{may_fail, replace, sweep};
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -16,7 +18,7 @@ const HASH_BYTES: usize = 32;
 pub(crate) struct Kind {
     /// What their names may end in; the first is that of [`load`] and [`save`].
     pub(crate) ends: &'static [&'static str],
-    /// Bytes of all of them; those used longest ago are evicted.
+    /// Bytes of all of them; those used longest ago are evicted, and none that is longer is read.
     pub(crate) limit: u64,
 }
 
@@ -30,13 +32,13 @@ pub(crate) fn default_folder() -> Option<PathBuf> {
 
 /// What was saved under a key.
 pub(crate) fn load(kind: Kind, key: blake3::Hash) -> Option<Vec<u8>> {
-    read(&file(&default_folder()?, kind, key)).ok()?
+    read(&file(&default_folder()?, kind, key), kind).ok()?
 }
 
 /// Saves under a key.
 pub(crate) fn save(kind: Kind, key: blake3::Hash, bytes: &[u8]) {
     if let Some(folder) = default_folder() {
-        let _ = write(&file(&folder, kind, key), bytes.to_vec(), Some(kind));
+        let _ = write(&file(&folder, kind, key), bytes.to_vec(), kind);
     }
 }
 
@@ -44,13 +46,18 @@ fn file(folder: &Path, kind: Kind, key: blake3::Hash) -> PathBuf {
     folder.join(format!("{}.{}", key.to_hex(), kind.ends[0]))
 }
 
-/// What a file holds; nothing where it is damaged.
+/// What a file holds; nothing where it is damaged, too long or no file.
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn read(path: &Path) -> io::Result<Option<Vec<u8>>> {
-    may_fail("read")?;
-    let mut bytes = fs::read(path)?;
+pub(crate) fn read(path: &Path, kind: Kind) -> Result<Option<Vec<u8>>, OpenError> {
+    if !fs::symlink_metadata(path)?.is_file() {
+        return Ok(None);
+    }
+    let mut bytes = match open::bytes(path, kind.limit) {
+        Err(OpenError::Long { .. } | OpenError::NotAFile(_)) => return Ok(None),
+        read => read?,
+    };
     let Some((content, hash)) = bytes.split_last_chunk::<HASH_BYTES>() else { return Ok(None) };
     if hash_of(path, content).as_bytes() != hash {
         return Ok(None);
@@ -71,14 +78,17 @@ fn hash_of(path: &Path, content: &[u8]) -> blake3::Hash {
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn write(path: &Path, mut bytes: Vec<u8>, kind: Option<Kind>) -> io::Result<()> {
+pub(crate) fn write(path: &Path, mut bytes: Vec<u8>, kind: Kind) -> io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     may_fail("create_dir")?;
     fs::create_dir_all(folder)?;
     let hash = hash_of(path, &bytes);
     bytes.extend_from_slice(hash.as_bytes());
-    write_whole(path, &bytes)?;
-    kind.map_or(Ok(()), |kind| evict(folder, kind))
+    if fs::symlink_metadata(path).is_ok_and(|about| about.is_dir()) {
+        fs::remove_dir_all(path)?; // a rename replaces all else
+    }
+    replace(path, None, &bytes)?;
+    evict(folder, kind)
 }
 
 /// Removes what was used longest ago where there is too much of a kind, and what processes left behind that ended while they
@@ -88,8 +98,8 @@ fn evict(folder: &Path, kind: Kind) -> io::Result<()> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        let Ok(about) = fs::metadata(&path) else { continue };
-        if path.extension().is_some_and(|end| kind.ends.iter().any(|of_kind| end == *of_kind)) {
+        let Ok(about) = fs::symlink_metadata(&path) else { continue };
+        if about.is_file() && path.extension().is_some_and(|end| kind.ends.iter().any(|of_kind| end == *of_kind)) {
             files.push((about.modified()?, about.len(), path));
         }
     }
@@ -112,11 +122,11 @@ mod tests {
     use super::*;
 
     fn save_to(folder: &Path, kind: Kind, key: blake3::Hash, bytes: &[u8]) {
-        let _ = write(&file(folder, kind, key), bytes.to_vec(), Some(kind));
+        let _ = write(&file(folder, kind, key), bytes.to_vec(), kind);
     }
 
     fn load_from(folder: &Path, kind: Kind, key: blake3::Hash) -> Option<Vec<u8>> {
-        read(&file(folder, kind, key)).ok()?
+        read(&file(folder, kind, key), kind).ok()?
     }
 
     const KIND: Kind = Kind { ends: &["test"], limit: 200 };
@@ -167,6 +177,36 @@ mod tests {
         save_to(folder.path(), KIND, keys[2], &[2; 50]);
         let left = keys.map(|key| load_from(folder.path(), KIND, key).is_some());
         assert_eq!(left, [true, false, true]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_not_opened_and_makes_way_for_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let key = blake3::hash(b"key");
+        let path = file(folder.path(), KIND, key);
+        let (good, other) = (folder.path().join("good"), folder.path().join("other"));
+        save_to(folder.path(), KIND, key, b"bytes");
+        fs::rename(&path, &good).unwrap();
+        fs::write(&other, "of a person").unwrap();
+        let link = |to: &Path| std::os::unix::fs::symlink(to, &path).unwrap();
+        let place: [&dyn Fn(); 7] = [
+            &|| assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success()),
+            &|| link(Path::new("/dev/zero")),
+            &|| link(&path),
+            &|| link(&other),
+            &|| link(&good),
+            &|| fs::create_dir_all(path.join("below")).unwrap(),
+            &|| File::create(&path).unwrap().set_len(5 << 30).unwrap(), // of holes: it takes no room
+        ];
+        for put in place {
+            put();
+            assert_eq!(load_from(folder.path(), KIND, key), None);
+            save_to(folder.path(), KIND, key, b"bytes");
+            assert_eq!(load_from(folder.path(), KIND, key).as_deref(), Some(&b"bytes"[..]));
+            fs::remove_file(&path).unwrap();
+        }
+        assert_eq!(fs::read_to_string(&other).unwrap(), "of a person");
     }
 
     #[test]

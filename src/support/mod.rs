@@ -36,19 +36,25 @@ pub(crate) fn significant(number: f64, digits: usize) -> String {
 /// What the system says, or that something other than a file is there; it is then as it was.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let (path, before) = destination(path)?;
-    let temporary = temporary(&path);
+    replace(&path, before, bytes)
+}
+
+/// Puts a file, with these permissions if any are given, in the place of whatever is there but a directory. A link is replaced
+/// itself.
+fn replace(path: &Path, permissions: Option<fs::Permissions>, bytes: &[u8]) -> io::Result<()> {
+    let temporary = temporary(path);
     let write = || {
         let mut file = in_work(&temporary)?;
-        if let Some(before) = before {
+        if let Some(permissions) = permissions {
             may_fail("set_permissions")?;
-            file.set_permissions(before)?;
+            file.set_permissions(permissions)?;
         }
         may_fail("write")?;
         file.write_all(bytes)?;
         may_fail("sync")?;
         file.sync_all()?;
         may_fail("rename")?;
-        fs::rename(&temporary, &path)
+        fs::rename(&temporary, path)
     };
     write().inspect_err(|_| {
         // Best effort: the error to report is the first one.

@@ -62,7 +62,8 @@ pub(crate) fn open(path: &Path, most: u64) -> Result<(File, u64), OpenError> {
 /// All of a plain file of at most `most` bytes.
 pub(crate) fn bytes(path: &Path, most: u64) -> Result<Vec<u8>, OpenError> {
     let (file, length) = open(path, most)?;
-    let mut bytes = Vec::with_capacity(length as usize);
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(length as usize).map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
     super::may_fail("read")?;
     file.take(most.saturating_add(1)).read_to_end(&mut bytes)?; // it may grow meanwhile
     match bytes.len() as u64 {
