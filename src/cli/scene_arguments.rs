@@ -253,7 +253,7 @@ fn scene_of_picture(path: &Path, reach: Reach) -> Result<Scene, OutputError> {
     let provenance = output::read_provenance(path)?;
     let of = |source| OutputError::Provenance { path: path.display().to_string(), source };
     let scene = provenance.scene(path, reach).map_err(of)?;
-    if let Err(changed) = provenance.check_inputs(path) {
+    if let Err(changed) = provenance.check_inputs(path, reach) {
         log::warn!("{}", of(changed));
     }
     Ok(scene)

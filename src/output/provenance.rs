@@ -11,7 +11,7 @@ use crate::support::open;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
+use std::{fs, io, iter};
 
 /// Name of the chunk or attribute.
 pub(super) const KEY: &str = "hypertexture";
@@ -60,6 +60,9 @@ pub enum ProvenanceError {
     /// The scene cannot be read.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// An input is out of reach.
+    #[error("{0}")]
+    Outside(String),
     /// An input is not there.
     #[error("input {input}: {reason}; it was rendered from a file with BLAKE3 hash {said}")]
     Missing {
@@ -140,13 +143,19 @@ impl Provenance {
         Ok(scene)
     }
 
-    /// Checks that the files of the scene are those that were rendered.
+    /// Checks that the files of the scene are those that were rendered. What is out of reach is not read.
     ///
     /// # Errors
-    /// A file that is missing or another one.
-    pub fn check_inputs(&self, picture: &Path) -> Result<(), ProvenanceError> {
+    /// A file that is out of reach, missing or another one.
+    pub fn check_inputs(&self, picture: &Path, reach: Reach) -> Result<(), ProvenanceError> {
         for (input, said) in &self.inputs {
             let (input, said) = (self.place(input, picture), said.clone());
+            let below = iter::once_with(|| read_for(Path::new(&input)).unwrap_or_default()).flatten();
+            let files = iter::once(PathBuf::from(&input)).chain(below);
+            let named = files.map(|file| (format!("input {}", file.display()), file));
+            if let Some(reason) = reach.first_out(named, picture) {
+                return Err(ProvenanceError::Outside(reason));
+            }
             match hash_of(Path::new(&input)) {
                 Err(reason) => return Err(ProvenanceError::Missing { input, reason, said }),
                 Ok(found) if found != said => return Err(ProvenanceError::Input { input, found, said }),
@@ -166,16 +175,24 @@ impl Provenance {
     }
 }
 
+/// The files that are read for an input: itself, or those in it, by their names.
+fn read_for(input: &Path) -> io::Result<Vec<PathBuf>> {
+    if !input.is_dir() {
+        return Ok(vec![input.into()]);
+    }
+    let paths: Vec<PathBuf> = fs::read_dir(input)?.map(|entry| Ok(entry?.path())).collect::<io::Result<_>>()?;
+    let mut files: Vec<PathBuf> = paths.into_iter().filter(|path| path.is_file()).collect();
+    files.sort();
+    Ok(files)
+}
+
 /// Of a file; of a folder that of the names of its files, and of what is in them.
 fn hash_of(path: &Path) -> io::Result<String> {
     if !path.is_dir() {
         return Ok(open::hash(path)?.to_string());
     }
-    let paths: Vec<PathBuf> = fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect::<io::Result<_>>()?;
-    let mut files: Vec<PathBuf> = paths.into_iter().filter(|path| path.is_file()).collect();
-    files.sort();
     let mut all = blake3::Hasher::new();
-    for file in files {
+    for file in read_for(path)? {
         let name = file.file_name().unwrap_or_default().as_encoded_bytes();
         all.update(&(name.len() as u64).to_le_bytes()).update(name).update(open::hash(&file)?.as_bytes());
     }
@@ -211,7 +228,7 @@ mod tests {
         let mut scene = Scene::default();
         scene.object.input = scan.display().to_string();
         let whole = Provenance::of(&scene, "a device", &Measurements::default()).unwrap();
-        let is_same = || whole.check_inputs(&folder.path().join("x.png")).is_ok();
+        let is_same = || whole.check_inputs(&folder.path().join("x.png"), Reach::Beside).is_ok();
         assert!(is_same());
         fs::rename(scan.join("b"), scan.join("c")).unwrap();
         assert!(!is_same());
@@ -235,10 +252,46 @@ mod tests {
         let others = subject.all_others().cloned().collect();
         let whole = Provenance::of(&scene, "a device", &Measurements { others, ..Measurements::default() }).unwrap();
         assert_eq!(whole.inputs.len(), 2, "{:?}", whole.inputs);
-        let said = || whole.check_inputs(&folder.path().join("x.png")).map_err(|error| error.to_string());
+        let said =
+            || whole.check_inputs(&folder.path().join("x.png"), Reach::Beside).map_err(|error| error.to_string());
         assert_eq!(said(), Ok(()));
         fs::write(&data, [100; 512]).unwrap();
         assert!(said().unwrap_err().contains("scan.raw"), "{:?}", said());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_picture_has_no_file_read_that_a_scene_may_not_name() {
+        let root = tempfile::tempdir().unwrap();
+        let [home, away] = ["home", "away"].map(|name| root.path().join(name));
+        for folder in [&home, &away, &home.join("series"), &away.join("series")] {
+            fs::create_dir(folder).unwrap();
+            fs::write(folder.join("a.obj"), "v 0 0 0").unwrap();
+        }
+        let link = |to: &str, from: &str| std::os::unix::fs::symlink(away.join(to), home.join(from)).unwrap();
+        link("a.obj", "link.obj");
+        link("series", "link");
+        link("a.obj", "series/link.obj");
+        let picture = home.join("x.png");
+        let whole = Provenance::of(&Scene::default(), "a device", &Measurements::default()).unwrap();
+        let said = |input: &Path, reach| {
+            let inputs = [(input.display().to_string(), "0".repeat(64))].into();
+            Provenance { inputs, ..whole.clone() }.check_inputs(&picture, reach).unwrap_err().to_string()
+        };
+        for (input, is_beside) in [
+            (home.join("a.obj"), true),
+            (away.join("a.obj"), false),
+            (away.join("series"), false),
+            (home.join("link.obj"), false),
+            (home.join("link"), false),
+            (home.join("link/a.obj"), false),
+            (home.join("series"), false), // for what is in it
+            (home.join("none.obj"), true),
+        ] {
+            let out = said(&input, Reach::Beside);
+            assert_eq!(!out.ends_with("if that is meant: --outside"), is_beside, "{}: {out}", input.display());
+            assert!(!said(&input, Reach::Anywhere).contains("--outside"), "{}", input.display());
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The files that a scene names, and which of them it may.
 
 use super::{Scene, SceneError};
+use crate::support::open::Home;
 use std::path::{Path, PathBuf};
 
 impl Scene {
@@ -34,21 +35,22 @@ impl Reach {
     /// # Errors
     /// One that is there and out of reach.
     pub fn check(self, scene: &Scene, of: &Path) -> Result<(), SceneError> {
-        let folder = of.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let folders: Vec<PathBuf> =
-            [folder, Path::new(".")].into_iter().filter_map(|f| f.canonicalize().ok()).collect();
-        let is_out = |file: &Path| !folders.iter().any(|folder| file.starts_with(folder));
-        let is_out = |file: &str| Path::new(file).canonicalize().is_ok_and(|file| is_out(&file));
-        match scene.files().find(|(_, file)| is_out(file)).filter(|_| self == Reach::Beside) {
+        let files = scene.files().map(|(field, file)| (format!("{field} = {file}"), file.into()));
+        match self.first_out(files, of) {
             None => Ok(()),
-            Some((field, file)) => Err(SceneError::Read {
-                path: of.display().to_string(),
-                reason: format!(
-                    "{field} = {file}: it is not below the folder of this file, nor below the current one; if that is meant: \
-                     --outside"
-                ),
-            }),
+            Some(reason) => Err(SceneError::Read { path: of.display().to_string(), reason }),
         }
+    }
+
+    /// Why the first of these files, each with how it is named, is out of reach of the file `of`.
+    pub(crate) fn first_out(self, files: impl Iterator<Item = (String, PathBuf)>, of: &Path) -> Option<String> {
+        let home = Home::of(of.parent().unwrap_or(Path::new("")));
+        let mut out = files.filter(|(_, file)| self == Reach::Beside && !home.holds(file));
+        out.next().map(|(named, _)| {
+            format!(
+                "{named}: it is not below the folder of this file, nor below the current one; if that is meant: --outside"
+            )
+        })
     }
 }
 

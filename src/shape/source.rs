@@ -5,7 +5,7 @@
 
 use super::error::{Found, Location, ShapeError, quoted, shown};
 use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
-use crate::support::open::{self, MARK};
+use crate::support::open::{self, Home};
 use glam::DVec3;
 use std::cell::RefCell;
 use std::io::{self, BufRead, BufReader, Read};
@@ -57,7 +57,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Reads a file beside this one, or below its folder.
+    /// Reads a file beside this one, or below its folder; no link leads elsewhere, but below the current folder.
     pub fn beside<T>(
         &self,
         name: &str,
@@ -75,6 +75,9 @@ impl<'a> Source<'a> {
             ShapeError::Unsupported { file: self.file.clone(), place, what: "the data file", found, remedy }
         })?;
         let path = folder.join(name);
+        if !Home::of(folder).holds(&path) {
+            return Err(Source::leads_out(&self.file, Location::Header, name));
+        }
         let file = shown(&path.to_string_lossy());
         let (opened, len) = open::open(&path, u64::MAX).map_err(|error| ShapeError::Unreadable {
             file: format!("{}: its data file {file}", self.file),
@@ -212,6 +215,14 @@ impl<'a> Source<'a> {
         }
         let found = triangles.to_string();
         Err(ShapeError::TooLarge { file: self.file.clone(), what: "triangles", found, limit: MAX_TRIANGLES })
+    }
+
+    /// The error of a link in `file` that leads out of the folder.
+    pub(super) fn leads_out(file: &str, place: Location, name: &str) -> ShapeError {
+        let remedy = "it leads out of the folder, and out of the current one: put the file itself in its place, \
+                  or run this in a folder that has both in it";
+        let found = quoted(name.as_bytes());
+        ShapeError::Unsupported { file: file.into(), place, what: "the link", found, remedy }
     }
 
     /// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].

@@ -1,12 +1,13 @@
 //! Files that people name, opened in one place: what is no plain file, or longer than anything that is looked for there, is
-//! refused before it is read. A pipe would wait for its writer, and a device never ends.
+//! refused before it is read. A pipe would wait for its writer, and a device never ends. [`Home`] says which files others may
+//! name.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// The byte order mark that some editors put before text in UTF-8.
-const MARK: &[u8] = b"\xef\xbb\xbf";
+/// The byte order mark that some programs write before text in UTF-8; no part of the text.
+pub(crate) const MARK: &[u8] = b"\xef\xbb\xbf";
 
 /// Why a file is not read; the words that come behind its name.
 #[derive(Debug, thiserror::Error)]
@@ -44,6 +45,26 @@ impl From<OpenError> for io::Error {
     }
 }
 
+/// Where the files are that a file may name which somebody else may have written: below its folder, and below the current one.
+#[derive(Debug)]
+pub(crate) struct Home(Vec<PathBuf>);
+
+impl Home {
+    /// Of the files in a folder.
+    pub(crate) fn of(folder: &Path) -> Home {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        Home([folder, Path::new(".")].into_iter().filter_map(|folder| folder.canonicalize().ok()).collect())
+    }
+
+    /// Whether a path stays there once all links are followed; one that leads to nothing does.
+    pub(crate) fn holds(&self, path: &Path) -> bool {
+        match path.canonicalize() {
+            Ok(path) => self.0.iter().any(|folder| path.starts_with(folder)),
+            Err(_) => fs::metadata(path).is_err(),
+        }
+    }
+}
+
 /// A plain file of at most `most` bytes, and its length.
 pub(crate) fn open(path: &Path, most: u64) -> Result<(File, u64), OpenError> {
     // Before it is opened: that would wait for the writer of a pipe.
@@ -72,7 +93,7 @@ pub(crate) fn bytes(path: &Path, most: u64) -> Result<Vec<u8>, OpenError> {
     }
 }
 
-/// The text of a plain file of at most `most` bytes, without a byte order mark.
+/// The text of a plain file of at most `most` bytes, without its byte order mark.
 pub(crate) fn text(path: &Path, most: u64) -> Result<String, OpenError> {
     let mut bytes = bytes(path, most)?;
     if bytes.starts_with(MARK) {
@@ -102,8 +123,8 @@ mod tests {
         fs::write(at("text"), "one\ntwo").unwrap();
         fs::write(at("binary"), b"one\n\xff").unwrap();
         assert_eq!(text(&at("text"), 7).unwrap(), "one\ntwo");
-        fs::write(at("marked"), "\u{feff}one\u{feff}").unwrap();
-        assert_eq!(text(&at("marked"), 99).unwrap(), "one\u{feff}");
+        fs::write(at("marked"), "\u{feff}one").unwrap();
+        assert_eq!(text(&at("marked"), 7).unwrap(), "one");
         for (file, most, found) in [
             ("text", 6, "7 bytes, and at most 6"),
             ("binary", 99, "line 2 is not text"),

@@ -8,6 +8,7 @@ mod data;
 mod dicom;
 mod field_data;
 mod gltf;
+mod links;
 mod meta;
 mod nifti;
 mod nrrd;

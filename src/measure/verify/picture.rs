@@ -117,8 +117,8 @@ pub fn check(
     let provenance = output::read_provenance(path)?;
     let name = || path.display().to_string();
     let of = |source| OutputError::Provenance { path: name(), source };
-    provenance.check_inputs(path).map_err(of)?;
     let scene = provenance.scene(path, asked.reach).map_err(of)?;
+    provenance.check_inputs(path, asked.reach).map_err(of)?;
     scene.check(library).map_err(|source| CheckError::Scene { path: name(), source: source.into() })?;
     // Before it is decoded: a small file may hold a huge picture.
     let size = output::size(path)?;

@@ -13,7 +13,7 @@ mod series;
 use super::Shape;
 use super::error::{Location, ShapeError, shown, unreadable};
 use super::source::Source;
-use crate::support::open;
+use crate::support::open::{self, Home};
 use header::{MARK, MARK_AT};
 use image::{Image, MAX_FRAMES};
 use series::{Layout, Member, layout};
@@ -81,10 +81,18 @@ fn members(name: &str, folder: &Path) -> Result<Vec<Member>, ShapeError> {
     let failed = |reason| ShapeError::Unreadable { file: name.into(), reason };
     // A file that is named alone is in the current folder.
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let mut paths = Vec::new();
+    let (mut paths, home) = (Vec::new(), Home::of(folder));
     for entry in fs::read_dir(folder).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
+        let entry = entry.map_err(failed)?;
+        let (path, is_link) = (entry.path(), entry.file_type().is_ok_and(|kind| kind.is_symlink()));
         if path.metadata().is_ok_and(|about| about.is_file() && about.len() > MARK_AT as u64) {
+            if is_link && !home.holds(&path) {
+                return Err(Source::leads_out(
+                    name,
+                    Location::Folder,
+                    &path.file_name().unwrap_or_default().to_string_lossy(),
+                ));
+            }
             paths.push(path);
         }
         if paths.len() > MAX_FILES {

@@ -87,9 +87,9 @@ impl Model {
 /// The scene that a picture shows.
 fn scene_of_picture(path: &Path) -> Result<Scene, OutputError> {
     let of = |source| OutputError::Provenance { path: path.display().to_string(), source };
-    let provenance = read_provenance(path)?;
-    let scene = provenance.scene(path, Reach::Beside).map_err(of)?;
-    if let Err(changed) = provenance.check_inputs(path) {
+    let (provenance, reach) = (read_provenance(path)?, Reach::Beside);
+    let scene = provenance.scene(path, reach).map_err(of)?;
+    if let Err(changed) = provenance.check_inputs(path, reach) {
         log::warn!("{}", of(changed));
     }
     Ok(scene)

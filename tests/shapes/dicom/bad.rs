@@ -175,6 +175,20 @@ fn what_is_wrong_with_a_folder_is_told() {
     assert!(desk.error("near").contains("from the origin"), "{}", desk.error("near"));
 }
 
+#[cfg(unix)]
+#[test]
+fn a_slice_that_is_a_link_out_of_the_folder_is_not_read() {
+    let (desk, away) = (series(LITTLE, |_, _| {}), Desk::new(&[("data", File::slice(LITTLE, 3, at(3)).bytes())]));
+    std::os::unix::fs::symlink(desk.path("a"), desk.path("d")).unwrap();
+    assert!(desk.error("").contains("found 0.0 mm between"), "within the folder it is a slice, which was there before");
+    fs::remove_file(desk.path("d")).unwrap();
+    std::os::unix::fs::symlink(away.path("data"), desk.path("d")).unwrap();
+    for name in ["", "b.dcm"] {
+        let line = desk.error(name);
+        assert!(line.contains("folder: the link `d` is not supported; it leads out of the folder"), "{line}");
+    }
+}
+
 #[test]
 fn a_folder_of_too_many_files_is_refused_before_they_are_read() {
     let desk = Desk::new(&[]);
