@@ -5,6 +5,7 @@ use super::{absolute, say, with_progress};
 use crate::measure::compare::report::images::heat_png;
 use crate::measure::metric::Errors;
 use crate::measure::reference::{TOLERANCE, reference};
+use crate::measure::statistics::largest;
 use crate::output::write_map;
 use crate::render::Frame;
 use crate::support::write_whole;
@@ -35,7 +36,7 @@ pub(super) fn write_error_map(picture: &Picture<'_>, frame: &Frame, path: &Path)
         }
     }
     if !quiet {
-        let worst = |off: &[f64; 4]| off.iter().copied().fold(0.0, f64::max);
+        let worst = |off: &[f64; 4]| largest(*off);
         let at = (0..off.len()).max_by(|a, b| worst(&off[*a]).total_cmp(&worst(&off[*b]))).unwrap_or(0);
         let [x, y] = [at % frame.size[0] as usize, at / frame.size[0] as usize];
         let Errors { rmse, max, p999, .. } = Errors::between(&frame.pixels, &known.pixels);

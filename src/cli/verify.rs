@@ -5,7 +5,7 @@ use super::{say, with_progress};
 use crate::field::Progress;
 use crate::gpu::{Gpu, Options};
 use crate::measure::reference::{Reference, ReferenceError, TOLERANCE, converged_settings, reference_pixels};
-use crate::measure::verify::{self, CheckOptions, PixelTruth};
+use crate::measure::verify::{self, CheckError, CheckOptions, PixelTruth};
 use crate::output;
 use crate::render::{Subject, render};
 use crate::scene::Scene;
@@ -87,7 +87,11 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         truth(&gpu, &library, scene, subject, pixels, progress)
     };
     let agreement =
-        with_progress(quiet, "verifying", |progress| verify::check(&gpu, &library, image, &asked, progress, &known))?;
+        with_progress(quiet, "verifying", |progress| verify::check(&gpu, &library, image, &asked, progress, &known));
+    let agreement = match agreement {
+        Err(error @ CheckError::NotFinite { .. }) => return Err(Disagreement(error.to_string()).into()),
+        agreement => agreement?,
+    };
     if !quiet {
         let hash = provenance.scene_hash.get(..16).unwrap_or(&provenance.scene_hash);
         let inputs: Vec<&str> = provenance.inputs.keys().map(String::as_str).collect();

@@ -47,7 +47,35 @@ impl fmt::Display for Metric {
     }
 }
 
-/// How far a picture is from its truth.
+/// Pixels of a picture that are NaN or infinite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotFinite {
+    /// How many, by any of their channels.
+    pub pixels: usize,
+    /// Of how many.
+    pub all: usize,
+    /// The first of them, from the top left.
+    pub first: [usize; 2],
+}
+
+impl NotFinite {
+    /// Those of a picture, row by row from the top, if there are any.
+    pub fn of(pixels: &[[f32; 4]], width: u32) -> Option<NotFinite> {
+        let is_bad = |pixel: &&[f32; 4]| pixel.iter().any(|channel| !channel.is_finite());
+        let first = pixels.iter().position(|pixel| is_bad(&pixel))?;
+        let (count, width) = (pixels.iter().filter(is_bad).count(), width as usize);
+        Some(NotFinite { pixels: count, all: pixels.len(), first: [first % width, first / width] })
+    }
+}
+
+impl fmt::Display for NotFinite {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let NotFinite { pixels, all, first: [x, y] } = self;
+        write!(f, "{pixels} of {all} pixels are NaN or infinite, the first {x} {y}")
+    }
+}
+
+/// How far a picture is from its truth; NaN or infinite where one of them is not finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Errors {
     /// Root mean square over the four channels of all pixels.
@@ -70,7 +98,8 @@ impl Errors {
         let pixels: Vec<([f64; 4], bool, f64)> = pixels
             .map(|(found, truth, weight)| {
                 let off = std::array::from_fn(|c| (found[c] - truth[c]).abs());
-                (off, found[3] > 0.0 || truth[3] > 0.0, weight)
+                let is_finite = found.iter().all(|channel| channel.is_finite());
+                (off, found[3] > 0.0 || truth[3] > 0.0 || !is_finite, weight)
             })
             .collect();
         let rms = |channels: std::ops::Range<usize>, all: bool| {
@@ -140,6 +169,21 @@ mod tests {
         let errors = Errors::between(&found, &vec![[0.5; 4]; 2000]);
         assert_eq!((errors.max, errors.p999), (0.5, 0.0));
         assert!((errors.rmse - (0.25f64 / 8000.0).sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_pixel_that_is_no_light_is_in_every_error_and_is_named() {
+        for bad in [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let mut found = vec![[0.5f32; 4]; 60];
+            assert_eq!(NotFinite::of(&found, 10), None);
+            (found[23], found[41]) = ([0.0, bad, 0.0, 0.0], [0.0, 0.0, 0.0, bad]);
+            let mut truth = vec![[0.5; 4]; 60];
+            (truth[23], truth[41]) = ([0.0; 4], [0.0; 4]);
+            let errors = Errors::between(&found, &truth);
+            assert!(Metric::ALL.iter().all(|(_, metric)| !errors.by(*metric).is_finite()), "{bad}: {errors:?}");
+            let named = NotFinite::of(&found, 10).unwrap().to_string();
+            assert_eq!(named, "2 of 60 pixels are NaN or infinite, the first 3 2");
+        }
     }
 
     #[test]

@@ -6,9 +6,9 @@ pub fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// The largest of values that are not negative; 0 of nothing.
+/// The largest of values that are not negative; 0 of nothing, NaN where one is.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, f64::max)
+    values.into_iter().fold(0.0, |most, value| if value > most || value.is_nan() { value } else { most })
 }
 
 /// A number above 0 with two digits, rounded up: a bound stays one where it is shown.
@@ -61,6 +61,12 @@ mod tests {
         let all = [(2.84e-2, 2.9e-2), (2.9e-2, 2.9e-2), (9.91e-5, 1e-4), (0.1, 0.1), (3.0, 3.0), (1.01, 1.1)];
         assert!(all.iter().all(|(number, expected)| rounded_up(*number) == *expected));
         assert!(rounded_up(f64::INFINITY).is_infinite() && rounded_up(0.0) == 0.0);
+    }
+
+    #[test]
+    fn a_value_that_is_no_number_is_not_passed_over() {
+        assert!(largest([1.0, f64::NAN, 2.0]).is_nan() && largest([f64::NAN]).is_nan());
+        assert_eq!((largest([1.0, f64::INFINITY]), largest([2.0, 1.0]), largest([])), (f64::INFINITY, 2.0, 0.0));
     }
 
     #[test]

@@ -141,6 +141,24 @@ fn a_picture_that_was_altered_is_found_out() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_picture_with_a_pixel_that_is_no_number_is_not_that_of_its_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let (desk, path) = (folder.path(), folder.path().join("a.exr"));
+    good(desk, "render torus --effect lit --size 48x40 -o a.exr");
+    let (stored, provenance) = (output::read(&path).unwrap(), read_provenance(&path).unwrap());
+    for bad_value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let mut frame = Frame { size: stored.size, pixels: stored.pixels.clone(), measurements: Default::default() };
+        (frame.pixels[3 * 48 + 7][1], frame.pixels[20 * 48][3]) = (bad_value, bad_value);
+        output::write(&frame, None, Depth::Eight, &provenance, &path).unwrap();
+        // One of the pixels that are held against the truth or none: all of them are looked at.
+        let said = bad(desk, "verify a.exr --pixels 1 -q", 1);
+        let expected = "this is not what its scene gives: 2 of 1920 pixels are NaN or infinite, the first 7 3";
+        assert!(said.contains(expected), "{said}");
+    }
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_picture_of_another_device_may_round_another_way_and_no_more() {
     let folder = tempfile::tempdir().unwrap();
     let desk = folder.path();

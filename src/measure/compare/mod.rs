@@ -29,7 +29,7 @@ mod truths;
 pub use truths::Truth;
 
 use crate::gpu::Gpu;
-use crate::measure::metric::Errors;
+use crate::measure::metric::{Errors, NotFinite};
 use crate::measure::reference::Reference;
 use crate::measure::worker::{Painter, Worker};
 use crate::render::{Frame, RenderError, Subject};
@@ -366,8 +366,11 @@ fn first(
         let own = own.map_err(|reason| format!("no reference of its octaves: {reason}"))?;
         metrics.own_rmse = own.map(|own| Errors::between(&first.pixels, &own.reference.pixels).rmse);
     }
-    if metrics.not_finite > 0 || !metrics.errors.rmse.is_finite() {
-        return Err(format!("{} values are not finite", metrics.not_finite.max(1)));
+    if let Some(bad) = NotFinite::of(&first.pixels, first.size[0]) {
+        return Err(bad.to_string());
+    }
+    if !metrics.errors.rmse.is_finite() {
+        return Err("its reference has pixels that are not finite".into());
     }
     let first = Frame { pixels: Vec::new(), ..first }; // many pictures would not fit into memory
     Ok(Row { candidate, truth, metrics, normals: None, runs: Vec::new(), first })

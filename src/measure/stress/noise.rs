@@ -2,6 +2,7 @@
 
 use super::function::Function;
 use super::{Lab, Row, StressError, power};
+use crate::measure::statistics::largest;
 use crate::noise::{Lattice, Weights};
 
 /// What the noise is made with.
@@ -96,7 +97,7 @@ pub(super) fn periods(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
         let within = here.iter().zip(&endless).filter(|(one, _)| one[3] < period - 1.0);
         rows.push(Row::worst("within a period", format!("period {period}"), within.map(|(a, b)| (b[0], a[0], 0.0))));
         let beyond = ask(ends(4.0 * period, 4.0 * period + 16.0), ENDLESS as f32)?;
-        let apart = here.iter().zip(&beyond).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max);
+        let apart = largest(here.iter().zip(&beyond).map(|(a, b)| (a[0] - b[0]).abs()));
         let found = report_of(apart);
         rows.push(Row::said("endless noise does not", format!("period {period}"), "apart", found, apart > 0.1));
     }

@@ -2,6 +2,7 @@
 
 use super::matter::same;
 use super::{Lab, Row, StressError, with};
+use crate::measure::statistics::largest;
 use crate::render::variant::VariantError;
 use crate::render::{RenderError, Renderer, Subject, doubts};
 use crate::scene::{Effect, EmptySpace, ParameterValue, Scene, SceneError, preset};
@@ -100,7 +101,7 @@ pub(super) fn nyquist(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
         rows.push(Row::worst("octaves past Nyquist", setting, same(&all_past, &at(share * nyquist)?, 0.0)));
     }
     let within = at(0.25 * nyquist)?;
-    let moved = same(&all_past, &within, 0.0).iter().map(|(a, b, _)| (a - b).abs()).fold(0.0, f64::max);
+    let moved = largest(same(&all_past, &within, 0.0).iter().map(|(a, b, _)| (a - b).abs()));
     let found = super::report::number(moved);
     rows.push(Row::said("an octave within", "a quarter", "another picture", found, moved > 0.01));
     Ok(rows)
@@ -142,7 +143,7 @@ pub(super) fn times(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
             let row = Row::worst(&format!("{name}, {speed}: whole periods"), &time, [(0.0, mean.sqrt(), 2e-4)]);
             rows.push(row.at(count * period));
             let later = at(0.25 + count * period + 0.04)?;
-            let moved = same(&frame, &later, 0.0).iter().map(|(a, b, _)| (a - b).abs()).fold(0.0, f64::max);
+            let moved = largest(same(&frame, &later, 0.0).iter().map(|(a, b, _)| (a - b).abs()));
             let found = super::report::number(moved);
             let ok = moved > 1e-3;
             rows.push(Row::said(&format!("{name}, {speed}: a frame later"), &time, "another picture", found, ok));

@@ -4,6 +4,7 @@ use super::{Row, StressError, twins};
 use crate::field::Progress;
 use crate::gpu::Gpu;
 use crate::measure::reference::{TOLERANCE, reference_pixels, truth_of};
+use crate::measure::statistics::largest;
 use crate::render::{Frame, Renderer, Subject, watch};
 use crate::scene::{ParameterValue, Scene};
 use crate::shader::{Library, ParameterKind};
@@ -181,13 +182,11 @@ impl Work<'_> {
         let truth = truth.map_err(crate::render::RenderError::from)?;
         match reference_pixels(self.library, &truth, &subject, &pixels, TOLERANCE, &|_| (), &|| false) {
             Ok(reference) => {
-                let mut most = 0.0f64;
-                for ([x, y], known) in pixels.iter().zip(&reference.pixels) {
+                let off = pixels.iter().zip(&reference.pixels).flat_map(|([x, y], known)| {
                     let found = frame.pixels[(y * SIDE + x) as usize];
-                    let off = found.iter().zip(known).map(|(found, known)| (f64::from(*found) - known).abs());
-                    most = off.fold(most, f64::max);
-                }
-                corner.error = Some(most);
+                    std::array::from_fn::<f64, 4, _>(|c| (f64::from(found[c]) - known[c]).abs())
+                });
+                corner.error = Some(largest(off));
                 corner.known_to = [reference.error(), reference.bound()];
             }
             Err(error) => corner.why = error.to_string(),
@@ -210,7 +209,7 @@ impl Work<'_> {
             let channels = frame.pixels.as_flattened().iter().zip(next.pixels.as_flattened());
             let channels = channels.zip(last.pixels.as_flattened());
             let bends = channels.map(|((a, b), c)| f64::from((a - 2.0 * b + c).abs()));
-            corner.jump = bends.fold(0.0, f64::max);
+            corner.jump = largest(bends);
         }
         Ok(())
     }

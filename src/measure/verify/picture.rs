@@ -9,7 +9,7 @@ use super::agreement::Agreement;
 use super::redrawn::{Redrawn, apart, around, index, redraw};
 use crate::field::Progress;
 use crate::gpu::Gpu;
-use crate::measure::metric::{Errors, Metric};
+use crate::measure::metric::{Errors, Metric, NotFinite};
 use crate::measure::reference::Reference;
 use crate::measure::statistics::largest;
 use crate::output::{self, OutputError, PROGRAM, Stored};
@@ -81,6 +81,14 @@ pub enum CheckError {
         /// Those of the scene.
         said: [u32; 2],
     },
+    /// Some of its pixels are NaN or infinite.
+    #[error("{path}: this is not what its scene gives: {found}")]
+    NotFinite {
+        /// The picture.
+        path: String,
+        /// How many, and where.
+        found: NotFinite,
+    },
     /// The truth is not to be had.
     #[error("no truth for this picture: {0}")]
     Truth(Box<dyn Error>),
@@ -126,6 +134,9 @@ pub fn check(
         return Err(CheckError::Size { path: name(), size, said: scene.image.size });
     }
     let stored = output::read(path)?;
+    if let Some(found) = NotFinite::of(&stored.pixels, size[0]) {
+        return Err(CheckError::NotFinite { path: name(), found });
+    }
     let subject = Subject::load(&scene, library, &|done| progress(0.3 * done))?;
     let drawn = render(gpu, library, &scene, &subject)?;
     progress(0.4);
@@ -182,12 +193,12 @@ fn compare(
     let [drawn, other] = [step.drawn, step.other].map(|frame| |at| seen(frame.pixels[index(size, at)]));
 
     let explained = |at: [u32; 2]| step.share * largest(apart(drawn(at), other(at), encoding));
-    let is_beyond = |(index, &at): (usize, &[u32; 2])| {
+    let is_explained = |(index, &at): (usize, &[u32; 2])| {
         let off = largest(apart(found[index], exact[index], encoding));
         let most = STEPS * largest(around(size, at).map(explained));
-        off.is_nan() || off > 0.5 * encoding.quantum() + most + truth.reference.estimate[index] + ROUNDING
+        off <= 0.5 * encoding.quantum() + most + truth.reference.estimate[index] + ROUNDING
     };
-    let beyond = pixels.iter().enumerate().filter(|pixel| is_beyond(*pixel)).count();
+    let beyond = pixels.iter().enumerate().filter(|pixel| !is_explained(*pixel)).count();
 
     let between =
         |a: &[[f32; 4]], b: &[[f32; 4]]| Errors::of(a.iter().zip(b).map(|(a, b)| (shown(*a), shown(*b), 1.0)));

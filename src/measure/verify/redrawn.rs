@@ -30,7 +30,7 @@ pub(super) fn redraw(stored: &Stored, scene: &Scene, drawn: &Frame, same_device:
     for at in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [x, y])) {
         let own = stored.pixels[index(size, at)];
         let off = largest(apart(own, codes(at), encoding));
-        if !off.is_nan() && off <= allowed {
+        if off <= allowed {
             continue;
         }
         redrawn.differs += 1;
@@ -40,7 +40,8 @@ pub(super) fn redraw(stored: &Stored, scene: &Scene, drawn: &Frame, same_device:
             high = std::array::from_fn(|c| high[c].max(code[c]));
         }
         let within = std::array::from_fn(|c| own[c].clamp(low[c], high[c]));
-        redrawn.foreign += usize::from(off.is_nan() || largest(apart(own, within, encoding)) > allowed);
+        let is_around = largest(apart(own, within, encoding)) <= allowed;
+        redrawn.foreign += usize::from(!is_around);
         redrawn.worst = if off > redrawn.worst.1 { (at, off) } else { redrawn.worst };
     }
     redrawn

@@ -1,6 +1,7 @@
 //! Pictures in a page: PNG as text, and heat maps of differences.
 
 use crate::measure::compare::metrics::{bytes, encode};
+use crate::measure::statistics::largest;
 use crate::scene::Color;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -39,7 +40,7 @@ pub fn heat_png(found: &[[f32; 4]], truth: &[[f64; 4]], size: [u32; 2]) -> Vec<u
 
 /// A color for each two pixels.
 fn colors<'a>(pairs: impl Iterator<Item = (&'a [f64; 4], &'a [f64; 4])>) -> Vec<u8> {
-    let difference = |a: &[f64; 4], b: &[f64; 4]| (0..4).map(|c| (a[c] - b[c]).abs()).fold(0.0, f64::max);
+    let difference = |a: &[f64; 4], b: &[f64; 4]| largest((0..4).map(|c| (a[c] - b[c]).abs()));
     pairs.flat_map(|(a, b)| heat(difference(a, b))).collect()
 }
 
@@ -52,9 +53,10 @@ pub fn scale() -> String {
     address([WIDTH, 1], &colors)
 }
 
-/// The color of an error.
+/// The color of an error; of one that is no number, that of the largest.
 fn heat(error: f64) -> [u8; 3] {
     let [low, high] = HEAT;
+    let error = if error.is_nan() { high } else { error };
     let share = ((error / low).max(1.0).ln() / (high / low).ln()).clamp(0.0, 1.0) * (MAGMA.len() - 1) as f64;
     let index = (share as usize).min(MAGMA.len() - 2);
     let part = share - index as f64;
