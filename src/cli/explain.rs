@@ -9,6 +9,7 @@ use crate::render::variant::Variant;
 use crate::render::{Frame, RenderError, Renderer, Subject, made_with, watch};
 use crate::scene::{EmptySpace, Neutral, Pass, Scene};
 use crate::shader::library::ZERO;
+use crate::support::words;
 use clap::Args;
 use std::error::Error;
 
@@ -48,7 +49,7 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
     let (mut renderer, frame) = warm(&scene)?;
     let mut lines: Vec<String> = made_with(&frame.measurements, &scene, &subject, &library)?
         .into_iter()
-        .map(|[a, b]| format!("{a:<11}{b}"))
+        .map(|[a, b]| format!("{a:<11}{}", words::line(&b)))
         .collect();
     let memory = lines.pop();
     let (mut times, mut others) = (Vec::new(), Vec::new());

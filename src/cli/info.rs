@@ -2,7 +2,7 @@
 
 use super::say;
 use crate::shape::{Facts, Histogram};
-use crate::support::significant;
+use crate::support::{quoted, words};
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
@@ -36,10 +36,11 @@ pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
                 "voxels": histogram.counts, "mean_gradient": histogram.gradients,
             });
         }
-        say(&format!("{}\n", serde_json::to_string_pretty(&all)?));
+        say(&words::json(&format!("{}\n", serde_json::to_string_pretty(&all)?)));
         return Ok(());
     }
-    let mut text: String = facts.lines.iter().map(|fact| format!("{:<11}{}\n", fact.name, fact.words)).collect();
+    let mut text: String =
+        facts.lines.iter().map(|fact| format!("{:<11}{}\n", fact.name, words::line(&fact.words))).collect();
     if let Some(histogram) = &facts.histogram {
         text += &format!("histogram  {}\n", chart(histogram));
     }
@@ -49,7 +50,7 @@ pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
         Some(iso) => format!(" --iso {iso}"),
         None => String::new(),
     };
-    text += &format!("picture    hypertexture render {} -o picture.png{flag}\n", command.input);
+    text += &format!("picture    hypertexture render {} -o picture.png{flag}\n", words::line(&quoted(&command.input)));
     say(&text);
     Ok(())
 }

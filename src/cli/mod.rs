@@ -47,13 +47,15 @@ use crate::gpu::{Gpu, GpuError, Options};
 use crate::measure::guard;
 use crate::measure::worker::{self, PATIENCE, Start};
 use crate::render::RenderError;
-use crate::scene::schema::SETTINGS;
-use crate::scene::{Scene, SceneError};
+use crate::scene::schema::{SETTINGS, Setting};
+use crate::scene::{Scene, SceneError, parse_value};
 use crate::shader::{Library, compile};
+use crate::support::words;
 use clap::Parser;
 use clap::error::ErrorKind;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
+use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::OnceLock;
@@ -76,8 +78,12 @@ const DISAGREES: u8 = 1;
 /// Exit code of a program that was interrupted, as shells have it: 128 and the number of SIGINT.
 pub const INTERRUPTED: u8 = 130;
 
-/// Characters of an error.
-const LONGEST_LINE: usize = 597;
+/// Characters of an error, of those the first and the last where it is longer, and of a word in it.
+const LONGEST_LINE: usize = 599;
+const KEPT: [usize; 2] = [400, 195];
+const KEPT_OF_WORD: [usize; 2] = [50, 30];
+/// How the number of an error of the system begins.
+const NUMBER_OF_ERROR: &str = " (os error ";
 /// Exit code of a report that holds failures.
 pub const FAILED: u8 = 1;
 
@@ -91,12 +97,13 @@ pub fn main() -> ExitCode {
         }
         Err(error) => {
             let text = match error.kind() {
-                ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => "error: no command".into(),
+                ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand | ErrorKind::MissingSubcommand => {
+                    "error: no command".into()
+                }
                 _ => NUMBERS.iter().fold(error.to_string(), |text, (rust, plain)| text.replace(rust, plain)),
             };
-            let is_end = |line: &&str| line.starts_with("Usage:") || line.starts_with("For more information");
-            let lines = text.lines().map(str::trim).take_while(|line| !is_end(line));
-            let line = lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join("; ");
+            let line = one_line(&text);
+            let line = format!("{line}{}", switch_of(&line, std::env::args_os().skip(1)));
             complain(&format!("{line}; see `hypertexture --help`"));
             return ExitCode::from(BAD_INPUT);
         }
@@ -115,7 +122,7 @@ pub fn main() -> ExitCode {
         }
         #[cfg(feature = "viewer")]
         Err(error) if error.is::<NoWindow>() => {
-            complain(&format!("error: {}", error.to_string().replace('\n', " ")));
+            complain(&format!("error: {error}"));
             ExitCode::from(NO_WINDOW)
         }
         Err(error) if error.is::<Disagreement>() => {
@@ -123,10 +130,37 @@ pub fn main() -> ExitCode {
             ExitCode::from(DISAGREES)
         }
         Err(error) => {
-            complain(&format!("error: {}{}", error.to_string().replace('\n', " "), flag_of(&*error)));
+            complain(&format!("error: {error}{}", flag_of(&*error)));
             ExitCode::from(if error.is::<Failed>() { FAILED } else { BAD_INPUT })
         }
     }
+}
+
+/// What clap says in many lines, up to how the command is used.
+fn one_line(text: &str) -> String {
+    let is_end = |line: &&str| line.starts_with("Usage:") || line.starts_with("For more information");
+    // No command takes such a value behind its input.
+    let is_said = |line: &&str| !line.is_empty() && !line.starts_with("tip: to pass '");
+    let lines = text.lines().map(str::trim).take_while(|line| !is_end(line)).filter(is_said);
+    lines.fold(String::new(), |before, line| match &*before {
+        "" => line.into(),
+        before if before.ends_with(':') => format!("{before} {line}"),
+        before => format!("{before}; {line}"),
+    })
+}
+
+/// How a value is given to a flag that may stand alone, where one of these arguments is followed by one, for the end of a line.
+fn switch_of(line: &str, arguments: impl Iterator<Item = OsString>) -> String {
+    let arguments: Vec<String> = arguments.map(|argument| argument.to_string_lossy().into_owned()).collect();
+    let found = arguments.windows(2).find_map(|pair| {
+        let name = pair[0].strip_prefix("--")?;
+        let of_flag = |setting: &&Setting| setting.flag.is_some_and(|flag| flag.name == name && flag.alone.is_some());
+        let setting = SETTINGS.iter().find(of_flag)?;
+        let takes = setting.check(setting.name, &parse_value(&pair[1])).is_ok()
+            || line.contains(&format!("unexpected argument '{}'", pair[1]));
+        takes.then(|| format!("; a value is given to --{name} as --{name}={}", pair[1]))
+    });
+    found.unwrap_or_default()
 }
 
 /// The flag that sets the field which an error names, for the end of its line.
@@ -199,20 +233,45 @@ fn carry_out(command: Command, options: &Options, quiet: bool) -> Result<(), Box
 /// Why standard output did not take what was said.
 static UNSAID: OnceLock<std::io::Error> = OnceLock::new();
 
-/// Writes to standard output. A closed pipe is no error; of others [`main`] speaks at the end.
+/// Writes lines to standard output, as a terminal may see them. A closed pipe is no error; of others [`main`] speaks at the end.
 pub fn say(text: &str) {
     let mut out = std::io::stdout().lock();
-    if let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush())
+    if let Err(error) = out.write_all(words::lines(text).as_bytes()).and_then(|()| out.flush())
         && error.kind() != std::io::ErrorKind::BrokenPipe
     {
         let _ = UNSAID.set(error); // the first says why
     }
 }
 
-/// Writes a line to standard error, if that takes it; no longer than anybody reads.
+/// Writes a line to standard error, if that takes it, as a terminal may see it; no longer than anybody reads, and without the
+/// numbers of errors of the system.
 fn complain(line: &str) {
-    let cut = line.char_indices().nth(LONGEST_LINE).map(|(end, _)| format!("{}...", &line[..end]));
-    let _ = writeln!(std::io::stderr().lock(), "{}", cut.as_deref().unwrap_or(line));
+    let mut line = line.replace('\n', " ");
+    while let Some(start) = line.find(NUMBER_OF_ERROR)
+        && let Some(length) = line[start..].find(')')
+    {
+        line.replace_range(start..=start + length, "");
+    }
+    let _ = writeln!(std::io::stderr().lock(), "{}", fitted(&words::line(&line)));
+}
+
+/// A line without the middle of its long words where it is too long, and then without its own: it begins with what is wrong
+/// and ends with the reason.
+fn fitted(line: &str) -> String {
+    let length = |text: &str| text.chars().count();
+    let without_middle = |text: &str, [first, last]: [usize; 2]| -> String {
+        let all = length(text);
+        match all > first + last {
+            true => text.chars().take(first).chain("...".chars()).chain(text.chars().skip(all - last)).collect(),
+            false => text.into(),
+        }
+    };
+    if length(line) <= LONGEST_LINE {
+        return line.into();
+    }
+    let words: Vec<String> = line.split(' ').map(|word| without_middle(word, KEPT_OF_WORD)).collect();
+    let line = words.join(" ");
+    if length(&line) <= LONGEST_LINE { line } else { without_middle(&line, KEPT) }
 }
 
 /// Opens the device for something, and once more where the device is lost meanwhile.
@@ -272,6 +331,8 @@ fn try_modules(scene: &Scene, library: &Library, options: Option<&Options>) -> R
     Ok(())
 }
 
+/// A path from the root, as a line.
 fn absolute(path: &std::path::Path) -> String {
-    std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()).display().to_string()
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    words::line(&path.to_string_lossy()).into_owned()
 }

@@ -10,6 +10,7 @@ use crate::output;
 use crate::render::{Subject, render};
 use crate::scene::Scene;
 use crate::shader::Library;
+use crate::support::words;
 use clap::Args;
 use std::error::Error;
 use std::fmt;
@@ -96,12 +97,8 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         let hash = provenance.scene_hash.get(..16).unwrap_or(&provenance.scene_hash);
         let inputs: Vec<&str> = provenance.inputs.keys().map(String::as_str).collect();
         let inputs = if inputs.is_empty() { String::new() } else { format!("; unchanged: {}", inputs.join(", ")) };
-        say(&format!(
-            "picture    by {} on {}; scene {hash}{inputs}\n{}",
-            provenance.program,
-            provenance.device,
-            agreement.text()
-        ));
+        let about = format!("by {} on {}; scene {hash}{inputs}", provenance.program, provenance.device);
+        say(&format!("picture    {}\n{}", words::line(&about), agreement.text()));
     }
     let verify::Agreement { redrawn: [changed, all], foreign, metric, bound, .. } = agreement;
     let error = agreement.error();

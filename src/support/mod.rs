@@ -12,6 +12,7 @@ pub(crate) mod random;
 #[cfg(feature = "cli")]
 pub(crate) mod threads;
 pub(crate) mod watch;
+pub(crate) mod words;
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};

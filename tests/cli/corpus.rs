@@ -28,19 +28,19 @@ const FOREIGN: [&str; 12] = [
 ];
 
 /// What is bad: files, arguments, and what the line names.
-struct Bad {
-    files: Vec<(String, Vec<u8>)>,
-    arguments: String,
-    named: String,
+pub struct Bad {
+    pub files: Vec<(String, Vec<u8>)>,
+    pub arguments: String,
+    pub named: String,
 }
 
 impl Bad {
-    fn arguments(arguments: impl Into<String>, named: impl Into<String>) -> Bad {
+    pub fn arguments(arguments: impl Into<String>, named: impl Into<String>) -> Bad {
         Bad { files: Vec::new(), arguments: arguments.into(), named: named.into() }
     }
 
     /// A file that a command is given.
-    fn file(command: &str, name: &str, content: impl Into<Vec<u8>>) -> Bad {
+    pub fn file(command: &str, name: &str, content: impl Into<Vec<u8>>) -> Bad {
         let files = vec![(name.to_string(), content.into())];
         Bad { files, arguments: format!("{command} {name}"), named: name.into() }
     }
@@ -76,7 +76,7 @@ fn wrong(setting: &Setting) -> Vec<String> {
     }
 }
 
-fn scenes() -> Vec<Bad> {
+pub fn scenes() -> Vec<Bad> {
     let mut all = Vec::new();
     for (number, setting) in SETTINGS.iter().enumerate() {
         for (index, value) in wrong(setting).into_iter().enumerate() {
@@ -205,7 +205,7 @@ fn arguments() -> Vec<Bad> {
 }
 
 /// Files of objects, cut and bent.
-fn objects() -> Vec<Bad> {
+pub fn objects() -> Vec<Bad> {
     let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
     let ascii = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
     let nrrd = "NRRD0004\ntype: float\ndimension: 3\nsizes: 4 4 4\nspacings: 1 1 1\nencoding: raw\nendian: little\n\n";
@@ -269,20 +269,22 @@ fn objects() -> Vec<Bad> {
     all
 }
 
+/// A picture of a pixel that says that it comes from there.
+pub fn with_scene(text: &str) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+    encoder.add_itxt_chunk("hypertexture".into(), text.into()).unwrap();
+    encoder.write_header().unwrap().write_image_data(&[0]).unwrap();
+    bytes
+}
+
 /// Pictures that are none, or hold no scene.
-fn pictures() -> Vec<Bad> {
+pub fn pictures() -> Vec<Bad> {
     let mut all = Vec::new();
     let plain = {
         let mut bytes = std::io::Cursor::new(Vec::new());
         image::RgbaImage::new(4, 4).write_to(&mut bytes, image::ImageFormat::Png).unwrap();
         bytes.into_inner()
-    };
-    let with_scene = |text: &str| {
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
-        encoder.add_itxt_chunk("hypertexture".into(), text.into()).unwrap();
-        encoder.write_header().unwrap().write_image_data(&[0]).unwrap();
-        bytes
     };
     for command in ["render", "verify"] {
         all.push(Bad::file(command, "plain.png", plain.clone()));
@@ -306,7 +308,7 @@ fn pictures() -> Vec<Bad> {
 }
 
 /// Headers of modules that cannot be read, and GLSL that is none.
-fn modules() -> Vec<Bad> {
+pub fn modules() -> Vec<Bad> {
     let body = "float own(float density, Sample s) { return density; }\n";
     let lines = [
         "// @param",

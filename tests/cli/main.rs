@@ -18,5 +18,6 @@ mod readers;
 mod refusals;
 mod sequences;
 mod shards;
+mod strangers;
 mod verify;
 mod worker;
