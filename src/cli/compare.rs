@@ -153,7 +153,10 @@ fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
 
 /// The folder of the report, made and written into before the measurements, so that none is lost.
 pub(super) fn make_folder(folder: &Path) -> Result<(), String> {
-    let fail = |error: std::io::Error| format!("{}: {error}; nothing was written", folder.display());
+    let fail = |error: std::io::Error| match folder.is_dir() || !folder.exists() {
+        true => format!("{}: {error}; nothing was written", folder.display()),
+        false => format!("{}: it is a file; name a folder; nothing was written", folder.display()),
+    };
     std::fs::create_dir_all(folder).map_err(fail)?;
     probe(folder).map_err(fail)
 }

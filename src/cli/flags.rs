@@ -37,15 +37,15 @@ impl<const OBJECT: bool> Flags<OBJECT> {
 
 /// A value of the command line as `--set` takes it.
 fn value(setting: &Setting, text: &str) -> Result<String, SceneError> {
-    let (separator, between) = match setting.kind {
+    let (separator, between, count) = match setting.kind {
         _ if setting.optional.is_some() && text == "none" => return Ok(String::new()),
-        Kind::Numbers(..) => (',', "commas"),
-        Kind::Wholes(..) => ('x', "an x"),
+        Kind::Numbers(count, _) => (',', "commas", count),
+        Kind::Wholes(count, _) => ('x', "an x", count),
         _ => return Ok(text.into()),
     };
     let numbers: Vec<&str> = text.split(separator).map(str::trim).collect();
-    if numbers.iter().any(|number| number.parse::<f32>().is_err()) {
-        let limit = format!("write {} with {between} between them", setting.limits());
+    if numbers.len() != count || numbers.iter().any(|number| number.parse::<f32>().is_err()) {
+        let limit = format!("write {}, with {between} between them", setting.limits());
         return Err(SceneError::Value { field: setting.name.into(), value: text.into(), limit });
     }
     Ok(format!("[{}]", numbers.join(", ")))

@@ -80,7 +80,10 @@ pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) ->
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         _ => probe(existing),
     };
-    possible.map_err(|error| format!("{}: {error}; nothing was written", command.output.display()))?;
+    possible.map_err(|error| match existing.is_dir() {
+        true => format!("{}: {error}; nothing was written", command.output.display()),
+        false => format!("{}: it is a file; name a folder; nothing was written", existing.display()),
+    })?;
     let (began, start) = (Instant::now(), start(options)?);
     let Gallery { page, failures } = with_progress(quiet, "gallery", |progress| {
         write(&gpu, &library, &scenes, Some(&start), &command.output, progress)

@@ -1,6 +1,7 @@
 //! Completions for shells, and manual pages: both made of the arguments themselves.
 
 use super::args::Arguments;
+use crate::scene::SceneError;
 use clap::{Command, CommandFactory};
 use clap_complete::Shell;
 use clap_mangen::Man;
@@ -25,8 +26,8 @@ pub fn page(name: Option<&str>) -> Result<String, Box<dyn Error>> {
         Some(name) => {
             let visible = || program.get_subcommands().filter(|command| !command.is_hide_set());
             let found = visible().find(|command| command.get_name() == name);
-            let known = || visible().map(|command| command.get_name()).collect::<Vec<_>>().join(", ");
-            found.cloned().ok_or_else(|| format!("man {name}: unknown command; known are {}", known()))?
+            let known: Vec<&str> = visible().map(|command| command.get_name()).collect();
+            found.cloned().ok_or_else(|| format!("man: {}", SceneError::unknown("command", name, &known)))?
         }
     };
     let mut bytes = Vec::new();

@@ -6,8 +6,11 @@ use crate::measure::metric::Metric;
 use crate::output::{self, OutputError};
 use crate::scene::{self, Color, ParameterValue, Pass, Reach, Scene, SceneError};
 use crate::shader::declare::hex_color;
+use crate::shape::BUILT_IN;
+use crate::support::words::nearest;
 use clap::{Args, ValueEnum};
 use std::error::Error;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// How an input becomes an object.
@@ -149,6 +152,9 @@ impl SceneArguments {
                 }
             }
             (false, effect) => {
+                if let Some(near) = near_example(input) {
+                    return Err(format!("no object, scene or file is called `{input}`; did you mean `{near}`?").into());
+                }
                 let mut scene = scene::preset(effect.as_deref().unwrap_or("lit"))?;
                 scene.bring(input);
                 scene
@@ -187,8 +193,8 @@ impl SceneArguments {
             Some(other) => {
                 return Err(SceneError::Value {
                     field: "--camera".into(),
-                    value: format!("{} numbers", other.len()),
-                    limit: "2 or 3 numbers: azimuth,elevation[,zoom]".into(),
+                    value: other.iter().map(f32::to_string).collect::<Vec<_>>().join(","),
+                    limit: "write 2 or 3 numbers: azimuth,elevation[,zoom]".into(),
                 });
             }
         }
@@ -241,6 +247,16 @@ impl SceneArguments {
 /// The files that a command reads: the input, and those that the scene names.
 pub(super) fn files_read(input: &str, scene: &Scene) -> Vec<PathBuf> {
     scene.files().map(|(_, file)| file).chain([input]).map(PathBuf::from).collect()
+}
+
+/// The example scene that a name stands for which nothing has.
+fn near_example(input: &str) -> Option<&str> {
+    let path = Path::new(input);
+    let is_known =
+        BUILT_IN.contains(&input) || path.exists() || path.extension().is_some() || input.contains(['/', '\\']);
+    let known: Vec<&str> = BUILT_IN.iter().copied().chain(scene::names()).collect();
+    // Of an object the error says it, beside those that there are.
+    nearest(input, &known).filter(|near| !is_known && !BUILT_IN.contains(near))
 }
 
 /// The files that a scene may name, by the flag.

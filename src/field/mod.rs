@@ -101,7 +101,10 @@ pub type Progress<'a> = &'a (dyn Fn(f32) + Sync);
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FieldError {
     /// The iso-value separates nothing.
-    #[error("no surface at iso-value {iso}: the values range from {min} to {max}; choose one above {min}, up to {max}")]
+    #[error("no surface at iso-value {iso}: {}", match min < max {
+        true => format!("the values range from {min} to {max}; choose one above {min}, up to {max}"),
+        false => format!("all values are {min}, and no other iso-value has one; is it the right file?"),
+    })]
     NoSurface {
         /// The requested iso-value.
         iso: f32,

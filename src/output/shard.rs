@@ -61,7 +61,7 @@ pub enum ShardError {
         source: io::Error,
     },
     /// A file is no shard, or not as it was written.
-    #[error("{path}: {what}; render this shard again")]
+    #[error("{path}: {what}")]
     Damaged {
         /// The file.
         path: String,
@@ -343,14 +343,14 @@ fn difference(a: (&Whole, u32), b: (&Whole, u32)) -> Option<&'static str> {
 /// What a file of a shard holds: the picture, the part and the bytes of its pixels.
 fn decode(bytes: &[u8]) -> Result<(Whole, Shard, &[u8]), &'static str> {
     if !bytes.starts_with(MAGIC) {
-        return Err("this is no shard of hypertexture");
+        return Err("this is no shard of hypertexture; name the files that `render --shard` wrote");
     }
-    let split = bytes.len().checked_sub(HASH).ok_or("the file ends early")?;
+    let split = bytes.len().checked_sub(HASH).ok_or("the file ends early; render this shard again")?;
     let (content, hash) = bytes.split_at(split);
     if blake3::hash(content).as_bytes() != hash {
-        return Err("the file is damaged: its checksum does not hold");
+        return Err("the file is damaged: its checksum does not hold; render this shard again");
     }
-    header(&content[MAGIC.len()..]).ok_or("the file does not hold what its header says")
+    header(&content[MAGIC.len()..]).ok_or("the file does not hold what its header says; render this shard again")
 }
 
 fn header(bytes: &[u8]) -> Option<(Whole, Shard, &[u8])> {

@@ -49,11 +49,14 @@ pub enum PolygonizeError {
     #[error("density {0}: not above 0 and up to 1; 0.5 suits most objects")]
     Density(f32),
     /// No sample is inside.
-    #[error("no sample has a density of {level}: the largest is {largest:.3}; lower it, or take more samples")]
+    #[error("no sample has a density of {level}{}: lower it, or take more samples", match *largest > 0.0 {
+        true => format!(", the largest that was looked at has {largest:.2e}"),
+        false => String::new(),
+    })]
     NoSurface {
         /// The density that was asked for.
         level: f64,
-        /// The largest that a sample has.
+        /// The largest that a sample has where bounds do not tell that all have less.
         largest: f64,
     },
 }

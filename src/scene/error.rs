@@ -1,5 +1,7 @@
 //! What can be wrong with a scene.
 
+use crate::support::words::nearest;
+
 /// Why a scene cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SceneError {
@@ -32,7 +34,7 @@ pub enum SceneError {
         limit: String,
     },
     /// A name is not known.
-    #[error("no {kind} `{name}`{nearest}; choose one of: {known}")]
+    #[error("no {kind} `{name}`{nearest}{known}")]
     Name {
         /// What was to be named.
         kind: String,
@@ -40,7 +42,7 @@ pub enum SceneError {
         name: String,
         /// The nearest known name, as a question.
         nearest: String,
-        /// The known names.
+        /// The known names, or that there are none.
         known: String,
     },
     /// The formula of the objects cannot be read.
@@ -58,13 +60,10 @@ impl SceneError {
     /// A name that is not among `known`.
     pub fn unknown(kind: &str, name: &str, known: &[&str]) -> SceneError {
         let nearest = nearest(name, known).map(|near| format!(" (did you mean `{near}`?)")).unwrap_or_default();
-        let known = if known.is_empty() { "nothing: this effect has none".into() } else { known.join(", ") };
+        let known = match known {
+            [] => format!(": this {} has none", if kind == "parameter" { "effect" } else { "scene" }),
+            known => format!("; choose one of: {}", known.join(", ")),
+        };
         SceneError::Name { kind: kind.into(), name: name.into(), nearest, known }
     }
-}
-
-/// The most similar of `known`, if one is similar at all.
-pub fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
-    let scored = known.iter().map(|candidate| (strsim::jaro_winkler(name, candidate), *candidate));
-    scored.filter(|(score, _)| *score > 0.7).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, candidate)| candidate)
 }

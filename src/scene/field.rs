@@ -1,5 +1,6 @@
 //! Fields of a scene by name, as `--set` writes them.
 
+use super::file::reason;
 use super::schema::{Changes, number, setting};
 use super::{Scene, SceneError};
 use toml::{Table, Value};
@@ -31,7 +32,7 @@ impl Scene {
                 table.insert(field.into(), value);
             }
         }
-        *self = whole.try_into().map_err(|error: toml::de::Error| wrong(error.message().into()))?;
+        *self = whole.try_into().map_err(|error| wrong(reason(&error)))?;
         Ok(())
     }
 

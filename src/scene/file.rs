@@ -2,9 +2,10 @@
 
 use super::field::flatten;
 use super::schema::{Kind, Setting, setting};
-use super::{Reach, Scene, SceneError, nearest, preset_texts};
+use super::{Reach, Scene, SceneError, preset_texts};
 use crate::shape::BUILT_IN;
 use crate::support::open;
+use crate::support::words::nearest;
 use std::path::Path;
 
 /// The largest scene file that is read, in bytes: more is no scene.
@@ -136,6 +137,11 @@ fn syntax(error: &toml::de::Error, text: &str, name: &str) -> SceneError {
     if let Some(reason) = of_setting {
         return SceneError::Syntax { path: name.into(), line, reason };
     }
+    SceneError::Syntax { path: name.into(), line, reason: reason(error) }
+}
+
+/// What TOML's reader says on one line, and the nearest name where one is wrong.
+pub(super) fn reason(error: &toml::de::Error) -> String {
     let mut reason = plain(&error.message().replace('\n', " "));
     let mut quoted = error.message().split('`').skip(1).step_by(2);
     if let Some(found) = quoted.next() {
@@ -144,7 +150,7 @@ fn syntax(error: &toml::de::Error, text: &str, name: &str) -> SceneError {
             reason.push_str(&format!("; did you mean `{near}`?"));
         }
     }
-    SceneError::Syntax { path: name.into(), line, reason }
+    reason
 }
 
 /// What the table of settings says against a value in this line, if it does.
@@ -161,12 +167,15 @@ fn wrong_setting(text: &str, line: &str) -> Option<String> {
 
 /// What TOML's reader says, without the words of Rust.
 fn plain(message: &str) -> String {
-    const WORDS: [(&str, &str); 11] = [
+    const WORDS: [(&str, &str); 14] = [
         (
             "data did not match any variant of untagged enum ParameterValue",
             "a parameter is a number, or a color such as \"#d9a05f\"",
         ),
         (" as i128", ""),
+        ("invalid type: sequence", "a list"),
+        ("invalid type: map", "a table"),
+        ("a boolean", "true or false"),
         ("invalid type: ", ""),
         ("invalid value: ", ""),
         ("invalid length ", "a list of "),
@@ -210,8 +219,13 @@ mod tests {
                 "x.toml:2: quality.samples = many: must be a whole number from 1 to 100000",
             ),
             ("[quality]\nsamples = 1.5", "x.toml:2: quality.samples = 1.5: must be a whole number"),
-            ("[camera]\nclip = [1, 2]", "x.toml:2: camera.clip = 2 numbers: must be 4 numbers"),
+            ("[camera]\nclip = [1, 2]", "x.toml:2: camera.clip = [1, 2]: must be 4 numbers, such as [1, 1, 1, 1]"),
             ("[parameters]\nhair_length = true", "x.toml:2: a parameter is a number, or a color such as \"#d9a05f\""),
+            ("[object]\niso = \"many\"", "x.toml:2: object.iso = many: must be a finite number"),
+            ("[object]\nshell = \"many\"", "x.toml:2: object.shell = many: must be a number from 0 to 2"),
+            ("about = [1]", "x.toml:1: a list, expected a text in quotes"),
+            ("about = { a = 1 }", "x.toml:1: a table, expected a text in quotes"),
+            ("[object]\nup = { a = 1 }", "x.toml:2: unknown value `a`, expected one of `x`"),
             ("quality = 3", "x.toml:1: integer `3`, expected a table"),
             ("[transfer]\nstops = [{ at = 0 }]", "x.toml:2: there is no `color`"),
             ("[transfer]\nstops = 3", "x.toml:2: integer `3`, expected a list"),

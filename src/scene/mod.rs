@@ -29,7 +29,7 @@ mod transfer;
 pub use axis::Axis;
 pub use color::{Color, linear_to_srgb, srgb_to_linear};
 pub use effect::{Effect, RayPath};
-pub use error::{SceneError, nearest};
+pub use error::SceneError;
 pub use field::parse_value;
 #[cfg(feature = "viewer")]
 pub(crate) use file::MAX_BYTES;

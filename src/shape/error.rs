@@ -5,6 +5,7 @@
 
 use super::BUILT_IN;
 use crate::support::open::OpenError;
+use crate::support::words;
 use std::{fmt, io};
 
 /// Why a name or a file gives no [`Shape`](super::Shape).
@@ -13,13 +14,13 @@ use std::{fmt, io};
 #[derive(Debug, thiserror::Error)]
 pub enum ShapeError {
     /// Neither a built-in object nor an existing file, and it does not look like a path.
-    #[error("no built-in object and no file is called `{name}`; did you mean `{nearest}`? built in: {}; files: {known}",
-        BUILT_IN.join(", "))]
+    #[error("no built-in object and no file is called `{name}`; {}built in: {}; files: {known}",
+        nearest.map_or(String::new(), |near| format!("did you mean `{near}`? ")), BUILT_IN.join(", "))]
     UnknownName {
         /// What was asked for.
         name: String,
-        /// The built-in name with the smallest edit distance.
-        nearest: &'static str,
+        /// The built-in name that it may stand for.
+        nearest: Option<&'static str>,
         /// Extensions of the files that are read.
         known: String,
     },
@@ -38,7 +39,7 @@ pub enum ShapeError {
         kind: &'static str,
     },
     /// The operating system refused to open or read the file.
-    #[error("{file}: cannot be read: {reason}; check its permissions and the disk it is on")]
+    #[error("{file}: cannot be read: {reason}{}", remedy(reason))]
     Unreadable {
         /// The path.
         file: String,
@@ -285,14 +286,9 @@ impl fmt::Display for Found {
     }
 }
 
-/// The vertices that an index may name.
-fn defined(count: usize) -> String {
-    match count {
-        0 => "no vertices are defined above this line: they come before the faces".into(),
-        _ => {
-            format!("{count} vertices are defined above this line (1 to {count}, or -{count} to -1 counted backwards)")
-        }
-    }
+/// What to do about an error of the system; others say it themselves.
+fn remedy(reason: &io::Error) -> &'static str {
+    if reason.kind() == io::ErrorKind::Other { "" } else { "; check its permissions and the disk it is on" }
 }
 
 /// `bytes` in backquotes, on one line: control characters escaped, cut after 40 characters.
@@ -305,9 +301,9 @@ pub(super) fn quoted(bytes: &[u8]) -> String {
     format!("`{shown}`")
 }
 
-/// A file name for a message: control characters escaped, never cut.
+/// A file name for a message, never cut.
 pub(super) fn shown(name: &str) -> String {
-    name.chars().flat_map(|c| if c.is_control() { c.escape_default().collect() } else { vec![c] }).collect()
+    words::line(name).into_owned()
 }
 
 /// Why a file cannot be opened.

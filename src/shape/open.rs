@@ -7,6 +7,7 @@ use super::error::{Location, quoted, shown, unreadable};
 use super::source::Source;
 use super::{BUILT_IN, Shape, ShapeError, dicom, generated, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
 use crate::support::open::{self as plain, OpenError};
+use crate::support::words::nearest;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
@@ -158,18 +159,10 @@ fn unopened(name: &str, error: OpenError) -> ShapeError {
     let file = shown(name);
     match error {
         OpenError::Missing if Path::new(name).extension().is_none() && !name.contains(['/', '\\']) => {
-            ShapeError::UnknownName { nearest: nearest(name), name: file, known: known_extensions() }
+            ShapeError::UnknownName { nearest: nearest(name, BUILT_IN), name: file, known: known_extensions() }
         }
         error => unreadable(file, error),
     }
-}
-
-/// The built-in name that begins with `name`, else the one with the smallest edit distance to its
-/// first 64 characters.
-fn nearest(name: &str) -> &'static str {
-    let name: String = name.trim().to_lowercase().chars().take(64).collect();
-    let rank = |known: &&&str| (!known.starts_with(&name), strsim::levenshtein(known, &name));
-    BUILT_IN.iter().min_by_key(rank).expect("the list of built-in objects is not empty")
 }
 
 #[cfg(test)]
@@ -186,8 +179,13 @@ mod tests {
             ("qube", "cube"),
         ] {
             let error = open(wrong).unwrap_err();
-            assert!(matches!(error, ShapeError::UnknownName { nearest, .. } if nearest == right), "{wrong}: {error}");
+            assert!(
+                matches!(error, ShapeError::UnknownName { nearest: Some(near), .. } if near == right),
+                "{wrong}: {error}"
+            );
         }
+        let far = open("x").unwrap_err().to_string();
+        assert!(far.starts_with("no built-in object and no file is called `x`; built in: sphere"), "{far}");
         let message = open("shpere").unwrap_err().to_string();
         assert!(
             message.contains("sphere, cube, torus")

@@ -1,7 +1,8 @@
 //! Values against the schema.
 
 use super::{Kind, Range, Setting};
-use crate::scene::{SceneError, nearest};
+use crate::scene::SceneError;
+use crate::support::words::nearest;
 use toml::Value;
 
 impl Setting {
@@ -13,7 +14,9 @@ impl Setting {
         let wrong = |shown: String, limit: String| Err(SceneError::Value { field: name.into(), value: shown, limit });
         let one = |value: &Value, range: Range| match number(value) {
             Some(number) if (range.low..=range.high).contains(&number) => Ok(()),
-            _ => wrong(text(value), format!("must be {}", range.must())),
+            Some(_) => wrong(text(value), format!("must be {}", range.must())),
+            None if range.is_all() => wrong(text(value), "must be a finite number".into()),
+            None => wrong(text(value), format!("must be a number {}", range.must())),
         };
         let whole = |value: &Value, range: Range| match value {
             Value::Integer(_) => one(value, range),
@@ -21,7 +24,6 @@ impl Setting {
         };
         let all = |count: usize, check: &dyn Fn(&Value) -> Result<(), SceneError>| match value {
             Value::Array(values) if values.len() == count => values.iter().try_for_each(check),
-            Value::Array(values) => wrong(format!("{} numbers", values.len()), format!("must be {count} numbers")),
             other => wrong(text(other), format!("must be {count} numbers, such as {}", self.example())),
         };
         match self.kind {
@@ -31,7 +33,7 @@ impl Setting {
             Kind::Wholes(count, range) => all(count, &|value| whole(value, range)),
             Kind::OneOf(numbers) => match number(value) {
                 Some(found) if numbers.iter().any(|&number| number as f32 == found) => Ok(()),
-                _ => wrong(text(value), self.limits()),
+                _ => wrong(text(value), format!("must be {}", self.limits())),
             },
             Kind::Choice(choices) => match value.as_str() {
                 Some(found) if choices.iter().any(|(name, _)| *name == found) => Ok(()),
