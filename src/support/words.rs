@@ -46,7 +46,7 @@ pub(crate) fn json(text: &str) -> Cow<'_, str> {
     })
 }
 
-/// The known name that a misspelt one stands for: it begins so, or few letters are other, missing, too many or exchanged.
+/// The known name that a misspelt one stands for: few letters are other, missing, too many or exchanged, or else it begins so.
 pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let name: String = name.trim().to_lowercase().chars().take(64).collect();
     let length = name.chars().count();
@@ -54,7 +54,7 @@ pub(crate) fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
         let begins = length >= LETTERS && candidate.starts_with(&name);
         let letters = strsim::osa_distance(candidate, &name);
         let is_near = LETTERS * letters <= length.max(candidate.chars().count());
-        (begins || is_near).then(|| (!begins, letters, -strsim::jaro_winkler(candidate, &name), *candidate))
+        (begins || is_near).then(|| (!is_near, letters, -strsim::jaro_winkler(candidate, &name), *candidate))
     };
     let least = known.iter().filter_map(rank).min_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
     least.map(|(.., candidate)| candidate)
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn a_name_is_suggested_where_it_is_near_and_nowhere_else() {
-        let known = ["gun", "box", "fire", "fur", "sphere", "samples", "sample_radius", "quality"];
+        let known = ["gun", "box", "fire", "fur", "furry_donut", "sphere", "samples", "sample_radius", "quality"];
         for (name, near) in [
             ("x", None),
             ("", None),
