@@ -67,3 +67,49 @@ impl SceneError {
         SceneError::Name { kind: kind.into(), name: name.into(), nearest, known }
     }
 }
+
+/// What TOML's reader says on one line, and the nearest name where one is wrong.
+pub(super) fn reason(error: &toml::de::Error) -> String {
+    let mut reason = plain(&error.message().replace('\n', " "));
+    let mut quoted = error.message().split('`').skip(1).step_by(2);
+    if let Some(found) = quoted.next() {
+        let known: Vec<&str> = quoted.collect();
+        if let Some(near) = nearest(found, &known) {
+            reason.push_str(&format!("; did you mean `{near}`?"));
+        }
+    }
+    reason
+}
+
+/// What TOML's reader says, without the words of Rust.
+fn plain(message: &str) -> String {
+    const WORDS: [(&str, &str); 14] = [
+        (
+            "data did not match any variant of untagged enum ParameterValue",
+            "a parameter is a number, or a color such as \"#d9a05f\"",
+        ),
+        (" as i128", ""),
+        ("invalid type: sequence", "a list"),
+        ("invalid type: map", "a table"),
+        ("a boolean", "true or false"),
+        ("invalid type: ", ""),
+        ("invalid value: ", ""),
+        ("invalid length ", "a list of "),
+        ("an array of length", "a list of"),
+        ("a sequence", "a list, such as [\"a\", \"b\"]"),
+        ("a string", "a text in quotes"),
+        ("floating point", "number"),
+        ("unknown variant", "unknown value"),
+        ("missing field", "there is no"),
+    ];
+    let mut text = WORDS.iter().fold(message.to_string(), |text, (rust, plain)| text.replace(rust, plain));
+    for (rust, plain) in
+        [("u32", "a whole number"), ("u64", "a whole number"), ("f32", "a number"), ("f64", "a number")]
+    {
+        text = text.replace(&format!("expected {rust}"), &format!("expected {plain}"));
+    }
+    match text.split_once("expected struct ") {
+        Some((before, _)) => format!("{before}expected a table"),
+        None => text,
+    }
+}

@@ -1,6 +1,6 @@
 //! Fields of a scene by name, as `--set` writes them.
 
-use super::file::reason;
+use super::error::reason;
 use super::schema::{Changes, number, setting};
 use super::{Scene, SceneError};
 use toml::{Table, Value};

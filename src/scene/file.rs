@@ -1,11 +1,11 @@
 //! Scene files: TOML, unknown fields refused with line and nearest name.
 
+use super::error::reason;
 use super::field::flatten;
 use super::schema::{Kind, Setting, setting};
 use super::{Reach, Scene, SceneError, preset_texts};
 use crate::shape::BUILT_IN;
 use crate::support::open;
-use crate::support::words::nearest;
 use std::path::Path;
 
 /// The largest scene file that is read, in bytes: more is no scene.
@@ -140,19 +140,6 @@ fn syntax(error: &toml::de::Error, text: &str, name: &str) -> SceneError {
     SceneError::Syntax { path: name.into(), line, reason: reason(error) }
 }
 
-/// What TOML's reader says on one line, and the nearest name where one is wrong.
-pub(super) fn reason(error: &toml::de::Error) -> String {
-    let mut reason = plain(&error.message().replace('\n', " "));
-    let mut quoted = error.message().split('`').skip(1).step_by(2);
-    if let Some(found) = quoted.next() {
-        let known: Vec<&str> = quoted.collect();
-        if let Some(near) = nearest(found, &known) {
-            reason.push_str(&format!("; did you mean `{near}`?"));
-        }
-    }
-    reason
-}
-
 /// What the table of settings says against a value in this line, if it does.
 fn wrong_setting(text: &str, line: &str) -> Option<String> {
     let mut values = Vec::new();
@@ -163,39 +150,6 @@ fn wrong_setting(text: &str, line: &str) -> Option<String> {
         .iter()
         .filter(|(name, _)| own(name))
         .find_map(|(name, value)| setting(name)?.check(name, value).err().map(|error| error.to_string()))
-}
-
-/// What TOML's reader says, without the words of Rust.
-fn plain(message: &str) -> String {
-    const WORDS: [(&str, &str); 14] = [
-        (
-            "data did not match any variant of untagged enum ParameterValue",
-            "a parameter is a number, or a color such as \"#d9a05f\"",
-        ),
-        (" as i128", ""),
-        ("invalid type: sequence", "a list"),
-        ("invalid type: map", "a table"),
-        ("a boolean", "true or false"),
-        ("invalid type: ", ""),
-        ("invalid value: ", ""),
-        ("invalid length ", "a list of "),
-        ("an array of length", "a list of"),
-        ("a sequence", "a list, such as [\"a\", \"b\"]"),
-        ("a string", "a text in quotes"),
-        ("floating point", "number"),
-        ("unknown variant", "unknown value"),
-        ("missing field", "there is no"),
-    ];
-    let mut text = WORDS.iter().fold(message.to_string(), |text, (rust, plain)| text.replace(rust, plain));
-    for (rust, plain) in
-        [("u32", "a whole number"), ("u64", "a whole number"), ("f32", "a number"), ("f64", "a number")]
-    {
-        text = text.replace(&format!("expected {rust}"), &format!("expected {plain}"));
-    }
-    match text.split_once("expected struct ") {
-        Some((before, _)) => format!("{before}expected a table"),
-        None => text,
-    }
 }
 
 #[cfg(test)]
