@@ -49,8 +49,8 @@ pub enum PolygonizeError {
     #[error("density {0}: not above 0 and up to 1; 0.5 suits most objects")]
     Density(f32),
     /// No sample is inside.
-    #[error("no sample has a density of {level}{}: lower it, or take more samples", match *largest > 0.0 {
-        true => format!(", the largest that was looked at has {largest:.2e}"),
+    #[error("no sample has a density of {level}: {}lower it, or take more samples", match *largest > 0.0 {
+        true => format!("the largest is {largest:.3}; "),
         false => String::new(),
     })]
     NoSurface {
