@@ -2,7 +2,7 @@
 
 use super::say;
 use crate::shape::{Facts, Histogram};
-use crate::support::{quoted, words};
+use crate::support::{quoted, significant, words};
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
@@ -17,6 +17,9 @@ const BAR: f64 = 40.0;
 pub struct Info {
     /// A mesh, a volume or a built-in object.
     pub input: String,
+    /// The grid of an OpenVDB file with several.
+    #[arg(long, value_name = "NAME")]
+    pub grid: Option<String>,
     /// Everything as JSON.
     #[arg(long)]
     pub json: bool,
@@ -24,7 +27,7 @@ pub struct Info {
 
 /// Reads the file, and says what is in it.
 pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
-    let facts = Facts::of(&command.input)?;
+    let facts = Facts::of(&command.input, command.grid.as_deref())?;
     if command.json {
         let mut all = json!({ "file": command.input });
         for fact in &facts.lines {
@@ -50,7 +53,12 @@ pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
         Some(iso) => format!(" --iso {iso}"),
         None => String::new(),
     };
-    text += &format!("picture    hypertexture render {} -o picture.png{flag}\n", words::line(&quoted(&command.input)));
+    let grid = command.grid.as_ref().map_or(String::new(), |grid| format!(" --grid {}", quoted(grid)));
+    text += &format!(
+        "picture    hypertexture render {} -o picture.png{flag}{}\n",
+        words::line(&quoted(&command.input)),
+        words::line(&grid)
+    );
     say(&text);
     Ok(())
 }

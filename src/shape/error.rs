@@ -157,6 +157,16 @@ pub enum ShapeError {
         /// The sizes as declared, x first.
         size: [u64; 3],
     },
+    /// A grid is asked for that the file does not have.
+    #[error("{file}: no grid is called {name}; it has {known}")]
+    NoGrid {
+        /// The path.
+        file: String,
+        /// What was asked for, quoted.
+        name: String,
+        /// The grids that it has.
+        known: String,
+    },
     /// NaN or infinite coordinates or voxels.
     #[error(
         "{file}: {count} of {total} {what} are NaN, infinite or beyond 32-bit floats, the first has index {first} \
@@ -282,6 +292,16 @@ impl fmt::Display for Found {
             Found::Bytes(bytes) => write!(f, "{bytes}"),
             Found::More => write!(f, "more"),
             Found::AtMost(bytes) => write!(f, "at most {bytes} once decompressed"),
+        }
+    }
+}
+
+/// The vertices that an index may name.
+fn defined(count: usize) -> String {
+    match count {
+        0 => "no vertices are defined above this line: they come before the faces".into(),
+        _ => {
+            format!("{count} vertices are defined above this line (1 to {count}, or -{count} to -1 counted backwards)")
         }
     }
 }

@@ -46,16 +46,19 @@ impl Facts {
     /// Reads a file, or makes a built-in object, and looks at it.
     ///
     /// # Errors
-    /// Those of [`open`](super::open).
-    pub fn of(input: &str) -> Result<Facts, ShapeError> {
-        let Opened { shape, notes, .. } = Opened::of(input)?;
+    /// Those of [`Opened::with_grid`].
+    pub fn of(input: &str, grid: Option<&str>) -> Result<Facts, ShapeError> {
+        let Opened { shape, notes, grids, .. } = Opened::with_grid(input, grid)?;
         let mut facts = match &shape {
             Shape::Solid(solid) => of_solid(solid),
             Shape::Mesh(mesh) => of_mesh(mesh),
             Shape::Volume(volume) => of_volume(volume),
         };
+        if !grids.is_empty() {
+            facts.lines.push(fact("grids", grids.join(", "), &grids));
+        }
         if !notes.is_empty() {
-            facts.lines.push(fact("ignored", notes.join("; "), &notes));
+            facts.lines.push(fact("notes", notes.join("; "), &notes));
         }
         let offset = if let Shape::Mesh(mesh) = &shape { mesh.offset } else { DVec3::ZERO };
         let bounds = shape.bounds();

@@ -1,19 +1,26 @@
 //! MetaImage: volumes as .mhd with a file of data beside it, or both in one .mha.
 //!
 //! Role: lines `Key = value` into a [`Raster`]. Invariant: a key that changes what the values mean or where they are is
-//! understood or refused. Source: Insight Software Consortium, "ITK/MetaIO/Documentation", itk.org/Wiki/ITK/MetaIO.
+//! understood or refused. Positions are LPS, whatever `AnatomicalOrientation` says: so ITK reads and writes them, and all that
+//! is built on it. A header without directions says nothing of the kind, as NRRD without a space. Source: Insight Software Consortium, "ITK/MetaIO/Documentation", itk.org/Wiki/ITK/MetaIO.
 
 use super::error::{Location, ShapeError, quoted};
 use super::files::Files;
 use super::placement::{self, Placement};
 use super::raster::{Data, Packing, Raster, Skip};
 use super::source::Source;
+use super::space::{Space, or_usual, three_axes};
 use super::{Content, SampleType, Shape};
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
+use std::ops::RangeInclusive;
 
 /// The key behind which the data is: the last one.
 const DATA: &str = "ElementDataFile";
+/// The key of the sides that the axes come from, for people.
+const ORIENTATION: &str = "AnatomicalOrientation";
+/// Dimensions that an image may have.
+const DIMENSIONS: RangeInclusive<usize> = 3..=10;
 /// What the key `Comment` says where values are signed distances.
 pub(super) const SIGNED_DISTANCE: &str = "hypertexture signed distance";
 
@@ -115,14 +122,32 @@ impl Keys {
         ShapeError::Unsupported { file: source.file.clone(), place: self.place(key), what: key, found, remedy }
     }
 
-    /// The numbers of a key, if it is there.
-    fn numbers<const N: usize>(&self, source: &Source, key: &'static str) -> Result<Option<[f64; N]>, ShapeError> {
+    /// The numbers of a key, if it is there: so many, and none infinite.
+    fn numbers(&self, source: &Source, key: &'static str, count: usize) -> Result<Option<Vec<f64>>, ShapeError> {
         let Some(text) = self.value(key) else { return Ok(None) };
-        let finite = |word: &str| word.parse().ok().filter(|number: &f64| number.is_finite());
-        let numbers: Option<Vec<f64>> = text.split_whitespace().map(finite).collect();
-        let numbers = numbers.and_then(|numbers| numbers.try_into().ok());
-        let expected = if N == 3 { "3 finite numbers" } else { "9 finite numbers" };
+        let number = |word: &str| word.parse().ok().filter(|number: &f64| !number.is_infinite());
+        let numbers: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
+        let numbers = numbers.filter(|numbers| numbers.len() == count);
+        let expected = match count {
+            3 => "3 finite numbers",
+            9 => "9 finite numbers",
+            _ => "as many finite numbers as `NDims` asks for",
+        };
         numbers.map(Some).ok_or_else(|| self.wrong(source, key, expected))
+    }
+
+    /// The same of the axes of the volume, none of them NaN.
+    fn three(
+        &self,
+        source: &Source,
+        key: &'static str,
+        (dimensions, axes): (usize, [usize; 3]),
+    ) -> Result<Option<DVec3>, ShapeError> {
+        let numbers = self.numbers(source, key, dimensions)?.map(|numbers| DVec3::from(axes.map(|axis| numbers[axis])));
+        match numbers {
+            Some(numbers) if numbers.is_nan() => Err(self.wrong(source, key, "finite numbers")),
+            numbers => Ok(numbers),
+        }
     }
 
     /// Whether a key says yes.
@@ -138,9 +163,6 @@ impl Keys {
         if self.value("ObjectType").is_some_and(|kind| kind != "Image") {
             return Err(self.unsupported(source, "ObjectType", "only images are volumes"));
         }
-        if self.value("NDims") != Some("3") {
-            return Err(self.wrong(source, "NDims", "`NDims = 3`: one volume of 3 dimensions"));
-        }
         if self.value("ElementNumberOfChannels").is_some_and(|count| count != "1") {
             return Err(self.unsupported(source, "ElementNumberOfChannels", "extract one of them"));
         }
@@ -155,19 +177,26 @@ impl Keys {
         let order = self.named(&["BinaryDataByteOrderMSB", "ElementByteOrderMSB"]);
         let big_endian = self.says(source, order)?;
         let packing = if self.says(source, "CompressedData")? { Packing::Zlib } else { Packing::None };
-        let size = self.size(source)?;
+        let (size, dimensions, axes) = self.size(source)?;
         // Where samples have a size and no distance, they touch.
         let spacing = self.named(&["ElementSpacing", "ElementSize"]);
-        let lengths = DVec3::from(self.numbers(source, spacing)?.unwrap_or([1.0; 3]));
-        if !placement::are_lengths(lengths) {
+        let lengths = self.numbers(source, spacing, dimensions)?.unwrap_or(vec![1.0; dimensions]);
+        let lengths = or_usual(source, spacing, axes.map(|axis| lengths[axis]), f64::NAN, 1.0);
+        if !placement::are_lengths(lengths.abs()) {
             return Err(self.wrong(source, spacing, placement::STEPS));
         }
+        if lengths.min_element() < 0.0 {
+            source.note(format!("{spacing} is below 0: these axes run backwards, as ITK reads it"));
+        }
         let place = self.named(&["Offset", "Position", "Origin"]);
-        let origin = DVec3::from(self.numbers(source, place)?.unwrap_or_default());
+        let origin = self.three(source, place, (dimensions, axes))?.unwrap_or_default();
         let turn = self.named(&["TransformMatrix", "Rotation", "Orientation"]);
         // The direction of the first axis, then those of the others.
-        let axes = self.numbers(source, turn)?.map_or(DMat3::IDENTITY, |axes| DMat3::from_cols_array(&axes));
-        let steps = axes * DMat3::from_diagonal(lengths);
+        let matrix = self.numbers(source, turn, dimensions * dimensions)?;
+        let part = |matrix: &Vec<f64>, axis: usize| DVec3::from(axes.map(|row| matrix[axis * dimensions + row]));
+        let columns =
+            |matrix: Vec<f64>| DMat3::from_cols(part(&matrix, axes[0]), part(&matrix, axes[1]), part(&matrix, axes[2]));
+        let steps = matrix.map_or(DMat3::IDENTITY, columns) * DMat3::from_diagonal(lengths);
         if !placement::are_lengths(super::axes::lengths(&steps)) {
             return Err(self.wrong(source, turn, placement::STEPS));
         }
@@ -175,19 +204,36 @@ impl Keys {
             Some(SIGNED_DISTANCE) => Content::SignedDistance,
             _ => Content::Scalar,
         };
-        let placement = Placement { size, origin, steps, content };
+        self.compare_orientation(source, &steps);
+        let is_told = [turn, ORIENTATION].iter().any(|key| self.value(key).is_some());
+        let space = if is_told { Space::LPS } else { Space::RAS };
+        let placement = Placement::new(space, size, (origin, steps), content);
         Ok(Raster { kind, big_endian, packing, scale: None, placement })
     }
 
-    /// `DimSize`, checked.
-    fn size(&self, source: &Source) -> Result<[u32; 3], ShapeError> {
+    /// Says so where `AnatomicalOrientation` is neither the sides that the axes come from nor those that they point to.
+    fn compare_orientation(&self, source: &Source, steps: &DMat3) {
+        let Some(said) = self.value(ORIENTATION) else { return };
+        let sides = |steps: &DMat3| Space::LPS.letters(steps);
+        let (to, from) = (sides(steps), sides(&(-1.0 * *steps)));
+        if Space::of(said).is_some() && ![&*to, &*from].contains(&&*said.to_ascii_uppercase()) {
+            let found = quoted(said.as_bytes());
+            source.note(format!("{ORIENTATION} {found} is left out: by its matrix the axes come from {from}"));
+        }
+    }
+
+    /// `DimSize`, checked, how many it has, and which of them are those of the volume.
+    fn size(&self, source: &Source) -> Result<([u32; 3], usize, [usize; 3]), ShapeError> {
+        let dimensions = self.value("NDims").and_then(|text| text.parse().ok()).unwrap_or(0);
+        let one_volume = || self.wrong(source, "NDims", "`NDims = 3`: one volume of 3 dimensions");
+        if !DIMENSIONS.contains(&dimensions) {
+            return Err(one_volume());
+        }
         let text = self.value("DimSize").unwrap_or_default();
         let sizes: Option<Vec<u64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
-        let wrong = || self.wrong(source, "DimSize", "3 whole numbers of at least 1");
-        let size: [u64; 3] = sizes.and_then(|sizes| sizes.try_into().ok()).ok_or_else(wrong)?;
-        if size.contains(&0) {
-            return Err(wrong());
-        }
-        placement::checked(&source.file, size)
+        let sizes = sizes.filter(|sizes| sizes.len() == dimensions && !sizes.contains(&0));
+        let sizes = sizes.ok_or_else(|| self.wrong(source, "DimSize", "3 whole numbers of at least 1"))?;
+        let axes = three_axes(source, &sizes, |_| false).ok_or_else(one_volume)?;
+        Ok((placement::checked(&source.file, axes.map(|axis| sizes[axis]))?, dimensions, axes))
     }
 }

@@ -1,4 +1,4 @@
-//! NIfTI-1 and NIfTI-2: volumes as .nii, the same packed by gzip, or a pair of .hdr and .img.
+//! NIfTI-1 and NIfTI-2: volumes as .nii, the same packed by gzip, or a pair of .hdr and .img; such pairs of Analyze 7.5 too.
 //!
 //! Role: the data behind a header that [`super::nifti_header`] reads. Invariant: coordinates are those of the file, x to the
 //! right, y to the front, z up. Read here and not by the nifti crate, which makes room for what a header declares.
@@ -6,15 +6,14 @@
 use super::Shape;
 use super::error::ShapeError;
 use super::files::Files;
-use super::nifti_header::{FIRST, Header, SECOND, version};
+use super::nifti_header::{FIRST, Header, SECOND, is_analyze, version};
 use super::raster::{Data, MAX_DEFLATE_RATIO, Packing, Raster, Skip};
 use super::source::{Source, read_block};
+use super::unpack::{GZIP, Unpacked};
 use flate2::bufread::MultiGzDecoder;
+use std::cell::Cell;
 use std::io::{BufReader, Read};
 use std::path::Path;
-
-/// What a file begins with that gzip packed.
-const GZIP: [u8; 3] = [0x1f, 0x8b, 8];
 
 /// Whether the file begins with a header, packed or not.
 pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
@@ -26,7 +25,7 @@ pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
     let start = if unpacked.is_empty() { start } else { &unpacked };
     version(start).is_some_and(|(places, _)| {
         let magic = start.get(places.magic..).unwrap_or_default();
-        magic.starts_with(places.single) || magic.starts_with(places.pair)
+        magic.starts_with(places.single) || magic.starts_with(places.pair) || is_analyze(start)
     })
 }
 
@@ -38,8 +37,15 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     }
     let (file, folder) = (source.file.clone(), source.folder.clone());
     let len = source.remaining().saturating_mul(MAX_DEFLATE_RATIO);
-    let reader = &mut BufReader::new(MultiGzDecoder::new(&mut *source.reader));
-    read_unpacked(&mut Source::new(file, len, folder, reader), Packing::Unpacked)
+    let padding = Cell::new(0);
+    let reader = &mut BufReader::new(Unpacked::gzip(&mut *source.reader, &padding));
+    let mut inner = Source::new(file, len, folder, reader);
+    let shape = read_unpacked(&mut inner, Packing::Unpacked)?;
+    let (notes, others) = (inner.notes.take(), inner.others.take());
+    notes.into_iter().for_each(|note| source.note(note));
+    source.others.borrow_mut().extend(others);
+    source.note_padding(padding.get());
+    Ok(shape)
 }
 
 fn read_unpacked(source: &mut Source, packing: Packing) -> Result<Shape, ShapeError> {
@@ -58,7 +64,8 @@ fn read_unpacked(source: &mut Source, packing: Packing) -> Result<Shape, ShapeEr
             source.offset = filled as u64;
         }
     }
-    let header = Header::new(source, &bytes[..filled])?;
+    let is_whole = source.peek()?.is_empty();
+    let header = Header::new(source, &bytes[..filled], is_whole)?;
     let (raster, offset, is_pair) = (header.raster(packing)?, header.offset()?, header.is_pair());
     if !is_pair {
         let before = Skip::Bytes(offset - source.offset);

@@ -1,13 +1,15 @@
 //! The header of a NIfTI file.
 //!
-//! Role: where the fields of both versions are, and from these bytes to a [`Raster`]. Invariant: what changes the values or
-//! their places is understood or refused. Sources: R. Cox et al., "nifti1.h" and "nifti2.h", nifti.nimh.nih.gov.
+//! Role: where the fields of both versions and of Analyze 7.5 are, and from these bytes to a [`Raster`]. Invariant: what changes
+//! the values or their places is understood or refused. Sources: R. Cox et al., "nifti1.h" and "nifti2.h", nifti.nimh.nih.gov;
+//! Mayo Foundation, "ANALYZE 7.5 File Format".
 
 use super::axes::lengths;
 use super::error::{Location, ShapeError, quoted};
 use super::placement::{self, Placement};
 use super::raster::{MAX_UNPACKED_SKIP, Packing, Raster};
 use super::source::Source;
+use super::space::{Space, listed, or_usual};
 use super::{Content, SampleType};
 use glam::{DMat3, DQuat, DVec3};
 
@@ -112,10 +114,17 @@ const TYPES: [(i64, Result<SampleType, &str>); 17] = [
     (2304, Err("RGBA32")),
 ];
 
+/// Where the axes of an image of Analyze 7.5 point, by its orientation: the first three transverse, coronal and sagittal, then
+/// the same with rows from the other side.
+const ANALYZE_AXES: [&str; 6] = ["LAS", "LSA", "ASL", "LPS", "LIA", "AIL"];
+/// Where that orientation is.
+const ANALYZE_ORIENTATION: usize = 252;
+
 /// The bytes of a header, and how they are read.
-pub(super) struct Header<'a> {
-    file: &'a str,
-    bytes: &'a [u8],
+pub(super) struct Header<'s, 'a> {
+    source: &'s Source<'a>,
+    bytes: &'s [u8],
+    is_analyze: bool,
     big_endian: bool,
     places: &'static Places,
 }
@@ -130,9 +139,15 @@ pub(super) fn version(start: &[u8]) -> Option<(&'static Places, bool)> {
     })
 }
 
-impl<'a> Header<'a> {
-    /// The header that `bytes` begin with.
-    pub fn new(source: &'a Source, bytes: &'a [u8]) -> Result<Header<'a>, ShapeError> {
+/// Whether a whole file is a header of Analyze 7.5: as long as the first one of NIfTI and without its magic.
+pub(super) fn is_analyze(file: &[u8]) -> bool {
+    let is_first = version(file).is_some_and(|(places, _)| places.bytes == FIRST.bytes);
+    is_first && file.len() == FIRST.bytes && file[FIRST.magic] != b'n'
+}
+
+impl<'s, 'a> Header<'s, 'a> {
+    /// The header that `bytes` begin with; `is_whole`: they are the whole file.
+    pub fn new(source: &'s Source<'a>, bytes: &'s [u8], is_whole: bool) -> Result<Header<'s, 'a>, ShapeError> {
         let malformed = |at: usize, expected, found| source.malformed_at(Location::Byte(at as u64), expected, found);
         let Some((places, big_endian)) = version(bytes) else {
             let found = quoted(&bytes[..bytes.len().min(4)]);
@@ -145,9 +160,10 @@ impl<'a> Header<'a> {
                 "the end of the file".into(),
             ));
         }
-        let header = Header { file: &source.file, bytes: &bytes[..places.bytes], big_endian, places };
+        let is_analyze = is_whole && is_analyze(bytes);
+        let header = Header { source, bytes: &bytes[..places.bytes], is_analyze, big_endian, places };
         let magic = &bytes[places.magic..][..places.single.len()];
-        if magic != places.single && magic != places.pair {
+        if !is_analyze && magic != places.single && magic != places.pair {
             return Err(malformed(places.magic, "`n+1` or `ni1`, for NIfTI-2 `n+2` or `ni2`", quoted(magic)));
         }
         Ok(header)
@@ -155,7 +171,7 @@ impl<'a> Header<'a> {
 
     /// Whether the data is in a file of its own.
     pub fn is_pair(&self) -> bool {
-        self.bytes[self.places.magic..].starts_with(self.places.pair)
+        self.is_analyze || self.bytes[self.places.magic..].starts_with(self.places.pair)
     }
 
     /// Byte at which the data begins, in its file.
@@ -164,6 +180,11 @@ impl<'a> Header<'a> {
         let offset = if self.places.is_wide { self.integer(at, 8) as f64 } else { self.number(at) };
         // Behind the header is the word that says whether there are extensions.
         let least = if self.is_pair() { 0 } else { self.places.bytes + 4 };
+        if offset == 0.0 && least > 0 {
+            self.source
+                .note(format!("vox_offset is 0: its data is taken to be right behind the header, from byte {least}"));
+            return Ok(least as u64);
+        }
         if offset.fract() != 0.0 || !(least as f64..=MAX_UNPACKED_SKIP as f64).contains(&offset) {
             let expected = "a vox_offset of whole bytes behind the header (352, for NIfTI-2 544, or more, up to 2^28)";
             return Err(self.malformed(at, expected, offset.to_string()));
@@ -174,11 +195,11 @@ impl<'a> Header<'a> {
     /// What the samples are and where.
     pub fn raster(&self, packing: Packing) -> Result<Raster, ShapeError> {
         let (size, kind, scale) = (self.size()?, self.kind()?, self.scale()?);
-        let (origin, steps) = self.placement()?;
+        let (space, place) = self.placement()?;
         let description = &self.bytes[self.places.description..][..80];
         let is_distance = description.strip_prefix(SIGNED_DISTANCE).is_some_and(|rest| rest[0] == 0);
         let content = if is_distance { Content::SignedDistance } else { Content::Scalar };
-        let placement = Placement { size, origin, steps, content };
+        let placement = Placement::new(space, size, place, content);
         Ok(Raster { kind, big_endian: self.big_endian, packing, scale, placement })
     }
 
@@ -207,11 +228,17 @@ impl<'a> Header<'a> {
     }
 
     fn malformed(&self, at: usize, expected: &'static str, found: String) -> ShapeError {
-        ShapeError::Malformed { file: self.file.to_owned(), place: Location::Byte(at as u64), expected, found }
+        ShapeError::Malformed { file: self.source.file.clone(), place: Location::Byte(at as u64), expected, found }
     }
 
     fn unsupported(&self, at: usize, what: &'static str, found: String, remedy: &'static str) -> ShapeError {
-        ShapeError::Unsupported { file: self.file.to_owned(), place: Location::Byte(at as u64), what, found, remedy }
+        ShapeError::Unsupported {
+            file: self.source.file.clone(),
+            place: Location::Byte(at as u64),
+            what,
+            found,
+            remedy,
+        }
     }
 
     fn size(&self) -> Result<[u32; 3], ShapeError> {
@@ -227,7 +254,7 @@ impl<'a> Header<'a> {
         }
         match sizes[..] {
             [x, y, z, ref more @ ..] if more.iter().all(|size| *size == 1) => {
-                placement::checked(self.file, [x, y, z].map(|n| n as u64))
+                placement::checked(&self.source.file, [x, y, z].map(|n| n as u64))
             }
             _ => {
                 let remedy = "extract one volume of 3 dimensions (`fslroi` does, or nibabel's `four_to_three`)";
@@ -258,22 +285,37 @@ impl<'a> Header<'a> {
     }
 
     fn scale(&self) -> Result<Option<[f64; 2]>, ShapeError> {
-        let scale @ [slope, rest] = self.numbers(self.places.scale);
-        if slope == 0.0 || scale == [1.0, 0.0] {
+        let [slope, rest] = self.numbers(self.places.scale);
+        if slope == 0.0 {
             return Ok(None);
         }
+        if slope.is_nan() {
+            self.source.note("scl_slope is NaN: its values are taken as they are stored".into());
+            return Ok(None);
+        }
+        let rest = match rest {
+            _ if self.is_analyze => 0.0, // SPM writes a factor alone
+            rest if rest.is_nan() => {
+                self.source.note("scl_inter is NaN: 0 is taken".into());
+                0.0
+            }
+            rest => rest,
+        };
         if !slope.is_finite() || !rest.is_finite() {
             let expected = "a finite scl_slope and scl_inter (a slope of 0 for none)";
             return Err(self.malformed(self.places.scale, expected, format!("{slope} and {rest}")));
         }
-        Ok(Some(scale))
+        Ok(Some([slope, rest]).filter(|scale| *scale != [1.0, 0.0]))
     }
 
-    /// World position of the first sample, and the steps to the next on each axis: by the sform, else by the qform, else
-    /// by distances alone.
-    fn placement(&self) -> Result<(DVec3, DMat3), ShapeError> {
+    /// The space of the file, the position of the first sample in it, and the steps to the next on each axis: by the sform, else
+    /// by the qform, else by distances alone.
+    fn placement(&self) -> Result<(Space, (DVec3, DMat3)), ShapeError> {
         let (places, (number, _, code)) = (self.places, self.places.widths());
-        let [qform, sform] = [0, 1].map(|i| self.integer(places.codes + i * code, code));
+        let [qform, sform] = match self.is_analyze {
+            true => [0; 2],
+            false => [0, 1].map(|i| self.integer(places.codes + i * code, code)),
+        };
         let rows_at = places.forms + 6 * number;
         let (at, origin, steps) = if sform > 0 {
             let [x, y, z] = [0, 4, 8].map(|i| self.numbers::<4>(rows_at + i * number));
@@ -281,10 +323,12 @@ impl<'a> Header<'a> {
             (rows_at, column(3), DMat3::from_cols(column(0), column(1), column(2)))
         } else {
             let [side, sizes @ ..]: [f64; 4] = self.numbers(places.pixdim);
-            if sizes.iter().any(|size| *size <= 0.0) {
-                return Err(self.malformed(places.pixdim + number, placement::STEPS, shown(&sizes)));
+            let sizes = or_usual(self.source, "pixdim", sizes, 0.0, 1.0);
+            if sizes.min_element() < 0.0 {
+                let text = "their magnitudes are taken, directions are not in them";
+                self.source.note(format!("pixdim is {}: {text}", listed(&sizes.to_array())));
             }
-            let sizes = DMat3::from_diagonal(DVec3::from(sizes));
+            let sizes = DMat3::from_diagonal(sizes.abs());
             if qform > 0 {
                 let side = DVec3::new(1.0, 1.0, if side < 0.0 { -1.0 } else { 1.0 });
                 let turn = self.turn()? * DMat3::from_diagonal(side);
@@ -299,7 +343,20 @@ impl<'a> Header<'a> {
         if !placement::are_lengths(lengths(&steps)) {
             return Err(self.malformed(at, placement::STEPS, shown(&lengths(&steps).to_array())));
         }
-        Ok((origin, steps))
+        Ok((if self.is_analyze { self.analyze_space()? } else { Space::RAS }, (origin, steps)))
+    }
+
+    /// Where the axes of an image of Analyze point.
+    fn analyze_space(&self) -> Result<Space, ShapeError> {
+        let code = self.bytes[ANALYZE_ORIENTATION];
+        let letters = ANALYZE_AXES.get(usize::from(code)).copied();
+        let Some((letters, space)) = letters.and_then(|letters| Some((letters, Space::of(letters)?))) else {
+            let found = code.to_string();
+            return Err(self.malformed(ANALYZE_ORIENTATION, "an orientation of Analyze 7.5 from 0 to 5", found));
+        };
+        let text = "Analyze 7.5 says no place: the first sample is taken to be at 0, and the axes to point to";
+        self.source.note(format!("{text} {letters} (orientation {code})"));
+        Ok(space)
     }
 
     /// The rotation of the qform.

@@ -41,7 +41,7 @@ pub fn write_nrrd(volume: &Volume, mut to: impl Write) -> io::Result<()> {
     let ([x, y, z], steps, origin) = (volume.size, volume.steps, volume.origin);
     writeln!(
         to,
-        "NRRD0005\n# written by hypertexture\ntype: float\ndimension: 3\nspace dimension: 3\nsizes: {x} {y} {z}"
+        "NRRD0005\n# written by hypertexture\ntype: float\ndimension: 3\nspace: right-anterior-superior\nsizes: {x} {y} {z}"
     )?;
     let [a, b, c] =
         [steps.x_axis, steps.y_axis, steps.z_axis].map(|step| format!("({},{},{})", step.x, step.y, step.z));

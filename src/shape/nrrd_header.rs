@@ -9,9 +9,11 @@ use super::files::Files;
 use super::placement::{self, Placement};
 use super::raster::{Data, MAX_UNPACKED_SKIP, Packing, Raster, Skip};
 use super::source::Source;
+use super::space::{Space, or_usual, three_axes};
 use super::{Content, SampleType};
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
+use std::ops::RangeInclusive;
 
 /// Key of the key/value line that says what the values mean.
 pub(super) const CONTENT_KEY: &str = "hypertexture content";
@@ -25,6 +27,11 @@ pub(super) struct Header {
     /// Where they are.
     pub data: Data,
 }
+
+/// Dimensions that an image may have.
+const DIMENSIONS: RangeInclusive<usize> = 3..=16;
+/// Sides of a patient.
+const SIDES: [&str; 6] = ["right", "left", "anterior", "posterior", "superior", "inferior"];
 
 /// All names of the format for the types that are read.
 const NAMES: [(SampleType, &[&str]); 10] = [
@@ -46,13 +53,9 @@ const NAMES: [(SampleType, &[&str]); 10] = [
 impl Header {
     /// Reads up to the empty line before the data.
     pub fn read(source: &mut Source) -> Result<Header, ShapeError> {
-        let fields = Fields::read(source)?;
-        if fields.required("dimension", "`dimension: 3`")? != "3" {
-            return Err(fields.unsupported("dimension", "extract one volume of 3 dimensions"));
-        }
-        if let Some(kinds) = fields.optional("kinds")
-            && !kinds.split_whitespace().all(|kind| matches!(kind, "domain" | "space" | "none" | "???"))
-        {
+        let mut fields = Fields::read(source)?;
+        let size = fields.size(source)?;
+        if !fields.of_axes("kinds").is_none_or(|kinds| kinds.iter().all(|kind| is_spatial(kind))) {
             return Err(fields.unsupported("kinds", "every axis must be a direction in space: extract one component"));
         }
         let kind = fields.kind()?;
@@ -60,9 +63,10 @@ impl Header {
             "raw" => Packing::None,
             "gzip" | "gz" => Packing::Gzip,
             "bzip2" | "bz2" => Packing::Bzip2,
+            "hex" => Packing::Hex,
             "ascii" | "text" | "txt" => Packing::Text,
             _ => {
-                let remedy = "save it as raw, gzip, bzip2 or ascii (`unu save -f nrrd -e gzip`)";
+                let remedy = "save it as raw, gzip, bzip2, hex or ascii (`unu save -f nrrd -e gzip`)";
                 return Err(fields.unsupported("encoding", remedy));
             }
         };
@@ -75,8 +79,8 @@ impl Header {
                 return Err(source.malformed_at(fields.place("endian"), "`endian: little` or `endian: big`", found));
             }
         };
-        let size = fields.size()?;
-        let (origin, steps) = fields.placement()?;
+        let space = fields.space(source)?;
+        let place = fields.placement(source)?;
         let content = match fields.keys.get(CONTENT_KEY) {
             None => Content::Scalar,
             Some((_, value)) if value == SIGNED_DISTANCE => Content::SignedDistance,
@@ -90,7 +94,7 @@ impl Header {
             }
         };
         let data = fields.data(size, packing, source)?;
-        let placement = Placement { size, origin, steps, content };
+        let placement = Placement::new(space, size, place, content);
         Ok(Header { raster: Raster { kind, big_endian, packing, scale: None, placement }, data })
     }
 }
@@ -102,11 +106,14 @@ struct Fields {
     fields: HashMap<String, (u64, String)>,
     /// Line and value of `key:=value`.
     keys: HashMap<String, (u64, String)>,
+    /// Its axes that are those of the volume.
+    axes: [usize; 3],
 }
 
 impl Fields {
     fn read(source: &mut Source) -> Result<Fields, ShapeError> {
-        let mut read = Fields { file: source.file.clone(), fields: HashMap::new(), keys: HashMap::new() };
+        let mut read =
+            Fields { file: source.file.clone(), fields: HashMap::new(), keys: HashMap::new(), axes: [0, 1, 2] };
         let mut line = Vec::new();
         source.next_line(&mut line)?; // the magic number has been seen
         loop {
@@ -163,7 +170,7 @@ impl Fields {
             (None, _) => (Skip::Bytes(0), 0),
             (Some(Ok(-1)), Packing::None) => (Skip::ToData, 0),
             (Some(Ok(-1)), _) => return Err(self.unsupported("byteskip", "only raw data can be found from its end")),
-            (Some(Ok(bytes @ 0..)), Packing::None | Packing::Text) => (Skip::Bytes(bytes as u64), 0),
+            (Some(Ok(bytes @ 0..)), Packing::None | Packing::Text | Packing::Hex) => (Skip::Bytes(bytes as u64), 0),
             // What is skipped there is packed as well.
             (Some(Ok(bytes @ 0..)), _) if bytes as u64 <= MAX_UNPACKED_SKIP => (Skip::Bytes(0), bytes as u64),
             _ => return Err(self.malformed("byteskip", "a number of bytes (at most 2^28 of compressed data), or -1")),
@@ -190,13 +197,25 @@ impl Fields {
         known.map(|(kind, _)| *kind).ok_or_else(|| self.unsupported("type", remedy))
     }
 
-    /// `sizes`, checked.
-    fn size(&self) -> Result<[u32; 3], ShapeError> {
-        let expected = "`sizes` with 3 whole numbers";
+    /// `sizes` of the axes of the volume, checked.
+    fn size(&mut self, source: &Source) -> Result<[u32; 3], ShapeError> {
+        let dimensions = self.required("dimension", "`dimension: 3`")?.parse().unwrap_or(0);
+        let expected = "`sizes` with 3 whole numbers, or as many as `dimension` says";
+        if !DIMENSIONS.contains(&dimensions) {
+            return Err(self.unsupported("dimension", "extract one volume of 3 dimensions"));
+        }
         let parsed: Option<Vec<u64>> =
             self.required("sizes", expected)?.split_whitespace().map(|text| text.parse().ok()).collect();
-        let size: [u64; 3] =
-            parsed.and_then(|sizes| sizes.try_into().ok()).ok_or_else(|| self.malformed("sizes", expected))?;
+        let sizes =
+            parsed.filter(|sizes| sizes.len() == dimensions).ok_or_else(|| self.malformed("sizes", expected))?;
+        let (directions, kinds) = (self.vectors("spacedirections")?, self.words("kinds"));
+        let is_last = |axis: usize| {
+            let is_kind = kinds.get(axis).is_none_or(|kind| is_spatial(kind));
+            matches!(directions.get(axis), Some(None)) || !is_kind
+        };
+        self.axes = three_axes(source, &sizes, is_last)
+            .ok_or_else(|| self.unsupported("dimension", "extract one volume of 3 dimensions"))?;
+        let size = self.axes.map(|axis| sizes[axis]);
         let Location::Line(line) = self.place("sizes") else { return Err(self.malformed("sizes", expected)) };
         if size.contains(&0) {
             return Err(ShapeError::ZeroSize { file: self.file.clone(), line, size });
@@ -204,13 +223,50 @@ impl Fields {
         placement::checked(&self.file, size)
     }
 
-    /// World position of the first sample, and the steps to the next on each axis.
-    fn placement(&self) -> Result<(DVec3, DMat3), ShapeError> {
+    /// The space that positions and directions are in.
+    fn space(&self, source: &Source) -> Result<Space, ShapeError> {
+        let Some(space) = self.optional("space").map(str::to_ascii_lowercase) else { return Ok(Space::RAS) };
+        let without_time = match space.len() {
+            4 => space.strip_suffix('t'),
+            _ => space.strip_suffix("-time"),
+        };
+        let space = without_time.unwrap_or(&space);
+        match space {
+            "scanner-xyz" | "3d-right-handed" => Ok(Space::RAS),
+            "3d-left-handed" => {
+                source.note("its space is left-handed: its z is turned around".into());
+                Ok(Space::LEFT_HANDED)
+            }
+            _ => {
+                let is_long = space.contains('-');
+                let letters: String = match is_long {
+                    true => space.split('-').filter_map(|word| word.chars().next()).collect(),
+                    false => space.into(),
+                };
+                let known = |word: &str| SIDES.contains(&word) || !is_long;
+                let found = Space::of(&letters).filter(|_| space.split('-').all(known));
+                found.ok_or_else(|| {
+                    let remedy = "three sides of a patient are read, as right-anterior-superior or RAS, scanner-xyz, \
+                        3D-right-handed and 3D-left-handed";
+                    self.unsupported("space", remedy)
+                })
+            }
+        }
+    }
+
+    /// Position of the first sample in that space, and the steps to the next on each axis.
+    fn placement(&self, source: &Source) -> Result<(DVec3, DMat3), ShapeError> {
         let directed = self.optional("spacedirections").is_some();
         let steps = match (directed, self.optional("spacings").is_some()) {
             (true, true) => return Err(self.malformed("spacings", "`spacings` or `space directions`, not both")),
             (true, false) => self.directions()?,
-            (false, true) => DMat3::from_diagonal(self.three("spacings", "3 numbers")?),
+            (false, true) => {
+                let spacings = or_usual(source, "spacings", self.three("spacings")?, f64::NAN, 1.0);
+                if spacings.min_element() < 0.0 {
+                    source.note("spacings below 0: these axes run backwards".into());
+                }
+                DMat3::from_diagonal(spacings)
+            }
             (false, false) if self.optional("axismaxs").is_some() => {
                 return Err(self.unsupported("axismaxs", "write `spacings` instead"));
             }
@@ -222,46 +278,83 @@ impl Fields {
         }
         if self.optional("spaceorigin").is_some() {
             let origin = self.vectors("spaceorigin")?;
-            let [origin] = origin[..] else { return Err(self.malformed("spaceorigin", "one vector, as (0,0,0)")) };
+            let [Some(origin)] = origin[..] else {
+                return Err(self.malformed("spaceorigin", "one vector, as (0,0,0)"));
+            };
             return Ok((origin, steps));
         }
         if self.optional("axismins").is_none() {
             return Ok((DVec3::ZERO, steps));
         }
         // The axis begins at the first sample, or half a step before it where samples stand for cells.
-        let centers: Vec<&str> = self.optional("centers").unwrap_or_default().split_whitespace().collect();
-        let cell = |axis: usize| centers.get(axis).is_some_and(|&center| center == "cell");
+        let centers = self.of_axes("centers");
+        let cell = |axis: usize| centers.as_ref().is_some_and(|centers| centers[axis] == "cell");
         let half = DVec3::from([0, 1, 2].map(|axis| if cell(axis) { 0.5 } else { 0.0 }));
-        Ok((self.three("axismins", "3 numbers")? + steps * half, steps))
+        let first = or_usual(source, "axis mins", self.three("axismins")?, f64::NAN, 0.0);
+        Ok((first + steps * half, steps))
     }
 
     /// `space directions`: a step for each axis.
     fn directions(&self) -> Result<DMat3, ShapeError> {
         let directions = self.vectors("spacedirections")?;
-        let [x, y, z] = directions[..] else {
-            return Err(self.malformed("spacedirections", "3 vectors, as (1,0,0) (0,1,0) (0,0,1)"));
-        };
-        Ok(DMat3::from_cols(x, y, z))
+        let of_axis = |axis: usize| directions.get(axis).copied().flatten();
+        match self.axes.map(of_axis) {
+            [Some(x), Some(y), Some(z)] => Ok(DMat3::from_cols(x, y, z)),
+            _ => Err(self.malformed("spacedirections", "3 vectors of 3 numbers, as (1,0,0) (0,1,0) (0,0,1)")),
+        }
     }
 
-    fn three(&self, name: &str, expected: &'static str) -> Result<DVec3, ShapeError> {
-        let text = self.optional(name).unwrap_or_default();
-        numbers(text.split_whitespace()).ok_or_else(|| self.malformed(name, expected))
+    /// The words of a field with one for each axis.
+    fn words(&self, name: &str) -> Vec<&str> {
+        self.optional(name).unwrap_or_default().split_whitespace().collect()
     }
 
-    /// The vectors `(x,y,z) (x,y,z)...`.
-    fn vectors(&self, name: &str) -> Result<Vec<DVec3>, ShapeError> {
-        let text = self.optional(name).unwrap_or_default().trim();
-        let inner = text.strip_prefix('(').and_then(|text| text.strip_suffix(')'));
-        let parts = inner.map(|inner| inner.split(')').map(|part| part.trim_start().trim_start_matches('(')));
-        let vectors = parts.and_then(|parts| parts.map(|part| numbers(part.split(',').map(str::trim))).collect());
-        vectors.ok_or_else(|| self.malformed(name, "vectors of 3 numbers, as (1,0,0)"))
+    /// Those of the axes of the volume, if the field has them.
+    fn of_axes(&self, name: &str) -> Option<[&str; 3]> {
+        let words = self.words(name);
+        let [x, y, z] = self.axes.map(|axis| words.get(axis).copied());
+        Some([x?, y?, z?])
+    }
+
+    /// The numbers of the axes of the volume: finite, or NaN where nothing is known.
+    fn three(&self, name: &str) -> Result<[f64; 3], ShapeError> {
+        let number = |text: &str| text.parse().ok().filter(|number: &f64| !number.is_infinite());
+        let numbers = self.of_axes(name).and_then(|[x, y, z]| Some([number(x)?, number(y)?, number(z)?]));
+        numbers.ok_or_else(|| self.malformed(name, "3 numbers"))
+    }
+
+    /// The vectors `(x,y,z) (x,y,z)...`, of which some may be `none`.
+    fn vectors(&self, name: &str) -> Result<Vec<Option<DVec3>>, ShapeError> {
+        let mut text = self.optional(name).unwrap_or_default().trim();
+        let mut vectors = Vec::new();
+        while !text.is_empty() {
+            let (vector, rest) = match text.strip_prefix("none") {
+                Some(rest) => (None, rest),
+                None => {
+                    let parts = text.strip_prefix('(').and_then(|text| text.split_once(')'));
+                    let parts = parts.and_then(|(inner, rest)| Some((vector(inner)?, rest)));
+                    let (vector, rest) =
+                        parts.ok_or_else(|| self.malformed(name, "vectors of 3 numbers, as (1,0,0)"))?;
+                    (Some(vector), rest)
+                }
+            };
+            vectors.push(vector);
+            text = rest.trim_start();
+        }
+        Ok(vectors)
     }
 }
 
-/// Exactly three finite numbers.
-fn numbers<'a>(texts: impl Iterator<Item = &'a str>) -> Option<DVec3> {
-    let parsed: Option<Vec<f64>> = texts.map(|text| text.parse().ok().filter(|x: &f64| x.is_finite())).collect();
-    let array: [f64; 3] = parsed?.try_into().ok()?;
-    Some(DVec3::from(array))
+/// Three finite numbers between commas, and a fourth one where it is of time.
+fn vector(text: &str) -> Option<DVec3> {
+    let finite = |text: &str| text.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    match text.split(',').map(finite).collect::<Option<Vec<f64>>>()?[..] {
+        [x, y, z] | [x, y, z, 0.0] => Some(DVec3::new(x, y, z)),
+        _ => None,
+    }
+}
+
+/// Whether the kind of an axis is that of a direction in space.
+fn is_spatial(kind: &str) -> bool {
+    matches!(kind, "domain" | "space" | "none" | "???")
 }

@@ -54,10 +54,12 @@ pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
 pub struct Opened {
     /// What [`open`] gives.
     pub shape: Shape,
-    /// What a person should know: short sentences, each about a part of its geometry that was left out.
+    /// What a person should know: short sentences, each about something that was assumed or left out.
     pub notes: Vec<String>,
     /// Other files that it was read from: the data of a header, the slices of a series.
     pub others: Vec<PathBuf>,
+    /// The grids of an OpenVDB file, each with what it is.
+    pub grids: Vec<String>,
 }
 
 impl Opened {
@@ -66,17 +68,29 @@ impl Opened {
     /// # Errors
     /// Those of [`open`].
     pub fn of(name_or_path: &str) -> Result<Opened, ShapeError> {
-        let alone = |shape| Opened { shape, notes: Vec::new(), others: Vec::new() };
+        Opened::with_grid(name_or_path, None)
+    }
+
+    /// The same, of an OpenVDB file the grid of this name; none stands for the one that [`open`] reads.
+    ///
+    /// # Errors
+    /// Those of [`open`], and a grid that the file does not have.
+    pub fn with_grid(name_or_path: &str, grid: Option<&str>) -> Result<Opened, ShapeError> {
+        let alone = |shape, notes| match grid {
+            Some(grid) => Err(no_grids(shown(name_or_path), grid)),
+            None => Ok(Opened { shape, notes, others: Vec::new(), grids: Vec::new() }),
+        };
         if let Some(shape) = generated::built_in(name_or_path) {
-            return Ok(alone(shape));
+            return alone(shape, Vec::new());
         }
         let path = Path::new(name_or_path);
         if path.is_dir() {
-            return Ok(alone(dicom::read_folder(&shown(name_or_path), path)?));
+            let (shape, notes) = dicom::read_folder(&shown(name_or_path), path)?;
+            return alone(shape, notes);
         }
         let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        parse(name_or_path, len, Some(folder), &mut BufReader::new(opened))
+        parse(name_or_path, len, (Some(folder), grid), &mut BufReader::new(opened))
     }
 
     /// The shape, once its notes are in the log.
@@ -99,7 +113,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Shape, ShapeError> {
 /// # Errors
 /// Those of [`read`].
 pub fn read_noted(name: &str, mut bytes: &[u8]) -> Result<Opened, ShapeError> {
-    parse(name, bytes.len() as u64, None, &mut bytes)
+    parse(name, bytes.len() as u64, (None, None), &mut bytes)
 }
 
 /// Extensions of all formats, for messages.
@@ -108,8 +122,14 @@ fn known_extensions() -> String {
     all.map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
 }
 
-fn parse(name: &str, len: u64, folder: Option<PathBuf>, reader: &mut dyn BufRead) -> Result<Opened, ShapeError> {
+fn parse(
+    name: &str,
+    len: u64,
+    (folder, grid): (Option<PathBuf>, Option<&str>),
+    reader: &mut dyn BufRead,
+) -> Result<Opened, ShapeError> {
     let mut source = Source::new(shown(name), len, folder, reader);
+    source.grid = grid.map(str::to_owned);
     if source.peek()?.is_empty() {
         return Err(ShapeError::Empty { file: source.file });
     }
@@ -124,7 +144,11 @@ fn parse(name: &str, len: u64, folder: Option<PathBuf>, reader: &mut dyn BufRead
     match format.or_else(|| by_extension(name)) {
         Some(format) => {
             let shape = (format.read)(&mut source)?;
-            Ok(Opened { shape, notes: source.notes, others: source.others.into_inner() })
+            if let Some(grid) = grid.filter(|_| source.grids.is_empty()) {
+                return Err(no_grids(source.file, grid));
+            }
+            let (notes, others) = (source.notes.into_inner(), source.others.into_inner());
+            Ok(Opened { shape, notes, others, grids: source.grids })
         }
         None => {
             let start = quoted(&start[..start.len().min(16)]);
@@ -146,6 +170,11 @@ fn is_utf_16(start: &[u8]) -> bool {
         _ => return false,
     };
     start[2..].chunks_exact(2).take(8).all(|pair| pair[low].is_ascii() && pair[1 - low] == 0)
+}
+
+/// A grid is asked for, and the file is not of a format that has some.
+fn no_grids(file: String, grid: &str) -> ShapeError {
+    ShapeError::NoGrid { file, name: quoted(grid.as_bytes()), known: "none: files of OpenVDB have grids".into() }
 }
 
 fn by_extension(name: &str) -> Option<&'static Format> {

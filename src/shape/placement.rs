@@ -5,7 +5,8 @@
 
 use super::axes::{Axes, directions, lengths};
 use super::error::{Location, ShapeError};
-use super::source::check_positions;
+use super::source::{Source, check_positions};
+use super::space::Space;
 use super::{Content, MAX_COORDINATE, MAX_VOXELS, Volume};
 use crate::support::memory;
 use glam::{BVec3, DMat3, DVec3};
@@ -58,6 +59,11 @@ pub(super) fn at_most(file: &str, what: &'static str, size: [u64; 3], limit: u64
 }
 
 impl Placement {
+    /// The samples of a file whose coordinates are of `space`: the only place where volumes are brought into the world.
+    pub fn new(space: Space, size: [u32; 3], (origin, steps): (DVec3, DMat3), content: Content) -> Placement {
+        Placement { size, origin: space.position(origin), steps: space.steps(&steps), content }
+    }
+
     /// Number of samples.
     pub fn voxels(&self) -> u64 {
         self.size.iter().map(|&n| u64::from(n)).product()
@@ -111,13 +117,12 @@ impl Placement {
         Ok(values)
     }
 
-    /// The volume with these values, in the order of the file. An error where one of them is not finite, or where there is
-    /// no memory to put them into another order.
-    pub fn volume(self, file: &str, mut values: Vec<f32>) -> Result<Volume, ShapeError> {
+    /// The volume with these values, in the order of the file. Those that are unknown are outside of the object. An error
+    /// where another one is not finite, or where there is no memory to put them into another order.
+    pub fn volume(self, source: &Source, mut values: Vec<f32>) -> Result<Volume, ShapeError> {
+        let file = &source.file;
         if let Some(first) = values.iter().position(|value| !value.is_finite()) {
-            let count = values.iter().filter(|value| !value.is_finite()).count();
-            let (file, total) = (file.to_owned(), values.len());
-            return Err(ShapeError::NotFinite { file, what: "voxels", count, total, first });
+            self.fill_unknown(source, &mut values, first)?;
         }
         let bytes = 4 * self.voxels();
         let mut steps = self.straight();
@@ -132,13 +137,35 @@ impl Placement {
                 block *= n;
             }
             if order != [0, 1, 2] {
-                let refused = |_| ShapeError::OutOfMemory { file: file.to_owned(), bytes };
+                let refused = |_| ShapeError::OutOfMemory { file: file.clone(), bytes };
                 values = exchanged(&values, size, order).map_err(refused)?;
                 size = order.map(|axis| size[axis]);
             }
             steps = DMat3::from_diagonal(DVec3::from(std::array::from_fn(|row| steps.row(row).abs().max_element())));
         }
         Ok(Volume { size, origin: origin.as_vec3(), steps: steps.as_mat3(), values, content })
+    }
+
+    /// Gives the value of the far outside to voxels that are NaN, as scanners and programs write it where they know nothing, or
+    /// infinitely far outside. `first` is the first that is not finite.
+    fn fill_unknown(&self, source: &Source, values: &mut [f32], first: usize) -> Result<(), ShapeError> {
+        let is_scalar = self.content == Content::Scalar;
+        let far = if is_scalar { f32::NEG_INFINITY } else { f32::INFINITY };
+        let is_unknown = |value: &f32| value.is_nan() || *value == far;
+        let count = values.iter().filter(|value| !value.is_finite()).count();
+        let (unknown, total) = (values.iter().filter(|value| is_unknown(value)).count(), values.len());
+        if unknown < count || count == total {
+            return Err(ShapeError::NotFinite { file: source.file.clone(), what: "voxels", count, total, first });
+        }
+        let known = values.iter().copied().filter(|value| value.is_finite());
+        let outside = match is_scalar {
+            true => known.fold(f32::INFINITY, f32::min),
+            false => known.fold(lengths(&self.steps).max_element() as f32, f32::max),
+        };
+        values.iter_mut().filter(|value| is_unknown(value)).for_each(|value| *value = outside);
+        source
+            .note(format!("{count} of {total} voxels are NaN or infinite: they are outside of the object, {outside}"));
+        Ok(())
     }
 
     /// The steps without what rounding left of a quarter turn.

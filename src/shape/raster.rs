@@ -7,9 +7,9 @@ use super::error::{Found, Location, ShapeError, quoted};
 use super::files::Files;
 use super::placement::Placement;
 use super::source::{Source, read_block};
+use super::unpack::{GZIP, Hex, Unpacked, ZLIB};
 use super::{SampleType, Shape};
-use bzip2::bufread::MultiBzDecoder;
-use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
+use std::cell::Cell;
 use std::io::{self, Read};
 
 /// Most bytes that one byte of deflate can become (P. Deutsch, RFC 1951: 258 bytes for 2 bits).
@@ -52,6 +52,8 @@ pub(super) enum Packing {
     Zlib,
     /// As bzip2 does.
     Bzip2,
+    /// Not, but written as hexadecimal digits.
+    Hex,
     /// Numbers as text, between white space or commas.
     Text,
 }
@@ -97,7 +99,7 @@ impl Raster {
                 }
             }
         }
-        self.placement.volume(&source.file, values).map(Shape::Volume)
+        self.placement.volume(source, values).map(Shape::Volume)
     }
 
     /// Appends the `count` values of one file.
@@ -135,6 +137,7 @@ impl Raster {
             Packing::None | Packing::Unpacked | Packing::Text => here,
             Packing::Gzip | Packing::Zlib => here.saturating_mul(MAX_DEFLATE_RATIO),
             Packing::Bzip2 => here.saturating_mul(MAX_BZIP2_RATIO),
+            Packing::Hex => here / 2,
         };
         if self.packing == Packing::None && declared != here {
             return Err(size(Found::Bytes(here)));
@@ -142,11 +145,15 @@ impl Raster {
         if declared > most {
             return Err(size(Found::AtMost(most)));
         }
-        let mut stream: Box<dyn Read> = match self.packing {
-            Packing::Gzip => Box::new(MultiGzDecoder::new(&mut *source.reader)),
-            Packing::Zlib => Box::new(ZlibDecoder::new(&mut *source.reader)),
-            Packing::Bzip2 => Box::new(MultiBzDecoder::new(&mut *source.reader)),
-            _ => Box::new(&mut *source.reader),
+        let packing = self.found(source)?;
+        let reader = &mut *source.reader;
+        let padding = Cell::new(0);
+        let mut stream: Box<dyn Read> = match packing {
+            Packing::Gzip => Box::new(Unpacked::gzip(reader, &padding)),
+            Packing::Zlib => Box::new(Unpacked::zlib(reader, &padding)),
+            Packing::Bzip2 => Box::new(Unpacked::bzip2(reader, &padding)),
+            Packing::Hex => Box::new(Hex(reader)),
+            _ => Box::new(reader),
         };
         let inside = skipped(&mut stream, data.inside).map_err(|reason| failed(0, reason))?;
         let decoded = match inside {
@@ -156,11 +163,24 @@ impl Raster {
         // Reading on to the end checks the length and the sum that close the stream.
         let more = read_block(&mut stream, &mut [0]).map_err(|reason| failed(decoded, reason))?;
         drop(stream);
+        source.note_padding(padding.get());
         match (decoded < declared, more > 0) {
             (true, _) => Err(source.data_size(declared, what, Found::Bytes(decoded))),
             (false, true) => Err(source.data_size(declared, what, Found::More)),
             (false, false) => Ok(()),
         }
+    }
+
+    /// How the data is packed: gzip and zlib stand for each other in files, their first bytes tell them apart.
+    fn found(&self, source: &mut Source) -> Result<Packing, ShapeError> {
+        let first = source.peek()?.first().copied().unwrap_or_default();
+        let (found, name) = match self.packing {
+            Packing::Zlib if first == GZIP[0] => (Packing::Gzip, "gzip"),
+            Packing::Gzip if first & 0xf == ZLIB => (Packing::Zlib, "zlib"),
+            packing => return Ok(packing),
+        };
+        source.note(format!("its data is packed by {name}, which the header does not say, and is read so"));
+        Ok(found)
     }
 
     /// Appends the values of so many bytes, or of as many as there are; how many were read.

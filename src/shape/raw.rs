@@ -6,6 +6,7 @@ use super::error::{Location, ShapeError, quoted, shown, unreadable};
 use super::placement::{self, Placement};
 use super::raster::{Data, Packing, Raster, Skip, sides};
 use super::source::Source;
+use super::space::Space;
 use super::{Content, SampleType, Shape};
 use crate::support::open as plain;
 use glam::{DMat3, DVec3};
@@ -29,7 +30,7 @@ pub struct RawLayout {
 
 /// Opens a file of bare values as a scalar volume whose first sample is at the origin of the world.
 ///
-/// Integers above 2^24 and doubles are rounded to f32.
+/// Integers above 2^24 and doubles are rounded to f32; what was assumed becomes a warning in the log.
 ///
 /// # Errors
 /// Any [`ShapeError`]; its message is one line. A layout that the length of the file does not fit to is refused.
@@ -48,10 +49,13 @@ pub fn open_raw(path: &str, layout: &RawLayout) -> Result<Shape, ShapeError> {
         return Err(wrong(placement::STEPS, layout.spacing.map(|step| step.to_string()).join(" ")));
     }
     let (steps, content) = (DMat3::from_diagonal(spacing), Content::Scalar);
-    let placement = Placement { size, origin: DVec3::ZERO, steps, content };
+    let placement = Placement::new(Space::RAS, size, (DVec3::ZERO, steps), content);
     let (kind, big_endian) = (layout.kind, layout.big_endian);
     let raster = Raster { kind, big_endian, packing: Packing::None, scale: None, placement };
-    raster.read(&mut source, &Data { before: layout.skip.map_or(Skip::ToData, Skip::Bytes), ..Data::HERE })
+    let data = Data { before: layout.skip.map_or(Skip::ToData, Skip::Bytes), ..Data::HERE };
+    let shape = raster.read(&mut source, &data)?;
+    source.notes.take().iter().for_each(|note| log::warn!("{}: {note}", source.file));
+    Ok(shape)
 }
 
 /// A file of bare values without a layout: what it may be.

@@ -5,7 +5,7 @@
 
 use super::error::{Found, Location, ShapeError, quoted, shown};
 use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
-use crate::support::open::{self, Home};
+use crate::support::open::{self, Home, MARK};
 use glam::DVec3;
 use std::cell::RefCell;
 use std::io::{self, BufRead, BufReader, Read};
@@ -33,8 +33,12 @@ pub(super) struct Source<'a> {
     end: u8,
     /// Where files beside it are; none where it is in memory.
     pub folder: Option<PathBuf>,
+    /// The grid that is asked for of a file with several.
+    pub grid: Option<String>,
+    /// All grids of such a file, each with what it is.
+    pub grids: Vec<String>,
     /// What a person should know about the shape besides: see [`Source::note`].
-    pub notes: Vec<String>,
+    pub notes: RefCell<Vec<String>>,
     /// Other files that it was read from.
     pub others: RefCell<Vec<PathBuf>>,
     /// What is left.
@@ -51,7 +55,9 @@ impl<'a> Source<'a> {
             line: 0,
             end: b'\n',
             folder,
-            notes: Vec::new(),
+            grid: None,
+            grids: Vec::new(),
+            notes: RefCell::default(),
             others: RefCell::default(),
             reader,
         }
@@ -85,12 +91,25 @@ impl<'a> Source<'a> {
         })?;
         self.others.borrow_mut().push(path);
         let mut reader = BufReader::new(opened);
-        read(&mut Source::new(file, len, None, &mut reader))
+        let mut part = Source::new(file, len, None, &mut reader);
+        let found = read(&mut part)?;
+        part.notes.take().into_iter().for_each(|note| self.note(note));
+        Ok(found)
     }
 
-    /// Remembers a part of the file that changes its geometry and is left out: a short sentence without the file's name.
-    pub fn note(&mut self, text: String) {
-        self.notes.push(text);
+    /// Remembers what was assumed, or left out of the file: a short sentence without the file's name, once.
+    pub fn note(&self, text: String) {
+        let mut notes = self.notes.borrow_mut();
+        if !notes.contains(&text) {
+            notes.push(text);
+        }
+    }
+
+    /// Says that zeros fill up the file behind its packed data, if some do.
+    pub fn note_padding(&self, zeros: u64) {
+        if zeros > 0 {
+            self.note(format!("{zeros} zeros behind the packed data are left out"));
+        }
     }
 
     /// Bytes that are not consumed yet.

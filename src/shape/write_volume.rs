@@ -4,6 +4,7 @@
 //! the format can say where the samples are.
 
 use super::axes::{directions, lengths};
+use super::space::Space;
 use super::values::{LEVEL, check, write_values};
 use super::{Content, Volume, meta, vdb, write_nifti, write_nrrd};
 use flate2::write::{GzEncoder, ZlibEncoder};
@@ -84,7 +85,10 @@ impl VolumeFormat {
 }
 
 fn write_meta(volume: &Volume, mut to: impl Write) -> io::Result<()> {
-    let ([x, y, z], origin, steps) = (volume.size, volume.origin, volume.steps.as_dmat3());
+    let [x, y, z] = volume.size;
+    // From the world to LPS is the same turn as back.
+    let origin = Space::LPS.position(volume.origin.as_dvec3());
+    let steps = Space::LPS.steps(&volume.steps.as_dmat3());
     let numbers = |numbers: &[f64]| numbers.iter().map(|number| number.to_string()).collect::<Vec<_>>().join(" ");
     writeln!(to, "ObjectType = Image\nNDims = 3")?;
     if volume.content == Content::SignedDistance {
@@ -97,7 +101,7 @@ fn write_meta(volume: &Volume, mut to: impl Write) -> io::Result<()> {
     writeln!(to, "BinaryData = True\nBinaryDataByteOrderMSB = False")?;
     writeln!(to, "CompressedData = True\nCompressedDataSize = {}", data.len())?;
     writeln!(to, "TransformMatrix = {}", numbers(&directions(&steps).to_cols_array()))?;
-    writeln!(to, "Offset = {} {} {}", origin.x, origin.y, origin.z)?;
+    writeln!(to, "Offset = {}", numbers(&origin.to_array()))?;
     writeln!(to, "CenterOfRotation = 0 0 0\nElementSpacing = {}", numbers(&lengths(&steps).to_array()))?;
     writeln!(to, "DimSize = {x} {y} {z}\nElementType = MET_FLOAT\nElementDataFile = LOCAL")?;
     to.write_all(&data)?;

@@ -23,7 +23,7 @@ fn what_a_scan_holds_is_shown_and_its_iso_values_are_offered() {
     let mut scene = preset("lit").unwrap();
     scene.object.input = path.to_str().unwrap().into();
 
-    let told = Facts::of(&scene.object.input).unwrap();
+    let told = Facts::of(&scene.object.input, None).unwrap();
     let [iso] = told.iso_values[..] else { panic!("one boundary: {:?}", told.iso_values) };
     assert!((50.0..150.0).contains(&iso), "{iso}");
     let mut hand = Hand::advanced(scene);

@@ -12,6 +12,8 @@ mod links;
 mod meta;
 mod nifti;
 mod nrrd;
+mod odd;
+mod orientation;
 mod ply;
 mod polygons;
 mod raw;

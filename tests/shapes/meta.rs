@@ -40,10 +40,22 @@ const WORTH: [fn(f32) -> f32; 12] = [
     |x| x * 0.5,
 ];
 
+/// The axes of the world in LPS, as it is in the header.
+const MATRIX: &str = "-1 0 0 0 -1 0 0 0 1";
 const HEADER: &str = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n\
-                      TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 1.5 -2 0.25\nCenterOfRotation = 0 0 0\n\
-                      AnatomicalOrientation = RAI\nElementSpacing = 0.5 1 2\nDimSize = 4 5 3\nElementType = MET_UCHAR\n\
+                      TransformMatrix = -1 0 0 0 -1 0 0 0 1\nOffset = -1.5 2 0.25\nCenterOfRotation = 0 0 0\n\
+                      AnatomicalOrientation = LPI\nElementSpacing = 0.5 1 2\nDimSize = 4 5 3\nElementType = MET_UCHAR\n\
                       ElementDataFile = LOCAL\n";
+
+/// Directions of axes in the world, as these files have them: in LPS.
+fn lps(directions: &str) -> String {
+    let turned = directions.split(' ').enumerate().map(|(place, part)| match part.strip_prefix('-') {
+        _ if place % 3 == 2 || part == "0" => part.to_string(),
+        Some(part) => part.to_string(),
+        None => format!("-{part}"),
+    });
+    turned.collect::<Vec<_>>().join(" ")
+}
 
 /// Numbers 0 to 59 of a type.
 fn data(kind: usize, big_endian: bool) -> Vec<u8> {
@@ -103,7 +115,7 @@ fn every_type_order_and_packing_gives_the_values_in_their_place() {
 
 #[test]
 fn an_axis_that_runs_backwards_is_turned() {
-    let header = HEADER.replace("1 0 0 0 1 0 0 0 1", "1 0 0 0 -1 0 0 0 1");
+    let header = HEADER.replace(MATRIX, &lps("1 0 0 0 -1 0 0 0 1"));
     let read = volume(read("test.mha", &[header.as_bytes(), &data(1, false)].concat()));
     assert_eq!(read.origin, Vec3::new(1.5, -6.0, 0.25));
     // The first sample of the file is at its offset.
@@ -113,7 +125,7 @@ fn an_axis_that_runs_backwards_is_turned() {
 
 /// The volume of numbers 0 to 59 whose axes have these directions.
 fn turned(directions: &str) -> Volume {
-    let header = HEADER.replace("1 0 0 0 1 0 0 0 1", directions);
+    let header = HEADER.replace(MATRIX, &lps(directions));
     volume(read("test.mha", &[header.as_bytes(), &data(1, false)].concat()))
 }
 
@@ -158,7 +170,7 @@ fn signed_distances_are_known_by_a_comment_and_stand_along_the_axes() {
     let marked = HEADER.replace("NDims", "Comment = hypertexture signed distance\nNDims");
     let read = volume(read("test.mha", &[marked.as_bytes(), &data(1, false)].concat()));
     assert_eq!(read.content, Content::SignedDistance);
-    let oblique = marked.replace("1 0 0 0 1 0 0 0 1", "0.6 0.8 0 -0.8 0.6 0 0 0 1");
+    let oblique = marked.replace(MATRIX, "0.6 0.8 0 -0.8 0.6 0 0 0 1");
     let line = error(&oblique, &data(1, false));
     assert!(line.contains("a signed distance on a grid that is not along the axes of the world"), "{line}");
     assert!(line.contains("resample it onto these axes, or save it as a scalar volume"), "{line}");
@@ -266,17 +278,18 @@ fn data_beside_the_header_is_read_and_what_is_before_it_is_not() {
 fn what_is_wrong_is_said_with_its_place() {
     for (from, to, said) in [
         ("= Image", "= Tube", "line 1: ObjectType `Tube` is not supported"),
-        ("NDims = 3", "NDims = 4", "line 2: expected `NDims = 3`"),
+        ("NDims = 3", "NDims = 2", "line 2: expected `NDims = 3`"),
+        ("NDims = 3", "NDims = 4", "line 11: expected 3 whole numbers of at least 1, found DimSize `4 5 3`"),
         ("NDims = 3\n", "", "header: expected `NDims = 3`"),
         ("BinaryData = True", "BinaryData = False", "line 3: BinaryData `False` is not supported"),
         ("MSB = False", "MSB = maybe", "line 4: expected `True` or `False`"),
-        ("1 0 0 0 1 0 0 0 1", "1 0 0 1 0 0 0 0 1", "a grid whose unit axes have the determinant 0.0e0"),
-        ("1 0 0 0 1 0 0 0 1", "1 0 0 0 0 0 0 0 1", "line 6: expected distances between samples"),
-        ("1 0 0 0 1 0 0 0 1", "1 0 0", "line 6: expected 9 finite numbers"),
-        ("1.5 -2 0.25", "1.5 inf 0.25", "line 7: expected 3 finite numbers"),
-        ("1.5 -2 0.25", "1e9 0 0", "voxels from the origin is not supported"),
+        (MATRIX, "1 0 0 1 0 0 0 0 1", "a grid whose unit axes have the determinant 0.0e0"),
+        (MATRIX, "1 0 0 0 0 0 0 0 1", "line 6: expected distances between samples"),
+        (MATRIX, "1 0 0", "line 6: expected 9 finite numbers"),
+        ("-1.5 2 0.25", "1.5 inf 0.25", "line 7: expected 3 finite numbers"),
+        ("-1.5 2 0.25", "1e9 0 0", "voxels from the origin is not supported"),
         ("0.5 1 2", "0.5 0 2", "line 10: expected distances between samples"),
-        ("0.5 1 2", "0.5 -1 2", "line 10: expected distances between samples"),
+        ("0.5 1 2", "0.5 1e19 2", "line 10: expected distances between samples"),
         ("4 5 3", "4 0 3", "line 11: expected 3 whole numbers"),
         ("4 5 3", "4 5", "line 11: expected 3 whole numbers"),
         ("4 5 3", "4000000000 4000000000 4000000000", "voxels, the limit is"),
@@ -310,10 +323,10 @@ fn what_is_wrong_is_said_with_its_place() {
     }
     let bomb = HEADER.replace("4 5 3", "1000 1000 1000").replace("CompressedData = False", "CompressedData = True");
     assert!(error(&bomb, &zlib(&[0; 1000])).contains("at most"));
-    let nan = HEADER.replace("MET_UCHAR", "MET_FLOAT");
+    let infinite = HEADER.replace("MET_UCHAR", "MET_FLOAT");
     let mut values = data(10, false);
-    values[16..20].copy_from_slice(&f32::NAN.to_le_bytes());
-    assert!(error(&nan, &values).contains("1 of 60 voxels are NaN"));
+    values[16..20].copy_from_slice(&f32::INFINITY.to_le_bytes());
+    assert!(error(&infinite, &values).contains("1 of 60 voxels are NaN"));
 }
 
 #[test]

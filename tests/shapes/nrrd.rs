@@ -322,9 +322,11 @@ fn the_corners_of_a_volume_at_the_limit_of_distance_have_values() {
 fn header_errors_name_the_line_and_the_value() {
     for (extra, part) in [
         ("spacings: 1 0 1", "line 7: expected distances between samples from 1.2e-38 to 1e18, found `1 0 1`"),
-        ("spacings: 1 nan 1", "line 7: expected 3 numbers, found `1 nan 1`"),
+        ("spacings: 1 inf 1", "line 7: expected 3 numbers, found `1 inf 1`"),
         ("spacings: 1 1e-60 1", "line 7: expected distances"),
-        ("space directions: (1,0,0) none (0,0,1)", "line 7: expected vectors of 3 numbers"),
+        ("space directions: (1,0,0) none (0,0,1)", "line 7: expected 3 vectors of 3 numbers"),
+        ("space directions: (1,0,0) (0,1) (0,0,1)", "line 7: expected vectors of 3 numbers"),
+        ("space directions: (1,0,0) (0,1,0)", "line 7: expected 3 vectors of 3 numbers"),
         ("space origin: (1,2,3) (4,5,6)", "line 7: expected one vector"),
         ("data file: other.raw", "header: the data file `other.raw` is not supported; put the file of the data beside"),
         ("byte skip: -2", "line 7: expected a number of bytes (at most 2^28 of compressed data), or -1, found `-2`"),
@@ -348,15 +350,18 @@ fn header_errors_name_the_line_and_the_value() {
             "type: short\nsizes: 1 1 1\nencoding: raw",
             "header: expected `endian: little` or `endian: big`, found `nothing`",
         ),
-        ("type: uchar\nsizes: 1 1 1\nencoding: hex", "encoding `hex` is not supported; save it as raw, gzip, bzip2"),
-        ("type: uchar\nsizes: 1 1\nencoding: raw", "line 5: expected `sizes` with 3 whole numbers, found `1 1`"),
+        ("type: uchar\nsizes: 1 1 1\nencoding: zip", "encoding `zip` is not supported; save it as raw, gzip, bzip2"),
+        (
+            "type: uchar\nsizes: 1 1\nencoding: raw",
+            "line 5: expected `sizes` with 3 whole numbers, or as many as `dimension` says, found `1 1`",
+        ),
         ("type: uchar\nsizes: 1 -1 1\nencoding: raw", "found `1 -1 1`"),
         ("sizes: 1 1 1\nencoding: raw", "header: expected a `type` field, found nothing"),
     ] {
         let message = error(&file(header, &[0; 8])).to_string();
         assert!(message.contains(part), "{message}");
     }
-    let message = error(b"NRRD0004\ndimension: 4\ntype: uchar\n\n").to_string();
+    let message = error(b"NRRD0004\ndimension: 4\nsizes: 2 2 2 2\ntype: uchar\n\n").to_string();
     assert!(message.contains("line 2: dimension `4` is not supported; extract one volume"), "{message}");
     assert!(error(b"NRRD0004\ndimension: 3\n").to_string().contains("the end of the file"));
     assert!(error(b"NRRD0009\n").to_string().contains("line 1: expected `NRRD0001` to `NRRD0005`"));

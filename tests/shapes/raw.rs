@@ -102,8 +102,9 @@ fn a_layout_that_the_file_does_not_fit_to_is_refused() {
     }
     assert!(desk.error(&[], &LAYOUT).contains("the file holds 0"));
     let floats = RawLayout { kind: SampleType::F32, ..LAYOUT };
-    let bytes: Vec<u8> = (0..60).flat_map(|x| (if x == 7 { f32::NAN } else { 1.0 }).to_le_bytes()).collect();
-    assert!(desk.error(&bytes, &floats).contains("1 of 60 voxels are NaN"));
+    let with = |odd: f32| (0..60).flat_map(|x| (if x == 7 { odd } else { 1.0 }).to_le_bytes()).collect::<Vec<u8>>();
+    assert!(desk.error(&with(f32::INFINITY), &floats).contains("1 of 60 voxels are NaN, infinite"));
+    assert_eq!(desk.volume(&with(f32::NAN), &floats).values, [1.0; 60]); // outside, as the lowest
     assert!(matches!(open_raw("none", &LAYOUT), Err(ShapeError::Missing { .. })));
     let folder = desk.0.path().display().to_string();
     assert!(matches!(open_raw(&folder, &LAYOUT), Err(ShapeError::NotAFile { .. })));

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use glam::{IVec3, Vec3};
-use hypertexture::shape::{Content, Shape, Volume, open, read};
+use hypertexture::shape::{Content, Facts, Opened, Shape, Volume, open, read, read_noted};
 use std::io::Write;
 
 fn volume(shape: Result<Shape, hypertexture::shape::ShapeError>) -> Volume {
@@ -73,15 +73,32 @@ fn mask(places: usize, on: impl Fn(usize) -> bool) -> Vec<u8> {
 /// A file of version 224 with the voxels from -8 to 7 on each axis, half of a unit apart, those active that have a value:
 /// around the origin each octant has nodes of its own.
 fn file(packing: Packing, class: &str, value: impl Fn(IVec3) -> Option<f32>) -> Vec<u8> {
-    const BACKGROUND: f32 = 9.0;
+    let mut bytes = start(1);
+    grid(&mut bytes, packing, ("ball", "Tree_float_5_4_3", class), 9.0, value);
+    bytes
+}
+
+/// What is before so many grids.
+fn start(grids: u32) -> Vec<u8> {
     let mut bytes = b" BDV\0\0\0\0".to_vec();
     bytes.extend([224u32, 9, 0].map(u32::to_le_bytes).concat());
     bytes.push(1);
     bytes.extend([b'0'; 36]);
-    bytes.extend([0u32, 1].map(u32::to_le_bytes).concat()); // no metadata, one grid
-    text(&mut bytes, "ball");
-    text(&mut bytes, "Tree_float_5_4_3");
-    text(&mut bytes, "");
+    bytes.extend([0, grids].map(u32::to_le_bytes).concat()); // no metadata
+    bytes
+}
+
+/// Appends a grid of this name, type and class.
+fn grid(
+    bytes: &mut Vec<u8>,
+    packing: Packing,
+    (name, kind, class): (&str, &str, &str),
+    background: f32,
+    value: impl Fn(IVec3) -> Option<f32>,
+) {
+    text(bytes, name);
+    text(bytes, kind);
+    text(bytes, "");
     let offsets = bytes.len();
     bytes.extend([0; 24]);
     bytes.extend(match packing {
@@ -90,12 +107,12 @@ fn file(packing: Packing, class: &str, value: impl Fn(IVec3) -> Option<f32>) -> 
         Packing::Zip => 1u32.to_le_bytes(),
     });
     bytes.extend(1u32.to_le_bytes());
-    ["class", "string", class].iter().for_each(|word| text(&mut bytes, word));
-    text(&mut bytes, "UniformScaleTranslateMap");
+    ["class", "string", class].iter().for_each(|word| text(bytes, word));
+    text(bytes, "UniformScaleTranslateMap");
     [10.0f64, 20.0, 30.0, 0.5, 0.5, 0.5].iter().for_each(|part| bytes.extend(part.to_le_bytes()));
     bytes.extend([0; 96]);
     bytes.extend(1u32.to_le_bytes());
-    bytes.extend(BACKGROUND.to_le_bytes());
+    bytes.extend(background.to_le_bytes());
     bytes.extend([0u32, 8].map(u32::to_le_bytes).concat());
     let octants: Vec<IVec3> = (0..8).map(|at| IVec3::new(at & 1, at >> 1 & 1, at >> 2) * 8 - 8).collect();
     let voxels = |corner: IVec3| (0..512).map(move |at| corner + IVec3::new(at >> 6, at >> 3 & 7, at & 7));
@@ -112,7 +129,7 @@ fn file(packing: Packing, class: &str, value: impl Fn(IVec3) -> Option<f32>) -> 
             let own = part(corner.x) << (2 * log) | part(corner.y) << log | part(corner.z);
             bytes.extend(mask(places, |place| place == own));
             bytes.extend(mask(places, |_| false));
-            values(&mut bytes, packing, &vec![BACKGROUND; places], &vec![false; places]);
+            values(bytes, packing, &vec![background; places], &vec![false; places]);
         }
         let leaf = of_leaf(*corner);
         bytes.extend(mask(512, |place| leaf[place].is_some()));
@@ -121,14 +138,13 @@ fn file(packing: Packing, class: &str, value: impl Fn(IVec3) -> Option<f32>) -> 
     for corner in &octants {
         let leaf = of_leaf(*corner);
         bytes.extend(mask(512, |place| leaf[place].is_some()));
-        let all: Vec<f32> = leaf.iter().map(|value| value.unwrap_or(BACKGROUND)).collect();
+        let all: Vec<f32> = leaf.iter().map(|value| value.unwrap_or(background)).collect();
         let active: Vec<bool> = leaf.iter().map(Option::is_some).collect();
-        values(&mut bytes, packing, &all, &active);
+        values(bytes, packing, &all, &active);
     }
     let end = bytes.len() as u64;
     bytes[offsets + 8..offsets + 16].copy_from_slice(&blocks.to_le_bytes());
     bytes[offsets + 16..offsets + 24].copy_from_slice(&end.to_le_bytes());
-    bytes
 }
 
 /// A ball of 5 voxels beside the origin, in a band of 2 voxels.
@@ -195,4 +211,87 @@ fn two_far_leaves_and_other_classes_are_refused_by_name() {
     far[tree..tree + 4].copy_from_slice(&(-1_073_741_824i32).to_le_bytes());
     let line = refusal(far);
     assert!(line.contains("voxels in the box around the active ones") && line.contains("the limit is"), "{line}");
+}
+
+/// A file of fog: each grid has the voxels of [`ball`] with the number of its place as their value.
+fn fog(grids: &[(&str, &str, &str)]) -> Vec<u8> {
+    let mut bytes = start(grids.len() as u32);
+    for (about, number) in grids.iter().zip(1u8..) {
+        grid(&mut bytes, Packing::Zip, *about, 0.0, |at| ball(at).map(|_| f32::from(number)));
+    }
+    bytes
+}
+
+const FLOATS: &str = "Tree_float_5_4_3";
+
+#[test]
+fn the_grid_that_is_matter_is_read_and_the_others_are_named() {
+    let (fog_of, set) = (|name| (name, FLOATS, "fog volume"), |name| (name, FLOATS, "level set"));
+    let vectors = ("v", "Tree_vec3s_5_4_3", "fog volume");
+    for (grids, number, left) in [
+        (vec![fog_of("temperature"), fog_of("density")], 2.0, "`temperature` (fog volume, floats)"),
+        (vec![set("collision"), fog_of("Density"), fog_of("heat")], 2.0, "`collision` (level set, floats), `heat`"),
+        (vec![fog_of("density"), fog_of("temperature")], 1.0, "`temperature` (fog volume, floats)"),
+        (vec![vectors, fog_of("smoke"), fog_of("heat")], 2.0, "`v` (`Tree_vec3s_5_4_3`), `heat`"),
+        (vec![("a", FLOATS, ""), fog_of("b")], 2.0, "`a` (no class, floats)"),
+        (vec![("a", FLOATS, "unknown"), vectors], 1.0, "`v` (`Tree_vec3s_5_4_3`)"),
+        (vec![fog_of("a"), ("density", FLOATS, "")], 2.0, "`a` (fog volume, floats)"),
+        (vec![fog_of("density\u{1e}0"), fog_of("density\u{1e}1")], 1.0, "`density[1]` (fog volume, floats)"),
+        (vec![("x", FLOATS, "staggered"), fog_of("b"), vectors], 2.0, "`x` (class `staggered`), `v`"),
+    ] {
+        let opened = read_noted("a.vdb", &fog(&grids)).unwrap();
+        assert_eq!(volume(Ok(opened.shape)).range(), (0.0, number), "{grids:?}");
+        assert_eq!(opened.grids.len(), grids.len());
+        let notes = opened.notes.join("; ");
+        assert!(notes.contains(&format!("is read, left out: {left}")) && notes.contains("--grid NAME"), "{notes}");
+    }
+    let alone = read_noted("a.vdb", &fog(&[fog_of("temperature")])).unwrap();
+    assert_eq!((alone.notes.len(), &*alone.grids), (0, &["`temperature` (fog volume, floats)".to_string()][..]));
+}
+
+#[test]
+fn a_grid_is_read_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.vdb").display().to_string();
+    let kinds = [("density", FLOATS, "fog volume"), ("heat", FLOATS, "fog volume"), ("v", "Tree_vec3s_5_4_3", "")];
+    std::fs::write(&path, fog(&kinds)).unwrap();
+    for (name, number) in [("density", 1.0), ("heat", 2.0)] {
+        assert_eq!(volume(Opened::with_grid(&path, Some(name)).map(|opened| opened.shape)).range(), (0.0, number));
+    }
+    let facts = Facts::of(&path, Some("heat")).unwrap();
+    let grids = facts.lines.iter().find(|line| line.name == "grids").unwrap();
+    assert_eq!(grids.words, "`density` (fog volume, floats), `heat` (fog volume, floats), `v` (`Tree_vec3s_5_4_3`)");
+    assert!(facts.lines.iter().any(|line| line.words.contains("its grid `heat` is read, left out: `density`")));
+    let refusal = |path: &str, name: &str| Opened::with_grid(path, Some(name)).unwrap_err().to_string();
+    let line = refusal(&path, "hea\u{1b}[1m");
+    assert!(
+        line.contains("no grid is called `hea\\u{1b}[1m`; it has `density` (fog volume, floats), `heat`"),
+        "{line}"
+    );
+    assert!(
+        refusal(&path, "v").contains("the grid `v` (`Tree_vec3s_5_4_3`) is not supported"),
+        "{}",
+        refusal(&path, "v")
+    );
+    for other in ["torus", "head"] {
+        assert_eq!(
+            refusal(other, "a"),
+            format!("{other}: no grid is called `a`; it has none: files of OpenVDB have grids")
+        );
+    }
+}
+
+#[test]
+fn values_without_a_class_are_a_density_or_distances() {
+    let of = |background, value: &dyn Fn(IVec3) -> Option<f32>| {
+        let mut bytes = start(1);
+        grid(&mut bytes, Packing::Mask, ("a", FLOATS, "unknown"), background, value);
+        let opened = read_noted("a.vdb", &bytes).unwrap();
+        (volume(Ok(opened.shape)).content, opened.notes.join("; "))
+    };
+    let (content, note) = of(0.0, &|at| ball(at).map(f32::abs));
+    assert_eq!((content, &*note), (Content::Scalar, "its grid `a` says no class: its values are taken for a density"));
+    let (content, note) = of(9.0, &ball);
+    assert_eq!(content, Content::LevelSet);
+    assert!(note.contains("are taken for distances, negative inside"), "{note}");
 }

@@ -17,11 +17,11 @@ const OF_FRAMES: [u32; 4] = [0x0020_9113, 0x0020_9116, 0x0028_9110, 0x0028_9145]
 /// Values of a scanner by the values of pixels.
 const TABLE: u32 = 0x0028_3000;
 /// An item of a sequence, and the ends of one and of a sequence.
-const ITEM: u32 = 0xfffe_e000;
+pub(super) const ITEM: u32 = 0xfffe_e000;
 const ITEM_END: u32 = 0xfffe_e00d;
-const SEQUENCE_END: u32 = 0xfffe_e0dd;
+pub(super) const SEQUENCE_END: u32 = 0xfffe_e0dd;
 /// The length of what ends with a mark.
-const UNDEFINED: u32 = u32::MAX;
+pub(super) const UNDEFINED: u32 = u32::MAX;
 /// Most sequences and items inside each other: 16 sequences, real files have 6.
 const MAX_DEPTH: usize = 32;
 /// Longest value that is read, in bytes: the numbers of a frame are far shorter.

@@ -1,11 +1,12 @@
 //! The header of a DICOM file.
 //!
-//! Role: the mark, and how the rest of the file is written. Invariant: one of the three ways that leave pixels as they are,
-//! or a name for the other one. Source: NEMA PS3.10, 7, and PS3.5, annex A.
+//! Role: the mark, and how the rest of the file is written. Invariant: one of the ways that are read here, or a name for the
+//! other one. Source: NEMA PS3.10, 7, and PS3.5, annex A.
 
 use super::super::error::{Location, ShapeError, quoted};
 use super::super::source::Source;
 use super::elements::{Elements, Syntax, shown};
+use super::frames::Coding;
 
 /// What is not read, what was found of it, and what to do.
 pub(super) type Refusal = (&'static str, String, &'static str);
@@ -24,6 +25,8 @@ const HEADER: &str = "a DICOM header";
 pub(super) struct Header {
     /// How elements are written.
     pub syntax: Syntax,
+    /// How pixels are packed.
+    pub coding: Coding,
     /// Why its pixels are not read.
     pub refused: Option<Refusal>,
 }
@@ -60,16 +63,20 @@ impl Header {
         let Some(syntax) = syntax else {
             return Err(source.malformed_at(Location::Header, "a transfer syntax (0002,0010)", "none".into()));
         };
-        let read = |is_implicit, big_endian| (Syntax { is_implicit, big_endian }, None);
-        let (syntax, refused) = match &*syntax {
-            "1.2.840.10008.1.2" => read(true, false),
-            "1.2.840.10008.1.2.1" => read(false, false),
-            "1.2.840.10008.1.2.2" => read(false, true),
-            other => (EXPLICIT, Some(compressed(other))),
+        let plain = |is_implicit, big_endian| (Syntax { is_implicit, big_endian }, Coding::Plain, None);
+        let packed = |coding| (EXPLICIT, coding, None);
+        let (syntax, coding, refused) = match &*syntax {
+            "1.2.840.10008.1.2" => plain(true, false),
+            "1.2.840.10008.1.2.1" => plain(false, false),
+            "1.2.840.10008.1.2.2" => plain(false, true),
+            "1.2.840.10008.1.2.5" => packed(Coding::Rle),
+            "1.2.840.10008.1.2.4.50" | "1.2.840.10008.1.2.4.51" => packed(Coding::LossyJpeg),
+            "1.2.840.10008.1.2.4.57" | "1.2.840.10008.1.2.4.70" => packed(Coding::Jpeg),
+            other => (EXPLICIT, Coding::Plain, Some(compressed(other))),
         };
         let remedy = "it only names files: open the folder that the slices are in, or one of them";
         let refused = if is_directory { Some(("the", "DICOMDIR".into(), remedy)) } else { refused };
-        Ok(Header { syntax, refused })
+        Ok(Header { syntax, coding, refused })
     }
 }
 
@@ -78,15 +85,13 @@ fn compressed(syntax: &str) -> Refusal {
     let number = syntax.strip_prefix("1.2.840.10008.1.2.").unwrap_or_default();
     let name = match number {
         "1.99" => "deflate",
-        "4.50" | "4.51" | "4.57" | "4.70" => "JPEG",
         "4.80" | "4.81" => "JPEG-LS",
         "4.90" | "4.91" | "4.92" | "4.93" => "JPEG 2000",
         "4.201" | "4.202" | "4.203" => "HTJ2K",
-        "5" => "RLE",
         _ if number.starts_with("4.10") => "MPEG",
         _ => "unknown",
     };
     let found = format!("{name} ({})", quoted(syntax.as_bytes()));
-    let remedy = "unpack it with `gdcmconv --raw`, or `dcmdjpeg`, `dcmdjpls`, `dcmdrle` or `dcmconv +te` of DCMTK";
+    let remedy = "unpack it with `gdcmconv --raw`, or `dcmdjpls` or `dcmconv +te` of DCMTK";
     ("the transfer syntax", found, remedy)
 }

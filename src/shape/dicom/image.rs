@@ -5,7 +5,8 @@
 
 use super::super::error::{Found, Location, ShapeError, quoted};
 use super::super::source::Source;
-use super::elements::{Element, Elements, PER_FRAME, PIXELS, SHARED};
+use super::elements::{Element, Elements, PER_FRAME, PIXELS, SHARED, UNDEFINED};
+use super::frames::{Coding, Fragments};
 use super::header::{Header, Refusal};
 
 /// Most frames of a file or folder: what is kept of one is many times as long as the shortest item of it.
@@ -39,6 +40,8 @@ pub(super) struct Image {
     pub frames: Vec<Frame>,
     /// How many frames it says to have.
     count: u64,
+    /// How its pixels are packed.
+    pub coding: Coding,
     samples: u16,
     photometric: String,
     /// Bits of a pixel, those of its value, and the place of the highest of these.
@@ -77,8 +80,8 @@ impl Frame {
             0x0020_0032 => self.position = Some(numbers(elements, head, "ImagePositionPatient of 3 numbers")?),
             0x0020_0037 => self.orientation = Some(numbers(elements, head, "ImageOrientationPatient of 6 numbers")?),
             0x0028_0030 => self.spacing = Some(numbers(elements, head, "PixelSpacing of 2 numbers")?),
-            0x0028_1052 => self.intercept = Some(number(elements, head, "RescaleIntercept of one number")?),
-            0x0028_1053 => self.slope = Some(number(elements, head, "RescaleSlope of one number")?),
+            0x0028_1052 => self.intercept = known(elements, head, "RescaleIntercept of one number")?,
+            0x0028_1053 => self.slope = known(elements, head, "RescaleSlope of one number")?,
             _ => return Ok(false),
         }
         Ok(true)
@@ -99,6 +102,22 @@ fn numbers<const N: usize>(
     parts.ok_or_else(|| elements.source.malformed_at(place, expected, quoted(text.as_bytes())))
 }
 
+/// The number of an element that may say none, by nothing or NaN.
+fn known(elements: &mut Elements, head: &Element, expected: &'static str) -> Result<Option<f64>, ShapeError> {
+    let place = Location::Byte(elements.source.offset);
+    let text = elements.text(head)?;
+    match text.parse() {
+        Ok(number) if f64::is_finite(number) => Ok(Some(number)),
+        Ok(number) if f64::is_nan(number) => {
+            let name = expected.split(' ').next().unwrap_or_default();
+            elements.source.note(format!("{name} is NaN: values are taken as without it"));
+            Ok(None)
+        }
+        _ if text.is_empty() => Ok(None),
+        _ => Err(elements.source.malformed_at(place, expected, quoted(text.as_bytes()))),
+    }
+}
+
 fn number(elements: &mut Elements, head: &Element, expected: &'static str) -> Result<f64, ShapeError> {
     numbers::<1>(elements, head, expected).map(|[number]| number)
 }
@@ -106,8 +125,8 @@ fn number(elements: &mut Elements, head: &Element, expected: &'static str) -> Re
 impl Image {
     /// Reads a file up to the pixels, or to its end where there are none.
     pub fn read(source: &mut Source) -> Result<Image, ShapeError> {
-        let Header { syntax, refused } = Header::read(source)?;
-        let mut image = Image { count: 1, samples: 1, refused, ..Image::default() };
+        let Header { syntax, coding, refused } = Header::read(source)?;
+        let mut image = Image { count: 1, samples: 1, coding, refused, ..Image::default() };
         let (mut common, mut shared) = (Frame::default(), Frame::default());
         let mut elements = Elements::new(source, syntax);
         while let Some(head) = elements.next()? {
@@ -230,6 +249,18 @@ impl Image {
             return wrong("RescaleSlope that is not 0", "0".into());
         }
         let declared = self.frame_bytes() * self.count;
+        if self.coding != Coding::Plain {
+            if pixels.bytes != UNDEFINED {
+                let found = format!("{} bytes", pixels.bytes);
+                return wrong("packed pixels (7FE0,0010) in fragments, without a length of all", found);
+            }
+            let most = pixels.left.saturating_mul(self.coding.max_ratio());
+            if declared > most {
+                let (file, what, found) = (file.into(), "pixels".into(), Found::AtMost(most));
+                return Err(ShapeError::DataSize { file, offset: pixels.offset, declared, what, found });
+            }
+            return Ok(());
+        }
         if u64::from(pixels.bytes) != declared && u64::from(pixels.bytes) != declared + declared % 2 {
             let found = format!(
                 "{} for {} x {} x {} pixels of {allocated} bits",
@@ -244,11 +275,26 @@ impl Image {
         Ok(())
     }
 
-    /// Reads the values of the next frame, which is `frame`: its pixels are next in the source.
-    pub fn values(&self, source: &mut Source, frame: &Frame, values: &mut [f32]) -> Result<(), ShapeError> {
+    /// The fragments of packed pixels, which are next in the source.
+    pub fn fragments(&self, source: &mut Source) -> Result<Option<Fragments>, ShapeError> {
+        (self.coding != Coding::Plain).then(|| Fragments::read(source, self.frames.len())).transpose()
+    }
+
+    /// Reads the values of the next frame, that with this index: its pixels are next in the source, or in the fragments.
+    pub fn values(
+        &self,
+        source: &mut Source,
+        fragments: Option<&mut Fragments>,
+        index: usize,
+        values: &mut [f32],
+    ) -> Result<(), ShapeError> {
         let [allocated, stored, high] = self.bits.map(u32::from);
-        let Some(pixels) = self.data else { return Ok(()) };
-        let block = source.block(self.frame_bytes(), "pixels of a frame")?;
+        let (Some(pixels), Some(frame)) = (self.data, self.frames.get(index)) else { return Ok(()) };
+        let sides = [self.columns, self.rows];
+        let block = match fragments {
+            Some(fragments) => fragments.frame(source, index, self.coding, sides, allocated as usize / 8)?,
+            None => source.block(self.frame_bytes(), "pixels of a frame")?,
+        };
         let (slope, intercept) = (frame.slope.unwrap_or(1.0), frame.intercept.unwrap_or(0.0));
         // To the left the bits above the value fall off, to the right those below it, and a sign comes along.
         let (left, right) = (31 - high, 32 - stored);

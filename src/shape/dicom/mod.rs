@@ -6,6 +6,7 @@
 //! around them must not take memory or depth. Source: NEMA PS3.
 
 mod elements;
+mod frames;
 mod header;
 mod image;
 mod series;
@@ -14,11 +15,12 @@ use super::Shape;
 use super::error::{Location, ShapeError, shown, unreadable};
 use super::source::Source;
 use crate::support::open::{self, Home};
+use frames::Coding;
 use header::{MARK, MARK_AT};
 use image::{Image, MAX_FRAMES};
 use series::{Layout, Member, layout};
 use std::fs;
-use std::io::BufReader;
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 /// Most files of a folder that are looked at: the slices of a body, five times.
@@ -34,32 +36,40 @@ pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
 /// Reads the series that the slice is of from the files beside it, or the frames of a file that has several.
 ///
 /// Integers of 8, 16 or 32 bits, each slice with its slope and intercept, become f32. Slices that are shifted against each
-/// other, as those of a tilted gantry, stand where they are. Colors, compressed pixels and values whose 0 is white
-/// (MONOCHROME1) are refused: programs do not agree on whether the latter are turned around.
+/// other, as those of a tilted gantry, stand where they are; a few of another size or orientation, as localizers, are left out.
+/// Colors and values whose 0 is white (MONOCHROME1) are refused: programs do not agree on whether the latter are turned around.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let image = Image::read(source)?;
     if let Some(folder) = source.folder.clone().filter(|_| image.is_slice()) {
         let mut members = members(&source.file, &folder)?;
         members.retain(|member| member.image.series == image.series);
         source.others.borrow_mut().extend(members.iter().map(|member| member.path.clone()));
-        return joined(&source.file, &members);
+        return joined(source, members);
     }
     image.check(&source.file)?;
     let members = [Member { path: PathBuf::new(), image }];
-    let Layout { placement, slices } = layout(&source.file, &members)?;
+    let Layout { placement, slices } = layout(source, &members)?;
     let mut values = placement.filled(&source.file, 0.0)?;
     fill(&mut values, source, &members[0].image, &slices[0])?;
-    placement.volume(&source.file, values).map(Shape::Volume)
+    placement.volume(source, values).map(Shape::Volume)
 }
 
-/// Reads the series in a folder.
-pub(super) fn read_folder(name: &str, folder: &Path) -> Result<Shape, ShapeError> {
+/// Reads the series in a folder; what is to be known of it besides.
+pub(super) fn read_folder(name: &str, folder: &Path) -> Result<(Shape, Vec<String>), ShapeError> {
+    let mut nothing = io::empty();
+    let source = Source::new(name.into(), 0, None, &mut nothing);
+    let shape = folder_series(&source, folder)?;
+    Ok((shape, source.notes.take()))
+}
+
+fn folder_series(source: &Source, folder: &Path) -> Result<Shape, ShapeError> {
+    let name = &*source.file;
     let members = members(name, folder)?;
     let Some(first) = members.first() else {
         return Err(ShapeError::NotAFile { file: name.into(), kind: "a directory" });
     };
     if members.iter().all(|member| member.image.series == first.image.series) {
-        return joined(name, &members);
+        return joined(source, members);
     }
     let mut series: Vec<(&Member, usize)> = Vec::new();
     for member in &members {
@@ -122,22 +132,26 @@ fn too_many(name: &str, found: String) -> ShapeError {
     ShapeError::Unsupported { file, place: Location::Folder, what: "a folder of", found, remedy }
 }
 
-/// The volume of all frames of `members`.
-fn joined(name: &str, members: &[Member]) -> Result<Shape, ShapeError> {
+/// The volume of all frames of `members`, but for a few that are other pictures.
+fn joined(source: &Source, members: Vec<Member>) -> Result<Shape, ShapeError> {
+    let name = &*source.file;
+    let members = &series::without_others(source, members)[..];
     members.iter().try_for_each(|member| member.image.check(&shown(&member.path.to_string_lossy())))?;
-    let Layout { placement, slices } = layout(name, members)?;
+    let Layout { placement, slices } = layout(source, members)?;
     let mut values = placement.filled(name, 0.0)?;
     for (member, slices) in members.iter().zip(&slices) {
-        with_file(&member.path, |source| {
-            let image = Image::read(source)?;
+        with_file(&member.path, |part| {
+            let image = Image::read(part)?;
             if image != member.image {
                 let found = "another one than before".into();
-                return Err(source.malformed_at(Location::Header, "a file that stays as it is", found));
+                return Err(part.malformed_at(Location::Header, "a file that stays as it is", found));
             }
-            fill(&mut values, source, &image, slices)
+            fill(&mut values, part, &image, slices)?;
+            part.notes.take().into_iter().for_each(|note| source.note(note));
+            Ok(())
         })?;
     }
-    placement.volume(name, values).map(Shape::Volume)
+    placement.volume(source, values).map(Shape::Volume)
 }
 
 fn with_file<T>(path: &Path, read: impl FnOnce(&mut Source) -> Result<T, ShapeError>) -> Result<T, ShapeError> {
@@ -149,8 +163,13 @@ fn with_file<T>(path: &Path, read: impl FnOnce(&mut Source) -> Result<T, ShapeEr
 
 /// Reads the frames of an image, whose pixels are next in the source, into their slices.
 fn fill(values: &mut [f32], source: &mut Source, image: &Image, slices: &[usize]) -> Result<(), ShapeError> {
-    for (frame, slice) in image.frames.iter().zip(slices) {
-        image.values(source, frame, &mut values[slice * image.pixels()..][..image.pixels()])?;
+    let mut fragments = image.fragments(source)?;
+    if image.coding == Coding::LossyJpeg {
+        source.note("its pixels are packed by a JPEG that changes values".into());
+    }
+    for (index, slice) in slices.iter().enumerate() {
+        let own = &mut values[slice * image.pixels()..][..image.pixels()];
+        image.values(source, fragments.as_mut(), index, own)?;
     }
     Ok(())
 }

@@ -1,12 +1,14 @@
 //! The places of the slices of a DICOM series.
 //!
 //! Role: positions and orientations of slices into one grid. Invariant: each slice is within 1/50 of a gap of where the grid
-//! has it; a slice too few or too many is refused. Source: NEMA PS3.3, C.7.6.2.1.1.
+//! has it, or a tenth of a millimeter and a note says so; a slice too few or too many is refused. Source: NEMA PS3.3, C.7.6.2.1.1.
 
 use super::super::Content;
 use super::super::axes::lengths;
 use super::super::error::{Location, ShapeError, quoted};
 use super::super::placement::{self, Placement};
+use super::super::source::Source;
+use super::super::space::Space;
 use super::image::{Frame, Image};
 use glam::{DMat3, DVec3};
 use std::path::PathBuf;
@@ -15,9 +17,12 @@ use std::path::PathBuf;
 const OFF: f64 = 0.02;
 /// How far orientations may be from each other, from length 1 and from right angles: what is left of 16 characters, and more.
 const TURN: f64 = 1e-3;
-
-/// From the coordinates of DICOM to those of NIfTI: the first two run the other way.
-const TO_WORLD: DMat3 = DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0));
+/// How far a slice may be off where positions are rounded to a tenth of a millimeter, in mm: two of them by half of it each.
+const ROUNDED: f64 = 0.101;
+/// Most kinds of pictures in a series: more, and none of them is its volume.
+const MOST_GROUPS: usize = 16;
+/// Files that are named in a message.
+const NAMED: usize = 4;
 
 /// A file of a series.
 pub(super) struct Member {
@@ -50,6 +55,22 @@ impl Member {
         quoted(self.path.file_name().unwrap_or_default().to_string_lossy().as_bytes())
     }
 
+    /// Whether it has the size, orientation and distances of pixels of another one.
+    fn is_like(&self, other: &Member) -> bool {
+        let of = |member: &Member| {
+            let frame = member.image.frames.first()?;
+            Some((plane(frame).ok()?, frame.position.is_some()))
+        };
+        let (Some(((x, y, spacing), has_place)), Some(((to_x, to_y, to_spacing), other_place))) = (of(self), of(other))
+        else {
+            return of(self).is_none() && of(other).is_none();
+        };
+        let is_turned = x.distance(to_x).max(y.distance(to_y)) > TURN;
+        let is_scaled = spacing.iter().zip(to_spacing).any(|(its, other)| (its - other).abs() > TURN * other);
+        let sides = |member: &Member| (member.image.columns, member.image.rows);
+        !is_turned && !is_scaled && sides(self) == sides(other) && has_place == other_place
+    }
+
     /// A frame for a message.
     fn shown(&self, frame: usize) -> String {
         match (self.image.frames.len() > 1, self.path.file_name()) {
@@ -60,8 +81,9 @@ impl Member {
     }
 }
 
-/// The grid that the frames of `members` make, for messages about `file`.
-pub(super) fn layout(file: &str, members: &[Member]) -> Result<Layout, ShapeError> {
+/// The grid that the frames of `members` make.
+pub(super) fn layout(source: &Source, members: &[Member]) -> Result<Layout, ShapeError> {
+    let file = &*source.file;
     let wrong = |expected, found| {
         let place = if members.len() > 1 { Location::Folder } else { Location::Header };
         ShapeError::Malformed { file: file.into(), place, expected, found }
@@ -101,7 +123,7 @@ pub(super) fn layout(file: &str, members: &[Member]) -> Result<Layout, ShapeErro
     }
     slices.sort_by(|a, b| a.height.total_cmp(&b.height));
     let name = |slice: &Slice| members[slice.file].shown(slice.frame);
-    let step = step(&slices, &name).map_err(|(expected, found)| wrong(expected, found))?;
+    let (first, step) = line(source, &slices, &name).map_err(|(expected, found)| wrong(expected, found))?;
     let size = [columns.into(), rows.into(), slices.len() as u64];
     let size = placement::checked(file, size)?;
     let mut order: Vec<Vec<usize>> = members.iter().map(|member| vec![0; member.image.frames.len()]).collect();
@@ -109,11 +131,11 @@ pub(super) fn layout(file: &str, members: &[Member]) -> Result<Layout, ShapeErro
         order[slice.file][slice.frame] = index;
     }
     // Columns are counted along x, so that their distance is the second.
-    let steps = TO_WORLD * DMat3::from_cols(x * spacing[1], y * spacing[0], step);
+    let steps = DMat3::from_cols(x * spacing[1], y * spacing[0], step);
     if !placement::are_lengths(lengths(&steps)) {
         return Err(wrong(placement::STEPS, vector(lengths(&steps))));
     }
-    let placement = Placement { size, origin: TO_WORLD * slices[0].position, steps, content: Content::Scalar };
+    let placement = Placement::new(Space::LPS, size, (first, steps), Content::Scalar);
     placement.check(file)?;
     Ok(Layout { placement, slices: order })
 }
@@ -139,8 +161,8 @@ fn plane(frame: &Frame) -> Result<(DVec3, DVec3, [f64; 2]), Wrong> {
     Ok((x.normalize(), y.normalize(), spacing))
 }
 
-/// The way from a slice to the next one.
-fn step(slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> Result<DVec3, Wrong> {
+/// The place of the first slice, and the way from a slice to the next one.
+fn line(source: &Source, slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> Result<(DVec3, DVec3), Wrong> {
     let (Some(first), Some(last), true) = (slices.first(), slices.last(), slices.len() > 1) else {
         return Err(("at least 2 slices of a series in a folder", slices.len().to_string()));
     };
@@ -155,20 +177,80 @@ fn step(slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> Result<DVec3, Wron
             let found = format!("{} both at {} mm", between(), shown_mm(pair[0].height));
             return Err(("one slice at each place", found));
         }
-        if (gap - usual).abs() > OFF * usual {
+        if (gap - usual).abs() > slack(usual) {
             let found = format!("{} mm between {}, others are {} mm apart", shown_mm(gap), between(), shown_mm(usual));
             return Err(("slices at even distances, none missing", found));
         }
     }
-    let step = (last.position - first.position) / (slices.len() - 1) as f64;
+    // The slice that is farthest from a line, and how far.
+    let farthest = |(start, step): (DVec3, DVec3)| {
+        let off = |(index, slice): (usize, &Slice)| slice.position.distance(start + step * index as f64);
+        let offs = slices.iter().enumerate().map(|(index, slice)| (off((index, slice)), index));
+        offs.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default()
+    };
+    let straight = (first.position, (last.position - first.position) / (slices.len() - 1) as f64);
+    let (off, index) = farthest(straight);
+    if off <= OFF * usual {
+        return Ok(straight);
+    }
+    let fitted = fitted(slices);
+    if farthest(fitted).0 > slack(usual) {
+        let found = format!("{} {} mm off it", name(&slices[index]), shown_mm(off));
+        return Err(("slices on a straight line at even distances", found));
+    }
+    let text = "the positions of its slices are rounded, by up to";
+    source.note(format!(
+        "{text} {} mm: even distances of {} mm are taken",
+        shown_mm(farthest(fitted).0),
+        shown_mm(fitted.1.length())
+    ));
+    Ok(fitted)
+}
+
+/// How far a slice may be from its place where the usual gap is this one.
+fn slack(usual: f64) -> f64 {
+    (OFF * usual).max(ROUNDED.min(0.5 * usual))
+}
+
+/// The line of even distances that is nearest to all slices: where it begins, and its step.
+fn fitted(slices: &[Slice]) -> (DVec3, DVec3) {
+    let middle = 0.5 * (slices.len() as f64 - 1.0);
+    let center = slices.iter().map(|slice| slice.position).sum::<DVec3>() / slices.len() as f64;
+    let (mut slope, mut weight) = (DVec3::ZERO, 0.0);
     for (index, slice) in slices.iter().enumerate() {
-        let off = slice.position.distance(first.position + step * index as f64);
-        if off > OFF * step.length() {
-            let found = format!("{} {} mm off it", name(slice), shown_mm(off));
-            return Err(("slices on a straight line at even distances", found));
+        let from = index as f64 - middle;
+        slope += from * (slice.position - center);
+        weight += from * from;
+    }
+    (center - slope / weight * middle, slope / weight)
+}
+
+/// Pictures of a series without a few that are of another size or orientation or have no place, as localizers and reports: a note
+/// names them. All where no three quarters are alike.
+pub(super) fn without_others(source: &Source, members: Vec<Member>) -> Vec<Member> {
+    let mut groups: Vec<(usize, Vec<usize>)> = Vec::new();
+    for (index, member) in members.iter().enumerate() {
+        match groups.iter_mut().find(|(first, _)| member.is_like(&members[*first])) {
+            Some((_, own)) => own.push(index),
+            None => groups.push((index, vec![index])),
+        }
+        if groups.len() > MOST_GROUPS {
+            return members;
         }
     }
-    Ok(step)
+    let largest = groups.into_iter().max_by_key(|(_, own)| own.len()).map(|(_, own)| own).unwrap_or_default();
+    if largest.len() == members.len() || largest.len() < 3 || 4 * largest.len() < 3 * members.len() {
+        return members;
+    }
+    let is_own = |index: &usize| largest.binary_search(index).is_ok();
+    let others: Vec<String> =
+        (0..members.len()).filter(|index| !is_own(index)).map(|index| members[index].name()).collect();
+    let more = if others.len() > NAMED { ", ..." } else { "" };
+    let named = others[..others.len().min(NAMED)].join(", ");
+    let text = "of another size or orientation than the other slices, and left out";
+    source.note(format!("{} of its {} pictures ({named}{more}): {text}", others.len(), members.len()));
+    let own = members.into_iter().enumerate().filter(|(index, _)| is_own(index));
+    own.map(|(_, member)| member).collect()
 }
 
 /// A length for a message: to a micrometer.

@@ -18,8 +18,10 @@ const HALF: &str = "_HalfFloat";
 
 /// What is said of a grid before its content.
 pub(super) struct Descriptor {
-    /// Its name, shown.
+    /// Its name, with a number in brackets where several have it.
     pub name: String,
+    /// Bytes of the name without that number.
+    pub base: usize,
     /// Type of its tree.
     pub kind: String,
     /// Whether its values are stored in 16 bits.
@@ -65,8 +67,11 @@ impl Descriptor {
         let mut offset = || source.array("the offsets of a grid").map(u64::from_le_bytes);
         let [_, blocks, end] = [offset()?, offset()?, offset()?];
         // Behind the name stands a number where several grids have it.
-        let name = quoted(unique.split('\u{1e}').next().unwrap_or_default().as_bytes());
-        Ok(Descriptor { name, kind, is_half, is_instance, blocks, end, place })
+        let (name, base) = match unique.split_once('\u{1e}') {
+            Some((base, number)) => (format!("{base}[{number}]"), base.len()),
+            None => (unique.clone(), unique.len()),
+        };
+        Ok(Descriptor { name, base, kind, is_half, is_instance, blocks, end, place })
     }
 }
 

@@ -1,10 +1,11 @@
 //! OpenVDB: sparse level sets and fog volumes.
 //!
-//! Role: the first grid of a file that is one of these into a dense [`Volume`](super::Volume), and back. Invariant: nothing is allocated for a box
+//! Role: a grid of a file that is one of these into a dense [`Volume`](super::Volume), and back. Invariant: nothing is allocated for a box
 //! before the nodes that span it have been read. Read here and not by the crate `vdb-rs`, which knows no files before version
 //! 224. Source: OpenVDB 10, `io/Archive.cc` and what the parts of this module name.
 
 mod blosc;
+mod grids;
 mod head;
 mod tree;
 mod values;
@@ -13,12 +14,13 @@ mod write;
 use super::error::{Location, ShapeError, quoted};
 use super::placement::{self, Placement};
 use super::source::Source;
+use super::space::Space;
 use super::{Content, Shape, axes};
-use glam::IVec3;
-use head::{Descriptor, Metadata};
+use grids::Grid;
+use head::Metadata;
 use std::ops::RangeInclusive;
 use tree::{Dense, Tree};
-use values::{Coding, KNOWN_FLAGS, NODE_MASKS, ZIP};
+use values::{KNOWN_FLAGS, NODE_MASKS, ZIP};
 pub(super) use write::write;
 
 /// The first bytes of a file.
@@ -31,72 +33,31 @@ const WRITTEN: u32 = 224;
 /// voxels far from each other would take all memory.
 const MAX_VOXELS_PER_BYTE: u64 = 1024;
 const SMALL: u64 = 1 << 26;
-/// Grids that are named in a message.
-const NAMED: usize = 4;
 
 /// Whether the file begins with the magic number.
 pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
     start.starts_with(MAGIC)
 }
 
-/// Reads the first grid of floats or doubles that is a level set or a fog volume: the box around its active voxels and one
-/// voxel more on each side, or the one that was written here, with all values that the tree has there. Values may be halves, masked, zip or Blosc; doubles are
+/// Reads one grid of floats or doubles, see [`grids`]: the box around its active voxels and one voxel more on each side, or the
+/// one that was written here, with all values that the tree has there. Values may be halves, masked, zip or Blosc; doubles are
 /// rounded to f32.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
-    let (version, has_offsets, is_zip) = header(source)?;
+    let head = header(source)?;
     Metadata::read(source)?;
-    let grids = u32::from_le_bytes(source.array("the number of grids")?);
-    let mut others = Vec::new();
-    for index in 0..grids {
-        let about = Descriptor::read(source)?;
-        let is_double = match &*about.kind {
-            _ if about.is_instance => None,
-            "Tree_float_5_4_3" => Some(false),
-            "Tree_double_5_4_3" => Some(true),
-            _ => None,
-        };
-        let mut found =
-            if about.is_instance { "the tree of another grid".into() } else { quoted(about.kind.as_bytes()) };
-        if let Some(is_double) = is_double {
-            let flags = flags(source, version, is_zip)?;
-            let metadata = Metadata::read(source)?;
-            let content = match &*metadata.class {
-                "level set" if metadata.is_distance => Some(Content::SignedDistance),
-                "level set" => Some(Content::LevelSet),
-                "fog volume" => Some(Content::Scalar),
-                _ => None,
-            };
-            if let Some(content) = content {
-                if metadata.is_half != about.is_half {
-                    let expected = "`is_saved_as_half_float` as the type of the grid says it";
-                    return Err(source.malformed_at(about.place.clone(), expected, format!("{}", metadata.is_half)));
-                }
-                let coding = Coding { version, is_double, is_half: about.is_half, flags, background: 0.0 };
-                return volume(source, coding, (content, metadata.corners), has_offsets.then_some(about));
-            }
-            let class = if metadata.class.is_empty() { "unknown" } else { &metadata.class };
-            found = format!("class {}", quoted(class.as_bytes()));
-        }
-        if others.len() < NAMED {
-            others.push(format!("{} ({found})", about.name));
-        }
-        if index + 1 < grids {
-            let skipped = about.end.checked_sub(source.offset).filter(|_| has_offsets);
-            let Some(skipped) = skipped else {
-                let (expected, found) = ("the offset of the end of a grid behind it", about.end.to_string());
-                return Err(source.malformed_at(about.place.clone(), expected, found));
-            };
-            source.skip(skipped, "a grid")?;
-        }
-    }
-    let more = if grids as usize > others.len() { ", ..." } else { "" };
-    let found = if grids == 0 { "of no grids".into() } else { format!("of {}{more}", others.join(", ")) };
-    let remedy = "a grid of floats or doubles of the class `level set` or `fog volume` is read: set its class";
-    Err(ShapeError::Unsupported { file: source.file.clone(), place: Location::Header, what: "a file", found, remedy })
+    grids::read(source, &head)
 }
 
-/// Version, whether the places of grids are told, and whether all of the file is compressed.
-fn header(source: &mut Source) -> Result<(u32, bool, bool), ShapeError> {
+/// What is said before the grids.
+struct Head {
+    version: u32,
+    /// Whether the places of grids are told.
+    has_offsets: bool,
+    /// Whether all of the file is compressed.
+    is_zip: bool,
+}
+
+fn header(source: &mut Source) -> Result<Head, ShapeError> {
     const WHAT: &str = "a VDB header";
     let magic: [u8; 8] = source.array(WHAT)?;
     if magic != MAGIC {
@@ -112,13 +73,13 @@ fn header(source: &mut Source) -> Result<(u32, bool, bool), ShapeError> {
     let has_offsets = source.array(WHAT)? != [0];
     let is_zip = version < NODE_MASKS && source.array(WHAT)? != [0];
     source.skip(36, WHAT)?; // an identifier
-    Ok((version, has_offsets, is_zip))
+    Ok(Head { version, has_offsets, is_zip })
 }
 
 /// How the values of a grid are compressed.
-fn flags(source: &mut Source, version: u32, is_zip: bool) -> Result<u32, ShapeError> {
-    if version < NODE_MASKS {
-        return Ok(if is_zip { ZIP } else { 0 });
+fn flags(source: &mut Source, head: &Head) -> Result<u32, ShapeError> {
+    if head.version < NODE_MASKS {
+        return Ok(if head.is_zip { ZIP } else { 0 });
     }
     let place = Location::Byte(source.offset);
     let flags = u32::from_le_bytes(source.array("the compression of a grid")?);
@@ -130,26 +91,25 @@ fn flags(source: &mut Source, version: u32, is_zip: bool) -> Result<u32, ShapeEr
     Err(ShapeError::Unsupported { file, place, what: "compression", found, remedy })
 }
 
-/// The grid behind its metadata, which say what it is and may tell its corners; `about` says where its parts are, if anything
-/// does.
-fn volume(
-    source: &mut Source,
-    mut coding: Coding,
-    (content, corners): (Content, [Option<IVec3>; 2]),
-    about: Option<Descriptor>,
-) -> Result<Shape, ShapeError> {
+/// The grid behind its metadata, which may tell its corners; it says where its parts are if `has_offsets`.
+fn volume(source: &mut Source, grid: Grid, has_offsets: bool) -> Result<Shape, ShapeError> {
+    let Grid { about, mut coding, content, metadata } = grid;
+    if metadata.is_half != about.is_half {
+        let expected = "`is_saved_as_half_float` as the type of the grid says it";
+        return Err(source.malformed_at(about.place, expected, format!("{}", metadata.is_half)));
+    }
     let (zero, steps) = head::transform(source)?;
     let tree = Tree::read(source, &mut coding)?;
-    let check = |source: &Source, offset: u64, expected| match &about {
-        Some(about) if offset != source.offset => {
+    let check = |source: &Source, offset: u64, expected| {
+        if has_offsets && offset != source.offset {
             let found = format!("{offset} instead of {}", source.offset);
-            Err(source.malformed_at(about.place.clone(), expected, found))
+            return Err(source.malformed_at(about.place.clone(), expected, found));
         }
-        _ => Ok(()),
+        Ok(())
     };
-    check(source, about.as_ref().map_or(0, |about| about.blocks), "the offset of the leaves of a grid")?;
+    check(source, about.blocks, "the offset of the leaves of a grid")?;
     let wrong = |expected, found: &str| Err(source.malformed_at(Location::Byte(source.offset), expected, found.into()));
-    let (min, max) = match (corners, tree.active) {
+    let (min, max) = match (metadata.corners, tree.active) {
         ([Some(min), Some(max)], active) => {
             let [low, high] = active.unwrap_or([min, max]);
             if !(min.cmple(low) & low.cmple(high) & high.cmple(max)).all() {
@@ -167,10 +127,20 @@ fn volume(
         let found = format!("{:?}", steps.to_cols_array_2d());
         return Err(source.malformed_at(Location::Header, placement::STEPS, found));
     }
-    let placement = Placement { size, origin: zero + steps * min.as_dvec3(), steps, content };
+    let place = (zero + steps * min.as_dvec3(), steps);
+    let mut placement = Placement::new(Space::RAS, size, place, content.unwrap_or(Content::Scalar));
     placement.check(&source.file)?;
     let mut values = placement.filled(&source.file, coding.background)?;
     tree.fill(source, &coding, Dense { min, size, values: &mut values })?;
-    check(source, about.as_ref().map_or(0, |about| about.end), "the offset of the end of a grid")?;
-    placement.volume(&source.file, values).map(Shape::Volume)
+    check(source, about.end, "the offset of the end of a grid")?;
+    if content.is_none() {
+        let is_distance = coding.background > 0.0 && values.iter().any(|value| *value < 0.0);
+        let taken = if is_distance { "distances, negative inside" } else { "a density" };
+        placement.content = if is_distance { Content::LevelSet } else { Content::Scalar };
+        source.note(format!(
+            "its grid {} says no class: its values are taken for {taken}",
+            quoted(about.name.as_bytes())
+        ));
+    }
+    placement.volume(source, values).map(Shape::Volume)
 }

@@ -27,7 +27,7 @@ impl Known {
             let (input, context) = (input.to_string(), context.clone());
             thread::spawn(move || {
                 // Nobody listens where another file is looked at by now.
-                let _ = sender.send(Facts::of(&input).map_err(|error| error.to_string()));
+                let _ = sender.send(Facts::of(&input, None).map_err(|error| error.to_string()));
                 context.request_repaint();
             });
         }

@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 mod bad;
-mod files;
+pub mod files;
+mod packed;
 
 use files::{
     Desk, File, LITTLE, OPEN, SIZE, SPACING, WAYS, Way, at, decimals, expected, frames, series, stored, volume,

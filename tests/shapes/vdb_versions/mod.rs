@@ -11,7 +11,7 @@ use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
 use glam::Vec3;
 use half::f16;
-use hypertexture::shape::{Content, Shape, ShapeError, Volume, read};
+use hypertexture::shape::{Content, Shape, ShapeError, Volume, read, read_noted};
 use proptest::prelude::*;
 use std::collections::HashMap;
 use std::io::{Read, Write};

@@ -153,16 +153,20 @@ fn the_first_grid_that_fits_is_read_and_the_others_are_named_where_none_does() {
     assert_truth(&volume(read("test.vdb", &file.bytes)), 0, PLAIN);
 
     let mut file = header(224, 2);
-    let first = grid(&mut file, "unknown");
+    let first = grid(&mut file, "staggered");
     let at = file.at["type"];
-    grid(&mut file, "");
+    grid(&mut file, "LEVEL SET");
     let line = error(&file.bytes);
     assert!(
-        line.contains("a file of `a grid` (class `unknown`), `a grid` (class `unknown`) is not supported"),
+        line.contains("a file of `a grid[2]` (class `staggered`), `a grid[2]` (class `LEVEL SET`) is not supported"),
         "{line}"
     );
     file.bytes[at + 4..at + 20].copy_from_slice(b"Tree_vec3s_5_4_3");
-    assert!(error(&file.bytes).contains("`a grid` (`Tree_vec3s_5_4_3`), `a grid` (class"), "{}", error(&file.bytes));
+    assert!(
+        error(&file.bytes).contains("`a grid[2]` (`Tree_vec3s_5_4_3`), `a grid[2]` (class"),
+        "{}",
+        error(&file.bytes)
+    );
     // Without offsets nothing is behind a grid that cannot be read.
     let at = file.at["has offsets"];
     file.bytes[at] = 0;
