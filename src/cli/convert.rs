@@ -13,6 +13,9 @@ use std::path::PathBuf;
 pub struct Convert {
     /// A volume or a mesh: any that `render` takes, or values without a header and what they are.
     pub input: String,
+    /// The grid of an OpenVDB file with several.
+    #[arg(long, value_name = "NAME", conflicts_with = "dims")]
+    pub grid: Option<String>,
     /// Where it goes: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy; a mesh .stl, .ply, .obj or .glb.
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
@@ -54,7 +57,7 @@ pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> 
             shape::open_raw(&command.input, &layout)?
         }
         None => {
-            let opened = Opened::of(&command.input)?;
+            let opened = Opened::with_grid(&command.input, command.grid.as_deref())?;
             output::check_all([("--output", path.clone())], opened.others.clone())?;
             opened.warned(&command.input)
         }

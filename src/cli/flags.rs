@@ -59,12 +59,13 @@ fn argument(setting: &'static Setting, flag: Flag) -> Arg {
         Kind::Wholes(..) => "WxH".into(),
         Kind::Switch => "true|false".into(),
         Kind::Color => "COLOR".into(),
+        Kind::Text => "NAME".into(),
         _ => setting.field().to_uppercase(),
     };
     let none = if setting.optional.is_some() { ", or none" } else { "" };
     let doc = setting.doc.trim_end_matches('.');
     let help = match (setting.kind, setting.limits()) {
-        (Kind::Choice(_) | Kind::Switch | Kind::Module(_), _) => doc.into(),
+        (Kind::Choice(_) | Kind::Switch | Kind::Module(_) | Kind::Text, _) => doc.into(),
         (Kind::Number(range) | Kind::Numbers(_, range), _) if range.high >= WIDE => doc.into(),
         (_, limits) => format!("{doc} [{limits}{none}]"),
     };
@@ -88,7 +89,12 @@ fn argument(setting: &'static Setting, flag: Flag) -> Arg {
 
 impl<const OBJECT: bool> Args for Flags<OBJECT> {
     fn augment_args(command: Command) -> Command {
-        Self::settings().fold(command, |command, (setting, flag)| command.arg(argument(setting, flag)))
+        // A command may have a flag of its own that is called so, as the grid of `mesh`: it takes the setting by `--set`.
+        let is_taken = |command: &Command, flag: Flag| command.get_arguments().any(|own| own.get_id() == flag.name);
+        Self::settings().fold(command, |command, (setting, flag)| match is_taken(&command, flag) {
+            true => command,
+            false => command.arg(argument(setting, flag)),
+        })
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -98,8 +104,10 @@ impl<const OBJECT: bool> Args for Flags<OBJECT> {
 
 impl<const OBJECT: bool> FromArgMatches for Flags<OBJECT> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let given = |(setting, flag): (&'static Setting, Flag)| Some((setting, matches.get_one::<String>(flag.name)?));
-        Ok(Flags(Self::settings().filter_map(given).map(|(setting, text)| (setting, text.clone())).collect()))
+        // One of another type is the command's own.
+        let text = |flag: Flag| matches.try_get_one::<String>(flag.name).ok().flatten();
+        let given = |(setting, flag): (&'static Setting, Flag)| Some((setting, text(flag)?.clone()));
+        Ok(Flags(Self::settings().filter_map(given).collect()))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {

@@ -134,8 +134,8 @@ struct Judge<'a> {
     library: &'a Library,
     subject: &'a Subject,
     programs: HashMap<(String, u32), Rc<Read>>,
-    /// By all that a shape is read by: its input, and whether its values are distances.
-    shapes: HashMap<(String, bool), Rc<Shape>>,
+    /// By all that a shape is read by: its input, its grid, and whether its values are distances.
+    shapes: HashMap<(String, Option<String>, bool), Rc<Shape>>,
 }
 
 /// A program, and what it does, where the evaluator covers it.
@@ -185,10 +185,10 @@ impl<'a> Judge<'a> {
 
     /// The shape of an object, and what is made of it.
     fn recipe(&mut self, wanted: &Wanted) -> Result<(Rc<Shape>, Recipe), RenderError> {
-        let Object { input, distance, .. } = &wanted.object;
-        let shape = match self.shapes.entry((input.clone(), *distance)) {
+        let Object { input, grid, distance, .. } = &wanted.object;
+        let shape = match self.shapes.entry((input.clone(), grid.clone(), *distance)) {
             Entry::Occupied(known) => known.get().clone(),
-            Entry::Vacant(new) => new.insert(Rc::new(opened(input, *distance)?.shape)).clone(),
+            Entry::Vacant(new) => new.insert(Rc::new(opened(&wanted.object)?.shape)).clone(),
         };
         let recipe = Recipe::of(&shape, wanted, self.subject.scale);
         Ok((shape, recipe))

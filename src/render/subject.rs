@@ -158,7 +158,7 @@ impl Subject {
             return Ok(formula(&object.input));
         }
         let own = own.filter(|_| *aligned);
-        let mut opened = opened(&object.input, object.distance)?;
+        let mut opened = opened(object)?;
         let others = std::mem::take(&mut opened.others);
         let shape = opened.warned(&object.input);
         let recipe = Recipe::of(&shape, wanted, own.map_or(1.0, |own| own.scale));
@@ -223,14 +223,14 @@ impl Subject {
 /// # Errors
 /// The input cannot be read.
 pub fn open(object: &Object) -> Result<Shape, ShapeError> {
-    Ok(opened(&object.input, object.distance)?.warned(&object.input))
+    Ok(opened(object)?.warned(&object.input))
 }
 
-/// The same with what is known of its file besides; `distance` says that the values of a volume are signed distances.
-pub(super) fn opened(input: &str, distance: bool) -> Result<Opened, ShapeError> {
-    let mut opened = Opened::of(input)?;
+/// The same with what is known of its file besides.
+pub(super) fn opened(object: &Object) -> Result<Opened, ShapeError> {
+    let mut opened = Opened::with_grid(&object.input, object.grid.as_deref())?;
     if let Shape::Volume(volume) = &mut opened.shape {
-        if distance {
+        if object.distance {
             volume.content = shape::Content::SignedDistance;
         }
         if volume.content == shape::Content::SignedDistance && !volume.is_aligned() {

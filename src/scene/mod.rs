@@ -100,6 +100,9 @@ pub struct Scene {
 pub struct Object {
     /// A built-in name, or the path of a mesh, a scalar volume or a distance field.
     pub input: String,
+    /// The grid of an OpenVDB file that is the object; without one `density`, or the first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid: Option<String>,
     /// Voxels along the longest side of the distance field, 8 to 1024.
     pub resolution: u32,
     /// Iso-value of the surface of a scalar volume; without one, the lowest that `info` proposes.
@@ -126,6 +129,7 @@ impl std::default::Default for Object {
     fn default() -> Object {
         Object {
             input: "teapot".into(),
+            grid: None,
             resolution: 192,
             iso: None,
             shell: 0.0,
@@ -146,7 +150,9 @@ pub const FORMULAS: [&str; 3] = ["sphere", "cube", "torus"];
 impl Object {
     /// Whether the object is a formula, so that there is no volume of it.
     pub fn is_formula(&self) -> bool {
-        self.source == Source::Auto && self.shell == 0.0 && FORMULAS.contains(&self.input.as_str())
+        // A grid of what is no file is refused where it is opened.
+        let is_plain = self.source == Source::Auto && self.shell == 0.0 && self.grid.is_none();
+        is_plain && FORMULAS.contains(&self.input.as_str())
     }
 
     /// The object without what a picture does with its field: where two are equal then, they have one field.

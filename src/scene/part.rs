@@ -63,7 +63,7 @@ impl Transform {
 }
 
 impl Scene {
-    /// Puts an object in the place of the scene's own, and of those that are aligned with it in the same file. The iso-values
+    /// Puts an object in the place of the scene's own, and of those that are aligned with it in the same file. Iso-values and grids
     /// of another file mean nothing in this one.
     pub fn bring(&mut self, input: &str) {
         let before = std::mem::replace(&mut self.object.input, input.into());
@@ -71,7 +71,7 @@ impl Scene {
         for object in aligned.map(|part| &mut part.object).chain([&mut self.object]) {
             object.input = input.into();
             if before != input {
-                object.iso = None;
+                (object.iso, object.grid) = (None, None);
             }
         }
     }

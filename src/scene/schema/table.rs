@@ -160,6 +160,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("boolean", BOOLEAN, Images, "What the signs of that formula mean."),
 
     setting("object.input", Text, Field, "A built-in name (sphere, cube, torus, teapot, knot, ...), or the path of a mesh, a scalar volume or a distance field."),
+    setting("object.grid", Text, Field, "The grid of an OpenVDB file with several; without one the grid density, else the first level set or fog volume.").optional("density").flag("grid"),
     setting("object.resolution", whole(8.0, 1024.0), Field, "Voxels along the longest side of the distance field.").flag("resolution"),
     setting("object.iso", Kind::Number(ANY), Field, "Iso-value of the surface of a scalar volume; without one, the lowest that info proposes; --iso 500,1300 sets those of aligned objects too.").optional("0.5").flag("iso"),
     setting("object.shell", number(0.0, 2.0), Field, "Thickness of the shell that the surface is made into, half of it to each side, object units; 0 makes what it encloses solid.").flag("shell"),

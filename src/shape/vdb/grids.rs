@@ -91,7 +91,10 @@ pub(super) fn read(source: &mut Source, head: &Head) -> Result<Shape, ShapeError
         if let Some(at) = others.iter().position(|grid| grid.starts_with(&own)) {
             others.remove(at);
         }
-        source.note(format!("its grid {own} is read, left out: {} (--grid NAME reads another)", some(&others)));
+        source.note(format!(
+            "its grid {own} is read, left out: {} (--grid NAME or object.grid reads another)",
+            some(&others)
+        ));
     }
     Ok(shape)
 }

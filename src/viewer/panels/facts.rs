@@ -2,6 +2,7 @@
 
 use super::widgets::{button, named};
 use super::{Pass, figures, prefix};
+use crate::scene::Object;
 use crate::shape::{Facts, Histogram};
 use egui::{Align2, Context, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 use std::sync::mpsc::{self, Receiver, TryRecvError};
@@ -13,21 +14,22 @@ const HEIGHT: f32 = 96.0;
 /// The facts of the file that was looked at last.
 #[derive(Default)]
 pub(super) struct Known {
-    input: String,
+    input: (String, Option<String>),
     reading: Option<Receiver<Result<Facts, String>>>,
     facts: Option<Result<Facts, String>>,
 }
 
 impl Known {
     /// What is known of a file by now.
-    fn ask(&mut self, input: &str, context: &Context) -> Option<&Result<Facts, String>> {
+    fn ask(&mut self, object: &Object, context: &Context) -> Option<&Result<Facts, String>> {
+        let input = (object.input.clone(), object.grid.clone());
         if self.input != input || (self.facts.is_none() && self.reading.is_none()) {
             let (sender, reading) = mpsc::channel();
-            *self = Known { input: input.into(), reading: Some(reading), facts: None };
-            let (input, context) = (input.to_string(), context.clone());
+            *self = Known { input: input.clone(), reading: Some(reading), facts: None };
+            let ((input, grid), context) = (input, context.clone());
             thread::spawn(move || {
                 // Nobody listens where another file is looked at by now.
-                let _ = sender.send(Facts::of(&input, None).map_err(|error| error.to_string()));
+                let _ = sender.send(Facts::of(&input, grid.as_deref()).map_err(|error| error.to_string()));
                 context.request_repaint();
             });
         }
@@ -46,7 +48,7 @@ impl Known {
 pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, known: &mut Known) {
     let object = part.and_then(|part| pass.draft.parts.get(part)).map_or(&pass.draft.object, |part| &part.object);
     let (iso, is_distance) = (object.iso, object.distance);
-    let facts = match known.ask(&object.input, ui.ctx()) {
+    let facts = match known.ask(object, ui.ctx()) {
         Some(Ok(facts)) => facts,
         Some(Err(reason)) => return drop(ui.label(reason)),
         None => return drop(ui.weak("reading the file")),
