@@ -1,8 +1,7 @@
 """Reads meshes and volumes by programs that others wrote, and says what they find.
 
 Role: `python3 tests/readers.py FOLDER` prints one JSON object a line for each file and reader; tests/readers.rs compares
-them. Invariant: places are in the coordinates that the file itself writes. ITK turns what NIfTI says, with x to the
-right and y to the front, to x to the left and y to the back; that is turned back.
+them. Invariant: places are in RAS, x to the right and y to the front. ITK gives all files in LPS; that is turned back.
 Ends with 77 where a package is missing, with 1 where a file cannot be read.
 """
 
@@ -71,7 +70,7 @@ def by_itk(path):
     image = itk.ReadImage(str(path))
     origin = np.array(image.GetOrigin())
     steps = np.array(image.GetDirection()).reshape(3, 3).T * np.array(image.GetSpacing())[:, None]
-    turn = [-1, -1, 1] if ".nii" in path.suffixes else [1, 1, 1]
+    turn = [-1, -1, 1]
     return of_volume(itk.GetArrayViewFromImage(image).T, origin * turn, steps * turn)
 
 
