@@ -80,7 +80,7 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
     let provenance = output::read_provenance(image)?; // before a device is opened
     let reach = reach(command.outside);
     let scene = provenance.scene(image, reach)?;
-    let library = super::library(&scene)?;
+    let library = super::library(&scene).map_err(|error| format!("{}: {error}", image.display()))?;
     super::try_modules(&scene, &library, Some(options))?;
     let gpu = Gpu::new(options)?;
     let asked = CheckOptions { pixels: command.pixels, seed: command.seed, bound: command.bound, reach };

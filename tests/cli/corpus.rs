@@ -220,7 +220,6 @@ pub fn objects() -> Vec<Bad> {
         ("f_zero.obj", "f 0 1 2"),
         ("f_far.obj", "f 1 2 99"),
         ("f_back.obj", "f -1 -2 -99"),
-        ("f_few.obj", "f 1 2"),
         ("f_word.obj", "f a b c"),
         ("f_huge.obj", "f 99999999999999999999 1 2"),
     ] {

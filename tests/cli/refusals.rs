@@ -174,8 +174,6 @@ fn nrrd(side: u32, values: &[f32]) -> Vec<u8> {
 #[test]
 fn object_files_that_are_wrong_are_refused_in_one_line() {
     let ramp: Vec<f32> = (0..512u16).map(f32::from).collect();
-    let mut hole = ramp.clone();
-    hole[77] = f32::NAN;
     let files: &[(&str, Vec<u8>)] = &[
         ("empty.stl", vec![]),
         ("empty.obj", vec![]),
@@ -188,7 +186,6 @@ fn object_files_that_are_wrong_are_refused_in_one_line() {
         ("huge.nrrd", nrrd(4_000_000_000, &ramp)),
         ("nan.stl", stl(1, f32::NAN)),
         ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec()),
-        ("nan.nrrd", nrrd(8, &hole)),
         ("corner.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n".to_vec()),
         ("points.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_vec()),
         ("line.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n".to_vec()),
@@ -216,7 +213,6 @@ fn object_files_that_are_wrong_are_refused_in_one_line() {
             ("render huge.nrrd", &["huge.nrrd"]),
             ("render nan.stl", &["nan.stl", "NaN"]),
             ("render nan.obj", &["nan.obj", "NaN"]),
-            ("render nan.nrrd", &["nan.nrrd", "NaN", "77"]),
             ("render corner.obj", &["corner.obj", "line 4", "9"]),
             ("render points.obj", &["points.obj", "no triangles"]),
             ("render line.obj", &["line.obj", "no triangles"]),
