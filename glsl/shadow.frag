@@ -1,5 +1,6 @@
 #version 450
 #define ONE_SAMPLE
+#define OPACITY_ALONE          // a volume that is kept depends on no color
 // How much light four segments of a ray from the light let through: four texels of the shadow volume before the products
 // along the rays are taken. The matter is that of the picture, by the modules of the scene.
 // Source: PH 4 and MJ 7 (shadows by preprocessing); PH 3.1 (opacity of a segment).

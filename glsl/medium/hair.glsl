@@ -8,6 +8,9 @@
 // @param sheen = 0.25 in [0, 2]: Strength of the highlight.
 #include "eye_normal.glsl"
 #include <shadow>
+#ifdef OPACITY_ALONE
+vec3 medium(Sample s, float density) { return vec3(0.0); }
+#else
 vec3 medium(Sample s, float density) {
     float tip = clamp(1.0 - s.density, 0.0, 1.0);
     vec3 t = eye_normal(s.hair_tangent);
@@ -23,4 +26,5 @@ vec3 medium(Sample s, float density) {
     return base * (ambient_color.rgb * mix(0.4, 1.0, tip) + lit * sin_tl * light_color.rgb)
          + sheen * lit * specular * light_color.rgb;
 }
+#endif
 float extinction(Sample s, float density) { return 0.2 / max(s.hair_length, 0.005); }
