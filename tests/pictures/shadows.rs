@@ -130,7 +130,7 @@ fn shaded(effect: &str, input: &str) -> Scene {
 fn m06_shadows_darken_and_never_brighten_and_leave_the_outline() {
     let library = shader::shipped();
     with_gpu(|gpu| {
-        for (effect, object) in [("lit", "teapot"), ("bump", "torus"), ("solid", "knot"), ("melting", "teapot")] {
+        for (effect, object) in [("lit", "teapot"), ("bump", "knot"), ("solid", "knot"), ("melting", "teapot")] {
             let scene = shaded(effect, object);
             let subject = subject(&scene, &library);
             let mut plain = scene.clone();
