@@ -352,10 +352,10 @@ pub(super) mod tests {
         assert!(refusal(look).starts_with("camera.slice_stack = true: needs quality.pass"));
         assert_eq!(refusal(|s| s.effect.octaves = 11), "effect.octaves = 11: must be from 1 to 10");
         assert!(refusal(|s| s.quality.supersampling = 257).ends_with("must be from 1 to 256"));
-        assert_eq!(refusal(|s| s.quality.block_size = 48), "quality.block_size = 48: 16, 32, 64, 128 or 256");
+        assert_eq!(refusal(|s| s.quality.block_size = 48), "quality.block_size = 48: must be 16, 32, 64, 128 or 256");
         let cells = |size, cells| refusal(move |s| (s.quality.block_size, s.quality.turbulence_cells) = (size, cells));
         let limit = |size: u32| format!("at most half of quality.block_size = {size}");
-        assert_eq!(cells(64, 3), "quality.turbulence_cells = 3: 1, 2, 4, 8, 16, 32 or 64");
+        assert_eq!(cells(64, 3), "quality.turbulence_cells = 3: must be 1, 2, 4, 8, 16, 32 or 64");
         assert_eq!(cells(16, 16), format!("quality.turbulence_cells = 16: {}", limit(16)));
         assert_eq!(cells(64, 64), format!("quality.turbulence_cells = 64: {}", limit(64)));
         let repeats = refusal(|s| s.effect.noise_repeat = Repeat::Never);

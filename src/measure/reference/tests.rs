@@ -118,7 +118,7 @@ fn what_many_samples_find_is_found_or_said_to_be_open() {
             "{name} {values:?}: {proven} of 48 pixels are proven, {worse} worse than samples alone say, {vague} vague"
         );
         assert!(vague <= 2, "{vague} of 48 rays are hardly tested");
-        assert!(name != "melting" || proven == 48, "bounds of one octave are narrow: {proven}");
+        assert!(name != "melting" || proven >= 44, "bounds of two octaves are narrow: {proven}");
         assert!(wrong.is_empty(), "{name} {values:?}:\n{}", wrong.join("\n"));
     }
 }

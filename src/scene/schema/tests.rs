@@ -79,12 +79,12 @@ fn what_a_value_is_refused_with_says_what_is_taken() {
     assert_eq!(refusal("quality.samples", "-3"), "quality.samples = -3: must be from 1 to 100000");
     assert_eq!(refusal("quality.samples", "1.5"), "quality.samples = 1.5: must be a whole number from 1 to 100000");
     assert_eq!(refusal("object.iso", "inf"), "object.iso = inf: must be finite");
-    assert_eq!(refusal("camera.clip", "[1, 2]"), "camera.clip = 2 numbers: must be 4 numbers");
+    assert_eq!(refusal("camera.clip", "[1, 2]"), "camera.clip = [1, 2]: must be 4 numbers, such as [1, 1, 1, 1]");
     assert_eq!(
         refusal("quality.pass", "slcies"),
         "quality.pass = slcies: must be march or slices; did you mean `slices`?"
     );
     assert_eq!(refusal("parts.b.transform.scale", "0"), "parts.b.transform.scale = 0: must be from 0.01 to 100");
     assert_eq!(refusal("light.shadows", "1"), "light.shadows = 1: must be true or false");
-    assert_eq!(refusal("quality.msaa", "3"), "quality.msaa = 3: 1, 2, 4 or 8");
+    assert_eq!(refusal("quality.msaa", "3"), "quality.msaa = 3: must be 1, 2, 4 or 8");
 }

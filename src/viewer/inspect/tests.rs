@@ -105,7 +105,7 @@ fn what_bounds_say_of_a_ray_is_one_line() {
 fn a_pixel_says_how_much_of_it_each_module_made() {
     let of = |change: fn(&mut Scene)| {
         let mut harness = harness(job(change));
-        harness.state_mut().0.look_at(Some([24, 16]));
+        harness.state_mut().0.look_at(Some([14, 22]));
         wait(&mut harness);
         let Answers { shares, exact, .. } = harness.state().0.answers.clone();
         for (name, by) in &shares {
