@@ -242,7 +242,7 @@ fn a_candidate_that_fails_fails_the_report_which_is_written() {
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m56_m57_a_full_comparison_has_every_strategy_and_every_column_of_table_3() {
     let desk = tempfile::tempdir().unwrap();
-    let output = run(desk.path(), "compare sphere --effect fire --sweep 16 --size 32x32 --repeat 2 -o r");
+    let output = run(desk.path(), "compare sphere --effect fire --thorough --sweep 16 --size 32x32 --repeat 2 -o r");
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success() && said.is_empty(), "{said}");
     let all = rows(&desk.path().join("r/candidates.csv"));
