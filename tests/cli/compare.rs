@@ -102,7 +102,7 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
         "23.24",
         "Observed order",
         "encoded 64³ has 4 of 8",
-        "encoded, 4 octaves: a block of 64 texels",
+        "encoded, a block of 256 texels, 1 cell",
         "data:image/png",
     ] {
         assert!(page.contains(part), "the page lacks {part}");

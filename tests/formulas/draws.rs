@@ -16,12 +16,15 @@ use std::fmt::Write;
 const SIDE: u32 = 256;
 /// Functions that one channel of a picture tells whether they ran.
 const CHANNEL: usize = 24;
+/// What the first channel holds of them beside the number of a fault, which is below [`NUMBERS`].
+const BESIDE: usize = 15;
+const NUMBERS: f32 = 128.0;
 
 /// Draws of a program that are always made.
 const FEW: u64 = 16_384;
 
 /// What the program of a probe begins with, behind the block of its parameters: random numbers of the fragment.
-const RANDOM: &str = "uvec3 drawn_state, drawn_ran = uvec3(0u);
+const RANDOM: &str = "uvec3 drawn_state, drawn_ran = uvec4(0u);
 float drawn_fault = 0.0;
 #include \"hash.glsl\"
 float drawn() {
@@ -62,7 +65,7 @@ void main() {
     draw_parameters();
     shown();
     note_fault(1.0, fragment.x + fragment.y + fragment.z + fragment.w);
-    fragment = vec4(drawn_fault, vec3(drawn_ran));
+    fragment = vec4(drawn_fault + 128.0 * float(drawn_ran.w), vec3(drawn_ran.xyz));
 }
 ";
 
@@ -200,7 +203,7 @@ impl Watched {
         files.retain(|file| file != "four_noises.glsl"); // it may be defined elsewhere; what it asks is watched
         let mut functions = vec!["all of it".to_string()];
         let library = numbered(&library.watched(files.iter().map(String::as_str)), &mut functions);
-        assert!(functions.len() <= 3 * CHANNEL, "{name}: {} functions", functions.len());
+        assert!(functions.len() <= 3 * CHANNEL + BESIDE, "{name}: {} functions", functions.len());
         let (mut declared, mut drawn) = (String::new(), String::from("void draw_parameters() {\n"));
         for Parameter { name, kind, .. } in &parameters {
             let (of, value) = match kind {
@@ -247,12 +250,16 @@ impl Watched {
             }
             let pixels = self.probe.draw_by(gpu, &pipeline, side);
             for (number, (name, own)) in self.functions.iter_mut().enumerate() {
-                let bit = |[_, channels @ ..]: &[f32; 4]| channels[number / CHANNEL] as u32 >> (number % CHANNEL) & 1;
+                let bit = |[first, channels @ ..]: &[f32; 4]| {
+                    let ran = channels.get(number / CHANNEL).copied().unwrap_or((first / NUMBERS).floor());
+                    ran as u32 >> (number % CHANNEL) & 1
+                };
                 let ran = pixels.iter().map(|pixel| u64::from(bit(pixel))).sum::<u64>();
                 found.entry(name.clone()).or_default().ran += ran;
                 *own += ran;
             }
-            for (at, [fault, ..]) in (0..).zip(pixels).filter(|(_, pixel)| pixel[0] > 0.0) {
+            let faults = pixels.iter().map(|pixel| pixel[0] % NUMBERS);
+            for (at, fault) in (0..).zip(faults).filter(|(_, fault)| *fault > 0.0) {
                 let of = found.get_mut(&self.functions[fault as usize - 1].0).unwrap();
                 of.faults += 1;
                 let what = if fault.fract() > 0.0 { "NaN" } else { "an infinity" };
