@@ -24,7 +24,7 @@ const NUMBERS: f32 = 128.0;
 const FEW: u64 = 16_384;
 
 /// What the program of a probe begins with, behind the block of its parameters: random numbers of the fragment.
-const RANDOM: &str = "uvec3 drawn_state, drawn_ran = uvec4(0u);
+const RANDOM: &str = "uvec3 drawn_state;\nuvec4 drawn_ran = uvec4(0u);
 float drawn_fault = 0.0;
 #include \"hash.glsl\"
 float drawn() {
