@@ -77,7 +77,8 @@ fn assert_good(output: &Output) {
 }
 
 fn render(arguments: &[&str], to: &Path) {
-    assert_good(&program().arg("render").args(arguments).arg("--output").arg(to).output().unwrap());
+    let as_shown = ["--supersampling", "1", "--output"]; // the window shows pixels of one ray first
+    assert_good(&program().arg("render").args(arguments).args(as_shown).arg(to).output().unwrap());
 }
 
 /// Seconds until the first picture.
