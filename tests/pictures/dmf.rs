@@ -353,7 +353,11 @@ fn p40_more_gain_forces_less_amplitude_so_that_the_steepest_slope_stays() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn p04_a_dmf_changes_with_what_its_kind_says_and_with_nothing_else() {
+    const BY_SAMPLE: &str = "// @needs normal\n\
+                             vec3 project(vec3 x, Sample s) { return x - (s.distance - iso_value) * s.normal; }\n\
+                             float trust(Sample s) { return 1.0; }\n";
     let library = shader::shipped();
+    let by_sample = library.clone().with_module("project", "by_sample", BY_SAMPLE);
     with_gpu(|gpu| {
         for dmf in library.modules("dmf") {
             let text = format!(
@@ -363,8 +367,8 @@ fn p04_a_dmf_changes_with_what_its_kind_says_and_with_nothing_else() {
                  turned.distance += 0.13;\n    float d = {dmf}(0.6, at);\n    \
                  return abs(vec3({dmf}(0.6, moved) - d, {dmf}(0.6, turned) - d, 0.0));\n}}"
             );
-            // By the sample alone, not by a formula of the object that the sample does not know.
-            let seen = seen(gpu, &text, |scene| scene.effect.project = "gradient".into());
+            // By the sample alone, not by an object that it does not know.
+            let seen = seen_with(gpu, &by_sample, &text, |scene| scene.effect.project = "by_sample".into());
             let changes = |channel: usize| seen.iter().filter(|(_, color)| color[channel] > 1e-3).count() > 100;
             let found = match (changes(0), changes(1)) {
                 (false, false) => shader::Kind::PositionIndependent,
