@@ -289,12 +289,38 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn the_texels_of_an_object_do_not_depend_on_its_scale() {
+        let of = |scale: f32| {
+            let corner = |i: u32| [i & 1, i >> 1 & 1, i >> 2].map(|bit| bit as f32);
+            let vertex = |[x, y, z]: [f32; 3]| format!("v {} {} {}\n", 2.0 * scale * x, scale * y, 0.5 * scale * z);
+            let vertices: String = (0..8).map(corner).map(vertex).collect();
+            let faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+            let shape = crate::shape::read("box.obj", (vertices + faces).as_bytes()).unwrap();
+            let lengths = Request { resolution: 24, margin: 0.25 * scale, band: 0.25 * scale, iso: 0.0, shell: 0.0 };
+            transform_with_closest(&shape, &lengths, &|_| ()).unwrap()
+        };
+        let (field, points, _) = of(1.0);
+        let expected = encode(&field, Encoding::Normals16, [-0.5, 0.125]);
+        let (ways, range) = encode_closest(&points, &field, 0.125);
+        // By powers of two, which round nothing: 8.9e-16 to 1.1e15.
+        for scale in [-50, -20, 20, 50].map(|power: i16| f32::from(power).exp2()) {
+            let (field, points, _) = of(scale);
+            let texels = encode(&field, Encoding::Normals16, [-0.5 * scale, 0.125 * scale]);
+            assert!(texels.bytes == expected.bytes, "{scale}");
+            assert_eq!(texels.decode, expected.decode.map(|value| value * scale));
+            assert_eq!(texels.quantization, expected.quantization * scale);
+            let (found, found_range) = encode_closest(&points, &field, 0.125 * scale);
+            assert!(found == ways && found_range == range * scale, "{scale}");
+        }
+    }
+
+    #[test]
     fn g14_eight_bits_keep_what_blocks_of_bc4_lose() {
         // A block of BC4: 4 x 4 texels, each one of eight levels between two ends.
         let field = sphere(65);
         let side = field.grid.size[0] as usize;
         let mut worst = 0.0f32;
-        for corner in (0..side * side * side).filter(|at| at % 4 == 0 && at / side % 4 == 0) {
+        for corner in (0..side * side * side).filter(|at| at.is_multiple_of(4) && (at / side).is_multiple_of(4)) {
             let [x, y] = [corner % side, corner / side % side];
             if x + 4 > side || y + 4 > side {
                 continue;
