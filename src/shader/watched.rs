@@ -47,6 +47,7 @@ impl Library {
 
     /// The head of a function that a module must have and has not, as the other modules of its slot have it, and the names of
     /// those that it has.
+    #[cfg(feature = "measure")]
     pub(super) fn lacking(&self, path: &str) -> Option<(String, Vec<&str>)> {
         let (slot, name) = path.strip_suffix(".glsl")?.split_once('/')?;
         let own = functions(self.source(path)?);
@@ -138,6 +139,7 @@ impl<'a> Function<'a> {
     }
 
     /// The types of its result and of its parameters.
+    #[cfg(feature = "measure")]
     fn types(&self) -> Vec<&str> {
         let is_type = |word: &&&str| !["const", "in", "out", "inout"].contains(*word);
         let of = |words: &Vec<&'a str>| words.iter().find(is_type).copied().unwrap_or_default();

@@ -2,6 +2,7 @@
 //!
 //! Invariant: what it may take is time of the processor, so that a machine with much else to do refuses nothing.
 
+#[cfg(feature = "measure")]
 use std::process::ExitStatus;
 use std::time::{Duration, Instant};
 
@@ -82,6 +83,7 @@ pub(crate) fn memory(id: u32) -> Option<u64> {
 }
 
 /// How a process ended.
+#[cfg(feature = "measure")]
 pub(crate) fn end(status: ExitStatus) -> String {
     #[cfg(unix)]
     if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
