@@ -84,9 +84,13 @@ const FIELDS: [(&str, &str); 68] = [
 ];
 
 /// What is ignored and not said to be: hair and slices of flames read no normal that the module makes, but a compiler that has
-/// seen it orders what is left in another way, and what cannot be decided is not said.
-const UNDECIDED: [(&str, &str); 2] =
-    [("fur, blurred", "effect.gradient = three"), ("fire, slices", "effect.gradient = three")];
+/// seen it orders what is left in another way; a highlight of strength 0 that is kept is another program. What cannot be
+/// decided is not said.
+const UNDECIDED: [(&str, &str); 3] = [
+    ("fur, blurred", "effect.gradient = three"),
+    ("fur, blurred", "quality.neutral = keep"),
+    ("fire, slices", "effect.gradient = three"),
+];
 
 /// A scene of few pixels on a formula, whose object looks different from every side.
 fn scene(effect: &str, object: &str, change: impl FnOnce(&mut Scene)) -> Scene {
