@@ -14,6 +14,7 @@ mod nifti;
 mod nrrd;
 mod odd;
 mod orientation;
+mod packed;
 mod ply;
 mod polygons;
 mod raw;

@@ -1,11 +1,10 @@
 //! Volumes whose data lies behind a MetaImage header or in a file beside one: what is read, and what is refused.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
-use flate2::{Compression, write::ZlibEncoder};
+use crate::packed::zlib;
 use glam::{Mat3, Vec3};
 use hypertexture::shape::{Content, Shape, Volume, open, read};
 use std::fs;
-use std::io::Write;
 
 /// A name and what writes numbers.
 type Type = (&'static str, fn(f32) -> Vec<u8>);
@@ -67,12 +66,6 @@ fn data(kind: usize, big_endian: bool) -> Vec<u8> {
         bytes
     };
     (0..60).flat_map(one).collect()
-}
-
-fn zlib(data: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
-    encoder.write_all(data).unwrap();
-    encoder.finish().unwrap()
 }
 
 fn volume(shape: Result<Shape, hypertexture::shape::ShapeError>) -> Volume {

@@ -2,12 +2,10 @@
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use crate::dicom::files::{Desk, LITTLE, at, expected, series};
-use bzip2::write::BzEncoder;
-use flate2::{Compression, write::GzEncoder, write::ZlibEncoder};
+use crate::packed::{bzip2, gzip, zlib};
 use glam::{DVec3, Vec3};
 use hypertexture::shape::{Opened, Shape, Volume, read, read_noted};
 use std::fs;
-use std::io::Write;
 
 /// The volume, and its only note.
 fn noted(opened: Opened) -> (Volume, String) {
@@ -53,24 +51,6 @@ fn values() -> Vec<f32> {
 
 fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
-}
-
-fn gzip(data: &[u8]) -> Vec<u8> {
-    let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
-    encoder.write_all(data).unwrap();
-    encoder.finish().unwrap()
-}
-
-fn zlib(data: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
-    encoder.write_all(data).unwrap();
-    encoder.finish().unwrap()
-}
-
-fn bzip2(data: &[u8]) -> Vec<u8> {
-    let mut encoder = BzEncoder::new(Vec::new(), bzip2::Compression::fast());
-    encoder.write_all(data).unwrap();
-    encoder.finish().unwrap()
 }
 
 const NRRD: &str = "type: uchar\ndimension: 3\nsizes: 4 5 3";

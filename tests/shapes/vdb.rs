@@ -1,9 +1,9 @@
 //! Level sets and fog of OpenVDB: what is read, and what is refused.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
+use crate::packed::zlib;
 use glam::{IVec3, Vec3};
 use hypertexture::shape::{Content, Facts, Opened, Shape, Volume, open, read, read_noted};
-use std::io::Write;
 
 fn volume(shape: Result<Shape, hypertexture::shape::ShapeError>) -> Volume {
     match shape {
@@ -55,9 +55,7 @@ fn values(bytes: &mut Vec<u8>, packing: Packing, all: &[f32], active: &[bool]) {
     let kept = all.iter().zip(active).filter(|(_, active)| packing != Packing::Mask || **active);
     let raw: Vec<u8> = kept.flat_map(|(value, _)| value.to_le_bytes()).collect();
     if packing == Packing::Zip {
-        let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
-        encoder.write_all(&raw).unwrap();
-        let packed = encoder.finish().unwrap();
+        let packed = zlib(&raw);
         bytes.extend((packed.len() as i64).to_le_bytes());
         bytes.extend(packed);
     } else {
