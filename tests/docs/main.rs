@@ -4,3 +4,5 @@ mod layers;
 mod names;
 mod papers;
 mod readme;
+#[cfg(unix)]
+mod setup;
