@@ -41,32 +41,32 @@ pub enum Command {
     View(Box<ViewArguments>),
     /// Join the shards of a picture, as `render --shard` writes them.
     Merge(Merge),
-    /// Compute the distance field of an object and write it as NRRD, MetaImage, NIfTI, OpenVDB or .npy.
+    /// Compute the distance field of an object and write it: NRRD, MetaImage, NIfTI, OpenVDB or .npy.
     Field(Field),
-    /// Write the surface of a hypertextured object, where its density crosses a value, as a closed mesh.
+    /// Write the surface of a hypertextured object as a closed mesh: where its density crosses a value.
     Mesh(Box<Mesh>),
-    /// Render every example scene, or the six effects on one object, with a page that explains them.
+    /// Render every example scene, or the six effects on one object: pictures, and a page that explains them.
     Gallery(GalleryArguments),
     /// Measure error against run time: noise implementations, samples, blocks, formats and integrations, with a report.
     Compare(Box<Compare>),
-    /// Say what a picture is made with, what its scene leaves out and why, and what that saves.
+    /// Say what a picture is made with and what its scene leaves out: why, and what that saves.
     Explain(Box<Explain>),
     /// What a mesh or a volume holds: counts, box, open edges, range of values, iso-values worth looking at.
     Info(Info),
     /// Write a volume or a mesh in another format, or values without a header as a volume.
     Convert(Convert),
-    /// Measure what effects, example scenes and fields cost on this device, and what got slower since a saved run.
+    /// Measure what effects, example scenes and fields cost on this device; and what got slower since a saved run.
     Bench(Bench),
     /// List the effects and their parameters.
     Effects,
     /// List every setting of a scene: its default, what it may be, its flag.
     Settings,
-    /// Drive the method to the ends of what it can be asked, or a scene to the ends of its ranges: error against stiffness.
+    /// Drive the method to its ends, or a scene to the ends of its ranges: error against stiffness.
     Stress(Box<Stress>),
-    /// Check the device against analytic reference scenes in both passes, or a picture against the scene in it.
+    /// Check the device against reference scenes, or a picture against the scene in it: analytic ones, in both passes.
     Verify(Verify),
     /// Say which device was found, what is missing, and test what the renderer relies on.
-    Doctor,
+    Doctor(Doctor),
     /// Write completions for a shell to standard output.
     Completions(Completions),
     /// Write a manual page, for `man`, to standard output.
@@ -80,6 +80,14 @@ pub enum Command {
     /// Try the modules of the scene on standard input: what a user's GLSL goes through first.
     #[command(hide = true)]
     Try(Try),
+}
+
+/// Arguments of `doctor`.
+#[derive(Args)]
+pub struct Doctor {
+    /// Everything as JSON.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Arguments of `completions`.

@@ -2,7 +2,7 @@
 
 use super::compare::Failed;
 use super::sequence::{Interrupted, stop_flag};
-use super::{absolute, say, with_progress};
+use super::{absolute, announced, say};
 use crate::gpu::{Gpu, Options};
 use crate::measure::bench::{self, Change};
 use crate::support::{open, write_whole};
@@ -31,8 +31,8 @@ pub struct Bench {
     /// Writes all that was timed into this file too.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Says which rows got slower or faster than in this file, which --json wrote on the same device; exit code 1 where one
-    /// got slower.
+    /// Says which rows got slower or faster than in this file; --json wrote it on the same device; exit code 1 where one got
+    /// slower.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
 }
@@ -62,7 +62,8 @@ pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(),
     changes(&bench::Bench::here(&gpu))?; // a file of another device is refused before anything is timed
     let flag = stop_flag()?;
     let stop = || flag.load(Ordering::Relaxed);
-    let found = with_progress(quiet, "bench", |progress| {
+    let found = announced(quiet, "bench", |progress| {
+        progress(0.0);
         bench::measure(&gpu, &library, &groups, repeats, &|part| progress(part), &stop)
     });
     say(&bench::table(&found));

@@ -3,7 +3,7 @@
 use super::picture::say_fault;
 use super::scene_arguments::{ObjectFlags, SceneArguments};
 use super::sequence::{Interrupted, stop_flag};
-use super::{absolute, say, start, with_progress};
+use super::{absolute, announced, say, start, with_progress};
 use crate::gpu::{Gpu, Options};
 use crate::measure::compare::candidates::{Sweep, candidates};
 use crate::measure::compare::report::{self, Environment, Report};
@@ -31,8 +31,8 @@ const SIZE: [u32; 2] = [128, 128];
 /// Arguments of `compare`.
 #[derive(Args)]
 pub struct Compare {
-    /// A built-in object, a mesh, a volume, a scene file (.toml), or an effect or example scene such as fire; with --paper, the
-    /// object, teapot unless said otherwise.
+    /// An object, a scene file (.toml), or an effect or example scene such as fire; with --paper, the object, teapot unless said
+    /// otherwise.
     #[arg(value_name = "SCENE", required_unless_present = "paper")]
     input: Option<String>,
     /// Replay the tables of Miller and Jones 2005 instead: frames per second of their six effects and four ways to get
@@ -112,7 +112,8 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &stop };
     let environment = Environment::of(&gpu);
     let title = title(command);
-    let report = with_progress(quiet, "compare", |progress| -> Result<Report, Box<dyn Error>> {
+    let report = announced(quiet, "compare", |progress| -> Result<Report, Box<dyn Error>> {
+        progress(0.0);
         let mut refer = |scene: &Scene| truth(stage, scene);
         let part = |fraction: f32| progress(CANDIDATES * fraction);
         let forecast = |forecast: Forecast| {

@@ -25,7 +25,7 @@ pub struct Convert {
     /// Their type, as NumPy calls it: uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64.
     #[arg(long = "type", requires = "dims", value_name = "TYPE")]
     pub kind: Option<SampleType>,
-    /// Which of their bytes is first.
+    /// Order of their bytes.
     #[arg(long, requires = "dims", value_parser = ["little", "big"], default_value = "little")]
     pub endian: String,
     /// World units from one to the next along x, y and z.

@@ -2,15 +2,20 @@
 
 use super::picture::say_fault;
 use super::scene_arguments::{ObjectFlags, SceneArguments};
-use super::{say, with_progress};
+use super::{announced, say, say_json, with_progress};
+use crate::field::Progress;
 use crate::gpu::{Gpu, Options};
 use crate::measure::statistics::{largest, quantile};
+use crate::output::PROGRAM;
 use crate::render::variant::Variant;
 use crate::render::{Frame, RenderError, Renderer, Subject, made_with, watch};
 use crate::scene::{EmptySpace, Neutral, Pass, Scene};
+use crate::shader::Library;
 use crate::shader::library::ZERO;
 use crate::support::words;
 use clap::Args;
+use serde::Serialize;
+use serde_json::json;
 use std::error::Error;
 
 /// Pictures of a scene that are held against as many of another.
@@ -23,6 +28,9 @@ const STEADY: f64 = 0.5;
 pub struct Explain {
     /// What `render` takes: an object, a scene file, an example scene, or a picture that this program has written.
     pub input: String,
+    /// Everything as JSON.
+    #[arg(long)]
+    pub json: bool,
     /// The object.
     #[command(flatten)]
     pub object: ObjectFlags,
@@ -39,49 +47,100 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
     let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
     let fault = watch(&library, &scene, &subject)?;
     let gpu = Gpu::new(options)?;
+    let explained = announced(quiet, "pictures", |progress| explain(&gpu, &library, &scene, &subject, progress))?;
+    if command.json {
+        let fault = fault.map(|fault| fault.to_string());
+        let made_with: Vec<_> =
+            explained.made_with.iter().map(|[about, what]| json!({ "about": about, "what": what })).collect();
+        return Ok(say_json(&json!({
+            "program": PROGRAM, "device": gpu.info().title(), "scene": scene, "made_with": made_with, "times_ms": explained.times,
+            "without": explained.others, "module": fault,
+        }))?);
+    }
+    let Explained { made_with, times, others } = explained;
+    let mut lines: Vec<String> = made_with.iter().map(|[a, b]| format!("{a:<11}{}", words::line(b))).collect();
+    let memory = lines.pop();
+    lines.push(format!("time       {} on the device, median of {}", spread(&times), times.len()));
+    lines.extend(others.iter().map(Other::line));
+    lines.extend(memory);
+    say(&(lines.join("\n") + "\n"));
+    say_fault(fault);
+    Ok(())
+}
+
+/// What a picture is made with, and what it saves.
+struct Explained {
+    made_with: Vec<[String; 2]>,
+    /// Milliseconds of it on the device.
+    times: Vec<f64>,
+    others: Vec<Other>,
+}
+
+/// A picture that costs more, held against that of the scene.
+#[derive(Serialize)]
+struct Other {
+    how: &'static str,
+    #[serde(skip)]
+    saves: &'static str,
+    /// Milliseconds on the device, and those of the scene, drawn by turns.
+    times_ms: Vec<f64>,
+    scene_times_ms: Vec<f64>,
+    /// Largest difference of a channel.
+    difference: f64,
+}
+
+impl Other {
+    fn line(&self) -> String {
+        let error = match self.difference {
+            0.0 => "no pixel differs".into(),
+            most => format!("pixels differ by {most:.1e} at most"),
+        };
+        let saved = saved(self.saves, &self.scene_times_ms, &self.times_ms);
+        format!("           {} {}: {saved}, {error}", spread(&self.times_ms), self.how)
+    }
+}
+
+fn explain(
+    gpu: &Gpu,
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    progress: Progress<'_>,
+) -> Result<Explained, Box<dyn Error>> {
     let warm = |scene: &Scene| -> Result<(Renderer, Frame), RenderError> {
-        let mut renderer = Renderer::new(&gpu, &library, &subject);
+        let mut renderer = Renderer::new(gpu, library, subject);
         // Not the first: slices leave out empty space from the second one on.
         renderer.render(scene)?;
         let frame = renderer.render(scene)?;
         Ok((renderer, frame))
     };
-    let (mut renderer, frame) = warm(&scene)?;
-    let mut lines: Vec<String> = made_with(&frame.measurements, &scene, &subject, &library)?
-        .into_iter()
-        .map(|[a, b]| format!("{a:<11}{}", words::line(&b)))
-        .collect();
-    let memory = lines.pop();
+    progress(0.0);
+    let (mut renderer, frame) = warm(scene)?;
+    let made_with = made_with(&frame.measurements, scene, subject, library)?;
     let (mut times, mut others) = (Vec::new(), Vec::new());
-    let has_zeros = Variant::of(&scene, &library)?.slots.contains_key(ZERO);
-    for More { how, saves, change } in without(&scene) {
+    let has_zeros = Variant::of(scene, library)?.slots.contains_key(ZERO);
+    let mores = without(scene);
+    let share = 1.0 / mores.len() as f32;
+    for (index, More { how, saves, change }) in mores.into_iter().enumerate() {
+        progress(share * index as f32);
         let mut other = scene.clone();
         change(&mut other);
         let keeps = other.quality.neutral == Neutral::Keep && !has_zeros;
-        if other == scene || keeps || other.check(&library).is_err() {
+        if other == *scene || keeps || other.check(library).is_err() {
             continue;
         }
         let (mut fuller, full) = warm(&other)?;
         let differences =
             frame.pixels.as_flattened().iter().zip(full.pixels.as_flattened()).map(|(a, b)| f64::from((a - b).abs()));
-        let error = match largest(differences) {
-            0.0 => "no pixel differs".into(),
-            most => format!("pixels differ by {most:.1e} at most"),
-        };
         // By turns: what else the machine does slows both down.
-        let [own, of_other] = by_turns([(&mut renderer, &scene), (&mut fuller, &other)])?;
-        others.push(format!("           {} {how}: {}, {error}", spread(&of_other), saved(saves, &own, &of_other)));
-        times.extend(own);
+        let [scene_times_ms, times_ms] = by_turns([(&mut renderer, scene), (&mut fuller, &other)])?;
+        times.extend(scene_times_ms.iter());
+        others.push(Other { how, saves, times_ms, scene_times_ms, difference: largest(differences) });
     }
     if times.is_empty() {
-        [times] = by_turns([(&mut renderer, &scene)])?;
+        [times] = by_turns([(&mut renderer, scene)])?;
     }
-    lines.push(format!("time       {} on the device, median of {}", spread(&times), times.len()));
-    lines.extend(others);
-    lines.extend(memory);
-    say(&(lines.join("\n") + "\n"));
-    say_fault(fault);
-    Ok(())
+    Ok(Explained { made_with, times, others })
 }
 
 fn median(times: &[f64]) -> f64 {

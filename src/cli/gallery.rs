@@ -3,7 +3,7 @@
 use super::compare::Failed;
 use super::picture::smooth;
 use super::scene_arguments::{ObjectFlags, size};
-use super::{absolute, say, start, with_progress};
+use super::{absolute, announced, say, start};
 use crate::field::Progress;
 use crate::gpu::{Gpu, Options};
 use crate::measure::worker::{Load, Painter, Start, Worker};
@@ -85,7 +85,7 @@ pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) ->
         false => format!("{}: it is a file; name a folder; nothing was written", existing.display()),
     })?;
     let (began, start) = (Instant::now(), start(options)?);
-    let Gallery { page, failures } = with_progress(quiet, "gallery", |progress| {
+    let Gallery { page, failures } = announced(quiet, "gallery", |progress| {
         write(&gpu, &library, &scenes, Some(&start), &command.output, progress)
     })?;
     if !quiet {

@@ -1,6 +1,6 @@
 //! `info`: what a file holds, before anything is made of it.
 
-use super::say;
+use super::{say, say_json};
 use crate::shape::{Facts, Histogram};
 use crate::support::{quoted, significant, words};
 use clap::Args;
@@ -39,8 +39,7 @@ pub(super) fn run(command: &Info) -> Result<(), Box<dyn Error>> {
                 "voxels": histogram.counts, "mean_gradient": histogram.gradients,
             });
         }
-        say(&words::json(&format!("{}\n", serde_json::to_string_pretty(&all)?)));
-        return Ok(());
+        return Ok(say_json(&all)?);
     }
     let mut text: String =
         facts.lines.iter().map(|fact| format!("{:<11}{}\n", fact.name, words::line(&fact.words))).collect();

@@ -1,15 +1,15 @@
 //! Completions for shells, and manual pages: both made of the arguments themselves.
 
-use super::args::Arguments;
+use super::brief;
 use crate::scene::SceneError;
-use clap::{Command, CommandFactory};
+use clap::Command;
 use clap_complete::Shell;
 use clap_mangen::Man;
 use std::error::Error;
 
 /// The script that makes this shell complete the program's arguments.
 pub fn completions(shell: Shell) -> String {
-    let program = Arguments::command();
+    let program = brief::command();
     let visible = program.get_subcommands().filter(|command| !command.is_hide_set()).cloned();
     let mut shown = Command::new("hypertexture").args(program.get_arguments().cloned()).subcommands(visible);
     let mut bytes = Vec::new();
@@ -19,7 +19,7 @@ pub fn completions(shell: Shell) -> String {
 
 /// The manual page of a command, or of the program.
 pub fn page(name: Option<&str>) -> Result<String, Box<dyn Error>> {
-    let mut program = Arguments::command();
+    let mut program = brief::command();
     program.build();
     let command = match name {
         None => program,

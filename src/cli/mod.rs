@@ -2,6 +2,7 @@
 
 mod args;
 mod bench;
+mod brief;
 mod compare;
 mod convert;
 #[cfg(all(test, feature = "viewer"))]
@@ -25,6 +26,7 @@ mod mesh;
 mod modules;
 mod paper;
 mod picture;
+mod progress;
 mod render;
 mod scene_arguments;
 mod sequence;
@@ -37,12 +39,12 @@ mod view;
 
 use args::{Arguments, Command};
 use compare::Failed;
+use progress::{announced, with_progress};
 use sequence::Interrupted;
 use verify::Disagreement;
 #[cfg(feature = "viewer")]
 use view::NoWindow;
 
-use crate::field::Progress;
 use crate::gpu::{Gpu, GpuError, Options};
 use crate::measure::guard;
 use crate::measure::worker::{self, PATIENCE, Start};
@@ -51,15 +53,13 @@ use crate::scene::schema::{SETTINGS, Setting};
 use crate::scene::{Scene, SceneError, parse_value};
 use crate::shader::{Library, compile};
 use crate::support::words;
-use clap::Parser;
 use clap::error::ErrorKind;
-use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
 use std::error::Error;
 use std::ffi::OsString;
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::OnceLock;
-use std::time::{Duration, Instant};
 
 /// What is said of an argument that is no number, without the words of Rust.
 const NUMBERS: [(&str, &str); 3] = [
@@ -89,7 +89,7 @@ pub const FAILED: u8 = 1;
 
 /// The program: arguments to calls, errors to one line and an exit code.
 pub fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    let arguments = match brief::parse() {
         Ok(arguments) => arguments,
         Err(error) if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
             say(&error.render().to_string());
@@ -205,9 +205,13 @@ fn carry_out(command: Command, options: &Options, quiet: bool) -> Result<(), Box
         }
         Command::Stress(command) => stress::run(&command, options, quiet),
         Command::Verify(command) => verify::run(&command, options, quiet),
-        Command::Doctor => {
+        Command::Doctor(command) => {
             let report = doctor::examine(options);
-            say(&report.text);
+            if command.json {
+                say_json(&report)?
+            } else {
+                say(&report.text())
+            }
             if report.healthy { Ok(()) } else { Err("the tests above did not all pass".into()) }
         }
         Command::Completions(command) => {
@@ -243,6 +247,20 @@ pub fn say(text: &str) {
     }
 }
 
+/// Writes an object of JSON to standard output.
+fn say_json(value: &impl Serialize) -> Result<(), serde_json::Error> {
+    say(&words::json(&format!("{}\n", serde_json::to_string_pretty(value)?)));
+    Ok(())
+}
+
+/// Says nothing, in place of [`say`].
+fn silent(_: &str) {}
+
+/// Writes lines to standard error, in place of [`say`] where standard output has something else.
+fn aside(text: &str) {
+    let _ = write!(std::io::stderr().lock(), "{}", words::lines(text));
+}
+
 /// Writes a line to standard error, if that takes it, as a terminal may see it; no longer than anybody reads, and without the
 /// numbers of errors of the system.
 fn complain(line: &str) {
@@ -275,10 +293,10 @@ fn fitted(line: &str) -> String {
 }
 
 /// Opens the device for something, and once more where the device is lost meanwhile.
-fn with_device(
+fn with_device<T>(
     options: &Options,
-    mut run: impl FnMut(&Gpu) -> Result<(), Box<dyn Error>>,
-) -> Result<(), Box<dyn Error>> {
+    mut run: impl FnMut(&Gpu) -> Result<T, Box<dyn Error>>,
+) -> Result<T, Box<dyn Error>> {
     let done = run(&Gpu::new(options)?);
     let is_lost = |error: &(dyn Error + 'static)| match (error.downcast_ref(), error.downcast_ref()) {
         (Some(RenderError::Gpu(error)), _) | (_, Some(error)) => GpuError::is_lost(error),
@@ -297,23 +315,6 @@ fn with_device(
 pub fn start(options: &Options) -> Result<Start, Box<dyn Error>> {
     let program = std::env::current_exe()?;
     Ok(Start { program, device: options.device.clone(), patience: PATIENCE })
-}
-
-/// Runs a computation; a bar appears on a terminal when it takes longer than a second.
-fn with_progress<T>(quiet: bool, what: &'static str, run: impl FnOnce(Progress<'_>) -> T) -> T {
-    const STEPS: u64 = 1000;
-    let style = ProgressStyle::with_template("{msg} [{bar:40}] {percent} % {eta} left");
-    let bar = ProgressBar::new(STEPS).with_message(what).with_style(style.expect("the template is valid"));
-    let start = Instant::now();
-    let result = run(&|fraction| {
-        if fraction >= 1.0 {
-            bar.finish_and_clear(); // what follows is something else
-        } else if !quiet && start.elapsed() > Duration::from_secs(1) {
-            bar.set_position((f64::from(fraction) * STEPS as f64) as u64);
-        }
-    });
-    bar.finish_and_clear();
-    result
 }
 
 /// The modules of a scene, which is checked; what a person wrote is compiled in a process of its own.

@@ -3,7 +3,7 @@
 use super::compare::{Compare, Failed, make_folder, truth};
 use super::scene_arguments::SceneArguments;
 use super::sequence::{Interrupted, stop_flag};
-use super::{absolute, say, start, with_progress};
+use super::{absolute, announced, say, start, with_progress};
 use crate::gpu::{Gpu, Options};
 use crate::measure::compare::Stage;
 use crate::measure::compare::paper::measure::replay;
@@ -42,7 +42,8 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let worker = Worker::new(&start(options)?, &library, Load::Object { object, margin, closest });
     let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &stop };
     let (environment, object) = (Environment::of(&gpu), file_name(command.input()));
-    let replay = with_progress(quiet, "paper", |progress| {
+    let replay = announced(quiet, "paper", |progress| {
+        progress(0.0);
         replay(stage, plan, &mut |scene: &Scene| truth(stage, scene), &|part| progress(part))
     });
     let environment = Environment { load_after: load(), ..environment };

@@ -4,19 +4,24 @@ use super::{absolute, say, with_progress};
 use crate::field::{DistanceField, Progress};
 use crate::gpu::Gpu;
 use crate::output::shard::{self, Shard};
-use crate::output::{Depth, Provenance, write};
+use crate::output::{Depth, Provenance, encode_png, write};
 use crate::render::variant::Variant;
 use crate::render::{FINITE, Fault, Frame, Renderer, Subject, doubts, half_height, octaves_held};
 use crate::scene::schema::{Kind, setting};
 use crate::scene::{Pass, Scene};
 use crate::shader::Library;
 use crate::support::write_whole;
+use serde_json::{Map, Value, json};
 use std::error::Error;
+use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
 /// Pixels of a voxel that a sharp edge of the object shows.
 const SEEN_VOXEL: f32 = 6.0;
+
+/// The output that is standard output.
+pub(super) const STANDARD_OUTPUT: &str = "-";
 
 /// Pictures of which a final one is the mean, where nothing says how many.
 const SMOOTH: u32 = 4;
@@ -39,6 +44,8 @@ pub(super) struct Picture<'a> {
     /// Bits of each channel of a PNG: 8 or 16.
     pub(super) depth: &'a str,
     pub(super) quiet: bool,
+    /// Takes what is said of it, a line or more at a time.
+    pub(super) tell: fn(&str),
     /// When the work began, and how many milliseconds of it loaded the objects.
     pub(super) began: Instant,
     pub(super) loading_ms: f64,
@@ -51,16 +58,19 @@ impl Picture<'_> {
     }
 }
 
+/// The line about what a custom module gives that is no number; empty where it gives nothing such.
+pub(super) fn fault_line(fault: Option<&Fault>) -> String {
+    fault.map_or(String::new(), |fault| format!("module     {fault}; {FINITE}\n"))
+}
+
 /// Says what a custom module gives that is no number.
 pub(super) fn say_fault(fault: Option<Fault>) {
-    if let Some(fault) = fault {
-        say(&format!("module     {fault}; {FINITE}\n"));
-    }
+    say(&fault_line(fault.as_ref()));
 }
 
 /// Renders a picture, unless it is `drawn` already, and writes it.
 pub(super) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Result<Frame, Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject, output, quiet, .. } = *picture;
+    let Picture { gpu, library, scene, subject, output, quiet, tell, .. } = *picture;
     let render = |progress: Progress<'_>| {
         let mut renderer = Renderer::new(gpu, library, subject);
         renderer.prepare(scene, progress)?;
@@ -68,14 +78,24 @@ pub(super) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Res
     };
     let frame = match drawn {
         Some(drawn) => drawn,
-        None => with_progress(quiet, "noise", render)?,
+        None => with_progress(quiet, "picture", render)?,
     };
     let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements)?;
-    write(&frame, scene.image.background, picture.depth(), &provenance, output)?;
+    let (background, depth) = (scene.image.background, picture.depth());
+    match output == Path::new(STANDARD_OUTPUT) {
+        true => {
+            let png = encode_png(&frame, background, depth, &provenance)?;
+            let mut out = std::io::stdout().lock();
+            out.write_all(&png).and_then(|()| out.flush()).map_err(|error| format!("standard output: {error}"))?;
+        }
+        false => write(&frame, background, depth, &provenance, output)?,
+    }
     if !quiet {
-        say(&summary(picture, &frame)?);
-        say(&nothing_seen(scene, subject, &frame).map_or(String::new(), |why| format!("empty      {why}\n")));
-        say(&format!("wrote {}\n", absolute(output)));
+        tell(&summary(picture, &frame)?);
+        tell(&nothing_seen(scene, subject, &frame).map_or(String::new(), |why| format!("empty      {why}\n")));
+    }
+    if output != Path::new(STANDARD_OUTPUT) {
+        tell(&format!("wrote {}\n", absolute(output)));
     }
     Ok(frame)
 }
@@ -102,10 +122,10 @@ fn nothing_seen(scene: &Scene, subject: &Subject, frame: &Frame) -> Option<Strin
 }
 
 /// Renders a part of a picture and writes it as a file of its own.
-pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<(), Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject, output, quiet, .. } = *picture;
+pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<Frame, Box<dyn Error>> {
+    let Picture { gpu, library, scene, subject, output, quiet, tell, .. } = *picture;
     let bands = shard.bands(scene.image.size[1]);
-    let frame = with_progress(quiet, "noise", |progress| {
+    let frame = with_progress(quiet, "picture", |progress| {
         let mut renderer = Renderer::new(gpu, library, subject);
         renderer.prepare(scene, progress)?;
         renderer.render_bands(scene, &bands)
@@ -121,16 +141,48 @@ pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<(), Bo
     write_whole(&path, &shard::encode(&whole, shard, &frame))
         .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
     if !quiet {
-        say(&summary(picture, &frame)?);
-        say(&format!("wrote {}\n", absolute(&path)));
+        tell(&summary(picture, &frame)?);
     }
-    Ok(())
+    tell(&format!("wrote {}\n", absolute(&path)));
+    Ok(frame)
+}
+
+/// The scene of a picture, what is to be known of it, and what it took, as an object of JSON.
+pub(super) fn object(picture: &Picture<'_>, frame: &Frame) -> Result<Map<String, Value>, Box<dyn Error>> {
+    let Picture { scene, subject, began, loading_ms, .. } = *picture;
+    let field = subject.field.as_ref().zip(subject.report.as_ref()).map(|(field, report)| {
+        json!({
+            "size": field.grid.size, "from_cache": report.from_cache, "ms": report.ms, "triangles": report.triangles,
+            "open_edges": report.open_edges, "closing_triangles": report.closing_triangles,
+        })
+    });
+    let notes = notes(picture, frame)?.into_iter().map(|(about, what)| json!({ "about": about, "what": what }));
+    let object = [
+        ("scene", serde_json::to_value(scene)?),
+        ("field", json!(field)),
+        ("notes", notes.collect()),
+        ("empty", json!(nothing_seen(scene, subject, frame))),
+        ("measurements", serde_json::to_value(&frame.measurements)?),
+        ("loading_ms", json!(loading_ms)),
+        ("all_ms", json!(began.elapsed().as_secs_f64() * 1e3)),
+    ];
+    Ok(object.into_iter().map(|(name, value)| (name.to_string(), value)).collect())
+}
+
+/// What is to be known of a picture: what it is about, and what there is.
+fn notes(picture: &Picture<'_>, frame: &Frame) -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
+    let Picture { library, scene, subject, .. } = *picture;
+    let half_height = half_height(scene, subject, &Variant::of(scene, library)?);
+    let m = &frame.measurements;
+    let mut notes: Vec<_> = coarse(scene, subject, half_height).map(|text| ("voxels", text)).into_iter().collect();
+    notes.extend(octaves_held(m, scene, library).map(|text| ("octaves", text)));
+    notes.extend(doubts(m, scene, subject, library)?.into_iter().map(|text| ("note", text)));
+    Ok(notes)
 }
 
 /// What a render took, and what it left out.
 fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject, began, loading_ms, .. } = *picture;
-    let half_height = half_height(scene, subject, &Variant::of(scene, library)?);
+    let Picture { gpu, scene, subject, began, loading_ms, .. } = *picture;
     let info = gpu.info();
     let m = &frame.measurements;
     let mut lines = vec![
@@ -146,9 +198,7 @@ fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error
             report.ms, report.triangles, report.open_edges, report.closing_triangles, m.quantization
         ));
     }
-    lines.extend(coarse(scene, subject, half_height));
-    lines.extend(octaves_held(m, scene, library).map(|text| format!("octaves    {text}")));
-    lines.extend(doubts(m, scene, subject, library)?.into_iter().map(|text| format!("note       {text}")));
+    lines.extend(notes(picture, frame)?.into_iter().map(|(about, what)| format!("{about:<11}{what}")));
     lines.push(match (scene.quality.pass, m.fragments) {
         (Pass::Slices, count) => {
             let count = count.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
@@ -191,6 +241,6 @@ fn coarse(scene: &Scene, subject: &Subject, half_height: f32) -> Option<String> 
     let finer = (2 * scene.object.resolution).min(range.high as u32);
     let is_seen = pixels > SEEN_VOXEL && scene.object.resolution < finer;
     is_seen.then(|| {
-        format!("voxels     {pixels:.0} pixels wide: sharp edges of the object show them; --resolution {finer} has finer ones")
+        format!("{pixels:.0} pixels wide: sharp edges of the object show them; --resolution {finer} has finer ones")
     })
 }

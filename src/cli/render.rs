@@ -1,11 +1,11 @@
 //! `render`: a picture, its frames or a shard of them, with the fastest settings or with its cost in advance.
 
 use super::error_map::write_error_map;
-use super::picture::{Picture, render_picture, render_shard, say_fault, smooth};
+use super::picture::{self, Picture, STANDARD_OUTPUT, fault_line, render_picture, render_shard, smooth};
 use super::scene_arguments::{ObjectFlags, SceneArguments, files_read, metric};
 use super::sequence::{Motion, ShardChoice, frames_of, render_frames, shard};
 use super::validity::write_validity;
-use super::{say, start, with_device, with_progress};
+use super::{absolute, announced, aside, say, say_json, silent, start, with_device, with_progress};
 use crate::gpu::{Gpu, Options};
 use crate::measure::compare::{Failure, Stage};
 use crate::measure::metric::Metric;
@@ -13,37 +13,42 @@ use crate::measure::pick::{ErrorBound, Pick, Verified, remembered};
 use crate::measure::predict::{Estimate, Prediction, predict};
 use crate::measure::statistics::rounded_up;
 use crate::measure::worker::{Load, Worker};
-use crate::output;
 use crate::output::sequence::{Sequence, manifest_path};
 use crate::output::shard::Shard;
+use crate::output::{self, PROGRAM};
 use crate::render::{Renderer, Subject, ignored, watch};
 use crate::scene::{self, Pass, Scene};
 use crate::shader::Library;
 use crate::support::write_whole;
 use clap::Args;
+use serde_json::{Map, Value, json};
 use std::error::Error;
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Arguments of `render`.
 #[derive(Args)]
 pub struct Render {
-    /// A built-in object, a mesh, a scalar volume, a distance field, a scene file (.toml), an example scene such as fire_ball, or
-    /// a picture that this program has written: its scene.
+    /// An object, a scene file (.toml), an example scene such as fire_ball, or a picture. An object is built in, a mesh, a scalar
+    /// volume or a distance field; of a picture that this program has written, its scene is drawn.
     pub input: String,
-    /// Where the picture goes: .png or .exr.
+    /// Where the picture goes, .png or .exr; - is standard output, as PNG.
     #[arg(long, short, default_value = "out.png", value_name = "FILE")]
     pub output: PathBuf,
     /// Bits of each channel of a PNG.
     #[arg(long, default_value = "8", value_parser = ["8", "16"])]
     pub depth: String,
+    /// Everything as JSON.
+    #[arg(long)]
+    pub json: bool,
     /// Write the scene in use, complete with defaults.
     #[arg(long, value_name = "FILE")]
     pub save_scene: Option<PathBuf>,
     /// Say what the picture will cost, from small ones, and write none.
     #[arg(long, conflicts_with_all = ["frames", "shard"])]
     pub predict: bool,
-    /// Draw it with the fastest settings whose error is below this, such as 1e-3; the scene says what is drawn, and no longer how.
+    /// Draw with the fastest settings within this error, such as 1e-3; the scene says what is drawn, and no longer how.
     #[arg(long, value_name = "ERROR", conflicts_with = "shard")]
     pub max_error: Option<f64>,
     /// How that error is measured: rmse (linear RGBA), covered (the same where there is something), rgb, opacity, max, p999.
@@ -92,6 +97,26 @@ impl Render {
         (!all.is_empty()).then(|| all.join(", "))
     }
 
+    /// Whether the picture goes to standard output.
+    fn is_piped(&self) -> bool {
+        self.output == Path::new(STANDARD_OUTPUT)
+    }
+
+    /// Checks that standard output can take the picture, where it is to go there.
+    fn check_piped(&self) -> Result<(), String> {
+        let also =
+            [("--frames", self.motion.frames.is_some()), ("--shard", self.shard.is_some()), ("--json", self.json)];
+        let also = also.into_iter().find_map(|(flag, is_given)| is_given.then_some(flag));
+        match also {
+            _ if !self.is_piped() || self.predict => Ok(()),
+            Some(flag) => Err(format!("--output -: standard output has one picture, and nothing for {flag}; name a file")),
+            None if std::io::stdout().is_terminal() => {
+                Err("--output -: standard output is a terminal, which shows no picture; name a file, or put a | or > behind".into())
+            }
+            None => Ok(()),
+        }
+    }
+
     /// The files that it writes, and what asks for them.
     fn written(
         &self,
@@ -106,6 +131,7 @@ impl Render {
                 frames.into_iter().map(|(_, path)| path).chain([manifest]).collect()
             }
             (None, Some(shard)) => vec![shard.path(&self.output)],
+            (None, None) if self.is_piped() => Vec::new(),
             (None, None) => vec![self.output.clone()],
         };
         let more =
@@ -129,7 +155,8 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     let library = super::library(&scene)?;
     let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
     let bound = bound.map_err(|error| format!("--max-error: {error}"))?;
-    [Some(&command.output), command.error_map.as_ref(), command.validity.as_ref()]
+    command.check_piped()?;
+    [Some(&command.output).filter(|_| !command.is_piped()), command.error_map.as_ref(), command.validity.as_ref()]
         .into_iter()
         .flatten()
         .try_for_each(|file| output::check(file))?;
@@ -150,8 +177,17 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     output::check_all(written, subject.all_others().cloned())?;
     let fault = watch(&library, &scene, &subject)?;
     let asked = Asked { scene, base, library, subject, bound, shard, sequence, began, loading_ms };
-    with_device(options, |gpu| draw(command, &asked, gpu, options, quiet))?;
-    say_fault(fault.filter(|_| !quiet));
+    let tell = match command.is_piped() && !command.predict {
+        _ if quiet || command.json => silent,
+        true => aside,
+        false => say,
+    };
+    let mut object = with_device(options, |gpu| draw(command, &asked, gpu, options, (quiet, tell)))?;
+    tell(&fault_line(fault.as_ref()));
+    if command.json {
+        object.insert("module".into(), json!(fault.map(|fault| fault.to_string())));
+        say_json(&object)?;
+    }
     Ok(())
 }
 
@@ -169,43 +205,76 @@ struct Asked {
     loading_ms: f64,
 }
 
-/// Draws what was asked for, or says what it would cost.
-fn draw(command: &Render, asked: &Asked, gpu: &Gpu, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+/// Draws what was asked for, or says what it would cost; gives what was found as an object of JSON.
+fn draw(
+    command: &Render,
+    asked: &Asked,
+    gpu: &Gpu,
+    options: &Options,
+    (quiet, tell): (bool, fn(&str)),
+) -> Result<Map<String, Value>, Box<dyn Error>> {
     let Asked { base, library, subject, bound, shard, sequence, began, loading_ms, .. } = asked;
     let (mut scene, mut drawn) = (asked.scene.clone(), None);
+    let mut object = Map::from_iter([("program".into(), json!(PROGRAM)), ("device".into(), json!(gpu.info().title()))]);
+    let mut add = |name: &str, value: Value| drop(object.insert(name.into(), value));
     if let Some(bound) = *bound {
         let worker = Worker::new(&start(options)?, library, Load::Scene(scene::to_text(&scene)));
         let stage = Stage { gpu, library, subject, worker: Some(&worker), stop: &|| false };
-        let pick = with_progress(quiet, "fastest settings", |progress| remembered(stage, &scene, bound, progress))?;
-        if !quiet {
-            say(&explain(&pick, bound));
-        }
+        let pick = announced(quiet, "fastest settings", |progress| remembered(stage, &scene, bound, progress))?;
+        tell(&explain(&pick, bound));
+        add("settings", settings(&pick, bound));
         (scene, drawn) = (pick.scene, pick.picture);
     }
-    if !quiet {
-        let line = command.ignored(library, subject, [base, &asked.scene, &scene]);
-        say(&line.map_or(String::new(), |fields| format!("ignored    {fields}: the picture is the same without\n")));
+    if !quiet || command.json {
+        let fields = command.ignored(library, subject, [base, &asked.scene, &scene]);
+        let line = |fields: &String| format!("ignored    {fields}: the picture is the same without\n");
+        tell(&fields.as_ref().map_or(String::new(), line));
+        add("ignored", json!(fields));
     }
     let (output, depth) = (&*command.output, &*command.depth);
     let (began, loading_ms) = (*began, *loading_ms);
-    let picture = Picture { gpu, library, scene: &scene, subject, output, depth, quiet, began, loading_ms };
+    let picture = Picture { gpu, library, scene: &scene, subject, output, depth, quiet, tell, began, loading_ms };
     if command.predict {
         let prediction = predict(&mut Renderer::new(gpu, library, subject), &scene)?;
-        say(&format_prediction(&scene, &prediction));
+        if !command.json {
+            say(&format_prediction(&scene, &prediction)); // all that was asked for: said where it is to be quiet, too
+        }
+        add("prediction", json!(prediction));
     } else if let Some(sequence) = sequence {
-        render_frames(&picture, sequence, *shard, command.motion.restart)?;
-    } else if let Some(shard) = *shard {
-        render_shard(&picture, shard)?;
+        add("frames", render_frames(&picture, sequence, *shard, command.motion.restart)?);
     } else {
-        let frame = render_picture(&picture, drawn)?;
-        command.error_map.iter().try_for_each(|path| write_error_map(&picture, &frame, path))?;
-        command.validity.iter().try_for_each(|path| write_validity(&picture, &frame, path))?;
+        let frame = match *shard {
+            Some(shard) => render_shard(&picture, shard)?,
+            None => render_picture(&picture, drawn)?,
+        };
+        if let Some(path) = &command.error_map {
+            add("error_map", write_error_map(&picture, &frame, path)?);
+        }
+        if let Some(path) = &command.validity {
+            add("validity", write_validity(&picture, &frame, path)?);
+        }
+        if command.json {
+            picture::object(&picture, &frame)?.into_iter().for_each(|(name, value)| add(&name, value));
+        }
     }
     if let Some(file) = &command.save_scene {
         write_whole(file, scene::to_text(&scene).as_bytes())
             .map_err(|error| format!("{}: {error}; nothing was written", file.display()))?;
     }
-    Ok(())
+    let written = command.written(*shard, sequence.as_ref())?;
+    add("wrote", written.iter().map(|(_, path)| absolute(path)).collect());
+    Ok(object)
+}
+
+/// A pick as an object of JSON.
+fn settings(pick: &Pick, bound: ErrorBound) -> Value {
+    let failures = pick.failures.iter().map(|Failure { label, message }| json!({ "label": label, "message": message }));
+    let [left_out, drawn, kept, untried] = pick.counts;
+    json!({
+        "settings": pick.settings, "metric": bound.metric.to_string(), "asked": bound.error, "verified": pick.verified,
+        "unverified": pick.unverified, "remembered": pick.remembered, "other": pick.other, "left_out": left_out, "drawn": drawn,
+        "kept": kept, "untried": untried, "failures": failures.collect::<Vec<_>>(),
+    })
 }
 
 /// A pick in words.

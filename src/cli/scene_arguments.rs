@@ -42,8 +42,8 @@ pub struct SceneArguments {
     /// A debug view: how the picture is made.
     #[arg(long, value_enum)]
     pub debug_view: Option<DebugView>,
-    /// A parameter of the effect, or as parts.OBJECT.PARAMETER of an additional object; or any field of a scene file, such as
-    /// light.color=#ffe0c0; may be given again.
+    /// A parameter of the effect, or any field of a scene file; such as light.color=#ffe0c0, or parts.OBJECT.PARAMETER of an
+    /// additional object; may be given again.
     #[arg(long = "set", value_name = "PARAMETER=VALUE")]
     pub parameters: Vec<String>,
     /// The density modulation functions, applied in this order: names, or custom GLSL files, such as fur+my_waves.glsl.
@@ -52,8 +52,8 @@ pub struct SceneArguments {
     /// The module of a slot, such as noise=procedural or surface=my_marble.glsl; may be given again.
     #[arg(long = "module", value_name = "SLOT=NAME")]
     pub modules: Vec<String>,
-    /// Degrees around the object, degrees above the horizon, and how close.
-    #[arg(long, value_parser = numbers, value_name = "AZIMUTH,ELEVATION[,ZOOM]", allow_hyphen_values = true)]
+    /// Degrees around the object and above the horizon, and how close.
+    #[arg(long, value_parser = numbers, value_name = "DEG,DEG[,ZOOM]", allow_hyphen_values = true)]
     pub camera: Option<Numbers>,
     /// Let a scene file or a picture name files that are neither below its folder nor below the current one.
     #[arg(long)]

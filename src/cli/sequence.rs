@@ -1,12 +1,13 @@
 //! Many frames and many processes: rendering resumed where it stopped, and stopped between two frames.
 
 use super::picture::Picture;
-use super::{absolute, say, with_progress};
+use super::{absolute, with_progress};
 use crate::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
 use crate::output::shard::{self, Shard, ShardError};
 use crate::output::{Provenance, write};
 use crate::render::{Renderer, all_alike};
 use clap::Args;
+use serde_json::{Value, json};
 use std::error::Error;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -95,20 +96,24 @@ pub(super) fn frames_of(
     Ok((first..=last).filter(own).map(|frame| (frame, frame_path(output, frame))).collect())
 }
 
-/// Renders the frames of a sequence, or those of a shard of them.
+/// Renders the frames of a sequence, or those of a shard of them; gives what was done as an object of JSON.
 pub fn render_frames(
     picture: &Picture<'_>,
     sequence: &Sequence,
     shard: Option<Shard>,
     restart: bool,
-) -> Result<(), Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject, output, depth, quiet, .. } = *picture;
+) -> Result<Value, Box<dyn Error>> {
+    let Picture { gpu, library, scene, subject, output, depth, quiet, tell, .. } = *picture;
     let frames = frames_of(output, sequence, shard)?;
     let identity = sequence.identity(shard::identity(scene, library, subject)?, depth);
     let Frames { first, last } = sequence.frames;
     let some = (first..=last).step_by(((last - first) / MOST_TRIED + 1) as usize).chain([last]);
-    if !quiet && first < last && all_alike(library, subject, some.map(|frame| sequence.scene(scene, frame))) {
-        say("still      nothing in the scene moves with time: all frames are the same picture; --turntable turns it\n");
+    let is_still =
+        !quiet && first < last && all_alike(library, subject, some.map(|frame| sequence.scene(scene, frame)));
+    if is_still {
+        tell(
+            "still      nothing in the scene moves with time: all frames are the same picture; --turntable turns it\n",
+        );
     }
     let mut manifest = Manifest::open(&manifest_path(output, shard), identity, restart)?;
     let stop = stop_flag()?;
@@ -137,15 +142,15 @@ pub fn render_frames(
         }
         Ok(())
     })?;
-    if !quiet {
-        let kept = frames.len() - rendered;
-        let seconds = start.elapsed().as_secs_f64();
-        say(&format!("frames     {rendered} rendered in {seconds:.1} s, {kept} were finished before\n"));
-        if let (Some((_, first)), Some((_, last))) = (frames.first(), frames.last()) {
-            say(&format!("wrote {} to {}\n", absolute(first), absolute(last)));
-        }
+    let (kept, seconds) = (frames.len() - rendered, start.elapsed().as_secs_f64());
+    tell(&format!("frames     {rendered} rendered in {seconds:.1} s, {kept} were finished before\n"));
+    let ends = frames.first().zip(frames.last()).map(|((_, first), (_, last))| [absolute(first), absolute(last)]);
+    if let Some([first, last]) = &ends {
+        tell(&format!("wrote {first} to {last}\n"));
     }
-    Ok(())
+    Ok(
+        json!({ "rendered": rendered, "finished_before": kept, "seconds": seconds, "still": is_still, "first_and_last": ends }),
+    )
 }
 
 /// Set at the first signal to end, so that the frame in work is finished; the second one ends the process at once, which

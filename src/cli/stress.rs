@@ -2,7 +2,7 @@
 
 use super::compare::Failed;
 use super::scene_arguments::{ObjectFlags, SceneArguments};
-use super::{absolute, say, with_progress};
+use super::{absolute, announced, say};
 use crate::gpu::{Gpu, Options};
 use crate::measure::stress::{self, CASES, Corner, Row, Swept};
 use crate::measure::verify;
@@ -51,7 +51,7 @@ fn cases(command: &Stress, options: &Options, quiet: bool) -> Result<(), Box<dyn
     let written = written.into_iter().filter_map(|(flag, file)| Some((flag, file.clone()?)));
     crate::output::check_all(written, [])?;
     let gpu = Gpu::new(options)?;
-    let found = with_progress(quiet, "stress", |progress| stress::run(&gpu, verify::library(), &chosen, progress))?;
+    let found = announced(quiet, "stress", |progress| stress::run(&gpu, verify::library(), &chosen, progress))?;
     let failed: Vec<String> = found.failed().map(Row::title).collect();
     if !quiet {
         let held = found.rows.len() - failed.len();
@@ -80,7 +80,7 @@ fn scene(command: &Stress, input: &str, options: &Options, quiet: bool) -> Resul
     let library = super::library(&scene)?;
     super::try_modules(&scene, &library, Some(options))?;
     let gpu = Gpu::new(options)?;
-    let found = with_progress(quiet, "sweep", |progress| stress::sweep(&gpu, &library, &scene, progress))?;
+    let found = announced(quiet, "sweep", |progress| stress::sweep(&gpu, &library, &scene, progress))?;
     if !quiet {
         say(&table(&found));
     }

@@ -1,23 +1,26 @@
 //! `render --validity`: which pixels are not to be trusted, and why.
 
 use super::picture::Picture;
-use super::{absolute, say, with_progress};
+use super::{absolute, announced};
 use crate::measure::compare::report::images::png_of;
 use crate::measure::reference::{TOLERANCE, reference};
 use crate::measure::validity::{Found, OPEN, TRUSTED, Validity, validity};
 use crate::render::Frame;
 use crate::scene::RayPath;
 use crate::support::write_whole;
+use serde_json::{Value, json};
 use std::convert::Infallible;
 use std::error::Error;
 use std::path::Path;
 
 /// Writes the validity of a picture: in grey what is to be trusted, in the color of its cause what is not.
-pub(super) fn write_validity(picture: &Picture<'_>, frame: &Frame, path: &Path) -> Result<(), Box<dyn Error>> {
-    let Picture { gpu, library, scene, subject, quiet, .. } = *picture;
-    let mut validity =
-        with_progress(quiet, "validity", |_| Ok::<_, Infallible>(validity(gpu, library, scene, subject, frame)))?;
-    let known = with_progress(quiet, "reference", |progress| {
+pub(super) fn write_validity(picture: &Picture<'_>, frame: &Frame, path: &Path) -> Result<Value, Box<dyn Error>> {
+    let Picture { gpu, library, scene, subject, quiet, tell, .. } = *picture;
+    let mut validity = announced(quiet, "validity", |progress| {
+        progress(0.0);
+        Ok::<_, Infallible>(validity(gpu, library, scene, subject, frame))
+    })?;
+    let known = announced(quiet, "reference", |progress| {
         Ok::<_, Infallible>(match scene.effect.ray_path {
             RayPath::Refracted => {
                 Err("no bounds follow a ray that bends; --error-map compares it with its reference".to_string())
@@ -28,10 +31,13 @@ pub(super) fn write_validity(picture: &Picture<'_>, frame: &Frame, path: &Path) 
     validity.add_open(&frame.pixels, known.as_ref().map_err(Clone::clone));
     write_whole(path, &png_of(frame.size, &validity.colors(&frame.pixels)))
         .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
-    if !quiet {
-        say(&format!("{}wrote {}\n", words(&validity), absolute(path)));
-    }
-    Ok(())
+    tell(&format!("{}wrote {}\n", words(&validity), absolute(path)));
+    let causes = validity.found.iter().map(|Found { cause, most, pixels }| {
+        json!({ "cause": cause.name, "why": cause.why, "pixels": pixels, "most": most.as_ref().ok(), "untried": most.as_ref().err() })
+    });
+    Ok(
+        json!({ "trusted_percent": validity.trusted(), "pixels": validity.covered, "causes": causes.collect::<Vec<_>>() }),
+    )
 }
 
 fn words(validity: &Validity) -> String {

@@ -1,17 +1,18 @@
 //! `verify`: the truths on the device at hand, or a picture against its own scene.
 
 use super::scene_arguments::reach;
-use super::{say, with_progress};
+use super::{announced, say, say_json};
 use crate::field::Progress;
 use crate::gpu::{Gpu, Options};
 use crate::measure::reference::{Reference, ReferenceError, TOLERANCE, converged_settings, reference_pixels};
 use crate::measure::verify::{self, CheckError, CheckOptions, PixelTruth};
-use crate::output;
+use crate::output::{self, PROGRAM};
 use crate::render::{Subject, render};
 use crate::scene::Scene;
 use crate::shader::Library;
 use crate::support::words;
 use clap::Args;
+use serde_json::json;
 use std::error::Error;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -31,7 +32,10 @@ pub struct Verify {
     /// The error of linear light that is allowed: rmse, or rgb over a background; without it, 0.1, and what `quality.early_termination` leaves out.
     #[arg(long, requires = "image", value_parser = bound)]
     pub bound: Option<f64>,
-    /// Let the picture name files that are neither below its folder nor below the current one.
+    /// Everything as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Let the picture name any file: also one that is neither below its folder nor below the current one.
     #[arg(long, requires = "image")]
     pub outside: bool,
 }
@@ -55,20 +59,24 @@ impl Error for Disagreement {}
 /// Verifies the device, or a picture.
 pub fn run(command: &Verify, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
     match &command.image {
-        None => truths(options, quiet),
+        None => truths(options, command.json, quiet),
         Some(image) => picture(image, command, options, quiet),
     }
 }
 
-fn truths(options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+fn truths(options: &Options, json: bool, quiet: bool) -> Result<(), Box<dyn Error>> {
     let gpu = Gpu::new(options)?;
     let start = Instant::now();
-    let report = with_progress(quiet, "truths", |progress| verify::run(&gpu, verify::TRUTHS, progress))?;
+    let report = announced(quiet, "truths", |progress| verify::run(&gpu, verify::TRUTHS, progress))?;
     let (missed, all) = (report.missed().map(verify::Row::failure).collect::<Vec<_>>(), report.rows.len());
-    if !quiet {
-        let seconds = start.elapsed().as_secs_f64();
+    let (device, seconds) = (gpu.info().title(), start.elapsed().as_secs_f64());
+    if json {
+        say_json(&json!({
+            "program": PROGRAM, "device": device, "holds": missed.is_empty(), "rows": report.rows, "seconds": seconds,
+        }))?;
+    } else if !quiet {
         let count = all - missed.len();
-        say(&format!("{}{count} of {all} rows hold on {}, in {seconds:.1} s\n", report.text(), gpu.info().title()));
+        say(&format!("{}{count} of {all} rows hold on {device}, in {seconds:.1} s\n", report.text()));
     }
     match missed.is_empty() {
         true => Ok(()),
@@ -88,36 +96,60 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
         truth(&gpu, &library, scene, subject, pixels, progress)
     };
     let agreement =
-        with_progress(quiet, "verifying", |progress| verify::check(&gpu, &library, image, &asked, progress, &known));
+        announced(quiet, "verifying", |progress| verify::check(&gpu, &library, image, &asked, progress, &known));
     let agreement = match agreement {
-        Err(error @ CheckError::NotFinite { .. }) => return Err(Disagreement(error.to_string()).into()),
-        agreement => agreement?,
+        Err(error @ CheckError::NotFinite { .. }) => Err(error.to_string()),
+        agreement => Ok(agreement?),
     };
-    if !quiet {
+    let disagreement = match &agreement {
+        Ok(agreement) => wrong(agreement).map(|wrong| format!("{}: {wrong}", image.display())),
+        Err(error) => Some(error.clone()),
+    };
+    if command.json {
+        let facts = agreement.as_ref().ok().map(|found| {
+            json!({
+                "is_of_scene": found.is_of_scene(), "is_accurate": found.is_accurate(), "same_device": found.same_device,
+                "redrawn": { "pixels": found.redrawn[1], "changed": found.redrawn[0], "foreign": found.foreign },
+                "truth": {
+                    "source": found.source, "pixels": found.pixels, "proven": found.proven,
+                    "known_by_samples": found.own[0], "known_by_proof": found.own[1],
+                },
+                "errors": found.errors, "metric": found.metric.to_string(), "error": found.error(), "bound": found.bound,
+                "explained_by_codes": found.codes, "explained_by_step": found.step, "pixels_beyond": found.beyond,
+            })
+        });
+        say_json(&json!({
+            "picture": image.display().to_string(), "program": provenance.program, "device": provenance.device,
+            "scene_hash": provenance.scene_hash, "disagreement": disagreement, "agreement": facts,
+        }))?;
+    } else if let Some(agreement) = agreement.ok().filter(|_| !quiet) {
         let hash = provenance.scene_hash.get(..16).unwrap_or(&provenance.scene_hash);
         let inputs: Vec<&str> = provenance.inputs.keys().map(String::as_str).collect();
         let inputs = if inputs.is_empty() { String::new() } else { format!("; unchanged: {}", inputs.join(", ")) };
         let about = format!("by {} on {}; scene {hash}{inputs}", provenance.program, provenance.device);
         say(&format!("picture    {}\n{}", words::line(&about), agreement.text()));
-    }
-    let verify::Agreement { redrawn: [changed, all], foreign, metric, bound, .. } = agreement;
-    let error = agreement.error();
-    let wrong = match (agreement.is_of_scene(), agreement.is_accurate()) {
-        (true, true) => {
-            if !quiet {
-                say(&format!("the picture is what its scene gives, and off by {metric} {error:.1e} from the truth\n"));
-            }
-            return Ok(());
+        if disagreement.is_none() {
+            let (metric, error) = (agreement.metric, agreement.error());
+            say(&format!("the picture is what its scene gives, and off by {metric} {error:.1e} from the truth\n"));
         }
-        (false, _) => format!(
+    }
+    disagreement.map_or(Ok(()), |line| Err(Disagreement(line).into()))
+}
+
+/// What is wrong with a picture, if anything is.
+fn wrong(agreement: &verify::Agreement) -> Option<String> {
+    let verify::Agreement { redrawn: [changed, all], foreign, metric, bound, .. } = agreement;
+    match (agreement.is_of_scene(), agreement.is_accurate()) {
+        (true, true) => None,
+        (false, _) => Some(format!(
             "this is not what its scene gives: {changed} of {all} pixels changed, {foreign} of them to what is not around them"
-        ),
-        (true, false) => format!(
-            "this is what its scene gives, and that is not accurate: off by {metric} {error:.1e} from the truth where {bound:.1e} is \
-             allowed"
-        ),
-    };
-    Err(Disagreement(format!("{}: {wrong}", image.display())).into())
+        )),
+        (true, false) => Some(format!(
+            "this is what its scene gives, and that is not accurate: off by {metric} {:.1e} from the truth where {bound:.1e} is \
+             allowed",
+            agreement.error()
+        )),
+    }
 }
 
 /// What knows the pixels of a scene: the f64 reference; where there is none, a second rendering.

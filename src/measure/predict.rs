@@ -10,6 +10,7 @@
 
 use crate::render::{RenderError, Renderer};
 use crate::scene::{Pass, Scene};
+use serde::Serialize;
 use std::time::Instant;
 
 /// Longest side of the smallest probe, pixels.
@@ -27,7 +28,7 @@ const NOISE: f64 = 1.2;
 const READ_MS: f64 = 250.0;
 
 /// A number that is not known yet.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
     /// Hardly less than this.
     pub low: f64,
@@ -38,7 +39,7 @@ pub struct Estimate {
 }
 
 /// A small picture that was rendered.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Probe {
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -51,7 +52,7 @@ pub struct Probe {
 }
 
 /// What a picture will cost.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Prediction {
     /// The probes, from the smallest; the first one compiled the program.
     pub probes: Vec<Probe>,

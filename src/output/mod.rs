@@ -170,6 +170,20 @@ pub fn write(
     write_whole(path, &bytes).map_err(|source| OutputError::Write { path: path.display().to_string(), source })
 }
 
+/// The bytes of a PNG that [`write()`] would write.
+///
+/// # Errors
+/// What the encoder says.
+pub fn encode_png(
+    frame: &Frame,
+    background: Option<Color>,
+    depth: Depth,
+    provenance: &Provenance,
+) -> Result<Vec<u8>, OutputError> {
+    let fails = |error: png::EncodingError| OutputError::Encode { path: "a PNG".into(), reason: error.to_string() };
+    png(frame, background, depth, provenance).map_err(fails)
+}
+
 fn kind(path: &Path) -> Result<Kind, OutputError> {
     match path.extension().map(|end| end.to_string_lossy().to_lowercase()).as_deref() {
         Some("png") => Ok(Kind::Png),

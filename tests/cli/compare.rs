@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
 use crate::common::with_gpu;
-use crate::program::{interrupt, run};
+use crate::program::{interrupt, run, unexpected};
 use hypertexture::gpu::Format;
 use hypertexture::measure::compare::candidates::Sweep;
 use hypertexture::measure::compare::{Settings, Stage, compare};
@@ -38,7 +38,7 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
     let arguments = "compare sphere --effect fire --size 48x48 --sweep 8,16,32 --repeat 3";
     for name in ["a", "b"] {
         let output = run(desk.path(), &format!("{arguments} -o {name}"));
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let said = unexpected(&output);
         assert!(output.status.success() && said.is_empty(), "{said}");
         let told = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(told.starts_with("compare ") && told.contains(" truths: about "), "{told}");
@@ -227,7 +227,7 @@ fn a_candidate_that_fails_fails_the_report_which_is_written() {
     let desk = tempfile::tempdir().unwrap();
     fs::write(desk.path().join("s.toml"), "preset = \"lit\"\nobject.input = \"sphere\"\nquality.msaa = 8\n").unwrap();
     let output = run(desk.path(), "compare s.toml --size 16x16 --sweep 8 --repeat 1 -o r");
-    let said = String::from_utf8(output.stderr).unwrap();
+    let said = unexpected(&output);
     let page = fs::read_to_string(desk.path().join("r/index.html")).unwrap();
     if with_gpu(|gpu| gpu.sample_counts(Format::Rgba32Float).contains(&8)) {
         assert!(output.status.success() && !page.contains("FAILED"), "{said}");
@@ -243,7 +243,7 @@ fn a_candidate_that_fails_fails_the_report_which_is_written() {
 fn m56_m57_a_full_comparison_has_every_strategy_and_every_column_of_table_3() {
     let desk = tempfile::tempdir().unwrap();
     let output = run(desk.path(), "compare sphere --effect fire --thorough --sweep 16 --size 32x32 --repeat 2 -o r");
-    let said = String::from_utf8(output.stderr).unwrap();
+    let said = unexpected(&output);
     assert!(output.status.success() && said.is_empty(), "{said}");
     let all = rows(&desk.path().join("r/candidates.csv"));
     for strategy in shader::shipped().modules("turbulence") {

@@ -1,5 +1,6 @@
 //! A working folder in which the program is run.
 
+use crate::program::unexpected;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
@@ -48,10 +49,10 @@ impl Desk {
         self.command(arguments).output().unwrap()
     }
 
-    /// Runs what must succeed without a word on standard error; gives standard output.
+    /// Runs what must succeed without a word on standard error but how far it is; gives standard output.
     pub fn good(&self, arguments: &str) -> String {
         let output = self.run(arguments);
-        let (out, err) = (text(&output.stdout), text(&output.stderr));
+        let (out, err) = (text(&output.stdout), unexpected(&output));
         assert!(output.status.success() && err.is_empty(), "`{arguments}`: {}\n{out}\n{err}", output.status);
         out
     }
@@ -94,7 +95,7 @@ pub fn refused(prepare: impl Fn(&Desk), rows: &[(&str, &[&str])]) {
             Some((device, rest)) => desk.command(rest).env("HYPERTEXTURE_DEVICE", device).output().unwrap(),
             None => desk.run(arguments),
         };
-        let err = text(&output.stderr);
+        let err = unexpected(&output);
         let mut fail = |what: String| failures.push(format!("`{arguments}`: {what}\n    {}", err.trim_end()));
         if output.status.code() != Some(2) {
             fail(format!("{}, expected exit status 2", output.status));

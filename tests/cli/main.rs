@@ -10,8 +10,15 @@ mod author;
 mod compare;
 mod corpus;
 mod desk;
+#[cfg(unix)]
+#[allow(dead_code, reason = "written for the tests of the format")]
+#[path = "../shapes/dicom/files.rs"]
+mod dicom;
 mod guard;
+mod json;
 mod kills;
+#[cfg(unix)]
+mod pages;
 mod paper;
 mod pictures;
 mod readers;

@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
 use crate::common::{subject, with_gpu};
-use crate::program::{interrupt, run};
+use crate::program::{interrupt, run, unexpected};
 use hypertexture::gpu::Format;
 use hypertexture::measure::compare::Stage;
 use hypertexture::measure::compare::paper::Cell;
@@ -27,7 +27,8 @@ fn json(folder: &Path) -> Value {
 fn m54_m55_m56_the_tables_of_the_paper_stand_beside_ours_with_their_errors() {
     let desk = tempfile::tempdir().unwrap();
     let output = run(desk.path(), "compare torus --paper --scale 0.05 --size 12x12 --samples 48 --repeat 2 -o r");
-    let (said, wrong) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    let wrong = unexpected(&output);
+    let said = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success() && wrong.is_empty(), "{wrong}");
     let json = json(&desk.path().join("r"));
     assert_eq!((&json["slices"], &json["partial"]), (&48.into(), &false.into()));

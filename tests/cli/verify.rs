@@ -1,6 +1,7 @@
 //! Pictures that say where they come from, and `verify`, run as a person runs them.
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
+use crate::program::unexpected;
 use hypertexture::output::{self, Depth, Encoding, Provenance, read_provenance};
 use hypertexture::render::Frame;
 use hypertexture::scene::{self, Reach, preset};
@@ -21,7 +22,8 @@ fn run(desk: &Path, arguments: &str) -> Output {
 /// Standard output of what must succeed without a word of the validation layer.
 fn good(desk: &Path, arguments: &str) -> String {
     let output = run(desk, arguments);
-    let [out, said] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    let said = unexpected(&output);
+    let out = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success() && said.is_empty(), "`{arguments}`: {said}{out}");
     out
 }
@@ -29,7 +31,7 @@ fn good(desk: &Path, arguments: &str) -> String {
 /// The one line of what must fail with this exit code.
 fn bad(desk: &Path, arguments: &str, code: i32) -> String {
     let output = run(desk, arguments);
-    let said = String::from_utf8(output.stderr).unwrap();
+    let said = unexpected(&output);
     assert_eq!((output.status.code(), said.lines().count()), (Some(code), 1), "`{arguments}`: {said}");
     said
 }

@@ -17,6 +17,12 @@ pub fn run(folder: &Path, arguments: &str) -> Output {
     command(folder, arguments).output().expect("the program is built")
 }
 
+/// What it says on standard error beside how far it is.
+pub fn unexpected(output: &Output) -> String {
+    let said = String::from_utf8_lossy(&output.stderr);
+    said.split_inclusive('\n').filter(|line| !line.starts_with("progress   ")).collect()
+}
+
 /// Interrupts a comparison that writes its report into `r`, a second after it has begun to measure. It says so in a line, ends
 /// with 130, and has a report.
 #[cfg(unix)]
@@ -29,7 +35,7 @@ pub fn interrupt(folder: &Path, arguments: &str) {
     std::thread::sleep(Duration::from_secs(1));
     Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().expect("a signal");
     let output = child.wait_with_output().expect("a child");
-    let said = String::from_utf8(output.stderr).expect("a text");
+    let said = unexpected(&output);
     assert_eq!((output.status.code(), said.lines().count()), (Some(130), 1), "{said}");
     assert!(said.starts_with("interrupted: ") && said.contains("marked as partial"), "{said}");
 }

@@ -86,7 +86,9 @@ fn the_scene_files_of_the_guide_are_valid() {
 
 #[test]
 fn the_custom_module_links_and_declares_its_parameters() {
-    let library = shader::shipped().with_module("dmf", "ripples", blocks(MODULES, "glsl")[0]);
+    let module = blocks(MODULES, "glsl")[0];
+    assert_eq!(module, include_str!("../../examples/ripples.glsl"));
+    let library = shader::shipped().with_module("dmf", "ripples", module);
     let mut scene = Scene::default();
     let effect = &mut scene.effect;
     (effect.classify, effect.softness, effect.medium) = ("soft".into(), "linear".into(), "lit".into());

@@ -31,8 +31,9 @@ fn set_up(changes: &[(&str, &str)]) -> (i32, String, String) {
         fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join(name), folder.path().join(name)).unwrap();
     }
     for name in SYSTEM {
-        let path = std::env::split_paths(&std::env::var_os("PATH").unwrap()).map(|folder| folder.join(name));
-        symlink(path.into_iter().find(|path| path.exists()).unwrap(), bin.join(name)).unwrap();
+        let path = std::env::var_os("PATH").unwrap();
+        let found = std::env::split_paths(&path).map(|folder| folder.join(name)).find(|path| path.exists());
+        symlink(found.unwrap(), bin.join(name)).unwrap();
     }
     for (name, line) in COMPLETE.iter().filter(|(name, _)| !changes.iter().any(|(own, _)| own == name)).chain(changes) {
         if !line.is_empty() {

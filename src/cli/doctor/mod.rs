@@ -6,15 +6,28 @@
 mod probes;
 
 use crate::gpu::{Format, Gpu, GpuError, Options};
+use crate::output::PROGRAM;
+use serde::Serialize;
 
 /// What an examination found.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnosis {
-    /// The findings, line by line. After the facts about the device, a line begins with `PASS`, with `NOTE` where the renderer
-    /// or its user works around something, or with `FAIL` where pictures would be wrong or missing.
-    pub text: String,
+    /// Name and version of the program.
+    pub program: &'static str,
     /// Whether nothing failed.
     pub healthy: bool,
+    /// Facts about the device, then results of tests.
+    pub findings: Vec<Finding>,
+}
+
+/// A fact or the result of a test.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Finding {
+    /// The fact; of a result `PASS`, `NOTE` where the renderer or its user works around something, or `FAIL` where pictures would be
+    /// wrong or missing.
+    pub what: String,
+    /// What was found.
+    pub finding: String,
 }
 
 /// Formats that targets are blended in.
@@ -27,7 +40,7 @@ const SAMPLED: [Format; 5] =
 ///
 /// A device that cannot be opened is a finding with its remedy.
 pub fn examine(options: &Options) -> Diagnosis {
-    let mut report = Diagnosis { text: format!("hypertexture {}\n", env!("CARGO_PKG_VERSION")), healthy: true };
+    let mut report = Diagnosis { program: PROGRAM, healthy: true, findings: Vec::new() };
     match Gpu::new(options) {
         Ok(gpu) => {
             report.info(&gpu);
@@ -46,7 +59,13 @@ pub fn examine(options: &Options) -> Diagnosis {
 impl Diagnosis {
     fn line(&mut self, what: &str, finding: &str) {
         self.healthy &= what != "FAIL";
-        self.text.push_str(&format!("{what:<11} {finding}\n"));
+        self.findings.push(Finding { what: what.into(), finding: finding.into() });
+    }
+
+    /// The findings, line by line.
+    pub fn text(&self) -> String {
+        let lines = self.findings.iter().map(|Finding { what, finding }| format!("{what:<11} {finding}\n"));
+        format!("{}\n{}", self.program, lines.collect::<String>())
     }
 
     fn info(&mut self, gpu: &Gpu) {
@@ -134,12 +153,12 @@ mod tests {
         let _alone = Alone::new();
         let start = std::time::Instant::now();
         let report = examine(&Options::of_tests());
-        println!("{}{:.2} s", report.text, start.elapsed().as_secs_f64());
-        assert!(report.healthy, "{}", report.text);
+        println!("{}{:.2} s", report.text(), start.elapsed().as_secs_f64());
+        assert!(report.healthy, "{}", report.text());
         let gpu = Gpu::new(&Options::of_tests()).unwrap();
-        assert!(report.text.contains(&gpu.info().name));
+        assert!(report.text().contains(&gpu.info().name));
         for subject in ["loops", "filter", "blend", "NaN", "timestamps"] {
-            assert!(report.text.lines().any(|line| line.contains(subject) && line.len() > 30), "{subject}");
+            assert!(report.text().lines().any(|line| line.contains(subject) && line.len() > 30), "{subject}");
         }
     }
 
@@ -149,10 +168,10 @@ mod tests {
         let _alone = Alone::new();
         let gpu = Gpu::new(&Options { validation: true, ..Options::of_tests() }).unwrap();
         let messages = gpu.messages();
-        let mut report = Diagnosis { text: String::new(), healthy: true };
+        let mut report = Diagnosis { program: PROGRAM, healthy: true, findings: Vec::new() };
         probes::run(&gpu, &mut report);
         drop(gpu);
-        assert!(report.healthy, "{}", report.text);
+        assert!(report.healthy, "{}", report.text());
         assert_eq!(messages.take(), [""; 0]);
     }
 
@@ -161,8 +180,9 @@ mod tests {
         let _alone = Alone::new();
         let report = examine(&Options { device: Some("no such device".into()), ..Options::default() });
         assert!(!report.healthy);
-        let failed: Vec<&str> = report.text.lines().filter(|line| line.starts_with("FAIL")).collect();
-        assert_eq!(failed.len(), 1, "{}", report.text);
-        assert!(failed[0].contains("HYPERTEXTURE_DEVICE") || failed[0].contains("sudo apt install"), "{failed:?}");
+        let failed: Vec<&Finding> = report.findings.iter().filter(|finding| finding.what == "FAIL").collect();
+        assert_eq!(failed.len(), 1, "{}", report.text());
+        let remedy = &failed[0].finding;
+        assert!(remedy.contains("HYPERTEXTURE_DEVICE") || remedy.contains("sudo apt install"), "{remedy}");
     }
 }

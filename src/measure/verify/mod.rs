@@ -32,6 +32,7 @@ use crate::gpu::Gpu;
 use crate::render::RenderError;
 use crate::scene::Pass;
 use crate::shader::Library;
+use serde::Serialize;
 use std::fmt::Write;
 
 /// Both passes.
@@ -86,7 +87,7 @@ pub const TRUTHS: &[Truth] = &[
 ];
 
 /// A line of the report.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// The truth.
     pub truth: &'static str,

@@ -1,0 +1,167 @@
+//! The command line as `-h` shows it, on one screen: what is used most, and examples. `--help` shows all.
+
+use super::args::Arguments;
+use clap::{Command, CommandFactory, FromArgMatches};
+
+/// Of each command the flags that `-h` shows, and examples.
+const BRIEF: [(&str, &[&str], [&str; 2]); 18] = [
+    (
+        "render",
+        &[
+            "output",
+            "json",
+            "predict",
+            "max-error",
+            "frames",
+            "effect",
+            "set",
+            "dmf",
+            "camera",
+            "iso",
+            "light",
+            "size",
+            "samples",
+        ],
+        [
+            "render teapot --effect fur -o fur.png",
+            "render torus --effect fire --frames 0..99 --turntable -o fire_####.png",
+        ],
+    ),
+    (
+        "view",
+        &["max-error", "play", "window", "effect", "set", "dmf", "camera", "iso", "size", "samples"],
+        ["view teapot --effect fur", "view fire_ball --play"],
+    ),
+    ("merge", &[], ["merge fur.png fur.shard-*", "merge fur.exr fur.shard-*"]),
+    (
+        "field",
+        &["output", "margin", "iso", "resolution"],
+        ["field teapot --resolution 256 -o teapot.nrrd", "field head.nrrd --iso 0.5 -o skull.vdb"],
+    ),
+    (
+        "mesh",
+        &["output", "density", "grid", "effect", "set", "dmf", "iso", "resolution"],
+        ["mesh noisy_sphere -o stone.stl", "mesh knot --effect fur --grid 256 -o knot.glb"],
+    ),
+    ("gallery", &["output", "size", "samples"], ["gallery -o out", "gallery teapot -o out"]),
+    (
+        "compare",
+        &["paper", "output", "thorough", "sweep", "strategies", "effect", "set", "size"],
+        ["compare sphere --effect fire -o report", "compare --paper -o report"],
+    ),
+    (
+        "explain",
+        &["json", "effect", "set", "dmf", "camera", "size", "samples"],
+        ["explain teapot --effect fire", "explain fire_ball --json"],
+    ),
+    ("info", &["grid", "json"], ["info head.nrrd", "info teapot --json"]),
+    (
+        "convert",
+        &["grid", "output", "dims", "type", "endian", "spacing", "skip"],
+        ["convert phantom -o head.nrrd", "convert scan.raw --dims 256,256,128 --type uint16 -o scan.nrrd"],
+    ),
+    (
+        "bench",
+        &["quick", "repeat", "json", "baseline"],
+        ["bench --quick --json mine.json", "bench effects --baseline mine.json"],
+    ),
+    ("effects", &[], ["effects", "effects | less"]),
+    ("settings", &[], ["settings", "settings > settings.md"]),
+    (
+        "stress",
+        &["cases", "json", "html", "effect", "set", "dmf"],
+        ["stress --cases 10,12", "stress torus --effect fur"],
+    ),
+    ("verify", &["pixels", "seed", "bound", "json", "outside"], ["verify", "verify fur.png --bound 1e-2"]),
+    ("doctor", &["json"], ["doctor", "doctor --device llvmpipe"]),
+    ("completions", &[], ["completions bash", "completions fish > hypertexture.fish"]),
+    ("man", &[], ["man | man -l -", "man render > hypertexture-render.1"]),
+];
+/// Help of the program, which has more commands than a screen has lines to spare.
+const TEMPLATE: &str = "{about}\n{usage-heading} {usage}\n\nCommands:\n{subcommands}\nOptions:\n{options}{after-help}";
+/// Examples of the program.
+const FIRST: [&str; 2] = ["render teapot --effect fur -o fur.png", "view fire_ball"];
+
+/// The command line, with what `-h` leaves out.
+pub fn command() -> Command {
+    let program = Arguments::command().help_template(TEMPLATE);
+    shown(program, &["quiet"], FIRST).mut_subcommands(|command| {
+        let brief = BRIEF.iter().find(|(name, ..)| *name == command.get_name());
+        match brief {
+            Some((_, flags, examples)) => shown(command, flags, *examples),
+            None => command,
+        }
+    })
+}
+
+/// Reads the command line.
+///
+/// # Errors
+/// What clap says, and help that was asked for.
+pub fn parse() -> Result<Arguments, clap::Error> {
+    let mut command = command();
+    let matches = command.try_get_matches_from_mut(std::env::args_os())?;
+    Arguments::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+}
+
+/// The command with these flags in `-h`, each by the first clause of its help, and examples behind them.
+fn shown(command: Command, flags: &[&str], examples: [&str; 2]) -> Command {
+    let about = command.get_about().map(ToString::to_string).unwrap_or_default();
+    let brief = |help: &str| {
+        let end = [". ", ": ", "; ", " [default"].iter().filter_map(|end| help.find(end)).min().unwrap_or(help.len());
+        help[..end].trim_end_matches('.').to_string()
+    };
+    let [first, second] = examples;
+    let examples = format!("Examples: hypertexture {first}\n          hypertexture {second}");
+    let command = command.mut_args(|argument| {
+        let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
+        let is_shown = argument.get_long().is_none_or(|long| flags.contains(&long));
+        argument.help(brief(&help)).long_help(help).hide_short_help(!is_shown)
+    });
+    command.about(brief(&about)).long_about(about).after_help(examples)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    /// Lines and columns of a screen that `-h` fits on.
+    const SCREEN: [usize; 2] = [30, 100];
+
+    #[test]
+    fn short_help_fits_one_screen_and_has_examples_that_are_taken() {
+        let mut program = command();
+        program.build();
+        let commands =
+            program.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help");
+        for mut command in commands.cloned().chain([program.clone()]) {
+            let help = command.render_help().to_string();
+            let [lines, columns] = [help.lines().count(), help.lines().map(|line| line.chars().count()).max().unwrap()];
+            assert!(lines <= SCREEN[0] && columns <= SCREEN[1], "{lines} lines of {columns} columns:\n{help}");
+            let examples = help.lines().rev().take(2).map(|line| line.split_once(" hypertexture ").unwrap().1);
+            for example in examples {
+                let words = example.split(['|', '>']).next().unwrap().split_whitespace();
+                let parsed = Arguments::try_parse_from(std::iter::once("hypertexture").chain(words));
+                assert!(parsed.is_ok(), "{example}: {}", parsed.err().unwrap());
+            }
+            let long = command.render_long_help().to_string();
+            let flags = command.get_arguments().filter(|argument| !argument.is_hide_set());
+            for flag in flags.filter_map(|argument| argument.get_long()) {
+                assert!(long.contains(&format!("--{flag}")), "{flag}: {long}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_flag_that_short_help_is_to_show_is_one() {
+        for (name, flags, _) in BRIEF {
+            if let Some(command) = command().find_subcommand(name) {
+                let known: Vec<&str> = command.get_arguments().filter_map(|argument| argument.get_long()).collect();
+                assert!(flags.iter().all(|flag| known.contains(flag)), "{name}: {known:?}");
+            } else {
+                assert!(name == "view" && cfg!(not(feature = "viewer")), "there is no command {name}");
+            }
+        }
+    }
+}
