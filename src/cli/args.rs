@@ -41,21 +41,21 @@ pub enum Command {
     View(Box<ViewArguments>),
     /// Join the shards of a picture, as `render --shard` writes them.
     Merge(Merge),
-    /// Compute the distance field of an object and write it: NRRD, MetaImage, NIfTI, OpenVDB or .npy.
+    /// Compute the distance field of an object and write it. Formats: NRRD, MetaImage, NIfTI, OpenVDB, .npy.
     Field(Field),
-    /// Write the surface of a hypertextured object as a closed mesh: where its density crosses a value.
+    /// Write the surface of a hypertextured object as a closed mesh. It lies where the density crosses a value.
     Mesh(Box<Mesh>),
-    /// Render every example scene, or the six effects on one object: pictures, and a page that explains them.
+    /// Render every example scene, or the six effects on one object. A page explains them.
     Gallery(GalleryArguments),
     /// Measure error against run time: noise implementations, samples, blocks, formats and integrations, with a report.
     Compare(Box<Compare>),
-    /// Say what a picture is made with and what its scene leaves out: why, and what that saves.
+    /// Say what a picture is made with and what its scene leaves out. Each has its reason and its saving.
     Explain(Box<Explain>),
     /// What a mesh or a volume holds: counts, box, open edges, range of values, iso-values worth looking at.
     Info(Info),
     /// Write a volume or a mesh in another format, or values without a header as a volume.
     Convert(Convert),
-    /// Measure what effects, example scenes and fields cost on this device; and what got slower since a saved run.
+    /// Measure what effects, example scenes and fields cost on this device. --baseline says what got slower since a saved run.
     Bench(Bench),
     /// List the effects and their parameters.
     Effects,
@@ -63,7 +63,8 @@ pub enum Command {
     Settings,
     /// Drive the method to its ends, or a scene to the ends of its ranges: error against stiffness.
     Stress(Box<Stress>),
-    /// Check the device against reference scenes, or a picture against the scene in it: analytic ones, in both passes.
+    /// Check the device against reference scenes, or a picture against the scene in it. The reference scenes are analytic and drawn by
+    /// both passes.
     Verify(Verify),
     /// Say which device was found, what is missing, and test what the renderer relies on.
     Doctor(Doctor),

@@ -31,8 +31,8 @@ pub struct Bench {
     /// Writes all that was timed into this file too.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Says which rows got slower or faster than in this file; --json wrote it on the same device; exit code 1 where one got
-    /// slower.
+    /// Says which rows got slower or faster than in this file. --json wrote the file on the same device. The exit code is 1
+    /// where a row got slower.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
 }

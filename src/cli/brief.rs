@@ -97,7 +97,7 @@ pub fn command() -> Command {
 /// Reads the command line.
 ///
 /// # Errors
-/// What clap says, and help that was asked for.
+/// Those of clap; help and the version count as errors.
 pub fn parse() -> Result<Arguments, clap::Error> {
     let mut command = command();
     let matches = command.try_get_matches_from_mut(std::env::args_os())?;

@@ -68,7 +68,7 @@ pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(
     Ok(())
 }
 
-/// What a picture is made with, and what it saves.
+/// The parts of a picture, and its times beside those of fuller ones.
 struct Explained {
     made_with: Vec<[String; 2]>,
     /// Milliseconds of it on the device.

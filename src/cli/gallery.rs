@@ -29,7 +29,7 @@ pub(super) struct GalleryArguments {
     #[arg(long, short, default_value = "out", value_name = "FOLDER")]
     pub output: PathBuf,
     /// Width and height in pixels.
-    #[arg(long, default_value = "512x512", value_parser = size, value_name = "WxH")]
+    #[arg(long, default_value = "320x320", value_parser = size, value_name = "WxH")]
     pub size: [u32; 2],
     /// Samples of a ray through the object; what the scene says without it.
     #[arg(long)]

@@ -58,7 +58,7 @@ impl Picture<'_> {
     }
 }
 
-/// The line about what a custom module gives that is no number; empty where it gives nothing such.
+/// The line about values of a custom module that are NaN or infinite; empty without a fault.
 pub(super) fn fault_line(fault: Option<&Fault>) -> String {
     fault.map_or(String::new(), |fault| format!("module     {fault}; {FINITE}\n"))
 }
@@ -169,7 +169,7 @@ pub(super) fn object(picture: &Picture<'_>, frame: &Frame) -> Result<Map<String,
     Ok(object.into_iter().map(|(name, value)| (name.to_string(), value)).collect())
 }
 
-/// What is to be known of a picture: what it is about, and what there is.
+/// Notes on a picture: subject and text.
 fn notes(picture: &Picture<'_>, frame: &Frame) -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
     let Picture { library, scene, subject, .. } = *picture;
     let half_height = half_height(scene, subject, &Variant::of(scene, library)?);

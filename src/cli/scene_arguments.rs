@@ -42,8 +42,8 @@ pub struct SceneArguments {
     /// A debug view: how the picture is made.
     #[arg(long, value_enum)]
     pub debug_view: Option<DebugView>,
-    /// A parameter of the effect, or any field of a scene file; such as light.color=#ffe0c0, or parts.OBJECT.PARAMETER of an
-    /// additional object; may be given again.
+    /// A parameter of the effect, or any field of a scene file. Examples: fineness=60, light.color=#ffe0c0, and
+    /// parts.OBJECT.PARAMETER=VALUE for an additional object. May be given again.
     #[arg(long = "set", value_name = "PARAMETER=VALUE")]
     pub parameters: Vec<String>,
     /// The density modulation functions, applied in this order: names, or custom GLSL files, such as fur+my_waves.glsl.

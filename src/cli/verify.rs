@@ -35,7 +35,7 @@ pub struct Verify {
     /// Everything as JSON.
     #[arg(long)]
     pub json: bool,
-    /// Let the picture name any file: also one that is neither below its folder nor below the current one.
+    /// Let the picture name any file. Without this its files must be below its folder or the current one.
     #[arg(long, requires = "image")]
     pub outside: bool,
 }
@@ -136,7 +136,7 @@ fn picture(image: &Path, command: &Verify, options: &Options, quiet: bool) -> Re
     disagreement.map_or(Ok(()), |line| Err(Disagreement(line).into()))
 }
 
-/// What is wrong with a picture, if anything is.
+/// The fault of a picture that its scene or the truth contradicts.
 fn wrong(agreement: &verify::Agreement) -> Option<String> {
     let verify::Agreement { redrawn: [changed, all], foreign, metric, bound, .. } = agreement;
     match (agreement.is_of_scene(), agreement.is_accurate()) {

@@ -13,11 +13,11 @@ use std::time::Instant;
 /// Arguments of `view`.
 #[derive(Args)]
 pub struct ViewArguments {
-    /// An object, a scene file (.toml) or an example scene. An object is built in, a mesh, a scalar volume or a distance field; an
-    /// example scene is such as fire_ball.
+    /// An object, a scene file (.toml) or an example scene. An object is built in, a mesh, a scalar volume or a distance field.
+    /// fire_ball is an example scene.
     #[arg(default_value = "furry_donut")]
     pub input: String,
-    /// Refine a picture at rest until its error is about this; root mean square [default: 0.001].
+    /// Refine a picture at rest until its rms error is about this [default: 0.001].
     #[arg(long, value_name = "RMSE", value_parser = error)]
     pub max_error: Option<f64>,
     /// Let time run from the beginning.

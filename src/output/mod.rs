@@ -53,7 +53,7 @@ pub enum OutputError {
     Encode {
         /// The file.
         path: String,
-        /// What the encoder says.
+        /// Those of the encoder.
         reason: String,
     },
     /// The file cannot be written.
@@ -173,7 +173,7 @@ pub fn write(
 /// The bytes of a PNG that [`write()`] would write.
 ///
 /// # Errors
-/// What the encoder says.
+/// Those of the encoder.
 pub fn encode_png(
     frame: &Frame,
     background: Option<Color>,

@@ -17,7 +17,7 @@ pub fn run(folder: &Path, arguments: &str) -> Output {
     command(folder, arguments).output().expect("the program is built")
 }
 
-/// What it says on standard error beside how far it is.
+/// Standard error without the lines of progress.
 pub fn unexpected(output: &Output) -> String {
     let said = String::from_utf8_lossy(&output.stderr);
     said.split_inclusive('\n').filter(|line| !line.starts_with("progress   ")).collect()

@@ -26,7 +26,7 @@ pub struct Finding {
     /// The fact; of a result `PASS`, `NOTE` where the renderer or its user works around something, or `FAIL` where pictures would be
     /// wrong or missing.
     pub what: String,
-    /// What was found.
+    /// Its value, or the reason of a result.
     pub finding: String,
 }
 

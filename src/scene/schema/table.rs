@@ -233,7 +233,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("image.background", Color, Picture, "Color behind the object; without one it is transparent.").optional("#20242c").flag("background"),
 
     setting("quality.pass", PASS, Images, "How the samples are taken.").flag("pass"),
-    setting("quality.samples", whole(1.0, 100_000.0), Picture, "Slices, or samples of a ray; through the sphere around the object.").usual(1.0, 4096.0).flag("samples"),
+    setting("quality.samples", whole(1.0, 100_000.0), Picture, "Slices, or samples of a ray, through the sphere around the object.").usual(1.0, 4096.0).flag("samples"),
     setting("quality.integration", INTEGRATION, Images, "What a sample stands for.").flag("integration"),
     setting("quality.empty_space", EMPTY_SPACE, Images, "Which samples of rays and slices are taken.").flag("empty-space"),
     setting("quality.neutral", NEUTRAL, Images, "What becomes of the terms of modules that a parameter of 0 takes away."),
