@@ -108,7 +108,7 @@ pub fn parse() -> Result<Arguments, clap::Error> {
 fn shown(command: Command, flags: &[&str], examples: [&str; 2]) -> Command {
     let about = command.get_about().map(ToString::to_string).unwrap_or_default();
     let brief = |help: &str| {
-        let end = [". ", ": ", "; ", " [default"].iter().filter_map(|end| help.find(end)).min().unwrap_or(help.len());
+        let end = [". ", ": ", "; ", " ["].iter().filter_map(|end| help.find(end)).min().unwrap_or(help.len());
         help[..end].trim_end_matches('.').to_string()
     };
     let [first, second] = examples;
