@@ -30,9 +30,10 @@ while [ "$left" -gt 0 ]; do
     shift
 done
 if [ "$command" = view ]; then
+    rm -f "$HOME/display" # of the window before
     Xvfb -displayfd 3 -screen 0 1280x1024x24 -nolisten tcp 3> "$HOME/display" 2> /dev/null &
     server=$!
-    until grep -q . "$HOME/display"; do kill -0 $server && sleep 0.1 || exit 1; done
+    until grep -qs . "$HOME/display"; do kill -0 $server && sleep 0.1 || exit 1; done
     DISPLAY=:$(cat "$HOME/display")
     export DISPLAY
     trap 'kill $server' EXIT
