@@ -17,7 +17,7 @@ fn rmse(gpu: &hypertexture::gpu::Gpu, scene: &Scene) -> f64 {
     let [width, height] = scene.image.size;
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
     let truth = truth_of(scene, &library).expect("modules");
-    let truth = reference_pixels(&library, &truth, &subject, &pixels, 1e-4, &|_| (), &|| false).expect("a reference");
+    let truth = reference_pixels(&library, &truth, &subject, &pixels, 1e-5, &|_| (), &|| false).expect("a reference");
     let squares = frame
         .pixels
         .iter()
@@ -29,17 +29,21 @@ fn rmse(gpu: &hypertexture::gpu::Gpu, scene: &Scene) -> f64 {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn no_pick_breaks_its_bound_on_random_scenes() {
-    // HYPERTEXTURE_SCENES=200 asks for as many.
-    let count = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok()).unwrap_or(5);
+    // HYPERTEXTURE_SCENES=200 asks for as many; otherwise a few, and one of which 1006 pixels were looked at and said too little.
+    let count = std::env::var("HYPERTEXTURE_SCENES").ok().and_then(|count| count.parse().ok());
+    let indices: Vec<usize> = count.map_or_else(|| (0..5).chain([146]).collect(), |count| (0..count).collect());
     let mut random = SplitMix(33);
     let (mut picked, mut refused, mut worst) = (0, 0, 0f64);
     let mut broken = Vec::new();
     with_gpu(|gpu| {
         let library = shader::shipped();
-        for index in 0..count {
+        for index in 0..=indices[indices.len() - 1] {
             let mut scene = random_scene(&mut random);
             scene.image.size = [48, 48]; // more pixels than are looked at first
             let error = 10f64.powf(within(&mut random, -2.7, -1.0));
+            if !indices.contains(&index) {
+                continue;
+            }
             let bound = ErrorBound::new(Metric::Rmse, error).unwrap();
             let subject = subject(&scene, &library);
             let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
@@ -67,7 +71,26 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
     });
     println!("{picked} picked, {refused} without a way that is so accurate; at most {worst:.2} of what is stated");
     assert!(broken.is_empty(), "more than is stated, or was asked: {broken:?}");
-    assert!(picked * 4 >= count * 3, "{refused} of {count} scenes had no settings");
+    assert!(picked * 4 >= indices.len() * 3, "{refused} of {} scenes had no settings", indices.len());
+}
+
+#[test]
+fn the_reference_of_picks_sees_noise_that_is_finer_than_its_pieces() {
+    let mut random = SplitMix(33);
+    let scenes = (0..156).map(|_| (random_scene(&mut random), within(&mut random, -2.7, -1.0)));
+    let mut scene = scenes.last().expect("156 scenes").0;
+    assert_eq!(scene.effect.dmf, ["turbulent", "gained"]);
+    scene.image.size = [48, 48];
+    let (library, truth) = (shader::shipped(), truth_of(&scene, &shader::shipped()).expect("modules"));
+    let subject = subject(&scene, &library);
+    let of = |tolerance| {
+        let pixels = [[0, 1], [7, 39], [39, 47]]; // off by 0.05 to 0.46 where an error of 1e-3 is asked for
+        reference_pixels(&library, &truth, &subject, &pixels, tolerance, &|_| (), &|| false).expect("a reference")
+    };
+    let (asked, finer) = (of(1e-4), of(1e-6));
+    for (a, b) in asked.pixels.iter().zip(&finer.pixels) {
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 5e-4), "{a:?} where {b:?} is");
+    }
 }
 
 #[test]

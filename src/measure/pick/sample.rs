@@ -9,8 +9,9 @@
 
 use crate::support::random::SplitMix;
 
-/// How often a bound may be broken by chance, at most. Less: more pixels are looked at. A pick looks a few times.
-const RISK: f64 = 1e-3;
+/// How often a bound may be broken by chance, at most. Lower: more pixels are looked at. Higher: of the thousand looks that 200
+/// picks take, one breaks its bound.
+const RISK: f64 = 1e-5;
 /// How many times as wrong a square that was not looked at may be, in parts of its score, as the worst that was and might not
 /// have been. Less: bounds
 /// are broken where few pixels have most of the error. More: more pixels are looked at.
