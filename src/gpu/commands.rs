@@ -4,6 +4,7 @@ use super::{BindSet, Buffer, Gpu, GpuError, Image, Named, Pipeline};
 use crate::support::watch::{Excess, Watch};
 use ash::vk;
 use std::ops::Range;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 /// A submission that takes longer is given up. Shorter: slow devices fail on large images. Longer: a hang looks like
@@ -150,6 +151,7 @@ impl Gpu {
     /// Waits for a fence: of a device for a minute; of one that is the processor until it has had a minute of that, too, or
     /// none of it for three. Where many programs share a processor, it takes long and hangs no more than before.
     pub(super) fn wait_for(&self, fence: vk::Fence, what: &str) -> Result<(), GpuError> {
+        self.0.waits.fetch_add(1, Ordering::Relaxed);
         let (limit, start) = (Duration::from_secs(TIMEOUT_SECONDS), Instant::now());
         let mut watch = Watch::new(std::process::id(), limit, u64::MAX);
         let mut patience = limit;

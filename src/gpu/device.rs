@@ -8,7 +8,7 @@ use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::c_char;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 /// Compiled pipelines: one file for each driver, which none evicts.
@@ -80,6 +80,8 @@ pub(super) struct Shared {
     next: Mutex<()>,
     /// It did not finish in time: what it uses stays for as long as the process does.
     stuck: AtomicBool,
+    /// How often a thread has waited for it.
+    pub(super) waits: AtomicU64,
     pub(super) device: Device,
     pub(super) info: DeviceInfo,
     /// Family of the queue: what egui draws with is made for it.
@@ -224,6 +226,7 @@ impl Gpu {
             queue,
             next,
             stuck: AtomicBool::new(false),
+            waits: AtomicU64::new(0),
             device,
             info: device_info,
             #[cfg(any(feature = "viewer", test))]
@@ -236,6 +239,11 @@ impl Gpu {
     /// What the device is and can do.
     pub fn info(&self) -> &DeviceInfo {
         &self.0.info
+    }
+
+    /// How often calls of this crate have waited for the device to finish what they had submitted, so far and on any thread.
+    pub fn waits(&self) -> u64 {
+        self.0.waits.load(Ordering::Relaxed)
     }
 
     /// What the validation layer has said; readable after the device is closed.

@@ -6,6 +6,7 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What a buffer is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,11 +162,7 @@ impl Image {
             Dimension::Volume(..) => (Type::TYPE_3D, View::TYPE_3D, info.max_volume),
         };
         let size = dimension.size();
-        if size.iter().any(|&side| side == 0 || side > limit) {
-            let asked = format!("{} x {} x {} texels", size[0], size[1], size[2]);
-            let limit = format!("1 to {limit} for each axis");
-            return Err(GpuError::TooLarge { device: info.name.clone(), what: name.into(), asked, limit });
-        }
+        Image::check(gpu, name, size, limit)?;
         let extent = vk::Extent3D { width: size[0], height: size[1], depth: size[2] };
         let levels = levels(extent, texels);
         let (usage, samples) = match purpose {
@@ -235,13 +232,34 @@ impl Image {
         format: Format,
         texels: &[u8],
     ) -> Result<Image, GpuError> {
+        let (image, staging) = Image::staged(gpu, name, dimension, format, texels)?;
+        gpu.submit("upload", |commands| commands.upload(&staging, &image))?;
+        Ok(image)
+    }
+
+    /// The same, and the texels in a buffer that is still to be copied into it.
+    fn staged(
+        gpu: &Gpu,
+        name: &str,
+        dimension: Dimension,
+        format: Format,
+        texels: &[u8],
+    ) -> Result<(Image, Buffer), GpuError> {
         let count = texels.len() as u64 / format.bytes();
         let image = Image::with_texels(gpu, name, dimension, format, ImageUse::Sampled, count)?;
         let bytes = image.levels.iter().map(|level| image.level_bytes(*level)).sum::<u64>();
         assert_eq!(texels.len() as u64, bytes, "`{name}`: texels and size agree");
-        let staging = Buffer::new(gpu, "upload", BufferUse::Upload, texels)?;
-        gpu.submit("upload", |commands| commands.upload(&staging, &image))?;
-        Ok(image)
+        Ok((image, Buffer::new(gpu, "upload", BufferUse::Upload, texels)?))
+    }
+
+    /// Whether a device can have an image of a size.
+    pub(super) fn check(gpu: &Gpu, name: &str, size: [u32; 3], limit: u32) -> Result<(), GpuError> {
+        if size.iter().all(|side| (1..=limit).contains(side)) {
+            return Ok(());
+        }
+        let asked = format!("{} x {} x {} texels", size[0], size[1], size[2]);
+        let (device, limit) = (gpu.info().name.clone(), format!("1 to {limit} for each axis"));
+        Err(GpuError::TooLarge { device, what: name.into(), asked, limit })
     }
 
     /// The texels of a single-sampled target, row by row.
@@ -347,6 +365,57 @@ impl Drop for Image {
             device.destroy_image(self.handle, None);
         });
         release(&self.gpu, &mut self.allocation);
+    }
+}
+
+/// Images whose texels are copied by commands to come: a submission of their own, or a host's commands. Clones share them.
+#[derive(Clone, Default)]
+pub struct Uploads(Arc<Mutex<Vec<Upload>>>);
+
+/// Texels, and the image that they are for.
+pub(super) struct Upload {
+    pub(super) texels: Buffer,
+    pub(super) image: Arc<Image>,
+}
+
+impl Uploads {
+    /// An image as [`Image::sampled`] makes it, but for the copy.
+    ///
+    /// # Errors
+    /// Larger than the device allows, or no memory left.
+    ///
+    /// # Panics
+    /// As [`Image::sampled`].
+    pub fn image(
+        &self,
+        gpu: &Gpu,
+        name: &str,
+        dimension: Dimension,
+        format: Format,
+        texels: &[u8],
+    ) -> Result<Arc<Image>, GpuError> {
+        let (image, texels) = Image::staged(gpu, name, dimension, format, texels)?;
+        let image = Arc::new(image);
+        self.all().push(Upload { texels, image: image.clone() });
+        Ok(image)
+    }
+
+    /// Copies those that wait, and waits for it; submits nothing where none does.
+    ///
+    /// # Errors
+    /// The submission fails.
+    pub fn submit(&self, gpu: &Gpu) -> Result<(), GpuError> {
+        let mut all = self.all();
+        if !all.is_empty() {
+            gpu.submit("upload", |commands| all.iter().for_each(|own| commands.upload(&own.texels, &own.image)))?;
+            all.clear();
+        }
+        Ok(())
+    }
+
+    /// Those that wait.
+    pub(super) fn all(&self) -> MutexGuard<'_, Vec<Upload>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -4,8 +4,9 @@
 //! synchronization2), through `ash` and `gpu-allocator`. This layer knows pixels, buffers and pipelines, and no scene.
 //! Invariants:
 //! - every owner frees itself, and holds the [`Gpu`] alive until then: the device goes last;
-//! - [`Gpu::submit`] waits for what it submitted, so a resource borrowed by a recording outlives its use; a device that does
-//!   not finish in time is left alone, with all that was made from it;
+//! - [`Gpu::submit`] waits for what it submitted, so a resource borrowed by its commands outlives their use; a device that
+//!   does not finish in time is left alone, with all that was made from it;
+//! - commands of a host are waited for by the host: a [`Recording`] owns what they use;
 //! - a host read of device data goes through [`Image::read`], which makes the writes visible first.
 
 #![allow(unsafe_code)]
@@ -39,7 +40,7 @@ pub use commands::{Area, Commands, Draw, Load, Submitted, Target};
 pub use device::{DeviceInfo, Gpu, Options, optional_features, required_features};
 pub use format::Format;
 pub use host::{HostCommands, HostDevice, HostTarget, Recording};
-pub use memory::{Buffer, BufferUse, Dimension, Image, ImageUse};
+pub use memory::{Buffer, BufferUse, Dimension, Image, ImageUse, Uploads};
 pub use messages::Messages;
 #[cfg(feature = "viewer")]
 pub use overlay::{Canvas, Presented};

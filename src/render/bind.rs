@@ -1,6 +1,6 @@
 //! What a program reads, on the device: blocks written, images uploaded.
 
-use super::cells::{self, Cells, Found};
+use super::cells::{self, Beside, Cells, Found};
 use super::inputs::{CELLS, Inputs, StoredObjects};
 use super::shot::Shot;
 use super::sparse::Sparse;
@@ -8,7 +8,7 @@ use super::sub_frame::SubFrame;
 use super::tiles::Tiles;
 use super::values::{Values, blocks};
 use super::{OCTAVES_ID, Read, RenderError};
-use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler};
+use crate::gpu::{self, Buffer, BufferUse, Gpu, Image, Sampler, Uploads};
 use crate::render::variant::{Program, Resource, Use};
 use crate::scene::Scene;
 use crate::shader::Library;
@@ -23,44 +23,55 @@ pub(super) struct BoundInputs {
     /// Whether an image depends on parameters of modules.
     pub(super) holds_parameters: bool,
     stored: StoredObjects,
+    /// Images whose texels are not copied yet.
+    pub(super) uploads: Uploads,
     /// What decides which cells are empty, where the program reads that.
     cells: Option<Cells>,
+    /// The same for pictures that are recorded for a host.
+    beside: Beside,
+    /// One cell, which may hold matter, where the program reads cells.
+    open: Option<Arc<Image>>,
     /// What was written into the blocks last.
     values: Values,
 }
 
 impl BoundInputs {
     /// Everything that a program reads, but for the shadow volume and the cells, which are made with the picture: see
-    /// [`BoundInputs::replace`]. Cells are found where the program reads them, or where its slices may be cut to tiles.
+    /// [`BoundInputs::replace`]. Cells are found where the program reads them, or where its slices may be cut to tiles. Images
+    /// of pictures that are recorded for a host wait to be copied.
     pub(super) fn new(
         gpu: &Gpu,
         library: &Library,
         program: &Program,
         inputs: &Inputs,
         is_cut: bool,
+        is_recorded: bool,
     ) -> Result<BoundInputs, RenderError> {
+        let uploads = Uploads::default();
         let upload = |(binding, image): &(u32, super::encoded::Encoded)| {
-            let uploaded = Image::sampled(gpu, image.name, image.dimension, image.format, image.bytes())?;
-            Ok((*binding, Arc::new(uploaded)))
+            let own = uploads.image(gpu, image.name, image.dimension, image.format, image.bytes())?;
+            if !is_recorded {
+                uploads.submit(gpu)?; // one by one: the texels are there twice until they are copied
+            }
+            Ok((*binding, own))
         };
         let sampler = |(binding, filter): &(u32, super::encoded::Filter)| {
             Ok((*binding, Arc::new(Sampler::new(gpu, filter.address, filter.anisotropy)?)))
         };
         let cells = (is_cut || program.reads(CELLS)).then(|| Cells::new(library));
-        let mut bound = BoundInputs {
+        Ok(BoundInputs {
             blocks: Vec::new(),
             images: inputs.images.iter().map(upload).collect::<Result<_, RenderError>>()?,
             samplers: inputs.samplers.iter().map(sampler).collect::<Result<_, RenderError>>()?,
             sparse: inputs.sparse,
             holds_parameters: inputs.holds_parameters,
             stored: inputs.stored().clone(),
+            open: program.reads(CELLS).then(|| cells::image(gpu, &uploads, 1, &[0])).transpose()?,
+            uploads,
             cells,
+            beside: Beside::new(library),
             values: Values::new(),
-        };
-        if program.reads(CELLS) {
-            bound.replace(program, CELLS, Arc::new(cells::open(gpu)?));
-        }
-        Ok(bound)
+        })
     }
 
     /// Makes the blocks of a picture, and its cells; ends where it is to `stop`.
@@ -72,20 +83,46 @@ impl BoundInputs {
         sub_frame: &SubFrame,
         stop: &dyn Fn() -> bool,
     ) -> Result<(), RenderError> {
+        self.set_blocks(gpu, program, shot, sub_frame)?;
+        let image_of = |name: &str| image_of(program, &self.images, name);
+        let update = |cells: &mut Cells| cells.update(gpu, shot, &self.values, &image_of, stop);
+        self.cells.as_mut().map(update).transpose()?;
+        if let Some(open) = &self.open {
+            let own = self.cells.as_mut().map(|cells| cells.image(gpu, &self.uploads)).transpose()?.flatten();
+            let image = own.unwrap_or_else(|| open.clone());
+            self.replace(program, CELLS, image);
+        }
+        Ok(self.uploads.submit(gpu)?)
+    }
+
+    /// The same for a picture that is recorded for a host: it waits for nothing, and has the cells that are found so far.
+    pub(super) fn fill_recorded(
+        &mut self,
+        gpu: &Gpu,
+        program: &Program,
+        shot: &Shot<'_>,
+        sub_frame: &SubFrame,
+    ) -> Result<(), RenderError> {
+        self.set_blocks(gpu, program, shot, sub_frame)?;
+        if let Some(open) = &self.open {
+            let named = |own: &Resource| Some((own.name.clone(), image_of(program, &self.images, &own.name)?));
+            let images = || program.resources.iter().filter_map(named).collect();
+            let own = self.beside.image(gpu, shot, &self.values, images, &self.uploads)?;
+            let image = own.unwrap_or_else(|| open.clone());
+            self.replace(program, CELLS, image);
+        }
+        Ok(())
+    }
+
+    fn set_blocks(
+        &mut self,
+        gpu: &Gpu,
+        program: &Program,
+        shot: &Shot<'_>,
+        sub_frame: &SubFrame,
+    ) -> Result<(), RenderError> {
         self.values = self.stored.values(shot, sub_frame);
         self.blocks = buffers(gpu, &self.blocks_of(program)?)?;
-        let images = &self.images;
-        let image_of = |name: &str| {
-            let binding = program.resources.iter().find(|resource| resource.name == name)?.binding;
-            images.iter().find(|(own, _)| *own == binding).map(|(_, image)| read(image))
-        };
-        let update = |cells: &mut Cells| cells.update(gpu, shot, &self.values, &image_of, stop);
-        if self.cells.as_mut().map(update).transpose()? == Some(true)
-            && program.reads(CELLS)
-            && let Some(cells) = &self.cells
-        {
-            self.replace(program, CELLS, Arc::new(cells.image(gpu)?));
-        }
         Ok(())
     }
 
@@ -97,6 +134,12 @@ impl BoundInputs {
     /// The tiles that slices of the picture are drawn in, within areas of it.
     pub(super) fn tiles(&self, shot: &Shot<'_>, within: &[gpu::Area]) -> Tiles {
         self.cells.as_ref().map_or_else(|| Tiles::everywhere(within), |cells| cells.tiles(shot, within))
+    }
+
+    /// Whether cells are there for the next picture that is recorded, and the part of the last ones that is empty.
+    #[cfg(test)]
+    pub(super) fn recorded_cells(&self) -> (bool, f32) {
+        self.beside.found()
     }
 
     /// What was found of the cells of the picture.
@@ -164,6 +207,12 @@ pub(super) fn buffers(gpu: &Gpu, blocks: &[(Resource, Vec<u8>)]) -> Result<Vec<(
         Ok((resource.binding, Arc::new(Buffer::new(gpu, &resource.name, BufferUse::Uniform, bytes)?)))
     };
     blocks.iter().map(buffer).collect()
+}
+
+/// What the image of a name is, among those of a program.
+fn image_of(program: &Program, images: &[(u32, Arc<Image>)], name: &str) -> Option<Read> {
+    let binding = program.resources.iter().find(|resource| resource.name == name)?.binding;
+    images.iter().find(|(own, _)| *own == binding).map(|(_, image)| read(image))
 }
 
 /// What an image is.

@@ -4,17 +4,19 @@
 //! a cell is called empty only where that is proven, so that a picture is the same with cells and without; what cannot be
 //! decided may hold matter.
 
+mod beside;
 mod cover;
 mod decide;
 mod ranged;
 mod span;
+pub(super) use beside::Beside;
 pub(crate) use ranged::{LOOKED_UP, bounded};
 
 use super::shot::Shot;
 use super::tiles::Tiles;
 use super::values::{TIME, Values};
 use super::{Read, RenderError};
-use crate::gpu::{Area, Dimension, Format, Gpu, Image};
+use crate::gpu::{Area, Dimension, Format, Gpu, Image, Uploads};
 #[cfg(feature = "measure")]
 use crate::render::variant::{Variant, VariantError};
 use crate::scene::Pass;
@@ -24,6 +26,7 @@ use crate::shader::Library;
 use decide::{Boxes, Decider, SIDES};
 use serde::{Deserialize, Serialize};
 use span::Span;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Samples of a picture for each cell. Fewer: finer cells, which cost more than they save.
@@ -65,6 +68,8 @@ pub(super) struct Cells {
     span: Span,
     /// Which of them are empty, x fastest; none where no one is.
     empty: Vec<bool>,
+    /// The same as rays read it, once it was asked for.
+    image: Option<Arc<Image>>,
     /// Whether no picture was asked for yet.
     is_first: bool,
     /// Whether they serve the last picture at all.
@@ -82,6 +87,7 @@ impl Cells {
             key: None,
             span: Span::default(),
             empty: Vec::new(),
+            image: None,
             is_first: true,
             serve: true,
         }
@@ -98,13 +104,14 @@ impl Cells {
             return true;
         }
         match self.decider {
-            Decider::Unmade(texels) | Decider::Coming(texels, _) => side(gpu, shot, texels, self.is_first, 1) == 0,
+            Decider::Unmade(texels) | Decider::Coming(texels, _) => {
+                side(gpu.info().cpu, shot, texels, self.is_first, 1) == 0
+            }
             Decider::Made(_) | Decider::Unbounded(_) => true,
         }
     }
 
-    /// Finds the cells of a picture, whose images are given by name; whether they are others than those of the picture before.
-    /// Ends where it is to `stop`.
+    /// Finds the cells of a picture, whose images are given by name. Ends where it is to `stop`.
     pub(super) fn update(
         &mut self,
         gpu: &Gpu,
@@ -112,14 +119,14 @@ impl Cells {
         values: &Values,
         image_of: &dyn Fn(&str) -> Option<Read>,
         stop: &dyn Fn() -> bool,
-    ) -> Result<bool, RenderError> {
+    ) -> Result<(), RenderError> {
         let start = Instant::now();
         self.serve = serve(shot, &self.library);
         if !self.serve {
-            return Ok(false);
+            return Ok(());
         }
         let is_first = std::mem::replace(&mut self.is_first, false);
-        let side_of = |texels, pictures| side(gpu, shot, texels, is_first, pictures);
+        let side_of = |texels, pictures| side(gpu.info().cpu, shot, texels, is_first, pictures);
         if let Decider::Unmade(texels) = self.decider
             && side_of(texels, 1) > 0
         {
@@ -139,9 +146,9 @@ impl Cells {
                 last => {
                     let is_of = |boxes: &Boxes| self.key.as_ref().is_some_and(|(_, of)| of == boxes);
                     let time = values.get(TIME).and_then(|time| time.first()).copied().unwrap_or_default();
-                    let timeless = bounded.timeless(values)?;
+                    let timeless = bounded.reads.timeless(values)?;
                     if is_of(&last) && self.span.holds(&timeless, time) {
-                        return Ok(false);
+                        return Ok(());
                     }
                     let read = bounded.fill(values, [time; 2])?;
                     let camera = &shot.scene.camera;
@@ -149,7 +156,7 @@ impl Cells {
                     let times = self.span.next(&timeless, time, end);
                     let boxes = Boxes::of(shot, side_of(bounded.texels, self.span.to_share(times)));
                     if is_of(&boxes) && self.key.as_ref().is_some_and(|(before, _)| *before == read) {
-                        return Ok(false);
+                        return Ok(());
                     }
                     if times[0] < times[1] {
                         bounded.fill(values, times)?;
@@ -165,28 +172,23 @@ impl Cells {
             true => Ok((empty, kept)),
             false => Err("no bounds prove that there is no matter".to_string()),
         });
-        let before = std::mem::replace(&mut self.key, key);
-        Ok(match (&self.key, empty) {
+        (self.key, self.image) = (key, None);
+        (self.found, self.empty) = match (&self.key, empty) {
             (Some((_, Boxes { side, .. })), Ok((empty, kept))) => {
                 let ms = start.elapsed().as_secs_f64() * 1e3;
-                (self.found, self.empty) = (Found { side: *side, empty: part(&empty), ms, kept, why: None }, empty);
-                true
+                (Found { side: *side, empty: part(&empty), ms, kept, why: None }, empty)
             }
-            (_, why) => {
-                (self.found, self.empty) = (Found { why: why.err(), ..Found::default() }, Vec::new());
-                before.is_some()
-            }
-        })
+            (_, why) => (Found { why: why.err(), ..Found::default() }, Vec::new()),
+        };
+        Ok(())
     }
 
-    /// The cells as rays read them.
-    pub(super) fn image(&self, gpu: &Gpu) -> Result<Image, RenderError> {
-        match &self.key {
-            Some((_, Boxes { side, .. })) if !self.empty.is_empty() => {
-                image(gpu, *side, &distances(&self.empty, *side as usize))
-            }
-            _ => open(gpu),
+    /// The cells as rays read them; `None` where none is known to be empty.
+    pub(super) fn image(&mut self, gpu: &Gpu, uploads: &Uploads) -> Result<Option<Arc<Image>>, RenderError> {
+        if let (None, Some((_, Boxes { side, .. })), false) = (&self.image, &self.key, self.empty.is_empty()) {
+            self.image = Some(image(gpu, uploads, *side, &distances(&self.empty, *side as usize))?);
         }
+        Ok(self.image.clone())
     }
 
     /// The tiles that slices of a picture are drawn in, within areas of it.
@@ -217,22 +219,19 @@ fn serve(shot: &Shot<'_>, library: &Library) -> bool {
     shot.scene.quality.pass == Pass::March || shot.scene.has_tiles(library)
 }
 
-/// One cell, which may hold matter.
-pub(super) fn open(gpu: &Gpu) -> Result<Image, RenderError> {
-    image(gpu, 1, &[0])
+/// So many cells along a side, each with its distance to one that may hold matter.
+pub(super) fn image(gpu: &Gpu, uploads: &Uploads, side: u32, texels: &[u8]) -> Result<Arc<Image>, RenderError> {
+    Ok(uploads.image(gpu, "cells", Dimension::Volume(side, side, side), Format::R8Unorm, texels)?)
 }
 
-fn image(gpu: &Gpu, side: u32, texels: &[u8]) -> Result<Image, RenderError> {
-    Ok(Image::sampled(gpu, "cells", Dimension::Volume(side, side, side), Format::R8Unorm, texels)?)
-}
-
-/// Cells along a side that pay for a picture, which may be the first of a program, where so many share them; 0 for none.
-fn side(gpu: &Gpu, shot: &Shot<'_>, texels: u64, is_first: bool, pictures: u32) -> u32 {
+/// Cells along a side that pay for a picture on a device, which may be the processor; it may be the first of a program, and
+/// so many share them. 0 for none.
+fn side(is_cpu: bool, shot: &Shot<'_>, texels: u64, is_first: bool, pictures: u32) -> u32 {
     let scene = shot.scene;
     let [width, height] = shot.whole.map(f64::from);
     let samples =
         width * height * f64::from(shot.planes.count) * f64::from(scene.quality.supersampling) * unskipped(shot);
-    let of_a_cell = if gpu.info().cpu { SAMPLES } else { SAMPLES_OF_A_GPU };
+    let of_a_cell = if is_cpu { SAMPLES } else { SAMPLES_OF_A_GPU };
     // Sub-frames of an exposure are counted already.
     let shared = if scene.camera.shutter > 0.0 { 1 } else { pictures.min(SHARED) };
     let levels = (samples * f64::from(shared) / of_a_cell).cbrt().log2().floor().clamp(0.0, 8.0);

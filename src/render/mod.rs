@@ -5,6 +5,7 @@
 
 mod bind;
 mod cells;
+mod coming;
 mod cpu_inputs;
 mod density;
 mod doubts;

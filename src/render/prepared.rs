@@ -103,8 +103,10 @@ impl Prepared {
         let quality = &scene.quality;
         let bound = made.bound.map_or_else(
             || {
-                let is_cut = destination == Destination::Frame && quality.pass == Pass::Slices;
-                BoundInputs::new(gpu, library, &program, &Inputs::new(library, shot, &program, progress)?, is_cut)
+                let inputs = Inputs::new(library, shot, &program, progress)?;
+                let is_recorded = destination != Destination::Frame;
+                let is_cut = !is_recorded && quality.pass == Pass::Slices;
+                BoundInputs::new(gpu, library, &program, &inputs, is_cut, is_recorded)
             },
             Ok,
         )?;
@@ -271,7 +273,10 @@ impl Prepared {
         let (Some(sub_frame), None) = (all.next(), all.next()) else {
             return Err(RenderError::Recorded("quality.supersampling = 1"));
         };
-        self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame, &|| false)?;
+        self.bound.fill_recorded(&self.gpu, &self.program, &shot, &sub_frame)?;
+        if self.pipelines.caster.is_some() {
+            self.bound.uploads.submit(&self.gpu)?; // what casts the shadows is submitted, and reads them
+        }
         self.cast(&shot, &|_| false)?;
         let (vertices, count) = match self.slices(&shot)? {
             Some((vertices, stack)) => (Some(vertices), stack.slices * stack.per_slice),
@@ -279,7 +284,7 @@ impl Prepared {
         };
         let pipeline = &self.pipelines.picture;
         let set = pipeline.bind(&self.bound.resources())?;
-        Ok(commands.draw(pipeline, set, vertices, 0..count))
+        Ok(commands.draw(&self.bound.uploads, pipeline, set, vertices, 0..count))
     }
 
     /// Areas of a picture of a scene that fits, the mean of the sub-frames that are wanted: the frame pipeline. The pixels

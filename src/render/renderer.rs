@@ -1,5 +1,6 @@
 //! From a scene to its picture: what users of the crate call.
 
+use super::coming::Coming;
 use super::masks::Masks;
 use super::pixels::put;
 use super::prepared::{Destination, Made, Prepared};
@@ -7,7 +8,7 @@ use super::shot::Shot;
 use super::watch::explained;
 use super::{Frame, RenderError, Subject};
 use crate::field::Progress;
-use crate::gpu::{Area, Gpu, HostCommands, Recording};
+use crate::gpu::{Area, Format, Gpu, HostCommands, Recording};
 use crate::render::variant::Variant;
 use crate::scene::{Order, Scene};
 use crate::shader::{Library, Slots};
@@ -42,6 +43,8 @@ pub struct Renderer {
     /// Modules and samples of scenes whose loops the device has cut where rays waited for each other.
     cut: Vec<(Slots, u32)>,
     masks: Masks,
+    /// What the next scene of a host needs.
+    coming: Option<Coming>,
     /// Milliseconds of making what the next picture needs.
     prepared_ms: f64,
 }
@@ -63,6 +66,7 @@ impl Renderer {
             stop: Arc::new(|_| false),
             cut: Vec::new(),
             masks: Masks::default(),
+            coming: None,
             prepared_ms: 0.0,
         }
     }
@@ -179,17 +183,64 @@ impl Renderer {
         Ok(frame)
     }
 
-    /// Records a picture of a scene over what is in a host's image, without waiting for it: slices back to front, or rays.
-    /// The size of the image stands for `image.size`, and its format for `quality.target`.
+    /// Whether [`Renderer::record`] draws a scene at once in a format. What is missing is made on a thread of its own, which
+    /// submits nothing: a host asks before each frame, and draws something else until it is there. A second scene is begun
+    /// when the first is made. Dropping the renderer waits for the thread.
     ///
-    /// What a scene shares with the one before is not made again. What is new is made first, and waited for: programs,
-    /// images, and the shadow volume of each picture of a scene with `light.shadows`.
+    /// # Errors
+    /// As [`Renderer::record`].
+    pub fn is_recordable(&mut self, scene: &Scene, format: Format) -> Result<bool, RenderError> {
+        let destination = Destination::Host(format);
+        let (scene, variant) = self.recorded(scene, scene.image.size)?;
+        let is_made = self.coming.as_ref().is_some_and(Coming::is_made);
+        if let Some(coming) = self.coming.take_if(|_| is_made) {
+            self.take(coming, (&scene, &variant, destination))?;
+        }
+        if self.prepared.iter().any(|own| own.fits(&scene, &variant, destination)) {
+            return Ok(true);
+        }
+        if self.coming.is_none() {
+            let made = self.prepared.iter().rev().find(|own| own.runs(&variant)).map(Prepared::shared);
+            let all = (self.gpu.clone(), self.library.clone(), self.subject.clone());
+            self.coming = Some(Coming::new(all, (scene, variant, destination), made.unwrap_or_default()));
+        }
+        Ok(false)
+    }
+
+    /// Records a picture of a scene over what is in a host's image: slices back to front, or rays. The size of the image
+    /// stands for `image.size`, and its format for `quality.target`.
+    ///
+    /// The picture is that of [`render`]. Nothing is submitted, and nothing on the device is waited for, with one exception:
+    /// the shadow volume of a scene with `light.shadows` is cast anew, by submissions that are waited for, wherever its time,
+    /// light or matter has changed. Images are copied by the host's commands, and the cells of empty space are found on a
+    /// thread of their own: until they are, a picture is drawn without them.
+    ///
+    /// What a scene shares with the one before, all but camera, time, size and parameters, is not made again. Programs, images
+    /// and pipelines that are missing are made here, by the calling thread: ask [`Renderer::is_recordable`] first.
     ///
     /// # Errors
     /// As [`render`]; or the scene has `quality.msaa` or `quality.supersampling` above 1, or half-angle slices.
     pub fn record(&mut self, commands: &mut HostCommands<'_>, scene: &Scene) -> Result<Recording, RenderError> {
+        let destination = Destination::Host(commands.format());
+        let (scene, variant) = self.recorded(scene, commands.size())?;
+        if let Some(coming) = self.coming.take_if(|coming| coming.serves(&scene, &variant, destination)) {
+            self.take(coming, (&scene, &variant, destination))?;
+        }
+        let subject = self.subject.clone();
+        let prepared = self.prepared(&scene, &variant, destination, &|_| ())?;
+        prepared.record(commands, &scene, &subject, &variant)
+    }
+
+    /// Whether cells are there for the next picture that is recorded, and the part of the last ones that is empty.
+    #[cfg(test)]
+    pub(crate) fn recorded_cells(&self) -> (bool, f32) {
+        self.prepared.last().map_or((false, 0.0), |own| own.bound.recorded_cells())
+    }
+
+    /// A scene as it is recorded for an image of a size, and its modules.
+    fn recorded(&self, scene: &Scene, size: [u32; 2]) -> Result<(Scene, Variant), RenderError> {
         let mut scene = scene.clone();
-        scene.image.size = commands.size();
+        scene.image.size = size;
         scene.quality.order = Order::BackToFront;
         if scene.quality.msaa > 1 {
             return Err(RenderError::Recorded("quality.msaa = 1"));
@@ -201,9 +252,22 @@ impl Renderer {
         if !scene.may_find_first(&self.library) {
             variant = variant.that_waits_for_none(); // what comes of it is not seen here
         }
-        let subject = self.subject.clone();
-        let prepared = self.prepared(&scene, &variant, Destination::Host(commands.format()), &|_| ())?;
-        prepared.record(commands, &scene, &subject, &variant)
+        Ok((scene.into_owned(), variant))
+    }
+
+    /// Keeps what was made beside, waiting for it. What failed matters to the scene that is `wanted` alone.
+    fn take(&mut self, coming: Coming, wanted: (&Scene, &Variant, Destination)) -> Result<(), RenderError> {
+        let serves = coming.serves(wanted.0, wanted.1, wanted.2);
+        match coming.made() {
+            Ok(made) => {
+                self.prepared.push(made);
+                let more = self.prepared.len().saturating_sub(self.kept);
+                self.prepared.drain(..more);
+            }
+            Err(error) if serves => return Err(error),
+            Err(_) => {}
+        }
+        Ok(())
     }
 
     /// A scene as it is drawn, and its modules: without masks that it does not need, and with rays that do not wait for each

@@ -78,7 +78,7 @@ pub fn transmittance(
     let program = variant.program(library, Linker::new)?;
     let shot = Shot::of(scene, subject, &variant);
     let inputs = Inputs::new(library, &shot, &program, &|_| ())?;
-    let mut bound = BoundInputs::new(gpu, library, &program, &inputs, false)?;
+    let mut bound = BoundInputs::new(gpu, library, &program, &inputs, false, false)?;
     for sub_frame in SubFrame::all(scene).take(1) {
         bound.fill(gpu, &program, &shot, &sub_frame, &|| false)?;
     }

@@ -17,6 +17,7 @@ use crate::shader::{Library, Linker};
 use crate::support::disk_cache::{self, Kind};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -38,7 +39,7 @@ const BOXES: usize = 512;
 /// While images are read, whether to stop is asked this often.
 const LOOK: Duration = Duration::from_micros(200);
 /// Bytes of the stack of the thread that reads them: programs of tables are walked deeply.
-const STACK: usize = 16 << 20;
+pub(super) const STACK: usize = 16 << 20;
 
 /// Proofs that take longer are kept on disk, milliseconds. Less: a value that is pulled fills the disk.
 const KEPT_FROM_MS: f64 = 20.0;
@@ -60,15 +61,20 @@ pub(super) enum Decider {
 
 /// A program that says where matter is, and what it reads.
 pub(super) struct Bounded {
-    program: Program,
+    pub(super) reads: Arc<Reads>,
     pub(super) code: exact::Program,
     outline: Outline,
-    /// The members of blocks that the program reads.
-    members: BTreeSet<(u32, u32)>,
     pub(super) inputs: exact::Inputs,
     pub(super) texels: u64,
     /// That of the program, and of its images and how they are filtered.
     hash: blake3::Hash,
+}
+
+/// What a program reads of the values of a picture.
+pub(super) struct Reads {
+    program: Program,
+    /// The members of blocks that it reads.
+    members: BTreeSet<(u32, u32)>,
 }
 
 /// A box in object space and how it is divided.
@@ -103,7 +109,10 @@ impl Decider {
         image_of: &dyn Fn(&str) -> Option<Read>,
         pays: impl Fn(u64) -> bool,
     ) -> Result<Decider, RenderError> {
-        let (program, noise) = deciding(shot.variant, shot.scene, library)?;
+        let (program, noise) = match deciding(shot.variant, shot.scene, library) {
+            Ok(deciding) => deciding,
+            Err(error) => return Ok(Decider::Unbounded(error.to_string())),
+        };
         let octaves = [(OCTAVES_ID, shot.scene.effect.octaves)];
         let code = match exact::Program::read_channel(&program.fragment, &octaves, (0, 3)) {
             Ok(code) => code,
@@ -184,21 +193,14 @@ impl Bounded {
         let samplers = samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect();
         let noises = place.zip(noise).into_iter().collect();
         let inputs = exact::Inputs { images, samplers, noises, ..exact::Inputs::default() };
-        let members = program.members_read();
-        Ok(Bounded { program, code, outline, members, inputs, texels, hash })
-    }
-
-    /// What the program reads beside images and the time, in bytes.
-    pub(super) fn timeless(&self, values: &Values) -> Result<Vec<u8>, RenderError> {
-        let filled = filled(&self.program, values, 0.0)?;
-        let blocks = filled.iter().map(|(binding, bytes)| (*binding, bytes.as_slice()));
-        Ok(self.program.parts_read(&self.members, blocks))
+        let reads = Arc::new(Reads { members: program.members_read(), program });
+        Ok(Bounded { reads, code, outline, inputs, texels, hash })
     }
 
     /// Sets what the program reads beside images, from a time on until another; what depends on it at the first, in bits.
     pub(super) fn fill(&mut self, values: &Values, [time, until]: [f32; 2]) -> Result<Vec<u64>, RenderError> {
-        self.inputs.blocks = filled(&self.program, values, time)?;
-        self.inputs.until = if until > time { filled(&self.program, values, until)? } else { BTreeMap::new() };
+        self.inputs.blocks = filled(&self.reads.program, values, time)?;
+        self.inputs.until = if until > time { filled(&self.reads.program, values, until)? } else { BTreeMap::new() };
         if self.inputs.until == self.inputs.blocks {
             self.inputs.until.clear(); // nothing depends on the time
         }
@@ -276,6 +278,15 @@ impl Bounded {
     }
 }
 
+impl Reads {
+    /// What the program reads beside images and the time, in bytes.
+    pub(super) fn timeless(&self, values: &Values) -> Result<Vec<u8>, RenderError> {
+        let filled = filled(&self.program, values, 0.0)?;
+        let blocks = filled.iter().map(|(binding, bytes)| (*binding, bytes.as_slice()));
+        Ok(self.program.parts_read(&self.members, blocks))
+    }
+}
+
 /// The blocks of a program at a time, by binding.
 fn filled(program: &Program, values: &Values, time: f32) -> Result<BTreeMap<u32, Vec<u8>>, RenderError> {
     let mut values = values.clone();
@@ -308,6 +319,17 @@ impl Boxes {
         let far = f64::from(shot.view.extent.distance + shot.view.extent.radius);
         let margin = [0, 1, 2].map(|axis| MARGIN * (high[axis] - low[axis]) / f64::from(side.max(1)) + PLACE * far);
         Boxes { low, high, side, margin }
+    }
+
+    /// The same with cells that are taken larger: for cameras that are up to so many times as far, and more.
+    pub(super) fn wider(self, times: f64) -> Boxes {
+        Boxes { margin: self.margin.map(|margin| times * margin), ..self }
+    }
+
+    /// Whether what is proven for these holds for others.
+    pub(super) fn hold_for(&self, other: &Boxes) -> bool {
+        let wide = self.margin.iter().zip(&other.margin).all(|(own, other)| own >= other);
+        wide && (self.low, self.high, self.side) == (other.low, other.high, other.side)
     }
 
     /// The box of one of so many cells along a side, a little larger than it is.

@@ -1,0 +1,198 @@
+//! What a host sees of pictures in its own commands.
+
+use super::*;
+use crate::gpu::{Alone, Dimension, Image, ImageUse, Load, Options, Target};
+use crate::render::{Renderer, Subject, render};
+use crate::scene::{Order, Pass, Scene, preset};
+use crate::shader;
+use std::collections::VecDeque;
+
+const SIZE: [u32; 2] = [48, 40];
+const FORMAT: Format = Format::Rgba32Float;
+const BEHIND: [f32; 4] = [0.1, 0.3, 0.2, 1.0];
+
+/// A device as a host has it: that of the test, which is validated, and the same in the hands of a host.
+fn host() -> [Gpu; 2] {
+    let own = Gpu::new(&Options { validation: true, ..Options::of_tests() }).unwrap();
+    let host = HostDevice {
+        entry: own.0.instance.entry.clone(),
+        instance: own.0.instance.raw.clone(),
+        physical_device: own.0.physical,
+        device: own.0.device.raw.clone(),
+        features: vk::PhysicalDeviceFeatures::default(),
+        queue: *own.queue(),
+        queue_family: own.0.family,
+    };
+    // SAFETY: the handles are those of an open device, which is closed last.
+    let gpu = unsafe { Gpu::from_raw(host, None) }.unwrap();
+    [own, gpu]
+}
+
+/// A frame of a host that the device may still be drawing.
+struct Flight<'a> {
+    own: &'a Gpu,
+    image: Image,
+    buffer: vk::CommandBuffer,
+    fence: vk::Fence,
+    recording: Option<Recording>,
+}
+
+impl<'a> Flight<'a> {
+    /// Records a picture over a color.
+    fn recorded(own: &'a Gpu, gpu: &Gpu, renderer: &mut Renderer, scene: &Scene) -> Flight<'a> {
+        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
+        let size = Dimension::Plane(SIZE[0], SIZE[1]);
+        let image = Image::new(own, "host", size, FORMAT, ImageUse::Target(1)).unwrap();
+        let device = &own.0.device;
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(own.0.pool.handle).command_buffer_count(1);
+        // SAFETY: the test is the only user of the device, and waits for what it submits.
+        unsafe {
+            let buffer = device.allocate_command_buffers(&info).unwrap()[0];
+            device.begin_command_buffer(buffer, &vk::CommandBufferBeginInfo::default()).unwrap();
+            let mut commands = Commands { gpu: own, buffer };
+            commands.render(Target::of(&image), Load::Clear(BEHIND), |_| ());
+            let (output, write) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
+            let blend = write | Access::COLOR_ATTACHMENT_READ;
+            commands.transition(&image, Layout::COLOR_ATTACHMENT_OPTIMAL, output, write, output, blend);
+            let target = HostTarget { view: image.view, format: FORMAT.vk(), size: SIZE };
+            let recording = renderer.record(&mut gpu.host_commands(buffer, target).unwrap(), scene).unwrap();
+            device.end_command_buffer(buffer).unwrap();
+            let fence = device.create_fence(&vk::FenceCreateInfo::default(), None).unwrap();
+            Flight { own, image, buffer, fence, recording: Some(recording) }
+        }
+    }
+
+    fn submit(&self) {
+        let buffers = [self.buffer];
+        let submits = [vk::SubmitInfo::default().command_buffers(&buffers)];
+        // SAFETY: the commands are complete, and what they use is there until the fence is signaled.
+        unsafe { self.own.0.device.queue_submit(*self.own.queue(), &submits, self.fence) }.unwrap();
+    }
+
+    /// What the host sees, once it is drawn.
+    fn seen(self) -> Vec<[f32; 4]> {
+        // SAFETY: the fence belongs to the device.
+        unsafe { self.own.0.device.wait_for_fences(&[self.fence], true, u64::MAX) }.unwrap();
+        self.image.read().unwrap()
+    }
+}
+
+impl Drop for Flight<'_> {
+    fn drop(&mut self) {
+        self.recording = None;
+        // SAFETY: the commands were executed, or are not.
+        unsafe {
+            self.own.0.device.destroy_fence(self.fence, None);
+            self.own.0.device.free_command_buffers(self.own.0.pool.handle, &[self.buffer]);
+        }
+    }
+}
+
+/// The most by which a picture that a host sees differs from one that was rendered, over what the host has drawn.
+fn worst(rendered: &[[f32; 4]], seen: &[[f32; 4]]) -> f32 {
+    let over = |pixel: &[f32; 4], c: usize| pixel[c] + (1.0 - pixel[3]) * BEHIND[c];
+    let off = |(a, b): (&[f32; 4], &[f32; 4])| (0..4).map(|c| (over(a, c) - b[c]).abs()).fold(0.0, f32::max);
+    rendered.iter().zip(seen).map(off).fold(0.0, f32::max)
+}
+
+/// What a host sees of a picture.
+fn recorded(own: &Gpu, gpu: &Gpu, renderer: &mut Renderer, scene: &Scene) -> Vec<[f32; 4]> {
+    let flight = Flight::recorded(own, gpu, renderer, scene);
+    flight.submit();
+    flight.seen()
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_recorded_picture_is_that_of_render_over_what_the_host_has_drawn() {
+    let _alone = Alone::new();
+    let [own, gpu] = host();
+    let messages = own.messages();
+    let library = shader::shipped();
+    for name in ["fire_ball", "fur"] {
+        let mut scene = preset(name).unwrap();
+        scene.object.input = "sphere".into();
+        (scene.image.size, scene.quality.samples, scene.quality.order) = (SIZE, 48, Order::BackToFront);
+        scene.light.shadow_resolution = 16;
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        let mut renderer = Renderer::new(&gpu, &library, &subject);
+        for pass in [Pass::Slices, Pass::March] {
+            scene.quality.pass = pass;
+            let frame = render(&own, &library, &scene, &subject).unwrap();
+            // Twice: the second picture is made of what the first has left.
+            for found in [(); 2].map(|()| recorded(&own, &gpu, &mut renderer, &scene)) {
+                let worst = worst(&frame.pixels, &found);
+                assert!(worst < 1e-5, "{name}, {pass:?}: {worst}");
+                assert!(frame.pixels.iter().any(|pixel| pixel[3] > 0.5), "{name}: nothing is drawn");
+            }
+        }
+        scene.quality.msaa = 4;
+        // SAFETY: nothing is recorded.
+        let commands = |size, format| unsafe {
+            gpu.host_commands(vk::CommandBuffer::null(), HostTarget { view: vk::ImageView::null(), format, size })
+        };
+        let refused = renderer.record(&mut commands(SIZE, FORMAT.vk()).unwrap(), &scene).map(drop);
+        assert!(refused.unwrap_err().to_string().ends_with("use quality.msaa = 1"));
+        for size in [[0, 8], [8, gpu.info().max_image + 1]] {
+            let Err(GpuError::TooLarge { asked, .. }) = commands(size, FORMAT.vk()) else { panic!("{size:?}") };
+            assert_eq!(asked, format!("{} x {} x 1 texels", size[0], size[1]));
+        }
+        let Err(GpuError::Unsupported { what, .. }) = commands(SIZE, vk::Format::R8_SINT) else { panic!() };
+        assert_eq!(what, "blending into R8_SINT");
+    }
+    drop(gpu);
+    drop(own);
+    assert_eq!(messages.take(), Vec::<String>::new());
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn moving_frames_of_a_host_are_recorded_without_a_wait() {
+    let _alone = Alone::new();
+    let [own, gpu] = host();
+    let messages = own.messages();
+    let library = shader::shipped();
+    for name in ["fire_ball", "fire"] {
+        let mut scene = preset(name).unwrap();
+        scene.object.input = "sphere".into();
+        (scene.image.size, scene.quality.samples, scene.quality.pass) = (SIZE, 48, Pass::March);
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        let mut renderer = Renderer::new(&gpu, &library, &subject);
+        renderer.stand_for([640, 480]); // cells pay
+        while !renderer.is_recordable(&scene, FORMAT).unwrap() {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        // A frame that the host throws away: what it was to copy the next one copies.
+        if let Some(recording) = Flight::recorded(&own, &gpu, &mut renderer, &scene).recording.take() {
+            recording.discard();
+        }
+        let mut truth = Renderer::new(&own, &library, &subject);
+        let mut in_flight: VecDeque<(f64, Flight<'_>)> = VecDeque::new();
+        let mut check = |(time, flight): (f64, Flight<'_>)| {
+            let mut then = scene.clone();
+            then.camera.time = time;
+            let worst = worst(&truth.render(&then).unwrap().pixels, &flight.seen());
+            assert!(worst < 1e-5, "{name} at {time} s: {worst}");
+        };
+        let mut moving = scene.clone();
+        for frame in 0..60 {
+            moving.camera.time = f64::from(frame) / 30.0;
+            in_flight.push_back((moving.camera.time, Flight::recorded(&own, &gpu, &mut renderer, &moving)));
+            in_flight.iter().last().into_iter().for_each(|(_, flight)| flight.submit());
+            // The second half has cells, however slow the machine is.
+            while frame == 30 && renderer.recorded_cells() == (false, 0.0) {
+                std::thread::sleep(std::time::Duration::from_millis(5));
+            }
+            if in_flight.len() == 2 {
+                in_flight.pop_front().into_iter().for_each(&mut check);
+            }
+        }
+        in_flight.into_iter().for_each(check);
+        assert_eq!(gpu.waits(), 0, "{name}");
+        let (_, empty) = renderer.recorded_cells();
+        assert!(empty > 0.1, "{name}: {empty}");
+    }
+    drop(gpu);
+    drop(own);
+    assert_eq!(messages.take(), Vec::<String>::new());
+}
