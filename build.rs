@@ -9,6 +9,7 @@ mod shader {
     mod drift;
     mod error;
     mod file;
+    mod glslang;
     mod instance;
     mod layers;
     pub mod library;
@@ -16,10 +17,12 @@ mod shader {
     mod names;
     mod reach;
     mod rounding;
+    pub mod stage;
 }
 
 use shader::library::{Library, Slots};
-use shader::link::{Linker, Stage};
+use shader::link::Linker;
+use shader::stage::Stage;
 use std::error::Error;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -66,20 +66,3 @@ if [ "${1-}" = --backports ]; then
     # shellcheck source=/dev/null
     install -t "$(. /etc/os-release; echo "$VERSION_CODENAME")-backports" mesa-vulkan-drivers
 fi
-
-# Debian 12's libshaderc.so leaves glslang and SPIRV-Tools symbols undefined, so nothing links against it:
-# there, cargo is told to link the static archives instead of running the build script of shaderc-sys.
-archives=/usr/lib/$(gcc -dumpmachine)
-if [ -e "$archives/libshaderc.so" ] && nm -D --undefined-only "$archives/libshaderc.so" | grep -q 7glslang; then
-    mkdir -p .cargo
-    {
-        echo "[target.$(rustc -vV | sed -n 's/^host: //p').shaderc]"
-        echo "rustc-link-search = [\"native=$archives\"]"
-        printf 'rustc-link-lib = ['
-        for archive in shaderc_combined glslang MachineIndependent GenericCodeGen OSDependent OGLCompiler HLSL SPIRV \
-            SPVRemapper SPIRV-Tools-opt SPIRV-Tools; do
-            [ ! -e "$archives/lib$archive.a" ] || printf '"static:-bundle=%s", ' "$archive"
-        done
-        echo ']'
-    } > .cargo/config.toml
-fi

@@ -49,8 +49,9 @@
 //! In the folder `examples`: `headless` (a picture in a few lines), `embed` (a scene in a host's own image), `custom_effect`.
 //!
 //! # Features
-//! `measure` (references, comparisons, fastest settings), `viewer` (the window, with `measure`), `cli` (the program, with
-//! `measure`); all by default. Without any: fields, scenes, programs, pictures and files.
+//! `glsl` (a GLSL compiler), `measure` (references, comparisons, fastest settings; with `glsl`), `viewer` (the window, with
+//! `measure`), `cli` (the program, with `measure`); all by default. Without any: fields, scenes, files, and pictures by the
+//! programs that ship, which are those of the six effects by rays. Modules of one's own and all other scenes need `glsl`.
 
 #[cfg(feature = "cli")]
 #[doc(hidden)] // what `main` calls
@@ -69,3 +70,6 @@ pub mod shape;
 mod support;
 #[cfg(feature = "viewer")]
 pub mod viewer;
+
+/// Vectors and matrices, as this crate takes and gives them.
+pub use glam;

@@ -1,7 +1,10 @@
-//! What can be wrong with modules and their declarations.
+//! What can be wrong with modules, their declarations and the programs of them.
+
+use super::combine::FormulaError;
 
 /// Why a library does not give what is asked of it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LibraryError {
     /// There is no such module.
     #[error("no module `{name}` in slot `{slot}`; choose one of: {known}")]
@@ -65,4 +68,30 @@ pub enum LibraryError {
         /// The name.
         name: String,
     },
+}
+
+/// Why a program cannot be linked.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LinkError {
+    /// A module is missing or its declarations are wrong.
+    #[error(transparent)]
+    Library(#[from] LibraryError),
+    /// The formula of the objects cannot be read.
+    #[error(transparent)]
+    Formula(#[from] FormulaError),
+    /// glslang refuses the text; the message names module and line.
+    #[error("{0}")]
+    Compile(String),
+    /// glslang ran out of memory.
+    #[error("the GLSL compiler has not the memory that this text takes; look at `ulimit -v`")]
+    Memory,
+    /// The GLSL compiler cannot be started.
+    #[error("the GLSL compiler (shaderc) could not be initialized: {0}")]
+    Compiler(String),
+    /// There is none.
+    #[error(
+        "no program that ships serves this scene, and there is no GLSL compiler here; build hypertexture with its feature `glsl`"
+    )]
+    NoCompiler,
 }

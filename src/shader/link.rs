@@ -7,47 +7,19 @@
 //! SPIR-V for Vulkan cannot import functions, so this is what "program objects linked to swap functions" (MJ 3)
 //! becomes: the same text, a different file in one slot.
 
-use super::combine::{Formula, FormulaError};
+use super::combine::Formula;
 use super::declare::{Parameter, ParameterKind};
-use super::error::LibraryError;
+use super::error::{LibraryError, LinkError};
+use super::glslang::{self, Text};
 use super::instance::{Instance, instances};
 use super::layers::{layered, media};
 use super::library::{COMBINE, Library, MEDIUM, OBJECT_ENTRY, OBJECTS, PARAMETERS, PART, Slots, ZERO, prefixed};
 use super::names::members;
 use super::rounding::as_written;
+use super::stage::Stage;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
-use std::sync::OnceLock;
-
-/// Shader stage of an entry file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// Vertex shader.
-    Vertex,
-    /// Fragment shader.
-    Fragment,
-}
-
-/// Why a program cannot be linked.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum LinkError {
-    /// A module is missing or its declarations are wrong.
-    #[error(transparent)]
-    Library(#[from] LibraryError),
-    /// The formula of the objects cannot be read.
-    #[error(transparent)]
-    Formula(#[from] FormulaError),
-    /// glslang refuses the text; the message names module and line.
-    #[error("{0}")]
-    Compile(String),
-    /// glslang ran out of memory.
-    #[error("the GLSL compiler has not the memory that this text takes; look at `ulimit -v`")]
-    Memory,
-    /// The GLSL compiler cannot be started.
-    #[error("the GLSL compiler (shaderc) could not be initialized: {0}")]
-    Compiler(String),
-}
 
 /// Slots that hold a stack: the signature of the function that applies it, and how one module is called.
 const STACKS: [(&str, &str, &str, &str); 2] = [
@@ -60,35 +32,24 @@ const STACKS: [(&str, &str, &str, &str); 2] = [
     ),
 ];
 
-/// The GLSL compiler of this process, which is never ended: glslang's start, the tables of all that GLSL has built in,
-/// costs 50 to 90 ms, as much as a small program.
-static COMPILER: OnceLock<shaderc::Compiler> = OnceLock::new();
-
 /// Links programs with the compiler of this process.
 pub struct Linker {
-    compiler: &'static shaderc::Compiler,
-    level: shaderc::OptimizationLevel,
+    is_optimizing: bool,
 }
 
 impl Linker {
     /// Starts the compiler, unless it is.
     ///
     /// # Errors
-    /// [`LinkError::Compiler`] when shaderc cannot be initialized.
+    /// [`LinkError::Compiler`] when shaderc cannot be initialized, [`LinkError::NoCompiler`] without the feature `glsl`.
     pub fn new() -> Result<Linker, LinkError> {
-        let compiler = match COMPILER.get() {
-            Some(compiler) => compiler,
-            None => {
-                let new = shaderc::Compiler::new().map_err(|error| LinkError::Compiler(error.to_string()))?;
-                COMPILER.get_or_init(|| new)
-            }
-        };
-        Ok(Linker { compiler, level: shaderc::OptimizationLevel::Performance })
+        glslang::started()?;
+        Ok(Linker { is_optimizing: true })
     }
 
     /// The same, which leaves programs as they are written: what never ends has no effect, and would be left out.
     pub fn unoptimized(self) -> Linker {
-        Linker { level: shaderc::OptimizationLevel::Zero, ..self }
+        Linker { is_optimizing: false }
     }
 
     /// Links `entry` (a file of `library`) with the modules in `slots` to SPIR-V 1.3 with names.
@@ -115,31 +76,13 @@ impl Linker {
         })?;
         let sources = Sources::new(library, slots, parameters_of)?;
         let included = RefCell::new(BTreeSet::new());
-        let compiler = |error: shaderc::Error| LinkError::Compiler(error.to_string());
-        let mut options = shaderc::CompileOptions::new().map_err(compiler)?;
-        options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_1 as u32);
-        options.set_optimization_level(self.level);
-        options.set_generate_debug_info();
-        options.set_warnings_as_errors();
-        options.set_include_callback(|name, kind, _, _| {
-            let slot = kind == shaderc::IncludeType::Standard;
-            let (resolved_name, content) = sources.resolve(name, slot).map_err(|error| error.to_string())?;
-            let first = included.borrow_mut().insert(resolved_name.clone());
-            Ok(shaderc::ResolvedInclude { resolved_name, content: if first { content } else { String::new() } })
-        });
-        let kind = match stage {
-            Stage::Vertex => shaderc::ShaderKind::Vertex,
-            Stage::Fragment => shaderc::ShaderKind::Fragment,
+        let include = |name: &str, is_slot: bool| {
+            let (path, text) = sources.resolve(name, is_slot).map_err(|error| error.to_string())?;
+            let first = included.borrow_mut().insert(path.clone());
+            Ok((path, if first { text } else { String::new() }))
         };
-        match self.compiler.compile_into_spirv(text, kind, entry, "main", Some(&options)) {
-            Ok(artifact) => Ok(as_written(artifact.as_binary())),
-            Err(shaderc::Error::CompilationError(_, message)) => {
-                Err(LinkError::Compile(message.trim_end().to_string()))
-            }
-            // What shaderc says of an exception in glslang, for which no memory is left to say more.
-            Err(error) if error.to_string() == "internal error" => Err(LinkError::Memory),
-            Err(error) => Err(LinkError::Compile(error.to_string())),
-        }
+        let text = Text { name: entry, text, stage, is_optimized: self.is_optimizing };
+        Ok(as_written(&glslang::compiled(&text, &include)?))
     }
 }
 

@@ -13,6 +13,8 @@ pub mod declare;
 pub mod drift;
 mod error;
 pub mod file;
+#[cfg_attr(not(feature = "glsl"), path = "no_glslang.rs")]
+mod glslang;
 mod instance;
 mod kind;
 mod layers;
@@ -23,18 +25,20 @@ mod names;
 #[doc(hidden)] // for the tests of this crate
 pub mod reach;
 mod rounding;
+mod stage;
 mod watched;
 mod words;
 
 pub use combine::{Formula, FormulaError};
 pub use declare::{Declarations, Parameter, ParameterKind};
-pub use error::LibraryError;
+pub use error::{LibraryError, LinkError};
 pub use kind::Kind;
 pub use library::{Library, Slots};
-pub use link::{LinkError, Linker, Stage};
+pub use link::Linker;
 #[cfg(feature = "viewer")]
 pub(crate) use names::{is_reserved, reserved, tokens};
 pub use reach::{Reach, Sides};
+pub use stage::Stage;
 pub use watched::FAULT;
 pub(crate) use words::instructions;
 

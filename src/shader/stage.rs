@@ -1,0 +1,10 @@
+//! The stages that programs have.
+
+/// Shader stage of an entry file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Vertex shader.
+    Vertex,
+    /// Fragment shader.
+    Fragment,
+}
