@@ -99,6 +99,10 @@ unsafe fn draw() -> Result<Vec<u8>, Box<dyn Error>> {
     };
     let gpu = Gpu::from_raw(host, None)?;
     let mut renderer = Renderer::new(&gpu, &library, &subject);
+    // A host draws something else meanwhile.
+    while !renderer.is_recordable(&scene, gpu.host_format(FORMAT)?)? {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
 
     // One command buffer: the host clears, the scene is drawn over that, the host draws over the scene.
     let pool = device.create_command_pool(&vk::CommandPoolCreateInfo::default(), None)?;

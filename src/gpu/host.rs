@@ -36,7 +36,8 @@ impl Gpu {
     /// # Safety
     /// - The handles belong together and are alive until all that was made from the [`Gpu`] is dropped, and the `Gpu` itself;
     /// - the device has [`required_features`](super::required_features) and the `features` named enabled;
-    /// - nobody else uses the queue while a call of this crate runs that submits: each that takes a `Gpu`, a renderer's too.
+    /// - nobody else uses the queue while a call of this crate runs that submits: each that takes a `Gpu`, and a renderer's
+    ///   too, but for those that record for a host, which submit for the shadow volume of a scene alone.
     pub unsafe fn from_raw(host: HostDevice, cache: Option<&Path>) -> Result<Gpu, GpuError> {
         let mut info = device_info(&host.instance, host.physical_device, &host.features);
         // SAFETY: the physical device belongs to the instance, as the caller says.
