@@ -63,6 +63,7 @@ use uniforms::Known;
 
 /// Why a program cannot be evaluated.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ExactError {
     /// The SPIR-V cannot be read.
     #[error("the SPIR-V cannot be read: {0}")]

@@ -73,6 +73,7 @@ pub struct Request {
 
 /// What [`transform`] did, to be shown to the user.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct FieldReport {
     /// Triangles of the surface: of the mesh, or extracted from the volume; 0 for a formula.
     pub triangles: usize,
@@ -99,6 +100,7 @@ pub type Progress<'a> = &'a (dyn Fn(f32) + Sync);
 
 /// Why a field cannot be computed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FieldError {
     /// The iso-value separates nothing.
     #[error("no surface at iso-value {iso}: {}", match min < max {

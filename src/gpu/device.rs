@@ -36,6 +36,7 @@ impl Options {
 
 /// What a person wants to know about the device.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct DeviceInfo {
     /// Name of the device.
     pub name: String,

@@ -4,6 +4,7 @@ use ash::vk;
 
 /// Texel formats that the renderer uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Format {
     /// One channel, 8 bits, [0, 1].
     R8Unorm,

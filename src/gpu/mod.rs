@@ -54,6 +54,7 @@ use ash::vk;
 
 /// Why the device does not do what is asked of it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum GpuError {
     /// The Vulkan loader is not installed.
     #[error("no Vulkan loader ({0}); on Debian or Ubuntu: sudo apt install libvulkan1 mesa-vulkan-drivers")]

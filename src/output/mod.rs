@@ -41,6 +41,7 @@ pub enum Depth {
 
 /// Why a picture is not on disk, or cannot be had from there.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OutputError {
     /// The file name does not say which format to write.
     #[error("{path}: cannot tell the format from the name; end it in .png or .exr")]

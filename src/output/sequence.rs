@@ -25,6 +25,7 @@ const TITLE: &str = "hypertexture-frames 1 ";
 
 /// Why a sequence cannot be rendered.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SequenceError {
     /// Not a range of frames.
     #[error("write A..B, the numbers of the first and the last frame, from 0 to {MAX_FRAME}, such as 1..100")]

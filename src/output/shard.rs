@@ -42,6 +42,7 @@ pub struct Shard {
 
 /// Why there is no shard, or no picture of shards.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ShardError {
     /// Not a part of a whole.
     #[error("shard {0}: write K/N with K from 0 to N - 1 and N from 1 to {MAX_COUNT}, such as 0/4, or auto")]

@@ -42,6 +42,7 @@ const SAMPLES_OF_FIRST_SLICES: f64 = 16.0;
 
 /// What was found of the cells of a picture.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Found {
     /// Cells along each side of the box around the soft region; 0: none.
     pub side: u32,

@@ -83,6 +83,7 @@ pub struct Frame {
 
 /// An image that a program reads.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Read {
     /// What it holds.
     pub name: String,
@@ -98,6 +99,7 @@ pub struct Read {
 
 /// What a frame took.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Measurements {
     /// Slots and modules of the program.
     pub modules: String,
@@ -163,6 +165,7 @@ impl Measurements {
 
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RenderError {
     /// The input cannot be read.
     #[error(transparent)]

@@ -127,6 +127,7 @@ impl std::default::Default for Effect {
 /// The path of a ray through the object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum RayPath {
     /// A straight line.
     #[default]

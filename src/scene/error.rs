@@ -4,6 +4,7 @@ use crate::support::words::nearest;
 
 /// Why a scene cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SceneError {
     /// A scene file cannot be read.
     #[error("{path}: {reason}")]

@@ -34,6 +34,7 @@ pub struct Light {
 /// How the light that reaches a place of the scene is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum LightMethod {
     /// From a volume, rendered before the picture: any light, slices and rays.
     #[default]

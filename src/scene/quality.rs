@@ -83,6 +83,7 @@ impl std::default::Default for Quality {
 /// How the samples of a picture are taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Pass {
     /// View-aligned slices, blended (MJ).
     Slices,
@@ -95,6 +96,7 @@ pub enum Pass {
 /// What a sample stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Integration {
     /// For itself: first order at surfaces and where soft matter becomes opaque.
     #[default]
@@ -106,6 +108,7 @@ pub enum Integration {
 /// Where the phases of the pixels come from: noise in place of banding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Jitter {
     /// All have the same.
     #[default]
@@ -119,6 +122,7 @@ pub enum Jitter {
 /// What becomes of the samples of rays and slices where there is no matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum EmptySpace {
     /// All of them are taken.
     Sample,
@@ -142,6 +146,7 @@ pub enum Neutral {
 /// Format that the slices are blended in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum TargetFormat {
     /// 8 bits: the paper's; loses thin matter.
     Unorm8,
@@ -166,6 +171,7 @@ pub enum Order {
 /// Shape of the slices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Proxy {
     /// Cut to the box around the soft region.
     #[default]
@@ -188,6 +194,7 @@ pub enum Reject {
 /// Who interpolates between the texels of volumes and blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Filter {
     /// The device: one lookup, whose weights have 8 bits on most GPUs; those of lavapipe have more.
     #[default]
@@ -206,6 +213,7 @@ impl Filter {
 /// What is beyond the border of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Wrap {
     /// The block again: it has no seam.
     #[default]
@@ -217,6 +225,7 @@ pub enum Wrap {
 /// How the texels of a block are stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum BlockFormat {
     /// Values alone as 32-bit floats, which lavapipe filters 1.5 times as fast as 16 bits; with gradients 16 bits each.
     #[default]
