@@ -70,6 +70,12 @@ impl Key {
         Key(*hash.finalize().as_bytes())
     }
 
+    /// Hash of the contents of a shape, whatever is made of it: 64 hexadecimal digits.
+    pub fn of_contents(shape: &Shape) -> String {
+        let none = Request { resolution: 0, margin: 0.0, band: 0.0, iso: 0.0, shell: 0.0 };
+        blake3::Hash::from_bytes(Key::new(shape, &none).0).to_hex().to_string()
+    }
+
     fn file(&self, end: &str, folder: &Path) -> PathBuf {
         folder.join(format!("{}.{end}", blake3::Hash::from_bytes(self.0).to_hex()))
     }

@@ -6,7 +6,7 @@
 use super::PROGRAM;
 use crate::render::Measurements;
 use crate::scene::{self, Reach, Scene, SceneError};
-use crate::shape::BUILT_IN;
+use crate::shape::{BUILT_IN, MEMORY};
 use crate::support::open;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -39,6 +39,7 @@ pub struct Provenance {
 
 /// Why a picture does not say where it comes from, or where it says is no longer to be had.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ProvenanceError {
     /// Nothing there.
     #[error("it does not say which scene it shows; pictures that hypertexture has written do, unless a tool drops it")]
@@ -60,6 +61,11 @@ pub enum ProvenanceError {
     /// The scene cannot be read.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// An input was never in a file.
+    #[error(
+        "its object was in the memory of the program that rendered it, with contents of BLAKE3 hash {0}, and cannot be had again"
+    )]
+    InMemory(String),
     /// An input is out of reach.
     #[error("{0}")]
     Outside(String),
@@ -94,7 +100,9 @@ impl Provenance {
         let mut inputs = BTreeMap::new();
         let named = scene.files().map(|(_, input)| input.to_string()).filter(|input| !BUILT_IN.contains(&&**input));
         for input in named.chain(measured.others.iter().map(|path| path.display().to_string())) {
-            if !inputs.contains_key(&input) {
+            if let Some(hash) = input.strip_prefix(MEMORY) {
+                inputs.insert(input.clone(), hash.into());
+            } else if !inputs.contains_key(&input) {
                 let hash = hash_of(Path::new(&input));
                 let missing = |reason| ProvenanceError::Missing { input: input.clone(), reason, said: "?".into() };
                 inputs.insert(input.clone(), hash.map_err(missing)?);
@@ -149,6 +157,9 @@ impl Provenance {
     /// A file that is out of reach, missing or another one.
     pub fn check_inputs(&self, picture: &Path, reach: Reach) -> Result<(), ProvenanceError> {
         for (input, said) in &self.inputs {
+            if input.starts_with(MEMORY) {
+                return Err(ProvenanceError::InMemory(said.clone()));
+            }
             let (input, said) = (self.place(input, picture), said.clone());
             let below = iter::once_with(|| read_for(Path::new(&input)).unwrap_or_default()).flatten();
             let files = iter::once(PathBuf::from(&input)).chain(below);

@@ -238,7 +238,7 @@ impl Prepared {
             return Ok(None);
         }
         // Rays to the rim of the sphere are slanted: at the nearest plane they may be a little beyond it.
-        let radius = view.extent.radius + planes.step;
+        let radius = view.reaches()[0] + planes.step;
         let stack = pass::stack(planes, radius, quality.proxy, quality.order, view.tint());
         let none = [0; 4]; // a buffer cannot be empty, a stack can
         let bytes = if stack.vertices.is_empty() { &none } else { bytemuck::cast_slice(&stack.vertices) };

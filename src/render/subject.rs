@@ -3,10 +3,11 @@
 use super::RenderError;
 use crate::field::{self, ClosestPoints, DistanceField, Progress};
 use crate::render::variant::Variant;
-use crate::scene::{Axis, Object, Parameters, Scene};
+use crate::scene::{Axis, GLSL, Object, Parameters, Scene};
 use crate::shader::Library;
 use crate::shape::{self, Opened, Shape, ShapeError};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Mat3, Mat4, Vec3};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -125,10 +126,88 @@ impl Subject {
     /// # Errors
     /// The input cannot be read, or has no surface.
     pub fn load(scene: &Scene, library: &Library, progress: Progress<'_>) -> Result<Subject, RenderError> {
+        let own = |wanted: &Wanted, progress: Progress<'_>| Subject::of(wanted, None, progress);
+        Subject::all(scene, library, &own, progress)
+    }
+
+    /// That of a scene whose own object is a shape in memory: with its field, and the additional objects as the scene names
+    /// them. The input of the object becomes [`MEMORY`](shape::MEMORY) and a hash of its contents, by which a picture says
+    /// what it shows.
+    ///
+    /// # Errors
+    /// As [`Subject::load`].
+    pub fn from_shape(
+        scene: &mut Scene,
+        library: &Library,
+        shape: Shape,
+        progress: Progress<'_>,
+    ) -> Result<Subject, RenderError> {
+        scene.object.input = format!("{}{}", shape::MEMORY, field::Key::of_contents(&shape));
+        let opened = Opened { shape, notes: Vec::new(), others: Vec::new(), grids: Vec::new() };
+        let shape = settled(opened, &scene.object).warned(&scene.object.input);
+        let own = |wanted: &Wanted, progress: Progress<'_>| {
+            Subject::made(&shape, Recipe::of(&shape, wanted, 1.0), None, Vec::new(), progress)
+        };
+        Subject::all(scene, library, &own, progress)
+    }
+
+    /// The same of triangles; see [`Mesh::new`](shape::Mesh::new).
+    ///
+    /// # Errors
+    /// As [`Subject::load`].
+    pub fn from_mesh(scene: &mut Scene, library: &Library, mesh: shape::Mesh) -> Result<Subject, RenderError> {
+        Subject::from_shape(scene, library, Shape::Mesh(mesh), &|_| ())
+    }
+
+    /// The same of samples on a grid; see [`Volume::new`](shape::Volume::new). `object.iso` is the iso-value of scalars.
+    ///
+    /// # Errors
+    /// As [`Subject::load`].
+    pub fn from_volume(scene: &mut Scene, library: &Library, volume: shape::Volume) -> Result<Subject, RenderError> {
+        Subject::from_shape(scene, library, Shape::Volume(volume), &|_| ())
+    }
+
+    /// The same of a distance field, whose samples stay as they are.
+    ///
+    /// # Errors
+    /// As [`Subject::load`].
+    pub fn from_field(scene: &mut Scene, library: &Library, field: DistanceField) -> Result<Subject, RenderError> {
+        Subject::from_volume(scene, library, field.into_volume())
+    }
+
+    /// The same of a function of world space that is negative inside and 0 on the surface; it need be no distance. It is
+    /// sampled at the corners of cubes within a box, `object.resolution` along its longest side: what is finer is lost.
+    ///
+    /// # Errors
+    /// As [`Subject::load`].
+    pub fn from_fn(
+        scene: &mut Scene,
+        library: &Library,
+        within: shape::Bounds,
+        function: impl Fn(Vec3) -> f32 + Sync,
+    ) -> Result<Subject, RenderError> {
+        let step = within.size().max_element() / (scene.object.resolution.max(2) - 1) as f32;
+        let size = (within.size() / step).ceil().as_uvec3() + 1;
+        let layer = |z: u32| {
+            let row = move |y: u32| (0..size.x).map(move |x| Vec3::new(x as f32, y as f32, z as f32));
+            (0..size.y).flat_map(row).map(|at| function(within.min + step * at)).collect::<Vec<f32>>()
+        };
+        let values = (0..size.z).into_par_iter().flat_map_iter(layer).collect();
+        let (steps, content) = (Mat3::from_diagonal(Vec3::splat(step)), shape::Content::LevelSet);
+        Subject::from_volume(scene, library, shape::Volume::new(size.to_array(), within.min, steps, values, content)?)
+    }
+
+    /// Its `own` object, then the additional ones as the scene names them.
+    fn all(
+        scene: &Scene,
+        library: &Library,
+        own: &dyn Fn(&Wanted, Progress<'_>) -> Result<Subject, RenderError>,
+        progress: Progress<'_>,
+    ) -> Result<Subject, RenderError> {
         let objects = Wanted::all(scene, &Variant::of(scene, library)?);
         let count = objects.len() as f32;
         let part = |before: u8| move |done: f32| progress((f32::from(before) + done) / count);
-        let mut subject = Subject::of(&objects[0], None, &part(0))?;
+        let mut subject = own(&objects[0], &part(0))?;
         for ((name, wanted), before) in scene.parts.keys().zip(&objects[1..]).zip(1..) {
             let loaded = Subject::of(wanted, Some(&subject), &part(before))?;
             subject.parts.insert(name.clone(), loaded);
@@ -212,6 +291,11 @@ impl Subject {
         })
     }
 
+    /// From object space to the world of its shape, in which its center and size are.
+    pub fn world(&self) -> Mat4 {
+        Mat4::from_translation(self.center) * Mat4::from_scale(Vec3::splat(1.0 / self.scale))
+    }
+
     /// The other files of all objects.
     pub fn all_others(&self) -> impl Iterator<Item = &PathBuf> {
         self.others.iter().chain(self.parts.values().flat_map(|part| &part.others))
@@ -228,7 +312,11 @@ pub fn open(object: &Object) -> Result<Shape, ShapeError> {
 
 /// The same with what is known of its file besides.
 pub(super) fn opened(object: &Object) -> Result<Opened, ShapeError> {
-    let mut opened = Opened::with_grid(&object.input, object.grid.as_deref())?;
+    Ok(settled(Opened::with_grid(&object.input, object.grid.as_deref())?, object))
+}
+
+/// What its values are, by what the scene says of them and by the values themselves.
+fn settled(mut opened: Opened, object: &Object) -> Opened {
     if let Shape::Volume(volume) = &mut opened.shape {
         if object.distance {
             volume.content = shape::Content::SignedDistance;
@@ -247,7 +335,7 @@ pub(super) fn opened(object: &Object) -> Result<Opened, ShapeError> {
             volume.content = shape::Content::LevelSet;
         }
     }
-    Ok(opened)
+    opened
 }
 
 /// Whether it is a volume of scalars that was brought.
@@ -299,7 +387,7 @@ pub fn field_margin(margin: f32) -> f32 {
 /// A built-in object that is a formula in `glsl/object`.
 fn formula(name: &str) -> Subject {
     let (half_size, radius) = match name {
-        "cube" => (Vec3::ONE, 3f32.sqrt()),
+        _ if name == "cube" || name.starts_with(GLSL) => (Vec3::ONE, 3f32.sqrt()),
         "torus" => (Vec3::new(1.0, 0.3, 1.0), 1.0),
         _ => (Vec3::ONE, 1.0),
     };

@@ -37,6 +37,8 @@ pub(super) struct View {
     /// No matter is farther from the origin of object space than this.
     pub(super) soft_radius: f32,
     pub(super) extent: Extent,
+    /// The middle of the scene in eye space: on the axis of view but for cameras of matrices.
+    pub(super) center_eye: Vec3,
     /// Radius of what fills the picture at zoom 1, eye space.
     pub(super) shown_radius: f32,
     /// Unit vector across the slices, eye space: toward the camera, or half way to the light.
@@ -195,7 +197,8 @@ impl View {
         };
         let reach = (shown(0.0) / FILL).max(shown(1.0) / SOFT_FILL);
 
-        let turn = camera.turn(); // the trackball
+        let lens = camera.lens().ok().flatten(); // it was checked with the scene
+        let turn = lens.map_or_else(|| camera.turn(), |lens| lens.turn); // the trackball
         let stretch = Vec3::from(scene.object.stretch);
         let half_height = reach * stretch.max_element() / camera.zoom;
         let shown_radius = shown(0.0) * stretch.max_element();
@@ -204,26 +207,28 @@ impl View {
         let half_angle = 0.5 * camera.field_of_view.to_radians();
         let half_size = (box_max - center).max(center - box_min);
         let (soft_radius, radius) = (ball(Vec3::ZERO), farthest(half_size, ball(center), stretch));
-        let (projection, distance, ray_scale) = match camera.projection {
-            Projection::Perspective => {
-                let distance = half_height / fit / half_angle.sin();
-                let y = half_angle.tan();
-                (
-                    rh::proj::vulkan::perspective_infinite_reverse(2.0 * half_angle, aspect, NEAR),
-                    distance,
-                    [y * aspect, y],
-                )
-            }
-            Projection::Parallel => {
-                let (distance, y) = (2.0 * radius + NEAR, half_height / fit);
-                let far = distance + 2.0 * radius;
-                (rh::proj::vulkan::orthographic(-y * aspect, y * aspect, -y, y, 0.0, far), distance, [y * aspect, y])
+        let is_parallel = camera.projection == Projection::Parallel;
+        let (center_eye, ray_scale, pan) = match lens {
+            Some(lens) => (lens.turn * center + lens.origin, lens.ray_scale, lens.pan),
+            None => {
+                let (distance, y) = match camera.projection {
+                    Projection::Perspective => (half_height / fit / half_angle.sin(), half_angle.tan()),
+                    Projection::Parallel => (2.0 * radius + NEAR, half_height / fit),
+                };
+                let ray_scale = [y * aspect, y];
+                // At the depth of the center; in parallel projection, at any.
+                let depth = if is_parallel { 1.0 } else { distance };
+                let pan = [camera.pan[0] / (ray_scale[0] * depth), -camera.pan[1] / (ray_scale[1] * depth)];
+                (Vec3::new(0.0, 0.0, -distance), ray_scale, pan)
             }
         };
-        // At the depth of the center; in parallel projection, at any.
-        let depth = if camera.projection == Projection::Perspective { distance } else { 1.0 };
-        let pan = [camera.pan[0] / (ray_scale[0] * depth), -camera.pan[1] / (ray_scale[1] * depth)];
-        let center_eye = Vec3::new(0.0, 0.0, -distance);
+        let distance = -center_eye.z;
+        let ([x, y], far) = (ray_scale, (distance + 2.0 * radius).max(NEAR));
+        let projection = match (camera.projection, lens) {
+            (Projection::Parallel, _) => rh::proj::vulkan::orthographic(-x, x, -y, y, 0.0, far),
+            (_, None) => rh::proj::vulkan::perspective_infinite_reverse(2.0 * half_angle, aspect, NEAR),
+            (_, Some(_)) => rh::proj::vulkan::perspective_infinite_reverse(2.0 * y.atan(), x / y, NEAR),
+        };
         let object_matrix = Mat4::from_rotation_translation(turn, center_eye)
             * Mat4::from_scale(stretch)
             * Mat4::from_translation(-center);
@@ -245,6 +250,7 @@ impl View {
             box_max,
             soft_radius,
             extent: Extent { distance, radius, near: NEAR },
+            center_eye,
             shown_radius,
             axis: axis(scene),
             ray_scale,
@@ -258,10 +264,16 @@ impl View {
         match self.axis == Vec3::Z {
             true => Planes::new(self.extent, samples),
             false => {
-                let distance = self.axis.z * self.extent.distance;
+                let distance = -self.axis.dot(self.center_eye);
                 Planes::new(Extent { distance, near: f32::NEG_INFINITY, ..self.extent }, samples)
             }
         }
+    }
+
+    /// How far the scene reaches from the axis of view, and from the eye; more than that for some.
+    pub(super) fn reaches(&self) -> [f32; 2] {
+        let aside = self.center_eye.truncate().length();
+        [aside + self.extent.radius, aside + self.extent.distance.abs() + self.extent.radius]
     }
 
     /// The color of a slice by its place in the stack: white, unless the stack itself is looked at.

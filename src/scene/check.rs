@@ -131,6 +131,7 @@ impl Scene {
                 });
             }
         }
+        camera.lens()?;
         if camera.shutter > 0.0 && self.quality.supersampling < 2 {
             return Err(SceneError::Value {
                 field: "camera.shutter".into(),

@@ -13,6 +13,7 @@ mod error;
 mod field;
 mod file;
 mod header;
+mod lens;
 mod light;
 mod loops;
 mod modules;
@@ -147,12 +148,22 @@ impl std::default::Default for Object {
 /// Built-in objects that are a formula in `glsl/object` and need no volume.
 pub const FORMULAS: [&str; 3] = ["sphere", "cube", "torus"];
 
+/// How the input of an object begins that is a module of slot `object` of one's own; the name of the module follows. The
+/// surface that it gives must be within the cube from -1 to 1 on each axis.
+pub const GLSL: &str = "glsl:";
+
 impl Object {
     /// Whether the object is a formula, so that there is no volume of it.
     pub fn is_formula(&self) -> bool {
+        self.formula().is_some()
+    }
+
+    /// The module of slot `object` that the object is; `None` where it needs a volume.
+    pub fn formula(&self) -> Option<&str> {
         // A grid of what is no file is refused where it is opened.
         let is_plain = self.source == Source::Auto && self.shell == 0.0 && self.grid.is_none();
-        is_plain && FORMULAS.contains(&self.input.as_str())
+        let shipped = FORMULAS.contains(&self.input.as_str()).then_some(self.input.as_str());
+        self.input.strip_prefix(GLSL).or(shipped).filter(|_| is_plain)
     }
 
     /// The object without what a picture does with its field: where two are equal then, they have one field.
@@ -168,6 +179,7 @@ impl Object {
 /// Where the distance to the object comes from, and how it is stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Source {
     /// A formula where the object has one, else a volume with normals if the effect reads them, else without.
     #[default]
@@ -185,6 +197,7 @@ pub enum Source {
 /// Which part of a volume is on the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Storage {
     /// All of it.
     #[default]
@@ -249,6 +262,8 @@ pub struct Camera {
     pub clip: Option<[f32; 4]>,
     /// Shows the stack of slices from the side (MJ Fig. 1).
     pub slice_stack: bool,
+    /// A view and a projection matrix, column by column: see [`Camera::look_through`].
+    pub matrices: Option<[f32; 32]>,
 }
 
 impl std::default::Default for Camera {
@@ -265,6 +280,7 @@ impl std::default::Default for Camera {
             shutter: 0.0,
             clip: None,
             slice_stack: false,
+            matrices: None,
         }
     }
 }
@@ -286,6 +302,7 @@ impl Camera {
 /// How rays leave the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Projection {
     /// Side by side.
     Parallel,

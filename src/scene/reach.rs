@@ -1,6 +1,6 @@
 //! The files that a scene names, and which of them it may.
 
-use super::{Scene, SceneError};
+use super::{GLSL, Scene, SceneError};
 use crate::support::open::Home;
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,8 @@ impl Scene {
         let parts = self.parts.iter().map(|(name, part)| (format!("parts.{name}.object.input"), &part.object));
         let objects = [("object.input".into(), &self.object)].into_iter().chain(parts);
         let modules = self.modules.iter().map(|(module, file)| (format!("modules.\"{module}\""), file.as_str()));
-        objects.map(|(field, object)| (field, object.input.as_str())).chain(modules)
+        let inputs = objects.map(|(field, object)| (field, object.input.as_str()));
+        inputs.filter(|(_, input)| !input.starts_with(GLSL)).chain(modules)
     }
 
     /// Those files, to be put elsewhere.

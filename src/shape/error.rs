@@ -12,6 +12,7 @@ use std::{fmt, io};
 ///
 /// `file` is what the caller passed, with control characters escaped, so that a message stays on one line.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ShapeError {
     /// Neither a built-in object nor an existing file, and it does not look like a path.
     #[error("no built-in object and no file is called `{name}`; {}built in: {}; files: {known}",
@@ -23,6 +24,22 @@ pub enum ShapeError {
         nearest: Option<&'static str>,
         /// Extensions of the files that are read.
         known: String,
+    },
+    /// What a program gave for a shape is none.
+    #[error("a shape in memory: {what}: found {found}, needed {needed}")]
+    Contents {
+        /// The part of it.
+        what: String,
+        /// What it is.
+        found: String,
+        /// What it must be.
+        needed: String,
+    },
+    /// The object was never in a file.
+    #[error("{name}: this object was in the memory of the program that drew it; give a file of it as object.input")]
+    InMemory {
+        /// The input.
+        name: String,
     },
     /// There is no file at this path.
     #[error("{file}: no such file; check the path, or use a built-in object: {}", BUILT_IN.join(", "))]

@@ -18,6 +18,7 @@ mod generated;
 mod gltf;
 pub mod head;
 mod iso_values;
+mod memory;
 mod mesh;
 mod meta;
 mod nifti;
@@ -55,6 +56,7 @@ pub use error::{Found, Location, ShapeError};
 pub use facts::{Fact, Facts};
 pub use generated::BUILT_IN;
 pub use iso_values::Histogram;
+pub use memory::MEMORY;
 pub use mesh::Edges;
 pub use nrrd::write_nrrd;
 pub use open::{Opened, open, read, read_noted};
@@ -148,6 +150,7 @@ pub struct Volume {
 
 /// What the values of a [`Volume`] mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Content {
     /// A measured or computed scalar: the object is where `value >= iso`.
     Scalar,

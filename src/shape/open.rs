@@ -5,7 +5,7 @@
 
 use super::error::{Location, quoted, shown, unreadable};
 use super::source::Source;
-use super::{BUILT_IN, Shape, ShapeError, dicom, generated, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
+use super::{BUILT_IN, MEMORY, Shape, ShapeError, dicom, generated, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
 use crate::support::open::{self as plain, OpenError};
 use crate::support::words::nearest;
 use std::io::{BufRead, BufReader};
@@ -80,6 +80,9 @@ impl Opened {
             Some(grid) => Err(no_grids(shown(name_or_path), grid)),
             None => Ok(Opened { shape, notes, others: Vec::new(), grids: Vec::new() }),
         };
+        if name_or_path.starts_with(MEMORY) {
+            return Err(ShapeError::InMemory { name: shown(name_or_path) });
+        }
         if let Some(shape) = generated::built_in(name_or_path) {
             return alone(shape, Vec::new());
         }

@@ -16,6 +16,7 @@ mod custom;
 mod debug_views;
 mod dmf;
 mod edges;
+mod engine;
 mod extremes;
 mod figures;
 mod functions;

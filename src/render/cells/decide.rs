@@ -316,7 +316,7 @@ fn children(cell: [u32; 3], count: u32) -> impl Iterator<Item = [u32; 3]> {
 impl Boxes {
     pub(super) fn of(shot: &Shot<'_>, side: u32) -> Boxes {
         let [low, high] = [shot.view.box_min, shot.view.box_max].map(|end| end.to_array().map(f64::from));
-        let far = f64::from(shot.view.extent.distance + shot.view.extent.radius);
+        let far = f64::from(shot.view.reaches()[1]);
         let margin = [0, 1, 2].map(|axis| MARGIN * (high[axis] - low[axis]) / f64::from(side.max(1)) + PLACE * far);
         Boxes { low, high, side, margin }
     }

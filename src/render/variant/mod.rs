@@ -57,6 +57,7 @@ pub struct Variant {
 
 /// Why there is no program for a scene.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum VariantError {
     /// The scene is not valid.
     #[error(transparent)]
@@ -323,9 +324,7 @@ fn object_module(scene: &Scene, needs_normal: bool) -> &str {
     match scene.object.source {
         Source::Normals16 | Source::Normals8 => "normals",
         Source::Distance16 | Source::Distance32 => "distance",
-        Source::Auto if scene.object.is_formula() => &scene.object.input,
-        Source::Auto if needs_normal => "normals",
-        Source::Auto => "distance",
+        Source::Auto => scene.object.formula().unwrap_or(if needs_normal { "normals" } else { "distance" }),
     }
 }
 

@@ -227,6 +227,7 @@ pub const SETTINGS: &[Setting] = &[
     setting("camera.time", number(-1e9, 1e9), Picture, "Time in seconds.").usual(0.0, 60.0).flag("time"),
     setting("camera.shutter", number(0.0, 1e6), Picture, "Seconds that the shutter stays open; needs several pictures: quality.supersampling.").usual(0.0, 1.0).flag("shutter"),
     setting("camera.clip", Numbers(4, range(-1e6, 1e6)), Picture, "a, b, c, d: keeps the points x, y, z of object space with a x + b y + c z <= d; the object spans -1 to 1.").usual(-2.0, 2.0).optional("[0, 0, 1, 0]").flag("clip"),
+    setting("camera.matrices", Numbers(32, ANY), Picture, "A view matrix from object space to that of the camera and a projection matrix, column by column, in place of rotation, pan, zoom and angle of view.").optional("[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -5, 1, 3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 0, -1, 0, 0, 0.1, 0]"),
     setting("camera.slice_stack", Switch, Targets, "Shows the stack of slices from the side; classify stack draws it."),
 
     setting("image.size", Wholes(2, range(1.0, 16384.0)), Targets, "Width and height in pixels.").flag("size"),
