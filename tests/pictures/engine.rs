@@ -154,7 +154,7 @@ fn triangles() -> Mesh {
         let [c, d] = [number(row + 1, column), number(row + 1, column + 1)];
         [[a, c, d], [a, d, b]]
     });
-    Mesh::new(&positions, halves.collect()).unwrap()
+    Mesh::new(&positions, halves.collect()).expect("a mesh")
 }
 
 #[test]
