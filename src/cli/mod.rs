@@ -69,9 +69,6 @@ const NUMBERS: [(&str, &str); 3] = [
 ];
 /// Exit code of anything that the person at the keyboard can mend.
 const BAD_INPUT: u8 = 2;
-/// Exit code of a window that could not be shown, or not be shown on.
-#[cfg(feature = "viewer")]
-const NO_WINDOW: u8 = 1;
 /// Exit code of `verify` where a device or a picture is not as it must be.
 const DISAGREES: u8 = 1;
 
@@ -123,7 +120,7 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "viewer")]
         Err(error) if error.is::<NoWindow>() => {
             complain(&format!("error: {error}"));
-            ExitCode::from(NO_WINDOW)
+            ExitCode::from(crate::viewer::NO_WINDOW)
         }
         Err(error) if error.is::<Disagreement>() => {
             complain(&error.to_string());

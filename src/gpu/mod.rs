@@ -48,7 +48,7 @@ pub use pipeline::{BindSet, Binding, BindingKind, Blend, Marks, Pipeline, Pipeli
 pub use sampler::{Address, Sampler};
 
 #[cfg(feature = "viewer")]
-pub use window::{WindowHandle, has_library};
+pub use window::{WindowHandle, has_keyboard_data, has_library, on_broken_display};
 
 use ash::vk;
 

@@ -3,7 +3,8 @@
 use super::{GpuError, Named};
 use ash::{khr, vk};
 use raw_window_handle::{HandleError, HasDisplayHandle, HasWindowHandle};
-use std::sync::Arc;
+use std::ffi::{c_int, c_void};
+use std::sync::{Arc, OnceLock};
 
 /// A window that can be drawn into.
 pub trait WindowHandle: HasDisplayHandle + HasWindowHandle + Send + Sync {}
@@ -14,6 +15,61 @@ impl<T: HasDisplayHandle + HasWindowHandle + Send + Sync> WindowHandle for T {}
 pub fn has_library(name: &str) -> bool {
     // SAFETY: a library of the system, whose constructors have no requirement on when it is loaded.
     unsafe { libloading::Library::new(name) }.is_ok()
+}
+
+/// Whether libxkbcommon finds a folder of descriptions of keyboards; true where it is not installed.
+pub fn has_keyboard_data() -> bool {
+    type Create = unsafe extern "C" fn(c_int) -> *mut c_void;
+    type SetLevel = unsafe extern "C" fn(*mut c_void, c_int);
+    type Append = unsafe extern "C" fn(*mut c_void) -> c_int;
+    type Drop = unsafe extern "C" fn(*mut c_void);
+    /// XKB_CONTEXT_NO_DEFAULT_INCLUDES: with these, an error would be written to standard error.
+    const EMPTY: c_int = 1;
+    /// XKB_LOG_LEVEL_CRITICAL.
+    const QUIET: c_int = 10;
+    // SAFETY: as for `has_library`; the functions have these types, and the context lives from its creation to its drop.
+    let found = unsafe {
+        libloading::Library::new("libxkbcommon.so.0").and_then(|library| {
+            let create = library.get::<Create>(b"xkb_context_new\0")?;
+            let set_level = library.get::<SetLevel>(b"xkb_context_set_log_level\0")?;
+            let append = library.get::<Append>(b"xkb_context_include_path_append_default\0")?;
+            let drop = library.get::<Drop>(b"xkb_context_unref\0")?;
+            let context = create(EMPTY);
+            if context.is_null() {
+                return Ok(false);
+            }
+            set_level(context, QUIET);
+            let found = append(context) != 0;
+            drop(context);
+            Ok(found)
+        })
+    };
+    found.unwrap_or(true)
+}
+
+/// What is done when Xlib finds that its server has ended.
+static BROKEN: OnceLock<Box<dyn Fn() + Send + Sync>> = OnceLock::new();
+
+/// Has `act` called when Xlib finds that its server has ended, behind which it ends the process; the first call holds.
+pub fn on_broken_display(act: impl Fn() + Send + Sync + 'static) {
+    type Handler = unsafe extern "C" fn(*mut c_void) -> c_int;
+    extern "C" fn broken(_: *mut c_void) -> c_int {
+        BROKEN.get().iter().for_each(|act| act());
+        0
+    }
+    // SAFETY: as for `has_library`; the function has this type, and the library is never unloaded, so that Xlib keeps the
+    // handler for as long as it is called.
+    let set = unsafe {
+        libloading::Library::new("libX11.so.6").and_then(|xlib| {
+            let set = *xlib.get::<unsafe extern "C" fn(Handler) -> Option<Handler>>(b"XSetIOErrorHandler\0")?;
+            std::mem::forget(xlib);
+            Ok(set)
+        })
+    };
+    if let (Ok(set), Ok(())) = (set, BROKEN.set(Box::new(act))) {
+        // SAFETY: the handler may be called from any thread and takes any display.
+        unsafe { set(broken) };
+    }
 }
 
 /// The surface of a window, which is kept for as long: a part of its instance, so that it goes before that.

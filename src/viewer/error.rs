@@ -19,6 +19,31 @@ pub enum ViewError {
          libxkbcommon-x11-0"
     )]
     NoLibrary(&'static str),
+    /// No keyboard is described.
+    #[error(
+        "no descriptions of keyboards (the folder of xkb{0}), which windows need; on Debian or Ubuntu: sudo apt install \
+         xkb-data"
+    )]
+    NoKeyboards(String),
+    /// No device draws into windows of this screen.
+    #[error(
+        "the screen of display {display} has {depth} bits for a pixel, and no Vulkan driver here draws into a window of \
+         such; use a screen of 24, as `xvfb-run -a -s \"-screen 0 1280x1024x24\" hypertexture view ...` does"
+    )]
+    Depth {
+        /// The display.
+        display: String,
+        /// Its bits for a pixel.
+        depth: u8,
+    },
+    /// The display is gone.
+    #[error("the display {display} has ended, and the window with it{kept}")]
+    Ended {
+        /// The display.
+        display: String,
+        /// Where unsaved work is, as the end of the sentence.
+        kept: String,
+    },
     /// The window system refuses.
     #[error("the window could not be opened: {0}")]
     Window(String),

@@ -2,8 +2,10 @@
 
 use super::ViewError;
 use super::app::{App, Notify, Start};
+use super::display::{Display, Guard};
 use super::script::{Script, ScriptEvent, Widget, widgets};
-use crate::gpu::{Canvas, GpuError, Messages, Presented, has_library};
+use super::unsaved::Latest;
+use crate::gpu::{Canvas, GpuError, Messages, Presented};
 use egui::{Context, TexturesDelta, ViewportId};
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -17,6 +19,9 @@ use winit::window::{Fullscreen, Window, WindowId};
 
 /// While a script runs, the next frame comes after this: it waits for no person.
 const SCRIPT_PACE: Duration = Duration::from_millis(16);
+
+/// Bits of a pixel that every driver draws.
+const DEPTHS: [u8; 2] = [24, 32];
 
 /// The exit code after a second signal: as shells have it for Ctrl-C.
 const INTERRUPTED: i32 = 130;
@@ -37,17 +42,11 @@ pub fn run(start: Start) -> Result<(), ViewError> {
         }
         None => None,
     };
-    let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    let wayland = set("WAYLAND_DISPLAY") || set("WAYLAND_SOCKET");
-    if !wayland && !set("DISPLAY") && cfg!(target_os = "linux") {
-        return Err(ViewError::NoDisplay("DISPLAY and WAYLAND_DISPLAY are not set".into()));
-    }
-    // Without this one the window system ends the program in place of an error.
-    const KEYBOARD: &str = "libxkbcommon-x11.so.0";
-    if !wayland && cfg!(target_os = "linux") && !has_library(KEYBOARD) {
-        return Err(ViewError::NoLibrary(KEYBOARD));
-    }
-    let event_loop = EventLoop::<Wake>::with_user_event().build().map_err(|error| {
+    let (display, latest) = (Arc::new(Display::find()?), Latest::default());
+    let guard = Guard::watch(display.clone(), latest.clone());
+    let mut builder = EventLoop::<Wake>::with_user_event();
+    display.choose(&mut builder);
+    let event_loop = builder.build().map_err(|error| {
         let text = error.to_string();
         if text.contains("shared libraries") {
             return ViewError::NoLibrary("a shared library of X11");
@@ -77,14 +76,23 @@ pub fn run(start: Start) -> Result<(), ViewError> {
             outcome: Ok(()),
             messages: Vec::new(),
             revived: false,
+            display,
+            latest,
             minimized: false,
             waiting: true,
             told_to_end,
             ending: None,
         };
         let ran = event_loop.run_app(&mut host).map_err(|error| ViewError::Window(error.to_string()));
+        if ran.is_err() || host.outcome.is_err() {
+            guard.end_if_gone();
+        }
         if host.script.is_none() || host.told_to_end.load(Ordering::Relaxed) {
-            host.app.keep_unsaved();
+            let latest = Latest::default();
+            host.app.note_unsaved(&latest);
+            if let Some(folder) = latest.keep() {
+                let _ = writeln!(io::stdout(), "what was not saved is in {}", folder.display());
+            }
         }
         if let (Some(ending), Some(_)) = (host.ending, &host.script) {
             drop(host.live.take());
@@ -110,6 +118,8 @@ struct Host {
     messages: Vec<Messages>,
     /// Whether a lost device has been replaced: once is an accident.
     revived: bool,
+    display: Arc<Display>,
+    latest: Latest,
     minimized: bool,
     /// Whether the first picture is yet to come.
     waiting: bool,
@@ -215,7 +225,13 @@ impl ApplicationHandler<Wake> for Host {
 
 impl Host {
     fn open(&mut self, window: Arc<Window>) -> Result<(), ViewError> {
-        let live = Live::new(&self.start, window, self.script.is_some())?;
+        let live =
+            Live::new(&self.start, window, self.script.is_some()).map_err(|error| match self.display.depth() {
+                Some(depth) if matches!(error, ViewError::Gpu(GpuError::NoPresent)) && !DEPTHS.contains(&depth) => {
+                    ViewError::Depth { display: self.display.name(), depth }
+                }
+                _ => error,
+            })?;
         self.messages.push(live.canvas.gpu().messages());
         self.app.use_device(live.canvas.gpu());
         live.window.request_redraw();
@@ -286,6 +302,7 @@ impl Host {
         let PhysicalSize { width, height } = live.window.inner_size();
         let size = if self.minimized { [0, 0] } else { [width, height] };
         let output = live.context.run_ui(raw, |ui| self.app.ui(ui));
+        self.app.note_unsaved(&self.latest);
         if let Some(update) = &output.platform_output.accesskit_update {
             live.widgets = widgets(update);
         }

@@ -14,6 +14,7 @@ pub mod author;
 #[doc(hidden)] // for the tests of this crate
 pub mod compare;
 mod densities;
+mod display;
 mod error;
 mod finals;
 mod host;
@@ -40,6 +41,7 @@ pub mod unsaved;
 mod worker;
 
 pub use app::Start;
+pub use display::NO_WINDOW;
 pub use error::ViewError;
 pub use host::run;
 pub use trackball::Trackball;

@@ -2,36 +2,87 @@
 
 use super::author::Author;
 use super::model::Model;
+use crate::scene::{self, Scene};
+use crate::shader;
 use crate::support::{open, write_whole};
-use crate::{scene, shader};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
-/// Writes the scene and the texts of modules that no file holds into `folder`, which is made; whether there are any. The
-/// scene finds its own modules there.
-///
-/// # Errors
-/// The folder cannot be written to.
-pub fn keep(model: &Model, author: &Author, folder: &Path) -> Result<bool, String> {
-    let mut files = texts(model, author);
-    if model.is_dirty() {
-        let (mut scene, shipped) = (model.scene().clone(), shader::shipped());
-        for path in files.keys().filter(|path| shipped.source(path).is_none()) {
-            let module = path.strip_suffix(".glsl").unwrap_or(path);
-            scene.modules.insert(module.into(), folder.join(path).display().to_string());
+/// What no file holds: a scene, and texts of modules by their paths in the library.
+#[derive(Clone, Default)]
+pub struct Unsaved {
+    scene: Option<Scene>,
+    texts: BTreeMap<String, String>,
+}
+
+impl Unsaved {
+    /// What there is of it now.
+    pub fn of(model: &Model, author: &Author) -> Unsaved {
+        Unsaved { scene: model.is_dirty().then(|| model.scene().clone()), texts: texts(model, author) }
+    }
+
+    /// Writes it into `folder`, which is made; whether there is any. The scene finds its own modules there.
+    ///
+    /// # Errors
+    /// The folder cannot be written to.
+    pub fn keep(&self, folder: &Path) -> Result<bool, String> {
+        let mut files = self.texts.clone();
+        if let Some(mut scene) = self.scene.clone() {
+            let shipped = shader::shipped();
+            for path in files.keys().filter(|path| shipped.source(path).is_none()) {
+                let module = path.strip_suffix(".glsl").unwrap_or(path);
+                scene.modules.insert(module.into(), folder.join(path).display().to_string());
+            }
+            files.insert("scene.toml".into(), scene::to_text(&scene));
         }
-        files.insert("scene.toml".into(), scene::to_text(&scene));
+        for (name, text) in &files {
+            let path = folder.join(name);
+            let whole = fs::create_dir_all(path.parent().unwrap_or(folder))
+                .map_err(|error| error.to_string())
+                .and_then(|()| write_whole(&path, text.as_bytes()).map_err(|error| error.to_string()));
+            whole.map_err(|error| format!("{}: {error}", path.display()))?;
+        }
+        Ok(!files.is_empty())
     }
-    for (name, text) in &files {
-        let path = folder.join(name);
-        let whole = fs::create_dir_all(path.parent().unwrap_or(folder))
-            .map_err(|error| error.to_string())
-            .and_then(|()| write_whole(&path, text.as_bytes()).map_err(|error| error.to_string()));
-        whole.map_err(|error| format!("{}: {error}", path.display()))?;
+}
+
+/// The newest of it, for a thread that ends the program while the window is at work.
+#[derive(Clone, Default)]
+pub(super) struct Latest(Arc<Mutex<Noted>>);
+
+/// What it was made of, and itself.
+#[derive(Default)]
+struct Noted {
+    module: [String; 2],
+    unsaved: Unsaved,
+}
+
+impl Latest {
+    /// Takes what has changed since the last call. To be called once for each frame.
+    pub(super) fn note(&self, model: &Model, author: &Author) {
+        let mut noted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let scene = model.is_dirty().then(|| model.scene());
+        let same_text = noted.module[1] == author.text && noted.module[0] == author.path();
+        if !same_text || noted.unsaved.scene.as_ref() != scene {
+            *noted = Noted { module: [author.path(), author.text.clone()], unsaved: Unsaved::of(model, author) };
+        }
     }
-    Ok(!files.is_empty())
+
+    /// Keeps it, and says where; `None` where there is none, or where it cannot be kept.
+    pub(super) fn keep(&self) -> Option<PathBuf> {
+        let folder = folder()?;
+        let noted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        match noted.unsaved.keep(&folder) {
+            Ok(any) => any.then_some(folder),
+            Err(error) => {
+                log::warn!("what was not saved is lost: {error}");
+                None
+            }
+        }
+    }
 }
 
 /// Folders of the cache in which something was kept, the newest first.
@@ -55,7 +106,7 @@ pub(super) fn modules(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// A folder of the cache that nothing was kept in yet.
-pub(super) fn folder() -> Option<PathBuf> {
+fn folder() -> Option<PathBuf> {
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     Some(crate::support::disk_cache::default_folder()?.join("unsaved").join(now.as_millis().to_string()))
 }
@@ -63,17 +114,20 @@ pub(super) fn folder() -> Option<PathBuf> {
 /// Texts of modules that neither ship nor are in a file, by their paths in the library.
 pub fn texts(model: &Model, author: &Author) -> BTreeMap<String, String> {
     let filed = model.scene().library().unwrap_or_else(|_| shader::shipped());
-    let mut texts: BTreeMap<String, String> =
-        model.library().sources().map(|(path, text)| (path.to_string(), text.to_string())).collect();
-    // What is being written goes before what was good.
-    texts.extend(author.drafts().map(|(path, text)| (path.to_string(), text.to_string())));
-    texts.insert(author.path(), author.text.clone());
     let shipped = shader::shipped();
     let followed = |file: &Path| open::text(file, super::author::MAX_FILE).ok();
     let followed = author.file().and_then(followed).map(|text| (author.path(), text));
-    texts.retain(|path, text| {
-        let held = [filed.source(path), shipped.source(path)];
-        !held.contains(&Some(text.as_str())) && followed.as_ref() != Some(&(path.clone(), text.clone()))
-    });
+    let own = author.path();
+    // What is being written goes before what was good.
+    let written = author.drafts().chain([(own.as_str(), author.text.as_str())]);
+    let mut texts = BTreeMap::new();
+    for (path, text) in model.library().sources().chain(written) {
+        let held = [filed.source(path), shipped.source(path)].contains(&Some(text))
+            || followed.as_ref().is_some_and(|(own, held)| own == path && held == text);
+        match held {
+            true => texts.remove(path),
+            false => texts.insert(path.to_string(), text.to_string()),
+        };
+    }
     texts
 }

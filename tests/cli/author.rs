@@ -8,7 +8,7 @@ use hypertexture::shader::compile::{CompileError, Job, Limits, compile};
 use hypertexture::shader::{self, Library, Linker};
 use hypertexture::viewer::author::{Author, State};
 use hypertexture::viewer::model::Model;
-use hypertexture::viewer::unsaved;
+use hypertexture::viewer::unsaved::{self, Unsaved};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::thread::sleep;
@@ -312,12 +312,12 @@ fn a_scene_that_was_not_saved_opens_again_with_its_own_modules() {
     let (mut author, mut model) = desk("fur");
     let root = tempfile::tempdir().unwrap();
     let folder = root.path().join("kept");
-    assert!(!unsaved::keep(&model, &author, &folder).unwrap() && !folder.exists(), "there is nothing to keep");
+    assert!(!Unsaved::of(&model, &author).keep(&folder).unwrap() && !folder.exists(), "there is nothing to keep");
     author.fork(model.library(), "pelt").unwrap();
     sleep(Duration::from_millis(150)); // a text rests before it is tried
     assert_eq!(answer(&mut author, &mut model), State::Good);
     assert!(author.use_in(&mut model));
-    assert!(unsaved::keep(&model, &author, &folder).unwrap());
+    assert!(Unsaved::of(&model, &author).keep(&folder).unwrap());
     let text = fs::read_to_string(folder.join("scene.toml")).unwrap();
     let scene = hypertexture::scene::parse(&text, "scene.toml").unwrap();
     assert_eq!(scene.effect, model.scene().effect);

@@ -3,6 +3,8 @@
 #![cfg(feature = "viewer")]
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
+mod displays;
+
 use hypertexture::scene::{self, Reach};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -27,8 +29,14 @@ impl Display {
 
     /// One that nobody sees, with a clipboard that nobody else writes to.
     fn own() -> Display {
+        Display::with(&["-screen", "0", "1280x1024x24"])
+    }
+
+    /// One by these arguments.
+    fn with(arguments: &[&str]) -> Display {
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"])
+            .args(["-displayfd", "1", "-nolisten", "tcp"])
+            .args(arguments)
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()

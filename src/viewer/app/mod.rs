@@ -22,7 +22,7 @@ use super::status::{Figures, Stage};
 use super::tempo::Tempo;
 use super::trackball::Trackball;
 use super::unread::Unread;
-use super::unsaved;
+use super::unsaved::{self, Latest};
 use super::worker::{Job, Worker};
 use crate::gpu::{Gpu, Options};
 use crate::render::Sight;
@@ -31,7 +31,6 @@ use crate::shader::Library;
 use crate::support::disk_cache;
 use egui::{Rect, Sense, Ui};
 use glam::DVec3;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -232,14 +231,9 @@ impl App {
         self.worker = None;
     }
 
-    /// Keeps what no file holds, and says where.
-    pub(super) fn keep_unsaved(&mut self) {
-        let Some(folder) = unsaved::folder() else { return };
-        match unsaved::keep(&self.model, self.panels.author(), &folder) {
-            Ok(false) => {}
-            Ok(true) => drop(writeln!(io::stdout(), "what was not saved is in {}", folder.display())),
-            Err(error) => log::warn!("what was not saved is lost: {error}"),
-        }
+    /// Tells what no file holds.
+    pub(super) fn note_unsaved(&mut self, latest: &Latest) {
+        latest.note(&self.model, self.panels.author());
     }
 
     /// The module that is being edited.
