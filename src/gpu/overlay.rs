@@ -56,9 +56,9 @@ struct Batch {
 pub enum Presented {
     /// It is on the screen.
     Yes,
-    /// The window had no image to draw into, or one of another size: try again.
+    /// The window had an image of another size: try again.
     Later,
-    /// The window has no pixel.
+    /// The window has no pixel, or gave no image in time.
     Hidden,
 }
 
@@ -252,9 +252,9 @@ impl Canvas {
         // SAFETY: the swapchain is alive and used by this thread only; the semaphore is in no use.
         let index =
             match unsafe { swapchains.acquire_next_image(handle, PATIENCE, self.frame.acquired, vk::Fence::null()) } {
-                Err(vk::Result::ERROR_OUT_OF_DATE_KHR | vk::Result::TIMEOUT | vk::Result::NOT_READY) => {
-                    return Ok(Presented::Later);
-                }
+                Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => return Ok(Presented::Later),
+                // A compositor keeps the images of a window that nobody sees.
+                Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => return Ok(Presented::Hidden),
                 other => other.named("vkAcquireNextImageKHR")?.0,
             };
         let target = chain.images[index as usize];

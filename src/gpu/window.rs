@@ -17,7 +17,7 @@ pub fn has_library(name: &str) -> bool {
     unsafe { libloading::Library::new(name) }.is_ok()
 }
 
-/// Whether libxkbcommon finds a folder of descriptions of keyboards; true where it is not installed.
+/// Whether libxkbcommon finds a folder of its data; true where it is not installed.
 pub fn has_keyboard_data() -> bool {
     type Create = unsafe extern "C" fn(c_int) -> *mut c_void;
     type SetLevel = unsafe extern "C" fn(*mut c_void, c_int);

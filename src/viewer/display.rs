@@ -3,6 +3,7 @@
 use super::ViewError;
 use super::unsaved::Latest;
 use crate::gpu::{has_keyboard_data, has_library, on_broken_display};
+use raw_window_handle::{HasWindowHandle, RawWindowHandle};
 use std::env;
 use std::os::unix::net::UnixStream;
 use std::panic::{self, PanicHookInfo};
@@ -10,14 +11,15 @@ use std::path::{Path, PathBuf};
 use std::process;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use winit::event_loop::EventLoopBuilder;
+use winit::event_loop::{ActiveEventLoop, EventLoopBuilder};
 use winit::platform::wayland::EventLoopBuilderExtWayland;
 use winit::platform::x11::EventLoopBuilderExtX11;
+use winit::window::Window;
 use x11rb::connection::Connection;
 use x11rb::protocol::randr::ConnectionExt as _;
 use x11rb::protocol::xinput::ConnectionExt as _;
 use x11rb::protocol::xkb::ConnectionExt as _;
-use x11rb::protocol::xproto::ConnectionExt as _;
+use x11rb::protocol::xproto::{ConnectionExt as _, MapState};
 use x11rb::rust_connection::RustConnection;
 
 /// Exit code of a window that could not be shown, or not be shown on.
@@ -49,11 +51,11 @@ impl Display {
     /// The display that the environment names: a compositor that answers, or else a server of X.
     ///
     /// # Errors
-    /// Neither answers, the server lacks an extension, or no keyboard is described.
+    /// Neither answers, the server lacks an extension, or the data of xkb are missing.
     pub(super) fn find() -> Result<Display, ViewError> {
         let display = Display::answering()?;
         if !has_keyboard_data() {
-            let root = env::var("XKB_CONFIG_ROOT").map(|root| format!(", XKB_CONFIG_ROOT={root}"));
+            let root = env::var("XKB_CONFIG_ROOT").map(|root| format!(" (XKB_CONFIG_ROOT={root})"));
             return Err(ViewError::NoKeyboards(root.unwrap_or_default()));
         }
         Ok(display)
@@ -126,6 +128,14 @@ impl Display {
             Display::X { server, .. } => !server.get_input_focus().is_ok_and(|answer| answer.reply().is_ok()),
         }
     }
+
+    /// Whether no pixel of a window is on the screen, as far as it says: a compositor only keeps its images.
+    pub(super) fn hides(&self, window: &Window) -> bool {
+        let Display::X { server, .. } = self else { return false };
+        let Ok(RawWindowHandle::Xlib(own)) = window.window_handle().map(|handle| handle.as_raw()) else { return false };
+        let attributes = server.get_window_attributes(own.window as u32).ok().and_then(|answer| answer.reply().ok());
+        attributes.is_some_and(|found| found.map_state != MapState::VIEWABLE) || window.is_minimized() == Some(true)
+    }
 }
 
 /// An extension of X that winit cannot do without and a server lacks.
@@ -194,4 +204,16 @@ impl Guard {
 fn of_winit(panic: &PanicHookInfo<'_>) -> Option<String> {
     let is_of_winit = panic.location()?.file().split(['/', '\\']).any(|part| part.starts_with("winit"));
     is_of_winit.then(|| panic.payload_as_str().unwrap_or("it gives no reason").replace('\n', " "))
+}
+
+/// The size of a window that no screen is too small for, points: what is drawn beyond it costs memory that nobody sees.
+pub(super) fn fitted(event_loop: &ActiveEventLoop, wanted: [u32; 2]) -> [u32; 2] {
+    let screens = event_loop.available_monitors().map(|screen| screen.size().to_logical::<u32>(screen.scale_factor()));
+    let largest = screens.map(|size| [size.width, size.height]).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
+    let Some(largest) = largest.filter(|size| size.iter().all(|side| *side > 0)) else { return wanted };
+    let fitted = [0, 1].map(|side| wanted[side].min(largest[side]));
+    if fitted != wanted {
+        log::info!("the window has the size of the screen, {} x {} points", fitted[0], fitted[1]);
+    }
+    fitted
 }

@@ -19,16 +19,13 @@ pub enum ViewError {
          libxkbcommon-x11-0"
     )]
     NoLibrary(&'static str),
-    /// No keyboard is described.
-    #[error(
-        "no descriptions of keyboards (the folder of xkb{0}), which windows need; on Debian or Ubuntu: sudo apt install \
-         xkb-data"
-    )]
+    /// The data of xkb are missing.
+    #[error("no xkb data{0}, which a window needs for its keys; on Debian or Ubuntu: sudo apt install xkb-data")]
     NoKeyboards(String),
     /// No device draws into windows of this screen.
     #[error(
         "the screen of display {display} has {depth} bits for a pixel, and no Vulkan driver here draws into a window of \
-         such; use a screen of 24, as `xvfb-run -a -s \"-screen 0 1280x1024x24\" hypertexture view ...` does"
+         that depth; use a screen of 24 bits, as `xvfb-run -a -s \"-screen 0 1280x1024x24\" hypertexture view ...` does"
     )]
     Depth {
         /// The display.

@@ -2,7 +2,7 @@
 
 use super::ViewError;
 use super::app::{App, Notify, Start};
-use super::display::{Display, Guard};
+use super::display::{Display, Guard, fitted};
 use super::script::{Script, ScriptEvent, Widget, widgets};
 use super::unsaved::Latest;
 use crate::gpu::{Canvas, GpuError, Messages, Presented};
@@ -20,6 +20,8 @@ use winit::window::{Fullscreen, Window, WindowId};
 /// While a script runs, the next frame comes after this: it waits for no person.
 const SCRIPT_PACE: Duration = Duration::from_millis(16);
 
+/// A window of which nothing is seen is looked at this often: not every window manager says when it is back.
+const HIDDEN_PACE: Duration = Duration::from_millis(250);
 /// Bits of a pixel that every driver draws.
 const DEPTHS: [u8; 2] = [24, 32];
 
@@ -79,6 +81,9 @@ pub fn run(start: Start) -> Result<(), ViewError> {
             display,
             latest,
             minimized: false,
+            occluded: false,
+            hidden: false,
+            shown: 0,
             waiting: true,
             told_to_end,
             ending: None,
@@ -120,7 +125,13 @@ struct Host {
     revived: bool,
     display: Arc<Display>,
     latest: Latest,
+    /// Whether a script has minimized the window.
     minimized: bool,
+    /// Whether other windows cover it.
+    occluded: bool,
+    /// Whether nothing of it is seen, and how many frames were.
+    hidden: bool,
+    shown: u64,
     /// Whether the first picture is yet to come.
     waiting: bool,
     /// Whether a signal has asked the program to end.
@@ -195,11 +206,17 @@ impl ApplicationHandler<Wake> for Host {
         match &event {
             WindowEvent::CloseRequested => {
                 self.app.ask_to_quit();
+                // A question is to be seen.
+                live.window.set_minimized(false);
                 return self.ask_for_frame();
             }
             WindowEvent::RedrawRequested => {
                 let drawn = self.frame(event_loop);
                 return self.end_on_error(event_loop, drawn);
+            }
+            WindowEvent::Occluded(occluded) => {
+                self.occluded = *occluded;
+                return self.ask_for_frame();
             }
             _ => {}
         }
@@ -298,9 +315,13 @@ impl Host {
         if let Some(event) = event {
             self.minimized = perform(event, live, &mut self.app, self.minimized)?;
         }
+        let hidden = self.minimized || self.occluded || self.display.hides(&live.window);
+        if (hidden || self.hidden) && self.script.is_none() {
+            self.app.rest();
+        }
         let raw = live.input.take_egui_input(&live.window);
         let PhysicalSize { width, height } = live.window.inner_size();
-        let size = if self.minimized { [0, 0] } else { [width, height] };
+        let size = if hidden { [0, 0] } else { [width, height] };
         let output = live.context.run_ui(raw, |ui| self.app.ui(ui));
         self.app.note_unsaved(&self.latest);
         if let Some(update) = &output.platform_output.accesskit_update {
@@ -315,6 +336,12 @@ impl Host {
             let primitives = live.context.tessellate(output.shapes, output.pixels_per_point);
             let textures = std::mem::take(&mut live.textures);
             shown = live.canvas.draw(size, textures, &primitives, output.pixels_per_point)?;
+            self.shown += u64::from(shown != Presented::Hidden);
+            if self.hidden != (shown == Presented::Hidden) {
+                self.hidden = !self.hidden;
+                let state = if self.hidden { "hidden" } else { "seen" };
+                log::info!("the window is {state} after {} frames", self.shown);
+            }
             self.app.drawn();
         }
         if let Some(script) = &mut self.script {
@@ -330,8 +357,8 @@ impl Host {
         let delay = match (&self.script, shown) {
             (Some(script), _) => wanted.min(script.pace().unwrap_or(SCRIPT_PACE)),
             (None, Presented::Later) => Duration::ZERO,
-            // Nothing is seen, and nothing needs to be drawn before the window is back.
-            (None, Presented::Hidden) => Duration::MAX,
+            // Nothing is seen; what goes on beside the window is looked after.
+            (None, Presented::Hidden) => HIDDEN_PACE,
             (None, Presented::Yes) => wanted,
         };
         event_loop.set_control_flow(match Instant::now().checked_add(delay) {
@@ -344,18 +371,6 @@ impl Host {
         });
         Ok(())
     }
-}
-
-/// The size of a window that no screen is too small for, points: what is drawn beyond it costs memory that nobody sees.
-fn fitted(event_loop: &ActiveEventLoop, wanted: [u32; 2]) -> [u32; 2] {
-    let screens = event_loop.available_monitors().map(|screen| screen.size().to_logical::<u32>(screen.scale_factor()));
-    let largest = screens.map(|size| [size.width, size.height]).reduce(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-    let Some(largest) = largest.filter(|size| size.iter().all(|side| *side > 0)) else { return wanted };
-    let fitted = [0, 1].map(|side| wanted[side].min(largest[side]));
-    if fitted != wanted {
-        log::info!("the window has the size of the screen, {} x {} points", fitted[0], fitted[1]);
-    }
-    fitted
 }
 
 /// Does what a script asks for; whether the window is minimized.

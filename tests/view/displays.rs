@@ -2,10 +2,13 @@
 
 use super::{Display, assert_good, program};
 use hypertexture::scene::{self, ParameterValue, Reach};
-use std::io::Read;
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Output, Stdio};
 use std::time::{Duration, Instant};
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{ConnectionExt, MapState, Window};
+use x11rb::rust_connection::RustConnection;
 
 /// A scene that is drawn soon.
 const SMALL: [&str; 8] = ["torus", "--effect", "lit", "--samples", "8", "--resolution", "24", "--window"];
@@ -127,4 +130,52 @@ fn a_server_that_ends_leaves_one_line_and_what_was_not_saved() {
         assert_eq!(scene.parameters.get("fury"), Some(&ParameterValue::Number(2.5)));
         display.server.take().unwrap().wait().unwrap();
     }
+}
+
+/// The window of the program, which is all there is on its display.
+fn window(server: &RustConnection) -> Window {
+    let root = server.setup().roots[0].root;
+    wait_for("a window", || {
+        let all = server.query_tree(root).unwrap().reply().unwrap().children;
+        all.into_iter().find(|window| {
+            let found = server.get_window_attributes(*window).unwrap().reply();
+            let size = server.get_geometry(*window).unwrap().reply();
+            found.is_ok_and(|found| found.map_state == MapState::VIEWABLE) && size.is_ok_and(|size| size.width > 99)
+        })
+    })
+}
+
+#[test]
+#[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
+fn a_window_that_nobody_sees_draws_nothing_until_it_is_back() {
+    let display = Display::own();
+    let mut command = program();
+    command.env("DISPLAY", &display.name).env("HYPERTEXTURE_LOG", "info").arg("view").args(SMALL);
+    let mut child = command.args(["400x300", "--play"]).stderr(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
+    let mut frames = |state: &str| -> u64 {
+        let start = format!("info: the window is {state} after ");
+        let line = lines.find_map(|line| Some(line.strip_prefix(&start)?.to_string())).unwrap();
+        line.trim_end_matches(" frames").parse().unwrap()
+    };
+    let (server, _) = RustConnection::connect(Some(&display.name)).unwrap();
+    let window = window(&server);
+    let (mut before, mut rounds) = (0, 0);
+    // A slow machine draws its frames in a later round.
+    for seconds in 1..60 {
+        if rounds == 2 {
+            break;
+        }
+        std::thread::sleep(Duration::from_secs(seconds));
+        server.unmap_window(window).unwrap().check().unwrap();
+        let hidden = frames("hidden");
+        std::thread::sleep(Duration::from_secs(1)); // for frames that would be wrong
+        server.map_window(window).unwrap().check().unwrap();
+        assert_eq!(frames("seen"), hidden + 1, "frames that nobody sees"); // that by which it is seen
+        rounds += u32::from(hidden > before + 1);
+        before = hidden;
+    }
+    assert_eq!(rounds, 2, "time runs, and frames are drawn where they are seen");
+    child.kill().unwrap();
+    child.wait().unwrap();
 }

@@ -231,6 +231,11 @@ impl App {
         self.worker = None;
     }
 
+    /// Lets time stand still until now.
+    pub(super) fn rest(&mut self) {
+        self.last_frame = Instant::now();
+    }
+
     /// Tells what no file holds.
     pub(super) fn note_unsaved(&mut self, latest: &Latest) {
         latest.note(&self.model, self.panels.author());
