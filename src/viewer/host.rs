@@ -3,6 +3,7 @@
 use super::ViewError;
 use super::app::{App, Notify, Start};
 use super::display::{Display, Guard, fitted};
+use super::fonts::Fallback;
 use super::script::{Script, ScriptEvent, Widget, widgets};
 use super::unsaved::Latest;
 use crate::gpu::{Canvas, GpuError, Messages, Presented};
@@ -68,7 +69,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
     if let Err(error) = handled {
         log::warn!("no handler for signals, which end the program with what is not saved: {error}");
     }
-    let app = App::new(&start, notify)?;
+    let app = App::new(&start, notify.clone())?;
     let (messages, outcome) = {
         let mut host = Host {
             start,
@@ -80,6 +81,7 @@ pub fn run(start: Start) -> Result<(), ViewError> {
             revived: false,
             display,
             latest,
+            notify,
             minimized: false,
             occluded: false,
             hidden: false,
@@ -125,6 +127,7 @@ struct Host {
     revived: bool,
     display: Arc<Display>,
     latest: Latest,
+    notify: Notify,
     /// Whether a script has minimized the window.
     minimized: bool,
     /// Whether other windows cover it.
@@ -145,6 +148,7 @@ struct Live {
     // The canvas before the window: its surface is one of it.
     canvas: Canvas,
     context: Context,
+    fonts: Fallback,
     input: egui_winit::State,
     window: Arc<Window>,
     widgets: Vec<Widget>,
@@ -154,7 +158,7 @@ struct Live {
 }
 
 impl Live {
-    fn new(start: &Start, window: Arc<Window>, reads_names: bool) -> Result<Live, ViewError> {
+    fn new(start: &Start, window: Arc<Window>, notify: Notify, reads_names: bool) -> Result<Live, ViewError> {
         let canvas = Canvas::open(&start.options, window.clone())?;
         let context = Context::default();
         if reads_names {
@@ -165,6 +169,7 @@ impl Live {
         Ok(Live {
             canvas,
             context,
+            fonts: Fallback::new(notify),
             input,
             window,
             widgets: Vec::new(),
@@ -242,13 +247,14 @@ impl ApplicationHandler<Wake> for Host {
 
 impl Host {
     fn open(&mut self, window: Arc<Window>) -> Result<(), ViewError> {
-        let live =
-            Live::new(&self.start, window, self.script.is_some()).map_err(|error| match self.display.depth() {
+        let live = Live::new(&self.start, window, self.notify.clone(), self.script.is_some()).map_err(|error| {
+            match self.display.depth() {
                 Some(depth) if matches!(error, ViewError::Gpu(GpuError::NoPresent)) && !DEPTHS.contains(&depth) => {
                     ViewError::Depth { display: self.display.name(), depth }
                 }
                 _ => error,
-            })?;
+            }
+        })?;
         self.messages.push(live.canvas.gpu().messages());
         self.app.use_device(live.canvas.gpu());
         live.window.request_redraw();
@@ -323,6 +329,7 @@ impl Host {
         let PhysicalSize { width, height } = live.window.inner_size();
         let size = if hidden { [0, 0] } else { [width, height] };
         let output = live.context.run_ui(raw, |ui| self.app.ui(ui));
+        live.fonts.look(&live.context, &output.shapes);
         self.app.note_unsaved(&self.latest);
         if let Some(update) = &output.platform_output.accesskit_update {
             live.widgets = widgets(update);

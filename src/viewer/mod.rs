@@ -17,6 +17,7 @@ mod densities;
 mod display;
 mod error;
 mod finals;
+mod fonts;
 mod host;
 #[doc(hidden)] // for the tests of this crate
 pub mod inspect;

@@ -1,0 +1,156 @@
+//! Glyphs that the fonts of egui lack, from fonts of the system.
+
+use super::app::Notify;
+use egui::epaint::ClippedShape;
+use egui::epaint::text::{FontInsert, FontPriority, FontTweak, InsertFontFamily};
+use egui::{Context, FontData, FontFamily, FontId, Shape};
+use skrifa::{FontRef, MetadataProvider};
+use std::collections::HashSet;
+use std::fs;
+use std::process::{Command, Stdio};
+use std::sync::mpsc::{self, Receiver};
+use std::thread;
+
+/// Fonts that are asked for: a text of more scripts is rare, and each takes a process.
+const MOST: usize = 16;
+
+/// Looks for a font when a text needs one.
+pub(super) struct Fallback {
+    notify: Notify,
+    /// Letters that have a glyph, or were asked for.
+    known: HashSet<char>,
+    asked: usize,
+    coming: Option<(char, Receiver<Option<FontData>>)>,
+    complained: bool,
+}
+
+impl Fallback {
+    /// Nothing was looked for; `notify` asks for a frame when a font is there.
+    pub(super) fn new(notify: Notify) -> Fallback {
+        Fallback { notify, known: HashSet::new(), asked: 0, coming: None, complained: false }
+    }
+
+    /// Looks at what a frame shows: a letter without a glyph gets a font, some frames later.
+    pub(super) fn look(&mut self, context: &Context, shapes: &[ClippedShape]) {
+        if let Some((letter, coming)) = &self.coming {
+            let Ok(found) = coming.try_recv() else { return };
+            match found {
+                Some(data) => context.add_font(insert(*letter, data)),
+                None if self.complained => {}
+                None => {
+                    self.complained = true;
+                    log::warn!(
+                        "no font of this system has `{letter}`, so that such text is boxes; on Debian or Ubuntu, for \
+                         Chinese, Japanese and Korean: sudo apt install fonts-noto-cjk"
+                    );
+                }
+            }
+            // The glyphs of a font are known from the next frame on.
+            self.coming = None;
+            context.request_repaint();
+            return;
+        }
+        let mut letters = Vec::new();
+        shapes.iter().for_each(|clipped| self.unknown(&clipped.shape, &mut letters));
+        let has_glyph = |letter: char| context.fonts_mut(|fonts| fonts.has_glyph(&FontId::default(), letter));
+        for letter in letters {
+            self.known.insert(letter);
+            if self.asked < MOST && !has_glyph(letter) {
+                self.asked += 1;
+                self.coming = Some((letter, search(letter, self.notify.clone())));
+                return;
+            }
+        }
+    }
+
+    /// The letters of texts that were not looked at.
+    fn unknown(&self, shape: &Shape, letters: &mut Vec<char>) {
+        match shape {
+            Shape::Vec(shapes) => shapes.iter().for_each(|shape| self.unknown(shape, letters)),
+            Shape::Text(text) => {
+                let unknown = |c: &char| !c.is_ascii() && c.is_alphanumeric() && !self.known.contains(c);
+                letters.extend(text.galley.text().chars().filter(unknown));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// A font behind those that there are.
+fn insert(letter: char, data: FontData) -> FontInsert {
+    let families = [FontFamily::Proportional, FontFamily::Monospace];
+    let families = families.map(|family| InsertFontFamily { family, priority: FontPriority::Lowest });
+    FontInsert::new(&format!("for {letter}"), data, families.into())
+}
+
+/// Searches beside the window.
+fn search(letter: char, notify: Notify) -> Receiver<Option<FontData>> {
+    let (send, found) = mpsc::channel();
+    thread::spawn(move || {
+        // A window that has closed needs no font.
+        let _ = send.send(of_system(letter));
+        notify();
+    });
+    found
+}
+
+/// The font that fontconfig has for a letter.
+fn of_system(letter: char) -> Option<FontData> {
+    let pattern = format!("sans:charset={:x}", u32::from(letter));
+    let mut command = Command::new("fc-match");
+    let output = command.args(["-f", "%{index}\t%{file}", &pattern]).stderr(Stdio::null()).output().ok()?;
+    let said = String::from_utf8(output.stdout).ok()?;
+    let (index, file) = said.split_once('\t')?;
+    // The upper half is an instance of a font of several weights.
+    let index = index.parse::<u32>().ok()? & 0xffff;
+    let font = fs::read(file).ok()?;
+    // Without one that has it, fontconfig has another; and egui takes no file that is no font.
+    FontRef::from_index(&font, index).ok()?.charmap().map(letter)?;
+    let tweak = FontTweak { hinting: Some(false), ..FontTweak::default() };
+    Some(FontData { index, tweak, ..FontData::from_owned(font) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::RawInput;
+    use std::sync::Arc;
+    use std::time::{Duration, Instant};
+
+    /// Shows a text until its letter has been looked for; whether it has a glyph.
+    fn is_shown(letter: char) -> (bool, Fallback) {
+        let (context, mut fallback) = (Context::default(), Fallback::new(Arc::new(|| ())));
+        let start = Instant::now();
+        loop {
+            let output = context.run_ui(RawInput::default(), |ui| drop(ui.label(format!("an {letter}"))));
+            fallback.look(&context, &output.shapes);
+            if fallback.known.contains(&letter) && fallback.coming.is_none() {
+                let _ = context.run_ui(RawInput::default(), |_| ());
+                return (context.fonts_mut(|fonts| fonts.has_glyph(&FontId::default(), letter)), fallback);
+            }
+            assert!(start.elapsed().as_secs() < 300); // a test that fails ends
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    #[test]
+    fn a_letter_that_egui_lacks_is_shown_by_a_font_of_the_system() {
+        for letter in ['漢', 'あ'] {
+            if of_system(letter).is_none() {
+                println!("SKIPPED: no font here has {letter}");
+                continue;
+            }
+            let (shown, fallback) = is_shown(letter);
+            assert!(shown && !fallback.complained, "{letter}");
+        }
+    }
+
+    #[test]
+    fn a_letter_that_no_font_has_is_said_once_and_one_that_egui_has_is_not_looked_for() {
+        // Linear A: no font that is usual has it.
+        let (shown, fallback) = is_shown('\u{10600}');
+        assert!(shown != fallback.complained);
+        let (shown, fallback) = is_shown('ä');
+        assert!(shown && fallback.asked == 0);
+    }
+}
