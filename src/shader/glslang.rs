@@ -18,7 +18,7 @@ pub(super) struct Text<'a> {
 }
 
 /// A file that a text includes, by its name and whether that is a slot: path and text.
-pub(super) type Include<'a> = dyn Fn(&str, bool) -> Result<(String, String), String> + 'a;
+type Include<'a> = dyn Fn(&str, bool) -> Result<(String, String), String> + 'a;
 
 /// Starts the compiler, unless it is.
 ///

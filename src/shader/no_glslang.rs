@@ -17,10 +17,10 @@ pub(super) fn started() -> Result<(), LinkError> {
     Err(LinkError::NoCompiler)
 }
 
+/// A file that a text includes: path and text.
+type Include<'a> = dyn Fn(&str, bool) -> Result<(String, String), String> + 'a;
+
 /// Fails.
-pub(super) fn compiled(
-    _: &Text<'_>,
-    _: &dyn Fn(&str, bool) -> Result<(String, String), String>,
-) -> Result<Vec<u32>, LinkError> {
+pub(super) fn compiled(_: &Text<'_>, _: &Include<'_>) -> Result<Vec<u32>, LinkError> {
     Err(LinkError::NoCompiler)
 }
