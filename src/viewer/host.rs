@@ -4,10 +4,11 @@ use super::ViewError;
 use super::app::{App, Notify, Start};
 use super::display::{Display, Guard, fitted};
 use super::fonts::Fallback;
+use super::input::passes;
 use super::script::{Script, ScriptEvent, Widget, widgets};
 use super::unsaved::Latest;
 use crate::gpu::{Canvas, GpuError, Messages, Presented};
-use egui::{Context, TexturesDelta, ViewportId};
+use egui::{Context, FullOutput, TexturesDelta, ViewportId};
 use std::io::{self, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -328,7 +329,10 @@ impl Host {
         let raw = live.input.take_egui_input(&live.window);
         let PhysicalSize { width, height } = live.window.inner_size();
         let size = if hidden { [0, 0] } else { [width, height] };
-        let output = live.context.run_ui(raw, |ui| self.app.ui(ui));
+        let mut output = FullOutput::default();
+        for pass in passes(raw) {
+            output.append(live.context.run_ui(pass, |ui| self.app.ui(ui)));
+        }
         live.fonts.look(&live.context, &output.shapes);
         self.app.note_unsaved(&self.latest);
         if let Some(update) = &output.platform_output.accesskit_update {

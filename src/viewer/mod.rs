@@ -19,6 +19,7 @@ mod error;
 mod finals;
 mod fonts;
 mod host;
+mod input;
 #[doc(hidden)] // for the tests of this crate
 pub mod inspect;
 mod keys;
