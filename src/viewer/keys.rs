@@ -1,6 +1,6 @@
 //! The keys and what the mouse does, in one list: the window acts by it and shows it.
 
-use egui::{Context, Event, FocusDirection, Key, Modifiers, Popup};
+use egui::{Context, Event, FocusDirection, Id, Key, Modifiers, Popup};
 
 /// What a key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +28,8 @@ pub(super) enum Action {
     Open,
     Panels,
     Controls,
+    /// A key that a text keeps from acting.
+    Withheld,
 }
 
 /// A key, how it is written, and what it does.
@@ -87,10 +89,30 @@ pub(super) const MOUSE: &[(&str, &str)] = &[
     ("drop a file", "show a mesh, a scan or a scene"),
 ];
 
-/// What was asked for by keys since the last frame; while text is being written or a list is open, which has keys of its
-/// own, only by those that write nothing.
+/// Whether a text owns the keys: one that has the focus, or was the last to have it. A click on the picture or Escape ends
+/// that; until then, letters that no text takes do nothing.
+#[derive(Clone, Copy, Default)]
+struct Writing(bool);
+
+/// Whether a text owns the keys. To be called at the beginning and at the end of each pass: either may move the focus.
+pub(super) fn writes(ctx: &Context) -> bool {
+    let (has_focus, is_text) = (ctx.egui_wants_keyboard_input(), ctx.text_edit_focused());
+    ctx.data_mut(|data| {
+        let writing = data.get_temp_mut_or_default::<Writing>(Id::NULL);
+        writing.0 = if has_focus { is_text } else { writing.0 };
+        writing.0
+    })
+}
+
+/// Takes the keys from the text that has had them.
+pub(super) fn stop_writing(ctx: &Context) {
+    ctx.data_mut(|data| data.remove::<Writing>(Id::NULL));
+}
+
+/// What was asked for by keys since the last frame; while a text owns them or a list is open, which has keys of its own,
+/// only by those that write nothing.
 pub(super) fn pressed(ctx: &Context) -> Vec<Action> {
-    let is_taken = ctx.egui_wants_keyboard_input() || Popup::is_any_open(ctx);
+    let (writes, is_taken) = (writes(ctx), ctx.egui_wants_keyboard_input() || Popup::is_any_open(ctx));
     let hit = |event: &Event, binding: &Binding| match event {
         Event::Key { key, pressed: true, modifiers, .. } => {
             // A question mark needs Shift on some keyboards, and none on others.
@@ -100,10 +122,15 @@ pub(super) fn pressed(ctx: &Context) -> Vec<Action> {
         }
         _ => false,
     };
-    let pressed: Vec<Action> = ctx.input(|input| {
+    let mut pressed: Vec<Action> = ctx.input(|input| {
         let pressed = KEYS.iter().filter(|binding| input.events.iter().any(|event| hit(event, binding)));
-        pressed.map(|binding| binding.action).collect()
+        let acts = |binding: &Binding| !writes || binding.modifiers.command || binding.action == Action::Leave;
+        pressed.map(|binding| if acts(binding) { binding.action } else { Action::Withheld }).collect()
     });
+    if writes && pressed.contains(&Action::Leave) {
+        stop_writing(ctx);
+        pressed.retain(|action| *action != Action::Leave);
+    }
     // Without focus, Tab would give it to the first control; that is what F6 is for.
     for action in &pressed {
         match action {

@@ -16,6 +16,7 @@
 //! orbit MOVES SECONDS              a drag of so many moves in circles; prints how fast the window answers them
 //! wait idle                        until no picture is being written or looked for
 //! click NAME                       the control of that name; where several have it, the last
+//! where NAME                       prints where the control or the line is that begins so: left, top, right, bottom
 //! set NAME NUMBER                  a slider
 //! write NAME TEXT                  the text of a field, `\n` for a new line
 //! wait good | bad                  until the text of the editor is compiled, or refused
@@ -86,6 +87,7 @@ enum Step {
     Good,
     Bad,
     Click(String),
+    Where(String),
     Set(String, f64),
     Write(String, String),
     Copy(PathBuf, PathBuf),
@@ -182,6 +184,14 @@ impl Script {
                 Some(ScriptEvent::Events(vec![Event::PointerMoved(app.place.center()), wheel]))
             }
             Step::Click(name) => Some(request(find(tree, name, Action::Click).map_err(fail)?, Action::Click, None)),
+            Step::Where(name) => {
+                let begins =
+                    |own: &Widget| own.node.label().or(own.node.value()).is_some_and(|own| own.starts_with(name));
+                let place = tree.iter().rfind(|own| begins(own)).and_then(|own| own.node.bounds());
+                let place = place.ok_or_else(|| fail(format!("nothing begins with `{name}`")))?;
+                let _ = writeln!(io::stdout(), "{name}: {} {} {} {}", place.x0, place.y0, place.x1, place.y1);
+                None
+            }
             Step::Set(name, value) => {
                 let (value, widget) = (ActionData::NumericValue(*value), find(tree, name, Action::SetValue));
                 Some(request(widget.map_err(fail)?, Action::SetValue, Some(value)))
@@ -364,6 +374,7 @@ fn parse(line: &str) -> Result<Step, String> {
         }
         ("scroll", _) => Step::Scroll(numbers(1)?[0]),
         ("click", name) if !name.is_empty() => Step::Click(name.into()),
+        ("where", name) if !name.is_empty() => Step::Where(name.into()),
         ("drop", _) => Step::Do(ScriptEvent::Drop(path()?)),
         ("shot", _) => Step::Do(ScriptEvent::Shot(path()?)),
         ("lose", "") => Step::Do(ScriptEvent::Lose),

@@ -4,6 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a file or a process is not as described")]
 
 mod displays;
+mod hands;
 
 use hypertexture::scene::{self, Reach};
 use std::io::{BufRead, BufReader};

@@ -60,6 +60,7 @@ impl App {
             Action::Open => self.panels.choose_file(),
             Action::Panels => self.panels.hide(!self.panels.is_hidden()),
             Action::Controls => self.panels.hide(false),
+            Action::Withheld => self.note("the keys are those of the text: Esc or a click on the picture ends that"),
         }
     }
 

@@ -317,5 +317,6 @@ impl App {
         self.screen.draw(ui, self.place, &self.comparison);
         self.show_over(ui);
         self.pick(ui, now);
+        keys::writes(ui.ctx());
     }
 }

@@ -3,6 +3,7 @@
 use super::App;
 use crate::render;
 use crate::render::variant::Variant as Program;
+use crate::viewer::keys;
 use crate::viewer::trackball::{drag_light, orbit, zoom_to};
 use crate::viewer::worker::Variant;
 use egui::{Color32, PointerButton, Pos2, Response, Stroke, Ui, Vec2};
@@ -26,6 +27,9 @@ impl App {
         let delta = response.drag_delta();
         self.pointer = response.hover_pos();
         self.dragging = response.dragged();
+        if response.is_pointer_button_down_on() {
+            keys::stop_writing(ui.ctx());
+        }
         if response.drag_started() {
             let modifiers = ui.input(|input| input.modifiers);
             self.drag = match () {

@@ -64,6 +64,8 @@ pub struct Panels {
     author_is_open: bool,
     /// Whether settings that the picture does not read have controls too.
     shows_all: bool,
+    /// Whether the editor was there in the pass before.
+    author_was_open: bool,
     /// Whether the advanced settings have controls.
     advanced: bool,
     /// Whether a preset brings its object and view along.
@@ -149,6 +151,7 @@ impl Panels {
             editor: editor::Editor::default(),
             author_is_open: false,
             shows_all: false,
+            author_was_open: false,
             advanced: false,
             with_own: false,
             hidden: false,
@@ -238,12 +241,19 @@ impl Panels {
             requests.extend(shown.inner);
         }
         if self.author_is_open && !self.hidden {
-            Panel::left("author").default_size(520.0).size_range(280.0..=1200.0).show(ui, |ui| {
+            let panel = Panel::left("author").default_size(520.0).size_range(280.0..=1200.0).show(ui, |ui| {
                 ui.add_space(4.0);
                 editor::show(ui, &mut self.author, model, &mut self.editor);
             });
-        } else if self.author.poll(model) {
-            ui.ctx().request_repaint();
+            editor::keep_focus(ui, panel.response.rect);
+            if !std::mem::replace(&mut self.author_was_open, true) {
+                editor::focus(ui);
+            }
+        } else {
+            self.author_was_open = false;
+            if self.author.poll(model) {
+                ui.ctx().request_repaint();
+            }
         }
         let at_stake = self.asked.question.as_ref().filter(|asked| **asked == Question::Quit);
         let at_stake = at_stake.and_then(|_| self.at_stake(model));

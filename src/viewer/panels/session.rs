@@ -2,6 +2,7 @@
 
 use super::widgets::{button, named};
 use super::{Act, Pass, Request};
+use crate::viewer::keys;
 use egui::{Button, Key, KeyboardShortcut, Modifiers, RichText, TextEdit, Ui};
 use std::path::PathBuf;
 
@@ -12,7 +13,7 @@ const REDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Y)
 pub(super) fn history(ui: &mut Ui, pass: &mut Pass<'_>, author_is_open: &mut bool) {
     let model = pass.model;
     ui.horizontal_wrapped(|ui| {
-        let keys = !ui.ctx().egui_wants_keyboard_input();
+        let keys = !ui.ctx().egui_wants_keyboard_input() && !keys::writes(ui.ctx());
         let mut step = |what: Option<&str>, text: &str, name: &str, shortcut: KeyboardShortcut| {
             let tip = what.map_or("nothing".into(), String::from);
             let pressed = keys && ui.input_mut(|input| input.consume_shortcut(&shortcut));

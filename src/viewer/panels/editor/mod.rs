@@ -12,7 +12,7 @@ use super::widgets::{button, named};
 use crate::viewer::author::{Author, State, WATCH};
 use crate::viewer::model::Model;
 use complete::Completion;
-use egui::{FontId, Id, Key, Label, Modifiers, Panel, RichText, ScrollArea, Sense, TextEdit, Ui};
+use egui::{FontId, Id, Key, Label, Modifiers, Panel, Popup, Rect, RichText, ScrollArea, Sense, TextEdit, Ui};
 use find::Find;
 use std::path::PathBuf;
 
@@ -36,6 +36,22 @@ pub(super) struct Editor {
 /// The text field.
 fn field() -> Id {
     Id::new("author.text")
+}
+
+/// Gives the keys to the text.
+pub(super) fn focus(ui: &Ui) {
+    ui.memory_mut(|memory| memory.request_focus(field()));
+}
+
+/// Gives the keys to the text where a click in the editor, which fills `place`, has left them to nobody.
+pub(super) fn keep_focus(ui: &Ui, place: Rect) {
+    let is_clicked = ui.input(|input| {
+        let pointer = &input.pointer;
+        pointer.any_released() && pointer.interact_pos().is_some_and(|at| place.contains(at))
+    });
+    if is_clicked && !ui.ctx().egui_wants_keyboard_input() && !Popup::is_any_open(ui.ctx()) {
+        focus(ui);
+    }
 }
 
 /// Shows the editor. To be called once for each frame: it polls.
@@ -178,6 +194,9 @@ fn verdict(ui: &mut Ui, author: &Author, editor: &mut Editor) {
                     .wrap()
                     .sense(Sense::click());
                 let clicked = ui.add(label).clicked();
+                if clicked {
+                    focus(ui);
+                }
                 if let Some((_, line)) = fault.at.as_ref().filter(|(path, _)| clicked && *path == author.path()) {
                     editor.go_to = Some(line_at(&author.text, *line));
                 }
