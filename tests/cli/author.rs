@@ -216,6 +216,24 @@ fn a_new_module_is_tried_before_the_scene_uses_it() {
 }
 
 #[test]
+fn a_text_in_the_compiler_is_used_once_it_is_good_and_nothing_is_said_of_the_one_before() {
+    let (mut author, mut model) = desk("lit");
+    author.fork(model.library(), "pelt").unwrap();
+    let (good, unused) = (author.text.clone(), model.scene().effect.dmf.clone());
+    let broken = good.replace("float pelt(", "float pelt((");
+    assert!(matches!(edit(&mut author, &mut model, &broken), State::Bad(_)));
+    for (text, used) in [(&broken, &unused), (&good, &vec!["pelt".into()])] {
+        author.text = format!("{text}// again\n");
+        author.touch();
+        author.poll(&mut model);
+        assert_eq!((author.state(), author.complaint()), (&State::Compiling, None));
+        assert!(author.use_in(&mut model) && model.scene().effect.dmf == unused);
+        answer(&mut author, &mut model);
+        assert_eq!(&model.scene().effect.dmf, used);
+    }
+}
+
+#[test]
 fn a_file_is_followed_however_an_editor_writes_it() {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("dmf")).unwrap();

@@ -4,7 +4,7 @@ use super::Hand;
 use egui::{Event, Key};
 use egui_kittest::kittest::Queryable;
 use hypertexture::scene::preset;
-use hypertexture::viewer::author::State;
+use hypertexture::viewer::author::{State, WATCH};
 use hypertexture::viewer::panels::Request;
 use std::fs;
 use std::path::PathBuf;
@@ -140,4 +140,45 @@ fn a_text_that_no_file_holds_is_unsaved_work_too() {
     assert_eq!(hand.0.state().requests, []);
     hand.click("ask.yes");
     assert_eq!(hand.0.state().requests, [Request::Quit]);
+}
+/// Steps until a file that is followed has led to something.
+fn wait(hand: &mut Hand, is_there: impl Fn(&mut Hand) -> bool) {
+    let start = Instant::now();
+    while !is_there(hand) {
+        assert!(start.elapsed() < Duration::from_secs(1800)); // a test that fails ends
+        sleep(Duration::from_millis(10));
+        hand.0.run_steps(1);
+    }
+}
+
+#[test]
+fn a_file_is_followed_while_the_editor_is_closed_and_its_end_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("half_of.glsl");
+    let text =
+        |part: &str| format!("// Half.\nfloat half_of(float density, Sample s) {{ return {part} * density; }}\n");
+    fs::write(&file, text("0.5")).unwrap();
+    let mut hand = Hand::new(preset("fur").unwrap());
+    // How long nothing happens where nobody moves.
+    let rests = |hand: &Hand| hand.0.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay;
+    hand.0.run_steps(60);
+    assert!(rests(&hand) > WATCH);
+    let desk = hand.0.state_mut();
+    desk.panels.author().watch(desk.model.library(), &file).unwrap();
+    let has =
+        |text: String| move |hand: &mut Hand| hand.model().library().source("dmf/half_of.glsl") == Some(text.as_str());
+    wait(&mut hand, has(text("0.5")));
+    hand.0.run_steps(60);
+    assert!(rests(&hand) <= WATCH, "{:?}", rests(&hand));
+    fs::write(&file, text("0.25")).unwrap();
+    wait(&mut hand, has(text("0.25")));
+    fs::remove_file(&file).unwrap();
+    let says = |hand: &mut Hand| {
+        let is_it = |text: &String| text.contains("half_of.glsl is gone");
+        hand.0.query_all_by(move |node| node.value().as_ref().is_some_and(is_it)).count() == 1
+    };
+    wait(&mut hand, says);
+    fs::write(&file, text("0.125")).unwrap();
+    wait(&mut hand, has(text("0.125")));
+    assert!(!says(&mut hand));
 }

@@ -20,6 +20,10 @@ use std::time::{Duration, Instant, SystemTime};
 pub const WATCH: Duration = Duration::from_millis(250);
 /// How long a text must rest before it is compiled: less, and every letter starts a process.
 const REST: Duration = Duration::from_millis(120);
+/// How often a compiler at work is asked for its answer.
+const ANSWER: Duration = Duration::from_millis(30);
+/// A file that was not there when it was looked at so often is gone; once, an editor may be replacing it.
+const GONE: u32 = 2;
 /// The longest file that is read, in bytes.
 pub(in crate::viewer) const MAX_FILE: u64 = 1 << 20;
 
@@ -35,6 +39,8 @@ pub struct Author {
     tried: Option<String>,
     changed: Instant,
     state: State,
+    /// Whether the module is put into the scene once its text is good.
+    is_wanted: bool,
     worker: Worker,
 }
 
@@ -56,6 +62,8 @@ struct Watched {
     is_own: bool,
     seen: Option<(SystemTime, u64)>,
     looked: Instant,
+    /// How often in a row it was not there.
+    missed: u32,
     /// The text that it had when it was read or written here.
     text: String,
     /// What another program has written since, while there is something else here that no file holds.
@@ -79,6 +87,7 @@ impl Author {
             file: None,
             changed: Instant::now(),
             state: State::Good,
+            is_wanted: false,
             worker: Worker::start(Arc::new(Gate::new(program))),
         })
     }
@@ -108,6 +117,11 @@ impl Author {
         self.file.as_ref().is_some_and(|file| file.other.is_some())
     }
 
+    /// Whether the file is no longer there.
+    pub fn is_gone(&self) -> bool {
+        self.file.as_ref().is_some_and(|file| file.missed >= GONE)
+    }
+
     /// Takes the text of the file, or stays with the one here; what the file holds is gone once that is saved.
     pub fn settle(&mut self, by_file: bool) {
         let Some(file) = &mut self.file else { return };
@@ -124,6 +138,9 @@ impl Author {
     pub fn complaint(&self) -> Option<String> {
         let file = self.file.as_ref()?.path.display();
         match &self.state {
+            _ if self.is_gone() => {
+                Some(format!("{file} is gone: the picture keeps its text, which `save as` in the editor writes again"))
+            }
             _ if self.is_contested() => {
                 Some(format!("{file} was changed by another program, and here: open the editor"))
             }
@@ -177,7 +194,7 @@ impl Author {
         let text = renamed(&self.text, &self.name, name);
         self.leave(library);
         self.text = text;
-        (self.name, self.file, self.tried) = (name.into(), None, None);
+        (self.name, self.file, self.tried, self.is_wanted) = (name.into(), None, None, false);
         self.changed = Instant::now();
         Ok(())
     }
@@ -206,7 +223,7 @@ impl Author {
         self.leave(library);
         (self.slot, self.name, self.text, self.tried) = (slot.into(), name.into(), text, None);
         self.drafts.remove(&self.path());
-        self.changed = Instant::now() - REST;
+        (self.changed, self.is_wanted) = (Instant::now() - REST, false);
         self.file = Some(self.watched(path));
         Ok(())
     }
@@ -214,7 +231,7 @@ impl Author {
     fn watched(&self, path: &Path) -> Watched {
         let is_own = shader::shipped().source(&self.path()).is_none();
         let (seen, text) = (stamp(path), self.text.clone());
-        Watched { path: path.into(), is_own, seen, looked: Instant::now(), text, other: None }
+        Watched { path: path.into(), is_own, seen, looked: Instant::now(), missed: 0, text, other: None }
     }
 
     /// Writes the text to a file, and follows that file.
@@ -235,8 +252,12 @@ impl Author {
         }
     }
 
-    /// Puts the module into the scene.
-    pub fn use_in(&self, model: &mut Model) -> bool {
+    /// Puts the module into the scene; while its text is being compiled, once that is good.
+    pub fn use_in(&mut self, model: &mut Model) -> bool {
+        self.is_wanted = self.state == State::Compiling;
+        if self.is_wanted {
+            return true;
+        }
         let (slot, name) = (self.slot.clone(), self.name.clone());
         let library = model.library().clone();
         let what = format!("use {slot}/{name}");
@@ -246,11 +267,15 @@ impl Author {
     }
 
     /// Looks at the file, sends a new text to the compiler, and takes its answer: a good text becomes part of the model's
-    /// library. To be called once for each frame; whether the model has changed.
+    /// library. To be called once for each frame, and again after [`Author::wakes`]; whether the model has changed.
     pub fn poll(&mut self, model: &mut Model) -> bool {
         self.look();
-        if self.tried.as_deref() != Some(self.text.as_str()) && self.changed.elapsed() >= REST {
-            self.submit(model);
+        self.is_wanted &= self.state == State::Compiling;
+        if self.is_untried() {
+            self.state = State::Compiling; // what was said is of another text
+            if self.changed.elapsed() >= REST {
+                self.submit(model);
+            }
         }
         if let Some(file) = self.file.as_ref().filter(|file| file.is_own && self.state == State::Good)
             && model.library().source(&self.path()).is_some()
@@ -259,6 +284,7 @@ impl Author {
         }
         match self.worker.answer() {
             None => false,
+            Some(_) if self.is_untried() => false,
             Some(Err(error)) => {
                 self.state = State::Bad(Fault::all(&error.to_string()));
                 false
@@ -270,8 +296,25 @@ impl Author {
                     Ok(()) => self.state = State::Good,
                     Err(error) => self.state = State::Bad(Fault::all(&format!("{path}: {error}"))),
                 }
-                self.state == State::Good
+                let is_good = self.state == State::Good;
+                if std::mem::take(&mut self.is_wanted) && is_good {
+                    self.use_in(model);
+                }
+                is_good
             }
+        }
+    }
+
+    /// Whether the compiler has not been given the text.
+    fn is_untried(&self) -> bool {
+        self.tried.as_deref() != Some(self.text.as_str())
+    }
+
+    /// When there may be something new though nobody moves: an answer of the compiler, or another text in the file.
+    pub fn wakes(&self) -> Option<Duration> {
+        match self.state {
+            State::Compiling => Some(ANSWER),
+            _ => self.file.as_ref().map(|_| WATCH),
         }
     }
 
@@ -288,7 +331,7 @@ impl Author {
         let Some(file) = self.file.as_mut().filter(|file| file.looked.elapsed() >= WATCH) else { return };
         file.looked = Instant::now();
         let now = stamp(&file.path);
-        // While an editor replaces the file there is none: the next look finds it.
+        file.missed = if now.is_some() { 0 } else { file.missed.saturating_add(1) };
         if now.is_some() && now != file.seen {
             match read(&file.path) {
                 Ok(text) => {

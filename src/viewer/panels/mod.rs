@@ -255,6 +255,8 @@ impl Panels {
                 ui.ctx().request_repaint();
             }
         }
+        // A compiler that answers and a file that changes are seen without a move of the mouse.
+        self.author.wakes().into_iter().for_each(|wait| ui.ctx().request_repaint_after(wait));
         let at_stake = self.asked.question.as_ref().filter(|asked| **asked == Question::Quit);
         let at_stake = at_stake.and_then(|_| self.at_stake(model));
         requests.extend(self.asked.show(ui, model, &self.paths[0], at_stake));

@@ -9,7 +9,7 @@ mod paint;
 mod text;
 
 use super::widgets::{button, named};
-use crate::viewer::author::{Author, State, WATCH};
+use crate::viewer::author::{Author, State};
 use crate::viewer::model::Model;
 use complete::Completion;
 use egui::{FontId, Id, Key, Label, Modifiers, Panel, Popup, Rect, RichText, ScrollArea, Sense, TextEdit, Ui};
@@ -65,7 +65,7 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &mut Model, editor: 
             .slots(model.library())
             .get(slot)
             .is_some_and(|names| names.iter().any(|filled| filled.split('@').any(|part| part == name)));
-        let is_there = model.library().source(&author.path()).is_some();
+        let is_there = model.library().source(&author.path()).is_some() || *author.state() == State::Compiling;
         ui.add_enabled_ui(!used && is_there, |ui| {
             if button(ui, "use", "author.use", "Put this module into its slot of the scene.").clicked() {
                 author.use_in(model);
@@ -93,9 +93,6 @@ pub(super) fn show(ui: &mut Ui, author: &mut Author, model: &mut Model, editor: 
         });
     });
     text::show(ui, author, model, editor);
-    // A compiler that answers and a file that changes are seen without a move of the mouse.
-    let wait = if *author.state() == State::Compiling { 30 } else { WATCH.as_millis() as u64 };
-    ui.ctx().request_repaint_after(std::time::Duration::from_millis(wait));
 }
 
 /// The module that is edited, out of all.
@@ -159,9 +156,11 @@ fn files(ui: &mut Ui, author: &mut Author, model: &mut Model) {
     }
 }
 
-/// The text here and that of the file, where both have changed.
+/// A file that is gone; or the text here and that of the file, where both have changed.
 fn contest(ui: &mut Ui, author: &mut Author) {
-    if author.is_contested() {
+    if let Some(line) = author.complaint().filter(|_| author.is_gone()) {
+        ui.label(RichText::new(line).color(ui.visuals().error_fg_color));
+    } else if author.is_contested() {
         ui.horizontal_wrapped(|ui| {
             ui.label(
                 RichText::new("another program has written to the file, and the text here is another")
