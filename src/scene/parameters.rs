@@ -47,6 +47,11 @@ impl Parameters {
         self.outer.iter().map(|name| self.number(name)).reduce(f32::max)
     }
 
+    /// The parameters that say so.
+    pub fn outer(&self) -> &[String] {
+        &self.outer
+    }
+
     /// How far lookups move and matter grows, around a soft region of this radius.
     ///
     /// A step along the radius that shortens it by up to a part k, from x to x (1 - k), brings matter of radius r from
@@ -78,7 +83,7 @@ impl Parameters {
             .filter_map(move |drift| Some((drift.speed.as_str(), drift.held(time, |name| self.number(name))?)))
     }
 
-    fn number(&self, name: &str) -> f32 {
+    pub(crate) fn number(&self, name: &str) -> f32 {
         let found = self.declared.iter().find(|(parameter, _)| parameter.name == name);
         match found.map(|(_, value)| value) {
             Some(ParameterValue::Number(value)) => *value,

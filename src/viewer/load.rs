@@ -2,8 +2,9 @@
 
 use crate::render::variant::{Variant, VariantError};
 use crate::render::{RenderError, Subject, Wanted};
-use crate::scene::Scene;
+use crate::scene::{Object, ParameterValue, Parameters, Scene};
 use crate::shader::Library;
+use std::collections::BTreeMap;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, mpsc};
@@ -61,12 +62,13 @@ impl Drop for Loading {
 struct Cancelled;
 
 impl Loader {
-    /// The subject of a scene if it is there; if not, it is being loaded from now on, in place of what was being loaded.
-    /// `notify` is called from the other thread when it is there.
+    /// The subject of a scene if it is there; if not, where it `may_load`, it is being loaded from now on, in place of what was
+    /// being loaded. `notify` is called from the other thread when it is there.
     pub(super) fn subject(
         &mut self,
         scene: &Scene,
         library: &Arc<Library>,
+        may_load: bool,
         notify: &(impl Fn() + Clone + Send + 'static),
     ) -> Result<Option<Arc<Subject>>, VariantError> {
         let key = Key::of(scene, library)?;
@@ -77,10 +79,31 @@ impl Loader {
             return Ok(self.kept.last().map(|(_, subject)| subject.clone()));
         }
         let running = self.loading.as_ref().is_some_and(|loading| loading.key.serves(&key));
-        if !running && self.failed.as_ref() != Some(&key) {
+        if may_load && !running && self.failed.as_ref() != Some(&key) {
             self.loading = Some(Loading::start(key, scene.clone(), library.clone(), notify.clone()));
         }
         Ok(None)
+    }
+
+    /// What previews are drawn with while the subject of a scene is not there: a subject of the same inputs, and the scene
+    /// with soft regions that end where its fields do.
+    pub(super) fn stand_in(&self, scene: &Scene, library: &Library) -> Option<(Scene, Arc<Subject>)> {
+        let variant = Variant::of(scene, library).ok()?;
+        let wanted = Key::of(scene, library).ok()?.0;
+        let fits = |(own, wanted): (&Wanted, &Wanted)| {
+            own.object.input == wanted.object.input && own.aligned == wanted.aligned && (own.closest || !wanted.closest)
+        };
+        let (key, subject) = self.kept.iter().rfind(|(key, subject)| {
+            key.0.len() == wanted.len()
+                && key.0.iter().zip(&wanted).all(fits)
+                && subject.parts.keys().eq(scene.parts.keys())
+        })?;
+        let mut held = scene.clone();
+        end_at(&mut held.object, &mut held.parameters, &variant.parameters, key.0[0].reach);
+        for ((name, part), own) in held.parts.iter_mut().zip(&key.0[1..]) {
+            end_at(&mut part.object, &mut part.parameters, &variant.parts[name], own.reach);
+        }
+        held.check(library).is_ok().then(|| (held, subject.clone()))
     }
 
     /// Takes what has been loaded; the text says why it could not be.
@@ -126,6 +149,14 @@ impl Loader {
     }
 }
 
+/// Ends a soft region at `reach`, object units.
+fn end_at(object: &mut Object, values: &mut BTreeMap<String, ParameterValue>, parameters: &Parameters, reach: f32) {
+    object.outer_iso = object.outer_iso.min(reach);
+    for name in parameters.outer().iter().filter(|name| parameters.number(name) > reach) {
+        values.insert(name.clone(), ParameterValue::Number(reach));
+    }
+}
+
 impl Loading {
     fn start(key: Key, scene: Scene, library: Arc<Library>, notify: impl Fn() + Send + 'static) -> Loading {
         let name = scene.object.input.clone();
@@ -165,7 +196,7 @@ mod tests {
     fn wait(loader: &mut Loader, scene: &Scene, library: &Arc<Library>) -> Result<Arc<Subject>, String> {
         let start = Instant::now();
         loop {
-            if let Some(subject) = loader.subject(scene, library, &|| ()).unwrap() {
+            if let Some(subject) = loader.subject(scene, library, true, &|| ()).unwrap() {
                 return Ok(subject);
             }
             loader.poll()?;
@@ -189,6 +220,28 @@ mod tests {
     }
 
     #[test]
+    fn a_field_that_ends_too_early_stands_in_with_hair_that_ends_where_it_does() {
+        let library = Arc::new(shader::shipped());
+        let mut loader = Loader::default();
+        let mut fur = scene::preset("fur").unwrap();
+        (fur.object.input, fur.object.resolution) = ("teapot".into(), 16);
+        assert!(loader.stand_in(&fur, &library).is_none());
+        let short = wait(&mut loader, &fur, &library).unwrap();
+        let length = fur.check(&library).unwrap().outer().first().unwrap().clone();
+        fur.parameters.insert(length.clone(), ParameterValue::Number(0.8));
+        assert!(loader.subject(&fur, &library, false, &|| ()).unwrap().is_none() && loader.progress().is_none());
+        let (held, subject) = loader.stand_in(&fur, &library).unwrap();
+        assert!(Arc::ptr_eq(&subject, &short));
+        assert!(matches!(held.parameters[&length], ParameterValue::Number(held) if (0.2..0.8).contains(&held)));
+        // What asks for less than the field has is drawn as it is.
+        fur.parameters.insert(length, ParameterValue::Number(0.1));
+        fur.object.resolution = 18;
+        assert_eq!(loader.stand_in(&fur, &library).unwrap().0, fur);
+        fur.object.input = "knot".into();
+        assert!(loader.stand_in(&fur, &library).is_none(), "another object is not shown in its place");
+    }
+
+    #[test]
     fn of_two_subjects_that_serve_it_is_always_the_same() {
         let library = Arc::new(shader::shipped());
         let mut scene = scene::preset("lit").unwrap();
@@ -197,7 +250,7 @@ mod tests {
         let key = Key::of(&scene, &library).unwrap();
         let kept = (0..2).map(|_| (key.clone(), Arc::new(subject.clone()))).collect();
         let mut loader = Loader { kept, ..Loader::default() };
-        let mut next = || loader.subject(&scene, &library, &|| ()).unwrap().unwrap();
+        let mut next = || loader.subject(&scene, &library, true, &|| ()).unwrap().unwrap();
         let first = next();
         assert!((0..3).all(|_| Arc::ptr_eq(&first, &next())));
     }
@@ -210,7 +263,7 @@ mod tests {
         scene.object.input = "nowhere.obj".into();
         let error = wait(&mut loader, &scene, &library).unwrap_err();
         assert!(error.contains("nowhere.obj"), "{error}");
-        assert!(loader.subject(&scene, &library, &|| ()).unwrap().is_none());
+        assert!(loader.subject(&scene, &library, true, &|| ()).unwrap().is_none());
         assert!(loader.progress().is_none());
     }
 
@@ -220,7 +273,7 @@ mod tests {
         let mut loader = Loader::default();
         let mut scene = scene::preset("lit").unwrap();
         scene.object.resolution = 347; // in no cache
-        assert!(loader.subject(&scene, &library, &|| ()).unwrap().is_none());
+        assert!(loader.subject(&scene, &library, true, &|| ()).unwrap().is_none());
         let (name, _) = loader.progress().unwrap();
         assert_eq!(name, "teapot");
         loader.cancel();

@@ -212,7 +212,7 @@ impl App {
 
     fn task(&mut self, task: impl FnOnce(Box<Variant>) -> Task) {
         let scene = self.shown();
-        let subject = self.posted.as_ref().filter(|_| self.loader.progress().is_none());
+        let subject = self.posted.as_ref().filter(|_| !self.lacks_object);
         let (Some(posted), Some(worker)) = (subject, &self.worker) else {
             self.failure.get_or_insert("the object is not loaded yet".into());
             self.fail("the object is not loaded yet");

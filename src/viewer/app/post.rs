@@ -30,20 +30,24 @@ impl App {
             scenes.push((Scene { camera: scenes[0].0.camera.clone(), ..kept.clone() }, library.clone()));
         }
         let notify = self.notify.clone();
-        let mut variants = Vec::new();
+        let (mut variants, lacked, mut lacks) = (Vec::new(), self.lacks_object, false);
         for (mut scene, library) in scenes {
             scene.image.size = size;
             // The object is the same wherever it is looked at from.
-            let before = self.posted.as_ref().and_then(|job| job.variants.get(variants.len()));
+            let before = self.posted.as_ref().filter(|_| !lacked).and_then(|job| job.variants.get(variants.len()));
             let before = before.filter(|own| Arc::ptr_eq(&own.library, &library) && is_seen_again(&own.scene, &scene));
             let subject = match before {
                 Some(before) => Ok(Some(before.subject.clone())),
-                None => self.loader.subject(&scene, &library, &move_clone(&notify)),
+                // One after the other: what is loaded for the second takes the place of what is loaded for the first.
+                None => self.loader.subject(&scene, &library, !lacks, &move_clone(&notify)),
             };
             match subject {
                 Ok(Some(subject)) => variants.push(Variant { scene, library, subject }),
-                // One after the other: what is loaded for the second takes the place of what is loaded for the first.
-                Ok(None) => break,
+                Ok(None) => {
+                    lacks = true;
+                    let Some((scene, subject)) = self.loader.stand_in(&scene, &library) else { break };
+                    variants.push(Variant { scene, library, subject });
+                }
                 Err(error) => self.fail(error.to_string()),
             }
         }
@@ -51,8 +55,8 @@ impl App {
             ui.ctx().request_repaint_after(Duration::from_millis(50));
         }
         let expected = 1 + usize::from(self.kept.is_some());
-        self.lacks_object = variants.len() < expected;
-        if self.lacks_object {
+        self.lacks_object = lacks || variants.len() < expected;
+        if variants.len() < expected {
             return;
         }
         let same = |job: &Job| {
@@ -72,7 +76,8 @@ impl App {
             }
         }
         let busy = self.dragging || self.clock.is_some() || self.glide.is_some();
-        let moving = busy || now.duration_since(self.changed) < REST;
+        // What stands in for an object is shown in previews alone.
+        let moving = busy || lacks || now.duration_since(self.changed) < REST;
         let max_error = self.max_error.unwrap_or(GOOD);
         let validity = self.validity;
         let asks_the_same = |job: &Job| (job.max_error.to_bits(), job.validity) == (max_error.to_bits(), validity);
@@ -127,7 +132,7 @@ mod tests {
     use super::*;
     use crate::gpu::Options;
     use crate::render::Subject;
-    use crate::scene::preset;
+    use crate::scene::{ParameterValue, preset};
     use crate::shader::shipped;
     use crate::viewer::status::Stage;
 
@@ -179,6 +184,45 @@ mod tests {
         assert!(app.loading().is_some() && !app.is_current());
         app.on_screen = 2;
         assert!(!app.is_current(), "it gets better still");
+    }
+
+    #[test]
+    fn while_a_field_is_computed_edits_are_drawn_with_the_one_before_and_no_picture_is_final() {
+        let mut app = app();
+        app.model.edit("object", |scene| {
+            *scene = preset("fur").unwrap();
+            (scene.object.input, scene.object.resolution) = ("teapot".into(), 16);
+        });
+        let context = egui::Context::default();
+        let mut post = |app: &mut App| {
+            let output = context.run_ui(egui::RawInput::default(), |ui| app.post(ui, Instant::now()));
+            output.drop_without_applying_deltas();
+            app.posted.clone()
+        };
+        let wait = |app: &mut App, post: &mut dyn FnMut(&mut App) -> Option<Job>| {
+            let began = Instant::now();
+            while post(app).is_none() || app.lacks_object {
+                assert!(began.elapsed() < Duration::from_secs(1800)); // a test that fails ends
+                app.loader.poll().unwrap();
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            app.posted.clone().unwrap()
+        };
+        let short = wait(&mut app, &mut post);
+        let length = app.model.parameters(None).outer()[0].clone();
+        app.model.edit("hair", |scene| {
+            scene.parameters.insert(length, ParameterValue::Number(0.8));
+        });
+        let preview = post(&mut app).unwrap();
+        assert!(preview.number > short.number && preview.moving && app.lacks_object && !app.is_current());
+        assert!(Arc::ptr_eq(&preview.variants[0].subject, &short.variants[0].subject));
+        app.model.edit("material.specular", |scene| scene.material.specular = 0.125);
+        let next = post(&mut app).unwrap();
+        assert_eq!(next.variants[0].scene.material.specular, 0.125, "it is not kept waiting");
+        assert_eq!(app.status().picture, "preview: the object is not loaded yet");
+        let long = wait(&mut app, &mut post);
+        assert!(!Arc::ptr_eq(&long.variants[0].subject, &short.variants[0].subject));
+        assert_eq!(long.variants[0].scene.parameters, app.model.scene().parameters);
     }
 
     #[test]

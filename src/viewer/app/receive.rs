@@ -84,7 +84,10 @@ impl App {
         Status {
             frame_ms: (!recent.is_empty()).then_some([self.figures.gpu_ms, spread]),
             error: error.map(|error| [error, standard_error.unwrap_or(error)]),
-            picture: self.figures.words(self.max_error.unwrap_or(GOOD)),
+            picture: match self.lacks_object {
+                true => "preview: the object is not loaded yet".into(),
+                false => self.figures.words(self.max_error.unwrap_or(GOOD)),
+            },
             detail: format!("{} x {} pixels, {samples} samples", size[0], size[1]),
             device: self.figures.device.clone(),
             message: self.said.clone(),
