@@ -256,17 +256,58 @@ fn what_changes_nothing_is_said_below_the_picture() {
     assert!(hand.0.query_all_by_value("ignored: quality.seed = 7").next().is_some());
 }
 
+/// The opacity of the label of a row, 0 to 255.
+fn opacity(hand: &Hand, label: &str) -> u8 {
+    let texts = hand.0.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
+        egui::Shape::Text(text) if text.galley.text() == label => Some(text),
+        _ => None,
+    });
+    let vertices = texts.flat_map(|text| text.galley.rows.iter().flat_map(|row| &row.visuals.mesh.vertices));
+    vertices.map(|vertex| vertex.color.a()).max().unwrap()
+}
+
 #[test]
-fn settings_that_the_picture_does_not_read_have_no_control_unless_all_are_asked_for() {
+fn settings_that_the_picture_does_not_read_are_dimmed_where_they_are() {
     let mut hand = Hand::open(scene::preset("lit").unwrap());
-    let has = |hand: &Hand, name: &str| hand.0.query_all_by_label(name).next().is_some();
-    assert!(has(&hand, "effect.turbulence") && has(&hand, "effect.medium") && !has(&hand, "settings.all"));
+    let names = ["effect.medium", "effect.surface", "effect.turbulence", "quality.samples", "image.size.x"];
+    let places = |hand: &Hand| names.map(|name| hand.rect(name));
+    let (before, bright) = (places(&hand), opacity(&hand, "turbulence"));
     hand.0.state_mut().status.idle = vec!["effect.turbulence".into(), "effect.medium".into()];
     hand.0.run_steps(2);
-    assert!(!has(&hand, "effect.turbulence") && !has(&hand, "effect.medium") && has(&hand, "effect.surface"));
-    hand.click("settings.all");
-    hand.0.run_steps(2);
-    assert!(has(&hand, "effect.turbulence") && has(&hand, "effect.medium"));
+    assert_eq!(places(&hand), before);
+    assert!(opacity(&hand, "turbulence") < bright / 2 + 10 && opacity(&hand, "surface") == bright);
+    hand.picture("dimmed");
+    hand.choose("effect.turbulence", "procedural");
+    assert_eq!(hand.scene().effect.turbulence, "procedural", "it can be set all the same");
+}
+
+#[test]
+fn another_medium_has_other_parameters_and_stays_under_the_pointer() {
+    let mut hand = Hand::advanced(preset("fire").unwrap());
+    let (before, parameters) = (hand.rect("effect.medium"), hand.model().parameters(None).iter().count());
+    hand.choose("effect.medium", "lit");
+    assert_ne!(hand.model().parameters(None).iter().count(), parameters);
+    assert_eq!(hand.rect("effect.medium"), before);
+}
+
+#[test]
+fn the_panel_has_its_width_again_when_the_window_has_room_for_it() {
+    let mut hand = Hand::new(preset("fire").unwrap());
+    let resize = |hand: &mut Hand, width: f32| {
+        hand.0.set_size(egui::vec2(width, 800.0));
+        hand.0.run_steps(3);
+        width - hand.0.state().left.right()
+    };
+    let wide = resize(&mut hand, 1280.0);
+    assert!(resize(&mut hand, 420.0) < 0.6 * wide);
+    assert_eq!(resize(&mut hand, 1280.0), wide);
+    // That is the width that was chosen by hand.
+    let edge = egui::pos2(1280.0 - wide, 400.0);
+    hand.drag(edge, edge + egui::vec2(60.0, 0.0));
+    let chosen = resize(&mut hand, 1280.0);
+    assert!((wide - chosen - 60.0).abs() < 8.0, "{wide} {chosen}");
+    resize(&mut hand, 420.0);
+    assert_eq!(resize(&mut hand, 1280.0), chosen);
 }
 
 #[test]

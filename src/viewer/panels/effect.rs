@@ -28,8 +28,9 @@ pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     ui.label(RichText::new("from distance to color").strong());
     for setting in own {
         match setting.name {
-            "effect.medium" if pass.hides(&format!("{prefix}{}", setting.name)) => {}
-            "effect.medium" => media(ui, pass, part, setting.doc),
+            "effect.medium" => {
+                pass.dimmed(ui, &format!("{prefix}effect.medium"), |ui, pass| media(ui, pass, part, setting.doc));
+            }
             name => settings::show(ui, pass, &prefix, name),
         }
     }

@@ -36,7 +36,7 @@ use super::message::Message;
 use super::model::Model;
 use super::unsaved;
 use crate::scene::{Effect, ParameterValue, Scene, Transfer};
-use egui::{CollapsingHeader, Panel, RichText, ScrollArea, Ui};
+use egui::{CollapsingHeader, Id, Panel, PanelState, RichText, ScrollArea, Ui};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use widgets::Touch;
@@ -47,6 +47,8 @@ const WIDTH: f32 = 376.0;
 const LEAST: f32 = 184.0;
 const MOST: f32 = 640.0;
 const PART: f32 = 0.36;
+/// Opacity of the controls of what the picture does not read.
+const UNREAD: f32 = 0.45;
 
 /// What the panels remember from frame to frame.
 pub struct Panels {
@@ -62,8 +64,6 @@ pub struct Panels {
     author: Author,
     editor: editor::Editor,
     author_is_open: bool,
-    /// Whether settings that the picture does not read have controls too.
-    shows_all: bool,
     /// Whether the editor was there in the pass before.
     author_was_open: bool,
     /// Whether the advanced settings have controls.
@@ -72,6 +72,9 @@ pub struct Panels {
     with_own: bool,
     /// Whether the picture has all the room.
     hidden: bool,
+    /// The width that was chosen for the panel of the scene, and the most that it could have in the pass before.
+    width: f32,
+    most: f32,
     theme: theme::Chosen,
     finals: finals::Finals,
 }
@@ -102,16 +105,19 @@ struct Pass<'a> {
     requests: Vec<Request>,
     model: &'a Model,
     status: &'a Status,
-    shows_all: bool,
     advanced: bool,
 }
 
 impl Pass<'_> {
-    /// Whether a setting has no control, as the picture does not read it.
-    fn hides(&self, name: &str) -> bool {
-        // The angles are there in place of the turn that they follow.
-        let is_shown = self.shows_all || ["camera.azimuth", "camera.elevation"].contains(&name);
-        !is_shown && self.status.idle.iter().any(|idle| idle == name)
+    /// Shows the controls of a setting where they are whatever the picture reads, dimmed if it does not read this one.
+    fn dimmed(&mut self, ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui, &mut Self)) {
+        // The angles stand for the turn that they follow.
+        let is_read =
+            ["camera.azimuth", "camera.elevation"].contains(&name) || self.status.idle.iter().all(|idle| idle != name);
+        let opacity = ui.opacity();
+        ui.multiply_opacity(if is_read { 1.0 } else { UNREAD });
+        add(ui, self);
+        ui.set_opacity(opacity);
     }
 
     /// Gives a setting its value, as a scene file has it; empty takes it back.
@@ -150,11 +156,12 @@ impl Panels {
             author: Author::new(program, model.library(), slot, name)?,
             editor: editor::Editor::default(),
             author_is_open: false,
-            shows_all: false,
             author_was_open: false,
             advanced: false,
             with_own: false,
             hidden: false,
+            width: WIDTH,
+            most: 0.0,
             theme: theme::Chosen::default(),
         })
     }
@@ -231,7 +238,11 @@ impl Panels {
             Panel::bottom("time").show(ui, |ui| timeline::show(ui, model, status, &mut requests));
             // Of a small window, the picture keeps most.
             let most = (PART * ui.available_width()).clamp(LEAST, MOST);
-            let panel = Panel::right("scene").default_size(WIDTH.min(most)).size_range(LEAST..=most);
+            if std::mem::replace(&mut self.most, most) != most {
+                // With the room, the width that was chosen comes back.
+                ui.data_mut(|data| data.remove::<PanelState>(Id::new("scene")));
+            }
+            let panel = Panel::right("scene").default_size(self.width.min(most)).size_range(LEAST..=most);
             let shown = panel.show(ui, |ui| {
                 widgets::fit(ui);
                 let requests = self.controls(ui, model, status);
@@ -239,6 +250,8 @@ impl Panels {
                 requests
             });
             requests.extend(shown.inner);
+            let width = shown.response.rect.width();
+            self.width = if width < most { width } else { self.width };
         }
         if self.author_is_open && !self.hidden {
             let panel = Panel::left("author").default_size(520.0).size_range(280.0..=1200.0).show(ui, |ui| {
@@ -271,9 +284,8 @@ impl Panels {
         self.selected = self.selected.take().filter(|name| model.scene().parts.contains_key(name));
         let (draft, acts, requests) = (model.scene().clone(), Vec::new(), Vec::new());
         let values = draft.fields().into_iter().collect();
-        let (shows_all, advanced) = (self.shows_all, self.advanced);
-        let mut pass =
-            Pass { draft, values, refused: None, touch: None, acts, requests, model, status, shows_all, advanced };
+        let advanced = self.advanced;
+        let mut pass = Pass { draft, values, refused: None, touch: None, acts, requests, model, status, advanced };
         ui.add_space(4.0);
         self.asked.offer(ui, &mut pass.acts);
         session::history(ui, &mut pass, &mut self.author_is_open);
@@ -324,10 +336,11 @@ impl Panels {
         if advanced {
             section(ui, "What it holds", false, |ui| facts::show(ui, pass, part, &mut self.known));
         }
-        section(ui, "Parameters", true, |ui| parameters::show(ui, pass, part));
+        // Above its parameters: another module has others, and moves nothing under the pointer.
         if advanced {
             section(ui, "Effect", true, |ui| effect::show(ui, pass, part));
         }
+        section(ui, "Parameters", true, |ui| parameters::show(ui, pass, part));
         section(ui, "Transfer map", false, |ui| transfer::show(ui, pass, part, &mut self.stop));
         section(ui, "Material", false, |ui| settings::table(ui, pass, &prefix(part), "material"));
         section(ui, "Light and background", false, |ui| stage::light(ui, pass));
@@ -337,22 +350,10 @@ impl Panels {
         if advanced && !pass.status.made.is_empty() {
             section(ui, "Made with", false, |ui| figures::made(ui, &pass.status.made));
         }
-        if advanced {
-            self.offer_all(ui, pass.status.idle.len());
-        }
         ui.horizontal_wrapped(|ui| {
             ui.weak("theme");
             self.theme.show(ui);
         });
-    }
-
-    /// Controls of what the picture does not read, where there is such.
-    fn offer_all(&mut self, ui: &mut Ui, idle: usize) {
-        if idle > 0 {
-            let text = format!("also show {idle} settings that this picture does not read");
-            let response = ui.checkbox(&mut self.shows_all, text);
-            widgets::named(ui, &response, "settings.all");
-        }
     }
 
     /// A request that nothing is lost by; of others it is asked.

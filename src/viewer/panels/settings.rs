@@ -78,10 +78,14 @@ pub(super) fn show_some(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, name: &s
 }
 
 fn control(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, offered: &dyn Fn(u32) -> bool) {
-    let name = format!("{prefix}{}", setting.name);
-    if pass.hides(&name) || !(pass.advanced || is_basic(setting)) {
-        return;
+    if pass.advanced || is_basic(setting) {
+        let name = format!("{prefix}{}", setting.name);
+        pass.dimmed(ui, &name, |ui, pass| rows(ui, pass, prefix, setting, offered));
     }
+}
+
+fn rows(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, offered: &dyn Fn(u32) -> bool) {
+    let name = format!("{prefix}{}", setting.name);
     let word = WORDS.iter().find(|(own, _)| *own == setting.name).map(|(_, word)| *word);
     let mut value = pass.values.get(&name).cloned();
     if let (Some(on), false) = (setting.optional, matches!(setting.kind, Kind::Text)) {
