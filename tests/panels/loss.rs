@@ -141,6 +141,31 @@ fn a_text_that_no_file_holds_is_unsaved_work_too() {
     hand.click("ask.yes");
     assert_eq!(hand.0.state().requests, [Request::Quit]);
 }
+
+#[test]
+fn a_scene_without_a_file_is_saved_where_a_name_is_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.toml");
+    let mut hand = Hand::new(preset("fur").unwrap());
+    hand.model().edit("material.specular", |scene| scene.material.specular = 0.75);
+    let save = |hand: &mut Hand| {
+        let desk = hand.0.state_mut();
+        desk.panels.save(&mut desk.model);
+        let asks = desk.panels.is_asking();
+        hand.0.run_steps(3);
+        asks
+    };
+    assert!(save(&mut hand) && hand.model().is_dirty());
+    hand.picture("save");
+    hand.0.key_press(Key::Escape);
+    hand.0.run_steps(3);
+    assert!(!hand.0.state().panels.is_asking() && hand.model().is_dirty() && hand.model().file().is_none());
+    assert!(hand.model().save(&scene));
+    hand.model().edit("material.specular", |scene| scene.material.specular = 0.25);
+    assert!(!save(&mut hand) && !hand.model().is_dirty());
+    assert!(fs::read_to_string(&scene).unwrap().contains("specular = 0.25"));
+}
+
 /// Steps until a file that is followed has led to something.
 fn wait(hand: &mut Hand, is_there: impl Fn(&mut Hand) -> bool) {
     let start = Instant::now();

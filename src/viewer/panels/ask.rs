@@ -6,7 +6,7 @@ use crate::support::{open, write_whole};
 use crate::viewer::model::Model;
 use crate::viewer::unsaved;
 use egui::{Id, Modal, RichText, Ui};
-use egui_file_dialog::{DialogState, FileDialog};
+use egui_file_dialog::{DialogMode, DialogState, FileDialog};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -80,6 +80,18 @@ impl Asked {
         }
     }
 
+    /// Writes the scene to its file, or to the one that the panel names, or asks for a name.
+    pub(super) fn save(&mut self, model: &mut Model, named: &str) {
+        let named = Some(named.trim()).filter(|named| !named.is_empty()).map(PathBuf::from);
+        match model.file().map(Path::to_path_buf).or(named) {
+            Some(path) => self.scene(path, model),
+            None => {
+                self.dialog = FileDialog::new().default_file_name("scene.toml");
+                self.dialog.save_file();
+            }
+        }
+    }
+
     /// Remembers the scene and the object that were opened.
     fn note(&mut self, model: &Model) {
         let now = [model.file().map(Path::to_path_buf).unwrap_or_default(), PathBuf::from(&model.scene().object.input)];
@@ -100,7 +112,7 @@ impl Asked {
         }
     }
 
-    /// Shows the question or the dialog; what was decided. `file` is where a scene without a file is saved;
+    /// Shows the question or the dialog; what was decided. `file` is where a scene without a file is saved, if it is named;
     /// `at_stake` is what would end with the window.
     pub(super) fn show(
         &mut self,
@@ -112,8 +124,14 @@ impl Asked {
         self.note(model);
         if let Some(path) = self.dialog.update(ui).picked() {
             let path = path.to_path_buf();
-            self.dialog = FileDialog::new();
-            return Some(Request::Open(path));
+            let was = std::mem::take(&mut self.dialog);
+            match (was.mode(), path.extension()) {
+                (DialogMode::SaveFile, Some(_)) => drop(model.save(&path)),
+                // The dialog has asked about a file of another name.
+                (DialogMode::SaveFile, None) => self.scene(path.with_extension("toml"), model),
+                _ => return Some(Request::Open(path)),
+            }
+            return None;
         }
         let question = self.question.clone()?;
         let shown = Modal::new(Id::new("question")).show(ui.ctx(), |ui| answer(ui, &question, model, at_stake));
@@ -132,7 +150,7 @@ impl Asked {
                 Some(Request::Screenshot(path))
             }
             (Answer::Save, _) => {
-                self.scene(target(model, file), model);
+                self.save(model, file);
                 (!model.is_dirty()).then_some(Request::Quit)
             }
         }
@@ -161,11 +179,6 @@ impl Asked {
         });
         ui.separator();
     }
-}
-
-/// Where a scene is saved without another word.
-pub(super) fn target(model: &Model, file: &str) -> PathBuf {
-    model.file().map_or_else(|| PathBuf::from(file.trim()), Path::to_path_buf)
 }
 
 enum Answer {

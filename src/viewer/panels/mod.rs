@@ -151,7 +151,7 @@ impl Panels {
             known: facts::Known::default(),
             asked: ask::Asked::default(),
             bookmarks: bookmarks::Bookmarks::default(),
-            paths: ["scene.toml".into(), "picture.png".into()],
+            paths: [String::new(), "picture.png".into()],
             finals: finals::Finals::new(program.clone()),
             author: Author::new(program, model.library(), slot, name)?,
             editor: editor::Editor::default(),
@@ -212,9 +212,10 @@ impl Panels {
         self.asked.choose();
     }
 
-    /// Writes the scene to its file, or to the one that the panel names; over what others wrote it asks.
+    /// Writes the scene to its file, or to the one that the panel names; asks for a name where there is neither, and before
+    /// what others wrote is replaced.
     pub fn save(&mut self, model: &mut Model) {
-        self.asked.scene(ask::target(model, &self.paths[0]), model);
+        self.asked.save(model, &self.paths[0]);
     }
 
     /// Gives the picture all the room, or the panels theirs.
@@ -379,6 +380,7 @@ impl Panels {
                 ask::restore(&folder, model, &mut self.author);
                 self.author_is_open |= self.author.file().is_some();
             }
+            Act::Save(path) if path.as_os_str().is_empty() => self.save(model),
             Act::Save(path) => self.asked.scene(path, model),
             Act::AddPart => self.selected = model.add_part("sphere").or(self.selected.take()),
             Act::RemovePart(name) => drop(model.remove_part(&name)),

@@ -67,14 +67,15 @@ pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2], r
     ui.label(RichText::new(state).weak());
     let [file, picture] = paths;
     let line = |ui: &mut Ui, path: &mut String, name: &str| {
-        let response =
-            ui.add(TextEdit::singleline(path).desired_width((ui.available_width() - 190.0).clamp(80.0, 190.0)));
+        let edit = TextEdit::singleline(path).hint_text("scene.toml");
+        let response = ui.add(edit.desired_width((ui.available_width() - 190.0).clamp(80.0, 190.0)));
         named(ui, &response, name).on_hover_text("Path, from where the program was started.");
     };
     ui.horizontal_wrapped(|ui| {
         line(ui, file, "file.scene");
         if button(ui, "open", "file.open", "Read a scene file (.toml), or take another file as the object.").clicked() {
-            pass.acts.push(Act::Open(PathBuf::from(file.trim())));
+            let file = file.trim();
+            pass.acts.push(if file.is_empty() { Act::Choose } else { Act::Open(PathBuf::from(file)) });
         }
         if button(ui, "browse", "file.browse", "Choose a file (Ctrl+O).").clicked() {
             pass.acts.push(Act::Choose);
