@@ -156,6 +156,7 @@ struct Live {
     /// Changes of textures that the window was not drawn with.
     textures: TexturesDelta,
     full_screen: bool,
+    title: String,
 }
 
 impl Live {
@@ -176,6 +177,7 @@ impl Live {
             widgets: Vec::new(),
             textures: TexturesDelta::default(),
             full_screen: false,
+            title: String::new(),
         })
     }
 }
@@ -187,7 +189,7 @@ impl ApplicationHandler<Wake> for Host {
         }
         let [width, height] = fitted(event_loop, self.start.window);
         let attributes = Window::default_attributes()
-            .with_title(format!("hypertexture \u{2013} {}", self.app.model.scene().object.input))
+            .with_title(self.app.title())
             .with_inner_size(LogicalSize::new(width, height))
             .with_min_inner_size(LogicalSize::new(320, 240));
         let opened = event_loop
@@ -357,6 +359,11 @@ impl Host {
         }
         if let Some(script) = &mut self.script {
             script.drawn(&self.app, held.is_none());
+        }
+        let title = self.app.title();
+        if live.title != title {
+            live.window.set_title(&title);
+            live.title = title;
         }
         if live.full_screen != self.app.full_screen {
             live.full_screen = self.app.full_screen;

@@ -3,13 +3,16 @@
 use super::author::Author;
 use super::model::Model;
 use crate::scene::{self, Scene};
-use crate::shader;
+use crate::shader::{self, Library};
 use crate::support::{open, write_whole};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use std::time::SystemTime;
+
+/// The modules that ship.
+static SHIPPED: LazyLock<Library> = LazyLock::new(shader::shipped);
 
 /// What no file holds: a scene, and texts of modules by their paths in the library.
 #[derive(Clone, Default)]
@@ -31,8 +34,7 @@ impl Unsaved {
     pub fn keep(&self, folder: &Path) -> Result<bool, String> {
         let mut files = self.texts.clone();
         if let Some(mut scene) = self.scene.clone() {
-            let shipped = shader::shipped();
-            for path in files.keys().filter(|path| shipped.source(path).is_none()) {
+            for path in files.keys().filter(|path| SHIPPED.source(path).is_none()) {
                 let module = path.strip_suffix(".glsl").unwrap_or(path);
                 scene.modules.insert(module.into(), folder.join(path).display().to_string());
             }
@@ -113,21 +115,24 @@ fn folder() -> Option<PathBuf> {
 
 /// Texts of modules that neither ship nor are in a file, by their paths in the library.
 pub fn texts(model: &Model, author: &Author) -> BTreeMap<String, String> {
-    let filed = model.scene().library().unwrap_or_else(|_| shader::shipped());
-    let shipped = shader::shipped();
+    let shipped = &*SHIPPED;
+    let written = author.path();
+    // What is being written goes before what was good.
+    let all = model.library().sources().chain(author.drafts()).chain([(written.as_str(), author.text.as_str())]);
+    let mut texts: BTreeMap<String, String> = all
+        .collect::<BTreeMap<_, _>>()
+        .into_iter()
+        .filter(|(path, text)| shipped.source(path) != Some(*text))
+        .map(|(path, text)| (path.to_string(), text.to_string()))
+        .collect();
+    if texts.is_empty() {
+        return texts; // no file is read for this, which is asked in every frame
+    }
+    let filed = model.scene().library().unwrap_or_else(|_| shipped.clone());
     let followed = |file: &Path| open::text(file, super::author::MAX_FILE).ok();
     let followed = author.file().and_then(followed).map(|text| (author.path(), text));
-    let own = author.path();
-    // What is being written goes before what was good.
-    let written = author.drafts().chain([(own.as_str(), author.text.as_str())]);
-    let mut texts = BTreeMap::new();
-    for (path, text) in model.library().sources().chain(written) {
-        let held = [filed.source(path), shipped.source(path)].contains(&Some(text))
-            || followed.as_ref().is_some_and(|(own, held)| own == path && held == text);
-        match held {
-            true => texts.remove(path),
-            false => texts.insert(path.to_string(), text.to_string()),
-        };
-    }
+    texts.retain(|path, text| {
+        filed.source(path) != Some(text.as_str()) && followed.as_ref() != Some(&(path.clone(), text.clone()))
+    });
     texts
 }

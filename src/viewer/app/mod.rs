@@ -246,6 +246,19 @@ impl App {
         self.panels.author()
     }
 
+    /// The title of the window: the scene, behind a dot where something is not saved.
+    pub(super) fn title(&self) -> String {
+        let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned());
+        let input = &self.model.scene().object.input;
+        let of = || name(Path::new(input)).unwrap_or_default();
+        let scene = self.model.file().and_then(name).unwrap_or_else(|| match self.model.preset() {
+            Some(preset) => format!("{}, {preset}", of()),
+            None => of(),
+        });
+        let mark = if self.panels.is_unsaved(&self.model) { "\u{2022} " } else { "" };
+        format!("{mark}{scene} \u{2013} hypertexture")
+    }
+
     /// Whether the picture is that of the scene as it is now.
     pub(super) fn is_current(&self) -> bool {
         !self.lacks_object && self.since > 0 && self.on_screen >= self.since

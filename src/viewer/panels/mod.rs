@@ -218,6 +218,11 @@ impl Panels {
         self.asked.save(model, &self.paths[0]);
     }
 
+    /// Whether there is something that no file holds.
+    pub fn is_unsaved(&self, model: &Model) -> bool {
+        model.is_dirty() || !unsaved::texts(model, &self.author).is_empty()
+    }
+
     /// Gives the picture all the room, or the panels theirs.
     pub fn hide(&mut self, hidden: bool) {
         self.hidden = hidden;
