@@ -18,6 +18,19 @@ impl Default for Tempo {
 }
 
 impl Tempo {
+    /// Draws the line out, by its own length, until a time is on it; a part that repeats stays as it is.
+    pub fn reach(&mut self, time: f64) {
+        let [from, to] = &mut self.range;
+        if self.repeats || !time.is_finite() {
+            return;
+        }
+        *from = from.min(time);
+        if time > *to {
+            let length = (*to - *from).max(1.0);
+            *to += length * ((time - *to) / length).ceil();
+        }
+    }
+
     /// The time, so many seconds of the window after another.
     pub fn after(&self, time: f64, passed: f64) -> f64 {
         let next = time + self.speed * passed;
@@ -38,6 +51,16 @@ mod tests {
         assert_eq!(again.after(2.5, 0.125), 2.75);
         assert_eq!(again.after(2.5, 1.0), 2.5);
         assert_eq!(again.after(0.0, 0.0), 2.0, "a time outside is brought in");
+        let mut line = once;
+        line.reach(2.5);
+        assert_eq!(line, once);
+        line.reach(3.5);
+        assert_eq!(line.range, [1.0, 5.0]);
+        line.reach(-1.0);
+        assert_eq!(line.range, [-1.0, 5.0]);
+        let mut part = again;
+        part.reach(9.0);
+        assert_eq!(part, again);
         let empty = Tempo { range: [1.0, 1.0], ..again };
         assert_eq!(empty.after(2.0, 1.0), 4.0);
     }

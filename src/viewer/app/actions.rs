@@ -89,10 +89,13 @@ impl App {
                     self.model.edit("camera.time", |scene| scene.camera.time = clock);
                 }
             }
-            Request::Time(time) => match &mut self.clock {
-                Some(clock) => *clock = time,
-                None => drop(self.model.edit("camera.time", |scene| scene.camera.time = time)),
-            },
+            Request::Time(time) => {
+                self.tempo.reach(time);
+                match &mut self.clock {
+                    Some(clock) => *clock = time,
+                    None => drop(self.model.edit("camera.time", |scene| scene.camera.time = time)),
+                }
+            }
             Request::Tempo(tempo) => self.tempo = tempo,
             Request::Level(level) => self.level = level,
             Request::MaxError(error) => {

@@ -162,6 +162,8 @@ impl App {
             followed.unwrap_or_else(|error| log::warn!("{error}"));
         }
         let (now, camera) = (Instant::now(), model.scene().camera.clone());
+        let mut tempo = Tempo::default();
+        tempo.reach(camera.time);
         Ok(App {
             library: Arc::new(model.library().clone()),
             panels,
@@ -179,7 +181,7 @@ impl App {
             inertia: false,
             level: false,
             drag: mouse::Drag::default(),
-            tempo: Tempo::default(),
+            tempo,
             clock: start.play.then_some(camera.time),
             last_frame: now,
             kept: None,
@@ -324,6 +326,7 @@ impl App {
         self.glide(passed);
         if let Some(clock) = &mut self.clock {
             *clock = self.tempo.after(*clock, passed);
+            self.tempo.reach(*clock);
         }
         self.post(ui, now);
         self.screen.moved = self.seen.zip(self.sight).filter(|(seen, now)| seen != now);
