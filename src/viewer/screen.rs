@@ -10,58 +10,81 @@ use std::sync::{Arc, LazyLock};
 
 /// The greys of the checkerboard behind a picture without a background: dark, so that what glows is seen.
 const BEHIND: [u8; 2] = [28, 42];
-/// Side of its squares, in pixels of the whole picture.
-const SQUARE: u32 = 12;
+/// Side of its squares, in pixels of the screen.
+const SQUARE: f32 = 12.0;
 /// Cells along a side of a picture that is moved. Fewer: edges bend where the cells meet.
 const GRID: u32 = 32;
 /// Entries of the table of codes, by the square root of the light: the darkest codes are the closest.
 const TABLE: usize = 4096;
 
 /// Codes of linear light, by its square root.
-static CODES: LazyLock<Vec<u8>> = LazyLock::new(|| {
+static CODES: LazyLock<Vec<f32>> = LazyLock::new(|| {
     let code = |index: usize| {
         let root = (index as f32 + 0.5) / TABLE as f32;
-        (linear_to_srgb(root * root) * 255.0).round() as u8
+        linear_to_srgb(root * root) * 255.0
     };
     (0..TABLE).map(code).collect()
 });
 
-fn code(linear: f32) -> u8 {
+fn code(linear: f32) -> f32 {
     CODES[((linear.clamp(0.0, 1.0).sqrt() * TABLE as f32) as usize).min(TABLE - 1)]
 }
 
-/// A picture over its background, or over a checkerboard. `whole` is the size that it stands for, which may be larger.
-fn opaque(frame: &[[f32; 4]], background: Option<Color>, size: [u32; 2], whole: [u32; 2]) -> Vec<[f32; 3]> {
-    let [dark, light] = BEHIND.map(|grey| Color([grey; 3]).linear());
-    let square = |index: u32, axis: usize| {
-        let at = (u64::from(2 * index + 1) * u64::from(whole[axis])) / (2 * u64::from(size[axis].max(1)));
-        at / u64::from(SQUARE) % 2
-    };
-    let columns: Vec<u64> = (0..size[0]).map(|column| square(column, 0)).collect();
-    let over = |pixel: &[f32; 4], behind: [f32; 3]| [0, 1, 2].map(|c| pixel[c] + (1.0 - pixel[3]) * behind[c]);
-    let rows = frame.par_chunks(size[0].max(1) as usize).enumerate();
-    let row = |(row, pixels): (usize, &[[f32; 4]])| -> Vec<[f32; 3]> {
-        let odd = square(row as u32, 1);
-        let behind = |column: &u64| background.map_or(if *column == odd { dark } else { light }, Color::linear);
-        pixels.iter().zip(&columns).map(|(pixel, column)| over(pixel, behind(column))).collect()
-    };
-    rows.map(row).flatten_iter().collect()
+fn rounded(codes: [f32; 3]) -> [u8; 3] {
+    codes.map(|code| code.round() as u8) // what is beyond a code is held to it
 }
 
 fn image(light: &[[f32; 3]], size: [u32; 2]) -> ColorImage {
-    let pixels = light.par_iter().map(|&[r, g, b]| Color32::from_rgb(code(r), code(g), code(b)));
+    let pixels = light.par_iter().map(|light| {
+        let [r, g, b] = rounded(light.map(code));
+        Color32::from_rgb(r, g, b)
+    });
     ColorImage::new(size.map(|side| side as usize), pixels.collect())
 }
 
-/// Pictures over their backgrounds as codes; `whole` is the size that they stand for.
-pub(super) fn encode_srgb(
-    frames: &[&[[f32; 4]]],
-    backgrounds: &[Option<Color>],
-    size: [u32; 2],
-    whole: [u32; 2],
-) -> Vec<ColorImage> {
-    let pairs = frames.iter().zip(backgrounds);
-    pairs.map(|(frame, background)| image(&opaque(frame, *background, size, whole), size)).collect()
+/// A pixel over its background; without one, to be mixed with the checkerboard. The window mixes codes, and light is what
+/// adds up: the opacity is the one by which both greys come out, in the mean of the channels.
+fn shown(pixel: &[f32; 4], background: Option<[f32; 3]>) -> Color32 {
+    let over = |behind: [f32; 3]| [0, 1, 2].map(|c| code(pixel[c] + (1.0 - pixel[3]) * behind[c]));
+    let behind = match background {
+        None if pixel[3] < 1.0 => BEHIND.map(|grey| over(Color([grey; 3]).linear())),
+        behind => {
+            let [r, g, b] = rounded(over(behind.unwrap_or_default()));
+            return Color32::from_rgb(r, g, b);
+        }
+    };
+    let [dark, light] = behind;
+    let [low, high] = BEHIND.map(f32::from);
+    let through = (light.iter().sum::<f32>() - dark.iter().sum::<f32>()) / (3.0 * (high - low));
+    let own = [0, 1, 2].map(|c| 0.5 * (dark[c] + light[c]) - through * 0.5 * (low + high));
+    let [r, g, b] = rounded(own);
+    Color32::from_rgba_premultiplied(r, g, b, (255.0 * (1.0 - through)).round() as u8)
+}
+
+/// Pictures over their backgrounds as codes; those without one are mixed with the checkerboard.
+pub(super) fn encode_srgb(frames: &[&[[f32; 4]]], backgrounds: &[Option<Color>], size: [u32; 2]) -> Vec<ColorImage> {
+    let encode = |(frame, background): (&&[[f32; 4]], &Option<Color>)| {
+        let behind = background.map(Color::linear);
+        let pixels = frame.par_iter().map(|pixel| shown(pixel, behind)).collect();
+        ColorImage::new(size.map(|side| side as usize), pixels)
+    };
+    frames.iter().zip(backgrounds).map(encode).collect()
+}
+
+/// The squares behind what is transparent: those of the screen, however coarse or moved the picture in front is.
+fn checkerboard(place: Rect, pixels_per_point: f32) -> Mesh {
+    let side = SQUARE / pixels_per_point;
+    let mut mesh = Mesh::default();
+    mesh.add_colored_rect(place, Color32::from_gray(BEHIND[0]));
+    let [columns, rows] = [place.width(), place.height()].map(|length| (length / side).ceil() as u32);
+    for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+        if (row + column) % 2 == 0 {
+            let corner = place.min + side * Vec2::new(column as f32, row as f32);
+            let square = Rect::from_min_size(corner, Vec2::splat(side)).intersect(place);
+            mesh.add_colored_rect(square, Color32::from_gray(BEHIND[1]));
+        }
+    }
+    mesh
 }
 
 /// What lies between two pictures, enlarged: of each channel, or of opacity where that is more.
@@ -84,6 +107,8 @@ pub(super) struct Screen {
     /// What came and is not a texture yet, or was one of a device that is gone.
     images: Vec<ColorImage>,
     fresh: bool,
+    /// Whether something is seen through them.
+    is_clear: bool,
     /// The pictures as they were rendered, one for each variant, and their size.
     pub(super) frames: Vec<Frame>,
     pub(super) size: [u32; 2],
@@ -96,6 +121,7 @@ pub(super) struct Screen {
 impl Screen {
     /// Takes the images of a picture, and what they are of.
     pub(super) fn take(&mut self, images: Vec<ColorImage>, frames: Vec<Frame>, size: [u32; 2]) {
+        self.is_clear = images.iter().any(|image| image.pixels.par_iter().any(|pixel| !pixel.is_opaque()));
         (self.images, self.frames, self.size) = (images, frames, size);
         (self.fresh, self.difference) = (true, None);
     }
@@ -121,9 +147,11 @@ impl Screen {
             self.textures.truncate(self.images.len());
         }
         let painter = ui.painter_at(place);
-        // A picture that was moved leaves gaps at its sides, where its corner is.
-        let corner = self.images.first().and_then(|image| image.pixels.first());
-        painter.rect_filled(place, 0.0, corner.copied().unwrap_or(Color32::from_gray(BEHIND[0])));
+        match self.images.first().and_then(|image| image.pixels.first()) {
+            // A picture that was moved leaves gaps at its sides, where its corner is.
+            Some(corner) if !self.is_clear => drop(painter.rect_filled(place, 0.0, *corner)),
+            _ => drop(painter.add(Shape::mesh(checkerboard(place, ui.ctx().pixels_per_point())))),
+        }
         let part = |texture: &TextureHandle, from: f32, to: f32| {
             let within = |part: f32| egui::lerp(place.x_range(), part);
             let rect = Rect::from_x_y_ranges(within(from)..=within(to), place.y_range());
@@ -179,15 +207,16 @@ fn mesh(texture: TextureId, place: Rect, moved: impl Fn([f32; 2]) -> [f32; 2]) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::support::random::SplitMix;
 
     #[test]
     fn the_table_of_codes_is_right_to_a_code() {
         for step in 0..=10_000 {
             let linear = step as f32 / 10_000.0;
             let exact = (linear_to_srgb(linear) * 255.0).round();
-            assert!((f32::from(code(linear)) - exact).abs() <= 1.0, "{linear}");
+            assert!((code(linear).round() - exact).abs() <= 1.0, "{linear}");
         }
-        assert_eq!([code(-1.0), code(0.0), code(1.0), code(9.0)], [0, 0, 255, 255]);
+        assert_eq!([-1.0, 0.0, 1.0, 9.0].map(|linear| code(linear).round()), [0.0, 0.0, 255.0, 255.0]);
     }
 
     #[test]
@@ -196,29 +225,62 @@ mod tests {
         assert!(difference(std::slice::from_ref(&a), [2, 2], 8.0).is_none());
         for gain in [1.0, 8.0] {
             let found = difference(&[a.clone(), b.clone()], [2, 2], gain).unwrap();
-            assert_eq!(found.pixels, [Color32::from_rgb(0, 0, code(gain * 0.1)); 4]);
+            assert_eq!(found.pixels, [Color32::from_rgb(0, 0, code(gain * 0.1).round() as u8); 4]);
         }
     }
 
     #[test]
-    fn behind_what_is_transparent_are_squares_that_stay_where_they_are_in_a_coarse_picture() {
-        let clear = |size: [u32; 2]| vec![[0.0; 4]; (size[0] * size[1]) as usize];
-        let of = |size| encode_srgb(&[&clear(size)], &[None], size, [96, 48]).remove(0);
-        let (whole, coarse) = (of([96, 48]), of([16, 8]));
-        let [dark, light] = BEHIND.map(Color32::from_gray);
-        let grey = |x: u32, y: u32| if (x / SQUARE + y / SQUARE).is_multiple_of(2) { dark } else { light };
-        let near = |a: Color32, b: Color32| a.r().abs_diff(b.r()) <= 1;
-        for (x, y) in [(0, 0), (11, 0), (12, 0), (12, 12), (95, 47), (30, 20)] {
-            assert!(near(whole[(x as usize, y as usize)], grey(x, y)), "{x} {y}");
-            let [cx, cy] = [x / 6, y / 6];
-            assert!(near(coarse[(cx as usize, cy as usize)], grey(6 * cx + 3, 6 * cy + 3)), "{x} {y}");
+    fn what_is_transparent_is_mixed_with_both_greys_as_light_is() {
+        let mut random = SplitMix(3);
+        for _ in 0..10_000 {
+            let opacity = random.unit() as f32;
+            let light = std::array::from_fn::<f32, 3, _>(|_| random.unit() as f32 * opacity);
+            let pixel = [light[0], light[1], light[2], opacity];
+            let [r, g, b, a] = shown(&pixel, None).to_array();
+            for grey in BEHIND {
+                let [behind, ..] = Color([grey; 3]).linear();
+                for (own, light) in [r, g, b].into_iter().zip(light) {
+                    let mixed = f32::from(own) + (1.0 - f32::from(a) / 255.0) * f32::from(grey);
+                    let exact = 255.0 * linear_to_srgb(light + (1.0 - opacity) * behind);
+                    assert!((mixed - exact).abs() < 5.0, "{pixel:?} over {grey}: {mixed} {exact}");
+                }
+            }
         }
-        // A background hides them, and so does what is opaque.
-        let red = Some(Color([200, 0, 0]));
-        let over = encode_srgb(&[&clear([4, 4])], &[red], [4, 4], [96, 48]).remove(0);
-        assert!(over.pixels.iter().all(|pixel| *pixel == over.pixels[0]));
-        let full = encode_srgb(&[&[[0.0, 0.0, 0.0, 1.0]; 16]], &[None], [4, 4], [96, 48]).remove(0);
-        assert!(full.pixels.iter().all(|pixel| *pixel == Color32::BLACK));
+        assert_eq!(shown(&[0.0; 4], None), Color32::TRANSPARENT);
+        assert_eq!(shown(&[0.0, 0.0, 0.0, 1.0], None), Color32::BLACK);
+        // A background hides the squares.
+        let red = Some(Color([200, 0, 0]).linear());
+        assert_eq!(shown(&[0.0; 4], red), Color32::from_rgb(200, 0, 0));
+    }
+
+    #[test]
+    fn the_squares_are_those_of_the_screen_and_there_where_something_is_transparent() {
+        let place = Rect::from_min_max(pos2(100.0, 50.0), pos2(148.0, 80.0));
+        let squares = |clear: bool, pixels_per_point: f32| {
+            let mut screen = Screen::default();
+            let pixel = if clear { [0.0; 4] } else { [0.0, 0.0, 0.0, 1.0] };
+            screen.take(encode_srgb(&[&[pixel; 2]], &[None], [2, 1]), vec![[pixel; 2].into()], [2, 1]);
+            let context = egui::Context::default();
+            context.set_pixels_per_point(pixels_per_point);
+            let output = context.run_ui(egui::RawInput::default(), |ui| screen.draw(ui, place, &Comparison::default()));
+            let meshes = output.shapes.iter().filter_map(|clipped| match &clipped.shape {
+                Shape::Mesh(mesh) if mesh.texture_id == TextureId::default() => Some(mesh.vertices.clone()),
+                _ => None,
+            });
+            let light = Color32::from_gray(BEHIND[1]);
+            let corners = meshes.flatten().filter(|vertex| vertex.color == light).map(|vertex| vertex.pos);
+            let corners: Vec<_> = corners.collect();
+            output.drop_without_applying_deltas();
+            corners
+        };
+        let all = squares(true, 1.0);
+        assert_eq!(all.len(), 4 * 6, "4 columns, 3 rows");
+        assert!(
+            all.contains(&pos2(112.0, 62.0))
+                && all.contains(&pos2(136.0, 80.0))
+                && all.iter().all(|at| place.contains(*at))
+        );
+        assert!(squares(true, 2.0).len() > all.len() && squares(false, 1.0).is_empty());
     }
 
     #[test]

@@ -257,7 +257,7 @@ impl RenderThread {
 
     pub(super) fn tell_picture(&self, job: &Job, still: &Accumulation, frames: &[&[[f32; 4]]], mut picture: Picture) {
         let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
-        picture.images = encode_srgb(frames, &backgrounds, picture.size, job.variants[0].scene.image.size);
+        picture.images = encode_srgb(frames, &backgrounds, picture.size);
         picture.difference = match frames {
             // Rows of one may be finer than those of the other.
             [a, b] if picture.stage != Stage::Partial => Some(rms_difference(a, b)),
