@@ -3,15 +3,18 @@
 use egui::{Event, Key, RawInput};
 
 /// Splits what has come since the last frame into passes: egui looks at the last place of the pointer and the last focus of
-/// a pass alone, and a slow frame has many events. A pass ends with a button, or with a key that may move the focus.
+/// a pass alone, and a slow frame has many events. A pass ends with a button, and a key that may move the focus has its own:
+/// what was typed before Escape in the same pass would be lost.
 pub(super) fn passes(mut input: RawInput) -> Vec<RawInput> {
-    let ends = |event: &Event| match event {
-        Event::PointerButton { .. } => true,
+    let moves_focus = |event: &Event| match event {
         Event::Key { key, pressed, .. } => *pressed && [Key::Escape, Key::Tab, Key::Enter].contains(key),
         _ => false,
     };
+    let parts = |pair: &[Event]| {
+        moves_focus(&pair[0]) || moves_focus(&pair[1]) || matches!(pair[0], Event::PointerButton { .. })
+    };
     let mut passes = Vec::new();
-    while let Some(end) = input.events.iter().position(ends).filter(|end| end + 1 < input.events.len()) {
+    while let Some(end) = input.events.windows(2).position(parts) {
         let rest = input.events.split_off(end + 1);
         passes.push(input.take());
         input.events = rest;
@@ -30,14 +33,15 @@ mod tests {
     }
 
     #[test]
-    fn every_button_and_every_key_that_moves_the_focus_ends_a_pass_and_nothing_is_lost() {
+    fn a_button_ends_a_pass_and_a_key_that_moves_the_focus_has_its_own_and_nothing_is_lost() {
         let [a, b, c] = [pos2(1.0, 0.0), pos2(2.0, 0.0), pos2(3.0, 0.0)];
         let key =
             |key| Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
         let events = [
             vec![Event::PointerMoved(a), button(a, true)],
             vec![Event::PointerMoved(b), button(b, false)],
-            vec![Event::PointerMoved(c), Event::Text("x".into()), key(Key::Escape)],
+            vec![Event::PointerMoved(c), Event::Text("x".into())],
+            vec![key(Key::Escape)],
             vec![key(Key::T)],
         ];
         let split = passes(RawInput { events: events.concat(), ..RawInput::default() });

@@ -258,12 +258,13 @@ fn what_changes_nothing_is_said_below_the_picture() {
 
 /// The opacity of the label of a row, 0 to 255.
 fn opacity(hand: &Hand, label: &str) -> u8 {
-    let texts = hand.0.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
-        egui::Shape::Text(text) if text.galley.text() == label => Some(text),
+    let alphas = hand.0.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
+        egui::Shape::Text(text) if text.galley.text() == label => {
+            Some(text.override_text_color.unwrap_or(text.fallback_color).a())
+        }
         _ => None,
     });
-    let vertices = texts.flat_map(|text| text.galley.rows.iter().flat_map(|row| &row.visuals.mesh.vertices));
-    vertices.map(|vertex| vertex.color.a()).max().unwrap()
+    alphas.max().unwrap()
 }
 
 #[test]

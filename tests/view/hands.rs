@@ -102,7 +102,8 @@ fn letters_are_written_after_every_kind_of_click_and_a_slider_stays_where_it_is_
     };
     let [file, script] = ["half_of.glsl", "script"].map(|name| folder.join(name));
     std::fs::write(&file, module("    missing", "")).unwrap();
-    let names = ["parameters.fury", "author.text", "author.wrap", "the picture shows", "dmf/half_of.glsl:5", "use"];
+    let names =
+        ["parameters.fury", "author.text", "author.wrap", "the picture shows", "dmf/half_of.glsl:5", "author.use"];
     let places: String = names.iter().map(|name| format!("where {name}\n")).collect();
     let steps =
         format!("wait picture\ndrop {}\nframes 3\nwait bad\nframes 3\n{places}frames 4000000000\n", file.display());
