@@ -76,15 +76,9 @@ fn m61_skipping_changes_no_bit_of_any_figure_whose_rays_are_straight() {
                 picture(gpu, &library, &scene, &subject)
             });
             if scene.effect.ray_path == RayPath::Refracted {
-                // A bent ray adds its steps up, so that a skip rounds them otherwise; total reflection amplifies that as it does a
-                // turn of the camera that nobody sees.
-                scene.camera.azimuth += 1e-4;
-                let turned = picture(gpu, &library, &scene, &subject);
-                let [beyond, chaotic] = [&all, &turned].map(|other| compare(other, &skipped, 1.0 / 255.0).0);
-                assert!(
-                    beyond <= 2.0 * chaotic && beyond <= 0.1,
-                    "{name}: {beyond}, {chaotic} where the camera turned"
-                );
+                // A bent ray adds its steps up, so that a skip rounds them otherwise, and total reflection may amplify that.
+                let (beyond, _) = compare(&all, &skipped, 1.0 / 255.0);
+                assert!(beyond <= 1e-3, "{name}: {beyond}");
             } else {
                 assert!(all.pixels == skipped.pixels, "{name}");
             }

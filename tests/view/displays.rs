@@ -4,7 +4,7 @@ use super::{Display, assert_good, program};
 use hypertexture::scene::{self, ParameterValue, Reach};
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt, MapState, Window};
@@ -39,6 +39,15 @@ fn wait_for<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
         assert!(start.elapsed().as_secs() < 600, "{what}");
         std::thread::sleep(Duration::from_millis(20));
     }
+}
+
+#[test]
+fn without_a_display_one_line_says_what_to_do() {
+    let opened = |command: &mut Command| refused(&command.args(["view", "torus"]).output().unwrap());
+    let text = opened(program().env_remove("DISPLAY"));
+    assert!(text.starts_with("error: no display: ") && text.contains("xvfb-run -a hypertexture view"), "{text}");
+    let text = opened(program().env("DISPLAY", ":4095"));
+    assert!(text.starts_with("error: no display: "), "{text}");
 }
 
 #[test]

@@ -97,19 +97,6 @@ fn seconds(output: &str) -> f64 {
 }
 
 #[test]
-fn without_a_display_one_line_says_what_to_do() {
-    let output = program().env_remove("DISPLAY").args(["view", "torus"]).output().unwrap();
-    let text = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(1), "{text}");
-    assert_eq!(text.lines().count(), 1, "{text}");
-    assert!(text.starts_with("error: no display: ") && text.contains("xvfb-run -a hypertexture view"), "{text}");
-    let output = program().env("DISPLAY", ":4095").args(["view", "torus"]).output().unwrap();
-    let text = String::from_utf8(output.stderr).unwrap();
-    assert_eq!((output.status.code(), text.lines().count()), (Some(1), 1), "{text}");
-    assert!(text.starts_with("error: no display: "), "{text}");
-}
-
-#[test]
 #[cfg_attr(any(no_gpu, no_display), ignore = "HYPERTEXTURE_NO_GPU or HYPERTEXTURE_NO_DISPLAY is set")]
 fn a_screenshot_is_the_picture_that_render_makes() {
     let display = Display::new();
