@@ -257,13 +257,14 @@ fn drawn(chart: &Chart) -> String {
 fn slope(order: i32, x: &Axis, y: &Axis) -> String {
     let time = (x.low * (y.high / y.low).powf(1.0 / f64::from(order))).min(x.high);
     let (px, py) = (x.place(time), y.place(y.high * (time / x.low).powi(-order)));
+    let (from_x, from_y) = (x.place(x.low), y.place(y.high));
+    // Above the foot of the area, where the error of the reference is named.
+    let [label_x, label_y] = [(from_x, px), (from_y, py)].map(|(from, to)| from + 0.85 * (to - from));
     format!(
-        "<path d=\"M{:.1} {:.1}L{px:.1} {py:.1}\" stroke=\"var(--muted)\" stroke-dasharray=\"1 5\"/>\
+        "<path d=\"M{from_x:.1} {from_y:.1}L{px:.1} {py:.1}\" stroke=\"var(--muted)\" stroke-dasharray=\"1 5\"/>\
          <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"var(--muted)\" font-size=\"12\">order {order}</text>",
-        x.place(x.low),
-        y.place(y.high),
-        px - 8.0,
-        py - 6.0
+        label_x - 8.0,
+        label_y + 4.0
     )
 }
 
