@@ -87,10 +87,9 @@ impl BoundInputs {
         let image_of = |name: &str| image_of(program, &self.images, name);
         let update = |cells: &mut Cells| cells.update(gpu, shot, &self.values, &image_of, stop);
         self.cells.as_mut().map(update).transpose()?;
-        if let Some(open) = &self.open {
+        if self.open.is_some() {
             let own = self.cells.as_mut().map(|cells| cells.image(gpu, &self.uploads)).transpose()?.flatten();
-            let image = own.unwrap_or_else(|| open.clone());
-            self.replace(program, CELLS, image);
+            self.set_cells(program, own);
         }
         Ok(self.uploads.submit(gpu)?)
     }
@@ -104,14 +103,20 @@ impl BoundInputs {
         sub_frame: &SubFrame,
     ) -> Result<(), RenderError> {
         self.set_blocks(gpu, program, shot, sub_frame)?;
-        if let Some(open) = &self.open {
+        if self.open.is_some() {
             let named = |own: &Resource| Some((own.name.clone(), image_of(program, &self.images, &own.name)?));
             let images = || program.resources.iter().filter_map(named).collect();
             let own = self.beside.image(gpu, shot, &self.values, images, &self.uploads)?;
-            let image = own.unwrap_or_else(|| open.clone());
-            self.replace(program, CELLS, image);
+            self.set_cells(program, own);
         }
         Ok(())
+    }
+
+    /// Binds the cells of a picture, or the one that may hold matter.
+    fn set_cells(&mut self, program: &Program, own: Option<Arc<Image>>) {
+        if let Some(image) = own.or_else(|| self.open.clone()) {
+            self.replace(program, CELLS, image);
+        }
     }
 
     fn set_blocks(
