@@ -90,6 +90,24 @@ fn m61_skipping_changes_no_bit_of_any_figure_whose_rays_are_straight() {
 
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_band_of_rays_that_bend_is_that_of_the_whole_picture() {
+    let library = shader::shipped();
+    with_gpu(|gpu| {
+        let mut scene = small("blue_glass");
+        scene.quality.supersampling = 1;
+        let subject = subject(&scene, &library);
+        let mut renderer = Renderer::new(gpu, &library, &subject);
+        let whole = renderer.render(&scene).expect("a picture").pixels;
+        for rows in [29..30, 41..52, 30..43] {
+            let band = renderer.render_bands(&scene, &[rows.clone()]).expect("a band").pixels;
+            let span = rows.start as usize * 80..rows.end as usize * 80;
+            assert!(band[span.clone()] == whole[span], "{rows:?}");
+        }
+    });
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn m61_rays_and_slices_give_the_same_picture_of_every_effect() {
     let library = shader::shipped();
     with_gpu(|gpu| {

@@ -59,6 +59,12 @@ impl Area {
         Area { columns: 0..width, rows: 0..height }
     }
 
+    /// The whole quads of 2 x 2 pixels that it is in, beyond the picture too.
+    pub fn quads(&self) -> Area {
+        let whole = |side: &Range<u32>| side.start & !1..side.end.next_multiple_of(2);
+        Area { columns: whole(&self.columns), rows: whole(&self.rows) }
+    }
+
     /// How many pixels it has.
     pub fn pixels(&self) -> u64 {
         self.columns.len() as u64 * self.rows.len() as u64

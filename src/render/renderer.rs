@@ -150,7 +150,8 @@ impl Renderer {
         Ok(frame)
     }
 
-    /// Renders areas of a picture that do not overlap, one after the other; with `quality.msaa`, they do not touch either.
+    /// Renders areas of a picture, one after the other, whose quads of 2 x 2 pixels do not overlap; with `quality.msaa`, they
+    /// do not touch either.
     /// Of a picture with `quality.supersampling` it may be the one with this number of those that it is the mean of. The
     /// pixels of the frame are those of the areas, one behind the other, each row by row: those of the whole picture, bit
     /// for bit.

@@ -287,9 +287,9 @@ impl RenderThread {
     }
 }
 
-/// Bands of a picture, from the top.
+/// Bands of a picture, from the top, of whole quads.
 fn bands([width, height]: [u32; 2]) -> Vec<Area> {
-    let rows = height.div_ceil(16).max(1);
+    let rows = height.div_ceil(16).max(1).next_multiple_of(2);
     (0..height.div_ceil(rows))
         .map(|band| Area { columns: 0..width, rows: band * rows..((band + 1) * rows).min(height) })
         .collect()
