@@ -99,7 +99,7 @@ fn a_band_of_rays_that_bend_is_that_of_the_whole_picture() {
         let mut renderer = Renderer::new(gpu, &library, &subject);
         let whole = renderer.render(&scene).expect("a picture").pixels;
         for rows in [29..30, 41..52, 30..43] {
-            let band = renderer.render_bands(&scene, &[rows.clone()]).expect("a band").pixels;
+            let band = renderer.render_bands(&scene, std::slice::from_ref(&rows)).expect("a band").pixels;
             let span = rows.start as usize * 80..rows.end as usize * 80;
             assert!(band[span.clone()] == whole[span], "{rows:?}");
         }
