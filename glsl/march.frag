@@ -1,95 +1,12 @@
 #version 450
-// One ray through the picture, sampled where the slices are, composited front to back.
-// Source: PH 3.1; MJ 7 (fragment shader loops). The samples are those of the slice pass, so that both give one picture.
+// One ray through the picture, composited front to back.
+// Source: PH 3.1; MJ 7 (fragment shader loops): see march.glsl.
 // Result: premultiplied linear RGBA.
 #include "interface.glsl"
 #include "vector.glsl"
 layout(location = 0) out vec4 fragment;
 vec3 position_eye;                      // eye space
-vec4 color = vec4(1.0);
-const float CUT_SHORT = -10000.0;       // in place of what the device did not let a ray finish; see src/render/prepared.rs
-bool follows = false;                   // the sample taken last is one step nearer to the eye
-mat3 ray_basis;                         // along the ray and to two sides, unit vectors, eye space
-#include <projection>
-#include <jitter>
-#include <clip>
-#include <classify>
-#include <empty_space>
-#include <cells>
-#include "box_intersection.glsl"
-
-// Goes to a sample by its number; result: where it is, object space.
-vec3 sample_at(vec2 ndc, float k) {
-    position_eye = ray_at(ndc, first_depth + k * step_size);
-    return (texture_matrix * vec4(position_eye, 1.0)).xyz;
-}
-
-void main() {
-    vec2 ndc = gl_FragCoord.xy * picture_scale.xy - 1.0 + picture_scale.zw;
-    vec3 from = (texture_matrix * vec4(ray_at(ndc, 0.0), 1.0)).xyz;
-    vec3 along = mat3(texture_matrix) * (ray_at(ndc, 1.0) - ray_at(ndc, 0.0));
-    vec2 boxed = intersect_box(from, along), round = ball_crossing(from, along);
-    vec2 inside = vec2(max(boxed.x, round.x), min(boxed.y, round.y));
-    float phase = sample_phase();
-    float first = max(ceil((inside.x - first_depth) / step_size - phase), 0.0); // PH 3.1: x = x_mu0 + k dx
-    float last = min(floor((inside.y - first_depth) / step_size - phase), slice_count - 1.0);
-    vec4 sum = vec4(0.0);
-    float step_length = step_size * length(along);
-    float next = 1.0;
-    vec3 stride = along * step_size;
-    position_eye = ray_at(ndc, 1.0);
-    ray_basis = ray_basis_of();
-#if defined(TWO_PHASES) && defined(FINDS)
-    // Loops within loops, and little in the innermost: lavapipe runs both sides of every branch, but leaves a loop. The
-    // outermost is for hard matter, which most rays meet once, the next for soft matter, the innermost for empty space.
-    for (float k = first; k <= last; ++k) {
-        vec3 x = vec3(0.0);
-        float density = 0.0;
-        for (; k <= last; ++k) {
-            for (; k <= last; k += next) {
-                x = sample_at(ndc, k + phase);
-                next = empty_steps(x, stride, k);
-                if (next > 0.0 || clipped(x)) {
-                    next = max(next, 1.0);
-                    follows = false;
-                    continue;
-                }
-                density = find_density(x);
-                if (density > 0.0) break;
-                next = advance(step_length);
-                follows = next == 1.0;
-            }
-            if (k > last || (density >= 1.0 && begins(x, step_size * path_scale()))) break;
-            follows = true;
-            if (density >= 1.0) continue;
-            sum += (1.0 - sum.a) * matter_at(x, step_size * path_scale(), false);   // PH 3.1: front to back
-            if (sum.a >= full_opacity) last = k;                                // PH 3.1: until opaque
-        }
-        if (k > last) break;
-        sum += (1.0 - sum.a) * matter_at(x, step_size * path_scale(), true);
-        if (sum.a >= full_opacity) break;
-        follows = true;
-    }
-    // A device that has cut a loop lets no other turn twice from there on, and what it gives is no picture. That this one
-    // turns once or twice, and that turns is then what is wanted, is written so that no compiler sees it.
-    float turns = 0.0, wanted = 1.0 + step(2.0, slice_count);
-    for (; turns < wanted; ++turns) {}
-    if (abs(turns - wanted) > 0.5) sum = vec4(CUT_SHORT);
-#else
-    for (float k = first; k <= last; k += next) {
-        vec3 x = sample_at(ndc, k + phase);
-        next = empty_steps(x, stride, k);
-        if (next > 0.0 || clipped(x)) {
-            next = max(next, 1.0);
-            follows = false;
-            continue;
-        }
-        vec4 matter = classify(x, step_size * path_scale());
-        next = advance(step_length);
-        follows = next == 1.0;
-        sum += (1.0 - sum.a) * matter;                                          // PH 3.1: front to back
-        if (sum.a >= full_opacity) break;                                       // PH 3.1: until opaque
-    }
-#endif
-    fragment = sum;
-}
+#define MEETS(matter, k) sum += (1.0 - sum.a) * (matter)        // PH 3.1: front to back
+#define ENDS sum.a >= full_opacity                              // PH 3.1: until opaque
+#define GIVES sum
+#include "march.glsl"

@@ -5,6 +5,7 @@ mod bench;
 mod brief;
 mod compare;
 mod convert;
+mod depth_map;
 #[cfg(all(test, feature = "viewer"))]
 mod docs_tests;
 pub mod doctor;

@@ -1,5 +1,6 @@
 //! `render`: a picture, its frames or a shard of them, with the fastest settings or with its cost in advance.
 
+use super::depth_map::write_depth_map;
 use super::error_map::write_error_map;
 use super::picture::{self, Picture, STANDARD_OUTPUT, fault_line, render_picture, render_shard, smooth};
 use super::scene_arguments::{ObjectFlags, SceneArguments, files_read, metric};
@@ -16,7 +17,7 @@ use crate::measure::worker::{Load, Worker};
 use crate::output::sequence::{Sequence, manifest_path};
 use crate::output::shard::Shard;
 use crate::output::{self, PROGRAM};
-use crate::render::{Renderer, Subject, ignored, watch};
+use crate::render::{Renderer, Subject, check_depth, ignored, watch};
 use crate::scene::{self, Pass, Scene};
 use crate::shader::Library;
 use crate::support::write_whole;
@@ -62,6 +63,10 @@ pub struct Render {
     /// samples, parts of a pixel, voxels and formats are made better one at a time, and what bounds of the f64 reference leave open.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
     pub validity: Option<PathBuf>,
+    /// Write how far away each pixel is, as .exr: channel `Z` is the distance from the eye along the axis of view, in object
+    /// units, at which a ray through the middle of the pixel meets an opacity of 1/2, infinite where it meets less.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
+    pub depth_map: Option<PathBuf>,
     /// Render part K, from 0 to N - 1, of a picture or of the frames; without a value, the part that Slurm or
     /// Kubernetes gives to this process.
     #[arg(long, value_name = "K/N", num_args = 0..=1, default_missing_value = "auto", value_parser = shard)]
@@ -134,9 +139,11 @@ impl Render {
             (None, None) if self.is_piped() => Vec::new(),
             (None, None) => vec![self.output.clone()],
         };
-        let more =
-            [("--save-scene", &self.save_scene), ("--error-map", &self.error_map), ("--validity", &self.validity)];
-        let more = more.into_iter().filter_map(|(flag, file)| Some((flag, file.clone()?)));
+        let maps = [("--error-map", &self.error_map), ("--validity", &self.validity), ("--depth-map", &self.depth_map)];
+        let more = [("--save-scene", &self.save_scene)]
+            .into_iter()
+            .chain(maps)
+            .filter_map(|(flag, file)| Some((flag, file.clone()?)));
         Ok(pictures.into_iter().map(|path| ("--output", path)).chain(more).collect())
     }
 }
@@ -156,12 +163,17 @@ pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<()
     let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
     let bound = bound.map_err(|error| format!("--max-error: {error}"))?;
     command.check_piped()?;
-    [Some(&command.output).filter(|_| !command.is_piped()), command.error_map.as_ref(), command.validity.as_ref()]
-        .into_iter()
-        .flatten()
-        .try_for_each(|file| output::check(file))?;
+    let maps = [&command.error_map, &command.validity, &command.depth_map].map(Option::as_ref);
+    let files = [Some(&command.output).filter(|_| !command.is_piped())].into_iter().chain(maps);
+    files.flatten().try_for_each(|file| output::check(file))?;
     if let Some(file) = command.validity.as_ref().filter(|file| !ends(file, "png")) {
         return Err(format!("--validity {}: its colors are words; write .png", file.display()).into());
+    }
+    if let Some(file) = command.depth_map.as_ref().filter(|file| !ends(file, "exr")) {
+        return Err(format!("--depth-map {}: a depth is no color; write .exr", file.display()).into());
+    }
+    if command.depth_map.is_some() {
+        check_depth(&scene, &library)?;
     }
     let shard = command.shard.map(ShardChoice::shard).transpose()?;
     let sequence = command.motion.sequence()?;
@@ -252,6 +264,9 @@ fn draw(
         }
         if let Some(path) = &command.validity {
             add("validity", write_validity(&picture, &frame, path)?);
+        }
+        if let Some(path) = &command.depth_map {
+            add("depth_map", write_depth_map(&picture, path)?);
         }
         if command.json {
             picture::object(&picture, &frame)?.into_iter().for_each(|(name, value)| add(&name, value));

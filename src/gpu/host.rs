@@ -84,7 +84,7 @@ impl Gpu {
         let format = self.host_format(target.format)?;
         let [width, height] = target.size;
         Image::check(self, "the host's image", [width, height, 1], self.info().max_image)?;
-        Ok(HostCommands { commands: Commands { gpu: self, buffer }, target, format })
+        Ok(HostCommands { commands: Commands { gpu: self, buffer }, target, format, depth: None })
     }
 }
 
@@ -116,9 +116,36 @@ pub struct HostCommands<'a> {
     commands: Commands<'a>,
     target: HostTarget,
     format: Format,
+    depth: Option<vk::ImageView>,
 }
 
 impl HostCommands<'_> {
+    /// The same with another image of the host, all of which the depth of the picture is written into: see
+    /// [`Renderer::render_depth`](crate::render::Renderer::render_depth).
+    ///
+    /// # Errors
+    /// [`GpuError::Unsupported`]: its format is not `R32_SFLOAT`, or its size not that of the picture's.
+    ///
+    /// # Safety
+    /// Of its view, as [`Gpu::host_commands`].
+    pub unsafe fn with_depth(self, depth: HostTarget) -> Result<Self, GpuError> {
+        let [[width, height], size] = [self.target.size, depth.size];
+        let (what, remedy) = match depth.format == Format::R32Float.vk() {
+            true if depth.size == self.target.size => return Ok(HostCommands { depth: Some(depth.view), ..self }),
+            true => {
+                (format!("depth of {} x {} pixels", size[0], size[1]), format!("{width} x {height} as the picture's"))
+            }
+            false => (format!("depth in {:?}", depth.format), format!("{:?}", Format::R32Float.vk())),
+        };
+        let device = self.commands.gpu.info().name.clone();
+        Err(GpuError::Unsupported { device, what, remedy: format!("use an image of {remedy}") })
+    }
+
+    /// Whether it has an image for the depth.
+    pub fn has_depth(&self) -> bool {
+        self.depth.is_some()
+    }
+
     /// Width and height of the image in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.target.size
@@ -130,7 +157,7 @@ impl HostCommands<'_> {
     }
 
     /// Copies what waits to be copied, then draws triangles over what is in the image: a range of the vertices, or of none
-    /// where the program makes its own.
+    /// where the program makes its own. `depth` draws all of that image, where there is one.
     pub fn draw(
         &mut self,
         uploads: &Uploads,
@@ -138,19 +165,29 @@ impl HostCommands<'_> {
         set: BindSet,
         buffer: Option<Buffer>,
         vertices: Range<u32>,
+        depth: Option<(Arc<Pipeline>, BindSet)>,
     ) -> Recording {
         let copied = std::mem::take(&mut *uploads.all());
         copied.iter().for_each(|own| self.commands.upload(&own.texels, &own.image));
-        let attachment = vk::RenderingAttachmentInfo::default()
-            .image_view(self.target.view)
-            .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
-            .load_op(vk::AttachmentLoadOp::LOAD)
-            .store_op(vk::AttachmentStoreOp::STORE);
+        let attachment = |view, load| {
+            vk::RenderingAttachmentInfo::default()
+                .image_view(view)
+                .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+                .load_op(load)
+                .store_op(vk::AttachmentStoreOp::STORE)
+        };
         let [width, height] = self.target.size;
-        self.commands.draw_into(Some(attachment), None, vk::Extent2D { width, height }, |draw| {
+        let (extent, color) =
+            (vk::Extent2D { width, height }, attachment(self.target.view, vk::AttachmentLoadOp::LOAD));
+        self.commands.draw_into(Some(color), None, extent, |draw| {
             draw.triangles(pipeline, &set, buffer.as_ref(), vertices);
         });
-        Recording { _pipeline: pipeline.clone(), _set: set, _vertices: buffer, copied, uploads: uploads.clone() }
+        if let (Some(view), Some((pipeline, set))) = (self.depth, &depth) {
+            let all = attachment(view, vk::AttachmentLoadOp::DONT_CARE);
+            self.commands.draw_into(Some(all), None, extent, |draw| draw.triangles(pipeline, set, None, 0..3));
+        }
+        let (_pipeline, uploads) = (pipeline.clone(), uploads.clone());
+        Recording { _pipeline, _set: set, _vertices: buffer, _depth: depth, copied, uploads }
     }
 }
 
@@ -160,6 +197,7 @@ pub struct Recording {
     _pipeline: Arc<Pipeline>,
     _set: BindSet,
     _vertices: Option<Buffer>,
+    _depth: Option<(Arc<Pipeline>, BindSet)>,
     copied: Vec<Upload>,
     /// Where they came from.
     uploads: Uploads,

@@ -43,7 +43,7 @@ impl Coming {
         let mut alike = scene.clone();
         alike.image.size = self.scene.image.size;
         alike.camera = self.scene.camera.clone();
-        (destination, &alike, variant) == (self.destination, &self.scene, &self.variant)
+        self.destination.serves(destination) && (&alike, variant) == (&self.scene, &self.variant)
     }
 
     /// What was made; waits for it.

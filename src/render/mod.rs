@@ -8,6 +8,7 @@ mod cells;
 mod coming;
 mod cpu_inputs;
 mod density;
+mod depth;
 mod doubts;
 mod encoded;
 mod half_angle;
@@ -50,6 +51,7 @@ pub(crate) use cells::{LOOKED_UP, bounded};
 #[cfg(feature = "measure")]
 pub(crate) use cpu_inputs::{Blocks, CpuInputs};
 pub use density::{Along, densities, density_along};
+pub use depth::check_depth;
 pub use doubts::doubts;
 pub use ignored::{all_alike, idle, ignored};
 pub use made::{made_with, octaves_held};
@@ -204,6 +206,9 @@ pub enum RenderError {
         "a picture that is recorded for a host has one sample of each pixel and no light that goes from slice to slice; use {0}"
     )]
     Recorded(&'static str),
+    /// What has no depth.
+    #[error("rays that bend, and slices that are looked at from the side, have no depth; use {0}")]
+    Depth(&'static str),
     /// Something more urgent is to be drawn: see [`Renderer::stop_where`].
     #[error("the picture was stopped before it was finished")]
     Stopped,

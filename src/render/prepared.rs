@@ -1,6 +1,7 @@
 //! What the pictures of a scene share, and the frame pipeline, read top to bottom.
 
 use super::bind::{self, BoundInputs};
+use super::depth::Depth;
 use super::half_angle::{HalfAngle, Slices, blend as light_blend};
 use super::inputs::{Inputs, SHADOW};
 use super::marks::Marks;
@@ -26,8 +27,20 @@ use std::time::Instant;
 pub(super) enum Destination {
     /// Into a target of their own, from which they are read back.
     Frame,
-    /// Into a host's image of this format.
-    Host(gpu::Format),
+    /// Into a host's image of this format, and its depth into another where the host wants that.
+    Host { format: gpu::Format, has_depth: bool },
+}
+
+impl Destination {
+    /// Whether what is made for it serves another one.
+    pub(super) fn serves(self, other: Destination) -> bool {
+        match (self, other) {
+            (Destination::Host { format, has_depth }, Destination::Host { format: of_other, has_depth: wanted }) => {
+                format == of_other && (has_depth || !wanted)
+            }
+            _ => self == other,
+        }
+    }
 }
 
 /// No opacity is below this but that of a ray whose loops the device has cut: see `march.frag`.
@@ -51,6 +64,8 @@ struct Pipelines {
     caster: Option<Caster>,
     /// What hands the light from slice to slice, in a scene that has it do so.
     half_angle: Option<HalfAngle>,
+    /// What draws the depth, once it was asked for.
+    depth: Option<Depth>,
     /// What submissions of its pictures have taken.
     pace: Pace,
 }
@@ -111,7 +126,7 @@ impl Prepared {
             Ok,
         )?;
         let format = match (destination, quality.target) {
-            (Destination::Host(format), _) => format,
+            (Destination::Host { format, .. }, _) => format,
             (_, TargetFormat::Unorm8) => gpu::Format::Rgba8Unorm,
             (_, TargetFormat::Float16) => gpu::Format::Rgba16Float,
             (_, TargetFormat::Float32) => gpu::Format::Rgba32Float,
@@ -129,20 +144,23 @@ impl Prepared {
         let marks = ends_early.then(|| Marks::new(gpu, library, scene, &variant)).transpose()?;
         let heeds = if marks.is_some() { gpu::Marks::Heed } else { gpu::Marks::None };
         let shape = (scene.effect.octaves, attributes, format, quality.msaa, blend, heeds);
-        let (picture, caster, half_angle, pace) = match made.pipelines.filter(|made| made.shape == shape) {
-            Some(made) => (made.picture, made.caster, made.half_angle, made.pace),
+        let (picture, caster, half_angle, mut depth, pace) = match made.pipelines.filter(|made| made.shape == shape) {
+            Some(made) => (made.picture, made.caster, made.half_angle, made.depth, made.pace),
             None => {
                 let picture = bind::pipeline(gpu, &program, scene, attributes, format, quality.msaa, (blend, heeds))?;
-                (Arc::new(picture), None, None, Pace::default())
+                (Arc::new(picture), None, None, None, Pace::default())
             }
         };
         let casts = program.reads(SHADOW);
         let caster = casts.then(|| Caster::new(gpu, library, scene, &variant, caster)).transpose()?;
         let half_angle = scene.is_half_angle().then(|| HalfAngle::new(gpu, library, scene, &variant, half_angle));
-        let pipelines = Pipelines { shape, picture, caster, half_angle: half_angle.transpose()?, pace };
+        if let Destination::Host { has_depth: true, .. } = destination {
+            depth = Some(Depth::new(gpu, library, scene, &variant, depth)?);
+        }
+        let pipelines = Pipelines { shape, picture, caster, half_angle: half_angle.transpose()?, depth, pace };
         compile_ms += pipeline_start.elapsed().as_secs_f64() * 1e3;
         let targets = match destination {
-            Destination::Host(_) => None,
+            Destination::Host { .. } => None,
             Destination::Frame => Some(targets(gpu, scene, format)?),
         };
         let (gpu, scene) = (gpu.clone(), scene.clone());
@@ -165,7 +183,7 @@ impl Prepared {
     pub(super) fn fits(&self, scene: &Scene, variant: &Variant, destination: Destination) -> bool {
         let mut alike = scene.clone();
         alike.image.size = self.scene.image.size;
-        self.destination == destination
+        self.destination.serves(destination)
             && !alike.changes(&self.scene).contains(&Changes::Targets)
             && self.reads_the_same(scene, variant)
     }
@@ -284,7 +302,27 @@ impl Prepared {
         };
         let pipeline = &self.pipelines.picture;
         let set = pipeline.bind(&self.bound.resources())?;
-        Ok(commands.draw(&self.bound.uploads, pipeline, set, vertices, 0..count))
+        let depth = self.pipelines.depth.as_ref().filter(|_| commands.has_depth());
+        let depth = depth.map(|own| Ok::<_, RenderError>((own.pipeline.clone(), own.bind(&self.gpu, &self.bound)?)));
+        Ok(commands.draw(&self.bound.uploads, pipeline, set, vertices, 0..count, depth.transpose()?))
+    }
+
+    /// The depth of a picture of a scene that fits, by rays; it ends where it is to `stop`, after so many milliseconds.
+    pub(super) fn depth(
+        &mut self,
+        library: &Library,
+        scene: &Scene,
+        subject: &Subject,
+        variant: &Variant,
+        stop: &dyn Fn(f64) -> bool,
+    ) -> Result<Vec<f32>, RenderError> {
+        let variant = &self.served(variant);
+        let shot = Shot { whole: self.whole, ..Shot::of(scene, subject, variant) };
+        let depth = Depth::new(&self.gpu, library, scene, variant, self.pipelines.depth.take())?;
+        for sub_frame in SubFrame::all(scene).take(1) {
+            self.bound.fill(&self.gpu, &self.program, &shot, &sub_frame, &|| stop(0.0))?;
+        }
+        self.pipelines.depth.insert(depth).draw(&self.gpu, &shot, &self.bound, stop)
     }
 
     /// Areas of a picture of a scene that fits, the mean of the sub-frames that are wanted: the frame pipeline. The pixels

@@ -1,6 +1,7 @@
 //! From a scene to its picture: what users of the crate call.
 
 use super::coming::Coming;
+use super::depth::by_rays;
 use super::masks::Masks;
 use super::pixels::put;
 use super::prepared::{Destination, Made, Prepared};
@@ -184,6 +185,22 @@ impl Renderer {
         Ok(frame)
     }
 
+    /// Renders the depth of a picture: of each pixel, row by row from the top, how far from the eye along the axis of view
+    /// (object units) a ray through its middle meets an opacity of 1/2, all matter in front together; infinite where it meets
+    /// less. Hard matter is located within the step, as in [`render`]; in soft matter the error is of the order of the step.
+    /// Slices are taken for rays, whose samples are the same; of `quality.supersampling` and `quality.msaa` nothing is left,
+    /// since a mean of depths is the depth of nothing.
+    ///
+    /// # Errors
+    /// As [`render`] and [`check_depth`](super::check_depth).
+    pub fn render_depth(&mut self, scene: &Scene) -> Result<Vec<f32>, RenderError> {
+        let (library, subject, stop) = (self.library.clone(), self.subject.clone(), self.stop.clone());
+        let by_rays = by_rays(scene, &library)?;
+        let (scene, variant) = self.chosen(&by_rays)?;
+        let prepared = self.prepared(&scene, &variant, Destination::Frame, &|_| ())?;
+        prepared.depth(&library, &scene, &subject, &variant, &*stop)
+    }
+
     /// Whether [`Renderer::record`] draws a scene at once in a format. What is missing is made on a thread of its own, which
     /// submits nothing: a host asks before each frame, and draws something else until it is there. A second scene is begun
     /// when the first is made. Dropping the renderer waits for the thread.
@@ -191,7 +208,19 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::record`].
     pub fn is_recordable(&mut self, scene: &Scene, format: Format) -> Result<bool, RenderError> {
-        let destination = Destination::Host(format);
+        self.is_made(scene, Destination::Host { format, has_depth: false })
+    }
+
+    /// The same with the depth of the picture: of [`HostCommands::with_depth`].
+    ///
+    /// # Errors
+    /// As [`Renderer::record`].
+    pub fn is_recordable_with_depth(&mut self, scene: &Scene, format: Format) -> Result<bool, RenderError> {
+        self.is_made(scene, Destination::Host { format, has_depth: true })
+    }
+
+    /// Whether all is made that a scene is recorded with, which is begun where it is not.
+    fn is_made(&mut self, scene: &Scene, destination: Destination) -> Result<bool, RenderError> {
         let (scene, variant) = self.recorded(scene, scene.image.size)?;
         let is_made = self.coming.as_ref().is_some_and(Coming::is_made);
         if let Some(coming) = self.coming.take_if(|_| is_made) {
@@ -209,7 +238,8 @@ impl Renderer {
     }
 
     /// Records a picture of a scene over what is in a host's image: slices back to front, or rays. The size of the image
-    /// stands for `image.size`, and its format for `quality.target`.
+    /// stands for `image.size`, and its format for `quality.target`. Commands [with depth](HostCommands::with_depth) draw what
+    /// [`Renderer::render_depth`] gives as well.
     ///
     /// The picture is that of [`render`]. Nothing is submitted, and nothing on the device is waited for, with one exception:
     /// the shadow volume of a scene with `light.shadows` is cast anew, by submissions that are waited for, wherever its time,
@@ -220,9 +250,10 @@ impl Renderer {
     /// and pipelines that are missing are made here, by the calling thread: ask [`Renderer::is_recordable`] first.
     ///
     /// # Errors
-    /// As [`render`]; or the scene has `quality.msaa` or `quality.supersampling` above 1, or half-angle slices.
+    /// As [`render`]; or the scene has `quality.msaa` or `quality.supersampling` above 1, or half-angle slices; with depth, as
+    /// [`Renderer::render_depth`].
     pub fn record(&mut self, commands: &mut HostCommands<'_>, scene: &Scene) -> Result<Recording, RenderError> {
-        let destination = Destination::Host(commands.format());
+        let destination = Destination::Host { format: commands.format(), has_depth: commands.has_depth() };
         let (scene, variant) = self.recorded(scene, commands.size())?;
         if let Some(coming) = self.coming.take_if(|coming| coming.serves(&scene, &variant, destination)) {
             self.take(coming, (&scene, &variant, destination))?;

@@ -22,7 +22,7 @@ const STAND_INS: [(&str, &str); 6] = [
     ("ffmpeg", "for output; do :; done\necho video > \"$output\""),
 ];
 /// Words behind which a line names a file that it writes.
-const WRITES: [&str; 7] = ["-o", ">", "--json", "--html", "--save-scene", "--error-map", "--validity"];
+const WRITES: [&str; 8] = ["-o", ">", "--json", "--html", "--save-scene", "--error-map", "--validity", "--depth-map"];
 
 /// The lines of a page, and the scripts in it as files: each is named by the line below it.
 fn lines(page: &str, folder: &Path) -> Vec<String> {

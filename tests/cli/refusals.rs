@@ -338,6 +338,7 @@ fn no_file_is_written_over_another_that_the_command_reads_or_writes() {
             ("render torus -o x.png --save-scene ../work/x.png", &["--save-scene ../work/x.png: ", goes]),
             ("render torus -o x.png --error-map ./x.png", &["--error-map ./x.png: ", goes]),
             ("render torus --error-map y.png --validity y.png", &["--validity y.png: --error-map goes there"]),
+            ("render torus --error-map y.exr --depth-map y.exr", &["--depth-map y.exr: --error-map goes there"]),
             ("render torus --validity y.png --save-scene y.png", &["--validity y.png: --save-scene goes there"]),
             ("render torus --frames 0..3 -o f_#.png --save-scene f_2.png", &["--save-scene f_2.png: ", goes]),
             ("render torus --frames 0..3 -o f.png --save-scene f.png.frames", &["--save-scene f.png.frames: ", goes]),

@@ -21,13 +21,13 @@ const CENTER: Vec3 = Vec3::new(5.0, -1.0, 0.5);
 const RADIUS: f32 = 0.8;
 
 /// A ball aside of the axis of view, three times as large as in its own space.
-fn view() -> Mat4 {
+pub(super) fn view() -> Mat4 {
     let turn = Quat::from_euler(EulerRot::YXZ, 0.7, -0.3, 0.2);
     Mat4::from_scale_rotation_translation(Vec3::splat(3.0), turn, Vec3::new(1.5, -1.0, -20.0))
 }
 
 /// A projection whose y points up, or down for a sign below 0.
-fn projection(kind: Projection, sign: f32) -> Mat4 {
+pub(super) fn projection(kind: Projection, sign: f32) -> Mat4 {
     let [x, y] = HALF.map(|half| 1.0 / half as f32);
     let [a, b] = SHIFT.map(|shift| shift as f32);
     match kind {

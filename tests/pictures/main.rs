@@ -14,6 +14,7 @@ mod bandlimit;
 mod classification;
 mod custom;
 mod debug_views;
+mod depth;
 mod dmf;
 mod edges;
 mod engine;

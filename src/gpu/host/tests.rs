@@ -32,17 +32,20 @@ fn host() -> [Gpu; 2] {
 struct Flight<'a> {
     own: &'a Gpu,
     image: Image,
+    depth: Option<Image>,
     buffer: vk::CommandBuffer,
     fence: vk::Fence,
     recording: Option<Recording>,
 }
 
 impl<'a> Flight<'a> {
-    /// Records a picture over a color.
-    fn recorded(own: &'a Gpu, gpu: &Gpu, renderer: &mut Renderer, scene: &Scene) -> Flight<'a> {
+    /// Records a picture over a color, with its depth or without.
+    fn recorded(own: &'a Gpu, gpu: &Gpu, renderer: &mut Renderer, scene: &Scene, has_depth: bool) -> Flight<'a> {
         use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
         let size = Dimension::Plane(SIZE[0], SIZE[1]);
         let image = Image::new(own, "host", size, FORMAT, ImageUse::Target(1)).unwrap();
+        let depth = Image::new(own, "depth", size, Format::R32Float, ImageUse::Target(1)).unwrap();
+        let depth = has_depth.then_some(depth);
         let device = &own.0.device;
         let info = vk::CommandBufferAllocateInfo::default().command_pool(own.0.pool.handle).command_buffer_count(1);
         // SAFETY: the test is the only user of the device, and waits for what it submits.
@@ -50,15 +53,21 @@ impl<'a> Flight<'a> {
             let buffer = device.allocate_command_buffers(&info).unwrap()[0];
             device.begin_command_buffer(buffer, &vk::CommandBufferBeginInfo::default()).unwrap();
             let mut commands = Commands { gpu: own, buffer };
-            commands.render(Target::of(&image), Load::Clear(BEHIND), |_| ());
             let (output, write) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
             let blend = write | Access::COLOR_ATTACHMENT_READ;
-            commands.transition(&image, Layout::COLOR_ATTACHMENT_OPTIMAL, output, write, output, blend);
-            let target = HostTarget { view: image.view, format: FORMAT.vk(), size: SIZE };
-            let recording = renderer.record(&mut gpu.host_commands(buffer, target).unwrap(), scene).unwrap();
+            for image in [Some(&image), depth.as_ref()].into_iter().flatten() {
+                commands.render(Target::of(image), Load::Clear(BEHIND), |_| ());
+                commands.transition(image, Layout::COLOR_ATTACHMENT_OPTIMAL, output, write, output, blend);
+            }
+            let target = |image: &Image| HostTarget { view: image.view, format: image.format().vk(), size: SIZE };
+            let mut host = gpu.host_commands(buffer, target(&image)).unwrap();
+            if let Some(depth) = &depth {
+                host = host.with_depth(target(depth)).unwrap();
+            }
+            let recording = renderer.record(&mut host, scene).unwrap();
             device.end_command_buffer(buffer).unwrap();
             let fence = device.create_fence(&vk::FenceCreateInfo::default(), None).unwrap();
-            Flight { own, image, buffer, fence, recording: Some(recording) }
+            Flight { own, image, depth, buffer, fence, recording: Some(recording) }
         }
     }
 
@@ -69,11 +78,12 @@ impl<'a> Flight<'a> {
         unsafe { self.own.0.device.queue_submit(*self.own.queue(), &submits, self.fence) }.unwrap();
     }
 
-    /// What the host sees, once it is drawn.
-    fn seen(self) -> Vec<[f32; 4]> {
+    /// What the host sees, once it is drawn: the picture, and its depth.
+    fn seen(self) -> (Vec<[f32; 4]>, Option<Vec<f32>>) {
         // SAFETY: the fence belongs to the device.
         unsafe { self.own.0.device.wait_for_fences(&[self.fence], true, u64::MAX) }.unwrap();
-        self.image.read().unwrap()
+        let depth = |image: &Image| image.read().unwrap().into_iter().map(|[depth, ..]| depth).collect();
+        (self.image.read().unwrap(), self.depth.as_ref().map(depth))
     }
 }
 
@@ -95,9 +105,15 @@ fn worst(rendered: &[[f32; 4]], seen: &[[f32; 4]]) -> f32 {
     rendered.iter().zip(seen).map(off).fold(0.0, f32::max)
 }
 
-/// What a host sees of a picture.
-fn recorded(own: &Gpu, gpu: &Gpu, renderer: &mut Renderer, scene: &Scene) -> Vec<[f32; 4]> {
-    let flight = Flight::recorded(own, gpu, renderer, scene);
+/// What a host sees of a picture, and its depth.
+fn recorded(
+    own: &Gpu,
+    gpu: &Gpu,
+    renderer: &mut Renderer,
+    scene: &Scene,
+    has_depth: bool,
+) -> (Vec<[f32; 4]>, Option<Vec<f32>>) {
+    let flight = Flight::recorded(own, gpu, renderer, scene, has_depth);
     flight.submit();
     flight.seen()
 }
@@ -119,8 +135,10 @@ fn a_recorded_picture_is_that_of_render_over_what_the_host_has_drawn() {
         for pass in [Pass::Slices, Pass::March] {
             scene.quality.pass = pass;
             let frame = render(&own, &library, &scene, &subject).unwrap();
+            let deep = Renderer::new(&own, &library, &subject).render_depth(&scene).unwrap();
             // Twice: the second picture is made of what the first has left.
-            for found in [(); 2].map(|()| recorded(&own, &gpu, &mut renderer, &scene)) {
+            for (found, depth) in [false, true].map(|depth| recorded(&own, &gpu, &mut renderer, &scene, depth)) {
+                assert!(depth.is_none_or(|depth| depth == deep), "{name}, {pass:?}: another depth");
                 let worst = worst(&frame.pixels, &found);
                 assert!(worst < 1e-5, "{name}, {pass:?}: {worst}");
                 assert!(frame.pixels.iter().any(|pixel| pixel[3] > 0.5), "{name}: nothing is drawn");
@@ -139,6 +157,21 @@ fn a_recorded_picture_is_that_of_render_over_what_the_host_has_drawn() {
         }
         let Err(GpuError::Unsupported { what, .. }) = commands(SIZE, vk::Format::R8_SINT) else { panic!() };
         assert_eq!(what, "blending into R8_SINT");
+        for (size, format, said) in [
+            (SIZE, vk::Format::D32_SFLOAT, "depth in D32_SFLOAT: use an image of R32_SFLOAT"),
+            ([48, 41], Format::R32Float.vk(), "depth of 48 x 41 pixels: use an image of 48 x 40 as the picture's"),
+        ] {
+            // SAFETY: nothing is recorded.
+            let depth = unsafe {
+                let view = vk::ImageView::null();
+                commands(SIZE, FORMAT.vk()).unwrap().with_depth(HostTarget { view, format, size })
+            };
+            let refused = depth.map(drop).unwrap_err();
+            assert!(
+                matches!(refused, GpuError::Unsupported { .. }) && refused.to_string().ends_with(said),
+                "{refused}"
+            );
+        }
     }
     drop(gpu);
     drop(own);
@@ -159,11 +192,11 @@ fn moving_frames_of_a_host_are_recorded_without_a_wait() {
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
         let mut renderer = Renderer::new(&gpu, &library, &subject);
         renderer.stand_for([640, 480]); // cells pay
-        while !renderer.is_recordable(&scene, FORMAT).unwrap() {
+        while !renderer.is_recordable_with_depth(&scene, FORMAT).unwrap() {
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
         // A frame that the host throws away: what it was to copy the next one copies.
-        if let Some(recording) = Flight::recorded(&own, &gpu, &mut renderer, &scene).recording.take() {
+        if let Some(recording) = Flight::recorded(&own, &gpu, &mut renderer, &scene, true).recording.take() {
             recording.discard();
         }
         let mut truth = Renderer::new(&own, &library, &subject);
@@ -171,13 +204,17 @@ fn moving_frames_of_a_host_are_recorded_without_a_wait() {
         let mut check = |(time, flight): (f64, Flight<'_>)| {
             let mut then = scene.clone();
             then.camera.time = time;
-            let worst = worst(&truth.render(&then).unwrap().pixels, &flight.seen());
+            let (seen, depth) = flight.seen();
+            let worst = worst(&truth.render(&then).unwrap().pixels, &seen);
             assert!(worst < 1e-5, "{name} at {time} s: {worst}");
+            let is_that = |depth| depth == truth.render_depth(&then).unwrap();
+            assert!(depth.is_none_or(is_that), "{name} at {time} s: another depth");
         };
         let mut moving = scene.clone();
         for frame in 0..60 {
             moving.camera.time = f64::from(frame) / 30.0;
-            in_flight.push_back((moving.camera.time, Flight::recorded(&own, &gpu, &mut renderer, &moving)));
+            let flight = Flight::recorded(&own, &gpu, &mut renderer, &moving, frame % 4 == 0);
+            in_flight.push_back((moving.camera.time, flight));
             in_flight.iter().last().into_iter().for_each(|(_, flight)| flight.submit());
             // The second half has cells, however slow the machine is.
             while frame == 30 && renderer.recorded_cells() == (false, 0.0) {

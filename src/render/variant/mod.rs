@@ -32,7 +32,9 @@ const LIGHT_ENTRIES: [&str; 2] = ["light.vert", "light.frag"];
 const PROBE_ENTRIES: [&str; 2] = ["march.vert", "probe.frag"];
 /// The entry files of the program that says where there is matter.
 const CELL_ENTRIES: [&str; 2] = ["march.vert", "cell.frag"];
-/// What the program of shadows has in place of the modules that color and light matter.
+/// The entry files of the program that gives the depth of a picture.
+const DEPTH_ENTRIES: [&str; 2] = ["march.vert", "depth.frag"];
+/// What programs of shadows and depth have in place of the modules that color and light matter.
 const SHADOW_SLOTS: [(&str, &str); 4] =
     [("surface", "unlit"), ("medium", "material"), ("shadow", "none"), ("gradient", "analytic")];
 
@@ -181,9 +183,22 @@ impl Variant {
         let mut scene = scene.clone();
         scene.quality.integration = Integration::Point; // a segment of the light holds many samples
         scene.quality.samples = SHADOW_SAMPLES;
+        self.of_matter(&scene, library, entries)
+    }
+
+    /// The modules that give the depth of a picture of a scene by rays, as those of the shadow: it takes the same samples.
+    ///
+    /// # Errors
+    /// As [`Variant::shadow`].
+    pub fn depth(&self, scene: &Scene, library: &Library) -> Result<Variant, VariantError> {
+        self.of_matter(scene, library, DEPTH_ENTRIES)
+    }
+
+    fn of_matter(&self, scene: &Scene, library: &Library, entries: [&'static str; 2]) -> Result<Variant, VariantError> {
+        let is_light = entries != DEPTH_ENTRIES;
         let mut choice = scene.slots(library);
         choice.extend(self.kept());
-        let fades = self.slots.iter().any(|(key, names)| key.ends_with("bandlimit") && names != &["none"]);
+        let fades = self.slots.iter().any(|(key, names)| is_light && key.ends_with("bandlimit") && names != &["none"]);
         for (key, names) in &mut choice {
             let slot = slot_of(key);
             if slot == "medium" && library.has_extinction(names) {
@@ -199,7 +214,7 @@ impl Variant {
                 *names = vec!["leap".into()];
             } else if slot == "filter" && entries == CELL_ENTRIES {
                 *names = vec!["device".into()]; // which is asked for bounds of its texels, not for a sample
-            } else if slot == "storage" && names == &["anisotropic"] {
+            } else if is_light && slot == "storage" && names == &["anisotropic"] {
                 *names = vec!["dense".into()]; // a sample of the light is wider than a pixel
             }
         }
@@ -286,6 +301,7 @@ impl Variant {
     ) -> Result<Program, VariantError> {
         let key = self.key();
         let ships = SHIPPED_PROGRAMS.binary_search_by(|program| program.0.cmp(&key)).ok();
+        let ships = ships.filter(|_| self.entries != DEPTH_ENTRIES); // a picture has the same modules
         let shipped = ships.filter(|_| *library == crate::shader::shipped()).map(|index| SHIPPED_PROGRAMS[index]);
         let [vertex, fragment] = match shipped {
             Some((_, vertex, fragment)) => [program::words(vertex), program::words(fragment)],
