@@ -4,13 +4,19 @@
 //! The functions of a device are replaced in the table that ash calls through, so that what gpu-allocator calls is among them.
 
 use super::instance::Instance;
-use crate::support::faults::fails;
+use crate::support::faults::{fails, is_lost};
 use ash::{DeviceFnV1_0, DeviceFnV1_3, Entry, vk};
 use std::ffi::c_void;
 use std::sync::OnceLock;
 
+/// Calls that find out that the device is gone.
+pub(super) const LOSING: [&str; 3] = ["vkQueueSubmit2", "vkWaitForFences", "vkGetQueryPoolResults"];
+
 /// What a call says in place of being made: a queue loses its device, a wait is too long, all else finds no memory.
 fn fault(name: &'static str) -> Option<vk::Result> {
+    if LOSING.contains(&name) && is_lost(name) {
+        return Some(vk::Result::ERROR_DEVICE_LOST);
+    }
     let result = match name {
         "vkQueueSubmit2" => vk::Result::ERROR_DEVICE_LOST,
         "vkWaitForFences" => vk::Result::TIMEOUT,
@@ -29,9 +35,9 @@ macro_rules! may_fail {
             unsafe extern "system" fn $call($($argument: $type),*) -> vk::Result {
                 match (fault($name), REAL.get()) {
                     // SAFETY: as below. A wait is made all the same: nothing of a test runs on behind it.
-                    (Some(vk::Result::TIMEOUT), Some(real)) => unsafe {
+                    (Some(result), Some(real)) if $name == "vkWaitForFences" => unsafe {
                         let _ = (real.$table.$call)($($argument),*);
-                        vk::Result::TIMEOUT
+                        result
                     },
                     (Some(result), _) => result,
                     // SAFETY: the arguments are those of the caller, who keeps to what this function of Vulkan demands.

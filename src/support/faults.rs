@@ -8,6 +8,8 @@ thread_local! {
     static LEFT: Cell<Option<usize>> = const { Cell::new(None) };
     /// Calls since then, by name.
     static CALLS: RefCell<Vec<&'static str>> = const { RefCell::new(Vec::new()) };
+    /// The call of this thread that loses its device; empty once it is lost.
+    static LOSES: Cell<Option<&'static str>> = const { Cell::new(None) };
     /// What the validation layer has said to this thread.
     static SAID: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
@@ -24,6 +26,20 @@ pub(crate) fn stop() -> (Vec<&'static str>, bool) {
     let calls = CALLS.take();
     let failed = reached && !calls.is_empty();
     (calls, failed)
+}
+
+/// Lets the next call of this thread with that name lose the device, for good; with none, there is another device.
+pub(crate) fn lose(call: Option<&'static str>) {
+    LOSES.set(call);
+}
+
+/// Whether this call finds no device any more.
+pub(crate) fn is_lost(name: &'static str) -> bool {
+    let is_lost = LOSES.get().is_some_and(|call| call.is_empty() || call == name);
+    if is_lost {
+        LOSES.set(Some(""));
+    }
+    is_lost
 }
 
 /// Whether this call fails.

@@ -1,10 +1,12 @@
 //! What a host sees of pictures in its own commands.
 
 use super::*;
+use crate::gpu::faults::LOSING;
 use crate::gpu::{Alone, Dimension, Image, ImageUse, Load, Options, Target};
-use crate::render::{Renderer, Subject, render};
+use crate::render::{RenderError, Renderer, Subject, render};
 use crate::scene::{Order, Pass, Scene, preset};
 use crate::shader;
+use crate::support::faults::lose;
 use std::collections::VecDeque;
 
 const SIZE: [u32; 2] = [48, 40];
@@ -232,4 +234,44 @@ fn moving_frames_of_a_host_are_recorded_without_a_wait() {
     drop(gpu);
     drop(own);
     assert_eq!(messages.take(), Vec::<String>::new());
+}
+
+#[test]
+#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
+fn a_device_that_is_lost_is_an_error_of_every_call_and_of_no_other_device() {
+    let _alone = Alone::new();
+    let library = shader::shipped();
+    let mut scene = preset("fur").unwrap();
+    scene.object.input = "sphere".into();
+    (scene.image.size, scene.quality.samples, scene.light.shadow_resolution) = (SIZE, 32, 16);
+    let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+    let mut other_light = scene.clone();
+    other_light.light.position[0] += 1.0;
+    let mut pictures = Vec::new();
+    for call in LOSING {
+        let [own, gpu] = host();
+        let messages = own.messages();
+        let mut renderer = Renderer::new(&gpu, &library, &subject);
+        pictures.push(renderer.render(&scene).unwrap().pixels);
+        lose(Some(call));
+        let target = HostTarget { view: vk::ImageView::null(), format: FORMAT.vk(), size: SIZE };
+        // SAFETY: nothing is recorded, since the shadows are not cast.
+        let mut commands = unsafe { gpu.host_commands(vk::CommandBuffer::null(), target) }.unwrap();
+        let done = [
+            renderer.render(&scene).map(drop),
+            renderer.render_depth(&scene).map(drop),
+            renderer.record(&mut commands, &other_light).map(drop),
+            Renderer::new(&gpu, &library, &subject).render(&scene).map(drop),
+        ];
+        for (number, done) in done.into_iter().enumerate() {
+            let is_lost = matches!(&done, Err(RenderError::Gpu(error)) if error.is_lost());
+            assert!(is_lost, "{call}, {number}: {done:?}");
+        }
+        drop(renderer);
+        drop(gpu);
+        lose(None);
+        drop(own);
+        assert_eq!(messages.take(), Vec::<String>::new(), "{call}");
+    }
+    assert!(pictures.iter().all(|picture| *picture == pictures[0]), "another device draws another picture");
 }
