@@ -92,6 +92,7 @@ fn basic_settings_are_fewer() {
     let basic = hand.names(Role::Slider).len();
     hand.click("view.advanced");
     hand.0.run_steps(2);
+    assert!(!has(&hand, "camera.has_matrices"), "32 numbers");
     for advanced in ["effect.turbulence", "quality.block_size", "camera.has_rotation", "object.storage", "validity"] {
         assert!(has(&hand, advanced), "{advanced}");
     }

@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a scene is not as described")]
 
 use crate::common::{picture, subject, with_gpu};
+use crate::engine::{projection, view};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{idle, ignored};
 use hypertexture::scene::{Pass, Scene, preset};
@@ -244,6 +245,22 @@ fn nothing_is_said_of_what_was_not_set_or_only_makes_it_sooner() {
         several.set_field(field, value).unwrap();
     }
     assert_eq!(ignored(&library, &subject, &base, &several), ["effect.octaves = 6", "quality.seed = 9"]);
+}
+
+#[test]
+fn a_camera_of_matrices_reads_no_orbit() {
+    let library = shader::shipped();
+    let mut base = scene("lit", "sphere", |_| ());
+    base.camera.look_through(view(), projection(base.camera.projection, 1.0)).unwrap();
+    let (subject, mut set) = (subject(&base, &library), base.clone());
+    let orbit = ["camera.azimuth", "camera.elevation", "camera.zoom", "camera.pan", "camera.field_of_view"];
+    for (field, value) in FIELDS.into_iter().filter(|(field, _)| orbit.contains(field)) {
+        set.set_field(field, value).unwrap();
+    }
+    set.set_field("camera.rotation", "[1, 0, 0, 0]").unwrap();
+    assert_eq!(ignored(&library, &subject, &base, &set).len(), orbit.len() + 1);
+    let idle = idle(&library, &subject, &base, &|| false);
+    assert!(orbit.iter().chain(&["camera.rotation"]).all(|field| idle.iter().any(|own| own == field)), "{idle:?}");
 }
 
 #[test]

@@ -14,6 +14,9 @@ const DRAG: f32 = 1.0 / 400.0;
 /// Modules of `classify` that a scene takes by its integration or its objects, never by name.
 const NOT_CHOSEN: [&str; 4] = ["objects", "stack", "surface_segment", "soft_segment"];
 
+/// The setting that a program makes, and no hand: 32 numbers.
+const MADE: &str = "camera.matrices";
+
 /// Settings that are there without the advanced ones.
 const BASIC: [&str; 24] = [
     "object.input",
@@ -78,7 +81,7 @@ pub(super) fn show_some(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, name: &s
 }
 
 fn control(ui: &mut Ui, pass: &mut Pass<'_>, prefix: &str, setting: &Setting, offered: &dyn Fn(u32) -> bool) {
-    if pass.advanced || is_basic(setting) {
+    if (pass.advanced || is_basic(setting)) && setting.name != MADE {
         let name = format!("{prefix}{}", setting.name);
         pass.dimmed(ui, &name, |ui, pass| rows(ui, pass, prefix, setting, offered));
     }
