@@ -1,5 +1,5 @@
 #version 450
-// Where one ray through the picture has met half of what would be opaque.
+// Depth at which one ray through the picture has met an opacity of 1/2.
 // Source: ours; the samples are those of PH 3.1: see march.glsl.
 // Result: depth along the axis of view, object units; infinite where the opacity stays below 1/2.
 #include "interface.glsl"

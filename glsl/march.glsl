@@ -1,4 +1,4 @@
-// What a march does with each ray of a picture: samples where the slices are, front to back.
+// One ray of a march: samples where the slices are, front to back.
 // Source: PH 3.1; MJ 7 (fragment shader loops). The samples are those of the slice pass, so that both give one picture.
 // The entry declares position_eye and says what it asks for, of sum, the matter so far, premultiplied linear RGBA:
 // MEETS(matter, k) adds that of the sample k steps behind the first slice, ENDS is whether nothing behind is asked for, and

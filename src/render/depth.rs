@@ -14,7 +14,7 @@ use crate::scene::{Pass, RayPath, Scene};
 use crate::shader::{Library, Linker};
 use std::sync::Arc;
 
-/// What draws the depth of a scene's pictures, made once.
+/// Program and pipeline of the depth of a scene's pictures, made once.
 #[derive(Clone)]
 pub(super) struct Depth {
     program: Program,
@@ -49,7 +49,7 @@ pub(super) fn by_rays(scene: &Scene, library: &Library) -> Result<Scene, RenderE
 }
 
 impl Depth {
-    /// `made` may serve: one of a scene with as many octaves.
+    /// Links and compiles it, unless `made`, of a scene with as many octaves, serves.
     pub(super) fn new(
         gpu: &Gpu,
         library: &Library,
@@ -67,13 +67,13 @@ impl Depth {
         Ok(Depth { program, pipeline: Arc::new(pipeline), pace: Pace::default() })
     }
 
-    /// Binds what the picture reads, as it was filled last.
+    /// Binds the images of the picture and the values filled last.
     pub(super) fn bind(&self, gpu: &Gpu, bound: &BoundInputs) -> Result<BindSet, RenderError> {
         let blocks = bind::buffers(gpu, &bound.blocks_of(&self.program)?)?;
         Ok(self.pipeline.bind(&bound.with(&blocks))?)
     }
 
-    /// Draws it, row by row from the top; ends where it is to `stop`, after so many milliseconds.
+    /// Draws it: object units, row by row from the top. It ends where it is to `stop`, after so many milliseconds.
     pub(super) fn draw(
         &mut self,
         gpu: &Gpu,

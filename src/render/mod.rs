@@ -206,7 +206,7 @@ pub enum RenderError {
         "a picture that is recorded for a host has one sample of each pixel and no light that goes from slice to slice; use {0}"
     )]
     Recorded(&'static str),
-    /// What has no depth.
+    /// A scene without a depth.
     #[error("rays that bend, and slices that are looked at from the side, have no depth; use {0}")]
     Depth(&'static str),
     /// Something more urgent is to be drawn: see [`Renderer::stop_where`].

@@ -32,7 +32,7 @@ pub(super) enum Destination {
 }
 
 impl Destination {
-    /// Whether what is made for it serves another one.
+    /// Whether a scene prepared for it serves another one as well.
     pub(super) fn serves(self, other: Destination) -> bool {
         match (self, other) {
             (Destination::Host { format, has_depth }, Destination::Host { format: of_other, has_depth: wanted }) => {
@@ -64,7 +64,7 @@ struct Pipelines {
     caster: Option<Caster>,
     /// What hands the light from slice to slice, in a scene that has it do so.
     half_angle: Option<HalfAngle>,
-    /// What draws the depth, once it was asked for.
+    /// Program and pipeline of the depth, once it was asked for.
     depth: Option<Depth>,
     /// What submissions of its pictures have taken.
     pace: Pace,

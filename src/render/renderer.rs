@@ -219,7 +219,7 @@ impl Renderer {
         self.is_made(scene, Destination::Host { format, has_depth: true })
     }
 
-    /// Whether all is made that a scene is recorded with, which is begun where it is not.
+    /// Whether a scene can be recorded at once; begins the missing parts.
     fn is_made(&mut self, scene: &Scene, destination: Destination) -> Result<bool, RenderError> {
         let (scene, variant) = self.recorded(scene, scene.image.size)?;
         let is_made = self.coming.as_ref().is_some_and(Coming::is_made);

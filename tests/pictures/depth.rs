@@ -4,9 +4,10 @@ use crate::common::{Ray, box_subject, formula, homogeneous, rays, with_gpu};
 use crate::engine::{projection, view};
 use glam::{DMat4, DVec3, Vec3};
 use hypertexture::gpu::Gpu;
+use hypertexture::render::variant::{Use, Variant};
 use hypertexture::render::{RenderError, Renderer, Subject};
-use hypertexture::scene::{Integration, LightMethod, Pass, Projection, RayPath, Scene, preset};
-use hypertexture::shader::shipped;
+use hypertexture::scene::{Integration, LightMethod, Pass, Projection, RayPath, Scene, names, preset};
+use hypertexture::shader::{Linker, shipped};
 
 /// Half sides of a slab whose faces lie between two samples where these are a multiple of 12.
 const SLAB: Vec3 = Vec3::new(2.0 / 3.0, 2.0 / 3.0, 1.0 / 3.0);
@@ -198,4 +199,36 @@ fn a_picture_that_is_not_where_its_rays_go_has_no_depth() {
         (stack.camera.slice_stack, stack.quality.pass) = (true, Pass::Slices);
         refused(gpu, &stack, "use camera.slice_stack = false");
     });
+}
+
+#[test]
+fn its_program_reads_no_image_that_the_picture_does_not() {
+    let (library, mut tried) = (shipped(), 0);
+    let ways: [&[(&str, &str)]; 3] = [
+        &[],
+        &[("quality.integration", "segment"), ("quality.jitter", "blue"), ("quality.anisotropy", "4")],
+        &[("object.storage", "sparse"), ("effect.gradient", "central"), ("light.shadows", "true")],
+    ];
+    let scenes = names().flat_map(|name| ["march", "slices"].map(|pass| (name, pass)));
+    for ((name, pass), way) in scenes.zip(ways.into_iter().cycle()) {
+        let mut scene = preset(name).unwrap();
+        scene.set_field("quality.pass", pass).unwrap();
+        way.iter().for_each(|(field, value)| drop(scene.set_field(field, value)));
+        let mut by_rays = scene.clone();
+        (by_rays.quality.pass, by_rays.light.shadows) = (Pass::March, false);
+        if scene.effect.ray_path == RayPath::Refracted
+            || scene.check(&library).is_err()
+            || by_rays.check(&library).is_err()
+        {
+            continue;
+        }
+        let variant = Variant::of(&scene, &library).unwrap();
+        let picture = variant.program(&library, Linker::new).unwrap();
+        let depth = variant.depth(&by_rays, &library).unwrap().program(&library, Linker::new).unwrap();
+        for image in depth.resources.iter().filter(|resource| !matches!(resource.holds, Use::Block(_))) {
+            assert!(picture.reads(&image.name), "{name} by {pass}, {way:?}: {}", image.name);
+        }
+        tried += 1;
+    }
+    assert!(tried > 20, "{tried} scenes");
 }

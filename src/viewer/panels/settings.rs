@@ -14,7 +14,7 @@ const DRAG: f32 = 1.0 / 400.0;
 /// Modules of `classify` that a scene takes by its integration or its objects, never by name.
 const NOT_CHOSEN: [&str; 4] = ["objects", "stack", "surface_segment", "soft_segment"];
 
-/// The setting that a program makes, and no hand: 32 numbers.
+/// The setting that programs make, and no hand: 32 numbers.
 const MADE: &str = "camera.matrices";
 
 /// Settings that are there without the advanced ones.
