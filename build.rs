@@ -1,30 +1,12 @@
-//! Embeds the GLSL modules and compiles the programs listed in `glsl/variants`, through the very library and linker
-//! that the program uses at run time.
+//! Embeds the GLSL modules and compiles the programs listed in `glsl/variants`, through the library and linker that the
+//! program uses at run time.
 
-#[allow(dead_code)]
-#[path = "src/shader"]
-mod shader {
-    pub mod combine;
-    mod declare;
-    mod drift;
-    mod error;
-    mod file;
-    mod glslang;
-    mod instance;
-    mod layers;
-    pub mod library;
-    pub mod link;
-    mod names;
-    mod reach;
-    mod rounding;
-    pub mod stage;
-}
-
-use shader::library::{Library, Slots};
-use shader::link::Linker;
-use shader::stage::Stage;
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
+use glsl::{Library, Linker, Slots, Stage};
 use std::error::Error;
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
@@ -40,24 +22,17 @@ const NAMED: [(&str, [[&str; 2]; 1]); 5] = [
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!("cargo::rerun-if-changed=glsl");
-    println!("cargo::rerun-if-changed=src/shader");
-    switch("HYPERTEXTURE_NO_GPU", "no_gpu");
-    switch("HYPERTEXTURE_NO_DISPLAY", "no_display");
-    switch("HYPERTEXTURE_DATA", "test_data");
+    test_switches::set();
     let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?).join("glsl");
     let out = PathBuf::from(env::var("OUT_DIR")?);
-    let mut files = Vec::new();
-    collect(&root, &root, &mut files)?;
-    files.sort();
-
+    let library = Library::read(&root)?;
     let mut sources = String::from("static SHIPPED_SOURCES: &[(&str, &str)] = &[\n");
-    for (path, text) in &files {
+    for (path, text) in library.sources() {
         writeln!(sources, "    ({path:?}, {text:?}),")?;
     }
     sources.push_str("];\n");
     fs::write(out.join("library.rs"), sources)?;
 
-    let library = Library::new(files);
     let linker = Linker::new()?;
     let mut programs: Vec<(String, String)> = Vec::new();
     for (number, line) in fs::read_to_string(root.join("variants"))?.lines().enumerate() {
@@ -74,7 +49,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             for (entry, stage, end) in [(entries[0], Stage::Vertex, "vert"), (entries[1], Stage::Fragment, "frag")] {
                 let spirv = linker.link(&library, entry, stage, &entries, &slots).map_err(|error| fail(&error))?;
                 let bytes: Vec<u8> = spirv.iter().flat_map(|word| word.to_le_bytes()).collect();
-                fs::write(out.join(format!("{name}.{end}")), bytes)?;
+                let file = fs::File::create(out.join(format!("{name}.{end}")))?;
+                DeflateEncoder::new(file, Compression::best()).write_all(&bytes)?; // ends the stream where it is dropped
             }
             programs.push((key(&slots), name));
         }
@@ -106,29 +82,6 @@ fn window(out: &Path) -> Result<(), Box<dyn Error>> {
     for (name, stage) in FILES {
         let spirv = Linker::new()?.link(&library, name, stage, &[name], &Slots::new())?;
         fs::write(out.join(name), spirv.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>())?;
-    }
-    Ok(())
-}
-
-/// Sets `cfg` where an environment variable is set, so that a test that cannot run counts as ignored, never as passed.
-fn switch(variable: &str, cfg: &str) {
-    println!("cargo::rerun-if-env-changed={variable}");
-    println!("cargo::rustc-check-cfg=cfg({cfg})");
-    if env::var_os(variable).is_some_and(|value| !value.is_empty() && value != "0") {
-        println!("cargo::rustc-cfg={cfg}");
-    }
-}
-
-/// Every file below `folder` but the table of variants, by its path relative to `root`.
-fn collect(root: &Path, folder: &Path, files: &mut Vec<(String, String)>) -> Result<(), Box<dyn Error>> {
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.is_dir() {
-            collect(root, &path, files)?;
-        } else if path.extension().is_some() {
-            let relative = path.strip_prefix(root)?.to_string_lossy().replace('\\', "/");
-            files.push((relative, fs::read_to_string(&path)?));
-        }
     }
     Ok(())
 }

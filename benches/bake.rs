@@ -11,7 +11,7 @@ use bench::Spread;
 use fastnoise_lite::{FastNoiseLite, NoiseType};
 use hypertexture::noise::{Bake, Weights};
 use hypertexture::render::texture::{Depth, block_gradients};
-use noise::{NoiseFn, Perlin};
+use noise_rs::{NoiseFn, Perlin};
 use rayon::prelude::*;
 use std::hint::black_box;
 use std::time::Instant;

@@ -11,7 +11,7 @@ mod bench;
 mod probe;
 
 use bench::Spread;
-use hypertexture::exact::{Affine, BoundProgram, Interval, Lanes, Number};
+use hypertexture::eval::{Affine, BoundProgram, Interval, Lanes, Number};
 use hypertexture::render::variant::Variant;
 use hypertexture::scene;
 use hypertexture::shader;

@@ -14,10 +14,10 @@ mod peer;
 
 use bench::Spread;
 use hypertexture::gpu::Gpu;
-use hypertexture::measure::verify;
 use hypertexture::render::{Frame, Renderer, Subject};
 use hypertexture::scene::{Integration, Pass, Projection, Scene};
 use hypertexture::shader::Library;
+use measure::verify;
 use std::time::Instant;
 
 const REPEATS: usize = 5;

@@ -14,14 +14,14 @@ mod bench;
 mod random_scene;
 
 use bench::Spread;
-use hypertexture::measure::compare::candidates::{Sweep, candidates};
-use hypertexture::measure::compare::{Row, Settings, Stage, compare};
-use hypertexture::measure::metric::{Errors, Metric};
-use hypertexture::measure::pick::{ErrorBound, PickError, pick};
-use hypertexture::measure::reference::{TOLERANCE, reference, truth_of};
 use hypertexture::render::{Renderer, Subject};
 use hypertexture::scene::Scene;
 use hypertexture::shader::{self, Library};
+use measure::compare::candidates::{Sweep, candidates};
+use measure::compare::{Row, Settings, Stage, compare};
+use measure::metric::{Errors, Metric};
+use measure::pick::{ErrorBound, PickError, pick};
+use measure::reference::{TOLERANCE, reference, truth_of};
 use random_scene::{SplitMix, random_scene, within};
 use std::sync::Arc;
 

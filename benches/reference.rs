@@ -5,10 +5,10 @@
 //! how many pixels bounds prove.
 #![expect(clippy::unwrap_used, reason = "a bench stops where something is not as described")]
 
-use hypertexture::measure::reference::{TOLERANCE, reference_pixels, truth_of};
 use hypertexture::render::Subject;
 use hypertexture::scene;
 use hypertexture::shader;
+use measure::reference::{TOLERANCE, reference_pixels, truth_of};
 use std::time::Instant;
 
 /// Seconds of processor time of this process; 0 where the system does not say.

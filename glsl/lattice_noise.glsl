@@ -1,7 +1,7 @@
 // Gradient noise of a lattice whose directions come from an integer hash: no memory, and a period that can be chosen.
 // Source: PH 2.3 (lattice gradients); a hash in place of its tables. Each lattice point has one of 24 directions, (a, a, c)
 // in every order and with every sign, whose moments up to the fifth order are those of the sphere: none is favored.
-// src/noise/lattice.rs is the same noise in f64, of which the blocks are made.
+// crates/noise/src/lattice.rs is the same noise in f64, of which the blocks are made.
 // p: lattice cells; mask: one less than the cells after which the lattice repeats, a power of two up to 2^20; result:
 // |noise| <= 0.866, gradient per cell in xyz and noise in w.
 #include "corners.glsl"

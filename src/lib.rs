@@ -49,27 +49,16 @@
 //! In the folder `examples`: `headless` (a picture in a few lines), `embed` (a scene in a host's own image), `custom_effect`.
 //!
 //! # Features
-//! `glsl` (a GLSL compiler), `measure` (references, comparisons, fastest settings; with `glsl`), `viewer` (the window, with
-//! `measure`), `cli` (the program, with `measure`); all by default. Without any: fields, scenes, files, and pictures by the
-//! programs that ship, which are those of the six effects by rays. Modules of one's own and all other scenes need `glsl`.
+//! `glsl` (on by default): a GLSL compiler, for modules of one's own. Without it: fields, scenes, files, and pictures by the
+//! programs that ship, which are those of the six effects by rays. `window`: devices that draw into windows.
 
-#[cfg(feature = "cli")]
-#[doc(hidden)] // what `main` calls
-pub mod cli;
-pub mod exact;
-pub mod field;
 pub mod gpu;
-#[cfg(feature = "measure")]
-pub mod measure;
-pub mod noise;
 pub mod output;
 pub mod render;
 pub mod scene;
 pub mod shader;
-pub mod shape;
-mod support;
-#[cfg(feature = "viewer")]
-pub mod viewer;
+
+pub use {eval, field, noise, shape};
 
 /// Vectors and matrices, as this crate takes and gives them.
 pub use glam;

@@ -5,8 +5,8 @@
 mod common;
 
 use common::{rays, with_gpu};
-use hypertexture::measure::verify::{self, AnalyticCase, Bench, Measure, Row, SLANTED, TRUTHS, Truth};
 use hypertexture::scene::{Pass, Projection};
+use measure::verify::{self, AnalyticCase, Bench, Measure, Row, SLANTED, TRUTHS, Truth};
 use std::collections::BTreeSet;
 use std::time::Instant;
 

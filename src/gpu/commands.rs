@@ -1,11 +1,11 @@
 //! Recording and submission: every submission is timed and waited for.
 
 use super::{BindSet, Buffer, Gpu, GpuError, Image, Named, Pipeline};
-use crate::support::watch::{Excess, Watch};
 use ash::vk;
 use std::ops::Range;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
+use support::watch::{Excess, Watch};
 
 /// A submission that takes longer is given up. Shorter: slow devices fail on large images. Longer: a hang looks like
 /// patience; a desktop resets the device after two seconds anyway.

@@ -3,13 +3,14 @@
 use super::instance::Instance;
 use super::memory::ALLOCATED_AT_ONCE;
 use super::{Format, GpuError, Messages, Named};
-use crate::support::disk_cache::{self, Kind};
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::c_char;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
+use support::disk_cache::{self, Kind};
+use support::faults;
 
 /// Compiled pipelines: one file for each driver, which none evicts.
 const PIPELINES: Kind = Kind { ends: &[], limit: 256 << 20 };
@@ -26,10 +27,9 @@ pub struct Options {
     pub cache: Option<PathBuf>,
 }
 
-#[cfg(test)]
 impl Options {
-    /// For tests: on the device that `HYPERTEXTURE_DEVICE` names.
-    pub(crate) fn of_tests() -> Options {
+    /// The device that the environment variable `HYPERTEXTURE_DEVICE` names, as in the program and in tests.
+    pub fn from_env() -> Options {
         Options { device: std::env::var("HYPERTEXTURE_DEVICE").ok(), ..Options::default() }
     }
 }
@@ -86,7 +86,7 @@ pub(super) struct Shared {
     pub(super) device: Device,
     pub(super) info: DeviceInfo,
     /// Family of the queue: what egui draws with is made for it.
-    #[cfg(any(feature = "viewer", test))]
+    #[cfg(any(feature = "window", test))]
     pub(super) family: u32,
     pub(super) physical: vk::PhysicalDevice,
     pub(super) instance: Instance,
@@ -182,8 +182,7 @@ impl Gpu {
         let wanted = options.device.as_deref().unwrap_or_default();
         let (physical, family, device_info) = choose(&instance.raw, wanted, fits)?;
         let raw = create_device(&instance.raw, physical, family, extensions)?;
-        #[cfg(test)]
-        let raw = super::faults::armed(&instance, raw);
+        let raw = if faults::are_on() { super::faults::armed(&instance, raw) } else { raw };
         // SAFETY: the device was just made with one queue of this family.
         let queue = unsafe { raw.get_device_queue(family, 0) };
         let device = Device { raw, hosted: false };
@@ -230,7 +229,7 @@ impl Gpu {
             waits: AtomicU64::new(0),
             device,
             info: device_info,
-            #[cfg(any(feature = "viewer", test))]
+            #[cfg(any(feature = "window", test))]
             family,
             physical,
             instance,

@@ -4,10 +4,10 @@
 //! The functions of a device are replaced in the table that ash calls through, so that what gpu-allocator calls is among them.
 
 use super::instance::Instance;
-use crate::support::faults::{fails, is_lost};
 use ash::{DeviceFnV1_0, DeviceFnV1_3, Entry, vk};
 use std::ffi::c_void;
 use std::sync::OnceLock;
+use support::faults::{fails, is_lost};
 
 /// Calls that find out that the device is gone.
 pub(super) const LOSING: [&str; 3] = ["vkQueueSubmit2", "vkWaitForFences", "vkGetQueryPoolResults"];

@@ -2,10 +2,10 @@
 
 use super::messages::{Messages, Messenger, create_info};
 use super::{GpuError, Named};
-use crate::support::memory;
 use ash::vk;
 use std::ffi::{CStr, c_char};
 use std::thread::available_parallelism;
+use support::memory;
 
 /// MiB of addresses that loader, driver and compiler of lavapipe take before and with a first picture, and each thread of theirs:
 /// where there are fewer, they end the process.
@@ -23,7 +23,7 @@ fn has_addresses() -> Result<(), GpuError> {
 
 /// The Vulkan instance, with the registration of its messages, and the surface of its window if it has one.
 pub(super) struct Instance {
-    #[cfg(feature = "viewer")]
+    #[cfg(feature = "window")]
     pub(super) surface: Option<super::window::WindowSurface>,
     pub(super) raw: ash::Instance,
     /// It is a host's, who destroys it.
@@ -37,14 +37,14 @@ impl Instance {
     /// An instance with these extensions, by name.
     pub(super) fn new(validation: bool, extensions: &[*const c_char]) -> Result<Instance, GpuError> {
         #[cfg(test)]
-        assert!(!validation || super::Alone::is_held(), "a test with validation begins with Alone::new()");
+        assert!(!validation || support::alone::Alone::is_held(), "a test with validation begins with Alone::enter()");
         has_addresses()?;
         // SAFETY: the loader is the system's Vulkan library, which has no requirement on when it is loaded.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| GpuError::NoLoader(error.to_string()))?;
         let messages = Messages::default();
         let raw = create_instance(&entry, validation, extensions, &messages)?;
         let mut instance = Instance {
-            #[cfg(feature = "viewer")]
+            #[cfg(feature = "window")]
             surface: None,
             raw,
             hosted: false,
@@ -61,7 +61,7 @@ impl Instance {
     /// The instance of a host, which has messages of its own.
     pub(super) fn of_host(entry: ash::Entry, raw: ash::Instance) -> Instance {
         Instance {
-            #[cfg(feature = "viewer")]
+            #[cfg(feature = "window")]
             surface: None,
             raw,
             hosted: true,
@@ -74,7 +74,7 @@ impl Instance {
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        #[cfg(feature = "viewer")]
+        #[cfg(feature = "window")]
         drop(self.surface.take());
         if let Some(messenger) = &self.messenger {
             messenger.destroy();

@@ -1,12 +1,12 @@
 //! Buffers and images, each owning its memory.
 
 use super::{Area, Format, Gpu, GpuError, Named};
-use crate::support::memory;
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use support::memory;
 
 /// What a buffer is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -17,8 +17,7 @@ impl Messages {
 
     fn push(&self, message: String) {
         log::error!("{message}");
-        #[cfg(test)]
-        crate::support::faults::note(&message);
+        support::faults::note(&message);
         self.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).push(message);
     }
 }

@@ -11,30 +11,25 @@
 
 #![allow(unsafe_code)]
 
-#[cfg(test)]
-mod alone;
 mod commands;
 mod device;
-#[cfg(test)]
-pub(crate) mod faults;
+mod faults;
 mod format;
 mod host;
 mod instance;
 mod memory;
 mod messages;
-#[cfg(feature = "viewer")]
+#[cfg(feature = "window")]
 mod overlay;
 mod pipeline;
 mod sampler;
-#[cfg(feature = "viewer")]
+#[cfg(feature = "window")]
 mod surface;
 #[cfg(test)]
 mod validation_tests;
-#[cfg(feature = "viewer")]
+#[cfg(feature = "window")]
 mod window;
 
-#[cfg(test)]
-pub(crate) use alone::Alone;
 pub use ash;
 pub use commands::{Area, Commands, Draw, Load, Submitted, Target};
 pub use device::{DeviceInfo, Gpu, Options, optional_features, required_features};
@@ -42,12 +37,12 @@ pub use format::Format;
 pub use host::{HostCommands, HostDevice, HostTarget, Recording};
 pub use memory::{Buffer, BufferUse, Dimension, Image, ImageUse, Uploads};
 pub use messages::Messages;
-#[cfg(feature = "viewer")]
+#[cfg(feature = "window")]
 pub use overlay::{Canvas, Presented};
 pub use pipeline::{BindSet, Binding, BindingKind, Blend, Marks, Pipeline, PipelineDescription, Resource};
 pub use sampler::{Address, Sampler};
 
-#[cfg(feature = "viewer")]
+#[cfg(feature = "window")]
 pub use window::{WindowHandle, has_keyboard_data, has_library, on_broken_display};
 
 use ash::vk;

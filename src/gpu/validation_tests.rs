@@ -5,15 +5,17 @@
 
 use super::memory::COLOR;
 use super::*;
+use glsl::{Library, Linker, Slots, Stage};
 use std::sync::Arc;
+use support::alone::Alone;
 
 const SIDE: u32 = 8;
 const BYTES: usize = (SIDE * SIDE * 4) as usize;
 
 /// Runs `plant` on a device with validation, closes the device, and returns the distinct ids of what was reported.
 fn reported(plant: impl FnOnce(&Gpu)) -> Vec<String> {
-    let _alone = Alone::new();
-    let options = Options { validation: true, ..Options::of_tests() };
+    let _alone = Alone::enter();
+    let options = Options { validation: true, ..Options::from_env() };
     let gpu = Gpu::new(&options).unwrap_or_else(|error| panic!("{error}"));
     let messages = gpu.messages();
     plant(&gpu);
@@ -65,9 +67,9 @@ fn transition(
 
 /// A program that covers the target with the texel of a sampled image.
 fn sampling_pipeline(gpu: &Gpu, attributes: &[u32]) -> Pipeline {
-    let compiler = shaderc::Compiler::new().unwrap();
-    let compile = |text: &str, kind| {
-        compiler.compile_into_spirv(text, kind, "planted", "main", None).unwrap().as_binary().to_vec()
+    let compile = |text: &str, stage| {
+        let library = Library::new([("planted".into(), text.into())]);
+        Linker::new().unwrap().link(&library, "planted", stage, &["planted"], &Slots::new()).unwrap()
     };
     let position = match attributes {
         [] => "vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 4.0 - 1.0",
@@ -82,8 +84,8 @@ fn sampling_pipeline(gpu: &Gpu, attributes: &[u32]) -> Pipeline {
         void main() { color = texture(sampler2D(image, linear), vec2(0.5)); }";
     let binding = |index, kind| Binding { index, kind, vertex: false, fragment: true };
     let description = PipelineDescription {
-        vertex: &compile(&vertex, shaderc::ShaderKind::Vertex),
-        fragment: &compile(fragment, shaderc::ShaderKind::Fragment),
+        vertex: &compile(&vertex, Stage::Vertex),
+        fragment: &compile(fragment, Stage::Fragment),
         constants: &[],
         bindings: &[binding(0, BindingKind::Image), binding(1, BindingKind::Sampler)],
         attributes,

@@ -1,10 +1,10 @@
 //! Maps: values of pixels that are no light, such as errors.
 
 use super::{OutputError, PROGRAM, check};
-use crate::support::write_whole;
 use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, SmallVec, Text, Vec2, WritableImage};
 use std::io::Cursor;
 use std::path::Path;
+use support::write_whole;
 
 /// Writes channels of 32-bit floats by their names, row by row from the top, as EXR.
 ///

@@ -16,7 +16,6 @@ pub use read::{Encoding, Stored, read, read_provenance, size};
 
 use crate::render::Frame;
 use crate::scene::{Color, linear_to_srgb};
-use crate::support::{destination, probe, write_whole};
 use exr::image::write::WritableImage;
 use exr::image::{Image, SpecificChannels};
 use exr::math::Vec2;
@@ -25,6 +24,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
+use support::{destination, probe, write_whole};
 
 /// Name and version of this program.
 pub const PROGRAM: &str = concat!("hypertexture ", env!("CARGO_PKG_VERSION"));

@@ -7,11 +7,11 @@ use super::PROGRAM;
 use crate::render::Measurements;
 use crate::scene::{self, Reach, Scene, SceneError};
 use crate::shape::{BUILT_IN, MEMORY};
-use crate::support::open;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fs, io, iter};
+use support::open;
 
 /// Name of the chunk or attribute.
 pub(super) const KEY: &str = "hypertexture";

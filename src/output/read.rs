@@ -3,13 +3,13 @@
 use super::provenance::{KEY, Provenance, ProvenanceError};
 use super::{Kind, OutputError, kind, over, straight};
 use crate::scene::{Color, srgb_to_linear};
-use crate::support::open;
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
 use image::{DynamicImage, ImageFormat, ImageReader, Limits};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
+use support::open;
 
 /// The longest side of a picture that is read, pixels, and what its decoder may allocate, bytes: as much as the largest
 /// that is rendered.

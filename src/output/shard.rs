@@ -9,13 +9,13 @@ use crate::render::variant::Variant;
 use crate::render::{Frame, Measurements, RenderError, Subject};
 use crate::scene::{self, Color, Scene};
 use crate::shader::{Library, Linker};
-use crate::support::open::{self, OpenError};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, Read};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use support::open::{self, OpenError};
 
 /// The most shards of one picture.
 const MAX_COUNT: u32 = 65_536;
@@ -203,7 +203,6 @@ pub fn identity(scene: &Scene, library: &Library, subject: &Subject) -> Result<b
 ///
 /// # Errors
 /// The scene is not valid.
-#[cfg(feature = "measure")]
 pub fn identity_of_texts(scene: &Scene, library: &Library, subject: &Subject) -> Result<blake3::Hash, RenderError> {
     let key = Variant::of(scene, library)?.text_hash(library);
     Ok(identity_by(scene, subject, &[key.as_bytes()]))

@@ -10,17 +10,15 @@ mod decide;
 mod ranged;
 mod span;
 pub(super) use beside::Beside;
-pub(crate) use ranged::{LOOKED_UP, bounded};
+pub use ranged::{LOOKED_UP, bounded};
 
 use super::shot::Shot;
 use super::tiles::Tiles;
 use super::values::{TIME, Values};
 use super::{Read, RenderError};
 use crate::gpu::{Area, Dimension, Format, Gpu, Image, Uploads};
-#[cfg(feature = "measure")]
 use crate::render::variant::{Variant, VariantError};
 use crate::scene::Pass;
-#[cfg(feature = "measure")]
 use crate::scene::Scene;
 use crate::shader::Library;
 use decide::{Boxes, Decider, SIDES};
@@ -210,8 +208,7 @@ fn part(empty: &[bool]) -> f32 {
 ///
 /// # Errors
 /// As [`Variant::program`].
-#[cfg(feature = "measure")]
-pub(crate) fn link(variant: &Variant, scene: &Scene, library: &Library) -> Result<(), VariantError> {
+pub fn link(variant: &Variant, scene: &Scene, library: &Library) -> Result<(), VariantError> {
     decide::deciding(variant, scene, library).map(drop)
 }
 

@@ -7,7 +7,7 @@ use super::shot::Shot;
 use super::sub_frame::SubFrame;
 use super::values::{Values, blocks};
 use super::{RenderError, Subject};
-use crate::exact;
+use crate::eval;
 use crate::gpu::Address;
 use crate::render::variant::{Program, Variant};
 use crate::scene::Scene;
@@ -16,20 +16,20 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// The blocks of a program, by binding.
-pub(crate) type Blocks = BTreeMap<u32, Vec<u8>>;
+pub type Blocks = BTreeMap<u32, Vec<u8>>;
 
 /// What a program reads, for every sub-frame of a picture.
-pub(crate) struct CpuInputs {
+pub struct CpuInputs {
     inputs: Inputs,
     moments: Vec<Values>,
     space: LightSpace,
     /// Depths between which the scene is.
-    pub(crate) depths: [f64; 2],
+    pub depths: [f64; 2],
 }
 
 impl CpuInputs {
     /// What `program`, of the same scene as `variant`, reads.
-    pub(crate) fn new(
+    pub fn new(
         library: &Library,
         scene: &Scene,
         subject: &Subject,
@@ -46,9 +46,9 @@ impl CpuInputs {
         Ok(CpuInputs { inputs, moments, space, depths })
     }
 
-    /// The images but for the shadow volume, and the samplers, as [`exact`] takes them; as yet without blocks.
-    pub(crate) fn exact(&self) -> exact::Inputs {
-        exact::Inputs {
+    /// The images but for the shadow volume, and the samplers, as [`eval`] takes them; as yet without blocks.
+    pub fn exact(&self) -> eval::Inputs {
+        eval::Inputs {
             blocks: BTreeMap::new(),
             until: BTreeMap::new(),
             images: self.inputs.images.par_iter().map(|(binding, image)| (*binding, texture(image))).collect(),
@@ -58,7 +58,7 @@ impl CpuInputs {
     }
 
     /// The blocks of a program that reads no value which this one does not have, for each sub-frame, by binding.
-    pub(crate) fn moments(&self, program: &Program) -> Result<Vec<Blocks>, RenderError> {
+    pub fn moments(&self, program: &Program) -> Result<Vec<Blocks>, RenderError> {
         let filled = |values| {
             let blocks = blocks(program, values)?;
             Ok(blocks.into_iter().map(|(resource, bytes)| (resource.binding, bytes)).collect())
@@ -67,8 +67,7 @@ impl CpuInputs {
     }
 
     /// Binding of the shadow volume, where the program reads one.
-    #[cfg(feature = "measure")]
-    pub(crate) fn shadow_binding(program: &Program) -> Option<u32> {
+    pub fn shadow_binding(program: &Program) -> Option<u32> {
         program
             .resources
             .iter()
@@ -77,32 +76,30 @@ impl CpuInputs {
     }
 
     /// Size of the target that the segments of the shadow volume are drawn into.
-    pub(crate) fn shadow_target(&self) -> [u32; 2] {
+    pub fn shadow_target(&self) -> [u32; 2] {
         self.space.target()
     }
 
     /// Rays along a side of a square of that target, and where each square begins, from the light on.
-    #[cfg(feature = "measure")]
-    pub(crate) fn shadow_squares(&self) -> (u32, impl Iterator<Item = [u32; 2]> + Clone + use<>) {
+    pub fn shadow_squares(&self) -> (u32, impl Iterator<Item = [u32; 2]> + Clone + use<>) {
         self.space.squares()
     }
 
     /// Size and texels of the shadow volume, from the transmittances of its segments.
-    #[cfg(feature = "measure")]
-    pub(crate) fn shadow_volume(&self, segments: &[[f32; 4]]) -> ([u32; 3], Vec<f32>) {
+    pub fn shadow_volume(&self, segments: &[[f32; 4]]) -> ([u32; 3], Vec<f32>) {
         (self.space.texels(), self.space.products(segments, |light| light))
     }
 }
 
 /// An image as [`exact`] samples it.
-pub(super) fn texture(image: &Encoded) -> exact::Texture {
-    exact::Texture { size: image.dimension.size(), texels: image.format.decode(image.bytes()) }
+pub(super) fn texture(image: &Encoded) -> eval::Texture {
+    eval::Texture { size: image.dimension.size(), texels: image.format.decode(image.bytes()) }
 }
 
-pub(super) fn wrap(address: Address) -> exact::Wrap {
+pub(super) fn wrap(address: Address) -> eval::Wrap {
     match address {
-        Address::Clamp => exact::Wrap::Clamp,
-        Address::Repeat => exact::Wrap::Repeat,
-        Address::Mirror => exact::Wrap::Mirror,
+        Address::Clamp => eval::Wrap::Clamp,
+        Address::Repeat => eval::Wrap::Repeat,
+        Address::Mirror => eval::Wrap::Mirror,
     }
 }

@@ -8,7 +8,7 @@ use super::cpu_inputs::CpuInputs;
 use super::shot::Shot;
 use super::view::View;
 use super::{OCTAVES_ID, PolygonizeError, RenderError, Subject};
-use crate::exact::{self, Device, ExactError, Interval, Sloped};
+use crate::eval::{self, Device, ExactError, Interval, Sloped};
 use crate::render::variant::Variant;
 use crate::scene::{Projection, Scene};
 use crate::shader::{Library, Linker};
@@ -25,8 +25,8 @@ const TOGETHER: usize = 1024;
 
 /// What gives the density of a scene at its first moment.
 pub(super) struct DensityProgram {
-    code: exact::Program,
-    inputs: exact::Inputs,
+    code: eval::Program,
+    inputs: eval::Inputs,
     /// Where the soft region is.
     pub view: View,
     library: Library,
@@ -46,7 +46,7 @@ impl DensityProgram {
         let mut inputs = cpu_inputs.exact();
         inputs.blocks = cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
         let octaves = [(OCTAVES_ID, scene.effect.octaves)];
-        let code = exact::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
+        let code = eval::Program::read_channel(&program.fragment, &octaves, (0, 3))?;
         let view = Shot::of(scene, subject, &drawn).view;
         Ok(DensityProgram { code, inputs, view, library, variant, octaves, cpu_inputs })
     }
@@ -57,20 +57,20 @@ impl DensityProgram {
         let (own, inputs) = match bounded(&self.variant, &self.library) {
             None => (None, self.inputs.clone()),
             Some((program, noise)) => {
-                let code = exact::Program::read_channel(&program.fragment, &self.octaves, (0, 3))?;
+                let code = eval::Program::read_channel(&program.fragment, &self.octaves, (0, 3))?;
                 let lookup = program.resources.iter().find(|resource| resource.name == LOOKED_UP);
                 let noises = lookup.map(|lookup| (lookup.binding, noise)).into_iter().collect();
                 let blocks = self.cpu_inputs.moments(&program)?.into_iter().next().unwrap_or_default();
-                (Some(code), exact::Inputs { blocks, noises, ..self.inputs.clone() })
+                (Some(code), eval::Inputs { blocks, noises, ..self.inputs.clone() })
             }
         };
         let bound = own.as_ref().unwrap_or(&self.code).bind(&inputs)?;
         let places = places.windows(2).map(|ends| {
             let [from, to] = [ends[0], ends[1]].map(|end| end.to_array());
             let [x, y, z] = [0, 1, 2].map(|axis| Sloped::between(from[axis], to[axis], length));
-            [x, y, z, exact::Number::new(0.0)]
+            [x, y, z, eval::Number::new(0.0)]
         });
-        let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
         let outputs = bound.run::<Sloped>(&lanes)?;
         Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
     }
@@ -83,7 +83,7 @@ impl DensityProgram {
 
 /// The program of a density, and what it reads.
 pub(super) struct Density<'a> {
-    bound: exact::BoundProgram<'a>,
+    bound: eval::BoundProgram<'a>,
     /// What is inside is at least as dense.
     pub level: f64,
 }
@@ -92,7 +92,7 @@ impl Density<'_> {
     /// At places in object space.
     pub fn at(&self, places: &[DVec3]) -> Result<Vec<f64>, ExactError> {
         let places = places.iter().map(|place| [place.x, place.y, place.z, 0.0]).collect();
-        let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
         let outputs = self.bound.run::<f64>(&lanes)?;
         Ok(outputs[&0].iter().map(|[density, ..]| *density).collect())
     }
@@ -104,7 +104,7 @@ impl Density<'_> {
             let [x, y, z] = [0, 1, 2].map(|axis| interval(low[axis], high[axis]));
             [x, y, z, interval(0.0, 0.0)]
         });
-        let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
         let outputs = self.bound.run::<Device>(&lanes)?;
         let side = |density: Interval| match density {
             Interval { lo, .. } if lo >= self.level => Some(true),

@@ -13,7 +13,7 @@ use super::sub_frame::SubFrame;
 use super::subject::{Recipe, Wanted, opened};
 use super::values::blocks;
 use super::{OCTAVES_ID, RenderError, Subject};
-use crate::exact::{self, Outline};
+use crate::eval::{self, Outline};
 use crate::field::Key;
 use crate::noise::Period;
 use crate::render::variant::{Program, Variant};
@@ -141,7 +141,7 @@ struct Judge<'a> {
 /// A program, and what it does, where the evaluator covers it.
 struct Read {
     program: Program,
-    outline: Option<(exact::Program, Outline)>,
+    outline: Option<(eval::Program, Outline)>,
 }
 
 impl<'a> Judge<'a> {
@@ -313,7 +313,7 @@ impl<'a> Judge<'a> {
             return Ok(known.clone());
         }
         let program = variant.program(self.library, Linker::new)?;
-        let outline = exact::Program::read(&program.fragment, &[(OCTAVES_ID, octaves)]).ok().map(|read| {
+        let outline = eval::Program::read(&program.fragment, &[(OCTAVES_ID, octaves)]).ok().map(|read| {
             let outline = read.outline();
             (read, outline)
         });

@@ -98,7 +98,6 @@ impl LightSpace {
     }
 
     /// Rays along a side of a square of the target, and where each square begins, from the light on.
-    #[cfg(feature = "measure")]
     pub(super) fn squares(&self) -> (u32, impl Iterator<Item = [u32; 2]> + Clone + use<>) {
         let (side, columns) = (self.side, self.columns());
         (side, (0..side.div_ceil(4)).map(move |square| [square % columns * side, square / columns * side]))

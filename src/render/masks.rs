@@ -7,7 +7,7 @@ use super::shot::Shot;
 use super::variant::{Use, Variant, VariantError};
 use super::view::Own;
 use super::{RenderError, Subject};
-use crate::exact::{self, Device, Interval, Lanes, Number};
+use crate::eval::{self, Device, Interval, Lanes, Number};
 use crate::scene::{Neutral, ParameterValue, Parameters, Scene};
 use crate::shader::library::MASK;
 use crate::shader::{Library, Linker};
@@ -164,7 +164,7 @@ impl Question {
         let of_mask = Variant { entries: ENTRIES, slots, ..variant.clone() };
         let Ok(program) = of_mask.program(&library, Linker::new) else { return Ok(false) };
         let read = program.members_read();
-        let mut inputs = exact::Inputs::default();
+        let mut inputs = eval::Inputs::default();
         for resource in &program.resources {
             let Use::Block(block) = &resource.holds else { return Ok(false) };
             let is_known = |(number, name): (u32, &String)| {
@@ -192,7 +192,7 @@ impl Question {
         let varyings = [(0, vec![place]), (1, vec![[Device::whole(); 4]])].into();
         let lanes = Lanes { fragment_coordinates: vec![[Device::whole(); 4]], varyings };
         // What cannot be bounded may be anything.
-        let bounds = exact::Program::read_channel(&program.fragment, &[], (0, 0))
+        let bounds = eval::Program::read_channel(&program.fragment, &[], (0, 0))
             .and_then(|code| code.bind(&inputs)?.run::<Device>(&lanes));
         Ok(bounds.is_ok_and(|outputs| outputs[&0].first().is_some_and(|[cover, ..]| cover.0.lo >= 1.0)))
     }

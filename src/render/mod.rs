@@ -44,12 +44,9 @@ mod view;
 mod watch;
 
 pub use cells::Found;
-#[cfg(feature = "measure")]
-pub(crate) use cells::link as link_cells;
-#[cfg(feature = "measure")]
-pub(crate) use cells::{LOOKED_UP, bounded};
-#[cfg(feature = "measure")]
-pub(crate) use cpu_inputs::{Blocks, CpuInputs};
+pub use cells::link as link_cells;
+pub use cells::{LOOKED_UP, bounded};
+pub use cpu_inputs::{Blocks, CpuInputs};
 pub use density::{Along, densities, density_along};
 pub use depth::check_depth;
 pub use doubts::doubts;
@@ -191,7 +188,7 @@ pub enum RenderError {
     Table,
     /// A module of a table cannot be evaluated.
     #[error("a table of opacity or softness: {0}")]
-    Exact(#[from] crate::exact::ExactError),
+    Exact(#[from] crate::eval::ExactError),
     /// Eye and light do not look through the slices in one order.
     #[error("light.method = \"half_angle\": {0}; {1}, or use light.method = \"volume\"")]
     HalfAngle(&'static str, &'static str),
@@ -248,4 +245,4 @@ pub enum RenderError {
 }
 
 /// `constant_id` of the octaves in `glsl/octave_constants.glsl`.
-pub(crate) const OCTAVES_ID: u32 = 0;
+pub const OCTAVES_ID: u32 = 0;

@@ -8,9 +8,9 @@ use crate::gpu::{Dimension, Format};
 use crate::noise::{Bake, Block, Noise, SEED, Weights, blue_noise, random_block, random_mean as mean_of_random};
 use crate::render::texture::{self, Depth};
 use crate::scene::{BlockFormat, Scene};
-use crate::support::disk_cache::{self, Kind};
 use std::iter;
 use std::sync::{Mutex, OnceLock, PoisonError};
+use support::disk_cache::{self, Kind};
 
 /// Texels along a side of the tile of phases, a power of two. More: it takes longer to make. Fewer: it is seen to repeat.
 const PHASES: usize = 64;

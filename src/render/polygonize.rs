@@ -1,12 +1,12 @@
 //! The surface where the density of a scene crosses a value, as a mesh.
 //!
 //! Role: a hypertextured object becomes a solid that other programs open, print or cut. Invariant: the density is that of the
-//! scene's own program, evaluated by [`exact`](crate::exact) in f64, so that nothing of a formula is written a second time; blocks of
+//! scene's own program, evaluated by [`exact`](crate::eval) in f64, so that nothing of a formula is written a second time; blocks of
 //! samples are left out only where bounds prove on which side of the surface they are; the mesh is closed.
 
 use super::density::{Density, DensityProgram};
 use super::{RenderError, Subject};
-use crate::exact::ExactError;
+use crate::eval::ExactError;
 use crate::field::{LevelSet, Progress};
 use crate::render::variant::VariantError;
 use crate::scene::{Object, Scene};
@@ -124,7 +124,7 @@ impl Samples {
 /// may be overlooked. `progress` is called with the part that is done, from any thread.
 ///
 /// # Errors
-/// The scene has no program, one that [`exact`](crate::exact) does not cover, or no matter as dense; resolution or density out of range.
+/// The scene has no program, one that [`exact`](crate::eval) does not cover, or no matter as dense; resolution or density out of range.
 pub fn polygonize(
     library: &Library,
     scene: &Scene,

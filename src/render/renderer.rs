@@ -13,11 +13,11 @@ use crate::gpu::{Area, Format, Gpu, HostCommands, Recording};
 use crate::render::variant::Variant;
 use crate::scene::{Order, Scene};
 use crate::shader::{Library, Slots};
-use crate::support::watch::own_processor_time;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
+use support::watch::own_processor_time;
 
 /// Renders a scene.
 ///
@@ -345,16 +345,17 @@ impl Renderer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::{Alone, Options};
+    use crate::gpu::Options;
     use crate::render::pace::Pace;
     use crate::scene::{Pass, Proxy};
     use crate::shader;
+    use support::alone::Alone;
 
     #[test]
     #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
     fn where_slices_are_cut_into_submissions_changes_no_bit() {
-        let _alone = Alone::new();
-        let gpu = Gpu::new(&Options { validation: true, ..Options::of_tests() }).unwrap();
+        let _alone = Alone::enter();
+        let gpu = Gpu::new(&Options { validation: true, ..Options::from_env() }).unwrap();
         let mut scene = Scene::default();
         scene.object.input = "sphere".into();
         (scene.effect.classify, scene.effect.softness) = ("soft".into(), "quadratic".into());

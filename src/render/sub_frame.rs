@@ -3,7 +3,7 @@
 //! Source: PH 3.1 suggests jittered rays and motion blur by rays over time.
 
 use crate::scene::{Jitter, Scene};
-use crate::support::random::SplitMix;
+use support::random::SplitMix;
 
 /// Multiples of it leave no large gap in [0, 1], however many they are.
 const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_8;
@@ -33,7 +33,7 @@ impl SubFrame {
                 time: time + f64::from(shutter) * moment,
                 jitter_seed: match scene.quality.jitter {
                     Jitter::None | Jitter::Hash => {
-                        (SplitMix(u64::from(seed) << 32 | u64::from(index)).next() >> 40) as f32
+                        (SplitMix(u64::from(seed) << 32 | u64::from(index)).bits() >> 40) as f32
                     }
                     Jitter::Blue => {
                         let place = SplitMix(u64::from(seed)).unit() + f64::from(index) * GOLDEN_RATIO;

@@ -2,7 +2,7 @@
 
 use super::RenderError;
 use super::values::{Values, blocks};
-use crate::exact::{Inputs, Lanes, Program};
+use crate::eval::{Inputs, Lanes, Program};
 use crate::render::variant::{Resource, Use, Variant};
 use crate::shader::{Library, Linker};
 use std::collections::BTreeMap;

@@ -7,7 +7,7 @@
 use super::cpu_inputs::CpuInputs;
 use super::inputs::CELLS;
 use super::{OCTAVES_ID, RenderError, Subject};
-use crate::exact::{ExactError, Inputs, Lanes, Overflow, Program, Texture};
+use crate::eval::{ExactError, Inputs, Lanes, Overflow, Program, Texture};
 use crate::render::variant::{self, Use, Variant};
 use crate::scene::{ParameterValue, Pass, Scene};
 use crate::shader::{FAULT, Library, changed};

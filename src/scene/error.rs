@@ -1,6 +1,6 @@
 //! What can be wrong with a scene.
 
-use crate::support::words::nearest;
+use support::words::nearest;
 
 /// Why a scene cannot be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

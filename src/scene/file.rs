@@ -5,11 +5,11 @@ use super::field::flatten;
 use super::schema::{Kind, Setting, setting};
 use super::{Reach, Scene, SceneError, preset_texts};
 use crate::shape::BUILT_IN;
-use crate::support::open;
 use std::path::Path;
+use support::open;
 
 /// The largest scene file that is read, in bytes: more is no scene.
-pub(crate) const MAX_BYTES: u64 = 1 << 20;
+pub const MAX_BYTES: u64 = 1 << 20;
 
 /// Reads a scene file and checks it; a path of an object or a module in it is relative to the file.
 ///

@@ -6,7 +6,6 @@
 mod axis;
 mod check;
 mod color;
-#[cfg(feature = "measure")]
 mod command;
 mod effect;
 mod error;
@@ -32,8 +31,8 @@ pub use color::{Color, linear_to_srgb, srgb_to_linear};
 pub use effect::{Effect, RayPath};
 pub use error::SceneError;
 pub use field::parse_value;
-#[cfg(feature = "viewer")]
-pub(crate) use file::MAX_BYTES;
+#[cfg(feature = "window")]
+pub use file::MAX_BYTES;
 pub use file::{load, parse, to_text};
 pub use light::{Light, LightMethod};
 pub(crate) use loops::SHADOW_SAMPLES;
@@ -302,7 +301,6 @@ impl Camera {
 /// How rays leave the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[non_exhaustive]
 pub enum Projection {
     /// Side by side.
     Parallel,

@@ -2,8 +2,8 @@
 
 use super::{Scene, SceneError};
 use crate::shader::{self, Library};
-use crate::support::open;
 use std::path::Path;
+use support::open;
 
 /// The largest file of a module, bytes: more is no module.
 const MAX_BYTES: u64 = 1 << 20;

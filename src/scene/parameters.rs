@@ -83,7 +83,8 @@ impl Parameters {
             .filter_map(move |drift| Some((drift.speed.as_str(), drift.held(time, |name| self.number(name))?)))
     }
 
-    pub(crate) fn number(&self, name: &str) -> f32 {
+    /// The value of a parameter that is one number; 0 for any other.
+    pub fn number(&self, name: &str) -> f32 {
         let found = self.declared.iter().find(|(parameter, _)| parameter.name == name);
         match found.map(|(_, value)| value) {
             Some(ParameterValue::Number(value)) => *value,

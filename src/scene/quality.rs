@@ -83,7 +83,6 @@ impl std::default::Default for Quality {
 /// How the samples of a picture are taken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[non_exhaustive]
 pub enum Pass {
     /// View-aligned slices, blended (MJ).
     Slices,
@@ -96,7 +95,6 @@ pub enum Pass {
 /// What a sample stands for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[non_exhaustive]
 pub enum Integration {
     /// For itself: first order at surfaces and where soft matter becomes opaque.
     #[default]
@@ -146,7 +144,6 @@ pub enum Neutral {
 /// Format that the slices are blended in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[non_exhaustive]
 pub enum TargetFormat {
     /// 8 bits: the paper's; loses thin matter.
     Unorm8,
@@ -171,7 +168,6 @@ pub enum Order {
 /// Shape of the slices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[non_exhaustive]
 pub enum Proxy {
     /// Cut to the box around the soft region.
     #[default]

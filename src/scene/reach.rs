@@ -1,8 +1,8 @@
 //! The files that a scene names, and which of them it may.
 
 use super::{GLSL, Scene, SceneError};
-use crate::support::open::Home;
 use std::path::{Path, PathBuf};
+use support::open::Home;
 
 impl Scene {
     /// What may be files, by their fields: the inputs of the objects, and custom modules.

@@ -3,13 +3,13 @@
 #![allow(dead_code, reason = "each file of tests uses its part of this")]
 
 #[allow(unused_imports, reason = "each file of tests uses its part of this")]
-pub use hypertexture::measure::verify::{Level, Ray, box_subject, homogeneous, rays};
+pub use measure::verify::{Level, Ray, box_subject, homogeneous, rays};
 
 use hypertexture::gpu::{Gpu, Options};
-use hypertexture::measure::verify;
 use hypertexture::render::{Frame, Subject, render};
 use hypertexture::scene::Scene;
 use hypertexture::shader::{self, Library};
+use measure::verify;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The device of the tests that run now, and how many they are. They share it: the layer of Debian 12 crashes where one

@@ -1,7 +1,7 @@
 //! A module under test: the program that shows it at points, linked for the device and for the exact evaluator, with
 //! the same blocks and texels for both.
 
-use hypertexture::exact::{Inputs, Program, Texture, Wrap};
+use hypertexture::eval::{Inputs, Program, Texture, Wrap};
 use hypertexture::gpu::{
     Address, Binding, BindingKind, Blend, Buffer, BufferUse, Dimension, Format, Gpu, Image, ImageUse, Load, Marks,
     Pipeline, PipelineDescription, Resource, Sampler, Target,

@@ -1,13 +1,9 @@
 //! Scenes of any effect on any object, for tests and benches of what is picked.
 
-#[path = "../../src/support/random.rs"]
-#[allow(dead_code, unused_imports, reason = "a part of it is used, and benches have no tests")]
-mod random;
-
 use hypertexture::render::variant::Variant;
 use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
 use hypertexture::shader::{self, ParameterKind};
-pub use random::SplitMix;
+pub use support::random::SplitMix;
 
 /// A number between two.
 pub fn within(random: &mut SplitMix, low: f64, high: f64) -> f64 {
@@ -15,7 +11,7 @@ pub fn within(random: &mut SplitMix, low: f64, high: f64) -> f64 {
 }
 
 fn one<'a>(random: &mut SplitMix, of: &[&'a str]) -> &'a str {
-    of[(random.next() % of.len() as u64) as usize]
+    of[(random.bits() % of.len() as u64) as usize]
 }
 
 /// A scene of any effect on any object, from anywhere, with parameters anywhere within their ranges.
@@ -29,7 +25,7 @@ pub fn random_scene(random: &mut SplitMix) -> Scene {
     scene.camera.elevation = within(random, -80.0, 80.0) as f32;
     scene.camera.zoom = within(random, 0.8, 2.0) as f32;
     scene.camera.projection =
-        if random.next().is_multiple_of(2) { Projection::Parallel } else { Projection::Perspective };
+        if random.bits().is_multiple_of(2) { Projection::Parallel } else { Projection::Perspective };
     scene.effect.turbulence = one(random, &["encoded", "hybrid", "procedural", "lookups8", "channels"]).into();
     let library = shader::shipped();
     if scene.check(&library).is_err() {

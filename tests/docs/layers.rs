@@ -1,31 +1,20 @@
-//! The layers of the code: a file imports from its own folder and from folders with smaller numbers, and within a folder
-//! none imports what imports it.
+//! The crates as the docs draw them; and within a crate, no file or folder imports what imports it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Each folder of `src`, from the bottom up, with what it holds. Folders of one number do not know each other.
-const LAYERS: &[(usize, &str, &str)] = &[
-    (0, "support", "random numbers, files that appear whole, a cache on disk, child processes"),
-    (1, "gpu", "Vulkan, the only unsafe code"),
-    (1, "shape", "meshes, scans, formulas"),
-    (2, "field", "signed distance fields"),
-    (2, "noise", "lattices and baked blocks"),
-    (3, "shader", "GLSL modules and how they are linked"),
-    (3, "exact", "SPIR-V in f64 and in intervals"),
-    (4, "scene", "schema, files, presets, checks"),
-    (5, "render", "variants, textures, passes, shadows, a frame"),
-    (6, "output", "image files, provenance, sequences, shards"),
-    (7, "measure", "references, metrics, comparisons, fastest settings, checks, predictions"),
-    (8, "viewer", "the window"),
-    (9, "cli", "commands"),
-];
-
 /// What each of some files and folders imports of the others.
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
-fn source() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The folders of the crates.
+fn crates() -> Vec<PathBuf> {
+    let entries =
+        std::fs::read_dir(root().join("crates")).expect("crates").map(|entry| entry.expect("an entry").path());
+    entries.chain([root().into()]).collect()
 }
 
 fn files(folder: &Path) -> Vec<PathBuf> {
@@ -86,14 +75,13 @@ fn resolve(module: &Path, path: &str) -> PathBuf {
     place
 }
 
-/// For each folder of `src`, and for `src` as "", what the files and folders in it import of each other. A `mod.rs` is its
-/// folder, so that it and its children may know each other.
-fn arrows() -> BTreeMap<PathBuf, Arrows> {
-    let source = source();
+/// For each folder of the sources of a crate, and for `src` as "", what the files and folders in it import of each other. A
+/// `mod.rs` is its folder, so that it and its children may know each other; so is `lib.rs`.
+fn arrows(source: &Path) -> BTreeMap<PathBuf, Arrows> {
     let mut arrows: BTreeMap<PathBuf, Arrows> = BTreeMap::new();
-    for file in files(&source) {
-        let mut module = file.strip_prefix(&source).expect("in src").with_extension("");
-        if module.ends_with("mod") {
+    for file in files(source) {
+        let mut module = file.strip_prefix(source).expect("in src").with_extension("");
+        if ["mod", "lib", "main"].iter().any(|name| module.ends_with(name)) {
             module.pop();
         }
         for import in imports(&code(&file)) {
@@ -123,42 +111,52 @@ fn circles(mut arrows: Arrows) -> Arrows {
     }
 }
 
-#[test]
-fn each_layer_imports_only_what_is_below_it() {
-    let number = |name: &str| LAYERS.iter().find(|layer| layer.1 == name).map(|layer| layer.0);
-    for folder in std::fs::read_dir(source()).expect("src").map(|entry| entry.expect("an entry")) {
-        let name = folder.file_name().to_string_lossy().to_string();
-        assert!(folder.path().is_file() || number(&name).is_some(), "{name} is in no layer");
+/// A crate as the docs draw it: its height over those that it uses, its name, and its lines.
+fn drawn() -> String {
+    let mut uses: BTreeMap<String, (String, BTreeSet<String>)> = BTreeMap::new();
+    for folder in crates() {
+        let text = std::fs::read_to_string(folder.join("Cargo.toml")).expect("Cargo.toml");
+        let manifest: toml::Table = text.parse().expect("TOML");
+        let (package, dependencies) =
+            (&manifest["package"], manifest.get("dependencies").and_then(toml::Value::as_table));
+        let name = |package: &str| package.trim_start_matches("hypertexture-").to_string();
+        let own = name(package["name"].as_str().expect("a name"));
+        let about = package["description"].as_str().expect("a description");
+        uses.insert(own, (about.into(), dependencies.into_iter().flatten().map(|(name, _)| name.clone()).collect()));
     }
-    for (layer, imports) in &arrows()[Path::new("")] {
-        for import in imports {
-            let (above, below) = (number(layer), number(import));
-            assert!(
-                above.is_some() && below.is_some() && above > below,
-                "{layer} {above:?} imports {import} {below:?}"
-            );
+    let names: BTreeSet<String> = uses.keys().cloned().collect();
+    uses.values_mut().for_each(|(_, used)| used.retain(|name| names.contains(name)));
+    let (mut levels, mut drawn) = (BTreeMap::<String, usize>::new(), BTreeSet::new());
+    while levels.len() < names.len() {
+        for (name, (about, used)) in &uses {
+            if let Some(level) =
+                used.iter().map(|other| levels.get(other).map(|level| level + 1)).collect::<Option<Vec<_>>>()
+            {
+                let level = level.into_iter().max().unwrap_or_default();
+                levels.insert(name.clone(), level);
+                let used = if used.is_empty() { "-".into() } else { Vec::from_iter(used.iter().cloned()).join(" ") };
+                drawn.insert((
+                    usize::MAX - level,
+                    format!("{:<14} {about}\n               uses {used}\n", format!("{name}:")),
+                ));
+            }
         }
     }
+    format!("```text\n{}```\n", drawn.into_iter().map(|(_, lines)| lines).collect::<String>())
 }
 
 #[test]
-fn within_a_folder_nothing_imports_what_imports_it() {
-    let found = arrows().into_iter().map(|(folder, arrows)| (folder, circles(arrows)));
-    let found: Vec<_> = found.filter(|(_, circles)| !circles.is_empty()).collect();
-    assert!(found.is_empty(), "{found:#?}");
-}
-
-#[test]
-fn the_layers_are_drawn_as_they_are() {
-    let arrows = &arrows()[Path::new("")];
-    let mut drawn = String::from("```text\n");
-    for (number, name, holds) in LAYERS.iter().rev() {
-        let imports: Vec<&str> = arrows.get(*name).into_iter().flatten().map(String::as_str).collect();
-        let imports = if imports.is_empty() { "-".into() } else { imports.join(" ") };
-        drawn += &format!("{number}  {name:<8} {holds}\n            imports {imports}\n");
+fn within_a_crate_nothing_imports_what_imports_it() {
+    for folder in crates() {
+        let found = arrows(&folder.join("src")).into_iter().map(|(folder, arrows)| (folder, circles(arrows)));
+        let found: Vec<_> = found.filter(|(_, circles)| !circles.is_empty()).collect();
+        assert!(found.is_empty(), "{}: {found:#?}", folder.display());
     }
-    drawn += "```\n";
-    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/architecture.md");
+}
+
+#[test]
+fn the_crates_are_drawn_as_they_are() {
+    let (drawn, page) = (drawn(), root().join("docs/architecture.md"));
     let text = std::fs::read_to_string(page).expect("docs/architecture.md");
     assert!(text.contains(&drawn), "docs/architecture.md must hold\n{drawn}");
 }

@@ -4,7 +4,7 @@ use hypertexture::scene::schema::{SETTINGS, setting};
 use std::path::{Path, PathBuf};
 
 /// Folders that paths in texts begin with.
-const FOLDERS: [&str; 7] = ["src/", "tests/", "glsl/", "docs/", "benches/", "presets/", "examples/"];
+const FOLDERS: [&str; 8] = ["src/", "crates/", "tests/", "glsl/", "docs/", "benches/", "presets/", "examples/"];
 /// Ends of the files that are read.
 const TEXTS: [&str; 6] = ["md", "rs", "glsl", "frag", "vert", "toml"];
 
@@ -71,7 +71,8 @@ fn every_file_and_target_that_a_text_names_is_there() {
         let own = path.display();
         for name in FOLDERS.iter().flat_map(|folder| words(&text, folder, ends_path)) {
             if ends(Path::new(name), &TEXTS) && !name.contains('*') {
-                assert!(root().join(name).exists(), "{own}: there is no {name}");
+                let mut folders = path.ancestors().filter(|folder| folder.join("Cargo.toml").exists());
+                assert!(folders.any(|folder| folder.join(name).exists()), "{own}: there is no {name}");
                 paths += 1;
             }
         }
@@ -79,8 +80,9 @@ fn every_file_and_target_that_a_text_names_is_there() {
             let flag = format!("--{flag} ");
             for call in words(&text, &flag, |c| !(c.is_alphanumeric() || "_- ".contains(c))) {
                 let name = call[flag.len()..].split(' ').next().unwrap_or_default();
-                let file = root().join(folder).join(name);
-                let is_there = file.with_extension("rs").exists() || file.join("main.rs").exists();
+                let files = ["", "crates/cli"].map(|of| root().join(of).join(folder).join(name));
+                let is_there = |file: &PathBuf| file.with_extension("rs").exists() || file.join("main.rs").exists();
+                let is_there = files.iter().any(is_there);
                 assert!(is_there, "{own}: there is no target `{call}`");
                 targets += 1;
             }

@@ -45,7 +45,7 @@ fn rows() -> Vec<Row<'static>> {
 /// Every test of the project by its file: functions, and rows of `tests/formulas`.
 fn tests() -> BTreeMap<String, BTreeSet<String>> {
     let mut found: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    let mut folders: Vec<PathBuf> = ["src", "tests"].map(|name| root().join(name)).into();
+    let mut folders: Vec<PathBuf> = ["src", "tests", "crates"].map(|name| root().join(name)).into();
     while let Some(folder) = folders.pop() {
         for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
             if path.is_dir() {

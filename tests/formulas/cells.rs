@@ -3,7 +3,7 @@
 use crate::harness::Check;
 use crate::knots::pcg3d;
 use glam::DVec3;
-use hypertexture::exact::Texture;
+use hypertexture::eval::Texture;
 use hypertexture::shader::Library;
 
 crate::rows! {

@@ -5,7 +5,7 @@ use crate::harness::{At, COLOR, Check};
 use crate::surface::transfer;
 use crate::values::{Random, Setting, filtered};
 use glam::{DMat3, DVec3};
-use hypertexture::exact::Wrap;
+use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;
 
 crate::rows! {

@@ -1,6 +1,6 @@
 //! The exact evaluator: operations against Rust's f64, control flow, images, and every program that ships.
 
-use hypertexture::exact::{BoundProgram, Inputs, Interval, Lanes, Number, Program, Sloped, Texture, Wrap};
+use hypertexture::eval::{BoundProgram, Inputs, Interval, Lanes, Number, Program, Sloped, Texture, Wrap};
 use hypertexture::render::variant::Variant;
 use hypertexture::scene::{self, Pass};
 use hypertexture::shader::{self, Library, Linker, Slots, Stage};
@@ -11,7 +11,7 @@ pub fn program(before: &str, body: &str) -> Program {
     read(before, body).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn read(before: &str, body: &str) -> Result<Program, hypertexture::exact::ExactError> {
+fn read(before: &str, body: &str) -> Result<Program, hypertexture::eval::ExactError> {
     let text = format!(
         "#version 450\nlayout(location = 0) in vec4 x;\nlayout(location = 0) out vec4 result;\n{before}\n\
          void main() {{\n{body}\n}}\n"

@@ -3,12 +3,12 @@
 
 use crate::common::with_gpu;
 use crate::probe::Probe;
-use crate::random::SplitMix;
-use hypertexture::exact::{Affine, BoundProgram, Device, Interval, Lanes, Number};
+use hypertexture::eval::{Affine, BoundProgram, Device, Interval, Lanes, Number};
 use hypertexture::render::variant::Variant;
 use hypertexture::scene;
 use hypertexture::shader::{self, Library, Slots};
 use std::collections::BTreeMap;
+use support::random::SplitMix;
 
 pub const POINT: &str = include_str!("../glsl/exact_point.glsl");
 const RAY: &str = include_str!("../glsl/exact_ray.glsl");

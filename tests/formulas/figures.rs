@@ -7,7 +7,7 @@ use crate::knots::{noise, octaves, turbulence};
 use crate::surface::transfer;
 use crate::values::c;
 use glam::{DMat4, DVec3};
-use hypertexture::exact::Texture;
+use hypertexture::eval::Texture;
 use hypertexture::render::texture::transfer_map;
 use hypertexture::scene::{ParameterValue, Scene, preset};
 use std::cell::Cell;

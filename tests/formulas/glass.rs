@@ -70,7 +70,7 @@ fn fibre(index: f64, x: DVec3, along: DVec3, path: f64) -> (DVec3, DVec3) {
 }
 
 /// Entries of the index map with layers of four.
-fn layered(random: &mut Random) -> hypertexture::exact::Texture {
+fn layered(random: &mut Random) -> hypertexture::eval::Texture {
     let entry = |i: u32, random: &mut Random| {
         [
             1.0 + random.unit() as f32,
@@ -79,7 +79,7 @@ fn layered(random: &mut Random) -> hypertexture::exact::Texture {
             0.0,
         ]
     };
-    hypertexture::exact::Texture { size: [16, 1, 1], texels: (0..16).map(|i| entry(i, random)).collect() }
+    hypertexture::eval::Texture { size: [16, 1, 1], texels: (0..16).map(|i| entry(i, random)).collect() }
 }
 
 /// A point in or around the soft region of the unit sphere.

@@ -2,7 +2,7 @@
 
 use crate::values::{Random, Setting};
 use glam::DVec3;
-use hypertexture::exact::{Inputs, Lanes, Program, Texture, Wrap};
+use hypertexture::eval::{Inputs, Lanes, Program, Texture, Wrap};
 use hypertexture::render::variant::{self, Use, Variant};
 use hypertexture::scene::{ParameterValue, Scene, preset};
 use hypertexture::shader::{self, Library, Linker, Slots};

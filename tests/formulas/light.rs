@@ -4,7 +4,7 @@ use crate::density::smoothstep;
 use crate::harness::{At, Check};
 use crate::values::{c, filtered};
 use glam::{DMat3, DVec2, DVec3};
-use hypertexture::exact::Wrap;
+use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;
 
 crate::rows! {

@@ -11,9 +11,6 @@
 mod common;
 #[path = "../common/probe.rs"]
 mod probe;
-#[path = "../../src/support/random.rs"]
-#[allow(dead_code, reason = "the tests use a part of it")]
-mod random;
 
 mod branches;
 mod cells;

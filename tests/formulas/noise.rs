@@ -5,7 +5,7 @@ use crate::harness::{At, Check, OCTAVES};
 use crate::knots::{cubic, lattice, octaves, perlin, quintic, wavelet};
 use crate::values::{Random, SIDE, c, filtered, image};
 use glam::DVec3;
-use hypertexture::exact::Wrap;
+use hypertexture::eval::Wrap;
 use hypertexture::noise::{Noise, Weights};
 use hypertexture::shader::Library;
 

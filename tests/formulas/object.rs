@@ -6,7 +6,7 @@ use crate::harness::Check;
 use crate::knots::noise;
 use crate::values::{Random, SIDE, c, filtered, image};
 use glam::DVec3;
-use hypertexture::exact::Wrap;
+use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;
 
 crate::rows! {

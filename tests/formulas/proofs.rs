@@ -2,14 +2,14 @@
 #![expect(clippy::unwrap_used, reason = "a test fails where a module is not as described")]
 
 use crate::probe::Probe;
-use crate::random::SplitMix;
 use glam::DVec3;
-use hypertexture::exact::{Inputs, Lanes};
+use hypertexture::eval::{Inputs, Lanes};
 use hypertexture::render::variant::{Use, Variant};
 use hypertexture::scene::{ParameterValue, Projection, Scene, preset};
 use hypertexture::shader::{self, ParameterKind};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
+use support::random::SplitMix;
 
 const HEAD: &str = "#version 450\n#include \"interface.glsl\"\n#include \"vector.glsl\"\n\
                     layout(location = 0) out vec4 fragment;\nPOINT\n";

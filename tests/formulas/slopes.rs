@@ -1,7 +1,7 @@
 //! Slopes in boxes against closed derivatives, and what bounds know of two truths.
 
 use crate::exact::{both, points, program};
-use hypertexture::exact::{Inputs, Interval, Lanes, Sloped};
+use hypertexture::eval::{Inputs, Interval, Lanes, Sloped};
 use std::collections::BTreeMap;
 
 #[test]

@@ -6,7 +6,7 @@ use crate::knots::{noise, turbulence};
 use crate::light::{lit, phong, to_eye_space};
 use crate::values::{c, filtered};
 use glam::{DMat3, DVec3};
-use hypertexture::exact::Wrap;
+use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;
 
 crate::rows! {

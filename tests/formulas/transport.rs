@@ -6,7 +6,7 @@ use crate::medium::medium;
 use crate::surface::material;
 use crate::values::{c, filtered, image};
 use glam::DVec3;
-use hypertexture::exact::{Texture, Wrap};
+use hypertexture::eval::{Texture, Wrap};
 use hypertexture::shader::Library;
 
 crate::rows! {

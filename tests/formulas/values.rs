@@ -1,13 +1,13 @@
 //! Random parameters and points: all over what is allowed, and at its ends.
 
-use crate::random::SplitMix;
 use glam::{DMat3, DMat4, DQuat, DVec3};
-use hypertexture::exact::{Texture, Wrap};
+use hypertexture::eval::{Texture, Wrap};
 use hypertexture::noise::{Noise, Weights};
 use hypertexture::render::texture::table_rows;
 use hypertexture::shader::{Parameter, ParameterKind};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
+use support::random::SplitMix;
 
 /// A number as GLSL has it: a literal, and every constant, is rounded to f32.
 pub fn c(value: f64) -> f64 {

@@ -5,7 +5,7 @@ use crate::harness::{At, Check, OCTAVES};
 use crate::knots::{noise, octaves, turbulence, vector_noise};
 use crate::values::{c, filtered};
 use glam::{DMat3, DVec3};
-use hypertexture::exact::Wrap;
+use hypertexture::eval::Wrap;
 use hypertexture::shader::Library;
 
 crate::rows! {

@@ -2,13 +2,13 @@
 
 use blake3::Hash;
 use glam::{DVec3, Mat3, Vec3};
-use hypertexture::measure::verify::library;
 use hypertexture::output::shard::{self, Shard, Whole};
 use hypertexture::output::{Depth, Provenance};
 use hypertexture::render::{Frame, Measurements};
 use hypertexture::scene::{self, Scene};
 use hypertexture::shader::{Formula, Library, Slots, shipped};
 use hypertexture::shape::{self, Content, Mesh, MeshFormat, Shape, Volume, VolumeFormat};
+use measure::verify::library;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 

@@ -3,11 +3,11 @@
 
 use crate::common::{difference, homogeneous, picture, subject, with_gpu};
 use hypertexture::gpu::Gpu;
-use hypertexture::measure::reference::{converged_settings, reference_pixels};
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{Frame, Subject, half_height};
 use hypertexture::scene::{Integration, ParameterValue, Part, Pass, Projection, Scene, Transform, preset};
 use hypertexture::shader::{self, Library};
+use measure::reference::{converged_settings, reference_pixels};
 
 /// What sums octaves: where it is put, and the parameter that says how fine the first octave is, for coarse and fine samples.
 struct Sum {

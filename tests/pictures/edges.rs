@@ -2,10 +2,10 @@
 
 use crate::common::{homogeneous, picture, rays, subject, with_gpu};
 use glam::{DMat3, DVec3};
-use hypertexture::measure::verify::Ray;
 use hypertexture::render::Subject;
 use hypertexture::scene::{Integration, Part, Pass, Projection, Scene};
 use hypertexture::shader;
+use measure::verify::Ray;
 
 /// Few samples of a picture in which no edge is parallel to an axis of it.
 fn coarse(object: &str, projection: Projection, samples: u32) -> Scene {

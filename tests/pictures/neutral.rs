@@ -80,7 +80,7 @@ fn a_picture_without_what_comes_to_nothing_is_the_same() {
                     _ => None,
                 })
                 .collect();
-            if random.next().is_multiple_of(3) {
+            if random.bits().is_multiple_of(3) {
                 scene.set_field("transfer.stops", FLAT).expect("stops of a transfer map");
             }
             for name in &all {
@@ -89,13 +89,13 @@ fn a_picture_without_what_comes_to_nothing_is_the_same() {
                     None => format!("parameters.{name}"),
                 };
                 let mut other = scene.clone();
-                let taken = random.next() % 8 < if index < presets.len() { 7 } else { 3 };
+                let taken = random.bits() % 8 < if index < presets.len() { 7 } else { 3 };
                 if taken && other.set_field(&key, "0").is_ok() && other.check(&library).is_ok() {
                     scene = other;
                 }
             }
             index += 1;
-            if scene.quality.pass == Pass::Slices && random.next().is_multiple_of(2) {
+            if scene.quality.pass == Pass::Slices && random.bits().is_multiple_of(2) {
                 scene.quality.pass = Pass::March;
             }
             (scene.image.size, scene.quality.samples) = ([32, 32], 48);

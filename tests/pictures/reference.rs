@@ -2,12 +2,12 @@
 
 use crate::common::{picture, subject, with_gpu};
 use glam::DVec3;
-use hypertexture::measure::reference::{TOLERANCE, reference, reference_pixels, truth_of};
-use hypertexture::measure::validity::{TRUSTED, validity};
-use hypertexture::measure::verify::{self, AnalyticCase, rays};
 use hypertexture::render::Subject;
 use hypertexture::scene::{Curve, EFFECTS, Filter, Integration, Pass, Scene, names, parse, preset};
 use hypertexture::shader::{self, Library};
+use measure::reference::{TOLERANCE, reference, reference_pixels, truth_of};
+use measure::validity::{TRUSTED, validity};
+use measure::verify::{self, AnalyticCase, rays};
 
 /// Light and estimate of every pixel.
 fn found(library: &Library, scene: &Scene, subject: &Subject, tolerance: f64) -> Vec<([f64; 4], f64)> {

@@ -3,10 +3,10 @@
 use crate::common::{Ray, difference, picture, rays, subject, with_gpu};
 use glam::{DMat3, DVec3};
 use hypertexture::gpu::Gpu;
-use hypertexture::measure::verify::{self, TRUTHS, Truth, clear};
 use hypertexture::render::Subject;
 use hypertexture::scene::{Color, Curve, EmptySpace, ParameterValue, Pass, RayPath, Scene, preset};
 use hypertexture::shader::{self, Library};
+use measure::verify::{self, TRUTHS, Truth, clear};
 
 /// The shipped modules and those of these tests.
 fn library() -> Library {

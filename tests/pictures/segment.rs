@@ -1,9 +1,9 @@
 //! The segment integration against closed forms in every pixel, with the point integration as the control that must be worse.
 
 use crate::common::{difference, errors, formula, homogeneous, picture, subject, with_gpu};
-use hypertexture::measure::verify::{self, AnalyticCase, Bench, Level, PASSES, TWO_TONE, order, two_tone};
 use hypertexture::scene::{EFFECTS, EmptySpace, Integration, Pass, Projection, preset};
 use hypertexture::shader;
+use measure::verify::{self, AnalyticCase, Bench, Level, PASSES, TWO_TONE, order, two_tone};
 
 const PROJECTIONS: [Projection; 2] = [Projection::Parallel, Projection::Perspective];
 const DOUBLING: [u32; 6] = [32, 64, 128, 256, 512, 1024];

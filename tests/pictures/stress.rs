@@ -1,10 +1,10 @@
 //! The stability laboratory: every case holds on this device, and a mistake in what it looks at is found.
 
 use crate::common::with_gpu;
-use hypertexture::measure::stress::{self, CASES, Case, Stress, chart_page, sweep, table};
-use hypertexture::measure::verify;
 use hypertexture::scene::{ParameterValue, preset};
 use hypertexture::shader::{self, Library};
+use measure::stress::{self, CASES, Case, Stress, chart_page, sweep, table};
+use measure::verify;
 
 fn of(numbers: &[u32]) -> Vec<Case> {
     CASES.iter().filter(|case| numbers.contains(&case.number)).copied().collect()

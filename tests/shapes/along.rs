@@ -106,7 +106,7 @@ fn bounds_along_a_ray_hold_the_density_and_how_fast_it_changes() {
     for (name, mut scene) in scenes {
         scene.object.resolution = scene.object.resolution.min(48);
         scene.image.size = [32, 32];
-        let near = |random: &mut SplitMix| 16 - 6 + (random.next() % 12) as u32;
+        let near = |random: &mut SplitMix| 16 - 6 + (random.bits() % 12) as u32;
         let pixels = [(); 3].map(|()| [near(&mut random), near(&mut random)]);
         let (wrong, [bounded, met], pairs) = judge(&scene, &pixels);
         println!("{name}: the slope is bounded in {bounded} of {met} parts with matter");

@@ -2,12 +2,13 @@
 
 use super::*;
 use crate::gpu::faults::LOSING;
-use crate::gpu::{Alone, Dimension, Image, ImageUse, Load, Options, Target};
+use crate::gpu::{Dimension, Image, ImageUse, Load, Options, Target};
 use crate::render::{RenderError, Renderer, Subject, render};
 use crate::scene::{Order, Pass, Scene, preset};
 use crate::shader;
-use crate::support::faults::lose;
 use std::collections::VecDeque;
+use support::alone::Alone;
+use support::faults::{lose, turn_on};
 
 const SIZE: [u32; 2] = [48, 40];
 const FORMAT: Format = Format::Rgba32Float;
@@ -15,7 +16,7 @@ const BEHIND: [f32; 4] = [0.1, 0.3, 0.2, 1.0];
 
 /// A device as a host has it: that of the test, which is validated, and the same in the hands of a host.
 fn host() -> [Gpu; 2] {
-    let own = Gpu::new(&Options { validation: true, ..Options::of_tests() }).unwrap();
+    let own = Gpu::new(&Options { validation: true, ..Options::from_env() }).unwrap();
     let host = HostDevice {
         entry: own.0.instance.entry.clone(),
         instance: own.0.instance.raw.clone(),
@@ -123,7 +124,7 @@ fn recorded(
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_recorded_picture_is_that_of_render_over_what_the_host_has_drawn() {
-    let _alone = Alone::new();
+    let _alone = Alone::enter();
     let [own, gpu] = host();
     let messages = own.messages();
     let library = shader::shipped();
@@ -183,7 +184,7 @@ fn a_recorded_picture_is_that_of_render_over_what_the_host_has_drawn() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn moving_frames_of_a_host_are_recorded_without_a_wait() {
-    let _alone = Alone::new();
+    let _alone = Alone::enter();
     let [own, gpu] = host();
     let messages = own.messages();
     let library = shader::shipped();
@@ -239,7 +240,8 @@ fn moving_frames_of_a_host_are_recorded_without_a_wait() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_device_that_is_lost_is_an_error_of_every_call_and_of_no_other_device() {
-    let _alone = Alone::new();
+    let _alone = Alone::enter();
+    turn_on();
     let library = shader::shipped();
     let mut scene = preset("fur").unwrap();
     scene.object.input = "sphere".into();

@@ -9,17 +9,17 @@ use super::super::shot::Shot;
 use super::super::values::{TIME, Values, blocks};
 use super::super::{OCTAVES_ID, Read, RenderError};
 use super::ranged;
-use crate::exact::{self, Device, Interval, Outline};
+use crate::eval::{self, Device, Interval, Outline};
 use crate::noise::Lattice;
 use crate::render::variant::{Program, Resource, Variant, VariantError};
 use crate::scene::Scene;
 use crate::shader::{Library, Linker};
-use crate::support::disk_cache::{self, Kind};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
+use support::disk_cache::{self, Kind};
 
 /// Cells along a side, at least and at most.
 pub(super) const SIDES: [u32; 2] = [4, 64];
@@ -62,9 +62,9 @@ pub(super) enum Decider {
 /// A program that says where matter is, and what it reads.
 pub(super) struct Bounded {
     pub(super) reads: Arc<Reads>,
-    pub(super) code: exact::Program,
+    pub(super) code: eval::Program,
     outline: Outline,
-    pub(super) inputs: exact::Inputs,
+    pub(super) inputs: eval::Inputs,
     pub(super) texels: u64,
     /// That of the program, and of its images and how they are filtered.
     hash: blake3::Hash,
@@ -114,7 +114,7 @@ impl Decider {
             Err(error) => return Ok(Decider::Unbounded(error.to_string())),
         };
         let octaves = [(OCTAVES_ID, shot.scene.effect.octaves)];
-        let code = match exact::Program::read_channel(&program.fragment, &octaves, (0, 3)) {
+        let code = match eval::Program::read_channel(&program.fragment, &octaves, (0, 3)) {
             Ok(code) => code,
             Err(error) => return Ok(Decider::Unbounded(error.to_string())),
         };
@@ -170,7 +170,7 @@ impl Bounded {
     fn new(
         library: &Library,
         shot: &Shot<'_>,
-        (mut program, code, outline): (Program, exact::Program, Outline),
+        (mut program, code, outline): (Program, eval::Program, Outline),
         (texels, noise): (u64, Option<Lattice>),
     ) -> Result<Bounded, RenderError> {
         let is_noise = |resource: &&mut Resource| noise.is_some() && resource.name == ranged::LOOKED_UP;
@@ -192,7 +192,7 @@ impl Bounded {
         let images = images.iter().map(|(binding, image)| (*binding, texture(image))).collect();
         let samplers = samplers.iter().map(|(binding, filter)| (*binding, wrap(filter.address))).collect();
         let noises = place.zip(noise).into_iter().collect();
-        let inputs = exact::Inputs { images, samplers, noises, ..exact::Inputs::default() };
+        let inputs = eval::Inputs { images, samplers, noises, ..eval::Inputs::default() };
         let reads = Arc::new(Reads { members: program.members_read(), program });
         Ok(Bounded { reads, code, outline, inputs, texels, hash })
     }
@@ -214,7 +214,7 @@ impl Bounded {
         boxes: &Boxes,
         read: &[u64],
         stop: &dyn Fn() -> bool,
-    ) -> Result<Option<(Vec<bool>, bool)>, exact::ExactError> {
+    ) -> Result<Option<(Vec<bool>, bool)>, eval::ExactError> {
         let key = self.key(boxes, read);
         let count = (boxes.side as usize).pow(3);
         if !self.inputs.until.is_empty() {
@@ -237,7 +237,7 @@ impl Bounded {
     }
 
     /// Which cells are proven to be empty, x fastest; none where it was to `stop`.
-    pub(super) fn empty(&self, boxes: &Boxes, stop: &dyn Fn() -> bool) -> Result<Option<Vec<bool>>, exact::ExactError> {
+    pub(super) fn empty(&self, boxes: &Boxes, stop: &dyn Fn() -> bool) -> Result<Option<Vec<bool>>, eval::ExactError> {
         let bound = self.code.bind(&self.inputs)?;
         let mut empty = vec![false; (boxes.side as usize).pow(3)];
         let mut side = SIDES[0].min(boxes.side);
@@ -245,7 +245,7 @@ impl Bounded {
         loop {
             let is_empty = |cells: &[[u32; 3]]| {
                 let places = cells.iter().map(|cell| boxes.cell(*cell, side).map(Device)).collect();
-                let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+                let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
                 let (outputs, operations) = bound.measure::<Device>(&lanes)?;
                 Ok((outputs[&0].iter().map(|[alpha, ..]| alpha.0.hi <= 0.0).collect(), operations))
             };
@@ -254,7 +254,7 @@ impl Bounded {
                 if stop() {
                     return Ok(None);
                 }
-                decided.extend(boxes.par_chunks(BOXES).map(is_empty).collect::<Result<Vec<_>, exact::ExactError>>()?);
+                decided.extend(boxes.par_chunks(BOXES).map(is_empty).collect::<Result<Vec<_>, eval::ExactError>>()?);
             }
             let of_a_box = decided.iter().map(|(_, operations)| operations).sum::<u64>() / open.len() as u64;
             let scale = boxes.side / side;

@@ -5,13 +5,13 @@ use super::super::sub_frame::SubFrame;
 use super::super::values::Values;
 use super::decide::{Bounded, Boxes, Decider};
 use super::tests::{decider, drawn};
-use crate::exact;
+use crate::eval;
 use crate::render::Subject;
 use crate::render::shot::Shot;
 use crate::render::variant::Variant;
 use crate::scene::{Pass, Scene, preset};
 use crate::shader::{self, Library, Linker};
-use crate::support::random::SplitMix;
+use support::random::SplitMix;
 
 /// Cells along a side.
 const SIDE: u32 = 16;
@@ -66,11 +66,11 @@ fn m61_cells_that_are_empty_over_an_interval_of_time_are_so_at_each_time_in_it()
             let mut scene = scene.clone();
             scene.camera.time += f64::from(seconds) * if k == 0 { 1.0 } else { random.unit() };
             let places = (0..SAMPLES).map(|_| {
-                let index = which[(random.next() % which.len() as u64) as usize];
+                let index = which[(random.bits() % which.len() as u64) as usize];
                 let cell = boxes.cell([index % SIDE, index / SIDE % SIDE, index / SIDE / SIDE], SIDE);
                 cell.map(|range| range.lo + (range.hi - range.lo) * (1.5 * random.unit() - 0.25).clamp(0.0, 1.0))
             });
-            let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+            let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
             let (code, inputs) = drawn(&scene, &library, &subject, &variant);
             let outputs = code.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();
             let matter = outputs[&0].iter().filter(|[.., alpha]| alpha.is_nan() || *alpha > 0.0).count();
@@ -106,9 +106,9 @@ fn segments_of_noise_that_is_looked_up_hold_what_is_drawn() {
                 [end(-1.0), end(1.0)]
             })
             .collect();
-        let along = |[from, to]: &[[f64; 4]; 2]| [0, 1, 2, 3].map(|axis| exact::Affine::between(from[axis], to[axis]));
-        let lanes = exact::Lanes {
-            fragment_coordinates: vec![[exact::Affine::bounded(exact::Interval::of(0.5, 0.5)); 4]; SEGMENTS],
+        let along = |[from, to]: &[[f64; 4]; 2]| [0, 1, 2, 3].map(|axis| eval::Affine::between(from[axis], to[axis]));
+        let lanes = eval::Lanes {
+            fragment_coordinates: vec![[eval::Affine::bounded(eval::Interval::of(0.5, 0.5)); 4]; SEGMENTS],
             varyings: [(0, segments.iter().map(along).collect())].into(),
         };
         let bounds = bounded.code.bind(&bounded.inputs).unwrap().bounds(&lanes, |_, _| true).unwrap();
@@ -123,17 +123,17 @@ fn segments_of_noise_that_is_looked_up_hold_what_is_drawn() {
                     [0, 1, 2, 3].map(|axis| from[axis] + part * (to[axis] - from[axis]))
                 };
                 let places = segments.iter().zip(&parts).map(place).collect();
-                let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+                let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
                 bound.run::<f64>(&lanes).unwrap().remove(&0).unwrap()
             });
             for (index, ([.., a], [.., b])) in found[0].iter().zip(&found[1]).enumerate() {
-                let exact::SegmentBounds { all, mean } = bounds[index];
+                let eval::SegmentBounds { all, mean } = bounds[index];
                 let said = || format!("{noise}: {a} and {b} in {all:?}, {mean:?}, {:?}", segments[index]);
                 assert!(all.contains(*a) && all.contains(*b), "{}", said());
                 assert!(mean.contains(0.5 * (a + b)), "{}", said());
             }
         }
-        let width = |range: exact::Interval| range.hi - range.lo;
+        let width = |range: eval::Interval| range.hi - range.lo;
         let open = bounds.iter().filter(|bounds| width(bounds.all) > 0.0);
         let narrower = open.clone().filter(|bounds| width(bounds.mean) < 0.5 * width(bounds.all)).count();
         println!(

@@ -10,7 +10,7 @@ use crate::render::variant::{Program, Variant, slot_of};
 use crate::shader::{self, Library};
 
 /// The image in whose place the noise stands: a program that decides about cells does not read them.
-pub(crate) const LOOKED_UP: &str = CELLS;
+pub const LOOKED_UP: &str = CELLS;
 /// What the texts below call it.
 const NAME: &str = "cell_grid";
 /// The files that are replaced, with what replaces them. The level of a lookup is that of
@@ -31,7 +31,7 @@ const INCLUDED: [&str; 5] =
 
 /// The program of these modules that bounds are taken of, and the noise that it looks up; none where that is the program
 /// which is drawn.
-pub(crate) fn bounded(variant: &Variant, library: &Library) -> Option<(Program, Lattice)> {
+pub fn bounded(variant: &Variant, library: &Library) -> Option<(Program, Lattice)> {
     let (own, noise) = ranged(variant, library)?;
     // A module of a person may use more of a file than what replaces it has.
     Some((variant.program_of(library, own).ok()?, noise))

@@ -1,6 +1,6 @@
 // Noise of an integer hash, as bounds of it know it: looked up as if there were an image of all its cells, whose level is
 // its period. Never drawn.
-// Source: ours; of src/noise/range.rs.
+// Source: ours; of crates/noise/src/range.rs.
 // p, mask and results: as lattice_noise.glsl has them.
 #include <wrap>
 vec4 lattice_noise_gradient(vec3 p, uint mask) {

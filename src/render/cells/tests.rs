@@ -5,13 +5,13 @@ use super::super::cpu_inputs::CpuInputs;
 use super::super::inputs::Inputs;
 use super::decide::{Bounded, packed, unpacked};
 use super::*;
-use crate::exact;
+use crate::eval;
 use crate::render::Subject;
 use crate::render::sub_frame::SubFrame;
 use crate::render::variant::Variant;
 use crate::scene::{Order, Pass, Projection, RayPath, Scene, names, preset};
 use crate::shader::{self, Linker, ParameterKind};
-use crate::support::random::SplitMix;
+use support::random::SplitMix;
 
 /// Samples of the cells of one scene.
 const SAMPLES_OF_A_SCENE: usize = 20_000;
@@ -96,12 +96,12 @@ pub(super) fn drawn(
     library: &Library,
     subject: &Subject,
     variant: &Variant,
-) -> (exact::Program, exact::Inputs) {
+) -> (eval::Program, eval::Inputs) {
     let program = variant.cells(scene, library).unwrap().program(library, Linker::new).unwrap();
-    let code = exact::Program::read(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]).unwrap();
+    let code = eval::Program::read(&program.fragment, &[(OCTAVES_ID, scene.effect.octaves)]).unwrap();
     let read = CpuInputs::new(library, scene, subject, variant, &program).unwrap();
     let blocks = read.moments(&program).unwrap().swap_remove(0);
-    (code, exact::Inputs { blocks, ..read.exact() })
+    (code, eval::Inputs { blocks, ..read.exact() })
 }
 
 /// How many cells of a scene are empty, and how many samples in those hold matter.
@@ -122,12 +122,12 @@ fn judge(scene: &Scene, side: u32, random: &mut SplitMix, samples: usize) -> (us
         return (0, 0);
     }
     let places = (0..samples).map(|_| {
-        let index = which[(random.next() % which.len() as u64) as usize];
+        let index = which[(random.bits() % which.len() as u64) as usize];
         let cell = boxes.cell([index % side, index / side % side, index / side / side], side);
         // Ends of the box as often as what is within it.
         cell.map(|range| range.lo + (range.hi - range.lo) * (1.5 * random.unit() - 0.25).clamp(0.0, 1.0))
     });
-    let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
+    let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places.collect())].into() };
     let (code, inputs) = drawn(scene, &library, &subject, &variant);
     let outputs = code.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();
     (which.len(), outputs[&0].iter().filter(|[.., alpha]| alpha.is_nan() || *alpha > 0.0).count())
@@ -220,7 +220,7 @@ fn m61_noise_that_bounds_look_up_is_the_noise_that_is_computed() {
         assert!(!bounded.inputs.noises.is_empty(), "{name}, {of:?}");
         let whole = Boxes::of(&shot, 1).cell([0; 3], 1);
         let places = (0..20_000).map(|_| whole.map(|range| range.lo + (range.hi - range.lo) * random.unit())).collect();
-        let lanes = exact::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
+        let lanes = eval::Lanes { fragment_coordinates: Vec::new(), varyings: [(0, places)].into() };
         let looked_up = bounded.code.bind(&bounded.inputs).unwrap().run::<f64>(&lanes).unwrap();
         let (code, inputs) = drawn(&scene, &library, &subject, &variant);
         let computed = code.bind(&inputs).unwrap().run::<f64>(&lanes).unwrap();
@@ -307,7 +307,7 @@ fn m61_cells_that_are_called_empty_hold_no_matter() {
                     Some((part, own)) => format!("{part}.parameters.{own}"),
                     None => format!("parameters.{name}"),
                 };
-                let takes = random.next().is_multiple_of(2) && other.set_field(&key, &value.to_string()).is_ok();
+                let takes = random.bits().is_multiple_of(2) && other.set_field(&key, &value.to_string()).is_ok();
                 if takes && other.check(&library).is_ok() {
                     scene = other;
                 }
@@ -359,7 +359,7 @@ fn m61_slices_have_tiles_where_cells_may_hold_matter_and_few_elsewhere() {
         assert!(part > 0.0 && part < 0.3, "{part}");
         let full: Vec<u32> = (0..side.pow(3)).filter(|&index| !empty[index as usize]).collect();
         for _ in 0..20_000 {
-            let index = full[(random.next() % full.len() as u64) as usize];
+            let index = full[(random.bits() % full.len() as u64) as usize];
             let cell = boxes.cell([index % side, index / side % side, index / side / side], side);
             let [x, y, z, _] = cell.map(|range| (range.lo + (range.hi - range.lo) * random.unit()) as f32);
             let eye = view.object_matrix.transform_point3(glam::Vec3::new(x, y, z));

@@ -1,14 +1,11 @@
 //! Linked programs kept on disk: glslang takes up to a second for one, and the same one is asked for again and again.
 
 use super::{Program, SHIPPED_PROGRAMS, Variant, VariantError};
-#[cfg(feature = "measure")]
 use crate::shader;
-#[cfg(feature = "measure")]
 use crate::shader::compile::{CompileError, Job, Limits, Wanted, compile, link_allowed, names};
-#[cfg(feature = "measure")]
 use crate::shader::library::Compiler;
 use crate::shader::{Library, LinkError, Linker, Slots, Stage};
-use crate::support::disk_cache::{self, Kind};
+use support::disk_cache::{self, Kind};
 
 /// SPIR-V of the vertex stage and the fragment stage.
 type Stages = [Vec<u32>; 2];
@@ -43,7 +40,6 @@ impl Variant {
     }
 
     /// A hash of all that decides the words of its program, which is not linked for it.
-    #[cfg(feature = "measure")]
     pub(crate) fn text_hash(&self, library: &Library) -> blake3::Hash {
         key(library, self.entries, &self.slots, (true, false))
     }
@@ -52,18 +48,17 @@ impl Variant {
     ///
     /// # Errors
     /// As [`Variant::program`].
-    pub(crate) fn program_of(&self, library: &Library, own: Library) -> Result<Program, VariantError> {
+    pub fn program_of(&self, library: &Library, own: Library) -> Result<Program, VariantError> {
         self.program(&self.with_own(library, own), Linker::new)
     }
 
     /// The library of `own` texts, which the program itself puts in place of some of `library`: it is compiled in a process
     /// of its own only where that is asked for of `library`.
-    pub(crate) fn with_own(&self, library: &Library, own: Library) -> Library {
+    pub fn with_own(&self, library: &Library, own: Library) -> Library {
         if self.apart(library, true).is_some() { own } else { own.compiled_here() }
     }
 
     /// What links both stages under limits, where the library asks for that and some text of the program is not as shipped.
-    #[cfg(feature = "measure")]
     fn apart(&self, library: &Library, is_optimized: bool) -> Option<impl FnOnce() -> Result<Stages, LinkError>> {
         if matches!(library.compiler(), Compiler::Here) {
             return None;
@@ -92,13 +87,7 @@ impl Variant {
         })
     }
 
-    #[cfg(not(feature = "measure"))]
-    fn apart(&self, _: &Library, _: bool) -> Option<fn() -> Result<Stages, LinkError>> {
-        None
-    }
-
     /// What [`compile`] links of it.
-    #[cfg(feature = "measure")]
     pub fn wanted(&self, is_optimized: bool) -> Wanted {
         Wanted { entries: self.entries.map(String::from), slots: self.slots.clone(), is_optimized }
     }
@@ -135,7 +124,7 @@ fn save(key: blake3::Hash, [vertex, fragment]: &Stages) {
     disk_cache::save(KIND, key, &words.flat_map(u32::to_le_bytes).collect::<Vec<u8>>());
 }
 
-#[cfg(all(test, feature = "measure"))]
+#[cfg(all(test, feature = "glsl"))]
 mod tests {
     use super::*;
     use crate::render::variant::program::words;
@@ -165,7 +154,7 @@ mod tests {
     fn every_program_that_ships_asks_for_no_more_than_a_person_may() {
         for (key, vertex, fragment) in SHIPPED_PROGRAMS {
             for stage in [vertex, fragment] {
-                assert_eq!(refusal(&words(stage)), None, "{key}");
+                assert_eq!(refusal(&words(stage).unwrap()), None, "{key}");
             }
         }
     }

@@ -115,7 +115,7 @@ impl Variant {
     /// The same, as a device draws it soonest: on a GPU, which skips branches that none of its rays takes, soft matter is
     /// not found before it is shaded, since its density would be asked for twice. An H100 draws fire in 3.1 ms so in place
     /// of 4.4 and flow in 2.7 in place of 4.7; hard matter, which is shaded once a ray, takes longer: lit 0.2 in place of 0.12.
-    pub(crate) fn suited(self, on_processor: bool) -> Variant {
+    pub fn suited(self, on_processor: bool) -> Variant {
         if self.is_hard() || on_processor { self } else { self.that_waits_for_none() }
     }
 
@@ -302,12 +302,16 @@ impl Variant {
         let key = self.key();
         let ships = SHIPPED_PROGRAMS.binary_search_by(|program| program.0.cmp(&key)).ok();
         let ships = ships.filter(|_| self.entries != DEPTH_ENTRIES); // a picture has the same modules
-        let shipped = ships.filter(|_| *library == crate::shader::shipped()).map(|index| SHIPPED_PROGRAMS[index]);
+        let shipped = ships.filter(|_| *library == crate::shader::shipped()).and_then(|index| {
+            let (_, vertex, fragment) = SHIPPED_PROGRAMS[index];
+            Some([program::words(vertex).ok()?, program::words(fragment).ok()?])
+        });
+        let is_shipped = shipped.is_some();
         let [vertex, fragment] = match shipped {
-            Some((_, vertex, fragment)) => [program::words(vertex), program::words(fragment)],
+            Some(stages) => stages,
             None => self.linked(library, true, linker)?,
         };
-        Program::of(vertex, fragment, shipped.is_some())
+        Program::of(vertex, fragment, is_shipped)
     }
 
     /// The program with all that its text says, such as loops without an end, which an optimizer may take away.
@@ -345,7 +349,7 @@ fn object_module(scene: &Scene, needs_normal: bool) -> &str {
 }
 
 /// The slot of a key, which an additional object's name may come before.
-pub(crate) fn slot_of(key: &str) -> &str {
+pub fn slot_of(key: &str) -> &str {
     key.rsplit('.').next().unwrap_or(key)
 }
 

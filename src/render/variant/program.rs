@@ -2,7 +2,9 @@
 
 use super::VariantError;
 use super::reflect::{self, Resource, Use};
+use flate2::read::DeflateDecoder;
 use std::collections::BTreeSet;
+use std::io::{self, Read};
 
 /// A linked program and what it reads.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,12 +32,12 @@ impl Program {
 
     /// The members of blocks that the fragment stage reads: numbers of bindings, and those of members in them. It looks
     /// through all of the stage.
-    pub(crate) fn members_read(&self) -> BTreeSet<(u32, u32)> {
+    pub fn members_read(&self) -> BTreeSet<(u32, u32)> {
         reflect::members_read(&self.fragment)
     }
 
     /// Those parts of filled blocks, by binding.
-    pub(crate) fn parts_read<'a>(
+    pub fn parts_read<'a>(
         &self,
         read: &BTreeSet<(u32, u32)>,
         blocks: impl IntoIterator<Item = (u32, &'a [u8])>,
@@ -84,7 +86,9 @@ pub(crate) fn parts<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Vec<&'s
     Ok(PARTS.iter().map(|(_, part, _)| *part).filter(|part| names.iter().any(|name| name == part)).collect())
 }
 
-/// SPIR-V from its bytes.
-pub(super) fn words(bytes: &[u8]) -> Vec<u32> {
-    bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
+/// SPIR-V that `build.rs` compressed.
+pub(super) fn words(compressed: &[u8]) -> io::Result<Vec<u32>> {
+    let mut bytes = Vec::new();
+    DeflateDecoder::new(compressed).read_to_end(&mut bytes)?;
+    Ok(bytes.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect())
 }

@@ -28,7 +28,7 @@ const PRIVATE: u32 = 6;
 const FUNCTION: u32 = 7;
 
 /// Why a SPIR-V module is not for a driver, if it is not.
-pub(crate) fn refusal(module: &[u32]) -> Option<String> {
+pub fn refusal(module: &[u32]) -> Option<String> {
     let foreign = |(op, operands): (u32, &[u32])| match operands {
         [capability] if op == CAPABILITY => Some(*capability).filter(|number| !CAPABILITIES.contains(number)),
         _ => None,

@@ -1,19 +1,19 @@
 //! Asking a child process about a text: a job on its standard input, an [`Answer`] on its standard output, both JSON.
 
 use super::error::CompileError;
-use crate::support::child::{self, End, Limits};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::io::{self, Read, Write};
 use std::path::Path;
+use support::child::{self, End, Limits};
 
 /// The longest job that a child reads, in bytes: every module of a library at its longest would not fit, none needs to.
 const MAX_JOB: u64 = 16 << 20;
 
 /// What a child says of a text.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Answer<T> {
+pub enum Answer<T> {
     /// It is good, and what came of it.
     Good(T),
     /// Why it is not.
@@ -23,7 +23,7 @@ pub(crate) enum Answer<T> {
 }
 
 /// How a child has ended without an answer.
-pub(crate) enum Failure {
+pub enum Failure {
     /// By a signal or a code.
     Crashed(String),
     /// It took so many seconds of the processor.
@@ -43,19 +43,22 @@ impl fmt::Display for Failure {
 }
 
 /// A child: this very program with a hidden command.
-pub(crate) struct Trial<'a> {
-    pub(crate) program: &'a Path,
-    pub(crate) arguments: &'a [&'a str],
+pub struct Trial<'a> {
+    /// The executable of hypertexture.
+    pub program: &'a Path,
+    /// Its hidden command and the arguments of that.
+    pub arguments: &'a [&'a str],
     /// The device that it draws on, where it draws.
-    pub(crate) device: Option<&'a str>,
-    pub(crate) limits: &'a Limits,
+    pub device: Option<&'a str>,
+    /// Its limits of time and memory.
+    pub limits: &'a Limits,
     /// What it means that the child has failed so, after it has finished so many stages.
-    pub(crate) failed: fn(usize, Failure) -> CompileError,
+    pub failed: fn(usize, Failure) -> CompileError,
 }
 
 impl Trial<'_> {
     /// Starts the child and waits for its answer. `is_stale` is asked now and then: once it says yes, the child is ended.
-    pub(crate) fn ask<T: DeserializeOwned>(
+    pub fn ask<T: DeserializeOwned>(
         &self,
         job: &impl Serialize,
         is_stale: &dyn Fn() -> bool,
@@ -85,18 +88,18 @@ impl Trial<'_> {
 const STAGE: u8 = b'\n';
 
 /// The child's side: a stage is finished.
-pub(crate) fn stage(output: &mut impl Write) -> io::Result<()> {
+pub fn stage(output: &mut impl Write) -> io::Result<()> {
     output.write_all(&[STAGE])?;
     output.flush()
 }
 
 /// The child's side: the job.
-pub(crate) fn read<T: DeserializeOwned>(input: impl Read) -> io::Result<T> {
+pub fn read<T: DeserializeOwned>(input: impl Read) -> io::Result<T> {
     Ok(serde_json::from_reader(io::BufReader::new(input.take(MAX_JOB)))?)
 }
 
 /// The child's side: its answer.
-pub(crate) fn reply(output: &mut impl Write, answer: &Answer<impl Serialize>) -> io::Result<()> {
+pub fn reply(output: &mut impl Write, answer: &Answer<impl Serialize>) -> io::Result<()> {
     serde_json::to_writer(&mut *output, answer)?;
     output.flush()
 }

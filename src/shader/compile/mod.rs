@@ -13,12 +13,12 @@ use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-pub(crate) use allowed::refusal;
-pub(crate) use ask::{Answer, Failure, Trial, read, reply, stage};
+pub use allowed::refusal;
+pub use ask::{Answer, Failure, Trial, read, reply, stage};
 use error::MAX_SOURCE;
 pub use error::{CompileError, Fault};
 
-pub use crate::support::child::{Limits, limit};
+pub use support::child::{Limits, limit};
 
 /// Name of the hidden command.
 pub const COMMAND: &str = "compile";
@@ -76,7 +76,7 @@ pub fn compile(
 }
 
 /// Whether no text is too long to be tried.
-pub(crate) fn check_lengths(changed: &BTreeMap<String, String>) -> Result<(), CompileError> {
+pub fn check_lengths(changed: &BTreeMap<String, String>) -> Result<(), CompileError> {
     match changed.iter().find(|(_, text)| text.len() > MAX_SOURCE) {
         Some((path, text)) => Err(CompileError::Long { path: path.clone(), bytes: text.len() }),
         None => Ok(()),
@@ -84,7 +84,7 @@ pub(crate) fn check_lengths(changed: &BTreeMap<String, String>) -> Result<(), Co
 }
 
 /// What it means that the compiler has failed.
-pub(crate) fn compiler(failure: Failure) -> CompileError {
+pub fn compiler(failure: Failure) -> CompileError {
     match failure {
         Failure::Crashed(how) => CompileError::Crashed(how),
         Failure::Late(seconds) => CompileError::Late(seconds),
@@ -102,7 +102,7 @@ pub fn serve(input: impl Read, output: &mut impl Write) -> io::Result<()> {
 }
 
 /// The files that are not as shipped, as a line names them.
-pub(crate) fn names(changed: &BTreeMap<String, String>) -> String {
+pub fn names(changed: &BTreeMap<String, String>) -> String {
     changed.keys().cloned().collect::<Vec<_>>().join(", ")
 }
 
@@ -119,7 +119,7 @@ fn link(job: &Job) -> Result<Vec<Stages>, LinkError> {
 
 /// Links both stages of a program that holds nothing which a program with text of a person may not hold; `names` are the
 /// files of that text.
-pub(crate) fn link_allowed(
+pub fn link_allowed(
     linker: &Linker,
     library: &Library,
     entries: [&str; 2],

@@ -1,0 +1,125 @@
+//! The command line.
+
+use super::bench::Bench;
+use super::compare::Compare;
+use super::convert::Convert;
+use super::explain::Explain;
+use super::field::Field;
+use super::gallery::GalleryArguments;
+use super::info::Info;
+use super::merge::Merge;
+use super::mesh::Mesh;
+use super::render::Render;
+use super::stress::Stress;
+use super::verify::Verify;
+#[cfg(feature = "viewer")]
+use super::view::ViewArguments;
+use clap::{Args, Parser, Subcommand};
+
+/// Texture and hypertexture volumetric objects: fur, fire, melting and more around a mesh, a scan or a formula.
+#[derive(Parser)]
+#[command(name = "hypertexture", version, max_term_width = 100)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Part of the name of the Vulkan device to use.
+    #[arg(long, global = true, env = "HYPERTEXTURE_DEVICE", value_name = "NAME")]
+    pub device: Option<String>,
+    /// Say nothing but errors.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+/// What the program does.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Render a picture.
+    Render(Box<Render>),
+    /// Show a window, in which the mouse turns the scene and panels change it.
+    #[cfg(feature = "viewer")]
+    View(Box<ViewArguments>),
+    /// Join the shards of a picture, as `render --shard` writes them.
+    Merge(Merge),
+    /// Compute the distance field of an object and write it. Formats: NRRD, MetaImage, NIfTI, OpenVDB, .npy.
+    Field(Field),
+    /// Write the surface of a hypertextured object as a closed mesh. It lies where the density crosses a value.
+    Mesh(Box<Mesh>),
+    /// Render every example scene, or the six effects on one object. A page explains them.
+    Gallery(GalleryArguments),
+    /// Measure error against run time: noise implementations, samples, blocks, formats and integrations, with a report.
+    Compare(Box<Compare>),
+    /// Say what a picture is made with and what its scene leaves out. Each has its reason and its saving.
+    Explain(Box<Explain>),
+    /// What a mesh or a volume holds: counts, box, open edges, range of values, iso-values worth looking at.
+    Info(Info),
+    /// Write a volume or a mesh in another format, or values without a header as a volume.
+    Convert(Convert),
+    /// Measure what effects, example scenes and fields cost on this device. --baseline says what got slower since a saved run.
+    Bench(Bench),
+    /// List the effects and their parameters.
+    Effects,
+    /// List every setting of a scene: its default, what it may be, its flag.
+    Settings,
+    /// Drive the method to its ends, or a scene to the ends of its ranges: error against stiffness.
+    Stress(Box<Stress>),
+    /// Check the device against reference scenes, or a picture against the scene in it. The reference scenes are analytic and drawn by
+    /// both passes.
+    Verify(Verify),
+    /// Say which device was found, what is missing, and test what the renderer relies on.
+    Doctor(Doctor),
+    /// Write completions for a shell to standard output.
+    Completions(Completions),
+    /// Write a manual page, for `man`, to standard output.
+    Man(Man),
+    /// Draw the pictures that standard input asks for: what `compare`, `gallery` and `--max-error` draw with.
+    #[command(hide = true)]
+    Draw,
+    /// Compile the job on standard input: what a user's GLSL goes through for each program.
+    #[command(hide = true)]
+    Compile(Compile),
+    /// Try the modules of the scene on standard input: what a user's GLSL goes through first.
+    #[command(hide = true)]
+    Try(Try),
+}
+
+/// Arguments of `doctor`.
+#[derive(Args)]
+pub struct Doctor {
+    /// Everything as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `completions`.
+#[derive(Args)]
+pub struct Completions {
+    /// The shell that reads them.
+    pub shell: clap_complete::Shell,
+}
+
+/// Arguments of `man`.
+#[derive(Args)]
+pub struct Man {
+    /// The command that the page is about, such as render; without one, the program.
+    pub command: Option<String>,
+}
+
+/// Arguments of `compile`: the limits of the process.
+#[derive(Args)]
+pub struct Compile {
+    /// Time of the processor, seconds.
+    #[arg(long, default_value_t = 10)]
+    pub seconds: u64,
+    /// Address space, MiB.
+    #[arg(long, default_value_t = 1024)]
+    pub memory_mib: u64,
+}
+
+/// Arguments of `try`: the limit of the process.
+#[derive(Args)]
+pub struct Try {
+    /// Time of the processor, seconds.
+    #[arg(long, default_value_t = 10)]
+    pub seconds: u64,
+}

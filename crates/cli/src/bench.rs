@@ -1,0 +1,111 @@
+//! `bench`: what effects, scenes and fields cost on this device, and what got slower since a saved run.
+
+use super::compare::Failed;
+use super::sequence::{Interrupted, stop_flag};
+use super::{absolute, announced, say};
+use clap::Args;
+use hypertexture::gpu::{Gpu, Options};
+use measure::bench::{self, Change};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use support::{open, write_whole};
+
+/// Timed runs of a row, unless said otherwise, and if it is to be quick.
+const REPEAT: [usize; 2] = [7, 3];
+/// Bytes that a saved run may have.
+const LONGEST: u64 = 16 << 20;
+
+/// Arguments of `bench`.
+#[derive(Args)]
+pub struct Bench {
+    /// Only rows of which the name holds one of these, such as effects, fur or "growth/"; all, unless some are given.
+    #[arg(value_name = "ROWS")]
+    rows: Vec<String>,
+    /// Fewer runs, and no picture above 300 x 300: a minute or two on two cores.
+    #[arg(long)]
+    quick: bool,
+    /// Timed runs of each row, 1 to 1000 [default: 7; quick: 3].
+    #[arg(long, value_name = "RUNS")]
+    repeat: Option<usize>,
+    /// Writes all that was timed into this file too.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Says which rows got slower or faster than in this file. --json wrote the file on the same device. The exit code is 1
+    /// where a row got slower.
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
+}
+
+/// Times, prints the table, and holds it against a saved one.
+pub(super) fn run(command: &Bench, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let repeats = command.repeat.unwrap_or(REPEAT[usize::from(command.quick)]);
+    if !(1..=1000).contains(&repeats) {
+        return Err(format!("--repeat {repeats}: must be from 1 to 1000").into());
+    }
+    if let Some(path) = &command.json {
+        hypertexture::output::check_all([("--json", path.clone())], command.baseline.clone())?;
+    }
+    let saved = command.baseline.as_deref().map(read).transpose()?;
+    let library = bench::library();
+    let groups = bench::suite(&library, command.quick, &command.rows)?;
+    if groups.is_empty() {
+        return Err(
+            format!("{}: no row has such a name; try effects, scenes or growth", command.rows.join(", ")).into()
+        );
+    }
+    let gpu = Gpu::new(options)?;
+    let changes = |now: &bench::Bench| match (&saved, &command.baseline) {
+        (Some(saved), Some(path)) => bench::changes(saved, now).map_err(|error| format!("{}: {error}", path.display())),
+        _ => Ok(Vec::new()),
+    };
+    changes(&bench::Bench::here(&gpu))?; // a file of another device is refused before anything is timed
+    let flag = stop_flag()?;
+    let stop = || flag.load(Ordering::Relaxed);
+    let found = announced(quiet, "bench", |progress| {
+        progress(0.0);
+        bench::measure(&gpu, &library, &groups, repeats, &|part| progress(part), &stop)
+    });
+    say(&bench::table(&found));
+    if let Some(path) = &command.json {
+        write_whole(path, serde_json::to_string_pretty(&found)?.as_bytes())
+            .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
+        if !quiet {
+            say(&format!("\nwrote {}\n", absolute(path)));
+        }
+    }
+    let changes = changes(&found)?;
+    if saved.is_some() {
+        say(&said(&changes));
+    }
+    if found.partial {
+        return Err(Interrupted("interrupted: the rows that were timed are above".into()).into());
+    }
+    if let [first, ..] = found.failures.as_slice() {
+        let count = found.failures.len();
+        return Err(Failed::new(format!("{count} groups could not be timed; the first, {first}")).into());
+    }
+    match changes.iter().filter(|change| change.times > 1.0).count() {
+        0 => Ok(()),
+        slower => Err(Failed::new(format!("{slower} rows are slower than the baseline, beyond the spread")).into()),
+    }
+}
+
+/// A saved run.
+fn read(path: &Path) -> Result<bench::Bench, Box<dyn Error>> {
+    let fails = |reason: &dyn std::fmt::Display| format!("{}: {reason}", path.display());
+    let text = open::text(path, LONGEST).map_err(|error| fails(&error))?;
+    serde_json::from_str(&text).map_err(|error| fails(&format!("no file that `bench --json` wrote: {error}")).into())
+}
+
+/// What changed, a line each.
+fn said(changes: &[Change]) -> String {
+    let line = |change: &Change| {
+        let (how, factor) = if change.times > 1.0 { ("slower", change.times) } else { ("faster", 1.0 / change.times) };
+        format!("{how}     {factor:.2} times: {}\n", change.name)
+    };
+    match changes {
+        [] => "\nno row is slower or faster than the baseline, beyond the spread\n".into(),
+        changes => format!("\n{}", changes.iter().map(line).collect::<String>()),
+    }
+}

@@ -1,0 +1,204 @@
+//! Error against run time, from the command line.
+
+use super::picture::say_fault;
+use super::scene_arguments::{ObjectFlags, SceneArguments};
+use super::sequence::{Interrupted, stop_flag};
+use super::{absolute, announced, say, start, with_progress};
+use clap::Args;
+use hypertexture::gpu::{Gpu, Options};
+use hypertexture::render::{Subject, watch};
+use hypertexture::scene::{Scene, to_text};
+use measure::compare::candidates::{Sweep, candidates};
+use measure::compare::report::{self, Environment, Report};
+use measure::compare::{Comparison, Forecast, Settings, Stage, compare, paper};
+use measure::reference::{Reference, TOLERANCE, reference};
+use measure::worker::{Load, Worker};
+use std::error::Error;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use support::probe;
+
+/// The object of the paper's tables, unless another is given.
+const OBJECT: &str = "teapot";
+/// Share of the progress that candidates take; the rest is the paper's table.
+const CANDIDATES: f32 = 0.8;
+
+/// Pixels of the pictures that are compared, unless said otherwise.
+const SIZE: [u32; 2] = [128, 128];
+
+/// Arguments of `compare`.
+#[derive(Args)]
+pub struct Compare {
+    /// An object, a scene file (.toml), or an effect or example scene such as fire; with --paper, the object, teapot unless said
+    /// otherwise.
+    #[arg(value_name = "SCENE", required_unless_present = "paper")]
+    input: Option<String>,
+    /// Replay the tables of Miller and Jones 2005 instead: frames per second of their six effects and four ways to get
+    /// turbulence in their windows, beside what they print, with errors; on --samples slices [default: 128].
+    #[arg(long, conflicts_with_all = ["effect", "debug_view", "sweep", "strategies", "pass", "integration", "msaa", "anisotropy"])]
+    pub paper: bool,
+    /// With --paper: the windows are this part of the paper's in width and height, for a quick look, which leaves out the
+    /// largest block of noise.
+    #[arg(long, requires = "paper", value_name = "PART")]
+    pub scale: Option<f64>,
+    /// Where the report goes: a folder.
+    #[arg(long, short, default_value = "compare", value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Every candidate, block, format and up to 512 samples: half an hour and more on two cores, for a few minutes
+    /// otherwise. Without it and without --sweep, the front of the scene's own noise gets twice the samples, again and
+    /// again, until an error of 0.001 or for 60 seconds. With --paper, all windows, not only 300 x 300 without smoothing.
+    #[arg(long)]
+    pub thorough: bool,
+    /// Timed runs of each candidate, at most, 1 to 1000 [default: 7; thorough: 31].
+    #[arg(long, value_name = "RUNS")]
+    pub repeat: Option<usize>,
+    /// Samples to try, such as 32,64,128.
+    #[arg(long, value_delimiter = ',', value_name = "LIST")]
+    pub sweep: Option<Vec<u32>>,
+    /// Strategies of turbulence and noise to try, such as encoded,procedural.
+    #[arg(long, value_delimiter = ',', value_name = "LIST")]
+    pub strategies: Option<Vec<String>>,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectFlags,
+    /// What is drawn, 128 x 128 pixels unless said otherwise.
+    #[command(flatten)]
+    pub arguments: SceneArguments,
+}
+
+impl Compare {
+    /// What is compared.
+    pub fn input(&self) -> &str {
+        self.input.as_deref().unwrap_or(OBJECT)
+    }
+}
+
+/// A report that holds failures; it was written.
+#[derive(Debug)]
+pub struct Failed(pub(super) String);
+
+impl Failed {
+    /// What failed, in one line.
+    pub fn new(line: String) -> Failed {
+        Failed(line)
+    }
+}
+
+impl fmt::Display for Failed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl Error for Failed {}
+
+/// Compares, and writes the report.
+pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let (scene, mut settings) = plan(command)?;
+    let library = super::library(&scene)?;
+    // What is wrong is said before the work begins: with the settings, and with the text of a module.
+    candidates(&scene, &library, &settings.sweep)?;
+    super::try_modules(&scene, &library, Some(options))?;
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let fault = watch(&library, &scene, &subject)?;
+    let gpu = Gpu::new(options)?;
+    settings.sweep.filters = gpu.info().filters_by_few_bits();
+    let flag = stop_flag()?;
+    make_folder(&command.output)?;
+    let stop = || flag.load(Ordering::Relaxed);
+    let worker = Worker::new(&start(options)?, &library, Load::Scene(to_text(&scene)));
+    let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &stop };
+    let environment = Environment::of(&gpu);
+    let title = title(command);
+    let report = announced(quiet, "compare", |progress| -> Result<Report, Box<dyn Error>> {
+        progress(0.0);
+        let mut refer = |scene: &Scene| truth(stage, scene);
+        let part = |fraction: f32| progress(CANDIDATES * fraction);
+        let forecast = |forecast: Forecast| {
+            if !quiet {
+                say(&format!("{forecast}\n"));
+            }
+        };
+        let mut comparison = compare(stage, &scene, &settings, &mut refer, &forecast, &part)?;
+        let mut failures = Vec::new();
+        let part = |fraction: f32| progress(CANDIDATES + (1.0 - CANDIDATES) * fraction);
+        let table = paper::table(stage, &comparison, !command.thorough, &mut failures, &part);
+        let crops = paper::figure(stage, &comparison, &mut failures);
+        let pictures = report::pictures(stage, &comparison, &mut failures);
+        comparison.failures.extend(failures);
+        let comparison = Comparison { partial: comparison.partial || stop(), ..comparison };
+        let environment = Environment { load_after: report::load(), ..environment };
+        let hash = report::hash(&scene);
+        Ok(Report { title, hash, tolerance: TOLERANCE, environment, comparison, pictures, table, crops })
+    })?;
+    let page = report::write(&report, &command.output)?;
+    say_fault(fault.filter(|_| !quiet));
+    conclude(&report, &page, quiet)
+}
+
+/// The scene and what to do with it.
+fn plan(command: &Compare) -> Result<(Scene, Settings), Box<dyn Error>> {
+    let repeat = command.repeat.unwrap_or(if command.thorough { 31 } else { 7 });
+    if !(1..=1000).contains(&repeat) {
+        return Err(format!("--repeat {repeat}: must be from 1 to 1000").into());
+    }
+    let mut scene = command.arguments.scene(command.input(), &command.object)?;
+    if !command.arguments.settings.has("image.size") {
+        scene.image.size = SIZE;
+    }
+    let (samples, strategies) = (command.sweep.clone(), command.strategies.clone());
+    Ok((scene, Settings { sweep: Sweep { quick: !command.thorough, samples, strategies, filters: false }, repeat }))
+}
+
+/// The folder of the report, made and written into before the measurements, so that none is lost.
+pub(super) fn make_folder(folder: &Path) -> Result<(), String> {
+    let fail = |error: std::io::Error| match folder.is_dir() || !folder.exists() {
+        true => format!("{}: {error}; nothing was written", folder.display()),
+        false => format!("{}: it is a file; name a folder; nothing was written", folder.display()),
+    };
+    std::fs::create_dir_all(folder).map_err(fail)?;
+    probe(folder).map_err(fail)
+}
+
+fn title(command: &Compare) -> String {
+    let input = report::file_name(command.input());
+    command.arguments.effect.as_ref().map_or(input.clone(), |effect| format!("{effect} on {input}"))
+}
+
+/// The end: what was written, and whether it is good.
+fn conclude(report: &Report, page: &Path, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let Comparison { rows, failures, planned, partial, .. } = &report.comparison;
+    if !quiet {
+        for (number, group) in report.comparison.groups().iter().enumerate() {
+            let own = if group.truth.is_own { ", the scene's own" } else { "" };
+            say(&format!("truth {number}    {}{own}\n", group.truth.pattern));
+            for row in group.front.iter().map(|&index| &rows[index]) {
+                let (time, error) = row.point();
+                say(&format!("front      {time:9.3} ms  error {error:.2e}  {}\n", row.candidate.label()));
+            }
+        }
+        say(&format!("wrote {}\n", absolute(page)));
+    }
+    if *partial {
+        let measured = rows.len();
+        return Err(Interrupted(format!(
+            "interrupted: {measured} of {planned} candidates are in the report, which is marked as partial"
+        ))
+        .into());
+    }
+    match failures.first() {
+        None => Ok(()),
+        Some(first) => {
+            let (count, label, message) = (failures.len(), &first.label, &first.message);
+            Err(Failed(format!("{count} of {planned} candidates failed; the first, {label}: {message}")).into())
+        }
+    }
+}
+
+/// The exact picture of a scene.
+pub(super) fn truth(stage: Stage<'_>, scene: &Scene) -> Result<Arc<Reference>, String> {
+    let found = reference(stage.library, scene, stage.subject, TOLERANCE, &|_| (), stage.stop);
+    found.map(Arc::new).map_err(|error| error.to_string())
+}

@@ -1,0 +1,96 @@
+//! `convert`: a volume or a mesh in another format, and values without a header as a volume.
+
+use super::{absolute, say};
+use clap::Args;
+use hypertexture::output;
+use hypertexture::shape::{self, MeshFormat, Opened, RawLayout, SampleType, Shape, VolumeFormat};
+use std::error::Error;
+use std::path::PathBuf;
+use support::write_whole;
+
+/// Arguments of `convert`.
+#[derive(Args)]
+pub struct Convert {
+    /// A volume or a mesh: any that `render` takes, or values without a header and what they are.
+    pub input: String,
+    /// The grid of an OpenVDB file with several.
+    #[arg(long, value_name = "NAME", conflicts_with = "dims")]
+    pub grid: Option<String>,
+    /// Where it goes: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy; a mesh .stl, .ply, .obj or .glb.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Values without a header: how many along x, y and z, x fastest.
+    #[arg(long, value_delimiter = ',', value_name = "X,Y,Z")]
+    pub dims: Option<Vec<u32>>,
+    /// Their type, as NumPy calls it: uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64.
+    #[arg(long = "type", requires = "dims", value_name = "TYPE")]
+    pub kind: Option<SampleType>,
+    /// Order of their bytes.
+    #[arg(long, requires = "dims", value_parser = ["little", "big"], default_value = "little")]
+    pub endian: String,
+    /// World units from one to the next along x, y and z.
+    #[arg(long, requires = "dims", value_delimiter = ',', value_name = "X,Y,Z")]
+    pub spacing: Option<Vec<f64>>,
+    /// Bytes before them; without, they are the end of the file.
+    #[arg(long, requires = "dims", value_name = "BYTES")]
+    pub skip: Option<u64>,
+}
+
+/// Reads it, and writes it.
+pub(super) fn run(command: &Convert, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let path = &command.output;
+    let (volume, mesh) = (VolumeFormat::from_path(path), MeshFormat::from_path(path));
+    if volume.is_none() && mesh.is_none() {
+        return Err(format!("--output {}: end the name in {ENDS}, or of a mesh in {MESH_ENDS}", path.display()).into());
+    }
+    output::check_all([("--output", path.clone())], [PathBuf::from(&command.input)])?;
+    let shape = match &command.dims {
+        Some(dims) => {
+            let size = three(dims).ok_or("--dims: give 3 numbers, such as 256,256,128")?;
+            let kind = command.kind.ok_or("--dims: say the type of the values too, such as --type uint16")?;
+            let spacing = match &command.spacing {
+                Some(spacing) => three(spacing).ok_or("--spacing: give 3 numbers, such as 0.5,0.5,2")?,
+                None => [1.0; 3],
+            };
+            let big_endian = command.endian == "big";
+            let layout = RawLayout { size, kind, big_endian, spacing, skip: command.skip };
+            shape::open_raw(&command.input, &layout)?
+        }
+        None => {
+            let opened = Opened::with_grid(&command.input, command.grid.as_deref())?;
+            output::check_all([("--output", path.clone())], opened.others.clone())?;
+            opened.warned(&command.input)
+        }
+    };
+    let (input, mut bytes) = (&command.input, Vec::new());
+    let about = match (&shape, volume, mesh) {
+        (Shape::Volume(volume), Some(format), _) => {
+            format.write(volume, &mut bytes)?;
+            let (low, high) = volume.range();
+            format!("volume     {}, values {low} to {high}", volume.size.map(|n| n.to_string()).join(" x "))
+        }
+        (Shape::Mesh(mesh), _, Some(format)) => {
+            format.write(mesh, &mut bytes)?;
+            format!("mesh       {} vertices, {} triangles", mesh.positions.len(), mesh.triangles.len())
+        }
+        (_, Some(_), _) => {
+            return Err(format!("{input}: is no volume; `hypertexture field {input}` writes its distance field").into());
+        }
+        _ => return Err(format!("{input}: is no mesh; `hypertexture mesh {input}` writes its surface as one").into()),
+    };
+    write_whole(path, &bytes).map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
+    if !quiet {
+        say(&format!("{about}\nwrote {}\n", absolute(path)));
+    }
+    Ok(())
+}
+
+/// The numbers of three axes, if they are three.
+fn three<T: Copy>(numbers: &[T]) -> Option<[T; 3]> {
+    numbers.try_into().ok()
+}
+
+/// Ends of names of meshes that are written.
+pub(super) const MESH_ENDS: &str = ".stl, .ply, .obj or .glb";
+/// Ends of names of volumes that are written.
+pub(super) const ENDS: &str = ".nrrd, .mha, .nii, .nii.gz, .vdb or .npy";

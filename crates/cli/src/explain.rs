@@ -1,0 +1,251 @@
+//! `explain`: what a picture is made with, what its scene leaves out and why, and what that saves.
+
+use super::picture::say_fault;
+use super::scene_arguments::{ObjectFlags, SceneArguments};
+use super::{announced, say, say_json, with_progress};
+use clap::Args;
+use hypertexture::field::Progress;
+use hypertexture::gpu::{Gpu, Options};
+use hypertexture::output::PROGRAM;
+use hypertexture::render::variant::Variant;
+use hypertexture::render::{Frame, RenderError, Renderer, Subject, made_with, watch};
+use hypertexture::scene::{EmptySpace, Neutral, Pass, Scene};
+use hypertexture::shader::Library;
+use hypertexture::shader::library::ZERO;
+use measure::statistics::{largest, quantile};
+use serde::Serialize;
+use serde_json::json;
+use std::error::Error;
+use support::words;
+
+/// Pictures of a scene that are held against as many of another.
+const PICTURES: usize = 3;
+/// Times that are spread by no more than this part of the least were not disturbed.
+const STEADY: f64 = 0.5;
+
+/// Arguments of `explain`.
+#[derive(Args)]
+pub struct Explain {
+    /// What `render` takes: an object, a scene file, an example scene, or a picture that this program has written.
+    pub input: String,
+    /// Everything as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectFlags,
+    /// What the picture shows.
+    #[command(flatten)]
+    pub arguments: SceneArguments,
+}
+
+/// Draws the picture, and again without each of the things that leave work out.
+pub(super) fn run(command: &Explain, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let scene = command.arguments.scene(&command.input, &command.object)?;
+    let library = super::library(&scene)?;
+    super::try_modules(&scene, &library, Some(options))?;
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let fault = watch(&library, &scene, &subject)?;
+    let gpu = Gpu::new(options)?;
+    let explained = announced(quiet, "pictures", |progress| explain(&gpu, &library, &scene, &subject, progress))?;
+    if command.json {
+        let fault = fault.map(|fault| fault.to_string());
+        let made_with: Vec<_> =
+            explained.made_with.iter().map(|[about, what]| json!({ "about": about, "what": what })).collect();
+        return Ok(say_json(&json!({
+            "program": PROGRAM, "device": gpu.info().title(), "scene": scene, "made_with": made_with, "times_ms": explained.times,
+            "without": explained.others, "module": fault,
+        }))?);
+    }
+    let Explained { made_with, times, others } = explained;
+    let mut lines: Vec<String> = made_with.iter().map(|[a, b]| format!("{a:<11}{}", words::line(b))).collect();
+    let memory = lines.pop();
+    lines.push(format!("time       {} on the device, median of {}", spread(&times), times.len()));
+    lines.extend(others.iter().map(Other::line));
+    lines.extend(memory);
+    say(&(lines.join("\n") + "\n"));
+    say_fault(fault);
+    Ok(())
+}
+
+/// The parts of a picture, and its times beside those of fuller ones.
+struct Explained {
+    made_with: Vec<[String; 2]>,
+    /// Milliseconds of it on the device.
+    times: Vec<f64>,
+    others: Vec<Other>,
+}
+
+/// A picture that costs more, held against that of the scene.
+#[derive(Serialize)]
+struct Other {
+    how: &'static str,
+    #[serde(skip)]
+    saves: &'static str,
+    /// Milliseconds on the device, and those of the scene, drawn by turns.
+    times_ms: Vec<f64>,
+    scene_times_ms: Vec<f64>,
+    /// Largest difference of a channel.
+    difference: f64,
+}
+
+impl Other {
+    fn line(&self) -> String {
+        let error = match self.difference {
+            0.0 => "no pixel differs".into(),
+            most => format!("pixels differ by {most:.1e} at most"),
+        };
+        let saved = saved(self.saves, &self.scene_times_ms, &self.times_ms);
+        format!("           {} {}: {saved}, {error}", spread(&self.times_ms), self.how)
+    }
+}
+
+fn explain(
+    gpu: &Gpu,
+    library: &Library,
+    scene: &Scene,
+    subject: &Subject,
+    progress: Progress<'_>,
+) -> Result<Explained, Box<dyn Error>> {
+    let warm = |scene: &Scene| -> Result<(Renderer, Frame), RenderError> {
+        let mut renderer = Renderer::new(gpu, library, subject);
+        // Not the first: slices leave out empty space from the second one on.
+        renderer.render(scene)?;
+        let frame = renderer.render(scene)?;
+        Ok((renderer, frame))
+    };
+    progress(0.0);
+    let (mut renderer, frame) = warm(scene)?;
+    let made_with = made_with(&frame.measurements, scene, subject, library)?;
+    let (mut times, mut others) = (Vec::new(), Vec::new());
+    let has_zeros = Variant::of(scene, library)?.slots.contains_key(ZERO);
+    let mores = without(scene);
+    let share = 1.0 / mores.len() as f32;
+    for (index, More { how, saves, change }) in mores.into_iter().enumerate() {
+        progress(share * index as f32);
+        let mut other = scene.clone();
+        change(&mut other);
+        let keeps = other.quality.neutral == Neutral::Keep && !has_zeros;
+        if other == *scene || keeps || other.check(library).is_err() {
+            continue;
+        }
+        let (mut fuller, full) = warm(&other)?;
+        let differences =
+            frame.pixels.as_flattened().iter().zip(full.pixels.as_flattened()).map(|(a, b)| f64::from((a - b).abs()));
+        // By turns: what else the machine does slows both down.
+        let [scene_times_ms, times_ms] = by_turns([(&mut renderer, scene), (&mut fuller, &other)])?;
+        times.extend(scene_times_ms.iter());
+        others.push(Other { how, saves, times_ms, scene_times_ms, difference: largest(differences) });
+    }
+    if times.is_empty() {
+        [times] = by_turns([(&mut renderer, scene)])?;
+    }
+    Ok(Explained { made_with, times, others })
+}
+
+fn median(times: &[f64]) -> f64 {
+    quantile(times.to_vec(), 0.5)
+}
+
+/// The least and the greatest of some times.
+fn ends(times: &[f64]) -> [f64; 2] {
+    [0.0, 1.0].map(|share| quantile(times.to_vec(), share))
+}
+
+/// The times of pictures of some scenes, drawn by turns.
+fn by_turns<const N: usize>(mut scenes: [(&mut Renderer, &Scene); N]) -> Result<[Vec<f64>; N], RenderError> {
+    let mut times = [const { Vec::new() }; N];
+    for _ in 0..PICTURES {
+        for ((renderer, scene), times) in scenes.iter_mut().zip(&mut times) {
+            times.push(renderer.render(scene)?.measurements.alone_ms());
+        }
+    }
+    Ok(times)
+}
+
+/// What one picture saves of the time of another: from how much to how much, where their times lie further apart than those of
+/// either are spread.
+fn saved(saves: &str, times: &[f64], others: &[f64]) -> String {
+    let ([least, most], [least_other, most_other]) = (ends(times), ends(others));
+    let apart = (least_other - most).max(least - most_other);
+    let spread = (most - least).max(most_other - least_other);
+    if apart > spread {
+        let [low, high] = [most / least_other, least / most_other].map(|part| format!("{:.0}", 100.0 * (1.0 - part)));
+        let interval = if low == high { low } else { format!("{low} to {high}") };
+        return format!("{saves} {interval} %");
+    }
+    match spread <= STEADY * least.min(least_other) {
+        true => format!("{saves} nothing beyond the spread"),
+        false => format!("{saves} an amount that cannot be measured now, as something else slows the device down"),
+    }
+}
+
+/// The median of some times, and from which to which they are.
+fn spread(times: &[f64]) -> String {
+    let [least, most] = ends(times);
+    format!("{:.1} ms ({least:.1} to {most:.1})", median(times))
+}
+
+/// A picture that costs more.
+struct More {
+    /// How it is drawn.
+    how: &'static str,
+    /// What the scene does in place of that.
+    saves: &'static str,
+    change: fn(&mut Scene),
+}
+
+/// The pictures that a scene is held against.
+fn without(scene: &Scene) -> [More; 4] {
+    [
+        More {
+            how: "with every sample (--empty-space sample)",
+            saves: "skipping saves",
+            change: |scene| scene.quality.empty_space = EmptySpace::Sample,
+        },
+        More {
+            how: "with the terms that a 0 takes away (--set quality.neutral=keep)",
+            saves: "leaving them out saves",
+            change: |scene| scene.quality.neutral = Neutral::Keep,
+        },
+        More {
+            how: "to the end of every ray (--set quality.early_termination=0)",
+            saves: "ending early saves",
+            change: |scene| scene.quality.early_termination = 0.0,
+        },
+        match scene.quality.pass {
+            Pass::March => More {
+                how: "by slices (--pass slices)",
+                saves: "rays save",
+                change: |scene| scene.quality.pass = Pass::Slices,
+            },
+            Pass::Slices => More {
+                how: "by rays (--pass march)",
+                saves: "slices save",
+                change: |scene| scene.quality.pass = Pass::March,
+            },
+        },
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::saved;
+
+    #[test]
+    fn a_saving_is_an_interval_where_the_times_lie_apart_and_no_number_elsewhere() {
+        for (times, others, said) in [
+            ([9.0, 10.0, 11.0], [18.0, 20.0, 20.0], "39 to 55 %"),
+            ([18.0, 20.0, 20.0], [9.0, 10.0, 11.0], "-122 to -64 %"),
+            ([10.0; 3], [20.0; 3], "50 %"),
+            ([9.0, 10.0, 11.0], [10.5, 12.0, 13.0], "nothing beyond the spread"),
+            // Apart by less than they are spread: a chance of one in ten.
+            ([9.0, 10.0, 11.0], [11.5, 12.0, 12.5], "nothing beyond the spread"),
+            ([9.0, 10.0, 30.0], [19.0, 20.0, 40.0], "an amount that cannot be measured now"),
+            ([40.0, 95.0, 110.0], [30.0, 35.0, 38.0], "an amount that cannot be measured now"),
+        ] {
+            let found = saved("it saves", &times, &others);
+            assert!(found.starts_with(&format!("it saves {said}")), "{times:?}, {others:?}: {found}");
+        }
+    }
+}

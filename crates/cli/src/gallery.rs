@@ -1,0 +1,352 @@
+//! The gallery: every example scene on its own object, or the effects of MJ Fig. 7 on one, and a page that explains them.
+
+use super::compare::Failed;
+use super::picture::smooth;
+use super::scene_arguments::{ObjectFlags, size};
+use super::{absolute, announced, say, start};
+use clap::Args;
+use hypertexture::field::Progress;
+use hypertexture::gpu::{Gpu, Options};
+use hypertexture::output::{self, Depth, OutputError, Provenance};
+use hypertexture::render::variant::Variant;
+use hypertexture::render::{Frame, RenderError, Subject, render};
+use hypertexture::scene::{Color, EFFECTS, Object, ParameterValue, Scene, SceneError, names, preset, to_text};
+use hypertexture::shader::{self, Library, ParameterKind};
+use measure::worker::{Load, Painter, Start, Worker};
+use std::error::Error;
+use std::fmt::Write;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use support::{probe, write_whole};
+
+/// Arguments of `gallery`.
+#[derive(Args)]
+pub(super) struct GalleryArguments {
+    /// The object of the six effects; without one, every example scene has its own object.
+    pub input: Option<String>,
+    /// Where pictures and page go.
+    #[arg(long, short, default_value = "out", value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Width and height in pixels.
+    #[arg(long, default_value = "320x320", value_parser = size, value_name = "WxH")]
+    pub size: [u32; 2],
+    /// Samples of a ray through the object; what the scene says without it.
+    #[arg(long)]
+    pub samples: Option<u32>,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectFlags,
+}
+
+/// Why there is no gallery.
+#[derive(Debug, thiserror::Error)]
+pub enum GalleryError {
+    /// A scene is not valid.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A picture cannot be made.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+/// Voxels along the longest side of the field. Fewer: thin parts, such as the lip of the teapot, look frayed.
+const RESOLUTION: u32 = 256;
+
+/// Background of a picture that has none: that of the page.
+const BACKGROUND: Color = Color([24, 26, 31]);
+
+/// Renders the scenes, and writes the page.
+pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let library = shader::shipped();
+    let gpu = Gpu::new(options)?;
+    let mut scenes = match &command.input {
+        Some(input) => effects(input)?,
+        None => examples()?,
+    };
+    for (_, scene) in &mut scenes {
+        scene.image.size = command.size;
+        scene.quality.samples = command.samples.unwrap_or(scene.quality.samples);
+        smooth(scene);
+        command.object.apply(scene)?;
+    }
+    // The folder is made with the first picture; whether it can be is known before.
+    let existing = command.output.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new("."));
+    let existing = if existing.as_os_str().is_empty() { Path::new(".") } else { existing };
+    let possible = match command.output.metadata() {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => probe(existing),
+    };
+    possible.map_err(|error| match existing.is_dir() {
+        true => format!("{}: {error}; nothing was written", command.output.display()),
+        false => format!("{}: it is a file; name a folder; nothing was written", existing.display()),
+    })?;
+    let (began, start) = (Instant::now(), start(options)?);
+    let Gallery { page, failures } = announced(quiet, "gallery", |progress| {
+        write(&gpu, &library, &scenes, Some(&start), &command.output, progress)
+    })?;
+    if !quiet {
+        say(&format!(
+            "rendered {} scenes in {:.1} s on {}\nwrote {}\n",
+            scenes.len() - failures.len(),
+            began.elapsed().as_secs_f64(),
+            gpu.info().name,
+            absolute(&page)
+        ));
+    }
+    let count = failures.len();
+    failures.into_iter().next().map_or(Ok(()), |(name, reason)| {
+        Err(Failed::new(format!("{count} of {} scenes failed; the first, {name}: {reason}", scenes.len())).into())
+    })
+}
+
+/// The six effects on an object, by name.
+///
+/// # Errors
+/// A shipped preset that cannot be read, which its test excludes.
+pub fn effects(input: &str) -> Result<Vec<(String, Scene)>, SceneError> {
+    let mut scenes = EFFECTS.iter().map(|name| example(name)).collect::<Result<Vec<_>, _>>()?;
+    scenes.iter_mut().for_each(|(_, scene)| scene.bring(input));
+    Ok(scenes)
+}
+
+/// Every preset on its own object, by name.
+///
+/// # Errors
+/// As [`effects`].
+pub fn examples() -> Result<Vec<(String, Scene)>, SceneError> {
+    names().map(example).collect()
+}
+
+/// A preset on the page.
+fn example(name: &str) -> Result<(String, Scene), SceneError> {
+    let mut scene = preset(name)?;
+    scene.object.resolution = RESOLUTION;
+    scene.image.background = scene.image.background.or(Some(BACKGROUND));
+    Ok((name.to_string(), scene))
+}
+
+/// What was written.
+#[derive(Clone, Debug)]
+pub struct Gallery {
+    /// The page.
+    pub page: PathBuf,
+    /// Scenes without a picture, and why: the driver ended by them.
+    pub failures: Vec<(String, String)>,
+}
+
+/// Renders the scenes into `folder` and writes `index.html` there. With `start`, workers draw: a scene by which the driver
+/// ends has no picture, and the others have theirs.
+///
+/// # Errors
+/// A scene that cannot be drawn, or a file that cannot be written.
+pub fn write(
+    gpu: &Gpu,
+    library: &Library,
+    scenes: &[(String, Scene)],
+    start: Option<&Start>,
+    folder: &Path,
+    progress: Progress<'_>,
+) -> Result<Gallery, GalleryError> {
+    let io = |path: &Path| {
+        let path = path.display().to_string();
+        move |source| OutputError::Write { path, source }
+    };
+    let mut objects = objects(library, scenes)?;
+    let mut failures = Vec::new();
+    let mut groups: [(&str, String); 3] = GROUPS.map(|title| (title, String::new()));
+    let share = 1.0 / scenes.len().max(1) as f32;
+    for (index, (name, scene)) in scenes.iter().enumerate() {
+        let done = index as f32 * share;
+        let variant = Variant::of(scene, library).map_err(RenderError::from)?;
+        let shared = objects.iter_mut().find(|shared| shared.serves(scene, &variant));
+        let shared = shared.expect("`objects` holds the object of every scene");
+        let loading = |fraction: f32| progress(done + 0.5 * share * fraction);
+        let frame = match shared.draw(gpu, library, scene, start, &loading) {
+            Ok(frame) => frame,
+            Err(RenderError::Ended(reason)) => {
+                let title = name.replace('_', " ");
+                let text = &mut groups[group(&scene.about)].1;
+                writeln!(
+                    text,
+                    "<figure id=\"{name}\"><figcaption><h3>{title}</h3><p>Failed: {}</p></figcaption></figure>",
+                    escape(&reason)
+                )
+                .expect("writing to a string");
+                failures.push((name.clone(), reason));
+                continue;
+            }
+            Err(error) => return Err(error.into()),
+        };
+        std::fs::create_dir_all(folder).map_err(io(folder))?; // not before an object that cannot be read
+        let file = format!("{name}.png");
+        let path = folder.join(&file);
+        let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements);
+        let provenance = provenance.map_err(|source| OutputError::Provenance { path: name.clone(), source })?;
+        output::write(&frame, scene.image.background, Depth::Eight, &provenance, &path)?;
+        let m = &frame.measurements;
+        let input = escape(&scene.object.input);
+        let command = escape(&scene.command_line(library));
+        write!(
+            groups[group(&scene.about)].1,
+            "<figure id=\"{name}\"><img src=\"{file}\" width=\"{}\" height=\"{}\" alt=\"{name} on {input}\">\n<figcaption><h3>{}</h3><p>{}</p>\n{}\n\
+             <p class=\"cost\">{} samples in depth, {:.0} ms on the device. Modules: <code>{}</code>. Left out: {}.</p>\n\
+             <p><code>{command} -o {file}</code></p></figcaption></figure>\n",
+            scene.image.size[0], scene.image.size[1], name.replace('_', " "), escape(&scene.about),
+            parameter_table(&variant), m.slices, m.gpu_ms, escape(&m.modules),
+            if m.left_out.is_empty() { "nothing".into() } else { m.left_out.join(", ") },
+        )
+        .expect("writing to a string");
+        progress(done + share);
+    }
+    let mut figures = String::new();
+    for (title, text) in groups.iter().filter(|(_, text)| !text.is_empty()) {
+        write!(figures, "<section>\n<h2>{title}</h2>\n{text}</section>\n").expect("writing to a string");
+    }
+    let info = gpu.info();
+    let page = PAGE
+        .replace("{count}", &scenes.len().to_string())
+        .replace("{device}", &escape(&format!("{} ({})", info.name, info.driver)))
+        .replace("{figures}", &figures);
+    let path = folder.join("index.html");
+    std::fs::create_dir_all(folder).map_err(io(folder))?;
+    write_whole(&path, page.as_bytes()).map_err(io(&path))?;
+    Ok(Gallery { page: path, failures })
+}
+
+/// Headings of the page.
+const GROUPS: [&str; 3] = ["Miller and Jones 2005", "Perlin and Hoffert 1989", "and more"];
+
+/// The heading that a scene belongs under: the paper that its sentence names first.
+fn group(about: &str) -> usize {
+    let place = |title: &&str| about.find(*title);
+    let named = (0..2).filter(|&group| place(&GROUPS[group]).is_some());
+    named.min_by_key(|&group| place(&GROUPS[group])).unwrap_or(2)
+}
+
+/// An object that scenes share, and its field once it is there.
+struct Shared {
+    object: Object,
+    /// How far the field reaches: its voxels lie elsewhere where it reaches farther, and a picture is to be that of its scene.
+    margin: f32,
+    closest: bool,
+    /// A scene of several objects shares them with no other.
+    alone: Option<Scene>,
+    subject: Option<Subject>,
+    worker: Option<Worker>,
+}
+
+impl Shared {
+    fn serves(&self, scene: &Scene, variant: &Variant) -> bool {
+        match &self.alone {
+            Some(alone) => alone == scene,
+            None => {
+                let same = || self.object.without_look() == scene.object.without_look();
+                !scene.has_several() && self.margin == margin(scene, variant) && same()
+            }
+        }
+    }
+
+    /// A picture of the object, which is loaded for the first one: by a worker, or here.
+    fn draw(
+        &mut self,
+        gpu: &Gpu,
+        library: &Library,
+        scene: &Scene,
+        start: Option<&Start>,
+        progress: Progress<'_>,
+    ) -> Result<Frame, RenderError> {
+        if let Some(start) = start {
+            let worker = self.worker.take().unwrap_or_else(|| {
+                let object = Box::new(self.object.clone());
+                let load = match &self.alone {
+                    Some(scene) => Load::Scene(to_text(scene)),
+                    None => Load::Object { object, margin: self.margin, closest: self.closest },
+                };
+                Worker::new(start, library, load)
+            });
+            return Painter::of(self.worker.insert(worker)).render(scene);
+        }
+        let subject = match self.subject.take() {
+            Some(subject) => subject,
+            None => match &self.alone {
+                Some(scene) => Subject::load(scene, library, progress)?,
+                None => Subject::load_with_margin(&self.object, self.margin, self.closest, progress)?,
+            },
+        };
+        render(gpu, library, scene, self.subject.insert(subject))
+    }
+}
+
+/// The objects of the scenes, each once.
+fn objects(library: &Library, scenes: &[(String, Scene)]) -> Result<Vec<Shared>, RenderError> {
+    let mut objects: Vec<Shared> = Vec::new();
+    for (_, scene) in scenes {
+        let variant = Variant::of(scene, library)?;
+        let closest = variant.reads_closest();
+        match objects.iter_mut().find(|shared| shared.serves(scene, &variant)) {
+            Some(shared) => shared.closest |= closest,
+            None => objects.push(Shared {
+                object: scene.object.clone(),
+                margin: margin(scene, &variant),
+                closest,
+                alone: scene.has_several().then(|| scene.clone()),
+                subject: None,
+                worker: None,
+            }),
+        }
+    }
+    Ok(objects)
+}
+
+/// How far the soft region of a scene reaches, object units.
+fn margin(scene: &Scene, variant: &Variant) -> f32 {
+    variant.parameters.outer_iso().unwrap_or(scene.object.outer_iso)
+}
+
+fn parameter_table(variant: &Variant) -> String {
+    let mut table = String::from("<table>\n");
+    for (name, parameter, value) in variant.all_parameters() {
+        let value = match value {
+            ParameterValue::Number(number) => number.to_string(),
+            ParameterValue::Color(color) => String::from(*color),
+        };
+        let range = match parameter.kind {
+            ParameterKind::Number(_, [low, high]) => format!("{low} to {high}"),
+            ParameterKind::Color(_) => "color".into(),
+        };
+        let cells = format!("<td><code>{name}</code><td>{value}<td>{range}<td>{}", escape(&parameter.doc));
+        writeln!(table, "<tr>{cells}</tr>").expect("writing to a string");
+    }
+    table + "</table>"
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+const PAGE: &str = include_str!("gallery.html");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_figure_stands_under_the_paper_that_it_names_first() {
+        assert_eq!(group("Fur: Perlin and Hoffert 1989, sect. 2.4; Miller and Jones 2005, Fig. 7d."), 1);
+        assert_eq!(group("Fur: Miller and Jones 2005, Fig. 7d; Perlin and Hoffert 1989, sect. 2.4."), 0);
+        assert_eq!(group("Something else."), 2);
+    }
+
+    #[test]
+    fn figures_of_one_object_share_its_field_where_it_reaches_as_far() {
+        let library = hypertexture::shader::shipped();
+        let margins: Vec<f32> =
+            objects(&library, &effects("knot").unwrap()).unwrap().iter().map(|shared| shared.margin).collect();
+        assert!(margins.len() < 6 && margins.contains(&0.5), "lit and solid, but not the flames: {margins:?}");
+        assert!(margins.iter().enumerate().all(|(index, margin)| !margins[..index].contains(margin)), "{margins:?}");
+    }
+}

@@ -1,0 +1,246 @@
+//! A picture, or a shard of one: rendered, written, and what it took in words.
+
+use super::{absolute, say, with_progress};
+use hypertexture::field::{DistanceField, Progress};
+use hypertexture::gpu::Gpu;
+use hypertexture::output::shard::{self, Shard};
+use hypertexture::output::{Depth, Provenance, encode_png, write};
+use hypertexture::render::variant::Variant;
+use hypertexture::render::{FINITE, Fault, Frame, Renderer, Subject, doubts, half_height, octaves_held};
+use hypertexture::scene::schema::{Kind, setting};
+use hypertexture::scene::{Pass, Scene};
+use hypertexture::shader::Library;
+use serde_json::{Map, Value, json};
+use std::error::Error;
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+use support::write_whole;
+
+/// Pixels of a voxel that a sharp edge of the object shows.
+const SEEN_VOXEL: f32 = 6.0;
+
+/// The output that is standard output.
+pub(super) const STANDARD_OUTPUT: &str = "-";
+
+/// Pictures of which a final one is the mean, where nothing says how many.
+const SMOOTH: u32 = 4;
+
+/// Gives a final picture smooth edges, unless its scene has several rays for each pixel already.
+pub(super) fn smooth(scene: &mut Scene) {
+    if (scene.quality.supersampling, scene.quality.msaa) == (1, 1) {
+        scene.quality.supersampling = SMOOTH;
+    }
+}
+
+/// All that a picture is made of, and where it goes.
+#[derive(Clone, Copy)]
+pub(super) struct Picture<'a> {
+    pub(super) gpu: &'a Gpu,
+    pub(super) library: &'a Library,
+    pub(super) scene: &'a Scene,
+    pub(super) subject: &'a Subject,
+    pub(super) output: &'a Path,
+    /// Bits of each channel of a PNG: 8 or 16.
+    pub(super) depth: &'a str,
+    pub(super) quiet: bool,
+    /// Takes what is said of it, a line or more at a time.
+    pub(super) tell: fn(&str),
+    /// When the work began, and how many milliseconds of it loaded the objects.
+    pub(super) began: Instant,
+    pub(super) loading_ms: f64,
+}
+
+impl Picture<'_> {
+    /// Bits of each channel of a PNG.
+    pub(super) fn depth(&self) -> Depth {
+        if self.depth == "16" { Depth::Sixteen } else { Depth::Eight }
+    }
+}
+
+/// The line about values of a custom module that are NaN or infinite; empty without a fault.
+pub(super) fn fault_line(fault: Option<&Fault>) -> String {
+    fault.map_or(String::new(), |fault| format!("module     {fault}; {FINITE}\n"))
+}
+
+/// Says what a custom module gives that is no number.
+pub(super) fn say_fault(fault: Option<Fault>) {
+    say(&fault_line(fault.as_ref()));
+}
+
+/// Renders a picture, unless it is `drawn` already, and writes it.
+pub(super) fn render_picture(picture: &Picture<'_>, drawn: Option<Frame>) -> Result<Frame, Box<dyn Error>> {
+    let Picture { gpu, library, scene, subject, output, quiet, tell, .. } = *picture;
+    let render = |progress: Progress<'_>| {
+        let mut renderer = Renderer::new(gpu, library, subject);
+        renderer.prepare(scene, progress)?;
+        renderer.render(scene)
+    };
+    let frame = match drawn {
+        Some(drawn) => drawn,
+        None => with_progress(quiet, "picture", render)?,
+    };
+    let provenance = Provenance::of(scene, &gpu.info().title(), &frame.measurements)?;
+    let (background, depth) = (scene.image.background, picture.depth());
+    match output == Path::new(STANDARD_OUTPUT) {
+        true => {
+            let png = encode_png(&frame, background, depth, &provenance)?;
+            let mut out = std::io::stdout().lock();
+            out.write_all(&png).and_then(|()| out.flush()).map_err(|error| format!("standard output: {error}"))?;
+        }
+        false => write(&frame, background, depth, &provenance, output)?,
+    }
+    if !quiet {
+        tell(&summary(picture, &frame)?);
+        tell(&nothing_seen(scene, subject, &frame).map_or(String::new(), |why| format!("empty      {why}\n")));
+    }
+    if output != Path::new(STANDARD_OUTPUT) {
+        tell(&format!("wrote {}\n", absolute(output)));
+    }
+    Ok(frame)
+}
+
+/// Why nothing is in a picture, where nothing is.
+fn nothing_seen(scene: &Scene, subject: &Subject, frame: &Frame) -> Option<String> {
+    if frame.pixels.iter().any(|[.., alpha]| *alpha > 0.0) {
+        return None;
+    }
+    let is_thin = |field: &DistanceField| field.range().0 > scene.object.inner_iso / subject.scale;
+    Some(match subject.field.as_deref().filter(|field| is_thin(field)) {
+        Some(field) => {
+            let voxel = field.grid.spacing.max_element() * subject.scale;
+            format!(
+                "no voxel is inside of the object, which has no inside or is thinner than one ({voxel:.2e} object units): a \
+                 larger --resolution, or a shell around its surface by --shell {:.2e}",
+                2.0 * voxel
+            )
+        }
+        None => "no ray meets matter: look at the view (camera.zoom, camera.pan, camera.clip) and at what makes the object opaque \
+                 (its iso-values, the transfer map, the parameters of the effect)"
+            .into(),
+    })
+}
+
+/// Renders a part of a picture and writes it as a file of its own.
+pub(super) fn render_shard(picture: &Picture<'_>, shard: Shard) -> Result<Frame, Box<dyn Error>> {
+    let Picture { gpu, library, scene, subject, output, quiet, tell, .. } = *picture;
+    let bands = shard.bands(scene.image.size[1]);
+    let frame = with_progress(quiet, "picture", |progress| {
+        let mut renderer = Renderer::new(gpu, library, subject);
+        renderer.prepare(scene, progress)?;
+        renderer.render_bands(scene, &bands)
+    })?;
+    let whole = shard::Whole {
+        identity: shard::identity(scene, library, subject)?,
+        size: scene.image.size,
+        background: scene.image.background,
+        depth: picture.depth(),
+        provenance: Provenance::of(scene, &gpu.info().title(), &frame.measurements)?,
+    };
+    let path = shard.path(output);
+    write_whole(&path, &shard::encode(&whole, shard, &frame))
+        .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
+    if !quiet {
+        tell(&summary(picture, &frame)?);
+    }
+    tell(&format!("wrote {}\n", absolute(&path)));
+    Ok(frame)
+}
+
+/// The scene of a picture, what is to be known of it, and what it took, as an object of JSON.
+pub(super) fn object(picture: &Picture<'_>, frame: &Frame) -> Result<Map<String, Value>, Box<dyn Error>> {
+    let Picture { scene, subject, began, loading_ms, .. } = *picture;
+    let field = subject.field.as_ref().zip(subject.report.as_ref()).map(|(field, report)| {
+        json!({
+            "size": field.grid.size, "from_cache": report.from_cache, "ms": report.ms, "triangles": report.triangles,
+            "open_edges": report.open_edges, "closing_triangles": report.closing_triangles,
+        })
+    });
+    let notes = notes(picture, frame)?.into_iter().map(|(about, what)| json!({ "about": about, "what": what }));
+    let object = [
+        ("scene", serde_json::to_value(scene)?),
+        ("field", json!(field)),
+        ("notes", notes.collect()),
+        ("empty", json!(nothing_seen(scene, subject, frame))),
+        ("measurements", serde_json::to_value(&frame.measurements)?),
+        ("loading_ms", json!(loading_ms)),
+        ("all_ms", json!(began.elapsed().as_secs_f64() * 1e3)),
+    ];
+    Ok(object.into_iter().map(|(name, value)| (name.to_string(), value)).collect())
+}
+
+/// Notes on a picture: subject and text.
+fn notes(picture: &Picture<'_>, frame: &Frame) -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
+    let Picture { library, scene, subject, .. } = *picture;
+    let half_height = half_height(scene, subject, &Variant::of(scene, library)?);
+    let m = &frame.measurements;
+    let mut notes: Vec<_> = coarse(scene, subject, half_height).map(|text| ("voxels", text)).into_iter().collect();
+    notes.extend(octaves_held(m, scene, library).map(|text| ("octaves", text)));
+    notes.extend(doubts(m, scene, subject, library)?.into_iter().map(|text| ("note", text)));
+    Ok(notes)
+}
+
+/// What a render took, and what it left out.
+fn summary(picture: &Picture<'_>, frame: &Frame) -> Result<String, Box<dyn Error>> {
+    let Picture { gpu, scene, subject, began, loading_ms, .. } = *picture;
+    let info = gpu.info();
+    let m = &frame.measurements;
+    let mut lines = vec![
+        format!("device     {} ({}, Vulkan {})", info.name, info.driver, info.api),
+        format!("program    {}{}", m.modules, if m.shipped { "" } else { " (linked for it)" }),
+        format!("left out   {}", if m.left_out.is_empty() { "nothing".into() } else { m.left_out.join(", ") }),
+    ];
+    if let (Some(field), Some(report)) = (&subject.field, &subject.report) {
+        let [x, y, z] = field.grid.size;
+        let origin = if report.from_cache { "from the cache" } else { "computed" };
+        lines.push(format!(
+            "field      {x} x {y} x {z}, {origin} in {:.0} ms; {} triangles, {} open edges, {} closing; stored to {:.1e} object units",
+            report.ms, report.triangles, report.open_edges, report.closing_triangles, m.quantization
+        ));
+    }
+    lines.extend(notes(picture, frame)?.into_iter().map(|(about, what)| format!("{about:<11}{what}")));
+    lines.push(match (scene.quality.pass, m.fragments) {
+        (Pass::Slices, count) => {
+            let count = count.map_or(String::new(), |count| format!(", {:.1} M fragments", count as f64 * 1e-6));
+            format!("slices     {} of thickness {:.5} object units{count}", m.slices, m.step)
+        }
+        (Pass::March, count) => {
+            let count = count.map_or(String::new(), |count| format!("{count}, "));
+            format!("rays       {count}at most {} samples each, {:.5} object units apart", m.slices, m.step)
+        }
+    });
+    lines.extend(m.cells.as_ref().map(|cells| format!("cells      {cells}")));
+    if let Some(radius) = m.held_beyond {
+        lines.push(format!(
+            "held       beyond {radius:.2} object units from the center a warp keeps its step: lobes are shorter than its formula"
+        ));
+    }
+    if let Some(shadow_ms) = m.shadow_ms {
+        lines.push(format!("shadows    {:.1} ms", shadow_ms + m.shadow_before_ms));
+    }
+    let all_ms = began.elapsed().as_secs_f64() * 1e3;
+    lines.push(format!(
+        "time       {:.1} ms on the device (longest submission {:.1} ms), {loading_ms:.0} ms to load, {:.0} ms to compile, {all_ms:.0} ms in all",
+        m.gpu_ms, m.longest_ms, m.compile_ms
+    ));
+    if let Some(sparse) = m.sparse {
+        let [bytes, dense] = [sparse.bytes, sparse.dense_bytes].map(|bytes| bytes as f64 / f64::from(1 << 20));
+        let (stored, bricks) = (sparse.stored, sparse.bricks);
+        lines.push(format!("bricks     {stored} of {bricks} stored: {bytes:.1} MiB in place of {dense:.1} MiB"));
+    }
+    lines.push(format!("memory     {:.1} MiB of images on the device\n", m.device_bytes as f64 / f64::from(1 << 20)));
+    Ok(lines.join("\n"))
+}
+
+/// What is said of voxels that are seen, in a picture of that half height at the middle of the scene, object units.
+fn coarse(scene: &Scene, subject: &Subject, half_height: f32) -> Option<String> {
+    let field = subject.field.as_ref()?;
+    let pixel = 2.0 * half_height / scene.image.size[1] as f32;
+    let pixels = field.grid.spacing.max_element() * subject.scale / pixel;
+    let Kind::Whole(range) = setting("object.resolution")?.kind else { return None };
+    let finer = (2 * scene.object.resolution).min(range.high as u32);
+    let is_seen = pixels > SEEN_VOXEL && scene.object.resolution < finer;
+    is_seen.then(|| {
+        format!("{pixels:.0} pixels wide: sharp edges of the object show them; --resolution {finer} has finer ones")
+    })
+}

@@ -1,0 +1,354 @@
+//! `render`: a picture, its frames or a shard of them, with the fastest settings or with its cost in advance.
+
+use super::depth_map::write_depth_map;
+use super::error_map::write_error_map;
+use super::picture::{self, Picture, STANDARD_OUTPUT, fault_line, render_picture, render_shard, smooth};
+use super::scene_arguments::{ObjectFlags, SceneArguments, files_read, metric};
+use super::sequence::{Motion, ShardChoice, frames_of, render_frames, shard};
+use super::validity::write_validity;
+use super::{absolute, announced, aside, say, say_json, silent, start, with_device, with_progress};
+use clap::Args;
+use hypertexture::gpu::{Gpu, Options};
+use hypertexture::output::sequence::{Sequence, manifest_path};
+use hypertexture::output::shard::Shard;
+use hypertexture::output::{self, PROGRAM};
+use hypertexture::render::{Renderer, Subject, check_depth, ignored, watch};
+use hypertexture::scene::{self, Pass, Scene};
+use hypertexture::shader::Library;
+use measure::compare::{Failure, Stage};
+use measure::metric::Metric;
+use measure::pick::{ErrorBound, Pick, Verified, remembered};
+use measure::predict::{Estimate, Prediction, predict};
+use measure::statistics::rounded_up;
+use measure::worker::{Load, Worker};
+use serde_json::{Map, Value, json};
+use std::error::Error;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use support::write_whole;
+
+/// Arguments of `render`.
+#[derive(Args)]
+pub struct Render {
+    /// An object, a scene file (.toml), an example scene such as fire_ball, or a picture. An object is built in, a mesh, a scalar
+    /// volume or a distance field; of a picture that this program has written, its scene is drawn.
+    pub input: String,
+    /// Where the picture goes, .png or .exr; - is standard output, as PNG.
+    #[arg(long, short, default_value = "out.png", value_name = "FILE")]
+    pub output: PathBuf,
+    /// Bits of each channel of a PNG.
+    #[arg(long, default_value = "8", value_parser = ["8", "16"])]
+    pub depth: String,
+    /// Everything as JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Write the scene in use, complete with defaults.
+    #[arg(long, value_name = "FILE")]
+    pub save_scene: Option<PathBuf>,
+    /// Say what the picture will cost, from small ones, and write none.
+    #[arg(long, conflicts_with_all = ["frames", "shard"])]
+    pub predict: bool,
+    /// Draw with the fastest settings within this error, such as 1e-3; the scene says what is drawn, and no longer how.
+    #[arg(long, value_name = "ERROR", conflicts_with = "shard")]
+    pub max_error: Option<f64>,
+    /// How that error is measured: rmse (linear RGBA), covered (the same where there is something), rgb, opacity, max, p999.
+    #[arg(long, default_value = "rmse", value_parser = metric, requires = "max_error")]
+    pub metric: Metric,
+    /// Write how far each pixel is from the f64 reference: .exr (absolute error of premultiplied linear RGBA, `estimate`, the
+    /// error of the reference as samples say, and `open`, the opacity that they may have overlooked) or .png (colors, from 1e-5 to 1).
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
+    pub error_map: Option<PathBuf>,
+    /// Write which pixels are not to be trusted, each in the color of the setting that is the cause, as .png: what changes when
+    /// samples, parts of a pixel, voxels and formats are made better one at a time, and what bounds of the f64 reference leave open.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
+    pub validity: Option<PathBuf>,
+    /// Write how far away each pixel is, as .exr: channel `Z` is the distance from the eye along the axis of view, in object
+    /// units, at which a ray through the middle of the pixel meets an opacity of 1/2, infinite where it meets less.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["frames", "shard", "predict"])]
+    pub depth_map: Option<PathBuf>,
+    /// Render part K, from 0 to N - 1, of a picture or of the frames; without a value, the part that Slurm or
+    /// Kubernetes gives to this process.
+    #[arg(long, value_name = "K/N", num_args = 0..=1, default_missing_value = "auto", value_parser = shard)]
+    pub shard: Option<ShardChoice>,
+    /// Many frames.
+    #[command(flatten)]
+    pub motion: Motion,
+    /// The object.
+    #[command(flatten)]
+    pub object: ObjectFlags,
+    /// What the picture shows.
+    #[command(flatten)]
+    pub arguments: SceneArguments,
+}
+
+impl Render {
+    /// What changes nothing, with commas between; `None` if all that was asked for does something. `base` is what was there
+    /// before, `asked` the scene as the file and the arguments have it, `drawn` that which `--max-error` may have changed.
+    fn ignored(&self, library: &Library, subject: &Subject, [base, asked, drawn]: [&Scene; 3]) -> Option<String> {
+        let (before, after) = (base.fields(), drawn.fields());
+        let set: Vec<_> = asked.fields().into_iter().filter(|field| !before.contains(field)).collect();
+        let said = |(name, value): &(String, toml::Value)| format!("{name} = {value}");
+        let replaced = set.iter().filter(|field| !after.contains(field));
+        let mut all: Vec<String> = replaced.map(|field| format!("{} (--max-error chooses)", said(field))).collect();
+        let own: Vec<String> = set.iter().map(said).collect();
+        all.extend(ignored(library, subject, base, drawn).into_iter().filter(|field| own.contains(field)));
+        if self.depth != "8" && (ends(&self.output, "exr") || self.predict) {
+            all.push(format!("--depth {}", self.depth));
+        }
+        if self.predict && self.output != Path::new("out.png") {
+            all.push(format!("--output {}", self.output.display()));
+        }
+        (!all.is_empty()).then(|| all.join(", "))
+    }
+
+    /// Whether the picture goes to standard output.
+    fn is_piped(&self) -> bool {
+        self.output == Path::new(STANDARD_OUTPUT)
+    }
+
+    /// Checks that standard output can take the picture, where it is to go there.
+    fn check_piped(&self) -> Result<(), String> {
+        let also =
+            [("--frames", self.motion.frames.is_some()), ("--shard", self.shard.is_some()), ("--json", self.json)];
+        let also = also.into_iter().find_map(|(flag, is_given)| is_given.then_some(flag));
+        match also {
+            _ if !self.is_piped() || self.predict => Ok(()),
+            Some(flag) => Err(format!("--output -: standard output has one picture, and nothing for {flag}; name a file")),
+            None if std::io::stdout().is_terminal() => {
+                Err("--output -: standard output is a terminal, which shows no picture; name a file, or put a | or > behind".into())
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The files that it writes, and what asks for them.
+    fn written(
+        &self,
+        shard: Option<Shard>,
+        sequence: Option<&Sequence>,
+    ) -> Result<Vec<(&'static str, PathBuf)>, Box<dyn Error>> {
+        let pictures = match (sequence, shard) {
+            _ if self.predict => Vec::new(),
+            (Some(sequence), _) => {
+                let frames = frames_of(&self.output, sequence, shard)?;
+                let manifest = manifest_path(&self.output, shard);
+                frames.into_iter().map(|(_, path)| path).chain([manifest]).collect()
+            }
+            (None, Some(shard)) => vec![shard.path(&self.output)],
+            (None, None) if self.is_piped() => Vec::new(),
+            (None, None) => vec![self.output.clone()],
+        };
+        let maps = [("--error-map", &self.error_map), ("--validity", &self.validity), ("--depth-map", &self.depth_map)];
+        let more = [("--save-scene", &self.save_scene)]
+            .into_iter()
+            .chain(maps)
+            .filter_map(|(flag, file)| Some((flag, file.clone()?)));
+        Ok(pictures.into_iter().map(|path| ("--output", path)).chain(more).collect())
+    }
+}
+
+/// Whether a file has this end.
+fn ends(path: &Path, end: &str) -> bool {
+    path.extension().is_some_and(|own| own.eq_ignore_ascii_case(end))
+}
+
+/// Renders, or says what it would cost.
+pub(super) fn run(command: &Render, options: &Options, quiet: bool) -> Result<(), Box<dyn Error>> {
+    let (mut scene, mut base) = command.arguments.scene_and_base(&command.input, &command.object)?;
+    if command.max_error.is_none() && !command.arguments.says_rays_of_a_pixel(&command.input) {
+        [&mut scene, &mut base].into_iter().for_each(smooth);
+    }
+    let library = super::library(&scene)?;
+    let bound = command.max_error.map(|error| ErrorBound::new(command.metric, error)).transpose();
+    let bound = bound.map_err(|error| format!("--max-error: {error}"))?;
+    command.check_piped()?;
+    let maps = [&command.error_map, &command.validity, &command.depth_map].map(Option::as_ref);
+    let files = [Some(&command.output).filter(|_| !command.is_piped())].into_iter().chain(maps);
+    files.flatten().try_for_each(|file| output::check(file))?;
+    if let Some(file) = command.validity.as_ref().filter(|file| !ends(file, "png")) {
+        return Err(format!("--validity {}: its colors are words; write .png", file.display()).into());
+    }
+    if let Some(file) = command.depth_map.as_ref().filter(|file| !ends(file, "exr")) {
+        return Err(format!("--depth-map {}: a depth is no color; write .exr", file.display()).into());
+    }
+    if command.depth_map.is_some() {
+        check_depth(&scene, &library)?;
+    }
+    let shard = command.shard.map(ShardChoice::shard).transpose()?;
+    let sequence = command.motion.sequence()?;
+    let written = command.written(shard, sequence.as_ref())?;
+    output::check_all(written.clone(), files_read(&command.input, &scene))?;
+    if let Some(sequence) = &sequence {
+        sequence.scene(&scene, sequence.frames.last).check(&library)?;
+    }
+    super::try_modules(&scene, &library, Some(options))?;
+    let began = Instant::now();
+    let subject = with_progress(quiet, "distance field", |progress| Subject::load(&scene, &library, progress))?;
+    let loading_ms = began.elapsed().as_secs_f64() * 1e3;
+    output::check_all(written, subject.all_others().cloned())?;
+    let fault = watch(&library, &scene, &subject)?;
+    let asked = Asked { scene, base, library, subject, bound, shard, sequence, began, loading_ms };
+    let tell = match command.is_piped() && !command.predict {
+        _ if quiet || command.json => silent,
+        true => aside,
+        false => say,
+    };
+    let mut object = with_device(options, |gpu| draw(command, &asked, gpu, options, (quiet, tell)))?;
+    tell(&fault_line(fault.as_ref()));
+    if command.json {
+        object.insert("module".into(), json!(fault.map(|fault| fault.to_string())));
+        say_json(&object)?;
+    }
+    Ok(())
+}
+
+/// What was asked for, before there is a device.
+struct Asked {
+    scene: Scene,
+    /// What it is told from.
+    base: Scene,
+    library: Library,
+    subject: Subject,
+    bound: Option<ErrorBound>,
+    shard: Option<Shard>,
+    sequence: Option<Sequence>,
+    began: Instant,
+    loading_ms: f64,
+}
+
+/// Draws what was asked for, or says what it would cost; gives what was found as an object of JSON.
+fn draw(
+    command: &Render,
+    asked: &Asked,
+    gpu: &Gpu,
+    options: &Options,
+    (quiet, tell): (bool, fn(&str)),
+) -> Result<Map<String, Value>, Box<dyn Error>> {
+    let Asked { base, library, subject, bound, shard, sequence, began, loading_ms, .. } = asked;
+    let (mut scene, mut drawn) = (asked.scene.clone(), None);
+    let mut object = Map::from_iter([("program".into(), json!(PROGRAM)), ("device".into(), json!(gpu.info().title()))]);
+    let mut add = |name: &str, value: Value| drop(object.insert(name.into(), value));
+    if let Some(bound) = *bound {
+        let worker = Worker::new(&start(options)?, library, Load::Scene(scene::to_text(&scene)));
+        let stage = Stage { gpu, library, subject, worker: Some(&worker), stop: &|| false };
+        let pick = announced(quiet, "fastest settings", |progress| remembered(stage, &scene, bound, progress))?;
+        tell(&explain(&pick, bound));
+        add("settings", settings(&pick, bound));
+        (scene, drawn) = (pick.scene, pick.picture);
+    }
+    if !quiet || command.json {
+        let fields = command.ignored(library, subject, [base, &asked.scene, &scene]);
+        let line = |fields: &String| format!("ignored    {fields}: the picture is the same without\n");
+        tell(&fields.as_ref().map_or(String::new(), line));
+        add("ignored", json!(fields));
+    }
+    let (output, depth) = (&*command.output, &*command.depth);
+    let (began, loading_ms) = (*began, *loading_ms);
+    let picture = Picture { gpu, library, scene: &scene, subject, output, depth, quiet, tell, began, loading_ms };
+    if command.predict {
+        let prediction = predict(&mut Renderer::new(gpu, library, subject), &scene)?;
+        if !command.json {
+            say(&format_prediction(&scene, &prediction)); // all that was asked for: said where it is to be quiet, too
+        }
+        add("prediction", json!(prediction));
+    } else if let Some(sequence) = sequence {
+        add("frames", render_frames(&picture, sequence, *shard, command.motion.restart)?);
+    } else {
+        let frame = match *shard {
+            Some(shard) => render_shard(&picture, shard)?,
+            None => render_picture(&picture, drawn)?,
+        };
+        if let Some(path) = &command.error_map {
+            add("error_map", write_error_map(&picture, &frame, path)?);
+        }
+        if let Some(path) = &command.validity {
+            add("validity", write_validity(&picture, &frame, path)?);
+        }
+        if let Some(path) = &command.depth_map {
+            add("depth_map", write_depth_map(&picture, path)?);
+        }
+        if command.json {
+            picture::object(&picture, &frame)?.into_iter().for_each(|(name, value)| add(&name, value));
+        }
+    }
+    if let Some(file) = &command.save_scene {
+        write_whole(file, scene::to_text(&scene).as_bytes())
+            .map_err(|error| format!("{}: {error}; nothing was written", file.display()))?;
+    }
+    let written = command.written(*shard, sequence.as_ref())?;
+    add("wrote", written.iter().map(|(_, path)| absolute(path)).collect());
+    Ok(object)
+}
+
+/// A pick as an object of JSON.
+fn settings(pick: &Pick, bound: ErrorBound) -> Value {
+    let failures = pick.failures.iter().map(|Failure { label, message }| json!({ "label": label, "message": message }));
+    let [left_out, drawn, kept, untried] = pick.counts;
+    json!({
+        "settings": pick.settings, "metric": bound.metric.to_string(), "asked": bound.error, "verified": pick.verified,
+        "unverified": pick.unverified, "remembered": pick.remembered, "other": pick.other, "left_out": left_out, "drawn": drawn,
+        "kept": kept, "untried": untried, "failures": failures.collect::<Vec<_>>(),
+    })
+}
+
+/// A pick in words.
+fn explain(pick: &Pick, bound: ErrorBound) -> String {
+    let [left_out, drawn, kept, untried] = pick.counts;
+    let remembered = if pick.remembered { ", remembered" } else { "" };
+    let mut text = format!("settings   {}{remembered}\n", pick.settings);
+    let Verified { error, found, estimate, open, pixels: [pixels, proven], ms } = pick.verified;
+    let all = pick.scene.image.size.iter().map(|side| u64::from(*side)).product::<u64>();
+    let by = match &pick.unverified {
+        None => format!(
+            "{found:.1e} by the f64 reference in {pixels} of {all} pixels, which is known to {estimate:.0e} as samples say, to \
+             {open:.0e} by proof, which is whole in {proven} of them"
+        ),
+        Some(why) => format!("by a finer picture (own error {estimate:.0e}): {why}"),
+    };
+    let below = rounded_up(error).min(bound.error);
+    text += &format!("error      {} at most {below:e}, asked for {:e}; {by}\n", bound.metric, bound.error);
+    text += &format!(
+        "why        {ms:.1} ms; the fastest of {kept} that should fit, of {drawn} drawn small; {left_out} could not fit"
+    );
+    if untried > 0 {
+        text += &format!("; {untried} other ways were not tried, to be done in time");
+    }
+    let other = pick.other.as_ref().map(|(settings, times)| format!("; {settings} takes {times:.1}x"));
+    text = text + &other.unwrap_or_default() + "\n";
+    for Failure { label, message } in &pick.failures {
+        text += &format!("failed     {label}: {message}\n");
+    }
+    text
+}
+
+/// A prediction in words.
+fn format_prediction(scene: &Scene, prediction: &Prediction) -> String {
+    let seconds = |ms: f64| format!("{:.2} s", ms * 1e-3);
+    let time = |e: &Estimate| format!("{} ({} to {})", seconds(e.expected), seconds(e.low), seconds(e.high));
+    let [width, height] = scene.image.size;
+    let Prediction { probes, slices, .. } = prediction;
+    let sizes = probes.chunk_by(|a, b| a.size == b.size);
+    let sizes = sizes.map(|same| format!("{} of {} x {}", same.len(), same[0].size[0], same[0].size[1]));
+    let millions = |count: f64| count * 1e-6;
+    let count = match (scene.quality.pass, prediction.fragments) {
+        (Pass::March, Some(rays)) => {
+            let rays = millions(rays.expected);
+            format!("rays       {rays:.2} M, {:.0} M samples at most", rays * f64::from(*slices))
+        }
+        (Pass::Slices, Some(Estimate { low, expected, high })) => {
+            let [low, expected, high] = [low, expected, high].map(millions);
+            format!("slices     {slices}, {expected:.1} M fragments ({low:.1} to {high:.1} M)")
+        }
+        (Pass::March, None) => format!("rays       of at most {slices} samples; the device does not count them"),
+        (Pass::Slices, None) => format!("slices     {slices}; the device does not count fragments"),
+    };
+    format!(
+        "probes     {}: {} in all\n{count}\ndevice     {} for {width} x {height}\n\
+         expected   {} in all, without the distance field and the writing of the file\n",
+        sizes.collect::<Vec<_>>().join(", "),
+        seconds(prediction.spent_ms),
+        time(&prediction.device_ms),
+        time(&prediction.total_ms),
+    )
+}

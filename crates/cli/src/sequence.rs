@@ -1,0 +1,172 @@
+//! Many frames and many processes: rendering resumed where it stopped, and stopped between two frames.
+
+use super::picture::Picture;
+use super::{absolute, with_progress};
+use clap::Args;
+use hypertexture::output::sequence::{Frames, Manifest, Sequence, frame_path, manifest_path};
+use hypertexture::output::shard::{self, Shard, ShardError};
+use hypertexture::output::{Provenance, write};
+use hypertexture::render::{Renderer, all_alike};
+use serde_json::{Value, json};
+use std::error::Error;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
+
+/// Frames that are looked at to see whether anything moves.
+const MOST_TRIED: u32 = 256;
+
+/// Which shard to render.
+#[derive(Clone, Copy)]
+pub enum ShardChoice {
+    /// The one that the environment says.
+    Auto,
+    /// This one.
+    This(Shard),
+}
+
+/// Reads `K/N` or `auto`.
+pub fn shard(text: &str) -> Result<ShardChoice, ShardError> {
+    if text == "auto" { Ok(ShardChoice::Auto) } else { text.parse().map(ShardChoice::This) }
+}
+
+impl ShardChoice {
+    /// The shard.
+    pub fn shard(self) -> Result<Shard, ShardError> {
+        match self {
+            ShardChoice::Auto => Shard::from_environment(|name| std::env::var(name).ok()),
+            ShardChoice::This(shard) => Ok(shard),
+        }
+    }
+}
+
+/// Arguments of `render` for many frames.
+#[derive(Args)]
+pub struct Motion {
+    /// Render the frames A to B, both included, at time + k / fps seconds; `####` in the output is the number.
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    pub frames: Option<Frames>,
+    /// Frames per second [default: 25].
+    #[arg(long, requires = "frames", allow_negative_numbers = true)]
+    pub fps: Option<f64>,
+    /// Turn the camera once around the object, from the first frame to the one after the last.
+    #[arg(long, requires = "frames")]
+    pub turntable: bool,
+    /// Render frames again that are finished.
+    #[arg(long, requires = "frames")]
+    pub restart: bool,
+}
+
+/// A person or a scheduler wants the program to end; says what is finished.
+#[derive(Debug)]
+pub struct Interrupted(pub String);
+
+impl fmt::Display for Interrupted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl Error for Interrupted {}
+
+impl Motion {
+    /// The sequence that was asked for, if one was.
+    pub fn sequence(&self) -> Result<Option<Sequence>, Box<dyn Error>> {
+        let Some(frames) = self.frames else { return Ok(None) };
+        let sequence = Sequence { frames, fps: self.fps.unwrap_or(25.0), turntable: self.turntable };
+        sequence.check()?;
+        Ok(Some(sequence))
+    }
+}
+
+/// The frames of a sequence, or those of a shard of them, and their files.
+pub(super) fn frames_of(
+    output: &Path,
+    sequence: &Sequence,
+    shard: Option<Shard>,
+) -> Result<Vec<(u32, PathBuf)>, Box<dyn Error>> {
+    if output.file_name().is_some_and(|name| name.to_str().is_none()) {
+        let name = output.display();
+        return Err(format!("--output {name}: the number of a frame goes into the name, which must be UTF-8").into());
+    }
+    let Frames { first, last } = sequence.frames;
+    let own = |frame: &u32| shard.is_none_or(|shard| shard.takes(frame - first));
+    Ok((first..=last).filter(own).map(|frame| (frame, frame_path(output, frame))).collect())
+}
+
+/// Renders the frames of a sequence, or those of a shard of them; gives what was done as an object of JSON.
+pub fn render_frames(
+    picture: &Picture<'_>,
+    sequence: &Sequence,
+    shard: Option<Shard>,
+    restart: bool,
+) -> Result<Value, Box<dyn Error>> {
+    let Picture { gpu, library, scene, subject, output, depth, quiet, tell, .. } = *picture;
+    let frames = frames_of(output, sequence, shard)?;
+    let identity = sequence.identity(shard::identity(scene, library, subject)?, depth);
+    let Frames { first, last } = sequence.frames;
+    let some = (first..=last).step_by(((last - first) / MOST_TRIED + 1) as usize).chain([last]);
+    let is_still =
+        !quiet && first < last && all_alike(library, subject, some.map(|frame| sequence.scene(scene, frame)));
+    if is_still {
+        tell(
+            "still      nothing in the scene moves with time: all frames are the same picture; --turntable turns it\n",
+        );
+    }
+    let mut manifest = Manifest::open(&manifest_path(output, shard), identity, restart)?;
+    let stop = stop_flag()?;
+    let mut renderer = Renderer::new(gpu, library, subject);
+    let start = Instant::now();
+    let mut rendered = 0;
+    with_progress(quiet, "frames", |progress| -> Result<(), Box<dyn Error>> {
+        let left: Vec<_> = frames.iter().filter(|(frame, path)| !manifest.has(*frame, path)).collect();
+        for (frame, path) in &left {
+            if stop.load(Ordering::Relaxed) {
+                let finished = frames.len() - left.len() + rendered;
+                return Err(Interrupted(format!(
+                    "interrupted: {finished} of {} frames are finished; the same command, without --restart, renders the \
+                     others",
+                    frames.len()
+                ))
+                .into());
+            }
+            let scene = sequence.scene(scene, *frame);
+            let drawn = renderer.render(&scene)?;
+            let provenance = Provenance::of(&scene, &gpu.info().title(), &drawn.measurements)?;
+            write(&drawn, scene.image.background, picture.depth(), &provenance, path)?;
+            manifest.add(*frame, path)?;
+            rendered += 1;
+            progress(rendered as f32 / left.len() as f32);
+        }
+        Ok(())
+    })?;
+    let (kept, seconds) = (frames.len() - rendered, start.elapsed().as_secs_f64());
+    tell(&format!("frames     {rendered} rendered in {seconds:.1} s, {kept} were finished before\n"));
+    let ends = frames.first().zip(frames.last()).map(|((_, first), (_, last))| [absolute(first), absolute(last)]);
+    if let Some([first, last]) = &ends {
+        tell(&format!("wrote {first} to {last}\n"));
+    }
+    Ok(
+        json!({ "rendered": rendered, "finished_before": kept, "seconds": seconds, "still": is_still, "first_and_last": ends }),
+    )
+}
+
+/// Set at the first signal to end, so that the frame in work is finished; the second one ends the process at once, which
+/// harms no file, for each appears whole or not at all.
+pub fn stop_flag() -> Result<Arc<AtomicBool>, Box<dyn Error>> {
+    static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
+    if let Some(stop) = STOP.get() {
+        return Ok(stop.clone());
+    }
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = stop.clone();
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(super::INTERRUPTED));
+        }
+    })
+    .map_err(|error| format!("no handler for Ctrl-C: {error}"))?;
+    Ok(STOP.get_or_init(|| stop).clone())
+}

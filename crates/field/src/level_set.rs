@@ -1,0 +1,112 @@
+//! The surface between the samples of a grid that are inside and the others, as a mesh.
+//!
+//! Role: which edges it crosses and how its triangles hang together; where on an edge it is, the caller knows. Invariant:
+//! it is closed, every edge has two triangles that are wound alike, and nothing depends on the number of threads.
+//! Source: Doi & Koide 1991 (marching tetrahedra), by the tetrahedra of [`super::tetra`].
+
+use super::tetra;
+use rayon::prelude::*;
+
+/// A closed surface on the edges of a grid.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LevelSet {
+    /// What each vertex lies between: the index of a sample inside, and that of one outside; x fastest.
+    pub edges: Vec<[u32; 2]>,
+    /// Three vertices each, counterclockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl LevelSet {
+    /// The surface of a grid of `size` samples, fewer than 2^32. The samples at its border count as outside.
+    pub fn of(size: [u32; 3], is_inside: impl Fn(u32) -> bool + Sync) -> LevelSet {
+        let index = |at: [u32; 3]| (at[2] * size[1] + at[1]) * size[0] + at[0];
+        let is_inside =
+            |at: [u32; 3]| (0..3).all(|axis| at[axis] > 0 && at[axis] + 1 < size[axis]) && is_inside(index(at));
+        let slab = |z: u32| {
+            let mut found: Vec<[u64; 3]> = Vec::new();
+            for y in 0..size[1].saturating_sub(1) {
+                for x in 0..size[0].saturating_sub(1) {
+                    let corner = |i: usize| {
+                        let [dx, dy, dz] = tetra::corner(i).map(|step| step as u32);
+                        [x + dx, y + dy, z + dz]
+                    };
+                    let inside: [bool; 8] = std::array::from_fn(|i| is_inside(corner(i)));
+                    if inside == [inside[0]; 8] {
+                        continue;
+                    }
+                    let key = |[a, b]: tetra::Edge| u64::from(index(corner(a))) << 32 | u64::from(index(corner(b)));
+                    tetra::march(|i| inside[i], |_| true, |triangle| found.push(tetra::outward(triangle).map(key)));
+                }
+            }
+            found
+        };
+        let found: Vec<[u64; 3]> = (0..size[2].saturating_sub(1)).into_par_iter().flat_map_iter(slab).collect();
+        let mut keys: Vec<u64> = found.as_flattened().to_vec();
+        keys.par_sort_unstable();
+        keys.dedup();
+        let vertex = |key: u64| keys.partition_point(|other| *other < key) as u32;
+        let triangles = found.into_par_iter().map(|triangle| triangle.map(vertex)).collect();
+        LevelSet { edges: keys.iter().map(|key| [(key >> 32) as u32, *key as u32]).collect(), triangles }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use shape::Mesh;
+    use support::random::SplitMix;
+
+    /// The mesh of a level set with each vertex so far from the sample inside, in edges.
+    fn mesh(size: [u32; 3], set: &LevelSet, part: impl Fn([Vec3; 2]) -> f32) -> Mesh {
+        let place = |at: u32| {
+            Vec3::new((at % size[0]) as f32, (at / size[0] % size[1]) as f32, (at / size[0] / size[1]) as f32)
+        };
+        let positions = set.edges.iter().map(|edge| {
+            let ends = edge.map(place);
+            ends[0].lerp(ends[1], part(ends))
+        });
+        Mesh { positions: positions.collect(), triangles: set.triangles.clone(), ..Mesh::default() }
+    }
+
+    #[test]
+    fn any_samples_give_a_closed_surface_that_is_wound_outward() {
+        let mut random = SplitMix(1991);
+        for size in [[6, 5, 7], [3, 3, 3], [9, 4, 3]] {
+            for _ in 0..40 {
+                let count = size.iter().product::<u32>();
+                let inside: Vec<bool> = (0..count).map(|_| random.bits().is_multiple_of(2)).collect();
+                let set = LevelSet::of(size, |at| inside[at as usize]);
+                let mesh = mesh(size, &set, |_| 0.4);
+                let edges = mesh.edges();
+                assert_eq!((edges.open, edges.crowded, edges.turned), (0, 0, 0), "{size:?}");
+                // An edge lies in tetrahedra of one volume each, so that each sample inside has the volume around it.
+                assert!(set.edges.iter().all(|[a, b]| inside[*a as usize] && *a < count && *b < count));
+                assert!(set.triangles.is_empty() || mesh.signed_volume() > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_ball_has_its_volume_and_one_body() {
+        let (size, center, radius) = ([31; 3], Vec3::splat(15.2), 11.0_f32);
+        let far = |p: Vec3| p.distance(center) - radius;
+        let at = |index: u32| Vec3::new((index % 31) as f32, (index / 31 % 31) as f32, (index / 961) as f32);
+        let set = LevelSet::of(size, |index| far(at(index)) <= 0.0);
+        let mesh = mesh(size, &set, |[a, b]| far(a) / (far(a) - far(b)));
+        let edges = mesh.edges();
+        assert_eq!((edges.bodies, edges.open, edges.crowded, edges.turned), (1, 0, 0, 0));
+        // Euler's formula of a surface without holes.
+        assert_eq!(edges.vertices as i64 - set.triangles.len() as i64 / 2, 2);
+        let exact = 4.0 / 3.0 * std::f64::consts::PI * f64::from(radius).powi(3);
+        assert!((mesh.signed_volume() / exact - 1.0).abs() < 0.01, "{} {exact}", mesh.signed_volume());
+    }
+
+    #[test]
+    fn a_grid_without_an_inside_has_no_surface() {
+        for size in [[0; 3], [1, 1, 1], [2, 2, 2], [5, 2, 5]] {
+            let set = LevelSet::of(size, |_| true);
+            assert_eq!((set.edges.len(), set.triangles.len()), (0, 0), "{size:?}");
+        }
+    }
+}

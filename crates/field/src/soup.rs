@@ -1,0 +1,39 @@
+//! A mesh made ready for distances: voxel units, consistent winding, known rim.
+
+use super::grid::Local;
+use super::tetra::Triangle;
+use glam::Vec3;
+use rayon::prelude::*;
+use shape::Mesh;
+
+/// Triangles in voxel units and what their edges tell.
+pub(super) struct Soup {
+    /// Corners of each triangle, turned where its neighbors disagreed.
+    pub triangles: Vec<Triangle>,
+    /// Edges of a single triangle.
+    pub open_edges: usize,
+    /// Triangles turned around.
+    pub turned: usize,
+    /// Points, at most a voxel apart, on edges whose triangles do not cancel: rims of holes and contradictions.
+    pub rim: Vec<Vec3>,
+}
+
+impl Soup {
+    /// Welds, turns and measures the triangles of `mesh`; every corner index is in range.
+    pub(super) fn new(mesh: &Mesh, local: &Local) -> Soup {
+        let wound = mesh.wound();
+        let positions: Vec<Vec3> = wound.places.par_iter().map(|place| local.of_world(*place)).collect();
+        let (mut open_edges, mut rim) = (0, Vec::new());
+        for edge in wound.uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            open_edges += usize::from(edge.len() == 1);
+            let balance: i64 = edge.iter().map(|e| if e.3 { 1 } else { -1 }).sum();
+            if balance != 0 {
+                let (a, b) = (positions[edge[0].0 as usize], positions[edge[0].1 as usize]);
+                let steps = a.distance(b).ceil().max(1.0) as usize;
+                rim.extend((0..=steps).map(|s| a.lerp(b, s as f32 / steps as f32)));
+            }
+        }
+        let triangles = wound.triangles.par_iter().map(|t| t.map(|corner| positions[corner as usize])).collect();
+        Soup { triangles, open_edges, turned: wound.turned, rim }
+    }
+}

@@ -1,0 +1,65 @@
+//! The GLSL compiler of this process: glslang, through shaderc.
+
+use super::error::LinkError;
+use super::stage::Stage;
+use std::sync::OnceLock;
+
+/// Never ended: glslang's start, the tables of all that GLSL has built in, costs 50 to 90 ms, as much as a small program.
+static COMPILER: OnceLock<shaderc::Compiler> = OnceLock::new();
+
+/// A text to be compiled.
+pub(super) struct Text<'a> {
+    /// What errors call it.
+    pub(super) name: &'a str,
+    pub(super) text: &'a str,
+    pub(super) stage: Stage,
+    pub(super) is_optimized: bool,
+}
+
+/// A file that a text includes, by its name and whether that is a slot: path and text.
+type Include<'a> = dyn Fn(&str, bool) -> Result<(String, String), String> + 'a;
+
+/// Starts the compiler, unless it is.
+///
+/// # Errors
+/// [`LinkError::Compiler`] when shaderc cannot be initialized.
+pub(super) fn started() -> Result<&'static shaderc::Compiler, LinkError> {
+    match COMPILER.get() {
+        Some(compiler) => Ok(compiler),
+        None => {
+            let new = shaderc::Compiler::new().map_err(|error| LinkError::Compiler(error.to_string()))?;
+            Ok(COMPILER.get_or_init(|| new))
+        }
+    }
+}
+
+/// The SPIR-V 1.3 of a text, with names.
+///
+/// # Errors
+/// What glslang says.
+pub(super) fn compiled(text: &Text<'_>, include: &Include<'_>) -> Result<Vec<u32>, LinkError> {
+    let compiler = |error: shaderc::Error| LinkError::Compiler(error.to_string());
+    let mut options = shaderc::CompileOptions::new().map_err(compiler)?;
+    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_1 as u32);
+    options.set_optimization_level(match text.is_optimized {
+        true => shaderc::OptimizationLevel::Performance,
+        false => shaderc::OptimizationLevel::Zero,
+    });
+    options.set_generate_debug_info();
+    options.set_warnings_as_errors();
+    options.set_include_callback(|name, kind, _, _| {
+        let (resolved_name, content) = include(name, kind == shaderc::IncludeType::Standard)?;
+        Ok(shaderc::ResolvedInclude { resolved_name, content })
+    });
+    let kind = match text.stage {
+        Stage::Vertex => shaderc::ShaderKind::Vertex,
+        Stage::Fragment => shaderc::ShaderKind::Fragment,
+    };
+    match started()?.compile_into_spirv(text.text, kind, text.name, "main", Some(&options)) {
+        Ok(artifact) => Ok(artifact.as_binary().to_vec()),
+        Err(shaderc::Error::CompilationError(_, message)) => Err(LinkError::Compile(message.trim_end().to_string())),
+        // What shaderc says of an exception in glslang, for which no memory is left to say more.
+        Err(error) if error.to_string() == "internal error" => Err(LinkError::Memory),
+        Err(error) => Err(LinkError::Compile(error.to_string())),
+    }
+}

@@ -1,0 +1,206 @@
+//! The names in GLSL text: which a file defines, and the same text with some of them changed.
+//!
+//! GLSL has no namespaces. A module that is used twice, by two objects or twice in one stack, is compiled twice, with a
+//! suffix at everything that it defines. Lines stay where they are, so that errors still name the right one.
+
+use std::collections::BTreeSet;
+
+/// Comments, words, numbers, whole `#include` lines, white space and single characters, in order and without loss.
+pub fn tokens(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = text;
+    std::iter::from_fn(move || {
+        let first = rest.chars().next()?;
+        let run = |allowed: fn(char) -> bool| rest.find(|c| !allowed(c)).unwrap_or(rest.len());
+        let length = match first {
+            _ if rest.starts_with("//") || rest.starts_with("#include") => rest.find('\n').unwrap_or(rest.len()),
+            _ if rest.starts_with("/*") => rest.find("*/").map_or(rest.len(), |end| end + 2),
+            _ if is_word(first) => run(is_word),
+            _ if first.is_whitespace() => run(char::is_whitespace),
+            _ => first.len_utf8(),
+        };
+        let (token, after) = rest.split_at(length);
+        rest = after;
+        Some(token)
+    })
+}
+
+fn is_word(c: char) -> bool {
+    c.is_ascii_alphanumeric() || c == '_'
+}
+
+fn is_name(token: &str) -> bool {
+    token.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+}
+
+/// Words of GLSL that are no names, as far as they are in lower case.
+const RESERVED: &str = " active asm attribute bool break buffer bvec2 bvec3 bvec4 case cast centroid class coherent common \
+                        const continue default discard dmat2 dmat3 dmat4 do double dvec2 dvec3 dvec4 else enum extern \
+                        external false filter fixed flat float for fvec2 fvec3 fvec4 goto half highp hvec2 hvec3 hvec4 if \
+                        in inline inout input int interface invariant ivec2 ivec3 ivec4 layout long lowp mat2 mat3 mat4 \
+                        mediump namespace noinline noperspective out output partition patch precise precision public \
+                        readonly resource restrict return sample shared short sizeof smooth static struct subroutine \
+                        superp switch template this true typedef uint uniform union unsigned using uvec2 uvec3 uvec4 \
+                        varying vec2 vec3 vec4 void volatile while writeonly ";
+
+/// Whether a word is one of GLSL's own, such as `float` or `if`.
+pub fn is_reserved(word: &str) -> bool {
+    RESERVED.contains(&format!(" {word} "))
+}
+
+/// The words that are GLSL's own.
+pub fn reserved() -> impl Iterator<Item = &'static str> {
+    RESERVED.split_whitespace()
+}
+
+/// A name as declarations write it: lower case, and free to be one in GLSL.
+pub(super) fn identifier(text: &str) -> Option<String> {
+    let name = text.trim();
+    let valid = name.starts_with(|c: char| c.is_ascii_lowercase())
+        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+    (valid && !is_reserved(name)).then(|| name.to_string())
+}
+
+/// Tokens that mean something: neither white space nor comments.
+pub(super) fn words(text: &str) -> Vec<&str> {
+    let idle =
+        |token: &str| token.starts_with(char::is_whitespace) || token.starts_with("//") || token.starts_with("/*");
+    tokens(text).filter(|token| !idle(token)).collect()
+}
+
+/// The members of the uniform blocks of a file: type and name.
+pub fn members(text: &str) -> Vec<(&str, &str)> {
+    let words = words(text);
+    let mut found = Vec::new();
+    let mut inside = false;
+    for (at, word) in words.iter().enumerate() {
+        match *word {
+            "{" => inside = at >= 2 && words[at - 2] == "uniform",
+            "}" => inside = false,
+            ";" if inside && at >= 2 => found.push((words[at - 2], words[at - 1])),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// The fields that a file reads or writes of its variables of a type.
+pub fn fields<'a>(text: &'a str, of_type: &str) -> BTreeSet<&'a str> {
+    let words = words(text);
+    let variables: BTreeSet<&str> = words.windows(2).filter(|pair| pair[0] == of_type).map(|pair| pair[1]).collect();
+    let read = words.windows(3).filter(|three| three[1] == "." && variables.contains(three[0]));
+    read.map(|three| three[2]).collect()
+}
+
+/// Everything that a file defines for the whole program: functions, constants, variables, structures, macros, resources
+/// and members of uniform blocks.
+pub fn definitions(text: &str) -> BTreeSet<String> {
+    let words = words(text);
+    let mut found: BTreeSet<String> = members(text).into_iter().map(|(_, name)| name.to_string()).collect();
+    let (mut braces, mut parentheses) = (0, 0);
+    for (at, word) in words.iter().enumerate() {
+        let before = |steps: usize| at.checked_sub(steps).map_or("", |index| words[index]);
+        let after = words.get(at + 1).copied().unwrap_or_default();
+        match *word {
+            "{" => braces += 1,
+            "}" => braces -= 1,
+            "(" => parentheses += 1,
+            ")" => parentheses -= 1,
+            name if is_name(name) && braces == 0 && parentheses == 0 => {
+                let macro_name = before(1) == "define" && before(2) == "#";
+                let block = (before(1) == "struct" || before(1) == "uniform") && after == "{";
+                let declared = is_name(before(1)) && ["(", "=", ";", "["].contains(&after);
+                if macro_name || block || (declared && before(1) != "define" && before(2) != "define") {
+                    found.insert(name.to_string());
+                }
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Whether a file defines a variable that changes: one that two objects must not share.
+pub fn has_state(text: &str) -> bool {
+    let plain: String = text.lines().filter(|line| !line.starts_with('#')).flat_map(|line| [line, "\n"]).collect();
+    let (mut braces, mut statement) = (0, Vec::new());
+    for word in words(&plain) {
+        match word {
+            "{" => braces += 1,
+            "}" => {
+                braces -= 1;
+                statement.clear();
+            }
+            ";" if braces == 0 => {
+                let fixed = ["const", "layout", "uniform", "in", "out"].contains(statement.first().unwrap_or(&";"));
+                // `type name` or `type name = value`, and no prototype of a function.
+                if !fixed && statement.len() >= 2 && is_name(statement[1]) && statement.get(2) != Some(&"(") {
+                    return true;
+                }
+                statement.clear();
+            }
+            word if braces == 0 => statement.push(word),
+            _ => {}
+        }
+    }
+    false
+}
+
+/// Whether a file uses one of these names.
+pub fn uses(text: &str, names: &BTreeSet<String>) -> bool {
+    rename(text, names, "_") != text
+}
+
+/// The text with `suffix` at each of these names, except where it is a field: after a dot, or declared in a structure.
+pub fn rename(text: &str, names: &BTreeSet<String>, suffix: &str) -> String {
+    let mut out = String::with_capacity(text.len() + text.len() / 8);
+    let mut tokens = tokens(text).peekable();
+    let (mut last, mut before_last, mut in_structure) = ("", "", false);
+    while let Some(token) = tokens.next() {
+        in_structure = token == "{" && before_last == "struct" || in_structure && token != "}";
+        let field = last == "." || in_structure && tokens.peek() == Some(&";");
+        out.push_str(token);
+        if !field && names.contains(token) {
+            out.push_str(suffix);
+        }
+        if !token.starts_with(char::is_whitespace) {
+            (before_last, last) = (last, token);
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "// size of it\n#define volume sampler3D(image, s)\nconst float PI = 3.0;\nfloat distance_bound = 0.0;\n\
+        struct Soft {\n    float size;\n};\nlayout(set = 0, binding = 1) uniform Block {\n    vec4 tint; // x\n    float size;\n};\n\
+        layout(set = 0, binding = 2) uniform texture3D image;\nfloat one(float density, Soft s) {\n    float size2 = s.size * size;\n\
+        \x20   return one(size2, s) + 1e5;\n}\n";
+
+    #[test]
+    fn what_a_file_defines_is_found_and_nothing_local() {
+        let expected = ["Block", "PI", "Soft", "distance_bound", "image", "one", "size", "tint", "volume"];
+        assert_eq!(definitions(TEXT).into_iter().collect::<Vec<_>>(), expected);
+        assert_eq!(members(TEXT), [("vec4", "tint"), ("float", "size")]);
+    }
+
+    #[test]
+    fn a_variable_that_changes_is_told_from_constants_and_functions() {
+        assert!(has_state(TEXT), "distance_bound");
+        let still = "#define A b\nconst float PI = 3.0;\nstruct S {\n    float x;\n};\nfloat f(float x);\nfloat g() { float y = 1.0; return y; }\n";
+        assert!(!has_state(still));
+    }
+
+    #[test]
+    fn a_name_is_changed_everywhere_but_in_comments_and_fields() {
+        let names = ["size".to_string(), "one".to_string()].into();
+        let renamed = rename(TEXT, &names, "_2");
+        assert!(renamed.starts_with("// size of it\n"));
+        assert!(renamed.contains("struct Soft {\n    float size;") && renamed.contains("    float size_2;"));
+        assert!(renamed.contains("s.size * size_2;"));
+        assert!(renamed.contains("float one_2(float density") && renamed.contains("return one_2(size2, s) + 1e5;"));
+        assert_eq!(renamed.lines().count(), TEXT.lines().count());
+        assert_eq!(rename(TEXT, &BTreeSet::new(), "_2"), TEXT);
+    }
+}

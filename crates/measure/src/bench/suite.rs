@@ -1,0 +1,283 @@
+//! What is timed: the effects against what a fetch costs and the paper's card, what is left out, what grows.
+
+use crate::compare::paper::numbers;
+use hypertexture::field::Request;
+use hypertexture::render::{open, request};
+use hypertexture::scene::{self, EFFECTS, EmptySpace, Object, ParameterValue, Pass, Scene, SceneError};
+use hypertexture::shader::{self, Library};
+use hypertexture::shape::{Mesh, Shape};
+
+/// Samples of a ray, or slices, of the effects: as many as the paper's tables are repeated with, twice.
+const SAMPLES: u32 = 256;
+/// Sides of the pictures of the effects, pixels; the paper's smaller window, and four times its pixels.
+const SIDES: [u32; 2] = [300, 600];
+/// Side of the pictures of all else.
+const SIDE: u32 = 128;
+/// Voxels along the longest side of an object.
+const RESOLUTION: u32 = 128;
+/// Octaves, samples, pixels and voxels along a side, of what grows with them.
+const OCTAVES: [u32; 5] = [1, 2, 4, 6, 8];
+const STEPS: [u32; 4] = [64, 128, 256, 512];
+const PIXELS: [u32; 4] = [64, 128, 256, 512];
+const VOXELS: [u32; 4] = [32, 64, 128, 256];
+/// How often each triangle of the mesh is cut in four, of what grows with them.
+const CUTS: [u32; 3] = [0, 1, 2];
+
+/// The least that a program does: one fetch, rejected outside the soft region or else blended; then the same with a fetch
+/// of noise. The parameter gives it the box of the effect that it is held against.
+const FLOORS: [(&str, &str); 2] = [("floor_one", "vec4(0.0)"), ("floor_two", "texture(noise_block, 3.0 * x)")];
+
+fn floor(second: &str) -> String {
+    format!(
+        "// @param floor_reach = 0 in [0, 8]: What the effect reaches beyond its soft region, object units.\n\
+         // @grow floor_reach\n\
+         #include <softness>\n\
+         vec4 classify(vec3 x, float path) {{\n\
+             vec4 v = texture(volume, volume_scale.xyz * x + volume_offset.xyz);\n\
+             vec4 second = {second};\n\
+             float density = soften(distance_decode.x + distance_decode.y * v.a);\n\
+             return density <= 0.0 ? vec4(0.0) : vec4(v.rgb + second.rgb, 1.0) * density;\n\
+         }}\n"
+    )
+}
+
+/// The modules that ship, and those of the floors.
+pub fn library() -> Library {
+    FLOORS
+        .iter()
+        .fold(shader::shipped(), |library, (name, second)| library.with_module("classify", name, &floor(second)))
+}
+
+/// What is timed.
+pub enum Work {
+    /// A picture.
+    Picture(Box<Scene>),
+    /// The distance field of a shape, computed anew.
+    Field(Shape, Request),
+}
+
+/// A row of the table.
+pub struct Row {
+    /// Its group, a slash, and what it is there.
+    pub name: String,
+    /// What is timed.
+    pub work: Work,
+    /// The row of its group that it is held against, and what that is to it.
+    pub against: Option<(String, &'static str)>,
+    /// What the paper prints for a GeForce 6800 GT, milliseconds.
+    pub paper_ms: Option<f64>,
+}
+
+impl Row {
+    fn picture(name: String, scene: Scene) -> Row {
+        Row { name, work: Work::Picture(Box::new(scene)), against: None, paper_ms: None }
+    }
+
+    fn against(self, name: &str, what: &'static str) -> Row {
+        Row { against: Some((name.into(), what)), ..self }
+    }
+}
+
+/// Every row, in groups that are timed in turns. Quick: the smaller pictures of the effects, and without the largest of
+/// what grows. With `names`, those of which the name holds one of them, and what they are held against.
+///
+/// # Errors
+/// A preset cannot be read, or has no program.
+pub fn suite(library: &Library, quick: bool, names: &[String]) -> Result<Vec<Vec<Row>>, SceneError> {
+    let mut groups = Vec::new();
+    for (number, effect) in EFFECTS.into_iter().enumerate() {
+        groups.push(of_effect(library, effect, number, if quick { &SIDES[..1] } else { &SIDES })?);
+    }
+    for name in scene::names() {
+        groups.extend(left_out(library, name)?);
+    }
+    groups.extend(growth(quick)?);
+    if !names.is_empty() {
+        for group in &mut groups {
+            let wanted = |row: &Row| names.iter().any(|name| row.name.contains(name));
+            let others: Vec<String> = group
+                .iter()
+                .filter(|row| wanted(row))
+                .filter_map(|row| Some(row.against.as_ref()?.0.clone()))
+                .collect();
+            group.retain(|row| wanted(row) || others.contains(&row.name));
+        }
+        groups.retain(|group| !group.is_empty());
+    }
+    Ok(groups)
+}
+
+/// An effect on the teapot.
+fn scene_of(effect: &str, object: &str, side: u32, samples: u32) -> Result<Scene, SceneError> {
+    let mut scene = scene::preset(effect)?;
+    (scene.object.input, scene.object.resolution) = (object.into(), RESOLUTION);
+    (scene.image.size, scene.quality.samples) = ([side; 2], samples);
+    Ok(scene)
+}
+
+/// The floor over the fragments of an effect.
+fn floor_of(effect: &Scene, library: &Library, module: &str) -> Result<Scene, SceneError> {
+    let parameters = effect.check(library)?;
+    let mut scene = effect.clone();
+    scene.effect.classify = module.into();
+    scene.object.outer_iso = parameters.outer_iso().unwrap_or(effect.object.outer_iso);
+    let reach = ParameterValue::Number(parameters.spread(1.0).grows.farthest());
+    scene.parameters = [("floor_reach".to_string(), reach)].into();
+    Ok(scene)
+}
+
+/// One of the paper's effects by slices, beside what their fetches alone cost, and by rays.
+fn of_effect(library: &Library, effect: &str, number: usize, sides: &[u32]) -> Result<Vec<Row>, SceneError> {
+    let mut rows = Vec::new();
+    // The lit object has one fetch; every other effect fetches noise or turbulence too.
+    let module = FLOORS[usize::from(effect != "lit")].0;
+    for &side in sides {
+        let scene = |pass| {
+            let mut scene = scene_of(effect, "teapot", side, SAMPLES)?;
+            scene.quality.pass = pass;
+            Ok::<_, SceneError>(scene)
+        };
+        let (slices, name) = (scene(Pass::Slices)?, |how: &str| format!("effects/{effect}, {side} x {side}, {how}"));
+        let floor = floor_of(&slices, library, module)?;
+        let of_paper = (side == SIDES[0]).then(|| 1e3 / numbers::EFFECTS[number].2[1][0]);
+        let own = [
+            Row::picture(name("fetches of the slices alone"), floor),
+            Row::picture(name("slices"), slices).against(&name("fetches of the slices alone"), "their fetches alone"),
+            Row::picture(name("rays"), scene(Pass::March)?).against(&name("slices"), "slices"),
+        ];
+        rows.extend(own.into_iter().enumerate().map(|(at, row)| Row { paper_ms: of_paper.filter(|_| at > 0), ..row }));
+    }
+    Ok(rows)
+}
+
+/// An example scene, and the same with every sample of its rays.
+fn left_out(library: &Library, name: &str) -> Result<Option<Vec<Row>>, SceneError> {
+    let mut scene = scene::preset(name)?;
+    scene.image.size = [SIDE; 2];
+    scene.quality.pass = Pass::March;
+    let mut sampled = scene.clone();
+    sampled.quality.empty_space = EmptySpace::Sample;
+    if scene.quality.empty_space == EmptySpace::Sample || scene.check(library).and(sampled.check(library)).is_err() {
+        return Ok(None); // it leaves nothing out, or goes by slices alone
+    }
+    let (own, other) = (format!("scenes/{name}"), format!("scenes/{name}, every sample"));
+    Ok(Some(vec![
+        Row::picture(own.clone(), scene),
+        Row::picture(other, sampled).against(&own, "the same with empty space left out"),
+    ]))
+}
+
+/// What grows with one number.
+fn growth(quick: bool) -> Result<Vec<Vec<Row>>, SceneError> {
+    const BEFORE: &str = "the row before";
+    let few = |values: &[u32]| values[..values.len() - usize::from(quick)].to_vec();
+    let grown = |what: &str, values: &[u32], scene: &dyn Fn(u32) -> Result<Scene, SceneError>| {
+        let name = |value: u32| format!("growth/{value} {what}");
+        let mut rows: Vec<Row> = Vec::new();
+        for value in few(values) {
+            let row = Row::picture(name(value), scene(value)?);
+            let before = rows.last().map(|row| row.name.clone());
+            rows.push(match before {
+                Some(before) => row.against(&before, BEFORE),
+                None => row,
+            });
+        }
+        Ok::<_, SceneError>(rows)
+    };
+    let fire = || scene_of("fire", "teapot", SIDE, SIDE);
+    let octaves = grown("octaves of computed noise, fire", &OCTAVES, &|octaves| {
+        let mut scene = fire()?;
+        (scene.effect.noise, scene.effect.turbulence) = ("procedural".into(), "procedural".into());
+        scene.effect.octaves = octaves;
+        Ok(scene)
+    })?;
+    let steps = grown("samples of a ray, none left out, fire", &STEPS, &|samples| {
+        let mut scene = fire()?;
+        (scene.quality.samples, scene.quality.empty_space) = (samples, EmptySpace::Sample);
+        Ok(scene)
+    })?;
+    let pixels = grown("pixels along a side, fire", &PIXELS, &|side| scene_of("fire", "teapot", side, SIDE / 2))?;
+    let voxels = grown("voxels along a side, lit knot", &VOXELS, &|voxels| {
+        let mut scene = scene_of("lit", "knot", 2 * SIDE, SIDE)?;
+        scene.object.resolution = voxels;
+        Ok(scene)
+    })?;
+    Ok(vec![octaves, steps, pixels, voxels, fields(&few(&CUTS))])
+}
+
+/// The distance field of one surface in ever more triangles.
+fn fields(cuts: &[u32]) -> Vec<Row> {
+    let object = Object { input: "teapot".into(), resolution: RESOLUTION, ..Object::default() };
+    let Ok(Shape::Mesh(teapot)) = open(&object) else { return Vec::new() };
+    let mut rows: Vec<Row> = Vec::new();
+    for &cuts in cuts {
+        let shape = Shape::Mesh((0..cuts).fold(teapot.clone(), |mesh, _| cut(&mesh)));
+        let request = request(&shape, &object, 0.25);
+        let name = format!("growth/{} triangles, field of {RESOLUTION} voxels", teapot.triangles.len() << (2 * cuts));
+        let against = rows.last().map(|row| (row.name.clone(), "the row before"));
+        rows.push(Row { name, work: Work::Field(shape, request), against, paper_ms: None });
+    }
+    rows
+}
+
+/// Each triangle in four, at the middles of its sides: the same surface.
+fn cut(mesh: &Mesh) -> Mesh {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for index in 0..mesh.triangles.len() {
+        let [a, b, c] = mesh.corners(index);
+        let first = positions.len() as u32;
+        // The sum of two corners is the same from both sides of an edge.
+        positions.extend([a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)]);
+        triangles.extend(
+            [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]].map(|corners| corners.map(|corner: u32| first + corner)),
+        );
+    }
+    Mesh { positions, triangles, ..Mesh::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hypertexture::shape;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_row_is_a_scene_and_has_a_name_of_its_own() {
+        let library = library();
+        let groups = suite(&library, false, &[]).unwrap();
+        let rows: Vec<&Row> = groups.iter().flatten().collect();
+        let names: BTreeSet<&str> = rows.iter().map(|row| row.name.as_str()).collect();
+        assert_eq!(names.len(), rows.len());
+        for row in &rows {
+            if let Work::Picture(scene) = &row.work {
+                scene.check(&library).unwrap_or_else(|error| panic!("{}: {error}", row.name));
+            }
+        }
+        for group in &groups {
+            for (other, _) in group.iter().filter_map(|row| row.against.as_ref()) {
+                assert!(group.iter().any(|row| row.name == *other), "{other} is timed beside what it is held against");
+            }
+        }
+        for effect in EFFECTS {
+            assert!(names.contains(format!("effects/{effect}, 300 x 300, rays").as_str()));
+        }
+        assert!(suite(&library, true, &[]).unwrap().iter().flatten().count() < rows.len());
+    }
+
+    #[test]
+    fn names_choose_rows_and_what_they_are_held_against() {
+        let chosen = suite(&library(), false, &["lit, 300 x 300, rays".into()]).unwrap();
+        let names: Vec<&str> = chosen.iter().flatten().map(|row| row.name.as_str()).collect();
+        assert_eq!(names, ["effects/lit, 300 x 300, slices", "effects/lit, 300 x 300, rays"]);
+        assert!(suite(&library(), false, &["nothing of that name".into()]).unwrap().is_empty());
+    }
+
+    #[test]
+    fn cut_triangles_are_the_same_surface() {
+        let Ok(Shape::Mesh(teapot)) = shape::open("teapot") else { panic!("the teapot is a mesh") };
+        let fine = cut(&teapot);
+        assert_eq!(fine.triangles.len(), 4 * teapot.triangles.len());
+        assert_eq!((fine.open_edges(), fine.bounds()), (2 * teapot.open_edges(), teapot.bounds()));
+        assert!((fine.signed_volume() / teapot.signed_volume() - 1.0).abs() < 1e-6);
+    }
+}

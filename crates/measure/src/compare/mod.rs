@@ -1,0 +1,441 @@
+//! Comparison: what accuracy costs, measured.
+//!
+//! Role: a scene into candidates ([`candidates`]), each rendered, held against its reference ([`metrics`]) and timed
+//! ([`timing`]); from these the front of what is worth its time ([`front`]), one for each truth (`truths`), and a report
+//! ([`report`]). Invariants: what failed is told and fails the report; every time has its spread and every picture its
+//! error; the same scene gives the same errors, digit by digit.
+//!
+//! A candidate is measured against the truth of its own scene: a block of noise repeats the lattice noise that it was
+//! made of, so its truth is that noise, summed exactly, and what the block lost is part of its error. Another strategy
+//! has another noise, and a truth of its own.
+
+mod answers;
+#[doc(hidden)] // for the tests of this crate
+pub mod candidates;
+#[doc(hidden)] // for the tests of this crate
+pub mod front;
+pub mod metrics;
+mod normals;
+#[doc(hidden)] // for the tests of this crate
+pub mod paper;
+mod refine;
+pub mod report;
+mod ssim;
+mod theory;
+#[doc(hidden)] // for the tests of this crate
+pub mod timing;
+mod truths;
+
+pub use truths::Truth;
+
+use crate::metric::{Errors, NotFinite};
+use crate::reference::Reference;
+use crate::worker::{Painter, Worker};
+use candidates::{Candidate, Sweep};
+use hypertexture::gpu::Gpu;
+use hypertexture::render::{Frame, RenderError, Subject};
+use hypertexture::scene::{Color, Scene, SceneError};
+use hypertexture::shader::{Library, LibraryError};
+use metrics::{Angles, Metrics};
+use normals::Normals;
+use std::cell::Cell;
+use std::fmt;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use support::random::SplitMix;
+use timing::{FEWEST_RUNS, Run, Spread, interleave};
+use truths::Truths;
+
+/// Background of a scene that has none, where a person looks at the picture: that of the gallery.
+pub const BACKGROUND: Color = Color([24, 26, 31]);
+/// Order of the candidates and of their runs.
+const SEED: u64 = 2005;
+/// Bytes of images on the device that are timed together. More: the device runs out of memory. Less: runs that are
+/// compared lie farther apart in time.
+const BATCH_BYTES: u64 = 768 << 20;
+/// Candidates that are timed together, at most.
+const BATCH: usize = 48;
+/// Time that the repetitions of one candidate may take, milliseconds; quick, and in full. A candidate that needs more has
+/// fewer runs, but not fewer than six.
+const REPEAT_MS: [f64; 2] = [250.0, 2000.0];
+/// The same of its warm-ups, of which there is at least one.
+const WARM_MS: [f64; 2] = [50.0, 300.0];
+/// Runs before those that are timed, at most.
+const WARM_UPS: usize = 5;
+
+/// What to compare.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The candidates.
+    pub sweep: Sweep,
+    /// Timed runs of each candidate, at most.
+    pub repeat: usize,
+}
+
+/// Why there is no comparison.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// A module is missing, or its header cannot be read.
+    #[error(transparent)]
+    Library(#[from] LibraryError),
+    /// The scene is not valid.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Every candidate is refused.
+    #[error("no candidate is left; sweep fewer samples")]
+    Nothing,
+    /// A picture of the report cannot be made.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// A file of the report cannot be written.
+    #[error(transparent)]
+    Output(#[from] hypertexture::output::OutputError),
+}
+
+/// A candidate that was measured.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// What was drawn.
+    pub candidate: Candidate,
+    /// The truth of its scene.
+    pub truth: Arc<Truth>,
+    /// How far it is from the truth.
+    pub metrics: Metrics,
+    /// How far its surface is turned from that of many samples, where the scene has a surface.
+    pub normals: Option<Angles>,
+    /// Every run, in the order in which they were made.
+    pub runs: Vec<Run>,
+    /// What it took to begin with.
+    pub first: Frame,
+}
+
+impl Row {
+    /// Milliseconds on the device.
+    pub fn gpu(&self) -> Spread {
+        Spread::of(&self.runs.iter().map(|run| run.gpu_ms).collect::<Vec<_>>())
+    }
+
+    /// Milliseconds from scene to pixels.
+    pub fn wall(&self) -> Spread {
+        Spread::of(&self.runs.iter().map(|run| run.wall_ms).collect::<Vec<_>>())
+    }
+
+    /// Milliseconds of the processor where that is the device, which other processes hardly change; else on the device.
+    pub fn time(&self) -> Spread {
+        Spread::of(&self.runs.iter().map(|run| run.processor_ms.unwrap_or(run.gpu_ms)).collect::<Vec<_>>())
+    }
+
+    /// Time and linear error: the axes of the report.
+    pub fn point(&self) -> (f64, f64) {
+        (self.time().median, self.metrics.errors.rmse)
+    }
+
+    /// How much is had for the time, 1 / (mean square error x seconds).
+    pub fn efficiency(&self) -> f64 {
+        1.0 / (self.metrics.errors.rmse.powi(2) * self.time().median * 1e-3)
+    }
+}
+
+/// A candidate that has no row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// The candidate in words.
+    pub label: String,
+    /// What went wrong.
+    pub message: String,
+}
+
+impl Failure {
+    /// That of a candidate.
+    pub fn of((candidate, error): &(Candidate, RenderError)) -> Failure {
+        Failure { label: candidate.label(), message: error.to_string() }
+    }
+}
+
+/// What was measured.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// The scene, with the size that was compared.
+    pub scene: Scene,
+    /// The candidates, curve by curve.
+    pub rows: Vec<Row>,
+    /// Those that failed.
+    pub failures: Vec<Failure>,
+    /// Candidates that were planned.
+    pub planned: usize,
+    /// Whether it was stopped before its end.
+    pub partial: bool,
+}
+
+/// The rows of one truth, by their indices.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// The truth.
+    pub truth: Arc<Truth>,
+    /// Its rows.
+    pub rows: Vec<usize>,
+    /// Those that none other of them beats, by rising time.
+    pub front: Vec<usize>,
+}
+
+impl Comparison {
+    /// The rows by their truths, that of the scene first: pictures of different noises have no front in common.
+    pub fn groups(&self) -> Vec<Group> {
+        let mut groups: Vec<Group> = Vec::new();
+        for (index, row) in self.rows.iter().enumerate() {
+            match groups.iter_mut().find(|group| Arc::ptr_eq(&group.truth, &row.truth)) {
+                Some(group) => group.rows.push(index),
+                None => groups.push(Group { truth: row.truth.clone(), rows: vec![index], front: Vec::new() }),
+            }
+        }
+        for group in &mut groups {
+            let points: Vec<(f64, f64)> = group.rows.iter().map(|&index| self.rows[index].point()).collect();
+            group.front = front::front(&points).into_iter().map(|place| group.rows[place]).collect();
+        }
+        groups.sort_by_key(|group| !group.truth.is_own);
+        groups
+    }
+
+    /// How many rows have unsteady times.
+    pub fn unsteady(&self) -> usize {
+        self.rows.iter().filter(|row| row.time().is_unsteady()).count()
+    }
+
+    /// The clock of the report's times, in words.
+    pub fn clock(&self) -> &'static str {
+        let of_processor = self.rows.iter().flat_map(|row| &row.runs).all(|run| run.processor_ms.is_some());
+        if of_processor { "of the processor" } else { "on the device" }
+    }
+}
+
+/// How long a comparison will take, as its first truth and candidate say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forecast {
+    /// Candidates, without those that go on along the front.
+    pub candidates: usize,
+    /// Noise patterns, each with a truth.
+    pub truths: usize,
+    /// Wall clock from now on, as long as each takes what the first took; going on along the front is in it.
+    pub time: Duration,
+}
+
+impl fmt::Display for Forecast {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let minutes = (self.time.as_secs_f64() / 60.0).ceil();
+        let (candidates, truths) = (self.candidates, self.truths);
+        write!(
+            f,
+            "compare    {candidates} candidates, {truths} truths: about {minutes} min, if the machine stays as busy"
+        )
+    }
+}
+
+/// Computes the reference of a scene.
+pub type Refer<'a> = dyn FnMut(&Scene) -> Result<Arc<Reference>, String> + 'a;
+
+/// All that pictures are made with.
+#[derive(Clone, Copy)]
+pub struct Stage<'a> {
+    /// The device.
+    pub gpu: &'a Gpu,
+    /// The modules.
+    pub library: &'a Library,
+    /// The object of the scene.
+    pub subject: &'a Subject,
+    /// Who draws the candidates, so that one by which the driver ends costs no other; `None`: this process.
+    pub worker: Option<&'a Worker>,
+    /// Whether the person or the scheduler wants an end.
+    pub stop: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl<'a> Stage<'a> {
+    /// Whoever draws a candidate.
+    pub fn painter(&self) -> Painter<'a> {
+        Painter::new(self.gpu, self.library, self.subject, self.worker)
+    }
+}
+
+/// Draws, measures and times every candidate for a scene; `refer` gives the truth of a scene. A quick sweep without
+/// samples of its own goes on with more of them along the front. `forecast` hears once, behind the first candidate, how
+/// long it will take. Stopped, it keeps the candidates that were timed.
+///
+/// # Errors
+/// The scene has no candidate. What goes wrong with one of several is a [`Failure`].
+pub fn compare(
+    stage: Stage<'_>,
+    scene: &Scene,
+    settings: &Settings,
+    refer: &mut Refer<'_>,
+    forecast: &dyn Fn(Forecast),
+    progress: &dyn Fn(f32),
+) -> Result<Comparison, CompareError> {
+    let (began, in_truths) = (Instant::now(), Cell::new(Duration::ZERO));
+    let mut refer = |scene: &Scene| {
+        let start = Instant::now();
+        let found = refer(scene);
+        in_truths.set(in_truths.get() + start.elapsed());
+        found
+    };
+    let mut waiting: Vec<(usize, Candidate)> =
+        candidates::candidates(scene, stage.library, &settings.sweep)?.into_iter().enumerate().collect();
+    let mut random = SplitMix(SEED);
+    random.shuffle(&mut waiting); // so that a batch holds a bit of everything
+    let mut normals = Normals::new(stage, scene);
+    let mut rows: Vec<(usize, Row)> = Vec::new();
+    let mut comparison = Comparison {
+        scene: scene.clone(),
+        rows: Vec::new(),
+        failures: Vec::new(),
+        planned: waiting.len(),
+        partial: false,
+    };
+    let mut truths = Truths::new(scene, stage.library)?;
+    let goes_on = settings.sweep.quick && settings.sweep.samples.is_none();
+    let mut swept: Option<Instant> = None;
+    let mut is_first = true;
+    while !(stage.stop)() {
+        if waiting.is_empty() {
+            if !goes_on || swept.get_or_insert_with(Instant::now).elapsed() > refine::BUDGET {
+                break;
+            }
+            waiting = refine::finer(&rows, stage.library);
+            waiting.retain(|(_, next)| comparison.failures.iter().all(|failure| failure.label != next.label()));
+            comparison.planned += waiting.len();
+            if waiting.is_empty() {
+                break;
+            }
+        }
+        let planned = comparison.planned;
+        let mut batch: Vec<(usize, Row, Painter<'_>)> = Vec::new();
+        let mut bytes = 0;
+        while bytes < BATCH_BYTES && batch.len() < BATCH && !(stage.stop)() {
+            let Some((index, candidate)) = waiting.pop() else { break };
+            let mut renderer = stage.painter();
+            let label = candidate.label();
+            match first(stage.library, candidate, &mut renderer, &mut truths, &mut refer) {
+                Ok(mut row) => {
+                    bytes += row.first.measurements.device_bytes;
+                    row.normals = normals.angles(&row.candidate.scene);
+                    batch.push((index, row, renderer));
+                }
+                Err(_) if (stage.stop)() => {} // whatever it was in the middle of
+                Err(message) => comparison.failures.push(Failure { label, message }),
+            }
+            if std::mem::take(&mut is_first) {
+                let scenes = waiting.iter().map(|(_, candidate)| &candidate.scene);
+                let (candidates, truths) = (waiting.len() + 1, truths.count(stage.library, scenes));
+                let full = usize::from(!settings.sweep.quick);
+                let runs = Duration::from_secs_f64(1e-3 * (REPEAT_MS[full] + WARM_MS[full]));
+                let each = began.elapsed().saturating_sub(in_truths.get()) + runs;
+                let front = if goes_on { refine::BUDGET } else { Duration::ZERO };
+                let time = in_truths.get() * (truths as u32 - 1) + each * candidates as u32 + front;
+                forecast(Forecast { candidates, truths, time });
+            }
+            progress((planned - waiting.len()) as f32 / planned as f32 - 0.5 * batch.len() as f32 / planned as f32);
+        }
+        let done = (planned - waiting.len()) as f32 / planned as f32;
+        let share = 0.5 * batch.len() as f32 / planned as f32;
+        let within = |fraction: f32| progress(done - share * (1.0 - fraction));
+        comparison.failures.extend(time(&mut batch, settings, &mut random, stage, &within));
+        rows.extend(batch.into_iter().filter(|(_, row, _)| !row.runs.is_empty()).map(|(index, row, _)| (index, row)));
+    }
+    comparison.partial = (stage.stop)();
+    rows.sort_by_key(|(index, row)| (*index, row.candidate.samples()));
+    comparison.rows = rows.into_iter().map(|(_, row)| row).collect();
+    Ok(comparison)
+}
+
+/// A candidate's first picture, held against its truth.
+fn first(
+    library: &Library,
+    candidate: Candidate,
+    renderer: &mut Painter<'_>,
+    truths: &mut Truths,
+    refer: &mut Refer<'_>,
+) -> Result<Row, String> {
+    let truth = truths.of(library, &candidate.scene, refer).map_err(|reason| format!("no reference: {reason}"))?;
+    let reference = &truth.reference;
+    let first = renderer.render(&candidate.scene).map_err(|error| error.to_string())?;
+    if reference.size != first.size {
+        return Err(format!("the reference is {:?} pixels and the picture {:?}", reference.size, first.size));
+    }
+    let background = candidate.scene.image.background.unwrap_or(BACKGROUND);
+    let mut metrics = Metrics::of(&first.pixels, reference, background);
+    if let Some(own) = own_octaves(library, &candidate)? {
+        let own = own.map(|own| truths.of(library, &own, refer)).transpose();
+        let own = own.map_err(|reason| format!("no reference of its octaves: {reason}"))?;
+        metrics.own_rmse = own.map(|own| Errors::between(&first.pixels, &own.reference.pixels).rmse);
+    }
+    if let Some(bad) = NotFinite::of(&first.pixels, first.size[0]) {
+        return Err(bad.to_string());
+    }
+    if !metrics.errors.rmse.is_finite() {
+        return Err("its reference has pixels that are not finite".into());
+    }
+    let first = Frame { pixels: Vec::new(), ..first }; // many pictures would not fit into memory
+    Ok(Row { candidate, truth, metrics, normals: None, runs: Vec::new(), first })
+}
+
+/// The scene whose truth has the octaves alone that a candidate's turbulence has; `None` where those are all that are asked
+/// for. `Some(None)` where there is no such scene: a sum of noise of all octaves is read beside it.
+#[expect(clippy::option_option, reason = "none is needed, or none can be had")]
+fn own_octaves(library: &Library, candidate: &Candidate) -> Result<Option<Option<Scene>>, String> {
+    let (scene, held) = (&candidate.scene, candidate.scene.octaves_held(library));
+    let variant = hypertexture::render::variant::Variant::of(scene, library).map_err(|error| error.to_string())?;
+    if held == scene.effect.octaves || !variant.reads("turbulence") {
+        return Ok(None);
+    }
+    let files = library.files_reached(&variant.entries, &variant.slots).map_err(|error| error.to_string())?;
+    let mut own = scene.unbaked(library).map_err(|error| error.to_string())?;
+    own.effect.octaves = held;
+    Ok(Some((!files.iter().any(|file| file == "fractal_sum.glsl")).then_some(own)))
+}
+
+/// Times the candidates of a batch; whoever fails on the way is told and loses its runs.
+fn time(
+    batch: &mut [(usize, Row, Painter<'_>)],
+    settings: &Settings,
+    random: &mut SplitMix,
+    stage: Stage<'_>,
+    progress: &dyn Fn(f32),
+) -> Vec<Failure> {
+    let (stop, on_processor) = (stage.stop, stage.gpu.info().cpu);
+    let full = usize::from(!settings.sweep.quick);
+    let fit = |ms: f64, row: &Row| (ms / row.first.measurements.gpu_ms.max(1e-3)) as usize;
+    let fewest = FEWEST_RUNS.min(settings.repeat);
+    let warm: Vec<usize> = batch.iter().map(|(_, row, _)| fit(WARM_MS[full], row).clamp(1, WARM_UPS)).collect();
+    let runs: Vec<usize> =
+        batch.iter().map(|(_, row, _)| fit(REPEAT_MS[full], row).clamp(fewest, settings.repeat)).collect();
+    let all = warm.iter().chain(&runs).sum::<usize>();
+    let orders = [(interleave(&warm, random), false), (interleave(&runs, random), true)];
+    let order = orders.iter().flat_map(|(order, timed)| order.iter().map(|&index| (index, *timed)));
+    let mut failures: Vec<Failure> = Vec::new();
+    for (done, (index, timed)) in order.enumerate() {
+        if stop() {
+            break;
+        }
+        let (_, row, renderer) = &mut batch[index];
+        let label = row.candidate.label();
+        if failures.iter().any(|failure| failure.label == label) {
+            continue;
+        }
+        match run(renderer, &row.candidate.scene) {
+            Ok(run) if timed => {
+                row.runs.push(Run { processor_ms: run.processor_ms.filter(|_| on_processor), ..run });
+            }
+            Ok(_) => {}
+            Err(error) => {
+                row.runs.clear();
+                failures.push(Failure { label, message: error.to_string() });
+            }
+        }
+        progress((done + 1) as f32 / all as f32);
+    }
+    failures
+}
+
+/// One run of a renderer that is ready for the scene.
+fn run(renderer: &mut Painter<'_>, scene: &Scene) -> Result<Run, RenderError> {
+    let m = renderer.render_anew(scene)?.measurements;
+    Ok(Run { gpu_ms: m.device_ms(), processor_ms: m.processor_ms, wall_ms: m.total_ms - m.compile_ms })
+}

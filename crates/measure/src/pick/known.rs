@@ -1,0 +1,282 @@
+//! What is known of some pixels of a picture, and pictures held against it.
+
+use super::ErrorBound;
+use super::candidates;
+use super::sample::Sample;
+use crate::compare::{CompareError, Stage};
+use crate::metric::{ABOVE, Errors, Metric};
+use crate::reference::{ReferenceError, UNSEEN, computed_together, reference_pixels, truth_of};
+use crate::statistics::largest;
+use crate::worker::Painter;
+use hypertexture::render::variant::VariantError;
+use hypertexture::render::{Frame, Measurements, RenderError};
+use hypertexture::scene::{Filter, Scene};
+use std::ops::Range;
+
+/// The errors that a pixel of the reference may be asked for, lowest and highest. Higher: where noise is finer than its samples,
+/// a pixel in a thousand is off by far more than it says.
+const TOLERANCES: [f64; 2] = [1e-7, 1e-4];
+/// The least score of a pixel, in parts of the mean of all, or of the squared bound. Less: nothing is looked at where pictures
+/// agree. More: what they differ by counts less.
+const LEAST: f64 = 0.1;
+/// The largest of [`Metric::P999`], in squares of the bound: how far a pixel is beyond it does not count.
+const MOST: f64 = 4.0;
+/// The score of a pixel in parts of its squared difference from a neighbor, at least: a ray that only just meets an edge may do
+/// so or not in all drawings alike. Less: edges are overlooked. More: all of a furry object is an edge.
+const EDGE: f64 = 0.03;
+/// A finer picture that stands for a reference should be wrong by less than this part of the bound.
+const FINER: f64 = 0.25;
+/// Samples of the finer picture, at least and at most.
+const FINEST: [u32; 2] = [256, 16_384];
+/// The order of its error in the step: the lowest that pictures show, and the highest that is believed where it is seen.
+const ORDERS: [f64; 2] = [0.8, 1.2];
+
+/// Pixels of pictures of one size, and what they are in truth.
+pub(super) struct Known {
+    size: [u32; 2],
+    /// Side of the squares of pixels whose light is computed together.
+    side: usize,
+    sample: Sample,
+    /// The scene that the truth is the picture of, and the error that each pixel may have of it.
+    truth: Option<(Scene, f64)>,
+    looked: Vec<Pixel>,
+    /// What a finer picture that stands for the truth may be wrong by itself.
+    finer: Errors,
+}
+
+/// A pixel that was looked at.
+struct Pixel {
+    /// Its index in the picture, and that of its square.
+    at: usize,
+    square: usize,
+    light: [f64; 4],
+    /// How far that may be off as samples say, and with all that bounds leave open.
+    own: [f64; 2],
+    is_proven: bool,
+}
+
+impl Known {
+    /// By the f64 reference of a scene, in no pixel so far; each will be known with an error of about `own`.
+    pub(super) fn by_reference(stage: Stage<'_>, scene: &Scene, own: f64) -> Result<Known, ReferenceError> {
+        let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
+        let (size, side) = (scene.image.size, computed_together(scene));
+        let squares = size.map(|pixels| (pixels as usize).div_ceil(side)).iter().product();
+        let tolerance = own.clamp(TOLERANCES[0], TOLERANCES[1]);
+        let (truth, finer) = (Some((truth, tolerance)), Errors::default());
+        Ok(Known { size, side, sample: Sample::new(squares, 1), truth, looked: Vec::new(), finer })
+    }
+
+    /// By a picture of this size that is off by so much.
+    fn whole(size: [u32; 2], light: Vec<[f64; 4]>, finer: Errors) -> Known {
+        let mut sample = Sample::new(light.len(), 1);
+        sample.raise(&vec![1.0; light.len()], light.len());
+        let pixel = |(at, light)| Pixel { at, square: at, light, own: [0.0; 2], is_proven: false };
+        let looked = light.into_iter().enumerate().map(pixel).collect();
+        Known { size, side: 1, sample, truth: None, looked, finer }
+    }
+
+    /// Looks at more pixels, by the scores of their squares, until they are about as many as that.
+    pub(super) fn look(
+        &mut self,
+        stage: Stage<'_>,
+        scores: &[f64],
+        pixels: usize,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<(), ReferenceError> {
+        let Some((truth, tolerance)) = &self.truth else { return Ok(()) };
+        let new = self.sample.raise(scores, pixels.div_ceil(self.side * self.side));
+        let ([width, height], side) = (self.size.map(|side| side as usize), self.side);
+        let columns = width.div_ceil(side);
+        let found: Vec<(usize, [u32; 2])> = new
+            .into_iter()
+            .flat_map(|square| {
+                let [left, top] = [square % columns, square / columns].map(|at| at * side);
+                let rows = top..(top + side).min(height);
+                rows.flat_map(move |y| (left..(left + side).min(width)).map(move |x| [x, y]))
+                    .map(move |at| (square, at.map(|at| at as u32)))
+            })
+            .collect();
+        let places: Vec<[u32; 2]> = found.iter().map(|(_, place)| *place).collect();
+        if places.is_empty() {
+            return Ok(());
+        }
+        let light = reference_pixels(stage.library, truth, stage.subject, &places, *tolerance, progress, stage.stop)?;
+        let known = light.pixels.iter().zip(light.estimate.iter().zip(&light.open));
+        for ((square, [x, y]), (light, (estimate, open))) in found.into_iter().zip(known) {
+            self.looked.push(Pixel {
+                at: y as usize * width + x as usize,
+                square,
+                light: *light,
+                own: [*estimate, (estimate + open).min(1.0)],
+                is_proven: *open <= UNSEEN,
+            });
+        }
+        Ok(())
+    }
+
+    /// By the scene drawn with ever more samples, where it has no reference: in every pixel.
+    pub(super) fn by_finer_picture(
+        painter: &mut Painter<'_>,
+        stage: Stage<'_>,
+        scene: &Scene,
+        (metric, error): (Metric, f64),
+    ) -> Result<Known, CompareError> {
+        let filter = Filter::precise(stage.gpu.info().filters_by_few_bits());
+        let mut draw = |samples| -> Result<Frame, CompareError> {
+            let mut drawn = Err(CompareError::Nothing);
+            for finest in candidates::finest(scene, stage.library, samples, filter)? {
+                drawn = painter.render(&finest).map_err(CompareError::from);
+                if drawn.is_ok() {
+                    break;
+                }
+            }
+            drawn
+        };
+        let [least, most] = FINEST;
+        let mut samples = least / 2;
+        let (mut before, mut gap) = (draw(samples / 2)?, 0.0);
+        loop {
+            let finer = draw(samples)?;
+            let truth: Vec<[f64; 4]> = finer.pixels.iter().map(|pixel| pixel.map(f64::from)).collect();
+            let difference = Errors::between(&before.pixels, &truth);
+            let now = difference.by(metric);
+            let own = difference.scaled(remaining(gap, now));
+            log::debug!(
+                "finer pictures: {samples} samples are off by {:.2e}, {now:.2e} from half as many",
+                own.by(metric)
+            );
+            let is_enough = samples >= least && own.by(metric) <= FINER * error;
+            if is_enough || 2 * samples > most {
+                return Ok(Known::whole(finer.size, truth, own));
+            }
+            (samples, before, gap) = (2 * samples, finer, now);
+        }
+    }
+
+    /// The scores of all squares: how wrong they may be, by what a picture differs by from another of the same scene,
+    /// and its pixels from their neighbors.
+    pub(super) fn scores(&self, frame: &Frame, other: &Frame, bound: ErrorBound) -> Vec<f64> {
+        let channels = channels(bound.metric);
+        let [width, height] = self.size.map(|side| side as usize);
+        let allowed = bound.error.powi(2) * channels.len() as f64;
+        let most = if bound.metric == Metric::P999 { MOST * allowed } else { f64::MAX };
+        let apart =
+            |a: [f32; 4], b: [f32; 4]| -> f64 { channels.clone().map(|c| f64::from(a[c] - b[c]).powi(2)).sum() };
+        let columns = width.div_ceil(self.side);
+        let mut scores = vec![0.0; columns * height.div_ceil(self.side)];
+        for (at, pixel) in frame.pixels.iter().enumerate() {
+            let (x, y) = (at % width, at / width);
+            let beside = [(x > 0).then(|| at - 1), (x + 1 < width).then(|| at + 1)];
+            let above = [(y > 0).then(|| at - width), (y + 1 < height).then(|| at + width)];
+            let edge =
+                largest(beside.into_iter().chain(above).flatten().map(|other| apart(*pixel, frame.pixels[other])));
+            let moved = apart(*pixel, other.pixels[at]);
+            scores[y / self.side * columns + x / self.side] += moved.max(EDGE * edge).min(most);
+        }
+        let mean = scores.iter().sum::<f64>() / scores.len() as f64;
+        let least = LEAST * mean.max(allowed);
+        scores.into_iter().map(|score| score.max(least)).collect()
+    }
+
+    /// How far a picture is from what is known of these pixels, each of which counts for those that it stands for.
+    pub(super) fn error(&self, frame: &Frame, metric: Metric) -> f64 {
+        let pixels = self
+            .looked
+            .iter()
+            .map(|pixel| (frame.pixels[pixel.at].map(f64::from), pixel.light, self.sample.weight(pixel.square)));
+        Errors::of(pixels).by(metric)
+    }
+
+    /// The most that a whole picture is off by, with the confidence of [`Sample`]; without an end where that cannot be said.
+    pub(super) fn at_most(&self, frame: &Frame, scores: &[f64], metric: Metric) -> f64 {
+        let off = |pixel: &Pixel, c: usize| (f64::from(frame.pixels[pixel.at][c]) - pixel.light[c]).abs();
+        let sums = |value: &dyn Fn(&Pixel) -> f64| -> Vec<(usize, f64)> {
+            let squares = self.looked.chunk_by(|a, b| a.square == b.square);
+            squares.map(|pixels| (pixels[0].square, pixels.iter().map(value).sum())).collect()
+        };
+        let channels = channels(metric);
+        let mean = |pixels: usize| {
+            let squares = sums(&|pixel| channels.clone().map(|c| off(pixel, c).powi(2)).sum());
+            (self.sample.at_most(&squares, scores, None) / (channels.len() * pixels.max(1)) as f64).sqrt()
+        };
+        match metric {
+            Metric::Rmse | Metric::Rgb | Metric::Opacity => mean(frame.pixels.len()),
+            Metric::Covered => mean(frame.pixels.iter().filter(|pixel| pixel[3] > 0.0).count()),
+            Metric::Max if self.is_whole() => self.error(frame, metric),
+            Metric::Max => f64::INFINITY,
+            Metric::P999 => {
+                let worst = |pixel: &Pixel| largest(channels.clone().map(|c| off(pixel, c)));
+                let mut all: Vec<f64> = self.looked.iter().map(worst).collect();
+                all.sort_by(f64::total_cmp);
+                let in_square = Some((self.side * self.side) as f64);
+                let is_exceeded = |most: &f64| {
+                    let above = sums(&|pixel| f64::from(u8::from(worst(pixel) > *most)));
+                    self.sample.at_most(&above, scores, in_square) > ABOVE * frame.pixels.len() as f64
+                };
+                all.get(all.partition_point(is_exceeded)).copied().unwrap_or(f64::INFINITY)
+            }
+        }
+    }
+
+    /// What the truth may be wrong by itself: as far as samples say, and with all the opacity that bounds leave open.
+    pub(super) fn own(&self, metric: Metric) -> [f64; 2] {
+        let of = |which: usize| {
+            let pixels = self.looked.iter();
+            let pixels = pixels.map(|pixel| ([pixel.own[which]; 4], [0.0; 4], self.sample.weight(pixel.square)));
+            Errors::of(pixels).by(metric) + self.finer.by(metric)
+        };
+        [of(0), of(1)]
+    }
+
+    /// Pixels that are looked at, and those of them that bounds prove to be so.
+    pub(super) fn counts(&self) -> [usize; 2] {
+        [self.looked.len(), self.looked.iter().filter(|pixel| pixel.is_proven).count()]
+    }
+
+    /// Whether all are looked at.
+    pub(super) fn is_whole(&self) -> bool {
+        self.looked.len() == self.size.iter().map(|side| *side as usize).product::<usize>()
+    }
+}
+
+/// The channels that a metric is of.
+fn channels(metric: Metric) -> Range<usize> {
+    match metric {
+        Metric::Rmse | Metric::Covered | Metric::Max | Metric::P999 => 0..4,
+        Metric::Rgb => 0..3,
+        Metric::Opacity => 3..4,
+    }
+}
+
+/// The error of the finest of three pictures, each with twice the samples of the one before, in parts of its difference from the
+/// second: Richardson's estimate by the order that the two differences show. Source: Roache 1994, with the order bounded.
+fn remaining(before: f64, difference: f64) -> f64 {
+    let order = (before / difference.max(f64::MIN_POSITIVE)).log2().clamp(ORDERS[0], ORDERS[1]);
+    1.0 / (2f64.powf(order) - 1.0)
+}
+
+/// Draws a scene with a painter, and gives its time on the device; or that of a picture of `times` as many pixels, whose
+/// shadow volume is the same one.
+pub(super) fn draw(painter: &mut Painter<'_>, scene: &Scene, times: f64) -> Result<(Frame, f64), RenderError> {
+    let frame = painter.render(scene)?;
+    let Measurements { gpu_ms, .. } = frame.measurements;
+    let ms = times * gpu_ms + frame.measurements.alone_ms() - gpu_ms;
+    Ok((frame, ms))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_remains_of_an_error_is_never_less_than_it_is() {
+        for order in [0.8, 1.0, 1.4, 2.0] {
+            let picture = |halvings: i32| 2f64.powf(-order * f64::from(halvings));
+            let [before, difference] = [picture(0) - picture(1), picture(1) - picture(2)];
+            let found = difference * remaining(before, difference);
+            assert!((0.999..).contains(&(found / picture(2))), "{order}: {found} of {}", picture(2));
+        }
+        assert_eq!(remaining(0.0, 1e-3), 1.0 / (2f64.powf(ORDERS[0]) - 1.0), "nothing was seen before");
+        assert!(remaining(0.0, 0.0).is_finite() && remaining(1e-3, 0.0) < 1.0);
+    }
+}

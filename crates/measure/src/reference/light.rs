@@ -1,0 +1,153 @@
+//! The light of some rays: where matter may be along them, then samples, front to back and ever more where they disagree.
+
+use super::integral::{Limits, Part, RayIntegral};
+use super::parts::{Beam, Ray};
+use super::probe::Probe;
+use super::{BOUNDS, ReferenceError, Stop, UNSEEN, go_on};
+use hypertexture::eval;
+use std::collections::HashMap;
+
+/// A ray is not cut into more pieces than this; its error says so then.
+const MOST_PIECES: usize = 8000;
+/// The shortest piece, in depths of the scene: where the surface is, is known to this.
+const SHORTEST: f64 = 1e-8;
+/// Parts of a ray that are sampled first. Fewer: more stages. More: more samples behind what is opaque.
+const FIRST: usize = 8;
+
+/// A pixel, how far off it may be, and the opacity that may be overlooked in it.
+pub(super) type Light = ([f64; 4], f64, f64);
+
+/// One ray of so many across, and of so many down, is followed first: what was vain for those beside a ray is not tried again.
+/// More: rays that bounds would prove are given up. Fewer: more bounds.
+pub(super) const BETWEEN: u32 = 4;
+/// Of pixels that lie apart, those that were followed first and are nearest say what is vain, so many of them.
+const NEAREST: usize = 3;
+
+/// Whether bounds proved nothing for the rays around a pixel, of those which were followed first: the corners of its cell of the
+/// grid, or the nearest.
+fn is_vain_at(pixel: [u32; 2], known: &HashMap<[u32; 2], bool>) -> bool {
+    let corners = [[0, 0], [1, 0], [0, 1], [1, 1]].into_iter().filter_map(|corner| {
+        let at = |axis: usize| (pixel[axis] / BETWEEN + corner[axis]) * BETWEEN;
+        known.get(&[at(0), at(1)]).copied()
+    });
+    let mut beside: Vec<bool> = corners.collect();
+    if beside.is_empty() {
+        let mut near: Vec<(u32, bool)> = known
+            .iter()
+            .map(|(other, is_vain)| ((0..2).map(|axis| other[axis].abs_diff(pixel[axis]).pow(2)).sum(), *is_vain))
+            .collect();
+        near.sort_unstable();
+        beside.extend(near.into_iter().take(NEAREST).map(|(_, is_vain)| is_vain));
+    }
+    !beside.is_empty() && beside.into_iter().all(|is_vain| is_vain)
+}
+
+impl Probe {
+    /// Light and error of some pixels.
+    pub(super) fn integrate(
+        &self,
+        programs: (&eval::BoundProgram<'_>, &eval::BoundProgram<'_>),
+        pixels: &[[u32; 2]],
+        tolerance: f64,
+        stop: Stop<'_>,
+    ) -> Result<Vec<Light>, ReferenceError> {
+        let [near, far] = self.cpu_inputs.depths;
+        // Where each ray is inside the box: the depth of that sample does not matter.
+        let spans: Vec<(usize, f64)> = (0..pixels.len()).map(|ray| (ray, near)).collect();
+        let spans = self.sample(programs.0, pixels, &spans)?.into_iter();
+        let spans = spans.map(|sample| [sample.span[0].max(near), sample.span[1].min(far)]);
+        let mut rays = self.rays(programs.1, pixels, &spans.collect::<Vec<_>>(), stop)?;
+
+        // Of pixels that lie apart about as many are on that grid.
+        let (first, others): (Vec<usize>, Vec<usize>) =
+            (0..pixels.len()).partition(|ray| pixels[*ray].iter().all(|at| at % BETWEEN == 0));
+        let mut found = vec![([0.0; 4], 0.0, 0.0); pixels.len()];
+        let mut vain = HashMap::new();
+        for which in [first, others] {
+            let mut here: Vec<Ray> = which.iter().map(|&ray| std::mem::take(&mut rays[ray])).collect();
+            let pixels: Vec<[u32; 2]> = which.iter().map(|&ray| pixels[ray]).collect();
+            here.iter_mut().zip(&pixels).for_each(|(ray, pixel)| ray.is_vain = is_vain_at(*pixel, &vain));
+            let lights = self.follow(programs, &pixels, &mut here, tolerance, stop)?;
+            for ((&at, pixel), light) in which.iter().zip(pixels).zip(lights) {
+                vain.insert(pixel, light.2 > UNSEEN);
+                found[at] = light;
+            }
+        }
+        Ok(found)
+    }
+
+    /// The same of the rays of these pixels.
+    fn follow(
+        &self,
+        (bound, bounds): (&eval::BoundProgram<'_>, &eval::BoundProgram<'_>),
+        pixels: &[[u32; 2]],
+        parts: &mut [Ray],
+        tolerance: f64,
+        stop: Stop<'_>,
+    ) -> Result<Vec<Light>, ReferenceError> {
+        let [near, far] = self.cpu_inputs.depths;
+        let limits = Limits { error: tolerance, shortest: (far - near) * SHORTEST, pieces: MOST_PIECES };
+        let sample = |wanted: &[(usize, f64)]| self.sample(bound, pixels, wanted);
+        self.split(bounds, parts, stop)?;
+        let asks = |ray: &Ray| RayIntegral::new(if ray.is_vain { 0 } else { BOUNDS[1] });
+        let mut rays: Vec<RayIntegral> = parts.iter().map(asks).collect();
+
+        // Front to back, ever more parts at once, up to where it is dark.
+        let mut stage = 0..FIRST;
+        while parts.iter().zip(&rays).any(|(ray, seen)| ray.parts.len() > stage.start && !seen.is_dark()) {
+            go_on(stop)?;
+            let seen = parts.iter().zip(&rays).map(|(ray, seen)| {
+                let end = if seen.is_dark() { 0 } else { ray.parts.len().min(stage.end) };
+                ray.parts.get(stage.start..end).unwrap_or_default()
+            });
+            let staged: Vec<&[Part]> = seen.collect();
+            let wanted = rays.iter().zip(&staged).enumerate();
+            let wanted = wanted.flat_map(|(index, (ray, staged))| ray.first(staged).map(move |depth| (index, depth)));
+            let mut samples = sample(&wanted.collect::<Vec<_>>())?.into_iter().map(|sample| sample.matter);
+            for (ray, staged) in rays.iter_mut().zip(staged) {
+                staged.iter().for_each(|part| ray.push(part, &mut samples));
+            }
+            stage = stage.end..2 * stage.end;
+        }
+
+        loop {
+            go_on(stop)?;
+            let coarse: Vec<Vec<usize>> = rays.iter_mut().map(|ray| ray.coarse(&limits)).collect();
+            let wanted: Vec<(usize, f64)> = (rays.iter().zip(&coarse).enumerate())
+                .flat_map(|(index, (ray, coarse))| ray.wanted(coarse).map(move |depth| (index, depth)))
+                .collect();
+            if wanted.is_empty() {
+                break;
+            }
+            let mut samples = sample(&wanted)?.into_iter().map(|sample| sample.matter);
+            let asking: Vec<Beam> = (rays.iter().zip(&coarse).zip(pixels))
+                .flat_map(|((ray, coarse), pixel)| ray.asking(coarse).map(|part| Beam::of(*pixel, part)))
+                .collect();
+            let mut narrower = self.bounds(bounds, &asking)?.into_iter();
+            for (ray, coarse) in rays.iter_mut().zip(&coarse) {
+                ray.halve(coarse, &mut samples, &mut narrower);
+            }
+        }
+        let light = |ray: &RayIntegral| {
+            let (light, error, open) = ray.light(&limits);
+            let [r, g, b] = light.color;
+            ([r, g, b, 1.0 - light.transmittance], error, open)
+        };
+        Ok(rays.iter().map(light).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ray_is_given_up_where_those_around_it_or_nearest_to_it_were_vain() {
+        let known = HashMap::from([([4, 4], true), ([8, 4], true), ([100, 4], false), ([4, 40], true)]);
+        assert!(is_vain_at([5, 5], &known), "two corners of its cell are known");
+        assert!(!is_vain_at([101, 6], &known), "one corner, which was proven");
+        assert!(is_vain_at([14, 14], &known), "the three nearest");
+        assert!(!is_vain_at([70, 14], &known));
+        assert!(!is_vain_at([70, 14], &HashMap::new()), "nothing is known");
+    }
+}

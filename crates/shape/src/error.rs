@@ -1,0 +1,354 @@
+//! What can go wrong between a name and a shape.
+//!
+//! Role: one variant for each thing that really happens. Invariant: every message is one line with the file, the place
+//! where it is known, the value found, the limit, and the way out.
+
+use super::BUILT_IN;
+use std::{fmt, io};
+use support::open::OpenError;
+use support::words;
+
+/// Why a name or a file gives no [`Shape`](super::Shape).
+///
+/// `file` is what the caller passed, with control characters escaped, so that a message stays on one line.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShapeError {
+    /// Neither a built-in object nor an existing file, and it does not look like a path.
+    #[error("no built-in object and no file is called `{name}`; {}built in: {}; files: {known}",
+        nearest.map_or(String::new(), |near| format!("did you mean `{near}`? ")), BUILT_IN.join(", "))]
+    UnknownName {
+        /// What was asked for.
+        name: String,
+        /// The built-in name that it may stand for.
+        nearest: Option<&'static str>,
+        /// Extensions of the files that are read.
+        known: String,
+    },
+    /// What a program gave for a shape is none.
+    #[error("a shape in memory: {what}: found {found}, needed {needed}")]
+    Contents {
+        /// The part of it.
+        what: String,
+        /// What it is.
+        found: String,
+        /// What it must be.
+        needed: String,
+    },
+    /// The object was never in a file.
+    #[error("{name}: this object was in the memory of the program that drew it; give a file of it as object.input")]
+    InMemory {
+        /// The input.
+        name: String,
+    },
+    /// There is no file at this path.
+    #[error("{file}: no such file; check the path, or use a built-in object: {}", BUILT_IN.join(", "))]
+    Missing {
+        /// The path.
+        file: String,
+    },
+    /// A directory, a device or a pipe.
+    #[error("{file}: is {kind}, not a file; name the mesh or volume file itself, or a folder with slices of DICOM")]
+    NotAFile {
+        /// The path.
+        file: String,
+        /// What it is.
+        kind: &'static str,
+    },
+    /// The operating system refused to open or read the file.
+    #[error("{file}: cannot be read: {reason}{}", remedy(reason))]
+    Unreadable {
+        /// The path.
+        file: String,
+        /// What the operating system said.
+        reason: io::Error,
+    },
+    /// The file has no bytes.
+    #[error("{file}: is empty (0 bytes); export or copy it again")]
+    Empty {
+        /// The path.
+        file: String,
+    },
+    /// Neither the content nor the extension belongs to a known format.
+    #[error("{file}: not a known format, it begins with {start}; known files: {known}")]
+    UnknownFormat {
+        /// The path.
+        file: String,
+        /// The first bytes, quoted.
+        start: String,
+        /// Extensions of the files that are read.
+        known: String,
+    },
+    /// The text of the file breaks the integrations of its format.
+    #[error("{file}: {place}: expected {expected}, found {found}; correct it there or export the file again")]
+    Malformed {
+        /// The path.
+        file: String,
+        /// Where.
+        place: Location,
+        /// What the format asks for.
+        expected: &'static str,
+        /// What is there, quoted.
+        found: String,
+    },
+    /// The file is valid, but uses a part of its format that is not read.
+    #[error("{file}: {place}: {what} {found} is not supported; {remedy}")]
+    Unsupported {
+        /// The path.
+        file: String,
+        /// Where.
+        place: Location,
+        /// The field or statement.
+        what: &'static str,
+        /// Its value, quoted.
+        found: String,
+        /// What is read, or how to convert.
+        remedy: &'static str,
+    },
+    /// A face names a vertex that is not there.
+    #[error(
+        "{file}: line {line}: vertex index {index} is out of range, {}; export the mesh again", defined(*count)
+    )]
+    IndexOutOfRange {
+        /// The path.
+        file: String,
+        /// Line of the face, from 1.
+        line: u64,
+        /// The index as written.
+        index: i64,
+        /// Vertices defined so far.
+        count: usize,
+    },
+    /// The header and the length of the data do not agree: truncated, or wrong sizes.
+    #[error(
+        "{file}: byte {offset}: the header declares {declared} bytes of data ({what}), the file holds {found}; \
+        copy or export it again"
+    )]
+    DataSize {
+        /// The path.
+        file: String,
+        /// Where the data begins.
+        offset: u64,
+        /// Bytes that the header asks for.
+        declared: u64,
+        /// How that number comes about.
+        what: String,
+        /// Bytes that are there, or that can be there at most.
+        found: Found,
+    },
+    /// More than this program accepts from any file.
+    #[error(
+        "{file}: {found} {what}, the limit is {limit}; reduce it (decimate the mesh, or crop or resample the volume)"
+    )]
+    TooLarge {
+        /// The path.
+        file: String,
+        /// What is counted.
+        what: &'static str,
+        /// How many.
+        found: String,
+        /// How many are accepted.
+        limit: u64,
+    },
+    /// A file of bare values, of which nothing says what they are.
+    #[error(
+        "{file}: {bytes} bytes of bare values, and nothing says what they are{guess}; \
+        `hypertexture convert` makes a volume of it by --dims X,Y,Z --type uint16 (uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64)"
+    )]
+    NoLayout {
+        /// The path.
+        file: String,
+        /// Its length.
+        bytes: u64,
+        /// What they may be, or nothing.
+        guess: String,
+    },
+    /// A volume with no samples along some axis.
+    #[error("{file}: line {line}: a volume of {} x {} x {} has no samples, every size must be at least 1; \
+        export it again", size[0], size[1], size[2])]
+    ZeroSize {
+        /// The path.
+        file: String,
+        /// Line of the sizes, from 1.
+        line: u64,
+        /// The sizes as declared, x first.
+        size: [u64; 3],
+    },
+    /// A grid is asked for that the file does not have.
+    #[error("{file}: no grid is called {name}; it has {known}")]
+    NoGrid {
+        /// The path.
+        file: String,
+        /// What was asked for, quoted.
+        name: String,
+        /// The grids that it has.
+        known: String,
+    },
+    /// NaN or infinite coordinates or voxels.
+    #[error(
+        "{file}: {count} of {total} {what} are NaN, infinite or beyond 32-bit floats, the first has index {first} \
+        (from 0); remove or replace them"
+    )]
+    NotFinite {
+        /// The path.
+        file: String,
+        /// Vertices or voxels.
+        what: &'static str,
+        /// How many are not finite.
+        count: usize,
+        /// How many there are.
+        total: usize,
+        /// Index of the first one that is not finite, from 0.
+        first: usize,
+    },
+    /// A coordinate so large that squared distances would overflow.
+    #[error("{file}: {what} {index} (from 0) reaches {value:e}, the limit is {limit:e}; scale the object down")]
+    CoordinateRange {
+        /// The path.
+        file: String,
+        /// Vertices or volume corners.
+        what: &'static str,
+        /// Which one, from 0.
+        index: usize,
+        /// The coordinate.
+        value: f32,
+        /// Largest magnitude accepted.
+        limit: f32,
+    },
+    /// A mesh without a single triangle that has an area.
+    #[error("{file}: no triangles ({holds}); a mesh needs at least 1 face, export it again")]
+    NoTriangles {
+        /// The path.
+        file: String,
+        /// The cause: what the file holds instead.
+        holds: String,
+    },
+    /// The compressed data is damaged.
+    #[error(
+        "{file}: byte {offset}: compressed data damaged after {decoded} good bytes: {reason}; copy or export it again"
+    )]
+    Packed {
+        /// The path.
+        file: String,
+        /// Where the compressed data begins.
+        offset: u64,
+        /// Bytes that came out before the damage.
+        decoded: u64,
+        /// What the decoder said.
+        reason: io::Error,
+    },
+    /// The memory for the values could not be had.
+    #[error("{file}: no memory for {bytes} bytes of values; crop or resample the volume, or free memory")]
+    OutOfMemory {
+        /// The path.
+        file: String,
+        /// Bytes that were asked for.
+        bytes: u64,
+    },
+}
+
+impl ShapeError {
+    /// The same with a place, where it only says that it is in the header.
+    pub(super) fn placed(mut self, at: Location) -> ShapeError {
+        if let ShapeError::Malformed { place: place @ Location::Header, .. }
+        | ShapeError::Unsupported { place: place @ Location::Header, .. } = &mut self
+        {
+            *place = at;
+        }
+        self
+    }
+}
+
+/// Where in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Location {
+    /// A line of text, from 1.
+    Line(u64),
+    /// The header as a whole: something is not there.
+    Header,
+    /// The files of a folder together.
+    Folder,
+    /// What was said about a file that says nothing itself.
+    Layout,
+    /// A byte, from 0.
+    Byte(u64),
+    /// A face or strip of a mesh, from 0.
+    Face(u64),
+    /// A value in JSON by the names and numbers on the way to it, as `accessors[3].count`.
+    Json(String),
+}
+
+/// How many bytes of data a file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Found {
+    /// Exactly this many.
+    Bytes(u64),
+    /// More than declared.
+    More,
+    /// Compressed data that can become this many at most.
+    AtMost(u64),
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Location::Line(line) => write!(f, "line {line}"),
+            Location::Header => write!(f, "header"),
+            Location::Folder => write!(f, "folder"),
+            Location::Layout => write!(f, "layout"),
+            Location::Byte(byte) => write!(f, "byte {byte}"),
+            Location::Face(face) => write!(f, "face {face} (from 0)"),
+            Location::Json(path) => write!(f, "{path}"),
+        }
+    }
+}
+
+impl fmt::Display for Found {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Found::Bytes(bytes) => write!(f, "{bytes}"),
+            Found::More => write!(f, "more"),
+            Found::AtMost(bytes) => write!(f, "at most {bytes} once decompressed"),
+        }
+    }
+}
+
+/// The vertices that an index may name.
+fn defined(count: usize) -> String {
+    match count {
+        0 => "no vertices are defined above this line: they come before the faces".into(),
+        _ => {
+            format!("{count} vertices are defined above this line (1 to {count}, or -{count} to -1 counted backwards)")
+        }
+    }
+}
+
+/// What to do about an error of the system; others say it themselves.
+fn remedy(reason: &io::Error) -> &'static str {
+    if reason.kind() == io::ErrorKind::Other { "" } else { "; check its permissions and the disk it is on" }
+}
+
+/// `bytes` in backquotes, on one line: control characters escaped, cut after 40 characters.
+pub(super) fn quoted(bytes: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(160)]);
+    let mut shown: String = text.chars().take(40).flat_map(char::escape_debug).collect();
+    if text.chars().nth(40).is_some() {
+        shown.push_str("...");
+    }
+    format!("`{shown}`")
+}
+
+/// A file name for a message, never cut.
+pub(super) fn shown(name: &str) -> String {
+    words::line(name).into_owned()
+}
+
+/// Why a file cannot be opened.
+pub(super) fn unreadable(file: String, error: OpenError) -> ShapeError {
+    match error {
+        OpenError::Missing => ShapeError::Missing { file },
+        OpenError::NotAFile(kind) => ShapeError::NotAFile { file, kind },
+        OpenError::Denied => ShapeError::Unreadable { file, reason: io::ErrorKind::PermissionDenied.into() },
+        other => ShapeError::Unreadable { file, reason: other.into() },
+    }
+}

@@ -1,0 +1,239 @@
+//! What a file holds, before anything is made of it.
+//!
+//! Role: a shape -> a few lines for a person and for a program, and the histogram of a scan. Invariant: the file is all that is
+//! looked at; how a scene reads it changes nothing.
+
+use super::{Content, Histogram, Mesh, Opened, Shape, ShapeError, Solid, Volume};
+use glam::{DVec3, Vec3};
+use serde::Serialize;
+use serde_json::{Value, json};
+use std::ops::RangeInclusive;
+use support::significant;
+
+/// How much scalars that are distances change per world unit where they are 0.
+const SLOPE: RangeInclusive<f32> = 0.95..=1.05;
+
+/// The lowest value of a scan in Hounsfield units: air is -1000, and scanners write some less where they know nothing.
+const AIR: RangeInclusive<f32> = -3100.0..=-900.0;
+
+/// One line of what is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fact {
+    /// What it is about, one word.
+    pub name: &'static str,
+    /// For a person.
+    pub words: String,
+    /// For a program.
+    pub value: Value,
+}
+
+/// What a file, or a built-in object, holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Facts {
+    /// Each in a line; what was left out of the file is among them.
+    pub lines: Vec<Fact>,
+    /// The corners of the box that contains it, world units of the file.
+    pub corners: [DVec3; 2],
+    /// Values and their change; of scalars alone.
+    pub histogram: Option<Histogram>,
+    /// Iso-values between materials, from the lowest; of scalars alone.
+    pub iso_values: Vec<f32>,
+    /// Whether they are scalars that change at 0 as signed distances do.
+    pub is_like_distances: bool,
+}
+
+impl Facts {
+    /// Reads a file, or makes a built-in object, and looks at it.
+    ///
+    /// # Errors
+    /// Those of [`Opened::with_grid`].
+    pub fn of(input: &str, grid: Option<&str>) -> Result<Facts, ShapeError> {
+        let Opened { shape, notes, grids, .. } = Opened::with_grid(input, grid)?;
+        let mut facts = match &shape {
+            Shape::Solid(solid) => of_solid(solid),
+            Shape::Mesh(mesh) => of_mesh(mesh),
+            Shape::Volume(volume) => of_volume(volume),
+        };
+        if !grids.is_empty() {
+            facts.lines.push(fact("grids", grids.join(", "), &grids));
+        }
+        if !notes.is_empty() {
+            facts.lines.push(fact("notes", notes.join("; "), &notes));
+        }
+        let offset = if let Shape::Mesh(mesh) = &shape { mesh.offset } else { DVec3::ZERO };
+        let bounds = shape.bounds();
+        facts.corners = [bounds.min, bounds.max].map(|corner| corner.as_dvec3() + offset);
+        facts.lines.push(fact(
+            "box",
+            in_words(facts.corners, bounds.size()),
+            facts.corners.map(|corner| corner.to_array()),
+        ));
+        Ok(facts)
+    }
+}
+
+fn fact(name: &'static str, words: impl Into<String>, value: impl Serialize) -> Fact {
+    Fact { name, words: words.into(), value: json!(value) }
+}
+
+fn in_words(corners: [DVec3; 2], size: Vec3) -> String {
+    let [low, high] = corners.map(|corner| corner.to_array().map(short).join(", "));
+    let sides = size.to_array().map(|side| short(side.into())).join(" x ");
+    format!("({low}) to ({high}), {sides} world units")
+}
+
+/// As few digits as tell what was an f32, or all; far from 1 with an exponent.
+fn short(number: f64) -> String {
+    let is_near = number == 0.0 || (1e-4..1e9).contains(&number.abs());
+    match (f64::from(number as f32) == number, is_near) {
+        (true, true) => (number as f32).to_string(),
+        (true, false) => format!("{:e}", number as f32),
+        (false, true) => number.to_string(),
+        (false, false) => format!("{number:e}"),
+    }
+}
+
+fn of_solid(solid: &Solid) -> Facts {
+    Facts { lines: vec![fact("kind", format!("a formula: {solid:?}"), "formula")], ..Facts::default() }
+}
+
+fn of_mesh(mesh: &Mesh) -> Facts {
+    let edges = mesh.edges();
+    let (triangles, vertices) = (mesh.triangles.len(), edges.vertices);
+    let enclosed = mesh.enclosed();
+    let closed = edges.open == 0;
+    let mut solid = match (closed, edges.turned, mesh.signed_volume() < 0.0) {
+        (true, ..) if enclosed.is_nothing => Mesh::ENCLOSES_NOTHING.into(),
+        _ if enclosed.is_nothing => {
+            format!("open: {} edges have one triangle; {}", edges.open, Mesh::ENCLOSES_NOTHING)
+        }
+        (false, ..) => format!("open: {} edges have one triangle; holes are closed by the winding number", edges.open),
+        (_, 1.., _) => format!("closed, but at {} edges the triangles disagree; they are turned", edges.turned),
+        (_, _, true) => "closed, inside out: it is taken as solid either way".into(),
+        _ => "closed".into(),
+    };
+    if enclosed.repeated > 0 {
+        solid += &format!("; {} triangles repeat others and count once", enclosed.repeated);
+    }
+    let kind = if enclosed.is_nothing {
+        "nothing"
+    } else if closed {
+        "closed"
+    } else {
+        "open"
+    };
+    let lines = vec![
+        fact("kind", "a mesh", "mesh"),
+        fact("triangles", format!("{triangles}, {vertices} vertices at different places"), triangles),
+        fact("vertices", format!("{vertices}"), vertices),
+        fact("bodies", format!("{}", edges.bodies), edges.bodies),
+        fact("surface", solid, kind),
+        fact(
+            "edges",
+            format!("{} open, {} crowded, {} turned", edges.open, edges.crowded, edges.turned),
+            [edges.open, edges.crowded, edges.turned],
+        ),
+        fact(
+            "volume",
+            format!(
+                "{} cubic world units{}",
+                significant(enclosed.volume, 6),
+                if closed { "" } else { ", if it were closed" }
+            ),
+            enclosed.volume,
+        ),
+    ];
+    Facts { lines, ..Facts::default() }
+}
+
+/// What begins at a value in Hounsfield units: fat is at -100, muscle and organs are at 10 to 60, bone from 200 on.
+fn boundary(iso: f32) -> &'static str {
+    match iso {
+        ..-150.0 => "skin",
+        ..150.0 => "soft tissue",
+        _ => "bone",
+    }
+}
+
+fn of_volume(volume: &Volume) -> Facts {
+    let size = volume.size.map(|n| n.to_string()).join(" x ");
+    let spacing = volume.spacing();
+    let (low, high) = volume.range();
+    let content = match volume.content {
+        Content::Scalar => "scalars",
+        Content::SignedDistance => "signed distances",
+        Content::LevelSet => "a level set",
+    };
+    let spacings = spacing.to_array().map(|side| short(side.into())).join(" x ");
+    let mut lines = vec![
+        fact("kind", format!("a volume of {content}"), content),
+        fact(
+            "voxels",
+            format!("{size}, spacing {spacings}{}", if volume.is_aligned() { "" } else { ", oblique" }),
+            volume.size,
+        ),
+        fact("steps", format!("{:?}", volume.steps.to_cols_array_2d()), volume.steps.to_cols_array_2d()),
+        fact("values", format!("{} to {}", short(low.into()), short(high.into())), [low, high]),
+    ];
+    if volume.content != Content::Scalar {
+        let slope = volume.slope_at_zero();
+        let words = slope.map_or("no surface".into(), |slope| {
+            format!("{} per world unit at the surface", significant(slope.into(), 4))
+        });
+        lines.push(fact("slope", format!("{words}; 1 for a distance"), slope));
+        return Facts { lines, ..Facts::default() };
+    }
+    let own_slope = volume.slope_at_zero().filter(|slope| SLOPE.contains(slope));
+    if let Some(slope) = own_slope {
+        let words = format!("{slope:.3} per world unit at 0, as signed distances have it: if they are, say --distance");
+        lines.push(fact("slope", words, slope));
+    }
+    let histogram = volume.histogram();
+    let iso_values = histogram.as_ref().map(Histogram::boundaries).unwrap_or_default();
+    let words = match &iso_values[..] {
+        [] => format!("no boundary stands out; {} is the middle of the values", 0.5 * low + 0.5 * high),
+        isos => {
+            let is_ct = AIR.contains(&low);
+            let named = |iso: &f32| if is_ct { format!("{iso} ({})", boundary(*iso)) } else { iso.to_string() };
+            let units = if is_ct { "; the values are taken for Hounsfield units" } else { "" };
+            isos.iter().map(named).collect::<Vec<_>>().join(", ") + ": there the values change most" + units
+        }
+    };
+    lines.push(fact("iso-values", words, &iso_values));
+    Facts { lines, histogram, iso_values, is_like_distances: own_slope.is_some(), ..Facts::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Mat3;
+
+    /// A ball of tissue around one of bone in air, less `offset`; blurred over two voxels.
+    fn scan(offset: f32) -> Volume {
+        let size = [48; 3];
+        let mut volume = Volume {
+            size,
+            origin: Vec3::splat(-23.5),
+            steps: Mat3::IDENTITY,
+            values: Vec::new(),
+            content: Content::Scalar,
+        };
+        for index in 0..48 * 48 * 48 {
+            let radius = volume.position([index % 48, index / 48 % 48, index / 2304]).length();
+            let step = |at: f32| 0.5 - 0.5 * ((radius - at) / 1.2).clamp(-1.0, 1.0);
+            volume.values.push(1040.0 * step(19.0) + 960.0 * step(11.0) - offset);
+        }
+        volume
+    }
+
+    #[test]
+    fn boundaries_in_hounsfield_units_have_names_and_others_have_none() {
+        let words =
+            |offset| of_volume(&scan(offset)).lines.into_iter().find(|line| line.name == "iso-values").unwrap().words;
+        let ct = words(1000.0);
+        let [skin, bone] = ["(skin), ", "(bone): "].map(|name| ct.find(name).unwrap_or_else(|| panic!("{ct}")));
+        assert!(skin < bone && ct.ends_with("Hounsfield units"), "{ct}");
+        let shifted = words(0.0);
+        assert!(!shifted.contains("skin") && !shifted.contains("Hounsfield"), "{shifted}");
+    }
+}

@@ -1,0 +1,320 @@
+//! The JSON of a glTF file.
+//!
+//! Role: what of it has a part in the surface, as the schema names it, or one line about what does not fit the schema.
+//! Invariant: nothing here is checked against anything else; memory is a small multiple of the text.
+
+use crate::error::{Location, ShapeError, quoted, shown};
+use crate::source::Source;
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
+use serde_json::error::Category;
+use std::borrow::Cow;
+use std::fmt;
+use std::marker::PhantomData;
+use support::open::MARK;
+
+/// Most entries of a list: an entry in memory is up to 30 times as long as its text.
+const MAX_ENTRIES: usize = 1 << 20;
+/// How the error of a longer list begins.
+const TOO_MANY: &str = "too many";
+/// Characters shown before a place where the text is wrong.
+const SHOWN: usize = 32;
+
+/// The whole file.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Document<'a> {
+    pub asset: Asset,
+    #[serde(default, deserialize_with = "list")]
+    pub extensions_required: Vec<String>,
+    #[serde(default)]
+    pub animations: Vec<IgnoredAny>,
+    pub scene: Option<u32>,
+    #[serde(default, deserialize_with = "list")]
+    pub scenes: Vec<Scene>,
+    #[serde(default, deserialize_with = "list")]
+    pub nodes: Vec<Node>,
+    #[serde(default, deserialize_with = "list")]
+    pub meshes: Vec<Mesh>,
+    #[serde(default, deserialize_with = "list")]
+    pub accessors: Vec<Accessor>,
+    #[serde(default, deserialize_with = "list")]
+    pub buffer_views: Vec<View>,
+    #[serde(borrow, default, deserialize_with = "list")]
+    pub buffers: Vec<Buffer<'a>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Asset {
+    pub version: String,
+    pub min_version: Option<String>,
+}
+
+#[derive(Deserialize)]
+pub struct Scene {
+    #[serde(default)]
+    pub nodes: Vec<u32>,
+}
+
+#[derive(Deserialize)]
+pub struct Node {
+    #[serde(default)]
+    pub children: Vec<u32>,
+    pub mesh: Option<u32>,
+    pub skin: Option<u32>,
+    pub matrix: Option<Box<[f64; 16]>>,
+    pub translation: Option<Box<[f64; 3]>>,
+    pub rotation: Option<Box<[f64; 4]>>,
+    pub scale: Option<Box<[f64; 3]>>,
+    #[serde(default)]
+    pub extensions: Extensions,
+}
+
+#[derive(Deserialize)]
+pub struct Mesh {
+    #[serde(deserialize_with = "list")]
+    pub primitives: Vec<Primitive>,
+}
+
+#[derive(Deserialize)]
+pub struct Primitive {
+    pub attributes: Attributes,
+    pub indices: Option<u32>,
+    pub mode: Option<u32>,
+    pub targets: Option<Vec<IgnoredAny>>,
+    #[serde(default)]
+    pub extensions: Extensions,
+}
+
+#[derive(Deserialize)]
+pub struct Attributes {
+    #[serde(rename = "POSITION")]
+    pub position: Option<u32>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Accessor {
+    pub buffer_view: Option<u32>,
+    #[serde(default)]
+    pub byte_offset: u64,
+    pub component_type: u32,
+    #[serde(default)]
+    pub normalized: bool,
+    pub count: u64,
+    #[serde(rename = "type")]
+    pub kind: String,
+    pub sparse: Option<Box<Sparse>>,
+}
+
+#[derive(Deserialize)]
+pub struct Sparse {
+    pub count: u64,
+    pub indices: SparsePart,
+    pub values: SparsePart,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SparsePart {
+    pub buffer_view: u32,
+    #[serde(default)]
+    pub byte_offset: u64,
+    /// Of indices only.
+    pub component_type: Option<u32>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct View {
+    pub buffer: u32,
+    #[serde(default)]
+    pub byte_offset: u64,
+    pub byte_length: u64,
+    pub byte_stride: Option<u64>,
+    #[serde(default)]
+    pub extensions: Extensions,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Buffer<'a> {
+    #[serde(borrow)]
+    pub uri: Option<Text<'a>>,
+    pub byte_length: u64,
+}
+
+/// Text that stays where it is, unless it has escapes.
+#[derive(Deserialize)]
+pub struct Text<'a>(#[serde(borrow)] pub Cow<'a, str>);
+
+/// Extensions that hold or make geometry.
+#[derive(Default, Deserialize)]
+pub struct Extensions {
+    #[serde(rename = "KHR_draco_mesh_compression")]
+    draco: Option<IgnoredAny>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    meshopt: Option<IgnoredAny>,
+    #[serde(rename = "EXT_meshopt_compression")]
+    older_meshopt: Option<IgnoredAny>,
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    instancing: Option<IgnoredAny>,
+    #[serde(rename = "KHR_node_visibility")]
+    visibility: Option<Visibility>,
+}
+
+/// Whether a node and all below it are shown.
+#[derive(Deserialize)]
+struct Visibility {
+    visible: Option<bool>,
+}
+
+impl Extensions {
+    /// How the names of extensions begin that a file may require: those that are read, and those that change only what
+    /// surfaces look like.
+    const HARMLESS: [&str; 7] = [
+        "KHR_mesh_quantization",
+        "KHR_node_visibility",
+        "KHR_materials_",
+        "KHR_texture_",
+        "KHR_lights_",
+        "EXT_texture_",
+        "MSFT_texture_",
+    ];
+
+    /// Whether the node is left out, and all below it.
+    pub fn hides(&self) -> bool {
+        self.visibility.as_ref().is_some_and(|visibility| visibility.visible == Some(false))
+    }
+
+    /// An error where one of these has to be understood to read the geometry at `place`.
+    pub fn check(&self, source: &Source, place: impl FnOnce() -> String) -> Result<(), ShapeError> {
+        let names = [
+            (self.draco, "KHR_draco_mesh_compression"),
+            (self.meshopt, "KHR_meshopt_compression"),
+            (self.older_meshopt, "EXT_meshopt_compression"),
+            (self.instancing, "EXT_mesh_gpu_instancing"),
+        ];
+        match names.into_iter().find(|(used, _)| used.is_some()) {
+            Some((_, name)) => Err(unread(source, place() + ".extensions", name)),
+            None => Ok(()),
+        }
+    }
+
+    /// An error where the file requires an extension that may change its geometry.
+    pub fn check_required(source: &Source, required: &[String]) -> Result<(), ShapeError> {
+        let is_harmless = |name: &String| Extensions::HARMLESS.iter().any(|start| name.starts_with(start));
+        match required.iter().position(|name| !is_harmless(name)) {
+            Some(index) => Err(unread(source, format!("extensionsRequired[{index}]"), &required[index])),
+            None => Ok(()),
+        }
+    }
+}
+
+fn unread(source: &Source, place: String, name: &str) -> ShapeError {
+    let remedy = match name.ends_with("_compression") {
+        true => "export it without compression, or unpack it first (`gltf-transform copy in.glb out.glb`)",
+        false => "export it without this extension",
+    };
+    unsupported(source, place, "the extension", quoted(name.as_bytes()), remedy)
+}
+
+/// `found` at a place of the JSON is valid and not read.
+pub fn unsupported(
+    source: &Source,
+    place: String,
+    what: &'static str,
+    found: String,
+    remedy: &'static str,
+) -> ShapeError {
+    ShapeError::Unsupported { file: source.file.clone(), place: Location::Json(place), what, found, remedy }
+}
+
+/// `found` at a place of the JSON is not what the format asks for.
+pub fn malformed(source: &Source, place: String, expected: &'static str, found: impl fmt::Display) -> ShapeError {
+    source.malformed_at(Location::Json(place), expected, found.to_string())
+}
+
+/// Entry `index` of a list; `place` is what names it.
+pub fn entry<'b, T>(
+    source: &Source,
+    list: &'b [T],
+    index: u32,
+    place: impl FnOnce() -> String,
+) -> Result<&'b T, ShapeError> {
+    let missing = || {
+        let found = format!("{index} of {}, counted from 0", list.len());
+        malformed(source, place(), "the index of something that there is", found)
+    };
+    list.get(index as usize).ok_or_else(missing)
+}
+
+/// The document of a text.
+pub fn parse<'a>(source: &Source, json: &'a [u8]) -> Result<Document<'a>, ShapeError> {
+    let json = json.strip_prefix(MARK).unwrap_or(json); // in GLB
+    let document: Document = serde_json::from_slice(json).map_err(|error| refusal(source, json, &error))?;
+    for (version, name) in
+        [(Some(&document.asset.version), "version"), (document.asset.min_version.as_ref(), "minVersion")]
+    {
+        let Some(version) = version else { continue };
+        // A minor version adds only what may be passed over, unless the least version names it.
+        if !version.starts_with("2.") || name == "minVersion" && version != "2.0" {
+            let (found, remedy) = (quoted(version.as_bytes()), "export it as glTF 2.0");
+            return Err(unsupported(source, format!("asset.{name}"), "version", found, remedy));
+        }
+    }
+    Extensions::check_required(source, &document.extensions_required)?;
+    Ok(document)
+}
+
+/// What is wrong with a text, in words of its own format.
+fn refusal(source: &Source, json: &[u8], error: &serde_json::Error) -> ShapeError {
+    let message = error.to_string();
+    let line = json.split(|byte| *byte == b'\n').nth(error.line().saturating_sub(1)).unwrap_or_default();
+    let read = &line[..error.column().min(line.len())];
+    let read = quoted(&read[read.len().saturating_sub(SHOWN)..]).replace("\\\"", "\""); // as JSON is written
+    let found = format!("{read} up to line {}, column {}", error.line(), error.column());
+    match error.classify() {
+        Category::Data if message.starts_with(TOO_MANY) => ShapeError::TooLarge {
+            file: source.file.clone(),
+            what: "entries in a list of the JSON",
+            found: format!("more than {MAX_ENTRIES}"),
+            limit: MAX_ENTRIES as u64,
+        },
+        Category::Data => {
+            let path = serde_path_to_error::deserialize::<_, Document>(&mut serde_json::Deserializer::from_slice(json));
+            let path = path.err().map(|error| shown(&error.path().to_string())).filter(|path| path != ".");
+            let place = path.map_or(Location::Header, Location::Json);
+            let missing = message.strip_prefix("missing field ").and_then(|rest| rest.split_whitespace().next());
+            let found = missing.map_or(found, |name| format!("no {name}"));
+            source.malformed_at(place, "what the schema of glTF 2.0 asks for", found)
+        }
+        Category::Eof => source.malformed_at(Location::Line(error.line() as u64), "more JSON", "its end".into()),
+        _ => source.malformed_at(Location::Line(error.line() as u64), "JSON", found),
+    }
+}
+
+/// A list of at most [`MAX_ENTRIES`].
+fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Vec<T>, D::Error> {
+    struct Entries<T>(PhantomData<T>);
+    impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
+        type Value = Vec<T>;
+
+        fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+            f.write_str("a list")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut from: A) -> Result<Vec<T>, A::Error> {
+            let mut entries = Vec::new();
+            while let Some(entry) = from.next_element()? {
+                if entries.len() == MAX_ENTRIES {
+                    return Err(A::Error::custom(TOO_MANY));
+                }
+                entries.push(entry);
+            }
+            Ok(entries)
+        }
+    }
+    from.deserialize_seq(Entries(PhantomData))
+}

@@ -1,0 +1,113 @@
+//! The primitives of a glTF mesh.
+//!
+//! Role: triangles, strips and fans, with indices and without, as triangles over the vertices that they use. Invariant: a
+//! triangle without area is dropped before anything is kept for it.
+
+use super::accessor::{Component, Elements};
+use super::buffer::Data;
+use super::document::{Primitive, malformed};
+use crate::error::ShapeError;
+use glam::{DAffine3, DVec3};
+use std::collections::HashMap;
+
+/// A mesh in its own coordinates.
+#[derive(Default)]
+pub struct Part {
+    pub positions: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+    /// How many triangles had no area.
+    pub flat: usize,
+    /// How many primitives are of points or lines.
+    pub thin: usize,
+    /// How many have no positions.
+    pub bare: usize,
+    /// How many corners are too few for a triangle more.
+    pub loose: usize,
+    /// Whether there are other shapes to blend with.
+    pub morphs: bool,
+}
+
+impl Part {
+    /// Reads a mesh; `declared` counts triangles that are declared in the meshes so far.
+    pub fn read(data: &Data, mesh: u32, declared: &mut u64) -> Result<Part, ShapeError> {
+        let mut part = Part::default();
+        for (index, primitive) in data.document.meshes[mesh as usize].primitives.iter().enumerate() {
+            let at = |field: &str| format!("meshes[{mesh}].primitives[{index}]{field}");
+            primitive.extensions.check(data.source, || at(""))?;
+            part.morphs |= primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty());
+            match primitive.mode.unwrap_or(4) {
+                0..=3 => part.thin += 1,
+                mode @ 4..=6 => part.add(data, primitive, mode, declared, at)?,
+                mode => return Err(malformed(data.source, at(".mode"), "0 to 6", mode)),
+            }
+        }
+        Ok(part)
+    }
+
+    /// The positions where a node puts them.
+    pub fn at(&self, world: DAffine3) -> impl Iterator<Item = DVec3> {
+        self.positions.iter().map(move |position| world.transform_point3(*position))
+    }
+
+    fn add(
+        &mut self,
+        data: &Data,
+        primitive: &Primitive,
+        mode: u32,
+        declared: &mut u64,
+        at: impl Fn(&str) -> String,
+    ) -> Result<(), ShapeError> {
+        use Component::{F32, I8, I16, U8, U16, U32};
+        let Some(position) = primitive.attributes.position else {
+            self.bare += 1; // as the specification asks for
+            return Ok(());
+        };
+        let place = || at(".attributes.POSITION");
+        let positions = Elements::<3>::read(data, position, &[F32, I8, U8, I16, U16], place)?;
+        let indices =
+            primitive.indices.map(|index| Elements::<1>::read(data, index, &[U8, U16, U32], || at(".indices")));
+        let indices = indices.transpose()?;
+        let corners = indices.as_ref().map_or(positions.count, |indices| indices.count);
+        let count = if mode == 4 { corners / 3 } else { corners.saturating_sub(2) };
+        self.loose += match mode {
+            4 => corners % 3,
+            _ => corners.min(2) * u64::from(count == 0),
+        } as usize;
+        *declared = declared.saturating_add(count);
+        data.source.check_triangles(*declared)?;
+
+        let corner = |corner: u64| {
+            let Some(indices) = &indices else { return Ok(corner) };
+            let [index] = indices.get(corner);
+            if index < positions.count as f64 && index != indices.component.restart() {
+                return Ok(index as u64);
+            }
+            let place = format!("accessors[{}]", primitive.indices.unwrap_or_default());
+            let found = format!("{index} as number {corner} (from 0), of {} vertices", positions.count);
+            Err(malformed(data.source, place, "indices of vertices, and none that restarts a strip", found))
+        };
+        let mut renumbered = HashMap::new();
+        for at in 0..count {
+            let triangle = match mode {
+                4 => [3 * at, 3 * at + 1, 3 * at + 2],
+                5 => [at, at + 1 + at % 2, at + 2 - at % 2],
+                _ => [at + 1, at + 2, 0],
+            };
+            let triangle = [corner(triangle[0])?, corner(triangle[1])?, corner(triangle[2])?];
+            let [a, b, c] = triangle.map(|corner| DVec3::from(positions.get(corner)));
+            if (b - a).cross(c - a) == DVec3::ZERO {
+                self.flat += 1;
+                continue;
+            }
+            let mut kept = |corner: u64, position: DVec3| {
+                *renumbered.entry(corner).or_insert_with(|| {
+                    self.positions.push(position);
+                    self.positions.len() as u32 - 1
+                })
+            };
+            let triangle = [kept(triangle[0], a), kept(triangle[1], b), kept(triangle[2], c)];
+            self.triangles.push(triangle);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,170 @@
+//! The nodes of a glTF scene.
+//!
+//! Role: where each mesh stands, and all of them together. Invariant: a node is visited once; a mirrored mesh keeps its
+//! outside outside.
+
+use super::buffer::Data;
+use super::document::{Document, Node, entry, malformed};
+use super::primitive::Part;
+use crate::error::ShapeError;
+use crate::source::Source;
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+
+/// How far the length of a rotation may be from 1: numbers of three digits.
+const MAX_LENGTH_ERROR: f64 = 0.01;
+
+/// All triangles of a scene.
+pub struct Found {
+    pub positions: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+    /// How many triangles had no area.
+    pub flat: usize,
+    pub notes: Vec<String>,
+}
+
+/// Nodes to visit, the next one last.
+struct Visits<'a, 's> {
+    source: &'a Source<'s>,
+    document: &'a Document<'a>,
+    /// Each with where its parent is.
+    nodes: Vec<(u32, DAffine3)>,
+    /// Whether a node has been in `nodes`.
+    named: Vec<bool>,
+}
+
+impl Visits<'_, '_> {
+    /// Adds nodes so that the first is visited next; an error where one is there for the second time.
+    fn add(&mut self, nodes: &[u32], parent: DAffine3, place: impl Fn(usize) -> String) -> Result<(), ShapeError> {
+        let before = self.nodes.len();
+        for (at, &node) in nodes.iter().enumerate() {
+            entry(self.source, &self.document.nodes, node, || place(at))?;
+            if std::mem::replace(&mut self.named[node as usize], true) {
+                return Err(malformed(self.source, place(at), "each node once in a tree", format!("{node} again")));
+            }
+            self.nodes.push((node, parent));
+        }
+        self.nodes[before..].reverse();
+        Ok(())
+    }
+
+    /// Adds the nodes of the scene that the document names, else of its first, else all that are no child of another.
+    fn begin(&mut self) -> Result<(), ShapeError> {
+        let (source, document) = (self.source, self.document);
+        if document.scene.is_some() || !document.scenes.is_empty() {
+            let index = document.scene.unwrap_or(0);
+            let scene = entry(source, &document.scenes, index, || "scene".into())?;
+            return self.add(&scene.nodes, DAffine3::IDENTITY, |at| format!("scenes[{index}].nodes[{at}]"));
+        }
+        let mut is_child = vec![false; document.nodes.len()];
+        for child in document.nodes.iter().flat_map(|node| &node.children) {
+            if let Some(own) = is_child.get_mut(*child as usize) {
+                *own = true;
+            }
+        }
+        let roots: Vec<u32> = (0..document.nodes.len() as u32).filter(|&node| !is_child[node as usize]).collect();
+        if roots.is_empty() && !document.nodes.is_empty() {
+            return Err(malformed(source, "nodes".into(), "one that is no child of another", "circles only"));
+        }
+        self.add(&roots, DAffine3::IDENTITY, |at| format!("nodes[{}]", roots[at]))
+    }
+}
+
+/// The triangles of the scene that the document names, else of its first, else of all nodes.
+pub fn read(data: &Data) -> Result<Found, ShapeError> {
+    let (source, document) = (data.source, data.document);
+    let mut visits = Visits { source, document, nodes: Vec::new(), named: vec![false; document.nodes.len()] };
+    visits.begin()?;
+    let mut parts: Vec<Option<Part>> = document.meshes.iter().map(|_| None).collect();
+    let (mut shown, mut declared, mut counts) = (Vec::new(), 0, [0; 7]);
+    let (mut triangles, mut positions) = (0, 0);
+    counts[6] = document.animations.len();
+    while let Some((index, parent)) = visits.nodes.pop() {
+        let node = &document.nodes[index as usize];
+        if node.extensions.hides() {
+            counts[5] += 1;
+            continue;
+        }
+        let world = parent * local(data, index, node)?;
+        visits.add(&node.children, world, |at| format!("nodes[{index}].children[{at}]"))?;
+        let Some(mesh) = node.mesh else { continue };
+        entry(source, &document.meshes, mesh, || format!("nodes[{index}].mesh"))?;
+        node.extensions.check(source, || format!("nodes[{index}]"))?;
+        let slot = &mut parts[mesh as usize];
+        let part = match slot {
+            Some(part) => part,
+            None => slot.insert(Part::read(data, mesh, &mut declared)?),
+        };
+        (triangles, positions) = (triangles + part.triangles.len(), positions + part.positions.len());
+        source.check_triangles(triangles as u64)?;
+        source.check_positions("vertices", &part.at(world).collect::<Vec<_>>())?;
+        shown.push((mesh, world));
+        let left_out = [part.thin, part.bare, part.loose, usize::from(node.skin.is_some()), usize::from(part.morphs)];
+        counts.iter_mut().zip(left_out).for_each(|(count, more)| *count += more);
+    }
+    let texts = [
+        "primitives of points or lines are left out",
+        "primitives without positions are left out",
+        "corners that make no whole triangle are left out",
+        "skins are not applied, their meshes stand where their nodes put them",
+        "morph targets are not applied, their meshes keep their base shape",
+        "hidden nodes are left out, with all below them",
+        "animations are not played, nodes stand where they are at rest",
+    ];
+    let mut found = Found {
+        positions: Vec::with_capacity(positions),
+        triangles: Vec::with_capacity(triangles),
+        flat: 0,
+        notes: Vec::new(),
+    };
+    for (mesh, world) in shown {
+        parts[mesh as usize].iter().for_each(|part| found.add(part, world));
+    }
+    let notes = texts.iter().zip(counts).filter(|(_, count)| *count > 0);
+    found.notes = notes.map(|(text, count)| format!("{text}: {count}")).collect();
+    Ok(found)
+}
+
+impl Found {
+    /// Adds a mesh at a place.
+    fn add(&mut self, part: &Part, world: DAffine3) {
+        let (first, mirrored) = (self.positions.len() as u32, world.matrix3.determinant() < 0.0);
+        self.positions.extend(part.at(world));
+        self.triangles.extend(part.triangles.iter().map(|triangle| {
+            let [a, b, c] = triangle.map(|corner| first + corner);
+            if mirrored { [a, c, b] } else { [a, b, c] }
+        }));
+        self.flat += part.flat;
+    }
+}
+
+/// From a node's own coordinates to those of its parent.
+fn local(data: &Data, index: u32, node: &Node) -> Result<DAffine3, ShapeError> {
+    let refuse = |field: &str, expected, found: String| {
+        Err(malformed(data.source, format!("nodes[{index}].{field}"), expected, found))
+    };
+    let is_split = node.translation.is_some() || node.rotation.is_some() || node.scale.is_some();
+    if let Some(matrix) = &node.matrix {
+        if is_split {
+            return refuse("matrix", "either a matrix or its parts", "both".into());
+        }
+        let matrix = DMat4::from_cols_array(matrix);
+        if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
+            return refuse("matrix", "0, 0, 0, 1 as its last row", format!("{:?}", matrix.row(3).to_array()));
+        }
+        return Ok(DAffine3::from_mat4(matrix));
+    }
+    let rotation = match node.rotation.as_deref() {
+        None => DQuat::IDENTITY,
+        Some(&xyzw) => {
+            let rotation = DQuat::from_array(xyzw);
+            if (rotation.length() - 1.0).abs() > MAX_LENGTH_ERROR {
+                return refuse("rotation", "a rotation of length 1", format!("{xyzw:?}"));
+            }
+            rotation.normalize()
+        }
+    };
+    let scale = DVec3::from(node.scale.as_deref().copied().unwrap_or([1.0; 3]));
+    let translation = DVec3::from(node.translation.as_deref().copied().unwrap_or_default());
+    let matrix3 = DMat3::from_quat(rotation) * DMat3::from_diagonal(scale);
+    Ok(DAffine3 { matrix3, translation })
+}

@@ -1,0 +1,269 @@
+//! From a name or a path to a shape.
+//!
+//! Role: choose between built-in objects and file formats. Invariant: only plain files are opened, and a format is
+//! chosen by what is in the file before by what it is called.
+
+use super::error::{Location, quoted, shown, unreadable};
+use super::source::Source;
+use super::{BUILT_IN, MEMORY, Shape, ShapeError, dicom, generated, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use support::open::{self as plain, OpenError};
+use support::words::nearest;
+
+/// One file format.
+struct Format {
+    /// Extensions without the dot, lower case.
+    extensions: &'static [&'static str],
+    /// Whether a file with these first bytes (up to 1024) and this length in bytes is surely of this format.
+    recognizes: fn(&[u8], u64) -> bool,
+    /// Reads the file from its start.
+    read: fn(&mut Source) -> Result<Shape, ShapeError>,
+}
+
+/// The formats, tried in this order; a new format is one more line.
+const FORMATS: &[Format] = &[
+    Format { extensions: &["nrrd", "nhdr"], recognizes: nrrd::recognizes, read: nrrd::read },
+    Format { extensions: &["mhd", "mha"], recognizes: meta::recognizes, read: meta::read },
+    Format { extensions: &["gltf", "glb"], recognizes: gltf::recognizes, read: gltf::read },
+    Format { extensions: &["dcm"], recognizes: dicom::recognizes, read: dicom::read },
+    Format { extensions: &["vdb"], recognizes: vdb::recognizes, read: vdb::read },
+    Format { extensions: &["nii", "nii.gz", "hdr", "hdr.gz"], recognizes: nifti::recognizes, read: nifti::read },
+    Format { extensions: &["raw"], recognizes: |_, _| false, read: raw::refuse },
+    Format { extensions: &["ply"], recognizes: ply::recognizes, read: ply::read },
+    Format { extensions: &["stl"], recognizes: stl::recognizes, read: stl::read },
+    Format { extensions: &["obj"], recognizes: |_, _| false, read: obj::read }, // OBJ has no mark to know it by
+];
+
+/// Opens a built-in object or a file.
+///
+/// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a file
+/// is chosen by its content where the content tells (NRRD, MetaImage, DICOM, OpenVDB, NIfTI, glTF, PLY, STL), else by its
+/// extension (OBJ). Coordinates stay as they are in the file, but those of DICOM are turned to the axes of NIfTI. A folder is
+/// the DICOM series in it, and a slice stands for its series; other folders, devices and pipes are refused. Each note of
+/// [`Opened`] becomes a warning in the log.
+///
+/// # Errors
+/// Any [`ShapeError`]; its message is one line.
+pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
+    Ok(Opened::of(name_or_path)?.warned(name_or_path))
+}
+
+/// A shape, and what is known of its file besides.
+#[derive(Clone, Debug)]
+pub struct Opened {
+    /// What [`open`] gives.
+    pub shape: Shape,
+    /// What a person should know: short sentences, each about something that was assumed or left out.
+    pub notes: Vec<String>,
+    /// Other files that it was read from: the data of a header, the slices of a series.
+    pub others: Vec<PathBuf>,
+    /// The grids of an OpenVDB file, each with what it is.
+    pub grids: Vec<String>,
+}
+
+impl Opened {
+    /// Opens a built-in object or a file, as [`open`] does.
+    ///
+    /// # Errors
+    /// Those of [`open`].
+    pub fn of(name_or_path: &str) -> Result<Opened, ShapeError> {
+        Opened::with_grid(name_or_path, None)
+    }
+
+    /// The same, of an OpenVDB file the grid of this name; none stands for the one that [`open`] reads.
+    ///
+    /// # Errors
+    /// Those of [`open`], and a grid that the file does not have.
+    pub fn with_grid(name_or_path: &str, grid: Option<&str>) -> Result<Opened, ShapeError> {
+        let alone = |shape, notes| match grid {
+            Some(grid) => Err(no_grids(shown(name_or_path), grid)),
+            None => Ok(Opened { shape, notes, others: Vec::new(), grids: Vec::new() }),
+        };
+        if name_or_path.starts_with(MEMORY) {
+            return Err(ShapeError::InMemory { name: shown(name_or_path) });
+        }
+        if let Some(shape) = generated::built_in(name_or_path) {
+            return alone(shape, Vec::new());
+        }
+        let path = Path::new(name_or_path);
+        if path.is_dir() {
+            let (shape, notes) = dicom::read_folder(&shown(name_or_path), path)?;
+            return alone(shape, notes);
+        }
+        let (opened, len) = plain::open(path, u64::MAX).map_err(|error| unopened(name_or_path, error))?;
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        parse(name_or_path, len, (Some(folder), grid), &mut BufReader::new(opened))
+    }
+
+    /// The shape, once its notes are in the log.
+    pub fn warned(self, name: &str) -> Shape {
+        self.notes.iter().for_each(|note| log::warn!("{}: {note}", shown(name)));
+        self.shape
+    }
+}
+/// Reads the content of a file that is already in memory; `name` supplies the extension and the name for messages.
+/// Notes become warnings as in [`open`].
+///
+/// # Errors
+/// Any [`ShapeError`] that the content can cause.
+pub fn read(name: &str, bytes: &[u8]) -> Result<Shape, ShapeError> {
+    Ok(read_noted(name, bytes)?.warned(name))
+}
+
+/// [`read`], with its notes.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_noted(name: &str, mut bytes: &[u8]) -> Result<Opened, ShapeError> {
+    parse(name, bytes.len() as u64, (None, None), &mut bytes)
+}
+
+/// Extensions of all formats, for messages.
+fn known_extensions() -> String {
+    let all = FORMATS.iter().flat_map(|format| format.extensions);
+    all.map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
+}
+
+fn parse(
+    name: &str,
+    len: u64,
+    (folder, grid): (Option<PathBuf>, Option<&str>),
+    reader: &mut dyn BufRead,
+) -> Result<Opened, ShapeError> {
+    let mut source = Source::new(shown(name), len, folder, reader);
+    source.grid = grid.map(str::to_owned);
+    if source.peek()?.is_empty() {
+        return Err(ShapeError::Empty { file: source.file });
+    }
+    let mut format = by_content(source.peek()?, len);
+    if format.is_none() && source.skip_mark()? {
+        format = by_content(source.peek()?, len);
+    }
+    if format.is_none() && is_utf_16(source.peek()?) {
+        return Err(source.malformed_at(Location::Byte(0), "text in UTF-8", "text in UTF-16".into()));
+    }
+    let start = source.peek()?;
+    match format.or_else(|| by_extension(name)) {
+        Some(format) => {
+            let shape = (format.read)(&mut source)?;
+            if let Some(grid) = grid.filter(|_| source.grids.is_empty()) {
+                return Err(no_grids(source.file, grid));
+            }
+            let (notes, others) = (source.notes.into_inner(), source.others.into_inner());
+            Ok(Opened { shape, notes, others, grids: source.grids })
+        }
+        None => {
+            let start = quoted(&start[..start.len().min(16)]);
+            Err(ShapeError::UnknownFormat { file: source.file, start, known: known_extensions() })
+        }
+    }
+}
+
+/// The format that a file with this start is surely of.
+fn by_content(start: &[u8], len: u64) -> Option<&'static Format> {
+    FORMATS.iter().find(|format| (format.recognizes)(start, len))
+}
+
+/// Whether the start is that of Latin text with the byte order mark of UTF-16.
+fn is_utf_16(start: &[u8]) -> bool {
+    let low = match start {
+        [0xff, 0xfe, ..] => 0,
+        [0xfe, 0xff, ..] => 1,
+        _ => return false,
+    };
+    start[2..].chunks_exact(2).take(8).all(|pair| pair[low].is_ascii() && pair[1 - low] == 0)
+}
+
+/// A grid is asked for, and the file is not of a format that has some.
+fn no_grids(file: String, grid: &str) -> ShapeError {
+    ShapeError::NoGrid { file, name: quoted(grid.as_bytes()), known: "none: files of OpenVDB have grids".into() }
+}
+
+fn by_extension(name: &str) -> Option<&'static Format> {
+    let name = name.to_ascii_lowercase();
+    let ends = |extension: &&str| name.strip_suffix(*extension).is_some_and(|stem| stem.ends_with('.'));
+    FORMATS.iter().find(|format| format.extensions.iter().any(ends))
+}
+
+/// Why a path cannot be opened: a wrong name if it looks like one, else a missing or unreadable file.
+fn unopened(name: &str, error: OpenError) -> ShapeError {
+    let file = shown(name);
+    match error {
+        OpenError::Missing if Path::new(name).extension().is_none() && !name.contains(['/', '\\']) => {
+            ShapeError::UnknownName { nearest: nearest(name, BUILT_IN), name: file, known: known_extensions() }
+        }
+        error => unreadable(file, error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misspelt_name_gets_the_nearest_built_in_one() {
+        for (wrong, right) in [
+            ("shpere", "sphere"),
+            ("Teapot ", "teapot"),
+            ("dodeca", "dodecahedron"),
+            ("tea", "teapot"),
+            ("qube", "cube"),
+        ] {
+            let error = open(wrong).unwrap_err();
+            assert!(
+                matches!(error, ShapeError::UnknownName { nearest: Some(near), .. } if near == right),
+                "{wrong}: {error}"
+            );
+        }
+        let far = open("x").unwrap_err().to_string();
+        assert!(far.starts_with("no built-in object and no file is called `x`; built in: sphere"), "{far}");
+        let message = open("shpere").unwrap_err().to_string();
+        assert!(
+            message.contains("sphere, cube, torus")
+                && message.contains(
+                    ".nrrd, .nhdr, .mhd, .mha, .gltf, .glb, .dcm, .vdb, .nii, .nii.gz, .hdr, .hdr.gz, .raw, .ply, .stl, .obj"
+                ),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn missing_files_directories_and_empty_files_are_told_apart() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+        std::fs::write(path("empty.obj"), b"").unwrap();
+        assert!(matches!(open(&path("none.obj")), Err(ShapeError::Missing { .. })));
+        assert!(matches!(open("none.stl"), Err(ShapeError::Missing { .. })));
+        assert!(matches!(open(&path("empty.obj")), Err(ShapeError::Empty { .. })));
+        assert!(matches!(open(&path("")), Err(ShapeError::NotAFile { kind: "a directory", .. })));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_device_is_refused_before_it_is_opened() {
+        assert!(matches!(open("/dev/zero"), Err(ShapeError::NotAFile { .. })));
+    }
+
+    #[test]
+    fn content_decides_before_the_extension() {
+        let stl =
+            b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n\
+            endsolid s\n";
+        assert!(matches!(read("wrong.obj", stl), Ok(Shape::Mesh(_))));
+        assert!(matches!(read("no_extension", stl), Ok(Shape::Mesh(_))));
+    }
+
+    #[test]
+    fn an_unknown_format_shows_how_the_file_begins_and_what_is_known() {
+        let message = read("duck.blend", b"BLENDER-v300rest").unwrap_err().to_string();
+        assert!(message.contains("BLENDER") && message.contains(".obj"), "{message}");
+        assert_eq!(message.lines().count(), 1);
+    }
+
+    #[test]
+    fn a_name_with_line_breaks_gives_a_message_of_one_line() {
+        assert_eq!(open("a\nb").unwrap_err().to_string().lines().count(), 1);
+        assert_eq!(open("a\u{85}b\n.obj").unwrap_err().to_string().lines().count(), 1);
+    }
+}

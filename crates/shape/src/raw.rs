@@ -1,0 +1,69 @@
+//! Bare values: a volume without a header.
+//!
+//! Role: the bytes of a file by a layout that a person says. Invariant: the file is as long as the layout says.
+
+use super::error::{Location, ShapeError, quoted, shown, unreadable};
+use super::placement::{self, Placement};
+use super::raster::{Data, Packing, Raster, Skip, sides};
+use super::source::Source;
+use super::space::Space;
+use super::{Content, SampleType, Shape};
+use glam::{DMat3, DVec3};
+use std::io::BufReader;
+use std::path::Path;
+use support::open as plain;
+
+/// What the bytes of a file are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RawLayout {
+    /// Samples per axis, x fastest, each at least 1.
+    pub size: [u32; 3],
+    /// Type of a value.
+    pub kind: SampleType,
+    /// Whether the first byte of a value is its highest.
+    pub big_endian: bool,
+    /// World distances between neighboring samples on each axis, positive.
+    pub spacing: [f64; 3],
+    /// Bytes before the values; `None` for all but the values, which are at the end.
+    pub skip: Option<u64>,
+}
+
+/// Opens a file of bare values as a scalar volume whose first sample is at the origin of the world.
+///
+/// Integers above 2^24 and doubles are rounded to f32; what was assumed becomes a warning in the log.
+///
+/// # Errors
+/// Any [`ShapeError`]; its message is one line. A layout that the length of the file does not fit to is refused.
+pub fn open_raw(path: &str, layout: &RawLayout) -> Result<Shape, ShapeError> {
+    let file = shown(path);
+    let (opened, len) = plain::open(Path::new(path), u64::MAX).map_err(|error| unreadable(file.clone(), error))?;
+    let mut reader = BufReader::new(opened);
+    let mut source = Source::new(file, len, None, &mut reader);
+    let wrong = |expected, found: String| source.malformed_at(Location::Layout, expected, quoted(found.as_bytes()));
+    if layout.size.contains(&0) {
+        return Err(wrong("3 sizes of at least 1", sides(layout.size)));
+    }
+    let size = placement::checked(&source.file, layout.size.map(u64::from))?;
+    let spacing = DVec3::from(layout.spacing);
+    if !placement::are_lengths(spacing) {
+        return Err(wrong(placement::STEPS, layout.spacing.map(|step| step.to_string()).join(" ")));
+    }
+    let (steps, content) = (DMat3::from_diagonal(spacing), Content::Scalar);
+    let placement = Placement::new(Space::RAS, size, (DVec3::ZERO, steps), content);
+    let (kind, big_endian) = (layout.kind, layout.big_endian);
+    let raster = Raster { kind, big_endian, packing: Packing::None, scale: None, placement };
+    let data = Data { before: layout.skip.map_or(Skip::ToData, Skip::Bytes), ..Data::HERE };
+    let shape = raster.read(&mut source, &data)?;
+    source.notes.take().iter().for_each(|note| log::warn!("{}: {note}", source.file));
+    Ok(shape)
+}
+
+/// A file of bare values without a layout: what it may be.
+pub(super) fn refuse(source: &mut Source) -> Result<Shape, ShapeError> {
+    let bytes = source.len;
+    let side = |kind: &SampleType| (1..1291).find(|side: &u64| side.pow(3) * kind.bytes() == bytes).filter(|n| *n > 1);
+    let usual = [SampleType::U8, SampleType::U16, SampleType::F32, SampleType::F64];
+    let guess = usual.iter().find_map(|kind| Some((side(kind)?, kind)));
+    let guess = guess.map_or(String::new(), |(n, kind)| format!(" ({n} x {n} x {n} of {kind}?)"));
+    Err(ShapeError::NoLayout { file: source.file.clone(), bytes, guess })
+}

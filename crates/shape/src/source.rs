@@ -1,0 +1,307 @@
+//! The bytes that a format reader reads.
+//!
+//! Role: lines and blocks with the place they came from, and the checks that all formats share. Invariant: nothing is
+//! allocated for a count that a file merely declares.
+
+use super::error::{Found, Location, ShapeError, quoted, shown};
+use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
+use glam::DVec3;
+use std::cell::RefCell;
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::{Component, Path, PathBuf};
+use std::str::FromStr;
+use support::open::{self, Home, MARK};
+
+/// The longest line, in bytes, its end included.
+pub(super) const MAX_LINE: usize = 1 << 20;
+/// The longest name of a file beside another, in bytes, with its folders.
+const MAX_NAME: usize = 1024;
+/// The longest name of a file or a folder, in bytes.
+const MAX_PART: usize = 255;
+
+/// An open file, or bytes that stand for one.
+pub(super) struct Source<'a> {
+    /// Name for messages.
+    pub file: String,
+    /// Length in bytes.
+    pub len: u64,
+    /// Bytes consumed so far.
+    pub offset: u64,
+    /// Lines consumed so far by [`Source::next_line`].
+    pub line: u64,
+    /// The byte that ends a line, known from the first one on.
+    end: u8,
+    /// Where files beside it are; none where it is in memory.
+    pub folder: Option<PathBuf>,
+    /// The grid that is asked for of a file with several.
+    pub grid: Option<String>,
+    /// All grids of such a file, each with what it is.
+    pub grids: Vec<String>,
+    /// What a person should know about the shape besides: see [`Source::note`].
+    pub notes: RefCell<Vec<String>>,
+    /// Other files that it was read from.
+    pub others: RefCell<Vec<PathBuf>>,
+    /// What is left.
+    pub reader: &'a mut dyn BufRead,
+}
+
+impl<'a> Source<'a> {
+    /// The start of `len` bytes of which nothing is consumed.
+    pub fn new(file: String, len: u64, folder: Option<PathBuf>, reader: &'a mut dyn BufRead) -> Source<'a> {
+        Source {
+            file,
+            len,
+            offset: 0,
+            line: 0,
+            end: b'\n',
+            folder,
+            grid: None,
+            grids: Vec::new(),
+            notes: RefCell::default(),
+            others: RefCell::default(),
+            reader,
+        }
+    }
+
+    /// Reads a file beside this one, or below its folder; no link leads elsewhere, but below the current folder.
+    pub fn beside<T>(
+        &self,
+        name: &str,
+        read: impl FnOnce(&mut Source<'_>) -> Result<T, ShapeError>,
+    ) -> Result<T, ShapeError> {
+        // Longer names are none of files.
+        let is_below = name.len() <= MAX_NAME
+            && Path::new(name).components().all(|part| match part {
+                Component::Normal(part) => part.len() <= MAX_PART,
+                part => part == Component::CurDir,
+            });
+        let folder = self.folder.as_deref().filter(|_| is_below).ok_or_else(|| {
+            let (place, found) = (Location::Header, quoted(name.as_bytes()));
+            let remedy = "put the file of the data beside this one";
+            ShapeError::Unsupported { file: self.file.clone(), place, what: "the data file", found, remedy }
+        })?;
+        let path = folder.join(name);
+        if !Home::of(folder).holds(&path) {
+            return Err(Source::leads_out(&self.file, Location::Header, name));
+        }
+        let file = shown(&path.to_string_lossy());
+        let (opened, len) = open::open(&path, u64::MAX).map_err(|error| ShapeError::Unreadable {
+            file: format!("{}: its data file {file}", self.file),
+            reason: error.into(),
+        })?;
+        self.others.borrow_mut().push(path);
+        let mut reader = BufReader::new(opened);
+        let mut part = Source::new(file, len, None, &mut reader);
+        let found = read(&mut part)?;
+        part.notes.take().into_iter().for_each(|note| self.note(note));
+        Ok(found)
+    }
+
+    /// Remembers what was assumed, or left out of the file: a short sentence without the file's name, once.
+    pub fn note(&self, text: String) {
+        let mut notes = self.notes.borrow_mut();
+        if !notes.contains(&text) {
+            notes.push(text);
+        }
+    }
+
+    /// Says that zeros fill up the file behind its packed data, if some do.
+    pub fn note_padding(&self, zeros: u64) {
+        if zeros > 0 {
+            self.note(format!("{zeros} zeros behind the packed data are left out"));
+        }
+    }
+
+    /// Bytes that are not consumed yet.
+    pub fn remaining(&self) -> u64 {
+        self.len.saturating_sub(self.offset)
+    }
+
+    /// Up to 1024 bytes at the current place, not consumed; fewer only near the end of the file.
+    pub fn peek(&mut self) -> Result<&[u8], ShapeError> {
+        match self.reader.fill_buf() {
+            Ok(bytes) => Ok(&bytes[..bytes.len().min(1024)]),
+            Err(reason) => Err(ShapeError::Unreadable { file: self.file.clone(), reason }),
+        }
+    }
+
+    /// Goes over the byte order mark of a text; whether there is one.
+    pub fn skip_mark(&mut self) -> Result<bool, ShapeError> {
+        let is_marked = self.peek()?.starts_with(MARK);
+        if is_marked {
+            self.skip(MARK.len() as u64, "a byte order mark")?;
+        }
+        Ok(is_marked)
+    }
+
+    /// Replaces `line` by the next line without its end (LF, CRLF, or CR where all lines end so); `false` at the end of the
+    /// file. One that is longer than [`MAX_LINE`] is an error: a file without line ends would take its length in memory.
+    pub fn next_line(&mut self, line: &mut Vec<u8>) -> Result<bool, ShapeError> {
+        line.clear();
+        if self.line == 0 {
+            // One CR within a line is a slip of the pen, two before the first LF are ends of lines.
+            let first = self.peek()?.split(|byte| *byte == b'\n').next().unwrap_or_default();
+            let first = first.strip_suffix(b"\r").unwrap_or(first);
+            self.end = if first.iter().filter(|byte| **byte == b'\r').count() > 1 { b'\r' } else { b'\n' };
+        }
+        let read = (&mut *self.reader).take(MAX_LINE as u64 + 1).read_until(self.end, line);
+        let bytes = read.map_err(|reason| self.unreadable(reason))?;
+        self.offset += bytes as u64;
+        self.line += u64::from(bytes > 0);
+        if bytes > MAX_LINE {
+            return Err(self.malformed("a line of at most 1 MiB", line));
+        }
+        if line.last() == Some(&self.end) {
+            line.pop();
+        }
+        if line.last() == Some(&b'\r') {
+            line.pop();
+        }
+        Ok(bytes > 0)
+    }
+
+    /// Fills `bytes`; the caller has checked that the file is long enough.
+    pub fn fill(&mut self, bytes: &mut [u8]) -> Result<(), ShapeError> {
+        self.reader.read_exact(bytes).map_err(|reason| self.unreadable(reason))?;
+        self.offset += bytes.len() as u64;
+        Ok(())
+    }
+
+    /// The next `N` bytes; `what` they are of is said where the file ends before.
+    pub fn array<const N: usize>(&mut self, what: &str) -> Result<[u8; N], ShapeError> {
+        self.expect(N as u64, what)?;
+        let mut bytes = [0; N];
+        self.fill(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// The next `bytes` bytes, a number that the file declares: memory is taken for those that are there.
+    pub fn block(&mut self, bytes: u64, what: &str) -> Result<Vec<u8>, ShapeError> {
+        self.expect(bytes, what)?;
+        let mut block = Vec::new();
+        let read = (&mut *self.reader).take(bytes).read_to_end(&mut block);
+        self.consumed(read.map(|read| read as u64), bytes, what)?;
+        Ok(block)
+    }
+
+    /// Goes over the next `bytes` bytes.
+    pub fn skip(&mut self, bytes: u64, what: &str) -> Result<(), ShapeError> {
+        self.expect(bytes, what)?;
+        let skipped = io::copy(&mut (&mut *self.reader).take(bytes), &mut io::sink());
+        self.consumed(skipped, bytes, what)
+    }
+
+    /// An error where fewer than `bytes` bytes are left.
+    fn expect(&self, bytes: u64, what: &str) -> Result<(), ShapeError> {
+        let left = self.remaining();
+        if bytes <= left { Ok(()) } else { Err(self.data_size(bytes, what.into(), Found::Bytes(left))) }
+    }
+
+    /// Counts what was read, an error where it is less than `bytes`.
+    fn consumed(&mut self, read: io::Result<u64>, bytes: u64, what: &str) -> Result<(), ShapeError> {
+        let read = read.map_err(|reason| self.unreadable(reason))?;
+        if read < bytes {
+            return Err(self.data_size(bytes, what.into(), Found::Bytes(read)));
+        }
+        self.offset += bytes;
+        Ok(())
+    }
+
+    /// The operating system's error.
+    pub fn unreadable(&self, reason: io::Error) -> ShapeError {
+        ShapeError::Unreadable { file: self.file.clone(), reason }
+    }
+
+    /// `found` at the current line is not what the format asks for.
+    pub fn malformed(&self, expected: &'static str, found: &[u8]) -> ShapeError {
+        self.malformed_at(Location::Line(self.line), expected, quoted(found))
+    }
+
+    /// `found` at `place` is not what the format asks for.
+    pub fn malformed_at(&self, place: Location, expected: &'static str, found: String) -> ShapeError {
+        ShapeError::Malformed { file: self.file.clone(), place, expected, found }
+    }
+
+    /// The header declares `declared` bytes from here on, which is not what the file holds.
+    pub fn data_size(&self, declared: u64, what: String, found: Found) -> ShapeError {
+        ShapeError::DataSize { file: self.file.clone(), offset: self.offset, declared, what, found }
+    }
+
+    /// An error where `triangles` is more than [`MAX_TRIANGLES`].
+    pub fn check_triangles(&self, triangles: u64) -> Result<(), ShapeError> {
+        if triangles <= MAX_TRIANGLES {
+            return Ok(());
+        }
+        let found = triangles.to_string();
+        Err(ShapeError::TooLarge { file: self.file.clone(), what: "triangles", found, limit: MAX_TRIANGLES })
+    }
+
+    /// The error of a link in `file` that leads out of the folder.
+    pub(super) fn leads_out(file: &str, place: Location, name: &str) -> ShapeError {
+        let remedy = "it leads out of the folder, and out of the current one: put the file itself in its place, \
+                  or run this in a folder that has both in it";
+        let found = quoted(name.as_bytes());
+        ShapeError::Unsupported { file: file.into(), place, what: "the link", found, remedy }
+    }
+
+    /// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].
+    pub fn check_positions(&self, what: &'static str, positions: &[impl Copy + Into<DVec3>]) -> Result<(), ShapeError> {
+        check_positions(&self.file, what, positions)
+    }
+
+    /// A cleaned mesh as a shape; an error that says what the file `holds` if nothing is left of it.
+    pub fn finish(&self, (mesh, zero_area): (Mesh, usize), holds: impl Into<String>) -> Result<Shape, ShapeError> {
+        if mesh.triangles.is_empty() {
+            let holds = if zero_area > 0 { format!("{zero_area} of zero area were dropped") } else { holds.into() };
+            return Err(ShapeError::NoTriangles { file: self.file.clone(), holds });
+        }
+        if zero_area > 0 {
+            log::info!("{}: {zero_area} triangles of zero area are dropped", self.file);
+        }
+        Ok(Shape::Mesh(mesh))
+    }
+}
+
+/// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].
+pub(super) fn check_positions(
+    file: &str,
+    what: &'static str,
+    positions: &[impl Copy + Into<DVec3>],
+) -> Result<(), ShapeError> {
+    let near = || positions.iter().map(|&position| -> DVec3 { position.into() }).map(DVec3::as_vec3);
+    if let Some(first) = near().position(|p| !p.is_finite()) {
+        let count = near().filter(|p| !p.is_finite()).count();
+        return Err(ShapeError::NotFinite { file: file.into(), what, count, total: positions.len(), first });
+    }
+    let mut sizes = near().map(|p| p.abs().max_element()).enumerate();
+    match sizes.find(|(_, size)| *size > MAX_COORDINATE) {
+        Some((index, value)) => {
+            Err(ShapeError::CoordinateRange { file: file.into(), what, index, value, limit: MAX_COORDINATE })
+        }
+        None => Ok(()),
+    }
+}
+
+/// A number as text; NaN and infinities pass, they are counted later.
+pub(super) fn number<T: FromStr>(token: &[u8]) -> Option<T> {
+    std::str::from_utf8(token).ok()?.parse().ok()
+}
+
+/// The parts of `line` between white space.
+pub(super) fn tokens(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|token| !token.is_empty())
+}
+
+/// Reads until `block` is full or the input ends; how many bytes were read.
+pub(super) fn read_block(reader: &mut dyn Read, block: &mut [u8]) -> io::Result<usize> {
+    let mut filled = 0;
+    while filled < block.len() {
+        match reader.read(&mut block[filled..]) {
+            Ok(0) => break,
+            Ok(bytes) => filled += bytes,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(filled)
+}

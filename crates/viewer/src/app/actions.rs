@@ -1,0 +1,238 @@
+//! What is asked of the window: by keys, by the panels, by a file that is dropped.
+
+use super::App;
+use crate::keys::Action;
+use crate::panels::{Question, Request, SIDES};
+use crate::worker::{Task, Variant};
+use egui::Ui;
+use hypertexture::scene::{self, Camera, Scene};
+use measure::metric::Metric;
+use measure::pick::{ErrorBound, Pick};
+use measure::statistics::rounded_up;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// A way to draw is looked for once the scene has not changed for so long.
+const CALM: Duration = Duration::from_millis(500);
+/// Frames of a recording: four seconds.
+const TURN: u32 = 100;
+
+impl App {
+    pub(super) fn act(&mut self, action: Action) {
+        match action {
+            Action::Help => self.help = !self.help,
+            Action::Play => self.request(Request::Pause(self.clock.is_some())),
+            Action::Reset => self.request(Request::ResetCamera),
+            Action::Previous => self.step(-1),
+            Action::Next => self.step(1),
+            Action::Screenshot => self.request(Request::Screenshot(free_name("hypertexture", ".png"))),
+            Action::Record => self.request(Request::Record(self.figures.recording.is_none())),
+            Action::Compare => {
+                let kept = self.kept.is_none().then(|| Box::new(self.shown()));
+                self.request(Request::Split(kept));
+            }
+            Action::Validity => self.request(Request::Validity(!self.validity)),
+            Action::Inertia => {
+                self.inertia = !self.inertia;
+                self.glide = None;
+                self.note(if self.inertia { "the ball turns on" } else { "the ball stops when it is let go" });
+            }
+            Action::Level => self.level = !self.level,
+            Action::Side(index) => {
+                let (_, azimuth, elevation) = SIDES[index];
+                self.glide = None;
+                self.model.edit("camera", |scene| {
+                    let camera = &mut scene.camera;
+                    (camera.azimuth, camera.elevation, camera.rotation) = (azimuth, elevation, None);
+                });
+                self.model.end_undo_group();
+            }
+            Action::Look => self.comparison.next(),
+            Action::Inspect => self.inspect_under_pointer(),
+            Action::Worst => self.jump_to_worst(),
+            Action::Undo => drop(self.model.undo()),
+            Action::Redo => drop(self.model.redo()),
+            Action::FullScreen => self.full_screen = !self.full_screen,
+            Action::Leave if self.help => self.help = false,
+            Action::Leave if self.full_screen => self.full_screen = false,
+            Action::Leave => self.panels.ask(Question::Quit),
+            Action::Save => self.panels.save(&mut self.model),
+            Action::Open => self.panels.choose_file(),
+            Action::Panels => self.panels.hide(!self.panels.is_hidden()),
+            Action::Controls => self.panels.hide(false),
+            Action::Withheld => self.note("the keys are those of the text: Esc or a click on the picture ends that"),
+        }
+    }
+
+    pub(super) fn request(&mut self, request: Request) {
+        match request {
+            Request::Screenshot(path) => self.screenshot(path),
+            Request::ResetCamera => {
+                let time = self.model.scene().camera.time;
+                let home = Camera { time, ..self.model.home().clone() };
+                self.glide = None;
+                self.model.edit("camera", |scene| scene.camera = home);
+            }
+            Request::Split(kept) => {
+                self.kept = kept.map(|scene| (*scene, self.library.clone()));
+                self.validity &= self.kept.is_none();
+            }
+            Request::Validity(on) => {
+                self.validity = on;
+                self.kept = self.kept.take().filter(|_| !on); // it is that of one variant
+            }
+            Request::Record(true) => self.record(),
+            Request::Record(false) => self.stop(),
+            Request::Pause(false) => self.clock = Some(self.model.scene().camera.time),
+            Request::Pause(true) => {
+                if let Some(clock) = self.clock.take() {
+                    self.model.edit("camera.time", |scene| scene.camera.time = clock);
+                }
+            }
+            Request::Time(time) => {
+                self.tempo.reach(time);
+                match &mut self.clock {
+                    Some(clock) => *clock = time,
+                    None => drop(self.model.edit("camera.time", |scene| scene.camera.time = time)),
+                }
+            }
+            Request::Tempo(tempo) => self.tempo = tempo,
+            Request::Level(level) => self.level = level,
+            Request::MaxError(error) => {
+                (self.max_error, self.pick) = (error, error);
+                if self.figures.picking.is_some() {
+                    self.stop(); // what is looked for is no longer asked for
+                }
+            }
+            Request::Densities => {
+                if let Some(job) = self.posted.as_ref().filter(|job| !job.moving) {
+                    let notify = self.notify.clone();
+                    self.densities.want(job, move || notify());
+                }
+            }
+            Request::Open(path) => self.open(&path),
+            Request::Quit => self.quit = true,
+        }
+    }
+
+    /// Ends the window; where something would be lost with it, it asks.
+    pub(crate) fn ask_to_quit(&mut self) {
+        match self.panels.at_stake(&self.model) {
+            Some(_) => self.panels.ask(Question::Quit),
+            None => self.quit = true,
+        }
+    }
+
+    /// The preset before or after the one whose effect is shown.
+    fn step(&mut self, by: isize) {
+        let names: Vec<&str> = scene::names().collect();
+        let here = self.model.preset().and_then(|own| names.iter().position(|name| *name == own));
+        let count = names.len() as isize;
+        let next = here.map_or(0, |here| (here as isize + by).rem_euclid(count));
+        self.model.take_preset(names[next as usize], false);
+        self.glide = None;
+        self.note(format!("{}: {}", names[next as usize], self.model.scene().about));
+    }
+
+    /// Ends a recording, or the search for a way to draw.
+    pub(super) fn stop(&self) {
+        if let Some(worker) = &self.worker {
+            worker.stop();
+        }
+    }
+
+    /// Shows a mesh, a scan or a scene file; a module is edited, and followed when another program writes it.
+    pub(crate) fn open(&mut self, path: &Path) {
+        self.loader.retry();
+        if path.extension().is_some_and(|end| end == "glsl") {
+            match self.panels.author().watch(self.model.library(), path) {
+                Ok(()) => self.panels.show_author(true),
+                Err(reason) => self.fail(reason),
+            }
+        } else {
+            self.model.open(path);
+        }
+    }
+
+    /// Writes the picture that `render` makes of what is shown.
+    pub(crate) fn screenshot(&mut self, path: PathBuf) {
+        let edited = self.model.edited();
+        let image = &self.model.scene().image;
+        let [width, height] = image.size;
+        let behind = if image.background.is_some() { "with its background" } else { "transparent where nothing is" };
+        self.writing = format!(", {width} x {height} pixels as the scene says, {behind}");
+        self.task(|variant| Task::Shot { variant, path, edited });
+    }
+
+    fn record(&mut self) {
+        let path = free_name("turntable", "_####.png");
+        self.figures.recording = Some((0, TURN));
+        let edited = self.model.edited();
+        let [width, height] = self.model.scene().image.size;
+        self.writing = format!(", {TURN} pictures of {width} x {height} pixels");
+        self.task(|variant| Task::Turntable { variant, path, frames: TURN, edited });
+    }
+
+    /// Looks for the fastest settings for the scene within the error that was asked for, once the mouse is let go.
+    pub(super) fn pick(&mut self, ui: &Ui, now: Instant) {
+        let Some(error) = self.pick else { return };
+        let rests = self.clock.is_some() || now.duration_since(self.changed) >= CALM;
+        let is_free = !ui.input(|input| input.pointer.any_down()) && self.loader.progress().is_none();
+        // A picture comes first, if only a coarse one: the search keeps the device busy.
+        if !(rests && is_free && self.is_current() && self.tasks == 0) {
+            return ui.ctx().request_repaint_after(CALM);
+        }
+        self.pick = None;
+        match ErrorBound::new(Metric::Rmse, error) {
+            Ok(bound) => {
+                self.figures.picking = Some(0.0);
+                self.picked_for = Some(self.model.scene().clone());
+                self.task(|variant| Task::Pick { variant, bound });
+            }
+            Err(error) => self.fail(error.to_string()),
+        }
+    }
+
+    /// Draws the scene in the way that was picked for it.
+    pub(super) fn take(&mut self, pick: &Pick) {
+        let content = |scene: &Scene| Scene { camera: Camera::default(), ..scene.clone() };
+        if self.picked_for.take().map(|scene| content(&scene)) != Some(content(self.model.scene())) {
+            self.fail("the scene has changed while the fastest settings for it were looked for: ask again");
+            return;
+        }
+        let Scene { quality, effect, .. } = &pick.scene;
+        let good = self.model.edit("way to draw", |scene| {
+            scene.quality.clone_from(quality);
+            scene.effect.clone_from(effect);
+        });
+        self.model.end_undo_group();
+        if good {
+            let by = if pick.unverified.is_none() { "the f64 reference" } else { "a finer picture" };
+            let error = rounded_up(pick.verified.error);
+            self.note(format!("drawn with {}: error at most {error:.1e} by {by}", pick.settings));
+        }
+    }
+
+    fn task(&mut self, task: impl FnOnce(Box<Variant>) -> Task) {
+        let scene = self.shown();
+        let subject = self.posted.as_ref().filter(|_| !self.lacks_object);
+        let (Some(posted), Some(worker)) = (subject, &self.worker) else {
+            self.failure.get_or_insert("the object is not loaded yet".into());
+            self.fail("the object is not loaded yet");
+            return;
+        };
+        worker.add(task(Box::new(Variant { scene, ..posted.variants[0].clone() })));
+        self.tasks += 1;
+        self.posted = None; // the picture is gone on with afterwards
+    }
+}
+
+/// The first name that no file has: `stem`, a number and `end`.
+fn free_name(stem: &str, end: &str) -> PathBuf {
+    let name = |number: u32| PathBuf::from(format!("{stem}_{number:03}{end}"));
+    let taken = |path: &Path| {
+        let first = path.to_string_lossy().replace("####", "0000");
+        path.exists() || Path::new(&first).exists()
+    };
+    (1..1000).map(name).find(|path| !taken(path)).unwrap_or_else(|| name(1000))
+}

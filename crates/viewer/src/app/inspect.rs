@@ -1,0 +1,58 @@
+//! The pixel that is inspected, over the picture.
+
+use super::App;
+use super::post::move_clone;
+use egui::{Pos2, Ui};
+
+impl App {
+    /// Width and height of the picture in pixels.
+    fn pixels(&self) -> Option<[u32; 2]> {
+        Some(self.posted.as_ref()?.variants.first()?.scene.image.size)
+    }
+
+    /// The pixel at a place of the window.
+    fn pixel_at(&self, at: Pos2) -> Option<[u32; 2]> {
+        let size = self.pixels()?;
+        let part = (at - self.place.min) / self.place.size();
+        let index = |axis: usize| ((part[axis].max(0.0) * size[axis] as f32) as u32).min(size[axis] - 1);
+        self.place.contains(at).then(|| [index(0), index(1)])
+    }
+
+    /// Inspects the pixel that was clicked, while one is inspected.
+    pub(super) fn inspect_clicked(&mut self, at: Option<Pos2>) {
+        if self.inspector.is_open()
+            && let Some(pixel) = at.and_then(|at| self.pixel_at(at))
+        {
+            self.inspector.look_at(Some(pixel));
+        }
+    }
+
+    /// Inspects the pixel under the pointer, or the one in the middle; or stops.
+    pub(super) fn inspect_under_pointer(&mut self) {
+        let pointer = self.pointer.and_then(|at| self.pixel_at(at));
+        let pixel = pointer.or_else(|| self.pixel_at(self.place.center()));
+        self.inspector.look_at(pixel.filter(|_| !self.inspector.is_open()));
+    }
+
+    /// Inspects the next of the pixels that differ most.
+    pub(super) fn jump_to_worst(&mut self) {
+        if !self.inspector.jump() {
+            self.note("the worst pixels are known once the picture has been refined");
+        }
+    }
+
+    /// Whether all is known of the pixel that is inspected.
+    pub(crate) fn is_inspected(&self) -> bool {
+        self.inspector.is_done()
+    }
+
+    /// Shows what is known of the pixel.
+    pub(super) fn inspect(&mut self, ui: &Ui) {
+        let notify = move_clone(&self.notify);
+        let job = self.posted.as_ref().filter(|_| self.loader.progress().is_none());
+        self.inspector.follow(job, &notify);
+        if let Some(size) = self.pixels() {
+            self.inspector.show(ui, self.place, size);
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! What the mouse does over the picture.
+
+use super::App;
+use crate::keys;
+use crate::trackball::{drag_light, orbit, zoom_to};
+use crate::worker::Variant;
+use egui::{Color32, PointerButton, Pos2, Response, Stroke, Ui, Vec2};
+use glam::DVec3;
+use hypertexture::render;
+use hypertexture::render::variant::Variant as Program;
+
+/// The part of its speed that a ball with inertia keeps for a second.
+const GLIDE: f64 = 0.2;
+
+/// What a drag does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Drag {
+    #[default]
+    Turn,
+    Pan,
+    Light,
+}
+
+impl App {
+    /// The mouse over the picture.
+    pub(super) fn navigate(&mut self, ui: &Ui, response: &Response) {
+        let delta = response.drag_delta();
+        self.pointer = response.hover_pos();
+        self.dragging = response.dragged();
+        if response.is_pointer_button_down_on() {
+            keys::stop_writing(ui.ctx());
+        }
+        if response.drag_started() {
+            let modifiers = ui.input(|input| input.modifiers);
+            self.drag = match () {
+                () if !response.dragged_by(PointerButton::Primary) || modifiers.shift => Drag::Pan,
+                () if modifiers.command => Drag::Light,
+                () => Drag::Turn,
+            };
+            (self.glide, self.last_turn) = (None, (DVec3::Y, 0.0));
+        }
+        if let Some(to) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+            match self.drag {
+                Drag::Turn if self.level => self.orbit(delta),
+                Drag::Turn => self.roll(ui, to, delta),
+                Drag::Pan => self.pan(delta),
+                Drag::Light => {
+                    let [from, to] = [to - delta, to].map(|at| self.on_ball(at));
+                    self.model.edit("light.position", |scene| {
+                        scene.light.position = drag_light(scene.light.position, from, to);
+                    });
+                }
+            }
+        }
+        if response.drag_stopped() {
+            self.glide = (self.inertia && self.last_turn.1 > 0.05).then_some(self.last_turn);
+            self.model.end_undo_group();
+        }
+        if response.clicked() {
+            self.inspect_clicked(response.interact_pointer_pos());
+        }
+        if let Some(at) = response.hover_pos() {
+            let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+            let factor = (scroll / 400.0).exp() * if scroll == 0.0 { pinch } else { 1.0 };
+            if factor != 1.0
+                && let Some(half) = self.half_height()
+            {
+                let from = (at - self.place.center()) / (0.5 * self.place.height().max(1.0));
+                self.model.edit("camera.zoom", |scene| {
+                    scene.camera = zoom_to(&scene.camera, factor, [from.x, -from.y], half);
+                });
+            }
+        }
+    }
+
+    /// A place of the window on the ball in the middle of the picture, right and up in units of its radius.
+    fn on_ball(&self, at: Pos2) -> [f64; 2] {
+        let radius = 0.5 * self.place.width().min(self.place.height()).max(1.0);
+        let from = (at - self.place.center()) / radius;
+        [f64::from(from.x), f64::from(-from.y)]
+    }
+
+    /// Turns the ball.
+    fn roll(&mut self, ui: &Ui, to: Pos2, delta: Vec2) {
+        self.ball.follow(&self.model.scene().camera);
+        if delta == Vec2::ZERO {
+            self.last_turn.1 = 0.0;
+            return;
+        }
+        let (axis, angle) = self.ball.drag(self.on_ball(to - delta), self.on_ball(to));
+        let passed = f64::from(ui.input(|input| input.stable_dt)).max(1e-3);
+        self.last_turn = (axis, angle / passed);
+        self.turn();
+    }
+
+    /// Orbits about the vertical axis; the shorter side of the picture is half a turn.
+    fn orbit(&mut self, delta: Vec2) {
+        if delta != Vec2::ZERO {
+            let part = delta / self.place.width().min(self.place.height()).max(1.0);
+            self.model.edit("camera", |scene| scene.camera = orbit(&scene.camera, part.into()));
+        }
+    }
+
+    fn pan(&mut self, delta: Vec2) {
+        if delta != Vec2::ZERO
+            && let Some(half) = self.half_height()
+        {
+            let unit = half / (0.5 * self.place.height().max(1.0));
+            self.model.edit("camera", |scene| {
+                let [x, y] = scene.camera.pan;
+                scene.camera.pan = [x + delta.x * unit, y - delta.y * unit].map(|side| side.clamp(-100.0, 100.0));
+            });
+        }
+    }
+
+    /// Half the height of the view, object units.
+    fn half_height(&self) -> Option<f32> {
+        let Variant { scene, library, subject } = self.posted.as_ref()?.variants.first()?;
+        let variant = Program::of(scene, library).ok()?;
+        Some(render::half_height(scene, subject, &variant))
+    }
+
+    fn turn(&mut self) {
+        let rotation = self.ball.rotation();
+        self.model.edit("camera", |scene| scene.camera.rotation = Some(rotation));
+    }
+
+    /// Lets the ball turn on.
+    pub(super) fn glide(&mut self, passed: f64) {
+        let Some((axis, speed)) = self.glide else { return };
+        self.ball.follow(&self.model.scene().camera);
+        self.ball.spin(axis, speed * passed);
+        self.turn();
+        let slower = speed * GLIDE.powf(passed);
+        self.glide = (slower > 0.02).then_some((axis, slower));
+        if self.glide.is_none() {
+            self.model.end_undo_group();
+        }
+    }
+
+    /// Where the light is on the ball while it is dragged: filled in front of the object, a ring behind it.
+    pub(super) fn show_light(&self, ui: &Ui) {
+        if !self.dragging || self.drag != Drag::Light {
+            return;
+        }
+        let [x, y, z] = self.model.scene().light.position;
+        let length = (x * x + y * y + z * z).sqrt().max(1e-6);
+        let radius = 0.5 * self.place.width().min(self.place.height());
+        let at = self.place.center() + Vec2::new(x, -y) / length * radius;
+        let (painter, sun) = (ui.painter_at(self.place), Color32::from_rgb(255, 214, 110));
+        painter.circle_stroke(self.place.center(), radius, Stroke::new(1.0, Color32::from_white_alpha(40)));
+        let fill = if z >= 0.0 { sun } else { Color32::TRANSPARENT };
+        painter.circle(at, 7.0, fill, Stroke::new(2.0, sun));
+    }
+}

@@ -1,0 +1,112 @@
+//! What the other threads have made, and what the panels are told of it.
+
+use super::{App, GOOD};
+use crate::panels::Status;
+use crate::status::{Figures, Stage};
+use crate::worker::Event;
+
+impl App {
+    /// Takes what the other threads have made.
+    pub(crate) fn receive(&mut self) {
+        if let Err(reason) = self.loader.poll() {
+            self.failure.get_or_insert(reason.clone());
+            self.fail(reason);
+        }
+        let Some(worker) = &self.worker else { return };
+        // A thread that has failed is replaced as one whose device is lost: once.
+        self.lost |= worker.has_ended();
+        let events: Vec<Event> = worker.events.try_iter().collect();
+        for event in events {
+            match event {
+                Event::Picture(picture) => {
+                    self.inspector.take(&picture.frames, picture.size, picture.stage);
+                    self.screen.take(picture.images, picture.frames, picture.size);
+                    (self.seen, self.fresh) = (picture.sight, true);
+                    let figures = &mut self.figures;
+                    (figures.stage, figures.size, figures.samples) = (picture.stage, picture.size, picture.samples);
+                    (figures.gpu_ms, figures.difference) = (picture.gpu_ms, picture.difference);
+                    (figures.error, figures.standard_error) = (picture.error, picture.standard_error);
+                    figures.validity = picture.validity;
+                    if picture.stage == Stage::Coarse {
+                        figures.ignored.clear();
+                        figures.recent_ms.push(picture.gpu_ms);
+                        let surplus = figures.recent_ms.len().saturating_sub(120);
+                        figures.recent_ms.drain(..surplus);
+                    }
+                    self.on_screen = picture.number;
+                    // What went wrong with an earlier scene no longer holds.
+                    self.said.take_if(|said| said.is_error && picture.number > self.said_at);
+                }
+                Event::Stopped(line) => {
+                    (self.tasks, self.figures.recording) = (self.tasks.saturating_sub(1), None);
+                    self.note(line);
+                }
+                Event::Made(lines) => self.figures.made = lines,
+                Event::Ignored(ignored) => self.figures.ignored = ignored,
+                Event::Wrote(path) => {
+                    self.tasks = self.tasks.saturating_sub(1);
+                    self.figures.recording = None;
+                    let path = std::path::absolute(&path).unwrap_or(path);
+                    self.note(format!("wrote {}{}", path.display(), self.writing));
+                }
+                Event::Picking(done) => self.figures.picking = Some(done),
+                Event::Picked(pick) => {
+                    (self.tasks, self.figures.picking) = (self.tasks.saturating_sub(1), None);
+                    if let Some(pick) = pick {
+                        self.take(&pick);
+                    }
+                }
+                Event::Recorded(done, all) => self.figures.recording = Some((done, all)),
+                Event::Refused(reason) => {
+                    self.failure.get_or_insert(reason.clone());
+                    (self.tasks, self.figures.recording, self.figures.picking) = (0, None, None);
+                    self.fail(reason);
+                }
+                Event::Failed(reason) => {
+                    if self.tasks > 0 {
+                        self.failure.get_or_insert(reason.clone());
+                    }
+                    (self.tasks, self.figures.recording, self.figures.picking) = (0, None, None);
+                    self.fail(reason);
+                }
+                Event::Lost => self.lost = true,
+            }
+        }
+    }
+
+    pub(super) fn status(&mut self) -> Status {
+        let Figures { error, standard_error, size, samples, recording, .. } = &self.figures;
+        let recent = &self.figures.recent_ms;
+        let mean = recent.iter().sum::<f64>() / recent.len().max(1) as f64;
+        let variance = recent.iter().map(|ms| (ms - mean).powi(2)).sum::<f64>() / recent.len().max(1) as f64;
+        // Only coarse pictures come often enough for their times to have a spread.
+        let spread = if self.figures.stage == Stage::Coarse { variance.sqrt() } else { 0.0 };
+        Status {
+            frame_ms: (!recent.is_empty()).then_some([self.figures.gpu_ms, spread]),
+            error: error.map(|error| [error, standard_error.unwrap_or(error)]),
+            picture: match self.lacks_object {
+                true => "preview: the object is not loaded yet".into(),
+                false => self.figures.words(self.max_error.unwrap_or(GOOD)),
+            },
+            detail: format!("{} x {} pixels, {samples} samples", size[0], size[1]),
+            device: self.figures.device.clone(),
+            message: self.said.clone(),
+            ignored: self.figures.ignored.clone(),
+            idle: self.unread.poll(self.model.scene()).to_vec(),
+            window: self.posted.as_ref().map_or([0, 0], |job| job.variants[0].scene.image.size),
+            made: self.figures.made.clone(),
+            progress: self.figures.picking.or(recording.map(|(done, all)| done as f32 / all.max(1) as f32)),
+            recent_ms: recent.clone(),
+            budget_ms: self.figures.budget_ms,
+            paused: self.clock.is_none(),
+            recording: recording.is_some(),
+            split: self.kept.is_some(),
+            max_error: self.max_error,
+            validity: self.validity,
+            densities: self.densities.poll(),
+            time: self.clock,
+            tempo: self.tempo,
+            level: self.level,
+        }
+    }
+}

@@ -1,0 +1,459 @@
+//! The text of a module that is being edited, here or in a file, and what became of it.
+
+use super::gate::Gate;
+use super::trial;
+use crate::model::Model;
+use hypertexture::scene::Scene;
+use hypertexture::shader::compile::{CompileError, Fault};
+use hypertexture::shader::{self, Library};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread;
+use std::time::{Duration, Instant, SystemTime};
+use support::{open, write_whole};
+
+/// How often a file is looked at. Editors replace files, so that its time and length say more than its node.
+pub const WATCH: Duration = Duration::from_millis(250);
+/// How long a text must rest before it is compiled: less, and every letter starts a process.
+const REST: Duration = Duration::from_millis(120);
+/// How often a compiler at work is asked for its answer.
+const ANSWER: Duration = Duration::from_millis(30);
+/// A file that was not there when it was looked at so often is gone; once, an editor may be replacing it.
+const GONE: u32 = 2;
+/// The longest file that is read, in bytes.
+pub(crate) const MAX_FILE: u64 = 1 << 20;
+
+/// A module that is being edited.
+pub struct Author {
+    slot: String,
+    name: String,
+    /// The text, as the editor shows it.
+    pub text: String,
+    /// Texts that were left before they were good, by path.
+    drafts: BTreeMap<String, String>,
+    file: Option<Watched>,
+    tried: Option<String>,
+    changed: Instant,
+    state: State,
+    /// Whether the module is put into the scene once its text is good.
+    is_wanted: bool,
+    worker: Worker,
+}
+
+/// What became of the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It is what the picture shows, or would if the scene used it.
+    Good,
+    /// It waits for the compiler.
+    Compiling,
+    /// It is refused; the picture shows the last good one.
+    Bad(Vec<Fault>),
+}
+
+/// A file that somebody edits elsewhere.
+struct Watched {
+    path: PathBuf,
+    /// Whether the module is no other text of one that ships.
+    is_own: bool,
+    seen: Option<(SystemTime, u64)>,
+    looked: Instant,
+    /// How often in a row it was not there.
+    missed: u32,
+    /// The text that it had when it was read or written here.
+    text: String,
+    /// What another program has written since, while there is something else here that no file holds.
+    other: Option<String>,
+}
+
+impl Author {
+    /// Edits a module of the library. `program` is the executable that compiles: [`std::env::current_exe`].
+    ///
+    /// # Errors
+    /// There is no such module.
+    pub fn new(program: PathBuf, library: &Library, slot: &str, name: &str) -> Result<Author, shader::LibraryError> {
+        let path = library.path(slot, name)?;
+        let text = library.source(&path).unwrap_or_default().to_string();
+        Ok(Author {
+            slot: slot.into(),
+            name: name.into(),
+            tried: Some(text.clone()),
+            text,
+            drafts: BTreeMap::new(),
+            file: None,
+            changed: Instant::now(),
+            state: State::Good,
+            is_wanted: false,
+            worker: Worker::start(Arc::new(Gate::new(program))),
+        })
+    }
+
+    /// What decides which programs may be drawn.
+    pub fn gate(&self) -> &Arc<Gate> {
+        &self.worker.gate
+    }
+
+    /// Slot and name of the module.
+    pub fn module(&self) -> (&str, &str) {
+        (&self.slot, &self.name)
+    }
+
+    /// Path of the module in the library.
+    pub fn path(&self) -> String {
+        format!("{}/{}.glsl", self.slot, self.name)
+    }
+
+    /// The file that is watched.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_ref().map(|file| file.path.as_path())
+    }
+
+    /// Whether another program has written to the file while the text was edited here: one of the two is to be taken.
+    pub fn is_contested(&self) -> bool {
+        self.file.as_ref().is_some_and(|file| file.other.is_some())
+    }
+
+    /// Whether the file is no longer there.
+    pub fn is_gone(&self) -> bool {
+        self.file.as_ref().is_some_and(|file| file.missed >= GONE)
+    }
+
+    /// Takes the text of the file, or stays with the one here; what the file holds is gone once that is saved.
+    pub fn settle(&mut self, by_file: bool) {
+        let Some(file) = &mut self.file else { return };
+        if let Some(other) = file.other.take() {
+            if by_file {
+                self.text.clone_from(&other);
+                self.changed = Instant::now() - REST;
+            }
+            file.text = other;
+        }
+    }
+
+    /// What is wrong with a file that is followed, one line.
+    pub fn complaint(&self) -> Option<String> {
+        let file = self.file.as_ref()?.path.display();
+        match &self.state {
+            _ if self.is_gone() => {
+                Some(format!("{file} is gone: the picture keeps its text, which `save as` in the editor writes again"))
+            }
+            _ if self.is_contested() => {
+                Some(format!("{file} was changed by another program, and here: open the editor"))
+            }
+            State::Bad(faults) => faults.first().map(|fault| match &fault.at {
+                Some((_, line)) => format!("{file}:{line}: {}", fault.text),
+                None => format!("{file}: {}", fault.text),
+            }),
+            _ => None,
+        }
+    }
+
+    /// What became of the text.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Texts that were left before they were good, by the paths of their modules.
+    pub fn drafts(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.drafts.iter().map(|(path, text)| (path.as_str(), text.as_str()))
+    }
+
+    /// Edits another module of the library. A text that is not good yet waits until its module is opened again.
+    pub fn open(&mut self, library: &Library, slot: &str, name: &str) {
+        self.leave(library);
+        (self.slot, self.name, self.file) = (slot.into(), name.into(), None);
+        let path = self.path();
+        let good = library.source(&path).map(String::from);
+        self.text = self.drafts.remove(&path).or(good.clone()).unwrap_or_default();
+        (self.tried, self.state) = (good, State::Good);
+        self.worker.forget();
+    }
+
+    /// Keeps a text that the library does not have.
+    fn leave(&mut self, library: &Library) {
+        if library.source(&self.path()) != Some(self.text.as_str()) {
+            self.drafts.insert(self.path(), self.text.clone());
+        }
+    }
+
+    /// Makes a new module of this text: its function gets the new name.
+    ///
+    /// # Errors
+    /// The name is none that GLSL and scene files bear, or there is such a module.
+    pub fn fork(&mut self, library: &Library, name: &str) -> Result<(), String> {
+        if !is_identifier(name) {
+            return Err(format!("`{name}` is no name of a module: lower-case letters, digits and _, a letter first"));
+        }
+        if library.modules(&self.slot).contains(&name) {
+            return Err(format!("there is a module {}/{name} already", self.slot));
+        }
+        let text = renamed(&self.text, &self.name, name);
+        self.leave(library);
+        self.text = text;
+        (self.name, self.file, self.tried, self.is_wanted) = (name.into(), None, None, false);
+        self.changed = Instant::now();
+        Ok(())
+    }
+
+    /// Edits a file, and follows it when another program writes it. The name of its folder is the slot, if it is one,
+    /// else it is a DMF; the name of the file is that of the module.
+    ///
+    /// # Errors
+    /// The file cannot be read, or its name is none of a module.
+    pub fn watch(&mut self, library: &Library, path: &Path) -> Result<(), String> {
+        let name = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+        if !is_identifier(name) || path.extension().is_none_or(|end| end != "glsl") {
+            return Err(format!("{}: a module is a file NAME.glsl, lower-case letters, digits and _", path.display()));
+        }
+        let folder = path.parent().and_then(Path::file_name).and_then(|folder| folder.to_str()).unwrap_or_default();
+        let slot = if library.modules(folder).is_empty() { "dmf" } else { folder };
+        self.follow(library, slot, name, path)
+    }
+
+    /// Edits and follows the file of a module that is in a slot whatever the folder is called.
+    ///
+    /// # Errors
+    /// The file cannot be read.
+    pub fn follow(&mut self, library: &Library, slot: &str, name: &str, path: &Path) -> Result<(), String> {
+        let text = read(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        self.leave(library);
+        (self.slot, self.name, self.text, self.tried) = (slot.into(), name.into(), text, None);
+        self.drafts.remove(&self.path());
+        (self.changed, self.is_wanted) = (Instant::now() - REST, false);
+        self.file = Some(self.watched(path));
+        Ok(())
+    }
+
+    fn watched(&self, path: &Path) -> Watched {
+        let is_own = shader::shipped().source(&self.path()).is_none();
+        let (seen, text) = (stamp(path), self.text.clone());
+        Watched { path: path.into(), is_own, seen, looked: Instant::now(), missed: 0, text, other: None }
+    }
+
+    /// Writes the text to a file, and follows that file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn save(&mut self, path: &Path) -> Result<(), String> {
+        write_whole(path, self.text.as_bytes())
+            .map_err(|error| format!("{}: {error}; nothing was written", path.display()))?;
+        self.file = Some(self.watched(path));
+        Ok(())
+    }
+
+    /// Takes the text that ships, if the module does.
+    pub fn reset(&mut self) {
+        if let Some(text) = shader::shipped().source(&self.path()) {
+            self.text = text.into();
+        }
+    }
+
+    /// Puts the module into the scene; while its text is being compiled, once that is good.
+    pub fn use_in(&mut self, model: &mut Model) -> bool {
+        self.is_wanted = self.state == State::Compiling;
+        if self.is_wanted {
+            return true;
+        }
+        let (slot, name) = (self.slot.clone(), self.name.clone());
+        let library = model.library().clone();
+        let what = format!("use {slot}/{name}");
+        let good = model.edit(&what, |scene| trial::use_module(scene, &library, &slot, &name));
+        model.end_undo_group();
+        good
+    }
+
+    /// Looks at the file, sends a new text to the compiler, and takes its answer: a good text becomes part of the model's
+    /// library. To be called once for each frame, and again after [`Author::wakes`]; whether the model has changed.
+    pub fn poll(&mut self, model: &mut Model) -> bool {
+        self.look();
+        self.is_wanted &= self.state == State::Compiling;
+        if self.is_untried() {
+            self.state = State::Compiling; // what was said is of another text
+            if self.changed.elapsed() >= REST {
+                self.submit(model);
+            }
+        }
+        if let Some(file) = self.file.as_ref().filter(|file| file.is_own && self.state == State::Good)
+            && model.library().source(&self.path()).is_some()
+        {
+            model.file_module(&format!("{}/{}", self.slot, self.name), &file.path.to_string_lossy());
+        }
+        match self.worker.answer() {
+            None => false,
+            Some(_) if self.is_untried() => false,
+            Some(Err(error)) => {
+                self.state = State::Bad(Fault::all(&error.to_string()));
+                false
+            }
+            Some(Ok(())) => {
+                let path = self.path();
+                let library = model.library().clone().with_module(&self.slot, &self.name, &self.sent());
+                match model.set_library(library) {
+                    Ok(()) => self.state = State::Good,
+                    Err(error) => self.state = State::Bad(Fault::all(&format!("{path}: {error}"))),
+                }
+                let is_good = self.state == State::Good;
+                if std::mem::take(&mut self.is_wanted) && is_good {
+                    self.use_in(model);
+                }
+                is_good
+            }
+        }
+    }
+
+    /// Whether the compiler has not been given the text.
+    fn is_untried(&self) -> bool {
+        self.tried.as_deref() != Some(self.text.as_str())
+    }
+
+    /// When there may be something new though nobody moves: an answer of the compiler, or another text in the file.
+    pub fn wakes(&self) -> Option<Duration> {
+        match self.state {
+            State::Compiling => Some(ANSWER),
+            _ => self.file.as_ref().map(|_| WATCH),
+        }
+    }
+
+    /// Says that the text was edited.
+    pub fn touch(&mut self) {
+        self.changed = Instant::now();
+    }
+
+    fn sent(&self) -> String {
+        self.tried.clone().unwrap_or_default()
+    }
+
+    fn look(&mut self) {
+        let Some(file) = self.file.as_mut().filter(|file| file.looked.elapsed() >= WATCH) else { return };
+        file.looked = Instant::now();
+        let now = stamp(&file.path);
+        file.missed = if now.is_some() { 0 } else { file.missed.saturating_add(1) };
+        if now.is_some() && now != file.seen {
+            match read(&file.path) {
+                Ok(text) => {
+                    file.seen = now;
+                    if self.text == file.text || self.text == text {
+                        (self.text, file.other) = (text.clone(), None);
+                        self.changed = Instant::now() - REST;
+                        file.text = text;
+                    } else {
+                        file.other = Some(text);
+                    }
+                }
+                Err(error) => {
+                    let text = format!("{}: {error}", file.path.display());
+                    self.state = State::Bad(vec![Fault { at: None, text }]);
+                }
+            }
+        }
+    }
+
+    fn submit(&mut self, model: &Model) {
+        self.tried = Some(self.text.clone());
+        let library = model.library().clone().with_module(&self.slot, &self.name, &self.text);
+        match trial::scene_with(model.scene(), &library, &self.slot, &self.name) {
+            Ok(Some(scene)) => {
+                self.state = State::Compiling;
+                self.worker.submit(scene, library);
+            }
+            Ok(None) => {
+                self.worker.forget();
+                let text = format!("no program of this scene has {}; choose a scene that has", self.path());
+                self.state = State::Bad(vec![Fault { at: None, text }]);
+            }
+            Err(error) => {
+                self.worker.forget();
+                self.state = State::Bad(Fault::all(&error.to_string()));
+            }
+        }
+    }
+}
+
+/// Whether GLSL, scene files and the command line bear this name of a module.
+fn is_identifier(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_lowercase())
+        && name.len() <= 64
+        && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+}
+
+/// The text with one word in place of another.
+fn renamed(text: &str, from: &str, to: &str) -> String {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let mut new = String::new();
+    let mut rest = text;
+    while !rest.is_empty() {
+        let starts_word = rest.starts_with(is_word);
+        let end = rest.find(|c| is_word(c) != starts_word).unwrap_or(rest.len());
+        let (piece, after) = rest.split_at(end);
+        new.push_str(if piece == from { to } else { piece });
+        rest = after;
+    }
+    new
+}
+
+/// Time and length of a file.
+fn stamp(path: &Path) -> Option<(SystemTime, u64)> {
+    let info = fs::metadata(path).ok()?;
+    Some((info.modified().ok()?, info.len()))
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    open::text(path, MAX_FILE).map_err(|error| error.to_string())
+}
+
+/// The thread that waits for the compiler. The newest text wins: an older one is given up.
+struct Worker {
+    gate: Arc<Gate>,
+    jobs: Sender<(u64, Scene, Library)>,
+    answers: Receiver<(u64, Result<(), CompileError>)>,
+    newest: Arc<AtomicU64>,
+}
+
+impl Worker {
+    fn start(gate: Arc<Gate>) -> Worker {
+        let (jobs, inbox) = channel::<(u64, Scene, Library)>();
+        let (outbox, answers) = channel();
+        let newest = Arc::new(AtomicU64::new(0));
+        let (current, own) = (Arc::clone(&newest), Arc::clone(&gate));
+        thread::spawn(move || {
+            while let Ok((number, scene, library)) = inbox.recv() {
+                let is_stale = || current.load(Ordering::Relaxed) != number;
+                if is_stale() {
+                    continue;
+                }
+                let answer = own.validate(&scene, &library, &is_stale);
+                if outbox.send((number, answer)).is_err() {
+                    return;
+                }
+            }
+        });
+        Worker { gate, jobs, answers, newest }
+    }
+
+    fn submit(&self, scene: Scene, library: Library) {
+        let number = self.newest.fetch_add(1, Ordering::Relaxed) + 1;
+        // The thread ends only with this end of the channel.
+        let _ = self.jobs.send((number, scene, library));
+    }
+
+    /// Gives up what is under way.
+    fn forget(&self) {
+        self.newest.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// The answer to the newest job, once.
+    fn answer(&self) -> Option<Result<(), CompileError>> {
+        let newest = self.newest.load(Ordering::Relaxed);
+        self.answers.try_iter().filter(|(number, _)| *number == newest).last().map(|(_, answer)| answer)
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.forget();
+    }
+}

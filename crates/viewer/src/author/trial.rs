@@ -1,0 +1,111 @@
+//! Which programs a changed module is tried in.
+
+use hypertexture::render::variant::VariantError;
+use hypertexture::scene::{Pass, Scene};
+use hypertexture::shader::Library;
+use hypertexture::shader::declare::declaration;
+use measure::guard::programs;
+use std::collections::BTreeSet;
+
+/// The scene, if the module is in its programs, else the nearest one that has it. None where no scene can have it.
+pub(super) fn scene_with(
+    scene: &Scene,
+    library: &Library,
+    slot: &str,
+    name: &str,
+) -> Result<Option<Scene>, VariantError> {
+    let path = format!("{slot}/{name}.glsl");
+    let mut refused = None;
+    for scene in candidates(scene, library, slot, name) {
+        match programs(&scene, library) {
+            Ok(variants) if variants.iter().any(|variant| variant.reaches(library, &path)) => {
+                return Ok(Some(scene));
+            }
+            Ok(_) => {}
+            Err(error) => refused = refused.or(Some(error)),
+        }
+    }
+    refused.map_or(Ok(None), Err)
+}
+
+/// The scene, then with the module put in, then reduced to what needs it.
+fn candidates(scene: &Scene, library: &Library, slot: &str, name: &str) -> Vec<Scene> {
+    let with = |mut scene: Scene| {
+        use_module(&mut scene, library, slot, name);
+        scene
+    };
+    let mut soft = Scene { object: scene.object.clone(), ..Scene::default() };
+    (soft.effect.classify, soft.effect.softness, soft.effect.medium) = ("soft".into(), "linear".into(), "lit".into());
+    let mut rays = soft.clone();
+    rays.quality.pass = Pass::March;
+    // What bends rays is read by nothing else.
+    let glass = hypertexture::scene::preset("blue_glass").unwrap_or_default();
+    [scene.clone(), with(scene.clone()), with(soft), with(rays), with(glass)].into()
+}
+
+/// Puts a module into its slot: last in a stack, in place of the other elsewhere; a mask goes onto the last DMF. A copy of
+/// a module of the stack takes its place: both would have parameters and functions of the same names.
+pub(super) fn use_module(scene: &mut Scene, library: &Library, slot: &str, name: &str) {
+    let effect = &mut scene.effect;
+    let stacked = |stack: &mut Vec<String>| {
+        let names = |module: &str| declared(library.source(&format!("{slot}/{module}.glsl")).unwrap_or_default());
+        let own = names(name);
+        let original = |entry: &&mut String| !own.is_disjoint(&names(entry.split('@').next().unwrap_or_default()));
+        match stack.iter_mut().find(original) {
+            Some(entry) => {
+                let mask = entry.split_once('@').map_or(String::new(), |(_, mask)| format!("@{mask}"));
+                *entry = format!("{name}{mask}");
+            }
+            None => stack.push(name.into()),
+        }
+    };
+    match slot {
+        "warp" => stacked(&mut effect.warp),
+        "dmf" => stacked(&mut effect.dmf),
+        "mask" => {
+            let last = effect.dmf.pop().unwrap_or_else(|| "biased".into());
+            effect.dmf.push(format!("{}@{name}", last.split('@').next().unwrap_or_default()));
+        }
+        _ => {
+            // A slot that is no field of the scene, such as `clip`, is filled by another choice: nothing to put in.
+            let _ = scene.set_field(&format!("effect.{slot}"), name);
+        }
+    }
+}
+
+/// Names of the parameters and functions that a text declares.
+fn declared(text: &str) -> BTreeSet<&str> {
+    let name = |line| -> Option<&str> {
+        if let Some((_, parameter)) = declaration(line).filter(|(kind, _)| ["param", "color"].contains(kind)) {
+            return parameter.trim_start().split([' ', '=']).next();
+        }
+        let (head, _) = line.split_once('(').filter(|(head, _)| head.starts_with(|c: char| c.is_ascii_alphabetic()))?;
+        let (_, name) = head.trim_end().split_once(' ')?;
+        Some(name.trim())
+    };
+    text.lines().filter_map(name).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hypertexture::shader;
+
+    #[test]
+    fn a_copy_takes_the_place_of_its_original_and_anything_else_comes_last() {
+        let shipped = shader::shipped();
+        let fur = shipped.source("dmf/fur.glsl").unwrap();
+        let plain = "float plain(float density, Sample s) {\n    return density;\n}\n";
+        let library = shipped.clone().with_module("dmf", "pelt", fur).with_module("dmf", "plain", plain);
+        let stack = |name: &str| {
+            let mut scene = hypertexture::scene::preset("fur").unwrap();
+            scene.effect.dmf = vec!["noisy".into(), "fur@height".into()];
+            use_module(&mut scene, &library, "dmf", name);
+            scene.effect.dmf
+        };
+        assert_eq!(stack("pelt"), ["noisy", "pelt@height"]);
+        assert_eq!(stack("plain"), ["noisy", "fur@height", "plain"]);
+        assert_eq!(declared(plain), BTreeSet::from(["plain"]));
+        assert!(declared(fur).contains("hair_length"));
+    }
+}

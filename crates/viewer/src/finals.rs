@@ -1,0 +1,260 @@
+//! Final pictures: a process of its own renders them, so that the window stays under the hand.
+//!
+//! Role: a scene and what is wanted of it -> `hypertexture render`, and ffmpeg behind it where a video is wanted. Invariant:
+//! what is stopped leaves whole files or none; the process ends with the [`Rendering`].
+
+use hypertexture::output::sequence::{frame_path, manifest_path};
+use hypertexture::scene::{self, Color, Scene};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread::{self, JoinHandle};
+use std::time::Instant;
+use support::{disk_cache, open, write_whole};
+
+/// The longest manifest that is counted, in bytes.
+const MAX_MANIFEST: u64 = 1 << 24;
+/// A video knows no transparency: what is behind where the scene says nothing.
+pub(super) const BEHIND: Color = Color([22, 23, 26]);
+/// What is said of a process that says nothing is this much at most, in bytes.
+const MAX_SAID: u64 = 1 << 16;
+
+/// What becomes of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Product {
+    /// One picture.
+    Picture,
+    /// Numbered pictures.
+    Sequence(Motion),
+    /// The same, and a video of them.
+    Video(Motion),
+}
+
+/// How a scene moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Motion {
+    pub(super) frames: u32,
+    pub(super) fps: f64,
+    /// Whether the camera goes once around the object.
+    pub(super) turntable: bool,
+    /// Whether frames that are finished are rendered again.
+    pub(super) restart: bool,
+}
+
+impl Product {
+    /// How it moves; a picture does not.
+    pub(super) fn motion(&self) -> Option<&Motion> {
+        match self {
+            Product::Picture => None,
+            Product::Sequence(motion) | Product::Video(motion) => Some(motion),
+        }
+    }
+}
+
+/// What is to be rendered, and where it goes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Order {
+    /// The scene, with size and samples.
+    pub(super) scene: Scene,
+    pub(super) product: Product,
+    /// The error that decides in place of the samples.
+    pub(super) max_error: Option<f64>,
+    /// The picture, the frames with `####` for their number, or the video.
+    pub(super) path: PathBuf,
+}
+
+impl Order {
+    /// Where the pictures go: those of a video lie beside it.
+    pub(super) fn pictures(&self) -> PathBuf {
+        match self.product {
+            Product::Video(_) => {
+                let stem = self.path.file_stem().unwrap_or_default().to_string_lossy().replace('#', "");
+                self.path.with_file_name(format!("{stem}_####.png"))
+            }
+            _ => self.path.clone(),
+        }
+    }
+
+    /// The first file that is written.
+    pub(super) fn first(&self) -> PathBuf {
+        match self.product {
+            Product::Picture => self.path.clone(),
+            _ => frame_path(&self.pictures(), 0),
+        }
+    }
+
+    /// What `render` is given beside the scene.
+    pub(super) fn arguments(&self) -> Vec<String> {
+        let mut words = vec!["--output".into(), self.pictures().display().to_string()];
+        if let Some(error) = self.max_error {
+            words.extend(["--max-error".into(), error.to_string()]);
+        }
+        if let Some(Motion { frames, fps, turntable, restart }) = self.product.motion() {
+            let range = format!("0..{}", frames.max(&1) - 1);
+            words.extend(["--frames".into(), range, "--fps".into(), fps.to_string()]);
+            words.extend(turntable.then(|| "--turntable".into()));
+            words.extend(restart.then(|| "--restart".into()));
+        }
+        words
+    }
+}
+
+/// Whether there is a program of that name.
+pub(super) fn is_installed(name: &str) -> bool {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path).any(|folder| folder.join(name).is_file())
+}
+
+/// An order that is being carried out.
+pub(super) struct Rendering {
+    order: Order,
+    /// The scene, as long as it is read.
+    file: PathBuf,
+    process: Process,
+    /// Whether the frames are there, and the video is made of them.
+    is_last: bool,
+    began: Instant,
+}
+
+/// A process, and what it says.
+struct Process {
+    child: Child,
+    said: Option<JoinHandle<String>>,
+}
+
+impl Process {
+    fn start(command: &mut Command) -> Result<Process, String> {
+        let name = command.get_program().to_string_lossy().into_owned();
+        command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut child = command.spawn().map_err(|error| format!("{name}: {error}"))?;
+        give_way(&child);
+        let said = child.stderr.take().map(|pipe| {
+            thread::spawn(move || {
+                let mut said = String::new();
+                // What is no text, or goes on for too long, is not said.
+                let _ = pipe.take(MAX_SAID).read_to_string(&mut said);
+                said
+            })
+        });
+        Ok(Process { child, said })
+    }
+
+    /// Whether it has ended, and how.
+    fn poll(&mut self) -> Option<Result<(), String>> {
+        let status = match self.child.try_wait() {
+            Ok(None) => return None,
+            Ok(Some(status)) => status,
+            Err(error) => return Some(Err(error.to_string())),
+        };
+        let said = self.said.take().and_then(|said| said.join().ok()).unwrap_or_default();
+        let last = said.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no word of why");
+        Some(if status.success() { Ok(()) } else { Err(last.trim_start_matches("error: ").to_string()) })
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Lets the window go first.
+fn give_way(child: &Child) {
+    #[cfg(unix)]
+    {
+        let id = rustix::process::Pid::from_raw(child.id() as i32);
+        if let Some(Err(error)) = id.map(|id| rustix::process::setpriority_process(Some(id), 10)) {
+            log::info!("the final picture has the priority of the window: {error}");
+        }
+    }
+    #[cfg(not(unix))]
+    let _ = child;
+}
+
+impl Rendering {
+    /// Starts `program`, which is hypertexture.
+    ///
+    /// # Errors
+    /// One line: the scene cannot be written, or the program not be started.
+    pub(super) fn start(program: &Path, order: Order) -> Result<Rendering, String> {
+        let folder = disk_cache::default_folder().unwrap_or_else(std::env::temp_dir).join("final");
+        let file = folder.join(format!("{}.toml", std::process::id()));
+        std::fs::create_dir_all(&folder)
+            .and_then(|()| write_whole(&file, scene::to_text(&order.scene).as_bytes()))
+            .map_err(|error| format!("{}: {error}", file.display()))?;
+        let mut command = Command::new(program);
+        command.args(["--quiet", "render"]).arg(&file).arg("--outside").args(order.arguments());
+        let process = Process::start(&mut command)?;
+        Ok(Rendering { order, file, process, is_last: false, began: Instant::now() })
+    }
+
+    /// Seconds since the start.
+    pub(super) fn seconds(&self) -> u64 {
+        self.began.elapsed().as_secs()
+    }
+
+    /// Frames that are there, and all; none of one picture.
+    pub(super) fn frames(&self) -> Option<(u32, u32)> {
+        let all = self.order.product.motion()?.frames;
+        let lines = open::text(&manifest_path(&self.order.pictures(), None), MAX_MANIFEST).ok()?;
+        Some(((lines.lines().count() as u32).saturating_sub(1).min(all), all))
+    }
+
+    /// Whether it has ended, and with what: a line. A video begins when its frames are there.
+    pub(super) fn poll(&mut self) -> Option<Result<String, String>> {
+        if let Err(reason) = self.process.poll()? {
+            return Some(Err(reason));
+        }
+        if let (Product::Video(motion), false) = (self.order.product, self.is_last) {
+            self.is_last = true;
+            return match Process::start(&mut ffmpeg(&self.order.pictures(), motion.fps, &self.order.path)) {
+                Ok(process) => {
+                    self.process = process;
+                    None
+                }
+                Err(reason) => Some(Err(reason)),
+            };
+        }
+        let [width, height] = self.order.scene.image.size;
+        let path = std::path::absolute(&self.order.path).unwrap_or_else(|_| self.order.path.clone());
+        Some(Ok(format!("wrote {}, {width} x {height} pixels, in {} s", path.display(), self.seconds())))
+    }
+}
+
+impl Drop for Rendering {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.file); // it is of no use to anybody
+    }
+}
+
+/// Makes a video of frames; sides are even, as most codecs need them.
+fn ffmpeg(frames: &Path, fps: f64, to: &Path) -> Command {
+    let pattern = frames.display().to_string().replace('%', "%%").replace("####", "%04d");
+    let mut command = Command::new("ffmpeg");
+    command.args(["-nostdin", "-loglevel", "error", "-y", "-framerate", &fps.to_string(), "-start_number", "0", "-i"]);
+    command.arg(pattern).args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]).arg(to);
+    command
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_order_is_what_a_person_would_type() {
+        let motion = Motion { frames: 100, fps: 25.0, turntable: true, restart: false };
+        let order =
+            |product, path: &str| Order { scene: Scene::default(), product, max_error: None, path: path.into() };
+        let picture = Order { max_error: Some(0.004), ..order(Product::Picture, "a.png") };
+        assert_eq!(picture.arguments(), ["--output", "a.png", "--max-error", "0.004"]);
+        assert_eq!(picture.first(), Path::new("a.png"));
+        let video = order(Product::Video(motion), "out/turn.mp4");
+        let words = ["--output", "out/turn_####.png", "--frames", "0..99", "--fps", "25", "--turntable"];
+        assert_eq!((video.arguments(), video.first()), (words.map(String::from).into(), "out/turn_0000.png".into()));
+        let command = ffmpeg(&video.pictures(), 25.0, &video.path);
+        let words: Vec<_> = command.get_args().map(|word| word.to_string_lossy().into_owned()).collect();
+        assert!(words.contains(&"out/turn_%04d.png".into()) && words.last().unwrap() == "out/turn.mp4", "{words:?}");
+    }
+}

@@ -1,0 +1,409 @@
+//! The window itself: what the window system says, and when a frame is drawn.
+
+use super::ViewError;
+use super::app::{App, Notify, Start};
+use super::display::{Display, Guard, fitted};
+use super::fonts::Fallback;
+use super::input::passes;
+use super::script::{Script, ScriptEvent, Widget, widgets};
+use super::unsaved::Latest;
+use egui::{Context, FullOutput, TexturesDelta, ViewportId};
+use hypertexture::gpu::{Canvas, GpuError, Messages, Presented};
+use std::io::{self, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::{LogicalSize, PhysicalSize};
+use winit::event::{StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Fullscreen, Window, WindowId};
+
+/// While a script runs, the next frame comes after this: it waits for no person.
+const SCRIPT_PACE: Duration = Duration::from_millis(16);
+
+/// A window of which nothing is seen is looked at this often: not every window manager says when it is back.
+const HIDDEN_PACE: Duration = Duration::from_millis(250);
+/// Bits of a pixel that every driver draws.
+const DEPTHS: [u8; 2] = [24, 32];
+
+/// The exit code after a second signal: as shells have it for Ctrl-C.
+const INTERRUPTED: i32 = 130;
+
+/// Something came from another thread.
+struct Wake;
+
+/// Shows a window until it is closed.
+///
+/// # Errors
+/// No display, library, loader or driver: one line that says what to do. With [`Start::frames`], a screenshot or a script,
+/// whatever they run into; and what the validation layer has found.
+pub fn run(start: Start) -> Result<(), ViewError> {
+    let script = match &start.script {
+        Some(file) => Some(Script::read(file)?),
+        None if start.frames.is_some() || start.screenshot.is_some() => {
+            Some(Script::of_frames(start.frames, start.screenshot.clone()))
+        }
+        None => None,
+    };
+    let (display, latest) = (Arc::new(Display::find()?), Latest::default());
+    let guard = Guard::watch(display.clone(), latest.clone());
+    let mut builder = EventLoop::<Wake>::with_user_event();
+    display.choose(&mut builder);
+    let event_loop = builder.build().map_err(|error| {
+        let text = error.to_string();
+        if text.contains("shared libraries") {
+            return ViewError::NoLibrary("a shared library of X11");
+        }
+        ViewError::NoDisplay(text.rsplit(": ").next().unwrap_or(&text).replace('\n', " "))
+    })?;
+    let proxy = event_loop.create_proxy();
+    // A loop that has ended needs no waking.
+    let notify: Notify = Arc::new(move || drop(proxy.send_event(Wake)));
+    let told_to_end = Arc::new(AtomicBool::new(false));
+    let (told, wake) = (told_to_end.clone(), notify.clone());
+    // What is not saved is kept; the second signal ends the program at once.
+    let handled = ctrlc::set_handler(move || match told.swap(true, Ordering::Relaxed) {
+        true => std::process::exit(INTERRUPTED),
+        false => wake(),
+    });
+    if let Err(error) = handled {
+        log::warn!("no handler for signals, which end the program with what is not saved: {error}");
+    }
+    let app = App::new(&start, notify.clone())?;
+    let (messages, outcome) = {
+        let mut host = Host {
+            start,
+            app,
+            script,
+            live: None,
+            outcome: Ok(()),
+            messages: Vec::new(),
+            revived: false,
+            display,
+            latest,
+            notify,
+            minimized: false,
+            occluded: false,
+            hidden: false,
+            shown: 0,
+            waiting: true,
+            told_to_end,
+            ending: None,
+        };
+        let ran = event_loop.run_app(&mut host).map_err(|error| ViewError::Window(error.to_string()));
+        if ran.is_err() || host.outcome.is_err() {
+            guard.end_if_gone();
+        }
+        if host.script.is_none() || host.told_to_end.load(Ordering::Relaxed) {
+            let latest = Latest::default();
+            host.app.note_unsaved(&latest);
+            if let Some(folder) = latest.keep() {
+                let _ = writeln!(io::stdout(), "what was not saved is in {}", folder.display());
+            }
+        }
+        if let (Some(ending), Some(_)) = (host.ending, &host.script) {
+            drop(host.live.take());
+            let _ = writeln!(io::stdout(), "closed after {:.2} s", ending.elapsed().as_secs_f64());
+        }
+        (host.messages, ran.and(host.outcome))
+    };
+    outcome?;
+    let said: Vec<String> = messages.iter().flat_map(Messages::take).collect();
+    match said.first() {
+        None => Ok(()),
+        Some(first) => Err(ViewError::Validation { count: said.len(), first: first.clone() }),
+    }
+}
+
+struct Host {
+    start: Start,
+    app: App,
+    script: Option<Script>,
+    live: Option<Live>,
+    outcome: Result<(), ViewError>,
+    /// What the validation layer says, of every device that was opened.
+    messages: Vec<Messages>,
+    /// Whether a lost device has been replaced: once is an accident.
+    revived: bool,
+    display: Arc<Display>,
+    latest: Latest,
+    notify: Notify,
+    /// Whether a script has minimized the window.
+    minimized: bool,
+    /// Whether other windows cover it.
+    occluded: bool,
+    /// Whether nothing of it is seen, and how many frames were.
+    hidden: bool,
+    shown: u64,
+    /// Whether the first picture is yet to come.
+    waiting: bool,
+    /// Whether a signal has asked the program to end.
+    told_to_end: Arc<AtomicBool>,
+    /// Since when it ends.
+    ending: Option<Instant>,
+}
+
+/// What there is while there is a window.
+struct Live {
+    // The canvas before the window: its surface is one of it.
+    canvas: Canvas,
+    context: Context,
+    fonts: Fallback,
+    input: egui_winit::State,
+    window: Arc<Window>,
+    widgets: Vec<Widget>,
+    /// Changes of textures that the window was not drawn with.
+    textures: TexturesDelta,
+    full_screen: bool,
+    title: String,
+}
+
+impl Live {
+    fn new(start: &Start, window: Arc<Window>, notify: Notify, reads_names: bool) -> Result<Live, ViewError> {
+        let canvas = Canvas::open(&start.options, window.clone())?;
+        let context = Context::default();
+        if reads_names {
+            context.enable_accesskit();
+        }
+        let (scale, side) = (Some(window.scale_factor() as f32), canvas.gpu().info().max_image as usize);
+        let input = egui_winit::State::new(context.clone(), ViewportId::ROOT, &window, scale, None, Some(side));
+        Ok(Live {
+            canvas,
+            context,
+            fonts: Fallback::new(notify),
+            input,
+            window,
+            widgets: Vec::new(),
+            textures: TexturesDelta::default(),
+            full_screen: false,
+            title: String::new(),
+        })
+    }
+}
+
+impl ApplicationHandler<Wake> for Host {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.live.is_some() {
+            return;
+        }
+        let [width, height] = fitted(event_loop, self.start.window);
+        let attributes = Window::default_attributes()
+            .with_title(self.app.title())
+            .with_inner_size(LogicalSize::new(width, height))
+            .with_min_inner_size(LogicalSize::new(320, 240));
+        let opened = event_loop
+            .create_window(attributes)
+            .map_err(|error| ViewError::Window(error.to_string()))
+            .and_then(|window| self.open(Arc::new(window)));
+        self.end_on_error(event_loop, opened);
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        if matches!(cause, StartCause::ResumeTimeReached { .. }) {
+            self.ask_for_frame();
+        }
+    }
+
+    fn user_event(&mut self, _: &ActiveEventLoop, Wake: Wake) {
+        self.ask_for_frame();
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(live) = &mut self.live else { return };
+        match &event {
+            WindowEvent::CloseRequested => {
+                self.app.ask_to_quit();
+                // A question is to be seen.
+                live.window.set_minimized(false);
+                return self.ask_for_frame();
+            }
+            WindowEvent::RedrawRequested => {
+                let drawn = self.frame(event_loop);
+                return self.end_on_error(event_loop, drawn);
+            }
+            WindowEvent::Occluded(occluded) => {
+                self.occluded = *occluded;
+                return self.ask_for_frame();
+            }
+            _ => {}
+        }
+        if live.input.on_window_event(&live.window, &event).repaint {
+            self.ask_for_frame();
+        }
+    }
+
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        // The connection to the display ends with the loop, and what is drawn into needs it until it is gone.
+        drop(self.close());
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        if self.app.quit || self.told_to_end.load(Ordering::Relaxed) {
+            // Nobody looks on while a program that is being compiled is waited for.
+            self.live.iter().for_each(|live| live.window.set_visible(false));
+            self.ending.get_or_insert_with(Instant::now);
+            event_loop.exit();
+        }
+    }
+}
+
+impl Host {
+    fn open(&mut self, window: Arc<Window>) -> Result<(), ViewError> {
+        let live = Live::new(&self.start, window, self.notify.clone(), self.script.is_some()).map_err(|error| {
+            match self.display.depth() {
+                Some(depth) if matches!(error, ViewError::Gpu(GpuError::NoPresent)) && !DEPTHS.contains(&depth) => {
+                    ViewError::Depth { display: self.display.name(), depth }
+                }
+                _ => error,
+            }
+        })?;
+        self.messages.push(live.canvas.gpu().messages());
+        self.app.use_device(live.canvas.gpu());
+        live.window.request_redraw();
+        self.live = Some(live);
+        Ok(())
+    }
+
+    /// Lets go of everything that is on the device; gives the window.
+    fn close(&mut self) -> Option<Arc<Window>> {
+        self.app.leave_device();
+        self.live.take().map(|live| live.window)
+    }
+
+    fn end_on_error(&mut self, event_loop: &ActiveEventLoop, done: Result<(), ViewError>) {
+        let lost = match &done {
+            Err(ViewError::Gpu(error)) => error.is_lost(),
+            _ => false,
+        };
+        let done = if lost { self.revive(done) } else { done };
+        if let Err(error) = done {
+            if self.outcome.is_ok() {
+                self.outcome = Err(error);
+            }
+            event_loop.exit();
+        }
+    }
+
+    /// Opens a device in place of one that is lost, once.
+    fn revive(&mut self, lost: Result<(), ViewError>) -> Result<(), ViewError> {
+        if std::mem::replace(&mut self.revived, true) {
+            return lost;
+        }
+        log::warn!("the device was lost; another one is opened");
+        match self.close() {
+            Some(window) => self.open(window),
+            None => lost,
+        }
+    }
+
+    fn ask_for_frame(&self) {
+        if let Some(live) = &self.live {
+            live.window.request_redraw();
+        }
+    }
+
+    fn frame(&mut self, event_loop: &ActiveEventLoop) -> Result<(), ViewError> {
+        self.app.receive();
+        if self.app.lost {
+            return Err(GpuError::lost().into());
+        }
+        if self.waiting && self.app.is_current() {
+            self.waiting = false;
+            let seconds = self.start.began.elapsed().as_secs_f64();
+            match self.script {
+                Some(_) => drop(writeln!(io::stdout(), "first picture after {seconds:.2} s")),
+                None => log::info!("first picture after {seconds:.2} s"),
+            }
+        }
+        let event = match (&mut self.script, &self.live) {
+            (Some(script), Some(live)) => script.next(&mut self.app, &live.widgets)?,
+            _ => None,
+        };
+        let Some(live) = &mut self.live else { return Ok(()) };
+        if let Some(event) = event {
+            self.minimized = perform(event, live, &mut self.app, self.minimized)?;
+        }
+        let hidden = self.minimized || self.occluded || self.display.hides(&live.window);
+        if (hidden || self.hidden) && self.script.is_none() {
+            self.app.rest();
+        }
+        let raw = live.input.take_egui_input(&live.window);
+        let PhysicalSize { width, height } = live.window.inner_size();
+        let size = if hidden { [0, 0] } else { [width, height] };
+        let mut output = FullOutput::default();
+        for pass in passes(raw) {
+            output.append(live.context.run_ui(pass, |ui| self.app.ui(ui)));
+        }
+        live.fonts.look(&live.context, &output.shapes);
+        self.app.note_unsaved(&self.latest);
+        if let Some(update) = &output.platform_output.accesskit_update {
+            live.widgets = widgets(update);
+        }
+        live.input.handle_platform_output(&live.window, output.platform_output);
+        // egui tells of a change once, also where the window waits for a preview.
+        live.textures.append(output.textures_delta);
+        let held = self.app.hold(Instant::now());
+        let mut shown = Presented::Yes;
+        if held.is_none() {
+            let primitives = live.context.tessellate(output.shapes, output.pixels_per_point);
+            let textures = std::mem::take(&mut live.textures);
+            shown = live.canvas.draw(size, textures, &primitives, output.pixels_per_point)?;
+            self.shown += u64::from(shown != Presented::Hidden);
+            if self.hidden != (shown == Presented::Hidden) {
+                self.hidden = !self.hidden;
+                let state = if self.hidden { "hidden" } else { "seen" };
+                log::info!("the window is {state} after {} frames", self.shown);
+            }
+            self.app.drawn();
+        }
+        if let Some(script) = &mut self.script {
+            script.drawn(&self.app, held.is_none());
+        }
+        let title = self.app.title();
+        if live.title != title {
+            live.window.set_title(&title);
+            live.title = title;
+        }
+        if live.full_screen != self.app.full_screen {
+            live.full_screen = self.app.full_screen;
+            live.window.set_fullscreen(live.full_screen.then_some(Fullscreen::Borderless(None)));
+        }
+        let wanted =
+            output.viewport_output.get(&ViewportId::ROOT).map_or(Duration::MAX, |viewport| viewport.repaint_delay);
+        let wanted = wanted.min(held.unwrap_or(Duration::MAX));
+        let delay = match (&self.script, shown) {
+            (Some(script), _) => wanted.min(script.pace().unwrap_or(SCRIPT_PACE)),
+            (None, Presented::Later) => Duration::ZERO,
+            // Nothing is seen; what goes on beside the window is looked after.
+            (None, Presented::Hidden) => HIDDEN_PACE,
+            (None, Presented::Yes) => wanted,
+        };
+        event_loop.set_control_flow(match Instant::now().checked_add(delay) {
+            Some(_) if delay.is_zero() => {
+                live.window.request_redraw();
+                ControlFlow::Wait
+            }
+            Some(then) if delay < Duration::from_secs(3600) => ControlFlow::WaitUntil(then),
+            _ => ControlFlow::Wait,
+        });
+        Ok(())
+    }
+}
+
+/// Does what a script asks for; whether the window is minimized.
+fn perform(event: ScriptEvent, live: &mut Live, app: &mut App, minimized: bool) -> Result<bool, ViewError> {
+    match event {
+        ScriptEvent::Events(events) => live.input.egui_input_mut().events.extend(events),
+        ScriptEvent::Drop(path) => drop(live.input.on_window_event(&live.window, &WindowEvent::DroppedFile(path))),
+        ScriptEvent::Size([width, height]) => drop(live.window.request_inner_size(LogicalSize::new(width, height))),
+        ScriptEvent::Minimize(minimize) => {
+            live.window.set_minimized(minimize);
+            return Ok(minimize);
+        }
+        ScriptEvent::Shot(path) => app.screenshot(path),
+        ScriptEvent::Lose => return Err(GpuError::lost().into()),
+        ScriptEvent::Quit => app.quit = true,
+    }
+    Ok(minimized)
+}

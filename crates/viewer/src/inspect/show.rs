@@ -1,0 +1,238 @@
+//! The window about a pixel, and the mark at it.
+
+use super::{Answers, Exact, Inspector, Kept};
+use crate::panels::widgets::{button, named};
+use egui::{
+    Align2, Color32, DragValue, FontId, Grid, Id, Label, Pos2, Rect, RichText, Sense, Shape, Stroke, StrokeKind, Ui,
+    Vec2, Window, pos2, vec2,
+};
+use hypertexture::render::Along;
+use measure::reference::UNSEEN;
+
+/// Height of the plot of the density along the ray, points.
+const PLOT: f32 = 96.0;
+const CHANNELS: [&str; 4] = ["red", "green", "blue", "alpha"];
+
+impl Inspector {
+    /// Shows what is known of the pixel over the picture in `place`, whose pixels are `size`; may inspect another one, or
+    /// none.
+    pub fn show(&mut self, ui: &Ui, place: Rect, size: [u32; 2]) {
+        let Some(pixel) = self.pixel else { return };
+        mark(ui, place, pixel, size);
+        let (mut open, mut next) = (true, pixel);
+        let window = Window::new("Pixel").id(Id::new("pixel")).open(&mut open).resizable(false).constrain_to(place);
+        // Beside the pixel, not over it.
+        let is_right = 2 * pixel[0] > size[0];
+        let corner =
+            if is_right { place.left_top() + vec2(12.0, 48.0) } else { place.right_top() + vec2(-330.0, 48.0) };
+        window.default_pos(corner.max(place.min)).default_width(300.0).show(ui.ctx(), |ui| {
+            ui.horizontal(|ui| {
+                for (axis, name) in ["x", "y"].into_iter().enumerate() {
+                    ui.label(name);
+                    let last = size[axis].saturating_sub(1);
+                    let response = ui.add(DragValue::new(&mut next[axis]).range(0..=last).speed(0.2));
+                    named(ui, &response, &format!("pixel.{name}"));
+                }
+                let doc = "Jump to the next of the pixels that differ most: from the variant it is compared with, or from the converged picture (W).";
+                if button(ui, "worst", "pixel.worst", doc).clicked() && self.jump() {
+                    next = self.pixel.unwrap_or(next);
+                }
+                if let Some((_, by)) = self.worst.get(self.at).filter(|(worst, _)| *worst == next) {
+                    ui.label(format!("{} of {}: {by:.1e}", self.at + 1, self.worst.len()));
+                }
+            });
+            self.values(ui, next);
+            self.ray(ui);
+            modules(ui, &self.answers);
+        });
+        match open {
+            true => self.look_at(Some(next)),
+            false => self.look_at(None),
+        }
+    }
+
+    /// What the pixel is, on the screen and in f64.
+    fn values(&mut self, ui: &mut Ui, pixel: [u32; 2]) {
+        let Kept { size, own, mean, other } = &self.kept;
+        let of = |frame: &super::Frame| -> Option<[f64; 4]> {
+            let at = pixel[1] as usize * size[0] as usize + pixel[0] as usize;
+            frame.get(at).map(|value| value.map(f64::from))
+        };
+        let own = own.as_ref().and_then(of);
+        let exact = self.answers.exact.as_ref().and_then(|exact| exact.as_ref().ok());
+        Grid::new("pixel.values").num_columns(5).spacing([10.0, 3.0]).show(ui, |ui| {
+            ui.label("");
+            CHANNELS.iter().for_each(|channel| drop(ui.label(RichText::new(*channel).weak())));
+            ui.end_row();
+            row(ui, "value", "As `render` makes it: premultiplied, linear light.", own);
+            if let Some((frame, count)) = mean {
+                row(ui, &format!("mean of {count}"), "Filtered over the pixel, as it converges.", of(frame));
+            }
+            if let Some(frame) = other {
+                row(ui, "kept", "That of the variant it is compared with.", of(frame));
+            }
+            row(
+                ui,
+                "reference",
+                "The same scene in f64, to the limit of ever more samples.",
+                exact.map(|exact| exact.value),
+            );
+            let error = own.zip(exact).map(|(own, exact)| [0, 1, 2, 3].map(|c| own[c] - exact.value[c]));
+            row(ui, "error", "Value less reference.", error);
+        });
+        match &self.answers.exact {
+            Some(Ok(Exact { error, open, .. })) => {
+                let overlooked = match *open <= UNSEEN {
+                    true => "nothing overlooked".into(),
+                    false => format!("bounds leave {open:.0e} of opacity open"),
+                };
+                ui.label(RichText::new(format!("reference to ±{error:.0e}, {overlooked}")).weak());
+            }
+            Some(Err(reason)) => drop(ui.add(Label::new(RichText::new(reason).weak()).wrap())),
+            None if self.answers.done => drop(ui.label(RichText::new("reference: given up").weak())),
+            None => drop(ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label("reference in f64");
+                if button(ui, "cancel", "pixel.cancel", "Give it up.").clicked()
+                    && let Some(search) = &self.search
+                {
+                    search.cancel();
+                    self.answers.done = true;
+                }
+            })),
+        }
+    }
+
+    /// The density along the ray.
+    fn ray(&self, ui: &mut Ui) {
+        match &self.answers.ray {
+            Some(Ok(ray)) if ray.is_empty() => drop(ui.label("the ray passes beside the object")),
+            Some(Ok(ray)) => {
+                plot(ui, ray);
+                let doc =
+                    "Proven by bounds of the scene's own program, at every place of the ray and not at samples of it.";
+                ui.label(RichText::new(known(ray)).weak()).on_hover_text(doc);
+            }
+            Some(Err(reason)) => drop(ui.add(Label::new(RichText::new(reason).weak()).wrap())),
+            None => drop(ui.allocate_exact_size(vec2(ui.available_width(), PLOT), Sense::hover())),
+        }
+    }
+}
+
+fn row(ui: &mut Ui, name: &str, doc: &str, value: Option<[f64; 4]>) {
+    ui.label(name).on_hover_text(doc);
+    for channel in 0..4 {
+        let text = value.map_or("-".into(), |value| format!("{:+.4}", value[channel]));
+        ui.label(RichText::new(text).monospace());
+    }
+    ui.end_row();
+}
+
+/// The modules that the pixel was made with; of a ray that meets nothing, none.
+fn modules(ui: &mut Ui, answers: &Answers) {
+    let meets = |ray: &Vec<Along>| ray.iter().any(|at| at.density > 0.0);
+    if matches!(&answers.ray, Some(Ok(ray)) if !meets(ray)) {
+        ui.label("no matter on the ray: no module made this pixel");
+        return;
+    }
+    ui.label(RichText::new("made by").weak());
+    Grid::new("pixel.modules").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
+        for [slot, names] in &answers.modules {
+            ui.label(slot);
+            ui.label(RichText::new(names).monospace());
+            ui.end_row();
+        }
+    });
+    for (name, by) in &answers.shares {
+        let doc =
+            "How far the pixel of the scene without it is from this one, in f64: the largest difference of a channel.";
+        ui.label(format!("without {name}: {by:.3} off")).on_hover_text(doc);
+    }
+}
+
+/// What bounds say of the density between the places of a ray: how far off it may be there, and how steep it is.
+pub(super) fn known(ray: &[Along]) -> String {
+    let parts = &ray[..ray.len().saturating_sub(1)];
+    let widest = parts.iter().map(|at| at.range[1] - at.range[0]).fold(0.0, f64::max);
+    let steepness = |at: &Along| at.slope[0].abs().max(at.slope[1].abs());
+    let steep: Vec<f64> = parts.iter().map(steepness).filter(|slope| slope.is_finite()).collect();
+    let steepest = steep.iter().copied().fold(0.0, f64::max);
+    let share = (100.0 * steep.len() as f64 / parts.len().max(1) as f64).floor();
+    let slope = match steep.len() {
+        0 => "it may jump everywhere".to_string(),
+        count if count == parts.len() => format!("it changes by at most {steepest:.3} a unit"),
+        _ => format!("it changes by at most {steepest:.3} a unit in {share} % of them, and may jump in the others"),
+    };
+    format!("density known to {widest:.1e} between {} places; {slope}", ray.len())
+}
+
+/// Density over the distance from the camera, between its bounds, with its axes.
+fn plot(ui: &mut Ui, ray: &[Along]) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), PLOT), Sense::hover());
+    named(ui, &response, "pixel.ray");
+    let visuals = ui.visuals();
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
+    let (first, last) = (ray[0].depth, ray[ray.len() - 1].depth.max(ray[0].depth + 1e-9));
+    let inner = rect.shrink2(vec2(6.0, 14.0));
+    let place = |depth: f64, density: f64| -> Pos2 {
+        let part = ((depth - first) / (last - first)) as f32;
+        pos2(
+            egui::lerp(inner.x_range(), part),
+            egui::lerp(inner.bottom()..=inner.top(), density.clamp(0.0, 1.0) as f32),
+        )
+    };
+    for density in [0.0, 0.5, 1.0] {
+        painter.hline(
+            inner.x_range(),
+            place(first, density).y,
+            Stroke::new(1.0, visuals.weak_text_color().gamma_multiply(0.3)),
+        );
+    }
+    for at in ray.iter().filter(|at| at.density > 0.0) {
+        let top = place(at.depth, at.density);
+        painter.vline(top.x, top.y..=inner.bottom(), Stroke::new(1.0, visuals.selection.bg_fill));
+    }
+    for ends in ray.windows(2) {
+        let [low, high] = ends[0].range;
+        let between = Rect::from_two_pos(place(ends[0].depth, low), place(ends[1].depth, high));
+        painter.rect_filled(between, 0.0, visuals.warn_fg_color.gamma_multiply(0.5));
+    }
+    let line = ray.iter().map(|at| place(at.depth, at.density)).collect();
+    painter.add(Shape::line(line, Stroke::new(1.5, visuals.strong_text_color())));
+    let font = FontId::proportional(10.0);
+    let text =
+        |corner: Align2, at: Pos2, text: String| painter.text(at, corner, text, font.clone(), visuals.text_color());
+    text(Align2::LEFT_TOP, rect.left_top() + vec2(4.0, 1.0), "density, 0 to 1, and its bounds".into());
+    text(Align2::LEFT_BOTTOM, rect.left_bottom() + vec2(4.0, -1.0), format!("{first:.2}"));
+    text(Align2::RIGHT_BOTTOM, rect.right_bottom() + vec2(-4.0, -1.0), format!("{last:.2} units from the camera"));
+    if let Some(at) = response.hover_pos() {
+        let nearest = ray.iter().min_by(|a, b| {
+            let off = |sample: &Along| (place(sample.depth, 0.0).x - at.x).abs();
+            off(a).total_cmp(&off(b))
+        });
+        if let Some(Along { depth, density, range, slope }) = nearest {
+            // A bound just below 0 is 0, and not -0.
+            let [low, high] = range.map(|end| (1e4 * end).round() / 1e4 + 0.0);
+            let [fall, rise] = slope.map(|end| (1e2 * end).round() / 1e2 + 0.0);
+            let slope = match fall.is_finite() && rise.is_finite() {
+                true => format!("changing by {fall:.2} to {rise:.2} a unit"),
+                false => "perhaps with a jump".into(),
+            };
+            response.on_hover_text(format!(
+                "density {density:.4} at {depth:.4}\nup to the next place {low:.4} to {high:.4}, {slope}"
+            ));
+        }
+    }
+}
+
+/// A square around the pixel.
+fn mark(ui: &Ui, place: Rect, pixel: [u32; 2], size: [u32; 2]) {
+    let part = |axis: usize| (pixel[axis] as f32 + 0.5) / size[axis].max(1) as f32;
+    let at = place.min + Vec2::new(part(0), part(1)) * place.size();
+    let painter = ui.painter_at(place);
+    for (side, color) in [(11.0, Color32::BLACK), (9.0, Color32::WHITE)] {
+        let square = Rect::from_center_size(at, Vec2::splat(side));
+        painter.rect_stroke(square, 0.0, Stroke::new(1.0, color), StrokeKind::Middle);
+    }
+}

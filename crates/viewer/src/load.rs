@@ -1,0 +1,282 @@
+//! Objects loaded beside the window: fields are computed on a thread of their own, with progress, and can be given up.
+
+use hypertexture::render::variant::{Variant, VariantError};
+use hypertexture::render::{RenderError, Subject, Wanted};
+use hypertexture::scene::{Object, ParameterValue, Parameters, Scene};
+use hypertexture::shader::Library;
+use std::collections::BTreeMap;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, mpsc};
+use std::thread;
+
+/// Subjects that are kept: those of the last presets and variants.
+const KEPT: usize = 6;
+
+/// What decides the subject of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Key(Vec<Wanted>);
+
+impl Key {
+    /// The key of a scene.
+    pub(super) fn of(scene: &Scene, library: &Library) -> Result<Key, VariantError> {
+        let mut wanted = Wanted::all(scene, &Variant::of(scene, library)?);
+        wanted.iter_mut().for_each(|wanted| wanted.object = wanted.object.without_look());
+        Ok(Key(wanted))
+    }
+
+    /// Whether the subject of `self` serves a scene of `other`: closest points that nobody reads do no harm.
+    fn serves(&self, other: &Key) -> bool {
+        self.0.len() == other.0.len()
+            && self.0.iter().zip(&other.0).all(|(own, other)| {
+                let same = own.object == other.object && own.aligned == other.aligned;
+                same && own.reach == other.reach && (own.closest || !other.closest)
+            })
+    }
+}
+
+/// The subjects of the last scenes, and the one that is being loaded.
+#[derive(Default)]
+pub(super) struct Loader {
+    kept: Vec<(Key, Arc<Subject>)>,
+    loading: Option<Loading>,
+    failed: Option<Key>,
+}
+
+/// A subject that is being loaded.
+struct Loading {
+    key: Key,
+    name: String,
+    progress: Arc<AtomicU32>,
+    cancel: Arc<AtomicBool>,
+    result: mpsc::Receiver<Option<Result<Subject, RenderError>>>,
+}
+
+impl Drop for Loading {
+    fn drop(&mut self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Thrown through the computation of a field that nobody waits for any more.
+struct Cancelled;
+
+impl Loader {
+    /// The subject of a scene if it is there; if not, where it `may_load`, it is being loaded from now on, in place of what was
+    /// being loaded. `notify` is called from the other thread when it is there.
+    pub(super) fn subject(
+        &mut self,
+        scene: &Scene,
+        library: &Arc<Library>,
+        may_load: bool,
+        notify: &(impl Fn() + Clone + Send + 'static),
+    ) -> Result<Option<Arc<Subject>>, VariantError> {
+        let key = Key::of(scene, library)?;
+        // From the last on: where several serve, it is the same one as before, and the picture is not begun anew.
+        if let Some(found) = self.kept.iter().rposition(|(known, _)| known.serves(&key)) {
+            let last = self.kept.remove(found);
+            self.kept.push(last);
+            return Ok(self.kept.last().map(|(_, subject)| subject.clone()));
+        }
+        let running = self.loading.as_ref().is_some_and(|loading| loading.key.serves(&key));
+        if may_load && !running && self.failed.as_ref() != Some(&key) {
+            self.loading = Some(Loading::start(key, scene.clone(), library.clone(), notify.clone()));
+        }
+        Ok(None)
+    }
+
+    /// What previews are drawn with while the subject of a scene is not there: a subject of the same inputs, and the scene
+    /// with soft regions that end where its fields do.
+    pub(super) fn stand_in(&self, scene: &Scene, library: &Library) -> Option<(Scene, Arc<Subject>)> {
+        let variant = Variant::of(scene, library).ok()?;
+        let wanted = Key::of(scene, library).ok()?.0;
+        let fits = |(own, wanted): (&Wanted, &Wanted)| {
+            own.object.input == wanted.object.input && own.aligned == wanted.aligned && (own.closest || !wanted.closest)
+        };
+        let (key, subject) = self.kept.iter().rfind(|(key, subject)| {
+            key.0.len() == wanted.len()
+                && key.0.iter().zip(&wanted).all(fits)
+                && subject.parts.keys().eq(scene.parts.keys())
+        })?;
+        let mut held = scene.clone();
+        end_at(&mut held.object, &mut held.parameters, &variant.parameters, key.0[0].reach);
+        for ((name, part), own) in held.parts.iter_mut().zip(&key.0[1..]) {
+            end_at(&mut part.object, &mut part.parameters, &variant.parts[name], own.reach);
+        }
+        held.check(library).is_ok().then(|| (held, subject.clone()))
+    }
+
+    /// Takes what has been loaded; the text says why it could not be.
+    pub(super) fn poll(&mut self) -> Result<(), String> {
+        let Some(loading) = &self.loading else { return Ok(()) };
+        let outcome = match loading.result.try_recv() {
+            Err(mpsc::TryRecvError::Empty) => return Ok(()),
+            Err(mpsc::TryRecvError::Disconnected) => Some(Err("the computation of the field has failed".to_string())),
+            Ok(result) => result.map(|loaded| loaded.map_err(|error| error.to_string())),
+        };
+        let Some(mut done) = self.loading.take() else { return Ok(()) };
+        let key = std::mem::replace(&mut done.key, Key(Vec::new()));
+        match outcome {
+            None => Ok(()),
+            Some(Ok(subject)) => {
+                self.kept.push((key, Arc::new(subject)));
+                if self.kept.len() > KEPT {
+                    self.kept.remove(0);
+                }
+                Ok(())
+            }
+            Some(Err(reason)) => {
+                self.failed = Some(key);
+                Err(reason)
+            }
+        }
+    }
+
+    /// What is being loaded, and how far it is.
+    pub(super) fn progress(&self) -> Option<(String, f32)> {
+        let loading = self.loading.as_ref()?;
+        Some((loading.name.clone(), f32::from_bits(loading.progress.load(Ordering::Relaxed))))
+    }
+
+    /// Gives up what is being loaded.
+    pub(super) fn cancel(&mut self) {
+        self.failed = self.loading.take().map(|mut loading| std::mem::replace(&mut loading.key, Key(Vec::new())));
+    }
+
+    /// Tries again what could not be loaded, or was given up.
+    pub(super) fn retry(&mut self) {
+        self.failed = None;
+    }
+}
+
+/// Ends a soft region at `reach`, object units.
+fn end_at(object: &mut Object, values: &mut BTreeMap<String, ParameterValue>, parameters: &Parameters, reach: f32) {
+    object.outer_iso = object.outer_iso.min(reach);
+    for name in parameters.outer().iter().filter(|name| parameters.number(name) > reach) {
+        values.insert(name.clone(), ParameterValue::Number(reach));
+    }
+}
+
+impl Loading {
+    fn start(key: Key, scene: Scene, library: Arc<Library>, notify: impl Fn() + Send + 'static) -> Loading {
+        let name = scene.object.input.clone();
+        let progress = Arc::new(AtomicU32::new(0));
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (sender, result) = mpsc::channel();
+        let (done, stop) = (progress.clone(), cancel.clone());
+        thread::spawn(move || {
+            let report = |fraction: f32| {
+                done.store(fraction.to_bits(), Ordering::Relaxed);
+                if stop.load(Ordering::Relaxed) {
+                    // Unwinding is the one way out of a computation that spans threads; nothing of it is kept.
+                    panic::resume_unwind(Box::new(Cancelled));
+                }
+            };
+            let loaded = panic::catch_unwind(AssertUnwindSafe(|| Subject::load(&scene, &library, &report)));
+            let loaded = match loaded {
+                Ok(loaded) => Some(loaded),
+                Err(reason) if reason.is::<Cancelled>() => None,
+                Err(reason) => panic::resume_unwind(reason),
+            };
+            // Nobody listens to a computation that was given up.
+            let _ = sender.send(loaded);
+            drop(sender);
+            notify();
+        });
+        Loading { key, name, progress, cancel, result }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use hypertexture::{scene, shader};
+    use std::time::{Duration, Instant};
+
+    fn wait(loader: &mut Loader, scene: &Scene, library: &Arc<Library>) -> Result<Arc<Subject>, String> {
+        let start = Instant::now();
+        loop {
+            if let Some(subject) = loader.subject(scene, library, true, &|| ()).unwrap() {
+                return Ok(subject);
+            }
+            loader.poll()?;
+            assert!(start.elapsed() < Duration::from_secs(1800)); // a test that fails ends
+            thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    #[test]
+    fn a_subject_is_loaded_once_and_serves_every_scene_of_its_object() {
+        let library = Arc::new(shader::shipped());
+        let mut loader = Loader::default();
+        let mut fur = scene::preset("fur").unwrap();
+        fur.object.input = "torus".into();
+        let first = wait(&mut loader, &fur, &library).unwrap();
+        fur.camera.azimuth = 99.0;
+        fur.quality.samples = 7;
+        assert!(Arc::ptr_eq(&first, &wait(&mut loader, &fur, &library).unwrap()));
+        fur.object.input = "sphere".into();
+        assert!(!Arc::ptr_eq(&first, &wait(&mut loader, &fur, &library).unwrap()));
+    }
+
+    #[test]
+    fn a_field_that_ends_too_early_stands_in_with_hair_that_ends_where_it_does() {
+        let library = Arc::new(shader::shipped());
+        let mut loader = Loader::default();
+        let mut fur = scene::preset("fur").unwrap();
+        (fur.object.input, fur.object.resolution) = ("teapot".into(), 16);
+        assert!(loader.stand_in(&fur, &library).is_none());
+        let short = wait(&mut loader, &fur, &library).unwrap();
+        let length = fur.check(&library).unwrap().outer().first().unwrap().clone();
+        fur.parameters.insert(length.clone(), ParameterValue::Number(0.8));
+        assert!(loader.subject(&fur, &library, false, &|| ()).unwrap().is_none() && loader.progress().is_none());
+        let (held, subject) = loader.stand_in(&fur, &library).unwrap();
+        assert!(Arc::ptr_eq(&subject, &short));
+        assert!(matches!(held.parameters[&length], ParameterValue::Number(held) if (0.2..0.8).contains(&held)));
+        // What asks for less than the field has is drawn as it is.
+        fur.parameters.insert(length, ParameterValue::Number(0.1));
+        fur.object.resolution = 18;
+        assert_eq!(loader.stand_in(&fur, &library).unwrap().0, fur);
+        fur.object.input = "knot".into();
+        assert!(loader.stand_in(&fur, &library).is_none(), "another object is not shown in its place");
+    }
+
+    #[test]
+    fn of_two_subjects_that_serve_it_is_always_the_same() {
+        let library = Arc::new(shader::shipped());
+        let mut scene = scene::preset("lit").unwrap();
+        scene.object.input = "torus".into();
+        let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
+        let key = Key::of(&scene, &library).unwrap();
+        let kept = (0..2).map(|_| (key.clone(), Arc::new(subject.clone()))).collect();
+        let mut loader = Loader { kept, ..Loader::default() };
+        let mut next = || loader.subject(&scene, &library, true, &|| ()).unwrap().unwrap();
+        let first = next();
+        assert!((0..3).all(|_| Arc::ptr_eq(&first, &next())));
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_said_once_and_not_tried_again() {
+        let library = Arc::new(shader::shipped());
+        let mut loader = Loader::default();
+        let mut scene = scene::preset("lit").unwrap();
+        scene.object.input = "nowhere.obj".into();
+        let error = wait(&mut loader, &scene, &library).unwrap_err();
+        assert!(error.contains("nowhere.obj"), "{error}");
+        assert!(loader.subject(&scene, &library, true, &|| ()).unwrap().is_none());
+        assert!(loader.progress().is_none());
+    }
+
+    #[test]
+    fn a_computation_can_be_given_up() {
+        let library = Arc::new(shader::shipped());
+        let mut loader = Loader::default();
+        let mut scene = scene::preset("lit").unwrap();
+        scene.object.resolution = 347; // in no cache
+        assert!(loader.subject(&scene, &library, true, &|| ()).unwrap().is_none());
+        let (name, _) = loader.progress().unwrap();
+        assert_eq!(name, "teapot");
+        loader.cancel();
+        assert!(loader.progress().is_none() && loader.poll().is_ok());
+    }
+}

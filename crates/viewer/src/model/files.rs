@@ -1,0 +1,96 @@
+//! Scenes that are read from files and written to them.
+
+use super::Model;
+use crate::message::Message;
+use hypertexture::output::{OutputError, read_provenance};
+use hypertexture::scene::{self, Reach, Scene, SceneError};
+use hypertexture::shader::Library;
+use std::path::Path;
+use support::{open, write_whole};
+
+impl Model {
+    /// Shows what a file holds: a scene file or a picture, the scene of it; a file of any other kind becomes the object.
+    pub fn open(&mut self, path: &Path) -> bool {
+        let name = path.display().to_string();
+        let ends =
+            |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|own| end.eq_ignore_ascii_case(own)));
+        let is_picture = ends(&["png", "exr"]);
+        if !is_picture && !ends(&["toml"]) {
+            return self.edit("object.input", |scene| scene.bring(&name));
+        }
+        let loaded = match is_picture {
+            true => scene_of_picture(path).map_err(|error| error.to_string()),
+            false => scene::load(path, Reach::Beside).map_err(|error| error.to_string()),
+        };
+        let opened = loaded.and_then(|scene| {
+            let library = self.with_modules_of(&scene).map_err(|error| error.to_string())?;
+            Ok((scene, std::mem::replace(&mut self.library, library)))
+        });
+        let (scene, library) = match opened {
+            Ok(opened) => opened,
+            Err(reason) => {
+                self.say(reason);
+                return false;
+            }
+        };
+        let good = self.propose(&format!("open {name}"), scene);
+        if good {
+            self.end_undo_group();
+            (self.saved, self.file) = (self.scene.clone(), (!is_picture).then(|| path.into()));
+            self.home.clone_from(&self.scene.camera);
+        } else {
+            self.library = library;
+        }
+        good
+    }
+
+    /// The modules that there are, and a scene's own as its files have them.
+    fn with_modules_of(&self, scene: &Scene) -> Result<Library, SceneError> {
+        let own = scene.library()?;
+        let modules = scene.modules.keys().filter_map(|module| module.split_once('/'));
+        Ok(modules.fold(self.library.clone(), |library, (slot, name)| {
+            let text = own.source(&format!("{slot}/{name}.glsl")).unwrap_or_default();
+            library.with_module(slot, name, text)
+        }))
+    }
+
+    /// Whether a file is there that holds something else than what was written to it from here.
+    pub fn would_replace(&self, path: &Path) -> bool {
+        let held = open::text(path, scene::MAX_BYTES).ok();
+        path.exists() && (held.is_none() || held.as_ref() != self.written.get(path))
+    }
+
+    /// Writes the scene, complete with defaults; what was in the file before is gone only when the new text is there.
+    pub fn save(&mut self, path: &Path) -> bool {
+        let text = scene::to_text(&self.scene);
+        match write_whole(path, text.as_bytes()) {
+            Ok(()) => {
+                self.written.insert(path.into(), text);
+                (self.saved, self.file) = (self.scene.clone(), Some(path.into()));
+                let edited = self.edited();
+                let missing = if edited.is_empty() {
+                    String::new()
+                } else {
+                    format!("; save these modules as files too, a scene holds no text of them: {}", edited.join(", "))
+                };
+                self.message = Some(Message::note(format!("wrote {}{missing}", path.display())));
+                true
+            }
+            Err(error) => {
+                self.say(format!("{}: {error}; nothing was written", path.display()));
+                false
+            }
+        }
+    }
+}
+
+/// The scene that a picture shows.
+fn scene_of_picture(path: &Path) -> Result<Scene, OutputError> {
+    let of = |source| OutputError::Provenance { path: path.display().to_string(), source };
+    let (provenance, reach) = (read_provenance(path)?, Reach::Beside);
+    let scene = provenance.scene(path, reach).map_err(of)?;
+    if let Err(changed) = provenance.check_inputs(path, reach) {
+        log::warn!("{}", of(changed));
+    }
+    Ok(scene)
+}

@@ -1,0 +1,60 @@
+//! Presets: taken with or without their object and view, and what a parameter goes back to.
+
+use super::Model;
+use hypertexture::scene::{self, Color, Object, ParameterValue, Scene};
+use hypertexture::shader::{Parameter, ParameterKind};
+use std::sync::LazyLock;
+
+/// Every preset, read once.
+static PRESETS: LazyLock<Vec<(&str, Scene)>> =
+    LazyLock::new(|| scene::names().filter_map(|name| Some((name, scene::preset(name).ok()?))).collect());
+
+impl Model {
+    /// Takes a preset. With `on_object`, object, camera and picture stay as they are; what the preset says of how far its
+    /// soft region reaches it brings along.
+    pub fn take_preset(&mut self, name: &str, on_object: bool) -> bool {
+        let mut preset = match scene::preset(name) {
+            Ok(preset) => preset,
+            Err(error) => {
+                self.say(error.to_string());
+                return false;
+            }
+        };
+        let Scene { object, camera, image, .. } = self.scene.clone(); // the window has a size of its own
+        preset.image = image;
+        if on_object {
+            preset.bring(&object.input); // and what is aligned with it
+            let Object { inner_iso, outer_iso, .. } = preset.object;
+            (preset.object, preset.camera) = (Object { inner_iso, outer_iso, ..object }, camera);
+        }
+        let good = self.propose(&format!("preset {name}"), preset);
+        self.end_undo_group();
+        if good && !on_object {
+            self.home.clone_from(&self.scene.camera);
+        }
+        good
+    }
+
+    /// The preset that the scene was made of: the one that says of itself what the scene does.
+    pub fn preset(&self) -> Option<&'static str> {
+        Some(self.own_preset()?.0)
+    }
+
+    fn own_preset(&self) -> Option<&'static (&'static str, Scene)> {
+        PRESETS.iter().find(|(_, preset)| preset.about == self.scene.about)
+    }
+
+    /// What a parameter is in the preset that the scene was made of; where that does not say, what its module says.
+    pub fn parameter_in_preset(&self, part: Option<&str>, parameter: &Parameter) -> ParameterValue {
+        let values = self.own_preset().and_then(|(_, preset)| match part {
+            None => Some(&preset.parameters),
+            Some(part) => preset.parts.get(part).map(|part| &part.parameters),
+        });
+        match (parameter.kind, values.and_then(|values| values.get(&parameter.name))) {
+            (ParameterKind::Number(..), Some(value @ ParameterValue::Number(_)))
+            | (ParameterKind::Color(_), Some(value @ ParameterValue::Color(_))) => value.clone(),
+            (ParameterKind::Number(value, _), _) => ParameterValue::Number(value),
+            (ParameterKind::Color(code), _) => ParameterValue::Color(Color(code)),
+        }
+    }
+}

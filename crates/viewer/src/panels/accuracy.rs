@@ -1,0 +1,54 @@
+//! Accuracy against time.
+
+use super::widgets::{Field, button, field, number, switch};
+use super::{Pass as Controls, Request, settings};
+use egui::Ui;
+use hypertexture::scene::schema::SETTINGS;
+
+/// The largest error that is asked for at first: one step of 8 bits.
+const FIRST_ERROR: f64 = 1.0 / 255.0;
+
+/// Every field of `quality`, and the error that the window may choose the samples by.
+pub(super) fn show(ui: &mut Ui, controls: &mut Controls<'_>) {
+    let asked = controls.status.max_error;
+    let mut on = asked.is_some();
+    let doc = "Draw with the fastest settings whose root mean square error is at most this.";
+    switch(ui, &mut None, &Field { text: Some("Error target"), ..field("max_error.on", doc) }, &mut on);
+    let mut wanted = on.then(|| asked.unwrap_or(FIRST_ERROR));
+    if let (Some(error), true) = (&mut wanted, asked.is_some()) {
+        number(ui, &mut None, &Field { text: Some(""), ..field("max_error", doc) }, error, 1e-4..=0.1);
+    }
+    // What is typed beyond the slider is held to what `--max-error` takes.
+    let wanted = wanted.map(|error| error.clamp(1e-7, 1.0));
+    if wanted != asked {
+        controls.requests.push(Request::MaxError(wanted));
+    }
+    if !controls.advanced {
+        return settings::table(ui, controls, "", "quality");
+    }
+    let mut on = controls.status.validity;
+    let doc =
+        "Once the picture has converged, color the pixels that change where one setting is made better, and say which.";
+    let response = ui.checkbox(&mut on, "validity").on_hover_text(doc);
+    if super::widgets::named(ui, &response, "validity").changed() {
+        controls.requests.push(Request::Validity(on));
+    }
+    for setting in SETTINGS.iter().filter(|setting| setting.table() == "quality") {
+        let most = controls.draft.quality.block_size / 2; // two texels for each cell
+        let offered = |number| setting.name != "quality.turbulence_cells" || number <= most;
+        settings::show_some(ui, controls, "", setting.name, &offered);
+        if setting.name == "quality.samples" {
+            ui.horizontal_wrapped(|ui| factors(ui, controls));
+        }
+    }
+}
+
+/// Half as many samples, and twice as many.
+fn factors(ui: &mut Ui, controls: &mut Controls<'_>) {
+    for (text, factor) in [("half", 0.5), ("double", 2.0)] {
+        if button(ui, text, &format!("quality.samples.{text}"), "Samples.").clicked() {
+            let samples = (f64::from(controls.draft.quality.samples) * factor) as u32;
+            controls.set("quality.samples", &samples.max(1).to_string());
+        }
+    }
+}

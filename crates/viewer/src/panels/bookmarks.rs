@@ -1,0 +1,65 @@
+//! Views of the object that a person comes back to; the next window knows them too.
+
+use hypertexture::scene::Camera;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use support::{open, write_whole};
+
+/// The longest list that is read, in bytes.
+const MAX_LIST: u64 = 1 << 16;
+/// Views that are kept: more make a long list.
+const MOST: usize = 32;
+
+/// Views of the object.
+#[derive(Default)]
+pub(super) struct Bookmarks {
+    pub(super) views: Vec<Camera>,
+    /// Where they are listed.
+    list: Option<PathBuf>,
+}
+
+/// The list in its file.
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct List {
+    view: Vec<Camera>,
+}
+
+impl Bookmarks {
+    /// Those of the windows before, which a file in `folder` lists; a list that cannot be read is as good as none.
+    pub(super) fn of(folder: Option<&Path>) -> Bookmarks {
+        let list = folder.map(|folder| folder.join("views.toml"));
+        let text = list.as_deref().and_then(|list| open::text(list, MAX_LIST).ok()).unwrap_or_default();
+        let views = toml::from_str(&text).unwrap_or_else(|error| {
+            log::warn!("the list of views cannot be read: {error}");
+            List::default()
+        });
+        Bookmarks { views: views.view, list }
+    }
+
+    /// Adds the view of a camera.
+    pub(super) fn add(&mut self, camera: &Camera) {
+        let view = looking(&Camera::default(), camera);
+        if self.views.len() < MOST && !self.views.contains(&view) {
+            self.views.push(view);
+            self.write();
+        }
+    }
+
+    pub(super) fn remove(&mut self, index: usize) {
+        self.views.remove(index);
+        self.write();
+    }
+
+    fn write(&self) {
+        let Some(list) = &self.list else { return };
+        let text = toml::to_string(&List { view: self.views.clone() }).unwrap_or_default();
+        write_whole(list, text.as_bytes()).unwrap_or_else(|error| log::warn!("{}: {error}", list.display()));
+    }
+}
+
+/// A camera that looks as `view` does, at its own time and with its own clip plane.
+pub(super) fn looking(camera: &Camera, view: &Camera) -> Camera {
+    let Camera { projection, azimuth, elevation, rotation, pan, zoom, field_of_view, .. } = view.clone();
+    Camera { projection, azimuth, elevation, rotation, pan, zoom, field_of_view, ..camera.clone() }
+}

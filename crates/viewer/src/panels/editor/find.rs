@@ -1,0 +1,72 @@
+//! Words that are looked for in the text.
+
+use crate::panels::widgets::{button, named};
+use egui::{Id, Key, TextEdit, Ui};
+use std::ops::Range;
+
+/// What is looked for.
+#[derive(Default)]
+pub(super) struct Find {
+    pub(super) text: String,
+    /// The match that is shown, of all.
+    at: usize,
+}
+
+impl Find {
+    /// The match that one is at, of all.
+    pub(super) fn current(&self) -> usize {
+        self.at
+    }
+
+    /// The field and its buttons; gives the match to go to. `asked` puts the keys into the field.
+    pub(super) fn show(&mut self, ui: &mut Ui, text: &str, asked: bool) -> Option<Range<usize>> {
+        let edit = TextEdit::singleline(&mut self.text).id(Id::new("author.find")).hint_text("find (Ctrl+F)");
+        let response = ui.add(edit.desired_width(120.0));
+        named(ui, &response, "author.find");
+        if asked {
+            response.request_focus();
+        }
+        let all = matches(text, &self.text);
+        let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let back = entered && ui.input(|input| input.modifiers.shift);
+        let previous = button(ui, "⏶", "author.find.previous", "The match before (Shift+Enter).").clicked() || back;
+        let next = button(ui, "⏷", "author.find.next", "The next match (Enter).").clicked() || (entered && !back);
+        if entered {
+            response.request_focus(); // for the one after it
+        }
+        let count = all.len();
+        let changed = response.changed();
+        self.at = match (changed, next, previous) {
+            _ if count == 0 => 0,
+            (true, ..) => 0,
+            (_, true, _) => (self.at + 1) % count,
+            (_, _, true) => (self.at + count - 1) % count,
+            _ => self.at.min(count - 1),
+        };
+        if !self.text.is_empty() {
+            ui.label(if count == 0 { "none".into() } else { format!("{} of {count}", self.at + 1) });
+        }
+        (changed || next || previous).then(|| all.get(self.at).cloned()).flatten()
+    }
+}
+
+/// Where a text has a word, in any case, as bytes; matches do not overlap.
+pub(super) fn matches(text: &str, word: &str) -> Vec<Range<usize>> {
+    if word.is_empty() {
+        return Vec::new();
+    }
+    let (text, word) = (text.to_ascii_lowercase(), word.to_ascii_lowercase());
+    text.match_indices(&word).map(|(at, found)| at..at + found.len()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_word_is_found_in_any_case_and_wherever_letters_take_more_bytes() {
+        assert_eq!(matches("Noise, noise\nÄnoise", "noise"), [0..5, 7..12, 15..20]);
+        assert_eq!(matches("aaaa", "aa"), [0..2, 2..4]);
+        assert!(matches("noise", "").is_empty() && matches("noise", "fur").is_empty());
+    }
+}

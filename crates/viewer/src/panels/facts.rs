@@ -1,0 +1,109 @@
+//! What the file of an object holds, as `info` says it: read on a thread of its own when it is looked at.
+
+use super::widgets::{button, named};
+use super::{Pass, figures, prefix};
+use egui::{Align2, Context, FontId, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
+use hypertexture::scene::Object;
+use hypertexture::shape::{Facts, Histogram};
+use std::sync::mpsc::{self, Receiver, TryRecvError};
+use std::thread;
+
+/// Height of the histogram, points.
+const HEIGHT: f32 = 96.0;
+
+/// The facts of the file that was looked at last.
+#[derive(Default)]
+pub(super) struct Known {
+    input: (String, Option<String>),
+    reading: Option<Receiver<Result<Facts, String>>>,
+    facts: Option<Result<Facts, String>>,
+}
+
+impl Known {
+    /// What is known of a file by now.
+    fn ask(&mut self, object: &Object, context: &Context) -> Option<&Result<Facts, String>> {
+        let input = (object.input.clone(), object.grid.clone());
+        if self.input != input || (self.facts.is_none() && self.reading.is_none()) {
+            let (sender, reading) = mpsc::channel();
+            *self = Known { input: input.clone(), reading: Some(reading), facts: None };
+            let ((input, grid), context) = (input, context.clone());
+            thread::spawn(move || {
+                // Nobody listens where another file is looked at by now.
+                let _ = sender.send(Facts::of(&input, grid.as_deref()).map_err(|error| error.to_string()));
+                context.request_repaint();
+            });
+        }
+        match self.reading.as_ref().map(Receiver::try_recv) {
+            None | Some(Err(TryRecvError::Empty)) => {}
+            Some(Ok(facts)) => (self.reading, self.facts) = (None, Some(facts)),
+            Some(Err(TryRecvError::Disconnected)) => {
+                (self.reading, self.facts) = (None, Some(Err("reading the file has failed".into())));
+            }
+        }
+        self.facts.as_ref()
+    }
+}
+
+/// The facts of an object, and what they propose.
+pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, known: &mut Known) {
+    let object = part.and_then(|part| pass.draft.parts.get(part)).map_or(&pass.draft.object, |part| &part.object);
+    let (iso, is_distance) = (object.iso, object.distance);
+    let facts = match known.ask(object, ui.ctx()) {
+        Some(Ok(facts)) => facts,
+        Some(Err(reason)) => return drop(ui.label(reason)),
+        None => return drop(ui.weak("reading the file")),
+    };
+    let lines: Vec<_> = facts.lines.iter().map(|fact| [fact.name.into(), fact.words.clone()]).collect();
+    ui.push_id("facts", |ui| figures::made(ui, &lines));
+    let Some(histogram) = facts.histogram.as_ref().filter(|_| !is_distance) else { return };
+    chart(ui, histogram, &facts.iso_values, iso, &format!("{}object.histogram", prefix(part)));
+    ui.horizontal_wrapped(|ui| {
+        let mut offer = |text: String, name: &str, value: String, doc: &str| {
+            if button(ui, &text, &format!("{}object.{name}={value}", prefix(part)), doc).clicked() {
+                pass.set(&format!("{}object.{name}", prefix(part)), &value);
+            }
+        };
+        for iso in &facts.iso_values {
+            offer(format!("surface at {iso}"), "iso", iso.to_string(), "The values change most there.");
+        }
+        if facts.is_like_distances {
+            offer("signed distances".into(), "distance", "true".into(), "The values change as distances do.");
+        }
+    });
+}
+
+/// Voxels of each value, logarithmic, their mean change as a line, and the iso-values.
+fn chart(ui: &mut Ui, histogram: &Histogram, isos: &[f32], iso: Option<f32>, name: &str) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
+    let painter = ui.painter_at(rect);
+    let visuals = ui.visuals();
+    painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
+    let bins = histogram.counts.len();
+    let (low, high) = histogram.range;
+    let at = |part: f32, height: f32| -> Pos2 {
+        pos2(egui::lerp(rect.x_range(), part), egui::lerp(rect.bottom()..=rect.top() + 4.0, height))
+    };
+    let most = histogram.counts.iter().copied().max().unwrap_or(1).max(1);
+    let steepest = histogram.gradients.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    for (bin, count) in histogram.counts.iter().enumerate() {
+        let height = ((*count as f64 + 1.0).ln() / (most as f64 + 1.0).ln()) as f32;
+        let corners = [at(bin as f32 / bins as f32, height), at((bin + 1) as f32 / bins as f32, 0.0)];
+        painter.rect_filled(Rect::from_two_pos(corners[0], corners[1]), 0.0, visuals.weak_text_color());
+    }
+    let middle = |bin: usize| (bin as f32 + 0.5) / bins as f32;
+    let changes = (0..bins).map(|bin| at(middle(bin), (histogram.gradients[bin] / steepest) as f32)).collect();
+    painter.add(Shape::line(changes, Stroke::new(1.5, visuals.strong_text_color())));
+    let mark = |value: f32, width: f32| {
+        let x = at((value - low) / (high - low), 0.0).x;
+        painter.vline(x, rect.y_range(), Stroke::new(width, visuals.selection.stroke.color));
+    };
+    isos.iter().for_each(|iso| mark(*iso, 1.0));
+    iso.into_iter().for_each(|iso| mark(iso, 3.0));
+    for (align, corner, value) in
+        [(Align2::LEFT_TOP, rect.left_top(), low), (Align2::RIGHT_TOP, rect.right_top(), high)]
+    {
+        painter.text(corner, align, format!(" {value} "), FontId::proportional(11.0), visuals.text_color());
+    }
+    let doc = "Bars: voxels of each value, logarithmic. Line: how much the values change there. Marks: iso-values.";
+    named(ui, &response, name).on_hover_text(doc);
+}

@@ -1,0 +1,246 @@
+//! The dialog for final pictures.
+
+use super::Status;
+use super::widgets::{Field, button, field, fit, named, number, switch};
+use crate::finals::{BEHIND, Motion, Order, Product, Rendering, is_installed};
+use crate::message::Message;
+use crate::model::Model;
+use egui::{DragValue, Id, RichText, TextEdit, Ui, Window};
+use std::path::PathBuf;
+use std::sync::LazyLock;
+use std::time::Duration;
+
+/// How often it is looked at how far a rendering is.
+const LOOK: Duration = Duration::from_millis(300);
+/// Sizes that are often wanted.
+const SIZES: [[u32; 2]; 2] = [[1920, 1080], [3840, 2160]];
+/// The error that is asked for at first: a quarter of a step of 8 bits in the mid tones.
+const FIRST_ERROR: f64 = 1e-3;
+
+/// Whether a video can be made.
+static FFMPEG: LazyLock<bool> = LazyLock::new(|| is_installed("ffmpeg"));
+
+/// What becomes of a scene, by its kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Picture,
+    Sequence,
+    Video,
+}
+
+/// What the dialog remembers.
+pub(super) struct Finals {
+    /// Executable of hypertexture.
+    program: PathBuf,
+    pub(super) is_open: bool,
+    kind: Kind,
+    path: String,
+    /// None: that of the scene.
+    size: Option<[u32; 2]>,
+    /// None: those of the scene.
+    samples: Option<u32>,
+    supersampling: u32,
+    max_error: Option<f64>,
+    motion: Motion,
+    running: Option<Rendering>,
+    outcome: Option<Message>,
+    /// What this dialog has written.
+    own: Vec<PathBuf>,
+}
+
+impl Finals {
+    pub(super) fn new(program: PathBuf) -> Finals {
+        let motion = Motion { frames: 100, fps: 25.0, turntable: true, restart: false };
+        Finals {
+            program,
+            is_open: false,
+            kind: Kind::Picture,
+            path: "final.png".into(),
+            size: None,
+            samples: None,
+            supersampling: 4,
+            max_error: None,
+            motion,
+            running: None,
+            outcome: None,
+            own: Vec::new(),
+        }
+    }
+
+    /// What came of the last rendering.
+    pub(super) fn outcome(&self) -> Option<&Message> {
+        self.outcome.as_ref()
+    }
+
+    /// How far a rendering is, in words.
+    pub(super) fn progress(&self) -> Option<String> {
+        let running = self.running.as_ref()?;
+        let (kind, seconds) = (format!("{:?}", self.kind).to_lowercase(), running.seconds());
+        Some(match running.frames() {
+            Some((done, all)) if done < all => format!("{kind}: {done} of {all} frames, {seconds} s"),
+            _ => format!("{kind}: {seconds} s"),
+        })
+    }
+
+    /// The order that the dialog describes.
+    fn order(&self, model: &Model) -> Order {
+        let mut scene = model.scene().clone();
+        scene.image.size = self.size.unwrap_or(scene.image.size);
+        scene.quality.samples = self.samples.unwrap_or(scene.quality.samples);
+        scene.quality.supersampling = self.supersampling;
+        let product = match self.kind {
+            Kind::Picture => Product::Picture,
+            Kind::Sequence => Product::Sequence(self.motion),
+            Kind::Video => {
+                scene.image.background.get_or_insert(BEHIND);
+                Product::Video(self.motion)
+            }
+        };
+        Order { scene, product, max_error: self.max_error, path: PathBuf::from(self.path.trim()) }
+    }
+
+    /// Shows the dialog where it is open, and looks after what is rendered.
+    pub(super) fn show(&mut self, ui: &Ui, model: &Model, status: &Status) {
+        if let Some(running) = &mut self.running {
+            match running.poll() {
+                None => ui.ctx().request_repaint_after(LOOK),
+                Some(done) => {
+                    let failed = |reason| Message::error(format!("final picture: {reason}"));
+                    self.outcome = Some(done.map_or_else(failed, Message::note));
+                    self.running = None;
+                }
+            }
+        }
+        let mut is_open = self.is_open;
+        let window = Window::new("Final picture").id(Id::new("final")).open(&mut is_open).collapsible(false);
+        window.resizable(false).default_width(380.0).show(ui.ctx(), |ui| self.form(ui, model, status));
+        self.is_open &= is_open;
+    }
+
+    fn form(&mut self, ui: &mut Ui, model: &Model, status: &Status) {
+        fit(ui);
+        self.kinds(ui);
+        self.sizes(ui, model, status);
+        self.accuracy(ui, model);
+        if self.kind != Kind::Picture {
+            let motion = &mut self.motion;
+            let frames = field("final.frames", "How many pictures.");
+            number(ui, &mut None, &frames, &mut motion.frames, 1..=1000);
+            number(ui, &mut None, &field("final.fps", "Pictures per second."), &mut motion.fps, 1.0..=60.0);
+            let around = field("final.turntable", "The camera goes once around the object.");
+            switch(ui, &mut None, &around, &mut motion.turntable);
+            let again =
+                field("final.restart", "Render frames again that are finished; without, a stopped sequence goes on.");
+            switch(ui, &mut None, &again, &mut motion.restart);
+        }
+        let order = self.order(model);
+        let has_background = order.scene.image.background.is_some();
+        ui.weak(if has_background { "with its background" } else { "transparent where nothing is" });
+        ui.separator();
+        self.buttons(ui, model, order);
+    }
+
+    /// What is made, and the file.
+    fn kinds(&mut self, ui: &mut Ui) {
+        ui.horizontal_wrapped(|ui| {
+            for (kind, text, name, end) in [
+                (Kind::Picture, "Picture", "final.picture", "final.png"),
+                (Kind::Sequence, "Sequence", "final.sequence", "final_####.png"),
+                (Kind::Video, "Video", "final.video", "final.mp4"),
+            ] {
+                let is_there = kind != Kind::Video || *FFMPEG;
+                let chosen = ui.add_enabled(is_there, egui::Button::selectable(self.kind == kind, text));
+                let chosen = chosen.on_disabled_hover_text("A video needs ffmpeg, which is not installed.");
+                if named(ui, &chosen, name).clicked() {
+                    (self.kind, self.path) = (kind, end.into());
+                }
+            }
+            if !*FFMPEG {
+                ui.weak("video: install ffmpeg");
+            }
+        });
+        let response = ui.add(TextEdit::singleline(&mut self.path).desired_width(f32::INFINITY));
+        named(ui, &response, "final.file").on_hover_text("Path: .png or .exr; #### is the number of a frame.");
+    }
+
+    /// Width and height.
+    fn sizes(&mut self, ui: &mut Ui, model: &Model, status: &Status) {
+        let scene = model.scene().image.size;
+        ui.horizontal_wrapped(|ui| {
+            let mut size = self.size.unwrap_or(scene);
+            for (side, name) in size.iter_mut().zip(["final.size.x", "final.size.y"]) {
+                let response = ui.add(DragValue::new(side).range(1..=16384).speed(4.0).suffix(" px"));
+                named(ui, &response, name).on_hover_text("Width and height in pixels.");
+            }
+            let mut offer = |text: String, name: String, wanted: [u32; 2]| {
+                if button(ui, &text, &name, "").clicked() {
+                    size = wanted;
+                }
+            };
+            offer("scene".into(), "final.size.scene".into(), scene);
+            if status.window[0] > 0 {
+                offer("window".into(), "final.size.window".into(), status.window);
+            }
+            for wanted in SIZES {
+                let text = format!("{} x {}", wanted[0], wanted[1]);
+                offer(text.clone(), format!("final.size {text}"), wanted);
+            }
+            self.size = (size != scene).then_some(size);
+        });
+    }
+
+    /// Samples, or the error that decides.
+    fn accuracy(&mut self, ui: &mut Ui, model: &Model) {
+        let target = Field {
+            text: Some("Error target"),
+            ..field("final.max_error.on", "Render with the fastest settings within an error.")
+        };
+        let mut on = self.max_error.is_some();
+        switch(ui, &mut None, &target, &mut on);
+        self.max_error = on.then(|| self.max_error.unwrap_or(FIRST_ERROR));
+        if let Some(error) = &mut self.max_error {
+            let row = field("final.max_error", "Root mean square, linear light.");
+            return number(ui, &mut None, &Field { text: Some(""), ..row }, error, 1e-4..=0.1);
+        }
+        let own = model.scene().quality.samples;
+        let mut samples = self.samples.unwrap_or(own);
+        number(ui, &mut None, &field("final.samples", "Samples of a ray, or slices."), &mut samples, 1..=4096);
+        self.samples = (samples != own).then_some(samples);
+        let smooth = field("final.supersampling", "Pictures of which the mean is taken: smooth edges, less noise.");
+        number(ui, &mut None, &smooth, &mut self.supersampling, 1..=64);
+    }
+
+    fn buttons(&mut self, ui: &mut Ui, model: &Model, order: Order) {
+        let edited = model.edited();
+        let first = order.first();
+        let replaces = first.exists() && !self.own.contains(&first);
+        if let Some(progress) = self.progress() {
+            ui.horizontal(|ui| {
+                ui.spinner();
+                ui.label(progress);
+                if button(ui, "Stop", "final.stop", "End it; finished frames stay.").clicked() {
+                    self.running = None;
+                    self.outcome = Some(Message::note("the final picture was stopped"));
+                }
+            });
+        } else if edited.is_empty() {
+            if replaces {
+                ui.colored_label(ui.visuals().warn_fg_color, format!("{} is there", first.display()));
+            }
+            let text = if replaces { "Replace it" } else { "Render" };
+            if button(ui, text, "final.render", "A process of its own renders it: go on meanwhile.").clicked() {
+                match Rendering::start(&self.program, order) {
+                    Ok(running) => {
+                        (self.running, self.outcome) = (Some(running), None);
+                        self.own.push(first);
+                    }
+                    Err(reason) => self.outcome = Some(Message::error(reason)),
+                }
+            }
+        } else {
+            let line =
+                format!("save these modules as files first, a scene holds no text of them: {}", edited.join(", "));
+            ui.label(RichText::new(line).color(ui.visuals().warn_fg_color));
+        }
+    }
+}

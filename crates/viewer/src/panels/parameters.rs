@@ -1,0 +1,46 @@
+//! The parameters that the modules declare: each a slider with its range, or a color.
+
+use super::widgets::{self, color, field, number};
+use super::{Pass, own, prefix};
+use egui::{Button, RichText, Ui};
+use hypertexture::scene::ParameterValue;
+use hypertexture::shader::ParameterKind;
+
+/// Every parameter of an object.
+pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
+    let (model, declared) = (pass.model, pass.model.parameters(part));
+    if declared.iter().next().is_none() {
+        ui.label(RichText::new("the modules of this effect declare none").weak());
+    }
+    let values = own(&mut pass.draft, part).parameters;
+    for (parameter, value) in declared.iter() {
+        let name = format!("{}parameters.{}", prefix(part), parameter.name);
+        let field = field(&name, &parameter.doc);
+        let mut new = value.clone();
+        ui.horizontal(|ui| {
+            match (parameter.kind, &mut new) {
+                (ParameterKind::Number(_, [low, high]), ParameterValue::Number(value)) => {
+                    number(ui, &mut pass.touch, &field, value, low..=high);
+                }
+                (_, ParameterValue::Color(value)) => color(ui, &mut pass.touch, &field, value),
+                _ => {}
+            }
+            let default = model.parameter_in_preset(part, parameter);
+            let reset = ui.add_enabled(*value != default, Button::new("⟲").small());
+            let shown = match &default {
+                ParameterValue::Number(value) => value.to_string(),
+                ParameterValue::Color(color) => String::from(*color),
+            };
+            if widgets::named(ui, &reset, &format!("{name}.reset"))
+                .on_hover_text(format!("Back to {shown}, as the preset has it."))
+                .clicked()
+            {
+                new = default;
+                pass.touch = Some(name.clone());
+            }
+        });
+        if new != *value {
+            values.insert(parameter.name.clone(), new);
+        }
+    }
+}

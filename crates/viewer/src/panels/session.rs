@@ -1,0 +1,99 @@
+//! History, files, and what the window is asked for.
+
+use super::widgets::{button, named};
+use super::{Act, Pass, Request};
+use crate::keys;
+use egui::{Button, Key, KeyboardShortcut, Modifiers, RichText, TextEdit, Ui};
+use std::path::PathBuf;
+
+const UNDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Z);
+const REDO: KeyboardShortcut = KeyboardShortcut::new(Modifiers::COMMAND, Key::Y);
+
+/// Undo, redo, the command line, and what the window is asked for.
+pub(super) fn history(ui: &mut Ui, pass: &mut Pass<'_>, author_is_open: &mut bool) {
+    let model = pass.model;
+    ui.horizontal_wrapped(|ui| {
+        let keys = !ui.ctx().egui_wants_keyboard_input() && !keys::writes(ui.ctx());
+        let mut step = |what: Option<&str>, text: &str, name: &str, shortcut: KeyboardShortcut| {
+            let tip = what.map_or("nothing".into(), String::from);
+            let pressed = keys && ui.input_mut(|input| input.consume_shortcut(&shortcut));
+            let response = ui.add_enabled(what.is_some(), Button::new(text)).on_hover_text(format!("{text}: {tip}"));
+            named(ui, &response, name).clicked() || (pressed && what.is_some())
+        };
+        if step(model.undoes(), "Undo", "undo", UNDO) {
+            pass.acts.push(Act::Undo);
+        }
+        if step(model.redoes(), "Redo", "redo", REDO) {
+            pass.acts.push(Act::Redo);
+        }
+        if button(ui, "Copy command", "copy", "Copy the command line that renders this picture.").clicked() {
+            ui.ctx().copy_text(model.command_line());
+        }
+        let editor = ui.toggle_value(author_is_open, "GLSL");
+        named(ui, &editor, "author").on_hover_text("Edit the modules of the effect.");
+    });
+    ui.horizontal_wrapped(|ui| window(ui, pass));
+}
+
+fn window(ui: &mut Ui, pass: &mut Pass<'_>) {
+    let status = pass.status;
+    let mut ask = |ui: &mut Ui, on: bool, text: &str, name: &str, doc: &str, request: Request| {
+        let response = ui.selectable_label(on, text).on_hover_text(doc);
+        if named(ui, &response, name).clicked() {
+            pass.requests.push(request);
+        }
+    };
+    let (text, doc) = match status.paused {
+        true => ("\u{25b6} Play", "Let time run (Space)."),
+        false => ("\u{23f8} Pause", "Let time stand still (Space)."),
+    };
+    ask(ui, !status.paused, text, "pause", doc, Request::Pause(!status.paused));
+    let doc = "Write the pictures of a turn around the object, or stop (T).";
+    ask(ui, status.recording, "Turntable", "record", doc, Request::Record(!status.recording));
+    let other = (!status.split).then(|| Box::new(pass.model.scene().clone()));
+    let doc = "Keep this scene beside the one that is edited (C).";
+    ask(ui, status.split, "Compare", "compare", doc, Request::Split(other));
+    ask(ui, false, "Quit", "quit", "End the program.", Request::Quit);
+}
+
+/// Reading and writing.
+pub(super) fn files(ui: &mut Ui, pass: &mut Pass<'_>, paths: &mut [String; 2], recent: &[PathBuf]) {
+    let state = match (pass.model.file(), pass.model.is_dirty()) {
+        (None, false) => "as it began".into(),
+        (None, true) => "not saved".into(),
+        (Some(file), false) => file.display().to_string(),
+        (Some(file), true) => format!("{}, changed since", file.display()),
+    };
+    ui.label(RichText::new(state).weak());
+    let [file, picture] = paths;
+    let line = |ui: &mut Ui, path: &mut String, name: &str| {
+        let edit = TextEdit::singleline(path).hint_text("scene.toml");
+        let response = ui.add(edit.desired_width((ui.available_width() - 190.0).clamp(80.0, 190.0)));
+        named(ui, &response, name).on_hover_text("Path, from where the program was started.");
+    };
+    ui.horizontal_wrapped(|ui| {
+        line(ui, file, "file.scene");
+        if button(ui, "open", "file.open", "Read a scene file (.toml), or take another file as the object.").clicked() {
+            let file = file.trim();
+            pass.acts.push(if file.is_empty() { Act::Choose } else { Act::Open(PathBuf::from(file)) });
+        }
+        if button(ui, "browse", "file.browse", "Choose a file (Ctrl+O).").clicked() {
+            pass.acts.push(Act::Choose);
+        }
+        if button(ui, "save", "file.save", "Write the scene, complete with defaults.").clicked() {
+            pass.acts.push(Act::Save(PathBuf::from(file.trim())));
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        line(ui, picture, "file.picture");
+        if button(ui, "screenshot", "file.screenshot", "Write the picture that is shown: .png or .exr.").clicked() {
+            pass.requests.push(Request::Screenshot(PathBuf::from(picture.trim())));
+        }
+    });
+    for path in recent {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if button(ui, &name, &format!("recent {}", path.display()), &path.display().to_string()).clicked() {
+            pass.acts.push(Act::Open(path.clone()));
+        }
+    }
+}

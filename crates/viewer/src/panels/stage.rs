@@ -1,0 +1,114 @@
+//! Light, background, the camera, and the picture.
+
+use super::bookmarks::{Bookmarks, looking};
+use super::widgets::{button, named};
+use super::{Pass, Request, settings};
+use crate::trackball::level_angles;
+use egui::{Button, Ui};
+use hypertexture::scene::Camera;
+use toml::Value;
+
+/// Sides to look at the object from: name, azimuth and elevation in degrees.
+pub(crate) const SIDES: [(&str, f32, f32); 6] = [
+    ("front", 0.0, 0.0),
+    ("right", 90.0, 0.0),
+    ("top", 0.0, 90.0),
+    ("back", 180.0, 0.0),
+    ("left", -90.0, 0.0),
+    ("bottom", 0.0, -90.0),
+];
+
+/// The light, its shadows, and what is behind.
+pub(super) fn light(ui: &mut Ui, pass: &mut Pass<'_>) {
+    settings::table(ui, pass, "", "light");
+    settings::show(ui, pass, "", "image.background");
+}
+
+/// The camera, and the moment. Azimuth and elevation are those of what is seen, also where the camera was turned by hand;
+/// who asks for one of them ends its roll.
+pub(super) fn camera(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks) {
+    ui.horizontal_wrapped(|ui| {
+        for (name, azimuth, elevation) in SIDES {
+            let doc = format!("Look at the object from this side: azimuth {azimuth}, elevation {elevation}.");
+            if button(ui, name, &format!("camera.{name}"), &doc).clicked() {
+                let camera = &mut pass.draft.camera;
+                (camera.azimuth, camera.elevation, camera.rotation) = (azimuth, elevation, None);
+                pass.touch = Some("camera".into());
+            }
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        if button(ui, "Reset view", "camera.reset", "Look at the object as its preset does (R).").clicked() {
+            pass.requests.push(Request::ResetCamera);
+        }
+        let mut level = pass.status.level;
+        let response = ui.checkbox(&mut level, "level orbit");
+        let doc = "A drag orbits about the vertical axis, which stays upright; otherwise like a trackball (O).";
+        if named(ui, &response, "camera.level").on_hover_text(doc).changed() {
+            pass.requests.push(Request::Level(level));
+        }
+        if button(ui, "bookmark", "camera.bookmark", "Keep this view; the next window has it too.").clicked() {
+            bookmarks.add(&pass.draft.camera);
+        }
+    });
+    views(ui, pass, bookmarks);
+    let angles = pass.draft.camera.rotation.map(|_| angles(&pass.draft.camera));
+    for (name, angle) in ["camera.azimuth", "camera.elevation"].into_iter().zip(angles.into_iter().flatten()) {
+        pass.values.insert(name.into(), Value::Float(angle.into()));
+    }
+    let touched = pass.touch.take();
+    settings::table(ui, pass, "", "camera");
+    let camera = &mut pass.draft.camera;
+    if let Some([azimuth, elevation]) = angles {
+        match pass.touch.as_deref() {
+            Some("camera.azimuth") => (camera.elevation, camera.rotation) = (elevation, None),
+            Some("camera.elevation") => (camera.azimuth, camera.rotation) = (azimuth, None),
+            _ => {}
+        }
+    }
+    pass.touch = pass.touch.take().or(touched);
+}
+
+/// Azimuth and elevation of a camera however it was turned, to a tenth of a degree.
+fn angles(camera: &Camera) -> [f32; 2] {
+    level_angles(camera).map(|angle| (10.0 * angle).round() / 10.0)
+}
+
+/// The views that were kept.
+fn views(ui: &mut Ui, pass: &mut Pass<'_>, bookmarks: &mut Bookmarks) {
+    let mut removed = None;
+    ui.horizontal_wrapped(|ui| {
+        for (index, view) in bookmarks.views.iter().enumerate() {
+            let name = format!("view {}", index + 1);
+            let [azimuth, elevation] = level_angles(view);
+            let doc = format!("Azimuth {azimuth:.0}, elevation {elevation:.0}, zoom {:.2}.", view.zoom);
+            if button(ui, &name, &name, &doc).clicked() {
+                pass.draft.camera = looking(&pass.draft.camera, view);
+                pass.touch = Some("camera".into());
+            }
+            let response = ui.add(Button::new("✖").small()).on_hover_text("Forget this view.");
+            if named(ui, &response, &format!("forget {name}")).clicked() {
+                removed = Some(index);
+            }
+        }
+    });
+    removed.into_iter().for_each(|index| bookmarks.remove(index));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_angles_of_a_turn_are_those_that_it_was_made_of() {
+        for [azimuth, elevation] in [[0.0, 0.0], [30.0, 12.0], [-120.0, -45.0], [179.0, 80.0]] {
+            let by_angles = Camera { azimuth, elevation, rotation: None, ..Camera::default() };
+            let turn = by_angles.turn();
+            let by_turn = Camera { rotation: Some(turn.to_array()), ..Camera::default() };
+            assert_eq!(angles(&by_turn), [azimuth, elevation]);
+            // Roll about the axis of view changes neither.
+            let rolled = glam::Quat::from_rotation_z(0.7) * turn;
+            assert_eq!(angles(&Camera { rotation: Some(rolled.to_array()), ..by_turn }), [azimuth, elevation]);
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! The editor of the transfer map: a curve of density with points to drag, and the stops of color on a bar.
+//!
+//! A click selects a stop, a drag moves it, a double click adds one or takes one away.
+
+use super::widgets::{button, color, field, named, number, painted};
+use super::{Pass, Request, own, prefix, settings};
+use egui::{
+    Align2, Color32, CornerRadius, FontId, Pos2, Rect, Response, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
+};
+use hypertexture::render::texture::evaluate;
+use hypertexture::scene::{Color, Stop, Transfer, linear_to_srgb};
+
+/// Height of the curve and of the bar, points.
+const HEIGHTS: [f32; 2] = [110.0, 22.0];
+/// Radius of a point of the curve.
+const RADIUS: f32 = 5.5;
+/// Pieces of the curve that are drawn.
+const PIECES: usize = 160;
+/// Stops of a map, at most: as the check has it.
+const MAX_STOPS: usize = 256;
+
+/// The map of an object.
+pub(super) fn show(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>, selected: &mut usize) {
+    let at = |name: &str| format!("{}transfer.{name}", prefix(part));
+    let read = reads_map(pass, part);
+    let refracts = pass.draft.effect.ray_path == hypertexture::scene::RayPath::Refracted;
+    if !read {
+        ui.weak(
+            "no module of this effect reads it; medium transfer and classify post, pre, preintegrated and clear do",
+        );
+    }
+    settings::show(ui, pass, &prefix(part), "transfer.curve");
+    pass.requests.push(Request::Densities);
+    let touch = &mut pass.touch;
+    let transfer = own(&mut pass.draft, part).transfer;
+    let before = transfer.clone();
+    curve(ui, transfer, pass.status.densities.as_deref().unwrap_or_default(), selected, &at("curve_editor"));
+    bar(ui, transfer, selected, &at("bar"));
+    ui.horizontal_wrapped(|ui| {
+        if button(ui, "add stop", &at("add"), "Add a stop behind the one that is selected.").clicked() {
+            let from = transfer.stops.get(*selected).map_or(0.0, |stop| stop.at);
+            let to = transfer.stops.get(*selected + 1).map_or(1.0, |stop| stop.at);
+            *selected = add(transfer, 0.5 * (from + to), None);
+        }
+        if button(ui, "remove stop", &at("remove"), "Take away the stop that is selected.").clicked() {
+            remove(transfer, selected);
+        }
+    });
+    *selected = (*selected).min(transfer.stops.len().saturating_sub(1));
+    if transfer.stops != before.stops {
+        *touch = Some(at("stops"));
+    }
+    let [low, high] = neighbors(transfer, *selected);
+    if let Some(stop) = transfer.stops.get_mut(*selected) {
+        let name = |of: &str| at(&format!("stop.{of}"));
+        number(ui, touch, &field(name("at"), "Density at which the stop is."), &mut stop.at, 0.0..=1.0);
+        stop.at = stop.at.clamp(low, high);
+        color(ui, touch, &field(name("color"), "Color there."), &mut stop.color);
+        let doc = "Density that the opacity is made of; 1 is opaque.";
+        number(ui, touch, &field(name("density"), doc), &mut stop.density, 0.0..=1.0);
+        if refracts || stop.index != 1.0 {
+            let doc = "Index of refraction; read where rays bend.";
+            number(ui, touch, &field(name("index"), doc), &mut stop.index, 1.0..=4.0);
+        }
+    }
+}
+
+/// Whether a module of the effect reads the map.
+fn reads_map(pass: &Pass<'_>, part: Option<&str>) -> bool {
+    let scene = pass.model.scene();
+    let effect = part.and_then(|part| scene.parts.get(part)).map_or(&scene.effect, |part| &part.effect);
+    let classified = ["post", "pre", "preintegrated", "clear"].contains(&effect.classify.as_str());
+    let library = pass.model.library();
+    let media = effect.medium.split('+').map(|name| ("medium", name));
+    let source = |(slot, name): (&str, &str)| library.source(&format!("{slot}/{name}.glsl"));
+    classified
+        || media.chain([("surface", effect.surface.as_str())]).filter_map(source).any(|text| text.contains("transfer"))
+}
+
+/// Opacity by density, with a point for each stop, over how much of the object has which density.
+fn curve(ui: &mut Ui, transfer: &mut Transfer, densities: &[u32], selected: &mut usize, name: &str) {
+    let (area, rect) = field_of(ui, HEIGHTS[0], name);
+    histogram(ui, rect, densities);
+    let place =
+        |at: f32, density: f32| pos2(egui::lerp(rect.x_range(), at), egui::lerp(rect.bottom()..=rect.top(), density));
+    let part = |index: usize| index as f32 / (PIECES - 1) as f32;
+    let line = (0..PIECES).map(|index| place(part(index), evaluate(transfer, part(index)).w)).collect();
+    let painter = ui.painter_at(rect.expand(RADIUS + 1.0));
+    for quarter in [0.25, 0.5, 0.75] {
+        let stroke = Stroke::new(1.0, ui.visuals().faint_bg_color.gamma_multiply(2.0));
+        painter.hline(rect.x_range(), place(0.0, quarter).y, stroke);
+        painter.vline(place(quarter, 0.0).x, rect.y_range(), stroke);
+        let (font, color) = (FontId::proportional(9.0), ui.visuals().weak_text_color());
+        painter.text(place(quarter, 0.0), Align2::CENTER_BOTTOM, quarter, font.clone(), color);
+        painter.text(place(0.0, quarter), Align2::LEFT_CENTER, format!(" {quarter}"), font, color);
+    }
+    painter.add(Shape::line(line, Stroke::new(1.5, ui.visuals().strong_text_color())));
+    let parts = |pos: Pos2| {
+        let part = (pos - rect.min) / rect.size();
+        [part.x.clamp(0.0, 1.0), 1.0 - part.y.clamp(0.0, 1.0)]
+    };
+    let mut act = None;
+    for index in 0..transfer.stops.len() {
+        let stop = transfer.stops[index];
+        let handle = handle(ui, place(stop.at, stop.density), vec2(RADIUS, RADIUS) * 2.6, &format!("{name}.{index}"));
+        match (handle.double_clicked(), handle.dragged().then(|| handle.interact_pointer_pos()).flatten()) {
+            (true, _) => act = Some(index),
+            (_, Some(pos)) => {
+                let [at, density] = parts(pos);
+                put(transfer, index, at, Some(density));
+                *selected = index;
+            }
+            _ if handle.clicked() => *selected = index,
+            _ => {}
+        }
+        let stop = transfer.stops[index];
+        let ring = ring(ui, index == *selected || handle.hovered());
+        painter.circle(place(stop.at, stop.density), RADIUS, painted(stop.color), ring);
+    }
+    match act {
+        Some(index) => {
+            *selected = index;
+            remove(transfer, selected);
+        }
+        None if area.double_clicked() => {
+            if let Some([at, density]) = area.interact_pointer_pos().map(parts) {
+                *selected = add(transfer, at, Some(density));
+            }
+        }
+        None => {}
+    }
+}
+
+/// Bars of how many points of the object have a density, logarithmic, and what the axes are.
+fn histogram(ui: &Ui, rect: Rect, densities: &[u32]) {
+    let (painter, visuals) = (ui.painter_at(rect), ui.visuals());
+    let height = |count: u32| (f64::from(count) + 1.0).ln() as f32;
+    let most = height(densities.iter().copied().max().unwrap_or(1).max(1));
+    let width = rect.width() / densities.len().max(1) as f32;
+    for (index, count) in densities.iter().enumerate() {
+        let corner = pos2(rect.left() + index as f32 * width, rect.bottom());
+        let bar = Rect::from_two_pos(corner, corner + vec2(width, -rect.height() * height(*count) / most));
+        painter.rect_filled(bar, 0.0, visuals.widgets.inactive.bg_fill);
+    }
+    let font = FontId::proportional(11.0);
+    for (align, corner, text) in
+        [(Align2::LEFT_TOP, rect.left_top(), " opacity"), (Align2::RIGHT_BOTTOM, rect.right_bottom(), "density ")]
+    {
+        painter.text(corner, align, text, font.clone(), visuals.text_color());
+    }
+}
+
+/// The colors, with a mark for each stop.
+fn bar(ui: &mut Ui, transfer: &mut Transfer, selected: &mut usize, name: &str) {
+    let (area, rect) = field_of(ui, HEIGHTS[1], name);
+    let painter = ui.painter_at(rect.expand(RADIUS + 1.0));
+    let width = rect.width() / PIECES as f32;
+    for index in 0..PIECES {
+        let value = evaluate(transfer, (index as f32 + 0.5) / PIECES as f32);
+        let [r, g, b, _] =
+            value.to_array().map(|linear| (linear_to_srgb(linear.clamp(0.0, 1.0)) * 255.0).round() as u8);
+        let left = pos2(rect.left() + index as f32 * width, rect.top());
+        painter.rect_filled(
+            Rect::from_min_size(left, vec2(width + 0.5, rect.height())),
+            0.0,
+            Color32::from_rgb(r, g, b),
+        );
+    }
+    let part = |pos: Pos2| ((pos.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
+    let mut act = None;
+    for index in 0..transfer.stops.len() {
+        let place = |at: f32| pos2(egui::lerp(rect.x_range(), at), rect.center().y);
+        let size = vec2(RADIUS * 2.0, rect.height());
+        let handle = handle(ui, place(transfer.stops[index].at), size, &format!("{name}.{index}"));
+        match (handle.double_clicked(), handle.dragged().then(|| handle.interact_pointer_pos()).flatten()) {
+            (true, _) => act = Some(index),
+            (_, Some(pos)) => {
+                put(transfer, index, part(pos), None);
+                *selected = index;
+            }
+            _ if handle.clicked() => *selected = index,
+            _ => {}
+        }
+        let stop = transfer.stops[index];
+        let mark = Rect::from_center_size(place(stop.at), vec2(RADIUS * 1.4, rect.height() + 2.0));
+        let ring = ring(ui, index == *selected || handle.hovered());
+        painter.rect(mark, CornerRadius::same(2), painted(stop.color), ring, StrokeKind::Inside);
+    }
+    match act {
+        Some(index) => {
+            *selected = index;
+            remove(transfer, selected);
+        }
+        None if area.double_clicked() => {
+            if let Some(pos) = area.interact_pointer_pos() {
+                *selected = add(transfer, part(pos), None);
+            }
+        }
+        None => {}
+    }
+}
+
+/// An area to draw on; handles come above it.
+fn field_of(ui: &mut Ui, height: f32, name: &str) -> (Response, Rect) {
+    let size = Vec2::new(ui.available_width(), height + 2.0 * RADIUS);
+    let (outer, response) = ui.allocate_exact_size(size, Sense::click());
+    let rect = outer.shrink(RADIUS);
+    ui.painter().rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+    (named(ui, &response, name).on_hover_text("Double click to add a stop, or on one to take it away."), rect)
+}
+
+fn handle(ui: &Ui, center: Pos2, size: Vec2, name: &str) -> Response {
+    let rect = Rect::from_center_size(center, size);
+    let response = ui.interact(rect, ui.id().with(name), Sense::click_and_drag());
+    named(ui, &response, name)
+}
+
+fn ring(ui: &Ui, strong: bool) -> Stroke {
+    let visuals = ui.visuals();
+    if strong { Stroke::new(2.0, visuals.selection.stroke.color) } else { Stroke::new(1.0, visuals.text_color()) }
+}
+
+/// Between which positions a stop may move, so that the order stays.
+fn neighbors(transfer: &Transfer, index: usize) -> [f32; 2] {
+    let at = |index: Option<usize>| index.and_then(|index| transfer.stops.get(index)).map(|stop| stop.at);
+    [at(index.checked_sub(1)).unwrap_or(0.0), at(Some(index + 1)).unwrap_or(1.0)]
+}
+
+fn put(transfer: &mut Transfer, index: usize, at: f32, density: Option<f32>) {
+    let [low, high] = neighbors(transfer, index);
+    if let Some(stop) = transfer.stops.get_mut(index) {
+        stop.at = at.clamp(low, high);
+        stop.density = density.unwrap_or(stop.density);
+    }
+}
+
+/// Adds a stop with what the map has there, or with a density of its own; gives its place among the stops.
+fn add(transfer: &mut Transfer, at: f32, density: Option<f32>) -> usize {
+    let index = transfer.stops.iter().take_while(|stop| stop.at <= at).count();
+    if transfer.stops.len() >= MAX_STOPS {
+        return index.saturating_sub(1);
+    }
+    let value = evaluate(transfer, at);
+    let code = |linear: f32| (linear_to_srgb(linear.clamp(0.0, 1.0)) * 255.0).round() as u8;
+    let below = transfer.stops.get(index.saturating_sub(1)).map_or(1.0, |stop| stop.index);
+    let color = Color([code(value.x), code(value.y), code(value.z)]);
+    transfer.stops.insert(index, Stop { at, color, density: density.unwrap_or(value.w), index: below });
+    index
+}
+
+/// Takes a stop away, unless it is the only one; selects the one before it.
+fn remove(transfer: &mut Transfer, selected: &mut usize) {
+    if transfer.stops.len() > 1 && *selected < transfer.stops.len() {
+        transfer.stops.remove(*selected);
+        *selected = selected.saturating_sub(1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stops_keep_their_order_whatever_is_done_to_them() {
+        let mut transfer = Transfer::default();
+        let middle = add(&mut transfer, 0.5, None);
+        assert_eq!((middle, transfer.stops.len(), transfer.stops[1].density), (1, 3, 0.5));
+        put(&mut transfer, middle, 7.0, Some(0.25));
+        assert_eq!((transfer.stops[1].at, transfer.stops[1].density), (1.0, 0.25));
+        put(&mut transfer, middle, -7.0, None);
+        assert_eq!(transfer.stops[1].at, 0.0);
+        let mut selected = 2;
+        (0..5).for_each(|_| remove(&mut transfer, &mut selected));
+        assert_eq!((transfer.stops.len(), selected), (1, 0));
+    }
+}

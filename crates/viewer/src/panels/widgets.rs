@@ -1,0 +1,259 @@
+//! Rows of a panel: a label with the line about the field, and a control whose accessible name is the field's in a scene
+//! file.
+
+use egui::{Align, Color32, ComboBox, DragValue, Layout, Response, Slider, SliderClamping, TextEdit, Ui, vec2};
+use hypertexture::scene::Color;
+use std::ops::RangeInclusive;
+
+/// Width of the labels at most, points.
+const LABEL: f32 = 122.0;
+/// What a row has beside its label and its slider: a number, a button, and what is between them, points.
+const BESIDE: f32 = 112.0;
+/// In less room than this, points, a label is above its control.
+const NARROW: f32 = 260.0;
+/// A small button at the end of a row, with the room before it, points.
+const RESET: f32 = 28.0;
+/// What is beside a slider whose label is above it, points.
+const BELOW: f32 = 136.0;
+/// Words of sentences about fields that say the unit, and how it is written behind the number.
+const UNITS: [(&str, &str); 5] =
+    [("degrees", "\u{b0}"), ("seconds", " s"), ("pixels", " px"), ("texels", " tx"), ("object units", " u")];
+/// Decimal places that a slider shows at most.
+const DECIMALS: usize = 5;
+
+/// A field of a scene: its name in a scene file, and one sentence about it.
+#[derive(Clone, Debug)]
+pub struct Field<'a> {
+    /// Name with its tables.
+    pub name: String,
+    /// What it is called on the panel; without one, by the last part of its name.
+    pub text: Option<&'a str>,
+    /// What it does, with its unit.
+    pub doc: &'a str,
+}
+
+/// The field of that name.
+pub fn field(name: impl Into<String>, doc: &str) -> Field<'_> {
+    Field { name: name.into(), text: None, doc }
+}
+
+/// What was changed in this frame: the name of the last field.
+pub type Touch = Option<String>;
+
+/// Gives a control its accessible name. One that gets the keys comes into view.
+pub fn named(ui: &Ui, response: &Response, name: &str) -> Response {
+    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
+    come_into_view(ui, response);
+    response.clone()
+}
+
+/// Scrolls to a control that gets the keys by the keyboard; a text that is taller than its place scrolls by itself.
+pub fn come_into_view(ui: &Ui, response: &Response) {
+    let fits = response.rect.height() < 0.5 * ui.clip_rect().height().max(100.0);
+    if fits && response.gained_focus() && !ui.input(|input| input.pointer.any_down()) {
+        response.scroll_to_me(None);
+    }
+}
+
+/// How the unit of a number is written behind it: the sentence about the field says it, behind a comma or as `Degrees
+/// about`. What is per unit, or several things, has none.
+pub fn unit(doc: &str) -> &'static str {
+    let sentence = doc.to_lowercase();
+    let said = |word: &&(&str, &str)| {
+        let word = word.0;
+        sentence.starts_with(word)
+            || [format!("in {word}"), format!(", {word}"), format!("; {word}")]
+                .iter()
+                .any(|said| sentence.contains(said.as_str()))
+    };
+    UNITS.iter().find(said).map_or("", |(_, unit)| unit)
+}
+
+/// Fits labels and sliders into the width that there is.
+pub fn fit(ui: &mut Ui) {
+    let beside = if is_narrow(ui) { BELOW } else { label_width(ui) + BESIDE };
+    ui.spacing_mut().slider_width = (ui.available_width() - beside).clamp(24.0, 118.0);
+}
+
+/// Whether there is little room for a row.
+pub fn is_narrow(ui: &Ui) -> bool {
+    ui.available_width() < NARROW
+}
+
+fn label_width(ui: &Ui) -> f32 {
+    (0.36 * ui.available_width()).clamp(64.0, LABEL)
+}
+
+/// A button with an accessible name and a line about it.
+pub fn button(ui: &mut Ui, text: &str, name: &str, doc: &str) -> Response {
+    let response = ui.button(text).on_hover_text(doc);
+    named(ui, &response, name)
+}
+
+/// A label, and what belongs to it at its right, or below where there is little room.
+pub fn line<R>(ui: &mut Ui, field: &Field<'_>, add: impl FnOnce(&mut Ui) -> R) -> R {
+    let last = field.name.rsplit('.').next().unwrap_or_default();
+    let text = field.text.map_or_else(|| last.replace('_', " "), String::from);
+    let label = egui::Label::new(&text).truncate();
+    if is_narrow(ui) {
+        let below = |ui: &mut Ui| {
+            ui.set_max_width(ui.available_width() - RESET);
+            if !text.is_empty() {
+                ui.add(label).on_hover_text(tip(field));
+            }
+            ui.horizontal_wrapped(add).inner
+        };
+        return ui.vertical(below).inner;
+    }
+    let width = label_width(ui);
+    ui.horizontal(|ui| {
+        let height = ui.spacing().interact_size.y;
+        let label = ui.allocate_ui_with_layout(vec2(width, height), Layout::left_to_right(Align::Center), |ui| {
+            ui.set_min_width(width);
+            ui.add(label)
+        });
+        label.inner.on_hover_text(tip(field));
+        add(ui)
+    })
+    .inner
+}
+
+/// A label, and a control to its right that bears the name of the field.
+pub fn row(ui: &mut Ui, field: &Field<'_>, add: impl FnOnce(&mut Ui) -> Response) -> Response {
+    line(ui, field, |ui| {
+        let response = add(ui);
+        named(ui, &response, &field.name).on_hover_text(tip(field))
+    })
+}
+
+fn tip(field: &Field<'_>) -> String {
+    format!("{}\n{}", field.doc, field.name)
+}
+
+/// Whether a range is shown by its magnitudes: it spans many, from above 0.
+fn is_logarithmic(low: f64, high: f64) -> bool {
+    low > 0.0 && high / low > 200.0
+}
+
+/// A number in a range. What the slider cannot reach can be typed; the checks of the scene decide.
+pub fn number<N: egui::emath::Numeric>(
+    ui: &mut Ui,
+    touch: &mut Touch,
+    field: &Field<'_>,
+    value: &mut N,
+    range: RangeInclusive<N>,
+) {
+    let (low, high) = (range.start().to_f64(), range.end().to_f64());
+    let slider = Slider::new(value, range).logarithmic(is_logarithmic(low, high)).clamping(SliderClamping::Never);
+    let slider = if N::INTEGRAL { slider } else { slider.max_decimals(DECIMALS) };
+    let slider = slider.suffix(unit(field.doc));
+    if row(ui, field, |ui| ui.add(slider)).changed() {
+        *touch = Some(field.name.clone());
+    }
+}
+
+/// A number of any size, changed in proportion to itself.
+pub fn unbounded(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut f32) {
+    let speed = 0.01 * f64::from(value.abs()).max(0.1);
+    if row(ui, field, |ui| ui.add(DragValue::new(value).speed(speed).max_decimals(DECIMALS).suffix(unit(field.doc))))
+        .changed()
+    {
+        *touch = Some(field.name.clone());
+    }
+}
+
+/// Numbers beside each other: `name.x`, `name.y`, ...
+pub fn numbers(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, values: &mut [f32], speed: f64) {
+    const AXES: [&str; 4] = ["x", "y", "z", "w"];
+    line(ui, field, |ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for (value, axis) in values.iter_mut().zip(AXES) {
+            let name = format!("{}.{axis}", field.name);
+            let response = ui.add(DragValue::new(value).speed(speed).max_decimals(DECIMALS));
+            if named(ui, &response, &name).on_hover_text(tip(field)).changed() {
+                *touch = Some(field.name.clone());
+            }
+        }
+    });
+}
+
+/// On or off.
+pub fn switch(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut bool) {
+    if row(ui, field, |ui| ui.checkbox(value, "")).changed() {
+        *touch = Some(field.name.clone());
+    }
+}
+
+/// One of a few names, each with a line about it.
+pub fn choice<T: Clone + PartialEq>(
+    ui: &mut Ui,
+    touch: &mut Touch,
+    field: &Field<'_>,
+    value: &mut T,
+    options: &[(T, &str, String)],
+) {
+    let now = options.iter().find(|option| option.0 == *value).map(|option| option.1).unwrap_or("?");
+    let mut changed = false;
+    row(ui, field, |ui| {
+        let width = ui.available_width().clamp(60.0, 150.0);
+        let combo = ComboBox::from_id_salt(&field.name).selected_text(now).width(width).height(360.0);
+        let shown = combo.show_ui(ui, |ui| {
+            for (option, name, doc) in options {
+                changed |= ui.selectable_value(value, option.clone(), *name).on_hover_text(doc).changed();
+            }
+        });
+        shown.response
+    });
+    if changed {
+        *touch = Some(field.name.clone());
+    }
+}
+
+/// A color: a button that opens a picker, and its code.
+pub fn color(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut Color) {
+    row(ui, field, |ui| {
+        let picker = ui.color_edit_button_srgb(&mut value.0);
+        if picker.changed() {
+            *touch = Some(field.name.clone());
+        }
+        let code = field_of_text(ui, &format!("{}.code", field.name), &String::from(*value), 72.0);
+        if let Some(color) = code.and_then(|text| Color::try_from(text).ok()).filter(|color| color != value) {
+            *value = color;
+            *touch = Some(field.name.clone());
+        }
+        picker
+    });
+}
+
+/// A line of text, taken when it is done.
+pub fn text(ui: &mut Ui, touch: &mut Touch, field: &Field<'_>, value: &mut String) {
+    let done = line(ui, field, |ui| field_of_text(ui, &field.name, value, ui.available_width().clamp(60.0, 176.0)));
+    if let Some(text) = done.filter(|text| text != value) {
+        *value = text;
+        *touch = Some(field.name.clone());
+    }
+}
+
+/// A line of text that is given back when Enter ends it or another control takes the keys; Escape gives it up.
+fn field_of_text(ui: &mut Ui, name: &str, value: &str, width: f32) -> Option<String> {
+    let id = ui.make_persistent_id(name);
+    let held: Option<String> = ui.data(|data| data.get_temp(id));
+    let mut text = held.unwrap_or_else(|| value.to_string());
+    let response = ui.add(TextEdit::singleline(&mut text).id(id).desired_width(width));
+    named(ui, &response, name);
+    if response.lost_focus() {
+        ui.data_mut(|data| data.remove::<String>(id));
+        let is_given_up = ui.input(|input| input.key_pressed(egui::Key::Escape));
+        return (!is_given_up).then_some(text);
+    }
+    if response.has_focus() {
+        ui.data_mut(|data| data.insert_temp(id, text));
+    }
+    None
+}
+
+/// A color of the scene as the panels paint it.
+pub fn painted(color: Color) -> Color32 {
+    let [r, g, b] = color.0;
+    Color32::from_rgb(r, g, b)
+}

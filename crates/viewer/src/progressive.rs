@@ -1,0 +1,426 @@
+//! Pictures that get better: how coarse one may be while the scene moves, in which order its parts become finer, and how
+//! good a mean of many is.
+
+use hypertexture::gpu::Area;
+use hypertexture::scene::{Jitter, RayPath, Scene, TargetFormat};
+use measure::statistics::rms_difference;
+use rayon::prelude::*;
+
+/// Ways to save work: the side of a pixel in quarters of one, and one of so many samples. From the best.
+const LEVELS: [[u32; 2]; 20] = [
+    [4, 1],
+    [4, 2],
+    [5, 2],
+    [6, 2],
+    [8, 2],
+    [10, 2],
+    [12, 2],
+    [16, 2],
+    [16, 3],
+    [20, 3],
+    [20, 4],
+    [24, 4],
+    [32, 4],
+    [40, 4],
+    [48, 4],
+    [64, 4],
+    [80, 5],
+    [96, 5],
+    [96, 6],
+    [96, 8],
+];
+/// A better level is taken only where it fills at most this part of the budget by prediction. Nearer to 1: levels change
+/// with every noise in the time.
+const HEADROOM: f64 = 0.7;
+/// What is not done on the device counts as no more than this part of the budget: fewer pixels make it no less.
+const OTHER: f64 = 0.3;
+/// A preview that takes this many times its budget on the device is given up for a coarser one.
+pub(super) const GIVEN_UP_AT: f64 = 2.0;
+/// Fewer samples than this show slices, not matter.
+const FEWEST_SAMPLES: u32 = 32;
+/// Texels along a side of the blocks of noise of a preview, at most: more take seconds to make.
+pub(super) const PREVIEW_BLOCK: u32 = 64;
+/// Rays along a side of what holds the light of a preview, at least.
+const FEWEST_RAYS: u32 = 8;
+/// Previews that say what the next one takes: the middle of them, so that a pause of the machine changes no level.
+const RECENT: usize = 3;
+/// Pixels along a side of the tiles in which a picture becomes finer: those that lavapipe shares out among its threads.
+const TILE: u32 = 64;
+/// Pictures of which a converged one is the mean, at most: what `quality.supersampling` allows.
+pub(super) const MOST: u32 = 256;
+/// The mean of fewer pictures than this is noisier than the scene's own picture.
+pub(super) const FEWEST: u32 = 4;
+
+/// How coarse a picture is while the scene moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Level(usize);
+
+impl Level {
+    /// The scene with fewer pixels and samples, and less for its shadows. Blocks of noise that are large are smaller, where
+    /// they are not there yet.
+    pub(super) fn scene(self, scene: &Scene, has_blocks: bool) -> Scene {
+        let [side, samples] = LEVELS[self.0];
+        let mut coarse = scene.clone();
+        coarse.image.size = scene.image.size.map(|own| (4 * own).div_ceil(side));
+        coarse.light.shadow_resolution = self.rays(scene);
+        let quality = &mut coarse.quality;
+        quality.samples = (quality.samples / samples).max(FEWEST_SAMPLES).min(quality.samples);
+        (quality.msaa, quality.supersampling, coarse.camera.shutter) = (1, 1, 0.0);
+        if !has_blocks && quality.block_size > PREVIEW_BLOCK {
+            quality.block_size = PREVIEW_BLOCK;
+            quality.turbulence_cells = quality.turbulence_cells.min(PREVIEW_BLOCK / 2);
+        }
+        coarse
+    }
+
+    /// Rays along a side of what holds the light: half as many, half of those, and so on, as lavapipe compiles a program
+    /// anew where sides of its images become powers of two or cease to be.
+    fn rays(self, scene: &Scene) -> u32 {
+        let (own, side) = (scene.light.shadow_resolution, LEVELS[self.0][0]);
+        let halves = (1..).map(|times| own >> times).take_while(|rays| *rays >= FEWEST_RAYS);
+        halves.take_while(|rays| rays * side >= 6 * own).last().unwrap_or(own)
+    }
+
+    /// Samples of a picture of this level, those of its shadows among them.
+    fn work(self, scene: &Scene) -> f64 {
+        let coarse = self.scene(scene, true);
+        let [width, height] = coarse.image.size.map(f64::from);
+        let rays = if scene.light.shadows { f64::from(coarse.light.shadow_resolution).powi(2) } else { 0.0 };
+        (width * height + rays) * f64::from(coarse.quality.samples)
+    }
+}
+
+/// What previews take, and how coarse the next one is.
+#[derive(Clone, Debug)]
+pub(super) struct Budget {
+    level: Level,
+    /// Milliseconds that one may take.
+    ms: f64,
+    /// Of the last previews, the newest last: milliseconds of a sample on the device, and those of all else.
+    recent: Vec<[f64; 2]>,
+}
+
+impl Budget {
+    /// Previews that may take so many milliseconds, on a device that has drawn none yet.
+    pub(super) fn new(ms: f64, cpu: bool) -> Budget {
+        Budget { level: Level(if cpu { 8 } else { 4 }), ms, recent: Vec::new() }
+    }
+
+    /// How coarse the next one is.
+    pub(super) fn level(&self) -> Level {
+        self.level
+    }
+
+    /// Whether a preview is given up after so many milliseconds on the device. The coarsest is not.
+    pub(super) fn ends(&self) -> impl Fn(f64) -> bool + Send + Sync + 'static {
+        let limit = if self.level.0 + 1 < LEVELS.len() { GIVEN_UP_AT * self.ms } else { f64::INFINITY };
+        move |ms| ms > limit
+    }
+
+    /// A preview of a scene has taken so many milliseconds on the device, and so many for all else, which no level saves.
+    pub(super) fn took(&mut self, scene: &Scene, device_ms: f64, other_ms: f64) {
+        self.recent.push([device_ms / self.level.work(scene), other_ms]);
+        if self.recent.len() > RECENT {
+            self.recent.remove(0);
+        }
+        let [cost, other] = [0, 1].map(|of| {
+            let mut sorted: Vec<f64> = self.recent.iter().map(|own| own[of]).collect();
+            sorted.sort_by(f64::total_cmp);
+            sorted[sorted.len() / 2]
+        });
+        let other = other.clamp(0.0, OTHER * self.ms);
+        let predicted = |level: usize| other + cost * Level(level).work(scene);
+        let (now, last) = (self.level.0, LEVELS.len() - 1);
+        let to = match predicted(now) <= self.ms {
+            // It is good enough, unless a better one is sure to be.
+            true => (0..now).find(|&level| predicted(level) <= HEADROOM * self.ms).unwrap_or(now),
+            false => (now..=last).find(|&level| predicted(level) <= HEADROOM * self.ms).unwrap_or(last),
+        };
+        self.level = Level(to);
+    }
+
+    /// A preview of a scene was given up.
+    pub(super) fn gave_up(&mut self, scene: &Scene) {
+        let least = 0.3 * self.level.work(scene);
+        let fits = |level: &usize| Level(*level).work(scene) <= least;
+        self.level = Level((self.level.0..LEVELS.len()).find(fits).unwrap_or(LEVELS.len() - 1));
+        self.recent.clear();
+    }
+}
+
+/// The tiles of a picture, those that are nearest to a place first; the place is in parts of its width and height.
+pub(super) fn tiles([width, height]: [u32; 2], focus: [f32; 2]) -> Vec<Area> {
+    let along = |side: u32| (0..side.div_ceil(TILE)).map(move |tile| tile * TILE..((tile + 1) * TILE).min(side));
+    let of_row = |rows: std::ops::Range<u32>| along(width).map(move |columns| Area { columns, rows: rows.clone() });
+    let mut all: Vec<Area> = along(height).flat_map(of_row).collect();
+    let [x, y] = [focus[0] * width as f32, focus[1] * height as f32];
+    let away = |area: &Area| {
+        let middle = |range: &std::ops::Range<u32>| 0.5 * (range.start + range.end) as f32;
+        (middle(&area.columns) - x).hypot(middle(&area.rows) - y)
+    };
+    all.sort_by(|a, b| away(a).total_cmp(&away(b)));
+    all
+}
+
+/// The scene of which each sub-frame is a step towards the converged image.
+pub(super) fn reference(scene: &Scene) -> Scene {
+    let mut fine = scene.clone();
+    let quality = &mut fine.quality;
+    (quality.supersampling, quality.msaa, quality.target) = (MOST, 1, TargetFormat::Float32);
+    if quality.jitter == Jitter::None && scene.effect.ray_path == RayPath::Straight {
+        quality.jitter = Jitter::Hash; // rays that bend have no phase
+    }
+    fine
+}
+
+/// The number of the next sub-frame after `count` of them: their bits in reverse order, so that every 2^n of them cover
+/// the pixel and the time evenly.
+pub(super) fn number(count: u32) -> u32 {
+    count.reverse_bits() >> (u32::BITS - MOST.ilog2())
+}
+
+/// A mean of pictures, and how good it is.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Mean {
+    sum: Vec<[f64; 4]>,
+    /// Of the squares of all values.
+    squares: f64,
+    /// How many pictures.
+    pub(super) count: u32,
+    /// The mean at the last power of two.
+    before: Vec<[f32; 4]>,
+    /// Root mean square difference of the last two powers of two, and the count of the latter.
+    doubling: Option<(f64, u32)>,
+}
+
+impl Mean {
+    /// Adds a picture.
+    pub(super) fn add(&mut self, pixels: &[[f32; 4]]) {
+        self.sum.resize(pixels.len(), [0.0; 4]);
+        let mut squares = 0.0;
+        for (sum, pixel) in self.sum.as_flattened_mut().iter_mut().zip(pixels.as_flattened()) {
+            let value = f64::from(*pixel);
+            *sum += value;
+            squares += value * value;
+        }
+        self.squares += squares;
+        self.count += 1;
+        if self.count.is_power_of_two() {
+            let mean = self.pixels();
+            if self.count > 1 {
+                self.doubling = Some((rms_difference(&mean, &self.before), self.count));
+            }
+            self.before = mean;
+        }
+    }
+
+    /// The mean.
+    pub(super) fn pixels(&self) -> Vec<[f32; 4]> {
+        let factor = 1.0 / f64::from(self.count.max(1));
+        self.sum.iter().map(|sum| sum.map(|channel| (channel * factor) as f32)).collect()
+    }
+
+    /// Root mean square error against the mean of infinitely many, about. Of pictures that are independent, a mean of 2 n
+    /// differs from that of the first n by the variance of one over 2 n, which is the square of its own error; from one
+    /// power of two to the next it falls as the square root. Pictures that are not independent but fill each other's gaps
+    /// are better than that.
+    pub(super) fn error(&self) -> Option<f64> {
+        self.doubling.map(|(error, count)| error * (f64::from(count) / f64::from(self.count)).sqrt())
+    }
+
+    /// Standard error of a value, root mean square over all, as if the pictures were independent.
+    pub(super) fn standard_error(&self) -> Option<f64> {
+        let count = f64::from(self.count);
+        let values = 4.0 * self.sum.len() as f64;
+        let of_means: f64 = self.sum.as_flattened().iter().map(|sum| sum * sum / count).sum();
+        (self.count > 1).then(|| ((self.squares - of_means).max(0.0) / values / (count - 1.0) / count).sqrt())
+    }
+}
+
+/// A picture of another size, by the filter that a preview is shown with: `place` says where a pixel of it is in this one.
+/// Both are in parts of width and height; what is beyond the border is `beyond`.
+pub(super) fn resampled(
+    pixels: &[[f32; 4]],
+    from: [u32; 2],
+    to: [u32; 2],
+    place: impl Fn([f32; 2]) -> [f32; 2] + Sync,
+    beyond: [f32; 4],
+) -> Vec<[f32; 4]> {
+    let row = |row: usize| {
+        let place = &place;
+        (0..to[0] as usize).map(move |column| {
+            let at = place([(column as f32 + 0.5) / to[0] as f32, (row as f32 + 0.5) / to[1] as f32]);
+            if at.iter().any(|part| !(0.0..=1.0).contains(part)) {
+                return beyond;
+            }
+            let [x, y] = [0, 1].map(|axis| (at[axis] * from[axis] as f32 - 0.5).clamp(0.0, (from[axis] - 1) as f32));
+            let [left, top] = [x, y].map(|side| side as usize);
+            let [right, bottom] = [(left + 1).min(from[0] as usize - 1), (top + 1).min(from[1] as usize - 1)];
+            let own = |x: usize, y: usize| pixels[y * from[0] as usize + x];
+            let mix = |a: [f32; 4], b: [f32; 4], t: f32| std::array::from_fn(|c| a[c] + t * (b[c] - a[c]));
+            let across = |y: usize| mix(own(left, y), own(right, y), x - left as f32);
+            mix(across(top), across(bottom), y - top as f32)
+        })
+    };
+    (0..to[1] as usize).into_par_iter().flat_map_iter(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+    use support::random::SplitMix;
+
+    #[test]
+    fn every_sub_frame_has_its_turn_and_powers_of_two_are_even() {
+        let all: BTreeSet<u32> = (0..MOST).map(number).collect();
+        assert_eq!(all.len(), MOST as usize);
+        for count in [2, 8, 64] {
+            let mut first: Vec<u32> = (0..count).map(number).collect();
+            first.sort_unstable();
+            assert!(first.windows(2).all(|pair| pair[1] - pair[0] == MOST / count), "{first:?}");
+        }
+    }
+
+    const MS: f64 = 50.0;
+
+    /// A device on which a sample of a scene costs so many milliseconds, and a preview two more.
+    fn drawn(budget: &mut Budget, scene: &Scene, cost: f64) -> f64 {
+        let work = budget.level().work(scene);
+        let ms = 2.0 + cost * work;
+        if budget.ends()(cost * work) {
+            budget.gave_up(scene);
+            return GIVEN_UP_AT * MS; // and some part of a submission
+        }
+        budget.took(scene, cost * work, 2.0);
+        ms
+    }
+
+    fn scene() -> Scene {
+        let mut scene = Scene::default();
+        (scene.image.size, scene.light.shadows) = ([900, 720], true);
+        scene
+    }
+
+    #[test]
+    fn b1_previews_come_to_their_budget_within_three_whatever_a_sample_costs_and_stay_there() {
+        let scene = scene();
+        for cost in [1e-9, 1e-7, 2e-7, 1e-6, 3e-6, 1e-5, 3e-5] {
+            let mut budget = Budget::new(MS, true);
+            let first: f64 = (0..3).map(|_| drawn(&mut budget, &scene, cost)).sum();
+            assert!(first <= (2.0 * GIVEN_UP_AT + 1.0) * MS, "{cost}: {first}");
+            let level = budget.level();
+            for _ in 0..20 {
+                let ms = drawn(&mut budget, &scene, cost);
+                assert!(ms <= MS, "{cost}: {ms}");
+            }
+            assert!(budget.level().0 <= level.0, "{cost}: what is too coarse gets better");
+            // Time that is left would not do for a level that is twice as dear.
+            let dearer = budget.level().0.checked_sub(3).map(|level| cost * Level(level).work(&scene));
+            assert!(dearer.is_none_or(|ms| ms > HEADROOM * MS * 0.9), "{cost}: {dearer:?}");
+        }
+    }
+
+    #[test]
+    fn b1_one_slow_preview_changes_no_level_and_two_do() {
+        let scene = scene();
+        let mut budget = Budget::new(MS, true);
+        for _ in 0..9 {
+            drawn(&mut budget, &scene, 1e-6);
+        }
+        let level = budget.level();
+        drawn(&mut budget, &scene, 2.5e-6);
+        assert_eq!(budget.level(), level);
+        drawn(&mut budget, &scene, 2.5e-6);
+        assert_ne!(budget.level(), level);
+    }
+
+    #[test]
+    fn b1_what_no_level_saves_makes_no_picture_coarser_than_it_must_be() {
+        let scene = scene();
+        let mut budget = Budget::new(MS, true);
+        // A machine that is busy: each preview waits for a second, whatever is drawn.
+        for _ in 0..9 {
+            let work = budget.level().work(&scene);
+            budget.took(&scene, 1e-6 * work, 1000.0);
+        }
+        let (busy, mut idle) = (budget.level(), Budget::new(MS, true));
+        for _ in 0..9 {
+            drawn(&mut idle, &scene, 1e-6);
+        }
+        assert!(busy.work(&scene) > 0.4 * idle.level().work(&scene), "{busy:?} {:?}", idle.level());
+    }
+
+    #[test]
+    fn b1_shadows_and_blocks_of_noise_have_a_preview_level_of_their_own() {
+        let mut scene = scene();
+        (scene.quality.block_size, scene.light.shadow_resolution) = (256, 128);
+        let shadows = |level: usize| Level(level).scene(&scene, true).light.shadow_resolution;
+        assert_eq!([shadows(0), shadows(4), shadows(7), shadows(14)], [128, 128, 64, 16]);
+        // A program that lavapipe has compiled for sides that are powers of two, or for others, serves all levels.
+        let rays = |own: u32, level: usize| {
+            let mut other = scene.clone();
+            other.light.shadow_resolution = own;
+            Level(level).scene(&other, true).light.shadow_resolution
+        };
+        assert!((0..LEVELS.len()).all(|level| rays(128, level).is_power_of_two()));
+        assert!((0..LEVELS.len()).all(|level| !rays(200, level).is_power_of_two()));
+        // They are never more than a part of the work.
+        for level in 0..LEVELS.len() {
+            let [width, height] = Level(level).scene(&scene, true).image.size;
+            assert!(shadows(level).pow(2) < width * height / 4 || level > 12, "{level}");
+        }
+        let block = |has_blocks| Level(4).scene(&scene, has_blocks).quality.block_size;
+        assert_eq!([block(false), block(true)], [PREVIEW_BLOCK, 256]);
+        for level in 0..LEVELS.len() {
+            assert!(Level(level).scene(&scene, false).check(&hypertexture::shader::shipped()).is_ok(), "{level}");
+        }
+    }
+
+    #[test]
+    fn b3_tiles_cover_the_picture_once_and_begin_where_one_looks() {
+        let size = [500, 300];
+        let all = tiles(size, [0.9, 0.1]);
+        let mut covered = vec![0; 500 * 300];
+        for Area { columns, rows } in &all {
+            rows.clone().for_each(|y| columns.clone().for_each(|x| covered[(y * 500 + x) as usize] += 1));
+        }
+        assert!(covered.iter().all(|times| *times == 1));
+        assert!(all[0].columns.contains(&450) && all[0].rows.contains(&30), "{:?}", all[0]);
+        assert!(all[all.len() - 1].columns.start == 0);
+    }
+
+    #[test]
+    fn the_error_of_a_mean_of_independent_pictures_is_what_it_says() {
+        let mut random = SplitMix(7);
+        let mut noise = || (random.unit() as f32 - 0.5) * 12f32.sqrt() * 0.1; // deviation 0.1
+        let mut mean = Mean::default();
+        for count in 1..=64 {
+            let picture: Vec<[f32; 4]> =
+                (0..4096).map(|_| [0.5 + noise(), 0.2 + noise(), noise(), 1.0 + noise()]).collect();
+            mean.add(&picture);
+            let expected = 0.1 / f64::from(count).sqrt();
+            let truth = rms_difference(&mean.pixels(), &vec![[0.5, 0.2, 0.0, 1.0]; 4096]);
+            assert!((truth / expected - 1.0).abs() < 0.05);
+            if count > 1 {
+                let (error, standard) = (mean.error().unwrap(), mean.standard_error().unwrap());
+                assert!((error / truth - 1.0).abs() < 0.06, "{count}: {error} {truth}");
+                assert!((standard / truth - 1.0).abs() < 0.06, "{count}: {standard} {truth}");
+            }
+        }
+    }
+
+    #[test]
+    fn b3_an_enlarged_preview_is_a_smooth_picture_and_not_blocks() {
+        let same = |at: [f32; 2]| at;
+        let ramp: Vec<[f32; 4]> = (0..12).map(|index| [(index % 4) as f32; 4]).collect();
+        let large = resampled(&ramp, [4, 3], [32, 24], same, [0.0; 4]);
+        let row: Vec<f32> = large[..32].iter().map(|pixel| pixel[0]).collect();
+        assert!(row.windows(2).all(|pair| (0.0..=0.126).contains(&(pair[1] - pair[0]))), "{row:?}");
+        assert_eq!([row[0], row[31]], [0.0, 3.0]);
+        assert_eq!(resampled(&ramp, [4, 3], [4, 3], same, [0.0; 4]), ramp);
+        let moved = resampled(&ramp, [4, 3], [4, 3], |[x, y]| [x + 0.5, y], [9.0; 4]);
+        let row: Vec<f32> = moved[..4].iter().map(|pixel| pixel[0]).collect();
+        assert_eq!(row, [2.0, 3.0, 9.0, 9.0]);
+    }
+}

@@ -1,0 +1,69 @@
+//! Which pixels on the screen are not to be trusted.
+
+use super::render_thread::RenderThread;
+use super::task::{leave_where, unless_stopped};
+use super::{Event, Job, Picture, Variant};
+use crate::status::Stage;
+use egui::ColorImage;
+use hypertexture::render::{RenderError, Renderer, Subject};
+use hypertexture::scene::Scene;
+use hypertexture::shader::Library;
+use measure::validity::{Found, TRUSTED, Validity, examine};
+
+/// The color of pixels that are to be trusted, in the legend.
+const GREY: [u8; 3] = [128; 3];
+
+impl RenderThread {
+    /// Finds which of the scene's `own` pixels are not to be trusted; none where something else is to be done.
+    pub(super) fn examine(&self, job: &Job, own: &[[f32; 4]]) -> Result<Option<Validity>, RenderError> {
+        let Variant { scene, library, subject } = &job.variants[0];
+        let mut renderer = Renderer::new(&self.gpu, library, subject);
+        let mut lost = None;
+        let mut draw = |better: &Scene, modules: &Library| {
+            let drawn = match (better.object == scene.object, *modules == **library) {
+                (true, true) => self.pixels(job, better, &mut renderer),
+                (true, false) => self.pixels(job, better, &mut Renderer::new(&self.gpu, modules, subject)),
+                (false, _) => self.of_another_object(job, better),
+            };
+            match drawn {
+                Err(error) if matches!(&error, RenderError::Gpu(error) if error.is_lost()) => {
+                    lost = Some(error);
+                    None
+                }
+                drawn => drawn.map_err(|error| error.to_string()).transpose(),
+            }
+        };
+        let validity = examine(scene, library, own, subject.field.is_some(), &mut draw);
+        lost.map_or(Ok(validity), Err)
+    }
+
+    /// Shows the pixels in grey or the color of their cause, and what the colors mean.
+    pub(super) fn tell_validity(&self, job: &Job, validity: &Validity, own: &[[f32; 4]], gpu_ms: f64) {
+        let picture = Picture::of(job, Stage::Validity, gpu_ms);
+        let images = vec![ColorImage::from_rgb(picture.size.map(|side| side as usize), &validity.colors(own))];
+        let trusted = format!(
+            "{:.1} % change by less than {TRUSTED:.1e} whatever is made better; what bounds leave open, render --validity shows",
+            validity.trusted()
+        );
+        let line = |Found { cause, pixels, .. }: &Found| {
+            (cause.color, format!("{} {:.1} %: {}", cause.name, validity.percent(*pixels), cause.why))
+        };
+        let lines = validity.found.iter().filter(|found| found.pixels > 0).map(line);
+        let validity = std::iter::once((GREY, trusted)).chain(lines).collect();
+        (self.tell)(Event::Picture(Box::new(Picture { images, validity, ..picture })));
+    }
+
+    /// The picture of a scene with the object of the job; none where something else is to be done.
+    fn pixels(&self, job: &Job, scene: &Scene, renderer: &mut Renderer) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
+        let mut pixels = Vec::new();
+        Ok(self.in_tiles(job, scene, renderer, &mut pixels, |_| ())?.map(|_| pixels))
+    }
+
+    /// The picture of a scene whose object has to be sampled first.
+    fn of_another_object(&self, job: &Job, scene: &Scene) -> Result<Option<Vec<[f32; 4]>>, RenderError> {
+        let library = &job.variants[0].library;
+        let progress = |_| leave_where(self.shared.is_stale(job.number));
+        let Some(subject) = unless_stopped(|| Subject::load(scene, library, &progress)) else { return Ok(None) };
+        self.pixels(job, scene, &mut Renderer::new(&self.gpu, library, &subject?))
+    }
+}

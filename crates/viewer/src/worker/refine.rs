@@ -1,0 +1,302 @@
+//! What becomes of a scene that stands still: its own picture, tile by tile, then means of more and more.
+
+use super::aside::Aside;
+use super::easel::{Easel, by_the_other_pass};
+use super::render_thread::{Accumulation, RenderThread};
+use super::task::{leave_where, unless_stopped};
+use super::{Event, Job, Picture, Variant};
+use crate::progressive::{FEWEST, MOST, Mean, number, reference, resampled, tiles};
+use crate::status::Stage;
+use hypertexture::gpu::Area;
+use hypertexture::render::{Measurements, RenderError, Renderer, ignored, made_with, put};
+use hypertexture::scene::{Scene, nearest_preset};
+use hypertexture::shader::shipped;
+use measure::statistics::rms_difference;
+use std::time::{Duration, Instant};
+
+/// A picture in the making is shown this often.
+const SHOW_EVERY: Duration = Duration::from_millis(150);
+/// Tiles that are drawn together should take about this many milliseconds. Shorter: what each costs by itself shows. Longer:
+/// a picture in the making is shown less often. The hand interrupts them between two submissions.
+const TILES_MS: f64 = 100.0;
+/// Tiles that are drawn first, and how many times as many follow at most.
+const FIRST_TILES: usize = 4;
+const MORE_TILES: f64 = 2.0;
+/// A program is used for the first time once the scene has rested for so long: while it is compiled, some devices draw
+/// nothing, not even the window.
+const CALM: Duration = Duration::from_millis(400);
+/// What the scene's own picture lacks is made once it has rested for so long: the hand that opened it may go on to turn it.
+const SHORT: Duration = Duration::from_millis(150);
+/// While there is nothing to do, whether something else is to be done is asked this often.
+const LOOK: Duration = Duration::from_millis(5);
+/// Previews by which a pass is timed, behind the one that compiles it.
+const TRIALS: usize = 3;
+/// The other pass draws previews where it takes less than this part of the time: as much as times are apart.
+const SOONER: f64 = 0.8;
+
+/// A picture that was drawn in tiles.
+pub(super) struct Drawn {
+    /// Milliseconds on the device.
+    pub(super) ms: f64,
+    /// Those of the last tiles.
+    pub(super) measurements: Option<Measurements>,
+}
+
+impl RenderThread {
+    /// The scene's own picture, then means of more and more, until they are good enough or something else is to be done.
+    pub(super) fn refine(
+        &mut self,
+        job: &Job,
+        easels: &mut [Easel],
+        still: &mut Accumulation,
+    ) -> Result<(), RenderError> {
+        let finished = match self.refined(job, easels, still) {
+            Err(RenderError::Stopped) => return Ok(()),
+            other => other?,
+        };
+        if !finished {
+            return Ok(());
+        }
+        self.tell_mean(job, still, true);
+        if !std::mem::replace(&mut still.told, true) {
+            self.tell_ignored(job);
+        }
+        if let (Some([own]), true) = (still.own.as_deref(), job.validity) {
+            if still.validity.is_none() {
+                still.validity = self.examine(job, own)?;
+            }
+            still.validity.iter().for_each(|validity| self.tell_validity(job, validity, own, still.gpu_ms));
+        }
+        easels.iter_mut().zip(&job.variants).try_for_each(|(easel, variant)| self.time_passes(job, variant, easel))
+    }
+
+    /// Whether the picture has got as good as was asked for, or as it can.
+    fn refined(&mut self, job: &Job, easels: &mut [Easel], still: &mut Accumulation) -> Result<bool, RenderError> {
+        if still.own.is_none() && !self.own_pictures(job, easels, still)? {
+            return Ok(false);
+        }
+        let mut shown = Instant::now();
+        let shared = self.shared.clone();
+        let (size, job_number) = (job.variants[0].scene.image.size, job.number);
+        while still.means[0].count < MOST && !is_converged(still, job) {
+            let mut pictures = Vec::new();
+            let sub_frame = number(still.means[0].count);
+            still.gpu_ms = 0.0;
+            for (variant, easel) in job.variants.iter().zip(&mut *easels) {
+                let scene = reference(&variant.scene);
+                let stale = || shared.is_stale(job_number);
+                if !easel.mean.is_ready(&scene) && !self.rests(job, CALM) {
+                    return Ok(false);
+                }
+                let Some(renderer) = easel.mean.ready(&scene, &stale)? else { return Ok(false) };
+                let shared = shared.clone();
+                renderer.stop_where(move |_| shared.is_stale(job_number));
+                let frame = renderer.render_areas(&scene, &[Area::whole(size)], Some(sub_frame))?;
+                still.gpu_ms += frame.measurements.device_ms();
+                pictures.push(frame.pixels);
+            }
+            for (mean, pixels) in still.means.iter_mut().zip(&pictures) {
+                mean.add(pixels);
+            }
+            if still.means[0].count == 2 * FEWEST {
+                self.judge(still);
+            }
+            let done = still.means[0].count == MOST || is_converged(still, job);
+            if !done && still.means[0].count >= FEWEST && shown.elapsed() >= SHOW_EVERY {
+                self.tell_mean(job, still, false);
+                shown = Instant::now();
+            }
+            if self.shared.is_stale(job.number) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Waits for a while; whether nothing else is to be done then.
+    fn rests(&self, job: &Job, calm: Duration) -> bool {
+        let until = Instant::now() + calm;
+        while !self.shared.is_stale(job.number) && Instant::now() < until {
+            std::thread::sleep(LOOK);
+        }
+        !self.shared.is_stale(job.number)
+    }
+
+    /// Says what changes nothing in a picture that is finished: it takes a part of a second.
+    fn tell_ignored(&self, job: &Job) {
+        let Variant { scene, library, subject } = &job.variants[0];
+        // A custom module is compiled in a process of its own, and never for this.
+        if scene.modules.is_empty() && **library == shipped() && !self.shared.is_stale(job.number) {
+            (self.tell)(Event::Ignored(ignored(library, subject, &nearest_preset(scene), scene)));
+        }
+    }
+
+    /// The scene's own picture of each variant; whether they were finished.
+    fn own_pictures(&self, job: &Job, easels: &mut [Easel], still: &mut Accumulation) -> Result<bool, RenderError> {
+        let size = job.variants[0].scene.image.size;
+        let enlarged = |pixels: &Vec<[f32; 4]>| resampled(pixels, still.size, size, |at| at, [0.0; 4]);
+        let mut all = still.partial.take().unwrap_or_else(|| still.coarse.iter().map(enlarged).collect());
+        let (mut gpu_ms, mut shown) = (0.0, Instant::now());
+        for (index, variant) in job.variants.iter().enumerate() {
+            if !easels[index].own.is_ready(&variant.scene) && !self.rests(job, SHORT) {
+                still.partial = Some(all);
+                return Ok(false);
+            }
+            let mut pixels = std::mem::take(&mut all[index]);
+            let others = &all;
+            let mut show = |pixels: &[[f32; 4]]| {
+                if shown.elapsed() >= SHOW_EVERY {
+                    shown = Instant::now();
+                    let of = |other: usize| if other == index { pixels } else { others[other].as_slice() };
+                    let frames: Vec<&[[f32; 4]]> = (0..others.len()).map(of).collect();
+                    self.tell_picture(job, still, &frames, Picture::of(job, Stage::Partial, still.gpu_ms));
+                }
+            };
+            let drawn = self.in_tiles(job, &variant.scene, &mut easels[index].own, &mut pixels, &mut show)?;
+            all[index] = pixels;
+            let Some(drawn) = drawn else {
+                still.partial = Some(all);
+                return Ok(false);
+            };
+            gpu_ms += drawn.ms;
+            if let (0, Some(measurements)) = (index, &drawn.measurements) {
+                (self.tell)(Event::Made(made_with(measurements, &variant.scene, &variant.subject, &variant.library)?));
+            }
+        }
+        still.gpu_ms = gpu_ms;
+        let frames: Vec<&[[f32; 4]]> = all.iter().map(Vec::as_slice).collect();
+        let picture = Picture { error: self.own_error, ..Picture::of(job, Stage::Scene, gpu_ms) };
+        self.tell_picture(job, still, &frames, picture);
+        still.own = Some(all);
+        Ok(true)
+    }
+
+    /// A picture, tile by tile into `pixels`, from where one looks; `None` where something else is to be done.
+    pub(super) fn in_tiles(
+        &self,
+        job: &Job,
+        scene: &Scene,
+        renderer: &mut Renderer,
+        pixels: &mut Vec<[f32; 4]>,
+        mut show: impl FnMut(&[[f32; 4]]),
+    ) -> Result<Option<Drawn>, RenderError> {
+        let (number, [width, height]) = (job.number, scene.image.size);
+        let stale = || self.shared.is_stale(number);
+        // The blocks of noise may take seconds.
+        match unless_stopped(|| renderer.prepare(scene, &|_| leave_where(stale()))) {
+            None => return Ok(None),
+            Some(done) => done?,
+        }
+        let shared = self.shared.clone();
+        renderer.stop_where(move |_| shared.is_stale(number));
+        pixels.resize(width as usize * height as usize, [0.0; 4]);
+        // Where pixels have several samples, areas that are drawn together must not touch; light that goes from slice to slice
+        // is made anew for each area.
+        let (all, at_once) = match scene.quality.msaa {
+            _ if scene.is_half_angle() => (vec![Area::whole(scene.image.size)], 1),
+            1 => (tiles(scene.image.size, job.focus), usize::MAX),
+            _ => (bands(scene.image.size), 1),
+        };
+        let (mut left, mut count) = (all.as_slice(), FIRST_TILES);
+        let mut drawn = Drawn { ms: 0.0, measurements: None };
+        while !left.is_empty() {
+            let (areas, rest) = left.split_at(count.min(at_once).min(left.len()));
+            let start = Instant::now();
+            let frame = match renderer.render_areas(scene, areas, None) {
+                Err(RenderError::Stopped) => return Ok(None),
+                other => other?,
+            };
+            put(&frame.pixels, areas, width, pixels);
+            let ms = start.elapsed().as_secs_f64() * 1e3 - frame.measurements.compile_ms;
+            count = (areas.len() as f64 * (TILES_MS / ms.max(1e-3)).min(MORE_TILES)).max(1.0) as usize;
+            left = rest;
+            drawn.ms += frame.measurements.device_ms();
+            drawn.measurements = Some(frame.measurements);
+            show(pixels);
+        }
+        Ok(Some(drawn))
+    }
+
+    /// Times previews by both passes, once for a variant whose picture is finished, and remembers which is sooner.
+    fn time_passes(&self, job: &Job, variant: &Variant, easel: &mut Easel) -> Result<(), RenderError> {
+        let Variant { scene, library, subject } = variant;
+        let own = scene.quality.pass;
+        let is_known = easel.sooner.is_some_and(|[_, of]| of == own);
+        let Some(other) = by_the_other_pass(scene, library).filter(|_| !is_known) else { return Ok(()) };
+        if !self.rests(job, CALM) {
+            return Ok(());
+        }
+        let level = self.budget.level();
+        let scenes = [scene, &other].map(|scene| level.scene(scene, true));
+        let mut times = [0.0; 2];
+        for (time, scene) in times.iter_mut().zip(scenes) {
+            let (shared, number) = (self.shared.clone(), job.number);
+            let stale = || self.shared.is_stale(job.number);
+            let work = move |renderer: &mut Renderer| {
+                renderer.stop_where(move |_| shared.is_stale(number));
+                renderer.render(&scene)?;
+                let frames = (0..TRIALS).map(|_| renderer.render(&scene).map(|frame| frame.measurements.alone_ms()));
+                frames.collect::<Result<Vec<f64>, _>>().map(|times| times.into_iter().fold(f64::INFINITY, f64::min))
+            };
+            let renderer = || Aside::new(Renderer::new(&self.gpu, library, subject));
+            match easel.trial.get_or_insert_with(renderer).away(&stale, work) {
+                Ok(Some(ms)) if ms > 0.0 => *time = ms,
+                Ok(_) | Err(RenderError::Stopped) => return Ok(()),
+                // The scene's own pass draws it.
+                Err(error) => {
+                    log::debug!("previews by the other pass: {error}");
+                    (easel.sooner, easel.trial) = (Some([own; 2]), None);
+                    return Ok(());
+                }
+            }
+        }
+        easel.trial = None;
+        let sooner = if times[1] < SOONER * times[0] { other.quality.pass } else { own };
+        log::debug!("previews take {:.1} ms by {own:?} and {:.1} ms by {:?}", times[0], times[1], other.quality.pass);
+        easel.sooner = Some([sooner, own]);
+        Ok(())
+    }
+
+    /// Holds the preview and the scene's own picture against the mean.
+    fn judge(&mut self, still: &mut Accumulation) {
+        let all = still.means.iter().zip(&still.coarse).zip(still.own.iter().flatten()).zip(&still.scenes);
+        let mut worst = [0.0f64; 2];
+        for (((mean, coarse), own), scene) in all {
+            let mean = mean.pixels();
+            let coarse = resampled(coarse, still.size, scene.image.size, |at| at, [0.0; 4]);
+            worst[0] = worst[0].max(rms_difference(&coarse, &mean));
+            worst[1] = worst[1].max(rms_difference(own, &mean));
+        }
+        self.coarse_error = still.level.map(|level| (worst[0], level)).or(self.coarse_error);
+        self.own_error = Some(worst[1]);
+    }
+
+    fn tell_mean(&self, job: &Job, still: &Accumulation, done: bool) {
+        let count = still.means[0].count;
+        let means: Vec<_> = still.means.iter().map(Mean::pixels).collect();
+        let frames: Vec<&[[f32; 4]]> = means.iter().map(Vec::as_slice).collect();
+        let stage = if done { Stage::Converged(count) } else { Stage::Refined(count) };
+        let worst = |of: fn(&Mean) -> Option<f64>| still.means.iter().filter_map(of).reduce(f64::max);
+        let (error, standard_error) = (worst(Mean::error), worst(Mean::standard_error));
+        self.tell_picture(
+            job,
+            still,
+            &frames,
+            Picture { error, standard_error, ..Picture::of(job, stage, still.gpu_ms) },
+        );
+    }
+}
+
+/// Bands of a picture, from the top, of whole quads.
+fn bands([width, height]: [u32; 2]) -> Vec<Area> {
+    let rows = height.div_ceil(16).max(1).next_multiple_of(2);
+    (0..height.div_ceil(rows))
+        .map(|band| Area { columns: 0..width, rows: band * rows..((band + 1) * rows).min(height) })
+        .collect()
+}
+
+/// Whether the means are good enough. Two doublings are the least that says something.
+fn is_converged(still: &Accumulation, job: &Job) -> bool {
+    let good = |mean: &Mean| mean.count >= 2 * FEWEST && mean.error().is_some_and(|error| error <= job.max_error);
+    still.means.iter().all(good)
+}

@@ -1,0 +1,279 @@
+//! Where pictures are made: previews while the scene moves, ever better pictures while it stands still.
+
+use super::easel::{Easel, sight};
+use super::{Event, Job, Picture, Shared};
+use crate::author::Gate;
+use crate::progressive::{Budget, FEWEST, Level, Mean, resampled};
+use crate::screen::encode_srgb;
+use crate::status::Stage;
+use hypertexture::gpu::Gpu;
+use hypertexture::render::{RenderError, Sight};
+use hypertexture::scene::Scene;
+use hypertexture::shader::Library;
+use hypertexture::shader::compile::CompileError;
+use measure::statistics::rms_difference;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+/// Tells the window something.
+type Tell = Box<dyn Fn(Event) + Send + Sync>;
+
+/// Where pictures are made.
+pub(super) struct RenderThread {
+    pub(super) gpu: Gpu,
+    gate: Arc<Gate>,
+    pub(super) shared: Arc<Shared>,
+    pub(super) tell: Tell,
+    pub(super) budget: Budget,
+    /// Error of the last preview that a mean could be held against, and its level.
+    pub(super) coarse_error: Option<(f64, Level)>,
+    /// Error of the scene's own picture, then.
+    pub(super) own_error: Option<f64>,
+}
+
+/// What is kept of a scene that stands still.
+pub(super) struct Accumulation {
+    pub(super) scenes: Vec<Scene>,
+    pub(super) sights: Vec<Sight>,
+    /// What was shown first, and the level of a preview; what was there before the window had another size has none.
+    pub(super) coarse: Vec<Vec<[f32; 4]>>,
+    pub(super) size: [u32; 2],
+    pub(super) level: Option<Level>,
+    /// The scene's own pictures as far as they are finished.
+    pub(super) partial: Option<Vec<Vec<[f32; 4]>>>,
+    /// Those that are.
+    pub(super) own: Option<Vec<Vec<[f32; 4]>>>,
+    pub(super) means: Vec<Mean>,
+    pub(super) gpu_ms: f64,
+    /// Whether it was said what changes nothing.
+    pub(super) told: bool,
+    /// Which pixels of the first of the scene's own pictures are not to be trusted.
+    pub(super) validity: Option<measure::validity::Validity>,
+}
+
+impl Accumulation {
+    fn of(job: &Job, sights: Vec<Sight>, coarse: Vec<Vec<[f32; 4]>>, size: [u32; 2]) -> Accumulation {
+        let means = vec![Mean::default(); coarse.len()];
+        Accumulation {
+            scenes: scenes(job),
+            sights,
+            coarse,
+            size,
+            level: None,
+            partial: None,
+            own: None,
+            means,
+            gpu_ms: 0.0,
+            told: false,
+            validity: None,
+        }
+    }
+
+    /// Whether a job asks for the same in another size.
+    fn is_resized_by(&self, job: &Job) -> bool {
+        let same = |(own, variant): (&Scene, &super::Variant)| {
+            let mut resized = own.clone();
+            resized.image.size = variant.scene.image.size;
+            resized == variant.scene
+        };
+        self.scenes.len() == job.variants.len() && self.scenes.iter().zip(&job.variants).all(same)
+    }
+
+    /// The best pictures that there are, and their size.
+    pub(super) fn best(&self) -> (Vec<Vec<[f32; 4]>>, [u32; 2]) {
+        let size = self.scenes[0].image.size;
+        match (&self.own, &self.partial) {
+            (Some(_), _) if self.means[0].count >= FEWEST => (self.means.iter().map(Mean::pixels).collect(), size),
+            (Some(pictures), _) | (None, Some(pictures)) => (pictures.clone(), size),
+            (None, None) => (self.coarse.clone(), self.size),
+        }
+    }
+}
+
+fn scenes(job: &Job) -> Vec<Scene> {
+    job.variants.iter().map(|variant| variant.scene.clone()).collect()
+}
+
+impl RenderThread {
+    pub(super) fn new(gpu: Gpu, gate: Arc<Gate>, shared: Arc<Shared>, budget_ms: f64, tell: Tell) -> RenderThread {
+        let budget = Budget::new(budget_ms, gpu.info().cpu);
+        RenderThread { gpu, gate, shared, tell, budget, coarse_error: None, own_error: None }
+    }
+
+    pub(super) fn run(mut self) {
+        let mut next = self.next_job();
+        while let Some(job) = next {
+            next = self.show(job);
+        }
+    }
+
+    /// Does the tasks there are, and waits for a job; `None` at the end.
+    fn next_job(&mut self) -> Option<Job> {
+        loop {
+            let mut inbox = self.shared.inbox();
+            if self.shared.quits() {
+                return None;
+            }
+            if let Some(task) = inbox.tasks.pop_front() {
+                drop(inbox);
+                let done = self.work(task);
+                if !self.survives(done) {
+                    return None;
+                }
+            } else if let Some(job) = inbox.job.take() {
+                return Some(job);
+            } else {
+                drop(self.shared.wake.wait(inbox).ok()?);
+            }
+        }
+    }
+
+    /// Tells of an error; whether the device is still there.
+    fn survives(&self, done: Result<(), RenderError>) -> bool {
+        let Err(error) = done else { return true };
+        let lost = matches!(&error, RenderError::Gpu(error) if error.is_lost());
+        (self.tell)(if lost { Event::Lost } else { Event::Failed(error.to_string()) });
+        !lost
+    }
+
+    /// Shows a job and those after it that have the same modules and objects; gives the first that has not.
+    fn show(&mut self, mut job: Job) -> Option<Job> {
+        let gpu = self.gpu.clone();
+        let own = job.variants.clone();
+        let mut easels: Vec<Easel> = job.variants.iter().map(|variant| Easel::new(&gpu, variant)).collect();
+        let mut still = None;
+        loop {
+            let done = self.picture(&job, &mut easels, &mut still);
+            if !self.survives(done) {
+                return None;
+            }
+            let next = self.next_job()?;
+            let same = next.variants.len() == own.len()
+                && next.variants.iter().zip(&own).all(|(variant, own)| variant.is_made_as(own));
+            if !same {
+                return Some(next);
+            }
+            job = next;
+        }
+    }
+
+    fn picture(
+        &mut self,
+        job: &Job,
+        easels: &mut [Easel],
+        still: &mut Option<Accumulation>,
+    ) -> Result<(), RenderError> {
+        if still.as_ref().is_none_or(|still| still.scenes != scenes(job)) {
+            let before = still.take();
+            if !job.variants.iter().all(|variant| self.admits(&variant.scene, &variant.library)) {
+                return Ok(());
+            }
+            *still = match before.filter(|before| before.is_resized_by(job)) {
+                Some(before) => Some(self.resized(job, &before)?),
+                None => self.preview(job, easels)?,
+            };
+        }
+        match still {
+            Some(still) if !job.moving => self.refine(job, easels, still),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether the device may meet the programs of a scene; tells why not.
+    pub(super) fn admits(&self, scene: &Scene, library: &Library) -> bool {
+        match self.gate.validate(scene, library, &|| self.shared.quits()) {
+            Ok(()) => true,
+            Err(CompileError::Abandoned) => false,
+            Err(error) => {
+                let reason = error.to_string();
+                (self.tell)(Event::Refused(reason.lines().next().unwrap_or_default().into()));
+                false
+            }
+        }
+    }
+
+    /// A picture in time for the next one, as far as the thread does not end.
+    fn preview(&mut self, job: &Job, easels: &mut [Easel]) -> Result<Option<Accumulation>, RenderError> {
+        let sights: Result<Vec<Sight>, _> = job.variants.iter().map(sight).collect();
+        let sights = sights?;
+        let first = &job.variants[0].scene;
+        self.shared.wait_until_shown();
+        'level: loop {
+            let (start, level) = (Instant::now(), self.budget.level());
+            let (mut frames, mut device, mut compile_ms) = (Vec::new(), 0.0, 0.0);
+            for (variant, easel) in job.variants.iter().zip(&mut *easels) {
+                let (ends, shared) = (self.budget.ends(), self.shared.clone());
+                easel.own.stop_where(move |ms| shared.quits() || ends(device + ms));
+                let scene = easel.preview(&variant.scene, level);
+                match easel.own.render(&scene) {
+                    Ok(frame) => {
+                        device += frame.measurements.device_ms();
+                        compile_ms += frame.measurements.compile_ms;
+                        frames.push(frame);
+                    }
+                    Err(RenderError::Stopped) if self.shared.quits() => return Ok(None),
+                    Err(RenderError::Stopped) => {
+                        self.budget.gave_up(first);
+                        continue 'level;
+                    }
+                    Err(error) => return Err(error),
+                }
+            }
+            let (size, samples) = (frames[0].size, frames[0].measurements.slices);
+            let coarse: Vec<Vec<[f32; 4]>> = frames.into_iter().map(|frame| frame.pixels).collect();
+            let mut still = Accumulation::of(job, sights, coarse, size);
+            (still.level, still.gpu_ms) = (Some(level), device);
+            self.shared.told.store(job.number, Ordering::Relaxed);
+            let error = self.coarse_error.filter(|(_, of)| *of == level).map(|(error, _)| error);
+            let pictures: Vec<&[[f32; 4]]> = still.coarse.iter().map(Vec::as_slice).collect();
+            self.tell_picture(
+                job,
+                &still,
+                &pictures,
+                Picture { size, samples, error, ..Picture::of(job, Stage::Coarse, device) },
+            );
+            let ms = start.elapsed().as_secs_f64() * 1e3 - compile_ms;
+            log::debug!("preview {:?}: {device:.1} ms on the device of {ms:.1} ms", size);
+            self.budget.took(first, device, ms - device);
+            return Ok(Some(still));
+        }
+    }
+
+    /// What was there in another size of the window, in its new size: it is gone on from.
+    fn resized(&mut self, job: &Job, before: &Accumulation) -> Result<Accumulation, RenderError> {
+        let sights: Result<Vec<Sight>, _> = job.variants.iter().map(sight).collect();
+        let (sights, size) = (sights?, job.variants[0].scene.image.size);
+        let (pictures, from) = before.best();
+        let all = pictures.iter().zip(before.sights.iter().zip(&sights)).map(|(pixels, (old, new))| {
+            let place = |at: [f32; 2]| new.moved(old, at.map(|part| 2.0 * part - 1.0)).map(|place| 0.5 + 0.5 * place);
+            resampled(pixels, from, size, place, [0.0; 4])
+        });
+        let still = Accumulation::of(job, sights.clone(), all.collect(), size);
+        let pictures: Vec<&[[f32; 4]]> = still.coarse.iter().map(Vec::as_slice).collect();
+        self.tell_picture(job, &still, &pictures, Picture::of(job, Stage::Partial, 0.0));
+        Ok(still)
+    }
+
+    pub(super) fn tell_picture(&self, job: &Job, still: &Accumulation, frames: &[&[[f32; 4]]], mut picture: Picture) {
+        let backgrounds: Vec<_> = job.variants.iter().map(|variant| variant.scene.image.background).collect();
+        picture.images = encode_srgb(frames, &backgrounds, picture.size);
+        picture.difference = match frames {
+            // Rows of one may be finer than those of the other.
+            [a, b] if picture.stage != Stage::Partial => Some(rms_difference(a, b)),
+            _ => None,
+        };
+        picture.frames = frames.iter().map(|pixels| Arc::from(*pixels)).collect();
+        picture.sight = still.sights.first().copied();
+        (self.tell)(Event::Picture(Box::new(picture)));
+    }
+}
+
+impl Picture {
+    /// As large as the scene asks, with its samples; no images yet, and nothing known of its error.
+    pub(super) fn of(job: &Job, stage: Stage, gpu_ms: f64) -> Picture {
+        let scene = &job.variants[0].scene;
+        let (size, samples) = (scene.image.size, scene.quality.samples);
+        Picture { number: job.number, size, samples, stage, gpu_ms, ..Picture::default() }
+    }
+}

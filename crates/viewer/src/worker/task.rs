@@ -1,0 +1,110 @@
+//! What is done between two pictures.
+
+use super::render_thread::RenderThread;
+use super::{Event, Task, Variant};
+use hypertexture::output::sequence::{Frames, Sequence, frame_path};
+use hypertexture::output::{self, Depth, Provenance};
+use hypertexture::render::{Frame, RenderError, Renderer};
+use hypertexture::scene::Scene;
+use measure::compare::Stage;
+use measure::pick::{ErrorBound, PickError, pick};
+use std::panic::{self, AssertUnwindSafe};
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+/// Frames per second of a recording.
+const FPS: f64 = 25.0;
+
+/// Thrown through a computation that nobody waits for any more.
+struct Stopped;
+
+/// Leaves [`unless_stopped`] where it `stops`. Unwinding is the one way out of a computation that spans threads; nothing of
+/// it is kept.
+pub(super) fn leave_where(stops: bool) {
+    if stops {
+        panic::resume_unwind(Box::new(Stopped));
+    }
+}
+
+/// What `work` gives; none where it was left.
+pub(super) fn unless_stopped<T>(work: impl FnOnce() -> T) -> Option<T> {
+    match panic::catch_unwind(AssertUnwindSafe(work)) {
+        Ok(done) => Some(done),
+        Err(reason) if reason.is::<Stopped>() => None,
+        Err(reason) => panic::resume_unwind(reason),
+    }
+}
+
+impl RenderThread {
+    pub(super) fn work(&self, task: Task) -> Result<(), RenderError> {
+        let (Task::Shot { variant, .. } | Task::Turntable { variant, .. } | Task::Pick { variant, .. }) = &task;
+        if !self.admits(&variant.scene, &variant.library) {
+            return Ok(());
+        }
+        match task {
+            Task::Shot { variant, path, edited } => {
+                let frame = Renderer::new(&self.gpu, &variant.library, &variant.subject).render(&variant.scene)?;
+                if self.write(&frame, &variant.scene, &edited, &path) {
+                    (self.tell)(Event::Wrote(path));
+                }
+            }
+            Task::Turntable { variant, path, frames, edited } => {
+                let last = frames.max(1) - 1;
+                let sequence = Sequence { frames: Frames { first: 0, last }, fps: FPS, turntable: true };
+                let mut renderer = Renderer::new(&self.gpu, &variant.library, &variant.subject);
+                for frame in 0..=last {
+                    if self.stops() {
+                        let reason = format!("the recording was stopped after {frame} of {frames} frames");
+                        (self.tell)(Event::Stopped(reason));
+                        return Ok(());
+                    }
+                    (self.tell)(Event::Recorded(frame, frames));
+                    let scene = sequence.scene(&variant.scene, frame);
+                    if !self.write(&renderer.render(&scene)?, &scene, &edited, &frame_path(&path, frame)) {
+                        return Ok(());
+                    }
+                }
+                (self.tell)(Event::Recorded(frames, frames));
+                (self.tell)(Event::Wrote(path));
+            }
+            Task::Pick { variant, bound } => self.pick(&variant, bound)?,
+        }
+        Ok(())
+    }
+
+    fn stops(&self) -> bool {
+        self.shared.quits() || self.shared.stop.load(Ordering::Relaxed)
+    }
+
+    /// Writes a picture and what it shows; whether that went well.
+    fn write(&self, frame: &Frame, scene: &Scene, edited: &[String], path: &Path) -> bool {
+        let mut measured = frame.measurements.clone();
+        if !edited.is_empty() {
+            measured.modules += &format!("; edited in the window: {}", edited.join(", "));
+        }
+        let written = Provenance::of(scene, &self.gpu.info().title(), &measured)
+            .map_err(|error| error.to_string())
+            .and_then(|provenance| {
+                let background = scene.image.background;
+                output::write(frame, background, Depth::Eight, &provenance, path).map_err(|error| error.to_string())
+            });
+        written.map_err(|reason| (self.tell)(Event::Failed(reason))).is_ok()
+    }
+
+    fn pick(&self, variant: &Variant, bound: ErrorBound) -> Result<(), RenderError> {
+        let Variant { scene, library, subject } = variant;
+        let progress = |done: f32| {
+            leave_where(self.stops());
+            (self.tell)(Event::Picking(done));
+        };
+        let stage = Stage { gpu: &self.gpu, library, subject, worker: None, stop: &|| false };
+        let found = match unless_stopped(|| pick(stage, scene, bound, &progress)) {
+            Some(Ok(found)) => Event::Picked(Some(Box::new(found))),
+            Some(Err(PickError::Render(error))) => return Err(error),
+            Some(Err(error)) => Event::Failed(error.to_string()),
+            None => Event::Picked(None),
+        };
+        (self.tell)(found);
+        Ok(())
+    }
+}

@@ -1,5 +1,0 @@
-//! The program: the command line of the library.
-
-fn main() -> std::process::ExitCode {
-    hypertexture::cli::main()
-}
