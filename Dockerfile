@@ -1,22 +1,26 @@
-# An image with `hypertexture` and Mesa's lavapipe, which needs no GPU:
-#   docker build -t hypertexture . && docker run --rm -v "$PWD:/pictures" hypertexture render teapot --effect fur -o fur.png
+# An image with `hypertexture` and Mesa's drivers; lavapipe needs no GPU:
+#   docker build -t hypertexture . && docker run --rm -v "$PWD:/pictures" --user "$(id -u)" hypertexture render teapot --effect fur -o fur.png
+# With an Intel or AMD GPU: --device /dev/dri --group-add "$(stat -c %g /dev/dri/renderD128)". With one of NVIDIA, and its
+# container toolkit: --gpus all --env NVIDIA_DRIVER_CAPABILITIES=graphics,utility.
 
 FROM debian:trixie-slim AS build
 WORKDIR /source
 # What setup.sh installs changes rarely: a layer of its own.
 COPY setup.sh Cargo.toml ./
 RUN ./setup.sh
+RUN cargo install cargo-deb --locked
 COPY . .
-# Without the window.
-RUN cargo build --release --locked --no-default-features --features cli
+RUN release/build
 
 FROM debian:trixie-slim
+COPY --from=build /source/target/release/package/hypertexture_*.deb /tmp/
 RUN apt-get update -q \
-    && apt-get install -yq --no-install-recommends libshaderc1 libvulkan1 mesa-vulkan-drivers \
-    && rm -rf /var/lib/apt/lists/* \
+    && apt-get install -yq --no-install-recommends /tmp/hypertexture_*.deb mesa-vulkan-drivers \
+    && rm -rf /var/lib/apt/lists/* /tmp/hypertexture_*.deb \
+    && useradd --uid 1000 --create-home hypertexture \
     && mkdir -m 1777 /pictures /var/cache/hypertexture
-COPY --from=build /source/target/release/hypertexture /usr/local/bin/
 ENV HYPERTEXTURE_CACHE=/var/cache/hypertexture
+USER hypertexture
 WORKDIR /pictures
 ENTRYPOINT ["hypertexture"]
 CMD ["--help"]
