@@ -1,7 +1,7 @@
-//! What is wrong with this machine, and what to do about it.
+//! Diagnosis of the device, with remedies.
 //!
-//! Role: list what the device is and has, name the remedy of everything that is missing, and test on the device itself
-//! what drivers are known to do in silence. Invariant: whatever goes wrong becomes a line of the report.
+//! Role: device facts, remedies for missing features, and self-tests of known driver faults. Invariant: every failure is a line of
+//! the report.
 
 mod probes;
 
@@ -9,7 +9,7 @@ use hypertexture::gpu::{Format, Gpu, GpuError, Options};
 use hypertexture::output::PROGRAM;
 use serde::Serialize;
 
-/// What an examination found.
+/// Result of an examination.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnosis {
     /// Name and version of the program.
@@ -36,7 +36,7 @@ const TARGETS: [Format; 3] = [Format::Rgba8Unorm, Format::Rgba16Float, Format::R
 const SAMPLED: [Format; 5] =
     [Format::R16Unorm, Format::R32Float, Format::Rgba8Unorm, Format::Rgba16Unorm, Format::Rgba32Float];
 
-/// Examines the device that these options choose, in less than two seconds.
+/// Examines the chosen device in less than two seconds.
 ///
 /// A device that cannot be opened is a finding with its remedy.
 pub fn examine(options: &Options) -> Diagnosis {
@@ -101,7 +101,7 @@ impl Diagnosis {
         self.line("blends", &named(&TARGETS, &|format| gpu.can_blend(format)));
         self.line("filters", &named(&SAMPLED, &|format| gpu.can_filter(format)));
         for format in TARGETS.into_iter().filter(|format| !gpu.can_blend(*format)) {
-            // Without the default target nothing renders as it is asked for; the others are a choice.
+            // Only the default target is required.
             let what = if format == Format::Rgba32Float { "FAIL" } else { "NOTE" };
             self.line(what, &format!("{format:?} cannot be blended into: use another --target"));
         }

@@ -1,4 +1,4 @@
-//! Self-tests on the device: what drivers do in silence, measured, and what the renderer does about it.
+//! Self-tests for known driver faults, with the workaround of each.
 
 use super::Diagnosis;
 use hypertexture::gpu::{
@@ -12,7 +12,7 @@ use std::sync::Arc;
 const VOLUME: u32 = 17;
 const CLAMP_SAMPLER: u32 = 5;
 
-/// Why a test could not be run.
+/// Error of a test that could not run.
 #[derive(Debug, thiserror::Error)]
 enum ProbeError {
     #[error(transparent)]
@@ -21,13 +21,13 @@ enum ProbeError {
     Gpu(#[from] GpuError),
 }
 
-/// What a test found: `PASS`, `NOTE` or `FAIL`, and a sentence.
+/// Result of a test: `PASS`, `NOTE` or `FAIL`, and a sentence.
 type Finding = (&'static str, String);
 
 /// A test by its name in the report.
 type Test<'a> = (&'a str, &'a dyn Fn(&Bench<'_>) -> Result<Finding, ProbeError>);
 
-/// Runs every test; one that cannot be run has failed.
+/// Runs every test; an error counts as a failure.
 pub(super) fn run(gpu: &Gpu, report: &mut Diagnosis) {
     let linker = match Linker::new() {
         Ok(linker) => linker,
@@ -51,7 +51,7 @@ pub(super) fn run(gpu: &Gpu, report: &mut Diagnosis) {
     }
 }
 
-/// The device, and what programs are linked with.
+/// Device, library and linker of the tests.
 struct Bench<'a> {
     gpu: &'a Gpu,
     library: Library,
@@ -104,7 +104,7 @@ impl Bench<'_> {
     }
 }
 
-/// llvmpipe ends every loop of an invocation after 65 535 iterations in total, and says nothing.
+/// llvmpipe ends the loops of an invocation after 65 535 iterations in total without an error.
 fn loops(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
     const ASKED: usize = 70_000;
     let format = Format::Rgba32Float;
@@ -167,11 +167,11 @@ fn code16(value: f32) -> u16 {
     (value * 65535.0).round() as u16
 }
 
-/// Layers, and the truth that they add up to: optical depth 2.
+/// Layers, and their exact sum: optical depth 2.
 const LAYERS: u32 = 1024;
 const TRUTH: f32 = 0.864_664_7;
 
-/// A target of few bits drops what is less than half its last bit.
+/// A target of few bits drops values below half its last bit.
 fn blend(bench: &Bench<'_>, format: Format) -> Result<Finding, ProbeError> {
     if !bench.gpu.can_blend(format) {
         return Ok(("NOTE", "the device has none".into()));
@@ -186,7 +186,7 @@ fn blend(bench: &Bench<'_>, format: Format) -> Result<Finding, ProbeError> {
     })
 }
 
-/// Compilers may fold what would be NaN, so that a shader cannot look for it.
+/// Compilers may fold NaN, so that a shader cannot detect it.
 fn nan(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
     let format = Format::Rgba32Float;
     let run = Run { fragment: "doctor/nan.frag", format, size: [1, 1], layers: 1, volume: None };
@@ -205,7 +205,7 @@ fn nan(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
     })
 }
 
-/// Timestamps against the wall clock, for a submission that takes a while.
+/// Timestamps against the wall clock, for a long submission.
 fn timestamps(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
     if bench.gpu.info().timestamp_period == 0.0 {
         return Ok(("NOTE", "the queue has none; times are those of the wall clock".into()));
