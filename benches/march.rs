@@ -1,7 +1,7 @@
 //! Points against segments by error and run time, and a hand-written fire ball: run with `cargo bench --bench march`. What
 //! effects and scenes cost, `hypertexture bench` says.
 //!
-//! What is compared is measured in turns, so that a change of the machine's speed meets all sides. Times are
+//! Alternatives are measured alternately, so that a change of the machine's speed meets all of them. Times are
 //! milliseconds on the device, median (lowest-highest).
 #![expect(clippy::unwrap_used, reason = "a bench stops where something is not as described")]
 

@@ -62,7 +62,7 @@ fn a_wrong_formula_a_wrong_bound_and_a_wrong_order_are_found_and_named() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
 fn a_slab_across_a_view_of_90_degrees_has_the_path_of_every_ray() {
-    // What the correction is worth: without it, the corner would have the optical depth of the middle.
+    // Effect of the correction: without it, the corner would have the optical depth of the middle.
     let (scene, subject) = SLANTED[0].in_pass(Pass::Slices);
     let rays = rays(&scene, &subject);
     let middle = rays.iter().min_by(|a, b| a.slant().total_cmp(&b.slant())).expect("a picture has rays");

@@ -1,7 +1,7 @@
-//! What slices, ways to store a field and the start of the process cost: run with `cargo bench`. What effects and scenes
+//! Cost of slices, of the storage of fields and of the start of the process: run with `cargo bench`. The cost of effects and scenes
 //! cost, `hypertexture bench` says.
 //!
-//! What is compared is measured in turns within one run, so that a change of the machine's speed meets both sides.
+//! Alternatives are measured alternately within one run, so that a change of the machine's speed meets both sides.
 //! Every number has beside it how far the repeats lie apart (median, lowest-highest), or is exact and says so.
 #![expect(clippy::unwrap_used, reason = "a bench stops where something is not as described")]
 

@@ -1,4 +1,4 @@
-//! What each command writes and says.
+//! Output of each command.
 
 use crate::desk::{Desk, SMALL, refused, text};
 use hypertexture::scene::{ParameterValue, Reach};
