@@ -1,6 +1,6 @@
 //! Self-tests for known driver faults, with the workaround of each.
 
-use super::Diagnosis;
+use super::finding::Diagnosis;
 use hypertexture::gpu::{
     Address, Binding, BindingKind, Blend, Dimension, Format, Gpu, GpuError, Image, ImageUse, Load, Marks, Pipeline,
     PipelineDescription, Resource, Sampler, Submitted, Target,
@@ -22,10 +22,10 @@ enum ProbeError {
 }
 
 /// Result of a test: `PASS`, `NOTE` or `FAIL`, and a sentence.
-type Finding = (&'static str, String);
+type Outcome = (&'static str, String);
 
 /// A test by its name in the report.
-type Test<'a> = (&'a str, &'a dyn Fn(&Bench<'_>) -> Result<Finding, ProbeError>);
+type Test<'a> = (&'a str, &'a dyn Fn(&Bench<'_>) -> Result<Outcome, ProbeError>);
 
 /// Runs every test; an error counts as a failure.
 pub(super) fn run(gpu: &Gpu, report: &mut Diagnosis) {
@@ -105,7 +105,7 @@ impl Bench<'_> {
 }
 
 /// llvmpipe ends the loops of an invocation after 65 535 iterations in total without an error.
-fn loops(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
+fn loops(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
     const ASKED: usize = 70_000;
     let format = Format::Rgba32Float;
     let run = Run { fragment: "doctor/loops.frag", format, size: [1, 1], layers: 1, volume: None };
@@ -127,7 +127,7 @@ fn loops(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
 }
 
 /// Some drivers filter 8-bit texels with 8-bit arithmetic: steps instead of a slope between two close texels.
-fn filter(bench: &Bench<'_>, format: Format) -> Result<Finding, ProbeError> {
+fn filter(bench: &Bench<'_>, format: Format) -> Result<Outcome, ProbeError> {
     const PLACES: u32 = 256;
     if !bench.gpu.can_filter(format) {
         return Ok(("NOTE", "the device has none".into()));
@@ -172,7 +172,7 @@ const LAYERS: u32 = 1024;
 const TRUTH: f32 = 0.864_664_7;
 
 /// A target of few bits drops values below half its last bit.
-fn blend(bench: &Bench<'_>, format: Format) -> Result<Finding, ProbeError> {
+fn blend(bench: &Bench<'_>, format: Format) -> Result<Outcome, ProbeError> {
     if !bench.gpu.can_blend(format) {
         return Ok(("NOTE", "the device has none".into()));
     }
@@ -187,7 +187,7 @@ fn blend(bench: &Bench<'_>, format: Format) -> Result<Finding, ProbeError> {
 }
 
 /// Compilers may fold NaN, so that a shader cannot detect it.
-fn nan(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
+fn nan(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
     let format = Format::Rgba32Float;
     let run = Run { fragment: "doctor/nan.frag", format, size: [1, 1], layers: 1, volume: None };
     let found = bench.draw(&run)?.0[0];
@@ -206,7 +206,7 @@ fn nan(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
 }
 
 /// Timestamps against the wall clock, for a long submission.
-fn timestamps(bench: &Bench<'_>) -> Result<Finding, ProbeError> {
+fn timestamps(bench: &Bench<'_>) -> Result<Outcome, ProbeError> {
     if bench.gpu.info().timestamp_period == 0.0 {
         return Ok(("NOTE", "the queue has none; times are those of the wall clock".into()));
     }
