@@ -237,7 +237,7 @@ fn segments_hold(
         varyings: BTreeMap::from([(0, boxes.iter().map(|at| at.map(|x| Affine::between(x.lo, x.hi))).collect())]),
     };
     let whole = bound.run(&lanes).unwrap()[&0].clone();
-    let cut = bound.bounds(&lanes, |_, _| true).unwrap();
+    let cut = bound.bounds(&lanes, &|_, _| true).unwrap();
     for _ in 0..POINTS / 2 {
         let parts: Vec<f64> = boxes.iter().map(|_| random.unit()).collect();
         // Two places that are as far from the middle: what is linear cancels in the mean of both.

@@ -15,7 +15,7 @@ const RISK: f64 = 1e-5;
 /// How many times as wrong a square that was not looked at may be, in parts of its score, as the worst that was and might not
 /// have been. Less: bounds
 /// are broken where few pixels have most of the error. More: more pixels are looked at.
-const UNSEEN: f64 = 2.0;
+const UNSEEN: f64 = 3.0;
 
 /// Squares of pixels, each with its chance to be looked at.
 pub(super) struct Sample {

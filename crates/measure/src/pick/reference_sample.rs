@@ -1,6 +1,6 @@
-//! What is known of some pixels of a picture, and pictures held against it.
+//! The reference of some pixels of a picture, and pictures held against it.
 
-use super::ErrorBound;
+use super::bound::ErrorBound;
 use super::candidates;
 use super::sample::Sample;
 use crate::compare::{CompareError, Stage};
@@ -32,7 +32,7 @@ const FINEST: [u32; 2] = [256, 16_384];
 const ORDERS: [f64; 2] = [0.8, 1.2];
 
 /// Pixels of pictures of one size, and what they are in truth.
-pub(super) struct Known {
+pub(super) struct ReferenceSample {
     size: [u32; 2],
     /// Side of the squares of pixels whose light is computed together.
     side: usize,
@@ -55,24 +55,24 @@ struct Pixel {
     is_proven: bool,
 }
 
-impl Known {
+impl ReferenceSample {
     /// By the f64 reference of a scene, in no pixel so far; each will be known with an error of about `own`.
-    pub(super) fn by_reference(stage: Stage<'_>, scene: &Scene, own: f64) -> Result<Known, ReferenceError> {
+    pub(super) fn by_reference(stage: Stage<'_>, scene: &Scene, own: f64) -> Result<ReferenceSample, ReferenceError> {
         let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
         let (size, side) = (scene.image.size, computed_together(scene));
         let squares = size.map(|pixels| (pixels as usize).div_ceil(side)).iter().product();
         let tolerance = own.clamp(TOLERANCES[0], TOLERANCES[1]);
         let (truth, finer) = (Some((truth, tolerance)), Errors::default());
-        Ok(Known { size, side, sample: Sample::new(squares, 1), truth, looked: Vec::new(), finer })
+        Ok(ReferenceSample { size, side, sample: Sample::new(squares, 1), truth, looked: Vec::new(), finer })
     }
 
     /// By a picture of this size that is off by so much.
-    fn whole(size: [u32; 2], light: Vec<[f64; 4]>, finer: Errors) -> Known {
+    fn whole(size: [u32; 2], light: Vec<[f64; 4]>, finer: Errors) -> ReferenceSample {
         let mut sample = Sample::new(light.len(), 1);
         sample.raise(&vec![1.0; light.len()], light.len());
         let pixel = |(at, light)| Pixel { at, square: at, light, own: [0.0; 2], is_proven: false };
         let looked = light.into_iter().enumerate().map(pixel).collect();
-        Known { size, side: 1, sample, truth: None, looked, finer }
+        ReferenceSample { size, side: 1, sample, truth: None, looked, finer }
     }
 
     /// Looks at more pixels, by the scores of their squares, until they are about as many as that.
@@ -119,8 +119,8 @@ impl Known {
         painter: &mut Painter<'_>,
         stage: Stage<'_>,
         scene: &Scene,
-        (metric, error): (Metric, f64),
-    ) -> Result<Known, CompareError> {
+        ErrorBound { metric, error }: ErrorBound,
+    ) -> Result<ReferenceSample, CompareError> {
         let filter = Filter::precise(stage.gpu.info().filters_by_few_bits());
         let mut draw = |samples| -> Result<Frame, CompareError> {
             let mut drawn = Err(CompareError::Nothing);
@@ -147,7 +147,7 @@ impl Known {
             );
             let is_enough = samples >= least && own.by(metric) <= FINER * error;
             if is_enough || 2 * samples > most {
-                return Ok(Known::whole(finer.size, truth, own));
+                return Ok(ReferenceSample::whole(finer.size, truth, own));
             }
             (samples, before, gap) = (2 * samples, finer, now);
         }
