@@ -1,4 +1,4 @@
-//! Bounds of an error, and what is picked within them.
+//! Bounds of an error, and results of a pick.
 
 use crate::compare::{CompareError, Failure};
 use crate::metric::Metric;
@@ -7,10 +7,10 @@ use hypertexture::render::{Frame, RenderError};
 use hypertexture::scene::Scene;
 use serde::{Deserialize, Serialize};
 
-/// An error that a picture may have.
+/// Largest error of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorBound {
-    /// How it is measured.
+    /// Metric of the error.
     pub metric: Metric,
     /// The largest error, above 0.
     pub error: f64,
@@ -29,53 +29,50 @@ impl ErrorBound {
     }
 }
 
-/// What was found of a whole picture.
+/// Error of a whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verified {
-    /// What its error is below, with 99.9 % of confidence in the pixels that were chosen to be looked at; with what the truth
-    /// may be wrong by itself as far as samples say.
+    /// Upper bound of the error, with a confidence of 99.999 % in the choice of pixels; the estimated error of the reference is added.
     pub error: f64,
-    /// Its error by the pixels that were looked at.
+    /// Error estimated from the compared pixels.
     pub found: f64,
-    /// What the truth may be wrong by itself, as far as samples say; a part of the error.
+    /// Estimated error of the reference; a part of the error.
     pub estimate: f64,
-    /// The same with all the opacity that bounds leave open; no part of the error.
+    /// Error of the reference with all the opacity that its bounds leave open; not a part of the error.
     pub open: f64,
-    /// Pixels that were looked at, and in how many of them it is proven that the truth has overlooked nothing.
+    /// Compared pixels, and those with a proof that the reference overlooks nothing.
     pub pixels: [usize; 2],
-    /// Milliseconds of the whole picture on the device.
+    /// Milliseconds on the device.
     pub ms: f64,
 }
 
-/// What was picked.
+/// A pick.
 #[derive(Clone, Debug)]
 pub struct Pick {
-    /// The scene, drawn with the settings that were picked.
+    /// The scene with the picked settings.
     pub scene: Scene,
-    /// Those settings in words.
+    /// The settings in words.
     pub settings: String,
-    /// What was found of the whole picture.
+    /// Error of the whole picture.
     pub verified: Verified,
-    /// Why that is not by the reference, where there is none.
+    /// Reason for a comparison with a finer picture, if there is no reference.
     pub unverified: Option<String>,
-    /// Candidates that were left out beforehand, that were drawn, and that kept the bound; and methods that were not tried,
-    /// since something kept the bound and time was up.
+    /// Candidates excluded by their bound, drawn ones, fitting ones; and methods left out for lack of time.
     pub counts: [usize; 4],
-    /// The fastest settings of another pass that should keep the bound: in words, and how many times longer they should
-    /// take.
+    /// Fastest fitting settings of another pass in words, and their time in parts of the pick's.
     pub other: Option<(String, f64)>,
-    /// Candidates that could not be drawn.
+    /// Candidates that failed.
     pub failures: Vec<Failure>,
-    /// Whether it is remembered from an earlier time.
+    /// Whether it comes from the cache.
     pub remembered: bool,
-    /// The whole picture, where it was drawn for this.
+    /// The whole picture, unless cached.
     pub picture: Option<Frame>,
 }
 
-/// Why nothing was picked.
+/// Errors of a pick.
 #[derive(Debug, thiserror::Error)]
 pub enum PickError {
-    /// No error that a picture can have.
+    /// A bound that is not above 0.
     #[error("a largest error of {0}: it must be above 0, such as 1e-3")]
     Value(f64),
     /// The scene cannot be drawn.
@@ -84,32 +81,32 @@ pub enum PickError {
     /// No settings draw it.
     #[error(transparent)]
     Compare(#[from] CompareError),
-    /// Nobody waits for it any more.
+    /// Stopped by the caller.
     #[error("stopped")]
     Stopped,
-    /// Nothing is that accurate.
+    /// No candidate is that accurate.
     #[error(
         "no settings draw this scene with a {metric} error of {asked:e}: the nearest, {nearest}, has {}; {}try another `--metric`",
         known(*found, *own),
         allow.map(|error| format!("{error:e} can be kept: allow that, or ")).unwrap_or_default()
     )]
     Bound {
-        /// How it is measured.
+        /// Metric of the error.
         metric: Metric,
-        /// What was asked for.
+        /// Requested bound.
         asked: f64,
         /// The nearest settings in words.
         nearest: String,
-        /// What the truth may be wrong by itself; a part of the error.
+        /// Estimated error of the reference; a part of `found`.
         own: f64,
-        /// Its error, or what that is below.
+        /// Error of the nearest, or an upper bound of it.
         found: f64,
-        /// An error that can be kept: it was tried.
+        /// A bound that was tried and kept.
         allow: Option<f64>,
     },
 }
 
-/// An error, and how much of it is that of the truth, where that is much.
+/// An error, with the share of the reference if that is above a tenth.
 fn known(error: f64, own: f64) -> String {
     match own > 0.1 * error {
         true => format!("{:.1e}, of which the truth may be wrong by {own:.1e} itself", rounded_up(error)),
