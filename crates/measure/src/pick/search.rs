@@ -8,7 +8,7 @@ use crate::compare::{CompareError, Stage};
 use crate::reference::ReferenceError;
 use crate::worker::Painter;
 use hypertexture::render::{Frame, RenderError};
-use hypertexture::scene::{Scene, TargetFormat};
+use hypertexture::scene::{Pass, Scene, TargetFormat};
 use hypertexture::shader::Library;
 use std::time::{Duration, Instant};
 
@@ -331,7 +331,9 @@ impl<'a> Search<'a> {
     fn is_hopeless(&self, index: usize) -> bool {
         let method = &self.methods[index];
         let is_begun = !method.trials.is_empty();
-        let has_time = !self.is_late() || self.fastest().is_none() && method.curve.block.is_none();
+        // Rays of the first strategy, whose noise has no error of its own, are as accurate as any other method.
+        let is_exact = method.curve.strategy == self.methods[0].curve.strategy && method.curve.pass == Pass::March;
+        let has_time = !self.is_late() || self.fastest().is_none() && is_exact;
         method.has_failed || !is_begun && (!has_time || self.is_slow_or_flat(index))
     }
 
