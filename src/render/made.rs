@@ -34,25 +34,11 @@ pub fn made_with(
     let variant = Variant::of(scene, library)?;
     let zero = variant.slots.get(ZERO).map(|names| names.join(", "));
     lines.extend(zero.map(|names| line("left out", format!("what these take away, as they are 0: {names}"))));
-    lines.extend(
-        masks_left_out(m, scene).map(|name| line("left out", format!("the mask of {name}: it lets all of it through"))),
-    );
     lines.extend(octaves_held(m, scene, library).map(|text| line("octaves", text)));
     lines.extend(m.cells.as_ref().map(|cells| line("cells", cells.to_string())));
     lines.extend(doubts(m, scene, subject, library)?.into_iter().map(|text| line("note", text)));
     lines.push(line("memory", format!("{:.1} MiB of images on the device", mib(m.device_bytes))));
     Ok(lines)
-}
-
-/// The DMFs that were drawn without their mask.
-fn masks_left_out<'a>(m: &'a Measurements, scene: &'a Scene) -> impl Iterator<Item = &'a String> {
-    let own = [(String::new(), &scene.effect)].into_iter();
-    let effects = own.chain(scene.parts.iter().map(|(name, part)| (format!("{name}."), &part.effect)));
-    effects.flat_map(|(object, effect)| {
-        let drawn = m.modules.split(' ').find_map(|slot| slot.strip_prefix(&format!("{object}dmf=")));
-        let pairs = drawn.into_iter().flat_map(|drawn| effect.dmf.iter().zip(drawn.split('+')));
-        pairs.filter(|(asked, drawn)| asked.contains('@') && !drawn.contains('@')).map(|(asked, _)| asked)
-    })
 }
 
 /// What is said of octaves that a scene asks for in vain.

@@ -18,7 +18,6 @@ mod item;
 mod light_space;
 mod made;
 mod marks;
-mod masks;
 mod noise_blocks;
 #[doc(hidden)] // for the tests of this crate
 pub mod pace;

@@ -2,7 +2,6 @@
 
 use super::coming::Coming;
 use super::depth::by_rays;
-use super::masks::Masks;
 use super::pixels::put;
 use super::prepared::{Destination, Made, Prepared};
 use super::shot::Shot;
@@ -13,7 +12,6 @@ use crate::gpu::{Area, Format, Gpu, HostCommands, Recording};
 use crate::render::variant::Variant;
 use crate::scene::{Order, Scene};
 use crate::shader::{Library, Slots};
-use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -43,7 +41,6 @@ pub struct Renderer {
     stop: Stop,
     /// Modules and samples of scenes whose loops the device has cut where rays waited for each other.
     cut: Vec<(Slots, u32)>,
-    masks: Masks,
     /// What the next scene of a host needs.
     coming: Option<Coming>,
     /// Milliseconds of making what the next picture needs.
@@ -66,7 +63,6 @@ impl Renderer {
             whole: None,
             stop: Arc::new(|_| false),
             cut: Vec::new(),
-            masks: Masks::default(),
             coming: None,
             prepared_ms: 0.0,
         }
@@ -96,23 +92,23 @@ impl Renderer {
     /// As [`render`].
     pub fn prepare(&mut self, scene: &Scene, progress: Progress<'_>) -> Result<(), RenderError> {
         let start = Instant::now();
-        let (scene, variant) = self.chosen(scene)?;
-        self.prepared(&scene, &variant, Destination::Frame, progress)?;
+        let variant = self.variant(scene)?;
+        self.prepared(scene, &variant, Destination::Frame, progress)?;
         self.prepared_ms += start.elapsed().as_secs_f64() * 1e3;
         Ok(())
     }
 
     /// Whether program and images of a scene are made: what [`Renderer::prepare`] makes.
     pub fn is_prepared(&self, scene: &Scene) -> bool {
-        self.chosen(scene).is_ok_and(|(scene, variant)| self.serving(&scene, &variant).next().is_some())
+        self.variant(scene).is_ok_and(|variant| self.serving(scene, &variant).next().is_some())
     }
 
     /// Whether a picture of a scene can be drawn at once: it is prepared, and what decides where its space is empty is made.
     pub fn is_ready(&self, scene: &Scene) -> bool {
         let whole = self.whole.unwrap_or(scene.image.size);
-        self.chosen(scene).is_ok_and(|(scene, variant)| {
-            let shot = Shot { whole, ..Shot::of(&scene, &self.subject, &variant) };
-            self.serving(&scene, &variant).any(|own| own.bound.is_ready(&self.gpu, &shot))
+        self.variant(scene).is_ok_and(|variant| {
+            let shot = Shot { whole, ..Shot::of(scene, &self.subject, &variant) };
+            self.serving(scene, &variant).any(|own| own.bound.is_ready(&self.gpu, &shot))
         })
     }
 
@@ -166,13 +162,13 @@ impl Renderer {
         let (start, before) = (Instant::now(), own_processor_time());
         let count = scene.quality.supersampling;
         assert!(number.is_none_or(|number| number < count), "{number:?} of {count}");
-        let (scene, mut variant) = self.chosen(scene)?;
+        let mut variant = self.variant(scene)?;
         let (subject, stop) = (self.subject.clone(), self.stop.clone());
         let wanted = |own: u32| number.is_none_or(|number| number == own);
         let mut frame = loop {
-            let prepared = self.prepared(&scene, &variant, Destination::Frame, &|_| ())?;
-            let frame = prepared.frame(&scene, &subject, &variant, areas, wanted, &*stop);
-            match frame.map_err(|error| explained(error, &self.library, &scene, &subject))? {
+            let prepared = self.prepared(scene, &variant, Destination::Frame, &|_| ())?;
+            let frame = prepared.frame(scene, &subject, &variant, areas, wanted, &*stop);
+            match frame.map_err(|error| explained(error, &self.library, scene, &subject))? {
                 Some(frame) => break frame,
                 None => self.cut.push((variant.slots.clone(), scene.quality.samples)),
             }
@@ -195,8 +191,8 @@ impl Renderer {
     /// As [`render`] and [`check_depth`](super::check_depth).
     pub fn render_depth(&mut self, scene: &Scene) -> Result<Vec<f32>, RenderError> {
         let (library, subject, stop) = (self.library.clone(), self.subject.clone(), self.stop.clone());
-        let by_rays = by_rays(scene, &library)?;
-        let (scene, variant) = self.chosen(&by_rays)?;
+        let scene = by_rays(scene, &library)?;
+        let variant = self.variant(&scene)?;
         let prepared = self.prepared(&scene, &variant, Destination::Frame, &|_| ())?;
         prepared.depth(&library, &scene, &subject, &variant, &*stop)
     }
@@ -280,11 +276,11 @@ impl Renderer {
         if scene.is_half_angle() {
             return Err(RenderError::Recorded("light.method = \"volume\""));
         }
-        let (scene, mut variant) = self.chosen(&scene)?;
+        let mut variant = self.variant(&scene)?;
         if !scene.may_find_first(&self.library) {
             variant = variant.that_waits_for_none(); // what comes of it is not seen here
         }
-        Ok((scene.into_owned(), variant))
+        Ok((scene, variant))
     }
 
     /// Keeps what was made beside, waiting for it. What failed matters to the scene that is `wanted` alone.
@@ -302,13 +298,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// A scene as it is drawn, and its modules: without masks that it does not need, and with rays that do not wait for each
-    /// other where the device has cut the loops of such rays.
-    fn chosen<'a>(&self, scene: &'a Scene) -> Result<(Cow<'a, Scene>, Variant), RenderError> {
-        let (scene, variant) = self.masks.without_idle(&self.library, scene, &self.subject)?;
+    /// The modules that a scene is drawn with: in one phase where the device has cut the loops of two-phase rays.
+    fn variant(&self, scene: &Scene) -> Result<Variant, RenderError> {
+        let variant = Variant::of(scene, &self.library)?;
         let is_cut =
             self.cut.iter().any(|(slots, samples)| *slots == variant.slots && *samples <= scene.quality.samples);
-        Ok((scene, if is_cut { variant.that_waits_for_none() } else { variant.suited(self.gpu.info().cpu) }))
+        Ok(if is_cut { variant.that_waits_for_none() } else { variant.suited(self.gpu.info().cpu) })
     }
 
     /// What serves a scene, from what there is.

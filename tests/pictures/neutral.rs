@@ -153,35 +153,3 @@ fn a_value_that_is_pulled_to_zero_keeps_its_program() {
         });
     }
 }
-
-#[test]
-#[cfg_attr(no_gpu, ignore = "HYPERTEXTURE_NO_GPU is set")]
-fn a_picture_without_a_mask_that_lets_all_through_is_the_same() {
-    let library = shader::shipped();
-    with_gpu(|gpu| {
-        for (effect, dmf, around, part) in [
-            ("fur", "['fur@ball']", ("parameters.ball_radius", "6"), ("parameters.ball_radius", "0.9")),
-            ("fire", "['fire@height']", ("parameters.height_from", "-4"), ("parameters.height_from", "0.1")),
-        ] {
-            let mut scene = scene(effect, &[("effect.dmf", dmf), around]);
-            (scene.image.size, scene.quality.samples, scene.object.resolution) = ([48, 48], 64, 32);
-            let subject = subject(&scene, &library);
-            let mut renderer = Renderer::new(gpu, &library, &subject);
-            for pass in [Pass::March, Pass::Slices] {
-                scene.quality.pass = pass;
-                let [kept, left] = [Neutral::Keep, Neutral::LeaveOut].map(|neutral| {
-                    scene.quality.neutral = neutral;
-                    renderer.render(&scene).expect("a scene that is valid")
-                });
-                let has_mask = |frame: &Frame| frame.measurements.modules.contains('@');
-                assert!(has_mask(&kept) && !has_mask(&left), "{effect}: {}", left.measurements.modules);
-                assert!(bits(&kept) == bits(&left), "{effect} {pass:?}");
-                // The same renderer goes on with a mask that is needed.
-                let mut other = scene.clone();
-                other.set_field(part.0, part.1).expect("a parameter of the mask");
-                let frame = renderer.render(&other).expect("a scene that is valid");
-                assert!(has_mask(&frame) && bits(&frame) != bits(&left), "{effect} {pass:?}");
-            }
-        }
-    });
-}
