@@ -49,7 +49,7 @@ impl<'a> Item<'a> {
             name => Item {
                 suffix: format!("_{name}"),
                 own,
-                scene: scene.alone(name),
+                scene: scene.part_as_scene(name),
                 subject: &subject.parts[name],
                 parameters: &variant.parts[name],
                 stored,

@@ -72,7 +72,7 @@ impl Masks {
         for own in &Shot::of(scene, subject, &variant).view.objects {
             let (alone, parameters) = match own.name.as_str() {
                 "" => (Scene { parts: BTreeMap::new(), combine: None, ..scene.clone() }, &variant.parameters),
-                name => (scene.alone(name), &variant.parts[name]),
+                name => (scene.part_as_scene(name), &variant.parts[name]),
             };
             let Some(alone) = self.stripped(library, alone, (&variant, parameters), own)? else { continue };
             let (effect, values) = match less.parts.get_mut(&own.name) {

@@ -36,7 +36,7 @@ impl Scene {
     pub fn check_parts(&self, library: &Library) -> Result<BTreeMap<String, Parameters>, SceneError> {
         let slots = self.slots_with_objects(library);
         let check = |name: &String| {
-            let own = self.alone(name);
+            let own = self.part_as_scene(name);
             own.check_values()?;
             own.check_object()?;
             own.check_look(library)?;

@@ -17,7 +17,7 @@ impl Scene {
         let lines = starts.flat_map(|(name, preset)| {
             let figure = (vec![name.to_string()], preset.clone());
             let mut over = preset;
-            over.bring(&self.object.input);
+            over.replace_object(&self.object.input);
             let effect: &[&str] = if name == "lit" { &[] } else { &["--effect", name] };
             let words = [&self.object.input].into_iter().cloned().chain(effect.iter().map(|word| word.to_string()));
             let input = is_plain_input(&self.object.input).then(|| (words.collect(), over));

@@ -40,7 +40,7 @@ impl Scene {
 
     /// Iterations of the noise at one sample of a ray, at most, for all objects.
     pub(super) fn procedural_loops(&self, library: &Library) -> f32 {
-        self.own_loops(library) + self.parts.keys().map(|name| self.alone(name).own_loops(library)).sum::<f32>()
+        self.own_loops(library) + self.parts.keys().map(|name| self.part_as_scene(name).own_loops(library)).sum::<f32>()
     }
 
     /// Whether every device bears a ray that finds matter before it asks what is there: at worst each of those marched together
@@ -59,7 +59,7 @@ impl Scene {
 
     /// Iterations of one look between two samples, for all objects.
     fn between_loops(&self, library: &Library) -> f32 {
-        let parts = self.parts.keys().map(|name| self.alone(name).found_loops(library));
+        let parts = self.parts.keys().map(|name| self.part_as_scene(name).found_loops(library));
         if self.has_noise_loops(library) { self.found_loops(library) + parts.sum::<f32>() } else { 1.0 }
     }
 

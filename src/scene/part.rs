@@ -65,7 +65,7 @@ impl Transform {
 impl Scene {
     /// Puts an object in the place of the scene's own, and of those that are aligned with it in the same file. Iso-values and grids
     /// of another file mean nothing in this one.
-    pub fn bring(&mut self, input: &str) {
+    pub fn replace_object(&mut self, input: &str) {
         let before = std::mem::replace(&mut self.object.input, input.into());
         let aligned = self.parts.values_mut().filter(|part| part.transform.aligned && part.object.input == before);
         for object in aligned.map(|part| &mut part.object).chain([&mut self.object]) {
@@ -120,7 +120,7 @@ impl Scene {
     ///
     /// # Panics
     /// When there is no such object.
-    pub fn alone(&self, name: &str) -> Scene {
+    pub fn part_as_scene(&self, name: &str) -> Scene {
         let part = self.parts[name].clone();
         Scene {
             preset: self.preset.clone(),
@@ -169,7 +169,7 @@ impl Scene {
         slots.insert("boolean".into(), vec![boolean.into()]);
         slots.insert(COMBINE.into(), vec![self.formula_text()]);
         for name in self.parts.keys() {
-            let own = self.alone(name).slots(library);
+            let own = self.part_as_scene(name).slots(library);
             let own = own.into_iter().filter(|(slot, _)| {
                 slot != "classify" && (slot == "transfer" || schema::slots().any(|own| own == (slot, Filled::ByObject)))
             });

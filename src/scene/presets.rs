@@ -20,7 +20,7 @@ pub fn nearest_preset(scene: &Scene) -> Scene {
     let fields = scene.fields();
     let over = |name: &str| -> Option<Scene> {
         let mut base = preset(name).ok()?;
-        base.bring(&scene.object.input);
+        base.replace_object(&scene.object.input);
         base.parts.clone_from(&scene.parts);
         base.combine.clone_from(&scene.combine);
         Some(base)

@@ -93,13 +93,13 @@ impl Variant {
                 "" => library.declarations(&entries, &choice)?.needs_normal,
                 _ => library.object_declarations(name, &choice)?.needs_normal,
             };
-            let own = if name.is_empty() { scene.clone() } else { scene.alone(name) };
+            let own = if name.is_empty() { scene.clone() } else { scene.part_as_scene(name) };
             // A boolean may turn the normal of any of its operands into that of the whole.
             choice.insert(slot(name), vec![object_module(&own, needs_normal || scene.has_several()).into()]);
         }
         if scene.quality.neutral == Neutral::LeaveOut {
             let mut all = zero(scene, "", &parameters);
-            all.extend(parts.iter().flat_map(|(name, parameters)| zero(&scene.alone(name), name, parameters)));
+            all.extend(parts.iter().flat_map(|(name, parameters)| zero(&scene.part_as_scene(name), name, parameters)));
             choice.insert(ZERO.into(), all);
         }
         let (octaves, periods) = (scene.octaves_held(library), scene.periods(library));
