@@ -8,7 +8,7 @@ use super::variant::{Use, Variant, VariantError};
 use super::view::Own;
 use super::{RenderError, Subject};
 use crate::eval::{self, Device, Interval, Lanes, Number};
-use crate::scene::{Neutral, ParameterValue, Parameters, Scene};
+use crate::scene::{ParameterValue, Parameters, Scene};
 use crate::shader::library::MASK;
 use crate::shader::{Library, Linker};
 use std::borrow::Cow;
@@ -65,7 +65,7 @@ impl Masks {
     ) -> Result<(Cow<'a, Scene>, Variant), RenderError> {
         let variant = Variant::of(scene, library)?;
         let has_masks = scene.dmfs().flatten().any(|name| name.contains('@'));
-        if scene.quality.neutral == Neutral::Keep || !has_masks {
+        if !scene.quality.fold_zero_terms || !has_masks {
             return Ok((Cow::Borrowed(scene), variant));
         }
         let mut less = scene.clone();
