@@ -144,7 +144,7 @@ impl Canvas {
     /// Opens the best device that can draw into a window.
     ///
     /// # Errors
-    /// As [`Gpu::new`]; or no device draws into windows.
+    /// Those of [`Gpu::new`]; or no device can present to the window.
     pub fn open(options: &Options, window: Arc<dyn WindowHandle>) -> Result<Canvas, GpuError> {
         let surface = Surface::open(options, window)?;
         let gpu = &surface.gpu;

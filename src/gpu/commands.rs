@@ -271,8 +271,8 @@ impl Draw<'_> {
     /// Draws triangles: a range of the vertices of `buffer`; without a buffer the program generates them.
     pub fn triangles(&mut self, pipeline: &Pipeline, set: &BindSet, buffer: Option<&Buffer>, vertices: Range<u32>) {
         let device = &self.gpu.0.device;
-        // SAFETY: the command buffer is inside a rendering; the set was made for this pipeline's layout, and the
-        // caller holds all of them until the submission has been waited for.
+        // SAFETY: the command buffer is inside a rendering; the set has the layout of the pipeline, and the caller
+        // keeps all of them until the submission has finished.
         unsafe {
             let point = vk::PipelineBindPoint::GRAPHICS;
             device.cmd_bind_pipeline(self.buffer, point, pipeline.handle);

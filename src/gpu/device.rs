@@ -16,7 +16,7 @@ use support::faults;
 /// Cache of compiled pipelines: one file per driver, never evicted.
 const PIPELINES: Kind = Kind { ends: &[], limit: 256 << 20 };
 
-/// How to open a device.
+/// Options for opening a device.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Part of the name of the device. `None` prefers discrete GPUs, then integrated ones, virtual ones and CPUs.
@@ -104,7 +104,7 @@ pub(super) struct CommandPool {
 
 impl Drop for CommandPool {
     fn drop(&mut self) {
-        // SAFETY: made from this device, which is a later field of the same owner; no command buffer is in use.
+        // SAFETY: the pool belongs to this device, a later field of the same owner; no command buffer is in use.
         unsafe { self.device.destroy_command_pool(self.handle, None) };
     }
 }
@@ -118,7 +118,7 @@ pub(super) struct PipelineCache {
 
 impl Drop for PipelineCache {
     fn drop(&mut self) {
-        // SAFETY: made from this device, which is a later field of the same owner.
+        // SAFETY: the cache belongs to this device, a later field of the same owner.
         unsafe {
             if let (Some(file), Ok(data)) = (&self.file, self.device.get_pipeline_cache_data(self.handle)) {
                 // Without the file, the next start takes longer.
@@ -151,7 +151,7 @@ impl Gpu {
         let (physical, family, device_info) = choose(&instance.raw, wanted, fits)?;
         let raw = create_device(&instance.raw, physical, family, extensions)?;
         let raw = if faults::are_on() { super::faults::armed(&instance, raw) } else { raw };
-        // SAFETY: the device was just made with one queue of this family.
+        // SAFETY: the device has one queue of this family.
         let queue = unsafe { raw.get_device_queue(family, 0) };
         let device = Device { raw, hosted: false };
         let opened = Opened { instance, physical, info: device_info, device, queue, family };

@@ -20,11 +20,11 @@ pub enum Format {
     Rgba16Float,
     /// Four channels, 32-bit float.
     Rgba32Float,
-    /// As [`Format::Rgba8Unorm`]; colors are encoded as sRGB.
+    /// Four channels, 8 bits, colors encoded as sRGB.
     Rgba8Srgb,
-    /// As [`Format::Rgba8Unorm`], blue first.
+    /// [`Format::Rgba8Unorm`] in the order BGRA.
     Bgra8Unorm,
-    /// As [`Format::Rgba8Srgb`], blue first.
+    /// [`Format::Rgba8Srgb`] in the order BGRA.
     Bgra8Srgb,
     /// Depth, 16 bits, [0, 1].
     Depth16,

@@ -134,7 +134,7 @@ impl Image {
             .view_type(view_kind)
             .format(format.vk())
             .subresource_range(format.range());
-        // SAFETY: the memory was allocated for this image and is bound once, before the view is made.
+        // SAFETY: the memory was allocated for this image and is bound once, before the view is created.
         unsafe {
             device
                 .bind_image_memory(handle, image.allocation.memory(), image.allocation.offset())
@@ -200,7 +200,7 @@ impl Image {
     /// Reads the texels of areas of a target one after another, each row by row.
     ///
     /// # Errors
-    /// As [`Image::read`].
+    /// Those of [`Image::read`].
     ///
     /// # Panics
     /// If an area is empty or exceeds the image.
@@ -214,7 +214,7 @@ impl Image {
     /// Passes the texels of a single-sampled target, row by row, to a function without a copy.
     ///
     /// # Errors
-    /// As [`Image::read`].
+    /// Those of [`Image::read`].
     ///
     /// # Panics
     /// If its format is not [`Format::Rgba32Float`].

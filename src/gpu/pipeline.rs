@@ -39,7 +39,7 @@ pub enum Blend {
     Under,
 }
 
-/// Use of the marks of pixels, which are kept in a depth attachment, by a pipeline.
+/// Use of pixel marks (values of a depth attachment) by a pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marks {
     /// The target has no marks.
@@ -341,8 +341,8 @@ fn compile(
         .layout(layout)
         .push_next(&mut rendering);
     // SAFETY: every handle belongs to the device and every pointer outlives the call.
-    let made = unsafe { gpu.0.device.create_graphics_pipelines(gpu.0.pipeline_cache.handle, &[info], None) };
-    made.map(|pipelines| pipelines[0]).map_err(|(_, result)| result).named("vkCreateGraphicsPipelines")
+    let pipelines = unsafe { gpu.0.device.create_graphics_pipelines(gpu.0.pipeline_cache.handle, &[info], None) };
+    pipelines.map(|pipelines| pipelines[0]).map_err(|(_, result)| result).named("vkCreateGraphicsPipelines")
 }
 
 fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
@@ -369,7 +369,7 @@ struct Module {
 impl Module {
     fn new(gpu: &Gpu, code: &[u32]) -> Result<Module, GpuError> {
         let info = vk::ShaderModuleCreateInfo::default().code(code);
-        // SAFETY: the code was made by shaderc, which emits valid SPIR-V.
+        // SAFETY: shaderc emits valid SPIR-V.
         let handle = unsafe { gpu.0.device.create_shader_module(&info, None) }.named("vkCreateShaderModule")?;
         Ok(Module { gpu: gpu.clone(), handle })
     }

@@ -98,14 +98,14 @@ impl Surface {
 
     fn renew(&mut self, size: [u32; 2]) -> Result<(), GpuError> {
         let old = self.swapchain.take();
-        let made = self.make(size, old.as_ref().map_or(vk::SwapchainKHR::null(), |chain| chain.handle));
+        let new = self.create(size, old.as_ref().map_or(vk::SwapchainKHR::null(), |chain| chain.handle));
         self.drop_swapchain(old);
-        self.swapchain = made?;
+        self.swapchain = new?;
         self.fill()
     }
 
     /// Creates a swapchain that replaces `old`, without its images.
-    fn make(&self, size: [u32; 2], old: vk::SwapchainKHR) -> Result<Option<Swapchain>, GpuError> {
+    fn create(&self, size: [u32; 2], old: vk::SwapchainKHR) -> Result<Option<Swapchain>, GpuError> {
         let (functions, physical, surface) = self.parts()?;
         // SAFETY: device and surface belong to the same instance.
         let can = unsafe { functions.get_physical_device_surface_capabilities(physical, surface) }

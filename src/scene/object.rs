@@ -1,4 +1,4 @@
-//! The object of a scene, and how its distance field is stored.
+//! The object of a scene, and the storage of its distance field.
 
 use super::Axis;
 use super::schema::Changes;
@@ -28,7 +28,7 @@ settings! {
         inner_iso: f32 = 0.0 => Images, number(-2.0, 2.0);
         /// Signed distance at which the soft region starts, object units; a parameter of the effect takes precedence.
         outer_iso: f32 = 0.15 => Images, number(-2.0, 2.0);
-        /// How the distance field is stored.
+        /// Encoding of the distance field.
         field_encoding: FieldEncoding = FieldEncoding::Auto
             => Field, Kind::Choice(FieldEncoding::CHOICES), renamed_flag("field-encoding", "source");
         /// Part of a volume that is in device memory.
@@ -37,7 +37,7 @@ settings! {
 }
 
 choices! {
-    /// How the distance field of an object is stored (MJ 3.1).
+    /// Encoding of the distance field of an object (MJ 3.1).
     #[non_exhaustive]
     pub enum FieldEncoding {
         /// The formula of an object that has one; else a volume with normals if the effect reads them, without otherwise.

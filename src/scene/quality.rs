@@ -1,11 +1,11 @@
-//! Accuracy against time: how the samples of a picture are taken.
+//! Settings of accuracy against time.
 
 use super::setting::{choices, settings};
 
 settings! {
     /// Accuracy against time.
     pub struct Quality = "quality." {
-        /// How the samples are taken.
+        /// Method of sampling: rays or slices.
         pass: Pass = Pass::March => Images, Kind::Choice(Pass::CHOICES), flag("pass");
         /// Slices, or samples of a ray, through the bounding sphere of the object.
         samples: u32 = 256 => Picture, whole(1.0, 100_000.0), usual(1.0, 4096.0), flag("samples");
@@ -51,7 +51,7 @@ settings! {
 }
 
 choices! {
-    /// How the samples of a picture are taken.
+    /// Method of sampling.
     pub enum Pass {
         /// Rays through the pixels, sampled where the slices would be (PH): the same picture, sooner.
         #[default]
