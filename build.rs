@@ -35,13 +35,18 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let linker = Linker::new()?;
     let mut programs: Vec<(String, String)> = Vec::new();
+    let mut defaults = String::new();
     for (number, line) in fs::read_to_string(root.join("variants"))?.lines().enumerate() {
         if line.starts_with('#') || line.trim().is_empty() {
             continue;
         }
+        if let Some(slots) = line.strip_prefix("default") {
+            defaults = slots.into();
+            continue;
+        }
         let named = NAMED.iter().find(|(name, _)| line.split(' ').next() == Some(name));
         let passes: &[[&str; 2]] = named.map_or(&PASSES, |(_, passes)| passes);
-        let choices = expand(line, &library);
+        let choices = expand(&defaults, line, &library);
         for (choice, &entries) in choices.iter().flat_map(|choice| passes.iter().map(move |pass| (choice, pass))) {
             let fail = |error: &dyn Error| format!("glsl/variants:{}: {error}", number + 1);
             let slots = library.needed(&entries, choice).map_err(|error| fail(&error))?;
@@ -86,10 +91,8 @@ fn window(out: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The combinations that one line of the table stands for. What a line does not say has one shipped default.
-fn expand(line: &str, library: &Library) -> Vec<Slots> {
-    let defaults = "proxy=polygons reject=discard projection=perspective clip=none sampling=pixel empty_space=skip \
-                    gradient=analytic bandlimit=none jitter=none shadow=none cells=none wrap=repeat filter=device storage=dense planes=facing transfer=map";
+/// The combinations of modules of one line of the table, over the defaults.
+fn expand(defaults: &str, line: &str, library: &Library) -> Vec<Slots> {
     let mut choices = vec![Slots::new()];
     for word in defaults.split_whitespace().chain(line.split_whitespace().skip(1)) {
         let Some((slot, modules)) = word.split_once('=') else { continue };

@@ -5,7 +5,7 @@ mod common;
 use common::{difference, formula, homogeneous, picture, rays, subject, with_gpu};
 use hypertexture::gpu::{Format, Gpu};
 use hypertexture::render::{Frame, Renderer, Subject, render};
-use hypertexture::scene::{EFFECTS, EmptySpace, Jitter, Order, Pass, Projection, Proxy, Scene, Source, preset};
+use hypertexture::scene::{EFFECTS, EmptySpace, FieldEncoding, Jitter, Order, Pass, Projection, Proxy, Scene, preset};
 use hypertexture::shader;
 use std::path::Path;
 
@@ -366,7 +366,7 @@ fn m57_samples_that_the_device_lacks_are_refused_with_those_it_has() {
 fn m57_anisotropy_is_accepted_up_to_what_the_device_has() {
     with_gpu(|gpu| {
         let mut scene = effect("lit", "sphere", 64);
-        scene.object.source = Source::Normals16;
+        scene.object.field_encoding = FieldEncoding::Normals16;
         let subject = subject(&scene, &shader::shipped());
         let isotropic = shipped(gpu, &scene, &subject);
         scene.quality.anisotropy = gpu.info().max_anisotropy;

@@ -1,44 +1,25 @@
-//! Recording and submission: every submission is timed and waited for.
+//! Recording of commands.
 
-use super::{BindSet, Buffer, Gpu, GpuError, Image, Named, Pipeline};
+use super::{BindSet, Buffer, Gpu, Image, Pipeline};
 use ash::vk;
 use std::ops::Range;
-use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
-use support::watch::{Excess, Watch};
 
-/// A submission that takes longer is given up. Shorter: slow devices fail on large images. Longer: a hang looks like
-/// patience; a desktop resets the device after two seconds anyway.
-const TIMEOUT_SECONDS: u64 = 60;
+/// Most vertices of a draw: a whole number of slices. Higher: lavapipe loses parts of slices (`docs/notes/drivers.md`).
+const MAX_VERTICES: u32 = 3072;
 
-/// Vertices of a draw: whole slices of either proxy. More: lavapipe (Mesa 22) takes 4095 at a time, and loses what is left
-/// of a slice cut there where that is 9 vertices: a slice of a batch of 342 was missing, once in some hundred pictures.
-const MOST_VERTICES: u32 = 3072;
-
-/// How long a submission took.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Submitted {
-    /// Milliseconds on the device, by timestamps; those of the wall clock where the device has none.
-    pub gpu_ms: f64,
-    /// Milliseconds from submission to completion.
-    pub wall_ms: f64,
-    /// Fragment shader invocations, where the device counts them.
-    pub fragments: Option<u64>,
-}
-
-/// What is drawn into.
+/// A render target.
 #[derive(Clone, Copy)]
 pub struct Target<'a> {
-    /// The image that is blended into.
+    /// Color attachment.
     pub color: &'a Image,
-    /// Where its samples are averaged to, at the end of a rendering that asks for it.
+    /// Resolve attachment: receives the mean of the samples.
     pub resolved: Option<&'a Image>,
-    /// Which pixels are marked: pipelines that heed it draw the others alone. Cleared with the color.
+    /// Depth attachment with marks of pixels, cleared with the color; see [`Marks`](super::Marks).
     pub marks: Option<&'a Image>,
 }
 
 impl<'a> Target<'a> {
-    /// An image of one sample per pixel, all of which is drawn into.
+    /// A target of one sample per pixel without marks.
     pub fn of(color: &'a Image) -> Target<'a> {
         Target { color, resolved: None, marks: None }
     }
@@ -47,25 +28,25 @@ impl<'a> Target<'a> {
 /// A rectangle of pixels of a target.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Area {
-    /// From the left.
+    /// Columns from the left.
     pub columns: Range<u32>,
-    /// From the top.
+    /// Rows from the top.
     pub rows: Range<u32>,
 }
 
 impl Area {
-    /// A whole picture of this width and height.
+    /// The area of a whole picture.
     pub fn whole([width, height]: [u32; 2]) -> Area {
         Area { columns: 0..width, rows: 0..height }
     }
 
-    /// The whole quads of 2 x 2 pixels that it is in, beyond the picture too.
+    /// The area rounded up to quads of 2 x 2 pixels; it may exceed the picture.
     pub fn quads(&self) -> Area {
         let whole = |side: &Range<u32>| side.start & !1..side.end.next_multiple_of(2);
         Area { columns: whole(&self.columns), rows: whole(&self.rows) }
     }
 
-    /// How many pixels it has.
+    /// Number of pixels.
     pub fn pixels(&self) -> u64 {
         self.columns.len() as u64 * self.rows.len() as u64
     }
@@ -78,149 +59,13 @@ impl From<&Area> for vk::Rect2D {
     }
 }
 
-/// What a rendering begins with.
+/// Initial content of a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Load {
     /// A uniform color, premultiplied linear RGBA.
     Clear([f32; 4]),
-    /// What is there.
+    /// Its present content.
     Keep,
-}
-
-impl Gpu {
-    /// Records commands, submits them and waits until they are done.
-    ///
-    /// # Errors
-    /// A call fails, or the device does not finish within a minute.
-    pub fn submit(&self, what: &str, record: impl FnOnce(&mut Commands<'_>)) -> Result<Submitted, GpuError> {
-        let device = &self.0.device;
-        // The lock makes this the only user of pool and queue.
-        let queue = self.queue();
-        let job = Job::new(self)?;
-        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: the command buffer is new and in no use.
-        unsafe { device.begin_command_buffer(job.buffer, &begin) }.named("vkBeginCommandBuffer")?;
-        let mut commands = Commands { gpu: self, buffer: job.buffer };
-        let timed = self.0.info.timestamp_period > 0.0;
-        // SAFETY: the command buffer is being recorded; the pool has two queries.
-        unsafe {
-            if timed {
-                device.cmd_reset_query_pool(job.buffer, job.queries, 0, 2);
-                device.cmd_write_timestamp2(job.buffer, vk::PipelineStageFlags2::ALL_COMMANDS, job.queries, 0);
-            }
-            if job.statistics != vk::QueryPool::null() {
-                device.cmd_reset_query_pool(job.buffer, job.statistics, 0, 1);
-                device.cmd_begin_query(job.buffer, job.statistics, 0, vk::QueryControlFlags::empty());
-            }
-            record(&mut commands);
-            if job.statistics != vk::QueryPool::null() {
-                device.cmd_end_query(job.buffer, job.statistics, 0);
-            }
-            if timed {
-                device.cmd_write_timestamp2(job.buffer, vk::PipelineStageFlags2::ALL_COMMANDS, job.queries, 1);
-            }
-            device.end_command_buffer(job.buffer).named("vkEndCommandBuffer")?;
-        }
-        let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(job.buffer)];
-        let start = Instant::now();
-        // SAFETY: the queue is locked; what the commands use is borrowed by the caller for longer than this call, and
-        // the job stays until the fence is signaled. After a timeout nothing is freed any more.
-        unsafe {
-            let submits = [vk::SubmitInfo2::default().command_buffer_infos(&buffers)];
-            device.queue_submit2(*queue, &submits, job.fence).named("vkQueueSubmit2")?;
-            let waited = self.wait_for(job.fence, what);
-            if waited.as_ref().is_err_and(|error| !error.is_lost()) {
-                self.give_up();
-            }
-            waited?;
-        }
-        let wall_ms = start.elapsed().as_secs_f64() * 1e3;
-        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
-        let mut fragments = None;
-        if job.statistics != vk::QueryPool::null() {
-            let mut count = [0u64];
-            // SAFETY: the query was ended by the finished submission.
-            unsafe { device.get_query_pool_results(job.statistics, 0, &mut count, flags) }
-                .named("vkGetQueryPoolResults")?;
-            fragments = Some(count[0]);
-        }
-        if !timed {
-            return Ok(Submitted { gpu_ms: wall_ms, wall_ms, fragments });
-        }
-        let mut ticks = [0u64; 2];
-        // SAFETY: both queries were written by the finished submission.
-        unsafe { device.get_query_pool_results(job.queries, 0, &mut ticks, flags) }.named("vkGetQueryPoolResults")?;
-        let gpu_ms = ticks[1].saturating_sub(ticks[0]) as f64 * f64::from(self.0.info.timestamp_period) * 1e-6;
-        Ok(Submitted { gpu_ms, wall_ms, fragments })
-    }
-
-    /// Waits for a fence: of a device for a minute; of one that is the processor until it has had a minute of that, too, or
-    /// none of it for three. Where many programs share a processor, it takes long and hangs no more than before.
-    pub(super) fn wait_for(&self, fence: vk::Fence, what: &str) -> Result<(), GpuError> {
-        self.0.waits.fetch_add(1, Ordering::Relaxed);
-        let (limit, start) = (Duration::from_secs(TIMEOUT_SECONDS), Instant::now());
-        let mut watch = Watch::new(std::process::id(), limit, u64::MAX);
-        let mut patience = limit;
-        loop {
-            let is_awaited = || self.info().cpu && start.elapsed() >= limit;
-            // SAFETY: the fence belongs to the device.
-            match unsafe { self.0.device.wait_for_fences(&[fence], true, patience.as_nanos() as u64) } {
-                Err(vk::Result::TIMEOUT) if is_awaited() && watch.excess() != Some(Excess::Time) => {
-                    patience = Duration::from_secs(1);
-                }
-                Err(vk::Result::TIMEOUT) => {
-                    return Err(GpuError::Timeout { what: what.into(), seconds: TIMEOUT_SECONDS });
-                }
-                other => return other.named("vkWaitForFences"),
-            }
-        }
-    }
-}
-
-/// What one submission needs, freed at its end.
-struct Job<'a> {
-    gpu: &'a Gpu,
-    buffer: vk::CommandBuffer,
-    fence: vk::Fence,
-    queries: vk::QueryPool,
-    statistics: vk::QueryPool,
-}
-
-impl<'a> Job<'a> {
-    fn new(gpu: &'a Gpu) -> Result<Job<'a>, GpuError> {
-        let device = &gpu.0.device;
-        let (fence, queries) = (vk::Fence::null(), vk::QueryPool::null());
-        let info = vk::CommandBufferAllocateInfo::default().command_pool(gpu.0.pool.handle).command_buffer_count(1);
-        // SAFETY: the pool belongs to the device and is only used under the queue's lock.
-        let buffer = unsafe { device.allocate_command_buffers(&info) }.named("vkAllocateCommandBuffers")?[0];
-        let mut job = Job { gpu, buffer, fence, queries, statistics: queries };
-        // SAFETY: the device is alive; each handle is owned as soon as it exists.
-        unsafe {
-            job.fence = device.create_fence(&vk::FenceCreateInfo::default(), None).named("vkCreateFence")?;
-            let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2);
-            job.queries = device.create_query_pool(&info, None).named("vkCreateQueryPool")?;
-            if gpu.info().counts_fragments {
-                let info = vk::QueryPoolCreateInfo::default()
-                    .query_type(vk::QueryType::PIPELINE_STATISTICS)
-                    .pipeline_statistics(vk::QueryPipelineStatisticFlags::FRAGMENT_SHADER_INVOCATIONS)
-                    .query_count(1);
-                job.statistics = device.create_query_pool(&info, None).named("vkCreateQueryPool")?;
-            }
-        }
-        Ok(job)
-    }
-}
-
-impl Drop for Job<'_> {
-    fn drop(&mut self) {
-        // SAFETY: nothing is in use any more: the fence was signaled, or the device is lost.
-        self.gpu.free(|device| unsafe {
-            device.free_command_buffers(self.gpu.0.pool.handle, &[self.buffer]);
-            device.destroy_fence(self.fence, None);
-            device.destroy_query_pool(self.queries, None);
-            device.destroy_query_pool(self.statistics, None);
-        });
-    }
 }
 
 /// Commands being recorded.
@@ -230,17 +75,10 @@ pub struct Commands<'a> {
 }
 
 impl Commands<'_> {
-    /// Copies a buffer into a sampled image and leaves it ready to be sampled.
+    /// Copies a buffer into a sampled image, and transitions the image for sampling.
     pub(super) fn upload(&mut self, from: &Buffer, to: &Image) {
-        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
-        self.transition(
-            to,
-            Layout::TRANSFER_DST_OPTIMAL,
-            Stage::NONE,
-            Access::NONE,
-            Stage::COPY,
-            Access::TRANSFER_WRITE,
-        );
+        let layout = vk::ImageLayout::TRANSFER_DST_OPTIMAL;
+        self.transition(to, layout);
         let mut offset = 0;
         let region = |(mip_level, extent): (u32, &vk::Extent3D)| {
             let layers = vk::ImageSubresourceLayers { mip_level, ..LAYERS };
@@ -251,18 +89,16 @@ impl Commands<'_> {
         let regions: Vec<vk::BufferImageCopy> = (0..).zip(&to.levels).map(region).collect();
         // SAFETY: the image is in the layout named, and the buffer holds exactly the texels of its levels.
         unsafe {
-            let layout = Layout::TRANSFER_DST_OPTIMAL;
             self.gpu.0.device.cmd_copy_buffer_to_image(self.buffer, from.handle, to.handle, layout, &regions);
         }
-        let (stage, access) = (Stage::FRAGMENT_SHADER, Access::SHADER_SAMPLED_READ);
-        self.transition(to, Layout::SHADER_READ_ONLY_OPTIMAL, Stage::COPY, Access::TRANSFER_WRITE, stage, access);
+        self.sample(to);
     }
 
-    /// Copies areas of a target into a buffer, one behind the other, visible to the host.
+    /// Copies areas of a target into a buffer one after another, visible to the CPU.
     pub(super) fn download(&mut self, from: &Image, areas: &[Area], to: &Buffer) {
-        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
-        let (stage, access) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
-        self.transition(from, Layout::TRANSFER_SRC_OPTIMAL, stage, access, Stage::COPY, Access::TRANSFER_READ);
+        use vk::{AccessFlags2 as Access, PipelineStageFlags2 as Stage};
+        let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+        self.transition(from, layout);
         let mut offset = 0;
         let region = |area: &Area| {
             let vk::Rect2D { offset: at, extent: vk::Extent2D { width, height } } = area.into();
@@ -279,28 +115,19 @@ impl Commands<'_> {
             .dst_access_mask(Access::HOST_READ)];
         // SAFETY: the image is in the layout named, and the buffer has room for exactly the texels of the areas in it.
         unsafe {
-            let layout = Layout::TRANSFER_SRC_OPTIMAL;
             self.gpu.0.device.cmd_copy_image_to_buffer(self.buffer, from.handle, layout, to.handle, &regions);
             let dependency = vk::DependencyInfo::default().memory_barriers(&visible);
             self.gpu.0.device.cmd_pipeline_barrier2(self.buffer, &dependency);
         }
     }
 
-    /// Draws into a target; its samples are resolved where it says so.
+    /// Draws into a target, and resolves its samples if it has a resolve attachment.
     pub fn render(&mut self, target: Target<'_>, load: Load, draw: impl FnOnce(&mut Draw<'_>)) {
-        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
-        let (stage, write) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
-        let access = write | Access::COLOR_ATTACHMENT_READ;
-        for image in [Some(target.color), target.resolved].into_iter().flatten() {
-            let (after, written) = match image.layout() {
-                Layout::SHADER_READ_ONLY_OPTIMAL => (Stage::FRAGMENT_SHADER, Access::NONE), // it was sampled
-                _ => (stage | Stage::COPY, write),
-            };
-            self.transition(image, Layout::COLOR_ATTACHMENT_OPTIMAL, after, written, stage, access);
-        }
+        let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+        [Some(target.color), target.resolved].into_iter().flatten().for_each(|image| self.transition(image, layout));
         let mut attachment = vk::RenderingAttachmentInfo::default()
             .image_view(target.color.view)
-            .image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL)
+            .image_layout(layout)
             .store_op(vk::AttachmentStoreOp::STORE)
             .load_op(vk::AttachmentLoadOp::LOAD);
         if let Load::Clear(float32) = load {
@@ -311,14 +138,14 @@ impl Commands<'_> {
             attachment = attachment
                 .resolve_mode(vk::ResolveModeFlags::AVERAGE)
                 .resolve_image_view(resolved.view)
-                .resolve_image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL);
+                .resolve_image_layout(layout);
         }
         let vk::Extent3D { width, height, .. } = target.color.extent;
         let marks = target.marks.map(|image| self.marks(image, load != Load::Keep));
         self.draw_into(Some(attachment), marks, vk::Extent2D { width, height }, draw);
     }
 
-    /// Draws marks of pixels, where nothing is discarded. What is drawn may read the color of the target.
+    /// Draws marks into pixels whose fragment is not discarded. The fragments may read the color of the target.
     pub fn mark(&mut self, color: &Image, marks: &Image, draw: impl FnOnce(&mut Draw<'_>)) {
         self.sample(color);
         let attachment = self.marks(marks, false);
@@ -326,13 +153,10 @@ impl Commands<'_> {
         self.draw_into(None, Some(attachment), vk::Extent2D { width, height }, draw);
     }
 
-    /// An image of marks, ready to be tested and written.
+    /// Attachment of an image of marks, transitioned for tests and writes.
     fn marks(&mut self, image: &Image, clear: bool) -> vk::RenderingAttachmentInfo<'static> {
-        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
-        let tests = Stage::EARLY_FRAGMENT_TESTS | Stage::LATE_FRAGMENT_TESTS;
-        let write = Access::DEPTH_STENCIL_ATTACHMENT_WRITE;
-        let layout = Layout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-        self.transition(image, layout, tests, write, tests, write | Access::DEPTH_STENCIL_ATTACHMENT_READ);
+        let layout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+        self.transition(image, layout);
         let depth_stencil = vk::ClearDepthStencilValue { depth: UNMARKED, stencil: 0 };
         vk::RenderingAttachmentInfo::default()
             .image_view(image.view)
@@ -342,7 +166,7 @@ impl Commands<'_> {
             .clear_value(vk::ClearValue { depth_stencil })
     }
 
-    /// Draws into attachments that are in their layouts: colors, marks or both.
+    /// Draws into attachments in their layouts: color, marks or both.
     pub(super) fn draw_into(
         &mut self,
         color: Option<vk::RenderingAttachmentInfo<'_>>,
@@ -357,7 +181,7 @@ impl Commands<'_> {
         if let Some(marks) = &marks {
             info = info.depth_attachment(marks);
         }
-        // Beside marks all that is drawn has one depth: that of a mark, or that which passes where there is none.
+        // Everything has one depth: that of a mark, or with color that of an unmarked pixel, which passes the test there.
         let [min_depth, max_depth] = match (&color, &marks) {
             (_, None) => [0.0, 1.0],
             (Some(_), Some(_)) => [UNMARKED; 2],
@@ -377,27 +201,19 @@ impl Commands<'_> {
         }
     }
 
-    /// Leaves a target that was drawn into ready to be sampled.
+    /// Transitions an image for sampling.
     pub fn sample(&mut self, image: &Image) {
-        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
-        let (drawn, written) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
-        let (read, access) = (Stage::FRAGMENT_SHADER, Access::SHADER_SAMPLED_READ);
-        self.transition(image, Layout::SHADER_READ_ONLY_OPTIMAL, drawn, written, read, access);
+        self.transition(image, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
     }
 
-    pub(super) fn transition(
-        &mut self,
-        image: &Image,
-        layout: vk::ImageLayout,
-        after: vk::PipelineStageFlags2,
-        written: vk::AccessFlags2,
-        before: vk::PipelineStageFlags2,
-        access: vk::AccessFlags2,
-    ) {
+    /// Transitions an image to a layout, after its use in the present one.
+    pub(super) fn transition(&mut self, image: &Image, layout: vk::ImageLayout) {
+        let former = image.set_layout(layout);
+        let ((after, written), (before, access)) = (scope(former), scope(layout));
         let barriers = [vk::ImageMemoryBarrier2::default()
             .image(image.handle)
             .subresource_range(image.format().range())
-            .old_layout(image.set_layout(layout))
+            .old_layout(former)
             .new_layout(layout)
             .src_stage_mask(after)
             .src_access_mask(written)
@@ -409,7 +225,25 @@ impl Commands<'_> {
     }
 }
 
-/// Depth of a pixel that is marked, and of one that is not.
+/// Stages and accesses that use an image in a layout.
+fn scope(layout: vk::ImageLayout) -> (vk::PipelineStageFlags2, vk::AccessFlags2) {
+    use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
+    match layout {
+        Layout::TRANSFER_SRC_OPTIMAL => (Stage::COPY, Access::TRANSFER_READ),
+        Layout::TRANSFER_DST_OPTIMAL => (Stage::COPY, Access::TRANSFER_WRITE),
+        Layout::SHADER_READ_ONLY_OPTIMAL => (Stage::FRAGMENT_SHADER, Access::SHADER_SAMPLED_READ),
+        Layout::COLOR_ATTACHMENT_OPTIMAL => {
+            (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_READ | Access::COLOR_ATTACHMENT_WRITE)
+        }
+        Layout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL => (
+            Stage::EARLY_FRAGMENT_TESTS | Stage::LATE_FRAGMENT_TESTS,
+            Access::DEPTH_STENCIL_ATTACHMENT_READ | Access::DEPTH_STENCIL_ATTACHMENT_WRITE,
+        ),
+        _ => (Stage::NONE, Access::NONE),
+    }
+}
+
+/// Depth of marked and unmarked pixels.
 const MARKED: f32 = 0.0;
 const UNMARKED: f32 = 1.0;
 
@@ -428,17 +262,17 @@ pub struct Draw<'a> {
 }
 
 impl Draw<'_> {
-    /// Limits what is drawn next to this area of the target.
+    /// Sets the scissor to an area of the target.
     pub fn within(&mut self, area: &Area) {
         // SAFETY: the command buffer is inside a rendering, and the scissor is a dynamic state of every pipeline.
         unsafe { self.gpu.0.device.cmd_set_scissor(self.buffer, 0, &[area.into()]) };
     }
 
-    /// Draws triangles: a range of the vertices of `buffer`, or of none where the program makes its own.
+    /// Draws triangles: a range of the vertices of `buffer`; without a buffer the program generates them.
     pub fn triangles(&mut self, pipeline: &Pipeline, set: &BindSet, buffer: Option<&Buffer>, vertices: Range<u32>) {
         let device = &self.gpu.0.device;
-        // SAFETY: the command buffer is inside a rendering; the set was made for this pipeline's layout, and the
-        // caller holds all of them until the submission has been waited for.
+        // SAFETY: the command buffer is inside a rendering; the set has the layout of the pipeline, and the caller
+        // keeps all of them until the submission has finished.
         unsafe {
             let point = vk::PipelineBindPoint::GRAPHICS;
             device.cmd_bind_pipeline(self.buffer, point, pipeline.handle);
@@ -446,8 +280,8 @@ impl Draw<'_> {
             if let Some(buffer) = buffer {
                 device.cmd_bind_vertex_buffers(self.buffer, 0, &[buffer.handle], &[0]);
             }
-            for first in vertices.clone().step_by(MOST_VERTICES as usize) {
-                device.cmd_draw(self.buffer, MOST_VERTICES.min(vertices.end - first), 1, first, 0);
+            for first in vertices.clone().step_by(MAX_VERTICES as usize) {
+                device.cmd_draw(self.buffer, MAX_VERTICES.min(vertices.end - first), 1, first, 0);
             }
         }
     }

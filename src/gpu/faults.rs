@@ -1,7 +1,6 @@
-//! Calls of Vulkan that fail when a test says so, before the driver hears of them: what they were to make is not there, and
-//! what was made before has to be freed.
+//! Fault injection: calls of Vulkan that fail when a test says so, without reaching the driver.
 //!
-//! The functions of a device are replaced in the table that ash calls through, so that what gpu-allocator calls is among them.
+//! The functions are replaced in the table of ash, so that the calls of gpu-allocator are included.
 
 use super::instance::Instance;
 use ash::{DeviceFnV1_0, DeviceFnV1_3, Entry, vk};
@@ -9,10 +8,10 @@ use std::ffi::c_void;
 use std::sync::OnceLock;
 use support::faults::{fails, is_lost};
 
-/// Calls that find out that the device is gone.
+/// Calls that report a lost device.
 pub(super) const LOSING: [&str; 3] = ["vkQueueSubmit2", "vkWaitForFences", "vkGetQueryPoolResults"];
 
-/// What a call says in place of being made: a queue loses its device, a wait is too long, all else finds no memory.
+/// Injected result of a call: a queue loses its device, a wait times out, all others run out of memory.
 fn fault(name: &'static str) -> Option<vk::Result> {
     if LOSING.contains(&name) && is_lost(name) {
         return Some(vk::Result::ERROR_DEVICE_LOST);
@@ -25,31 +24,31 @@ fn fault(name: &'static str) -> Option<vk::Result> {
     fails(name).then_some(result)
 }
 
-/// The loader's own functions, which find the device by its handle: one table serves every device. The loader stays.
+/// Functions of the loader, which dispatch by handle: one table serves every device. The loader stays loaded.
 static REAL: OnceLock<(Entry, DeviceFnV1_0, DeviceFnV1_3)> = OnceLock::new();
 
 macro_rules! may_fail {
     ($(of $table:tt { $($call:ident $name:literal ($($argument:ident: $type:ty),*);)* })*) => {
         $($(
-            // SAFETY: called through ash alone, by who keeps to what this function of Vulkan demands.
+            // SAFETY: called only through ash, whose callers meet the requirements of the Vulkan function.
             unsafe extern "system" fn $call($($argument: $type),*) -> vk::Result {
                 match (fault($name), REAL.get()) {
-                    // SAFETY: as below. A wait is made all the same: nothing of a test runs on behind it.
+                    // SAFETY: as below. The wait is still made, so that no work of a test continues after it.
                     (Some(result), Some(real)) if $name == "vkWaitForFences" => unsafe {
                         let _ = (real.$table.$call)($($argument),*);
                         result
                     },
                     (Some(result), _) => result,
-                    // SAFETY: the arguments are those of the caller, who keeps to what this function of Vulkan demands.
+                    // SAFETY: the caller passes the arguments and meets the requirements of the Vulkan function.
                     (None, Some(real)) => unsafe { (real.$table.$call)($($argument),*) },
                     (None, None) => vk::Result::ERROR_INITIALIZATION_FAILED,
                 }
             }
         )*)*
 
-        /// A device whose calls may fail.
+        /// Replaces the functions of a device by ones that may fail.
         pub(super) fn armed(instance: &Instance, device: ash::Device) -> ash::Device {
-            // SAFETY: the instance is alive; the loader gives functions of the types that their names have.
+            // SAFETY: the instance is alive; the loader returns functions with the types of their names.
             let load = |name: &std::ffi::CStr| unsafe {
                 (instance.entry.static_fn().get_instance_proc_addr)(instance.raw.handle(), name.as_ptr())
                     .map_or(std::ptr::null(), |function| function as *const c_void)

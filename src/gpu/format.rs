@@ -1,4 +1,4 @@
-//! Texel formats, and what their bytes mean.
+//! Texel formats.
 
 use ash::vk;
 
@@ -20,11 +20,11 @@ pub enum Format {
     Rgba16Float,
     /// Four channels, 32-bit float.
     Rgba32Float,
-    /// As [`Format::Rgba8Unorm`]; colors are encoded as sRGB.
+    /// Four channels, 8 bits, colors encoded as sRGB.
     Rgba8Srgb,
-    /// As [`Format::Rgba8Unorm`], blue first.
+    /// [`Format::Rgba8Unorm`] in the order BGRA.
     Bgra8Unorm,
-    /// As [`Format::Rgba8Srgb`], blue first.
+    /// [`Format::Rgba8Srgb`] in the order BGRA.
     Bgra8Srgb,
     /// Depth, 16 bits, [0, 1].
     Depth16,
@@ -67,16 +67,16 @@ impl Format {
         }
     }
 
-    /// All of an image of this format.
+    /// Subresource range of a whole image.
     pub(super) fn range(self) -> vk::ImageSubresourceRange {
         let aspect_mask = match self {
             Format::Depth16 => vk::ImageAspectFlags::DEPTH,
             _ => vk::ImageAspectFlags::COLOR,
         };
-        vk::ImageSubresourceRange { aspect_mask, ..super::memory::COLOR }
+        vk::ImageSubresourceRange { aspect_mask, ..COLOR }
     }
 
-    /// Texels as the device reads them: channels that there are not are 0, and alpha 1.
+    /// Decodes texels as the device reads them: missing channels are 0, and alpha is 1.
     pub fn decode(self, bytes: &[u8]) -> Vec<[f32; 4]> {
         let code8 = |code: u8| f32::from(code) / 255.0;
         let code16 = |code: &[u8; 2]| f32::from(u16::from_ne_bytes(*code)) / 65535.0;
@@ -102,7 +102,16 @@ impl Format {
     }
 }
 
-/// Texels of four channels of `N` bytes each.
+/// Subresource range of a color image with one layer.
+pub(super) const COLOR: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
+    aspect_mask: vk::ImageAspectFlags::COLOR,
+    base_mip_level: 0,
+    level_count: vk::REMAINING_MIP_LEVELS,
+    base_array_layer: 0,
+    layer_count: 1,
+};
+
+/// Decodes texels of four channels of `N` bytes each.
 fn fours<const N: usize>(bytes: &[u8], channel: impl Fn(&[u8; N]) -> f32) -> Vec<[f32; 4]> {
     let texels = bytes.as_chunks::<N>().0.as_chunks::<4>().0.iter();
     texels.map(|texel| texel.each_ref().map(&channel)).collect()

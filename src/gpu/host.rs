@@ -1,15 +1,16 @@
-//! A host's own device, and pictures in its own command buffers.
+//! Devices and command buffers of a host program.
 
-use super::device::{Device, Opened, device_info};
+use super::device::{Device, Opened};
+use super::image::Upload;
 use super::instance::Instance;
-use super::memory::Upload;
+use super::physical::device_info;
 use super::{BindSet, Buffer, Commands, Format, Gpu, GpuError, Image, Pipeline, Uploads};
 use ash::vk;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-/// The device of another program: of Vulkan 1.3, with [`required_features`](super::required_features).
+/// Handles of a device of Vulkan 1.3 with [`required_features`](super::required_features), owned by a host program.
 pub struct HostDevice {
     /// The loader.
     pub entry: ash::Entry,
@@ -19,7 +20,7 @@ pub struct HostDevice {
     pub physical_device: vk::PhysicalDevice,
     /// The device.
     pub device: ash::Device,
-    /// Its features that are enabled, such as [`optional_features`](super::optional_features).
+    /// Its enabled features, such as [`optional_features`](super::optional_features).
     pub features: vk::PhysicalDeviceFeatures,
     /// A queue with graphics.
     pub queue: vk::Queue,
@@ -28,16 +29,16 @@ pub struct HostDevice {
 }
 
 impl Gpu {
-    /// A device of another program, which stays its own. Compiled pipelines are kept in the folder `cache`.
+    /// Wraps a device that the host keeps owning. The folder `cache` holds compiled pipelines.
     ///
     /// # Errors
-    /// No memory left.
+    /// Memory is exhausted.
     ///
     /// # Safety
-    /// - The handles belong together and are alive until all that was made from the [`Gpu`] is dropped, and the `Gpu` itself;
-    /// - the device has [`required_features`](super::required_features) and the `features` named enabled;
-    /// - nobody else uses the queue while a call of this crate runs that submits: each that takes a `Gpu`, and a renderer's
-    ///   too, but for those that record for a host, which submit for the shadow volume of a scene alone.
+    /// - The handles belong together and outlive the [`Gpu`] and everything created from it;
+    /// - the device has [`required_features`](super::required_features) and `features` enabled;
+    /// - nobody else uses the queue during a call of this crate that submits: any that takes a `Gpu` or belongs to a renderer.
+    ///   Recording for a host submits only for the shadow volume of a scene.
     pub unsafe fn from_raw(host: HostDevice, cache: Option<&Path>) -> Result<Gpu, GpuError> {
         let mut info = device_info(&host.instance, host.physical_device, &host.features);
         // SAFETY: the physical device belongs to the instance, as the caller says.
@@ -51,10 +52,10 @@ impl Gpu {
         Gpu::with_device(Opened { instance, physical, info, device, queue, family }, cache)
     }
 
-    /// The format of a host's image.
+    /// Converts the format of an image of a host.
     ///
     /// # Errors
-    /// It is none of [`Format`], or cannot be blended into.
+    /// The format is not supported, or does not support blending.
     pub fn host_format(&self, format: vk::Format) -> Result<Format, GpuError> {
         let found = Format::HOST.into_iter().find(|own| own.vk() == format);
         found.filter(|&format| self.can_blend(format)).ok_or_else(|| GpuError::Unsupported {
@@ -64,18 +65,18 @@ impl Gpu {
         })
     }
 
-    /// A command buffer of a host, to record a picture into.
+    /// Wraps a command buffer of a host for recording a picture.
     ///
     /// # Errors
-    /// As [`Gpu::host_format`]; or the size is 0, or more than the device allows.
+    /// Those of [`Gpu::host_format`]; or the size is 0, or larger than the device allows.
     ///
     /// # Safety
-    /// - The command buffer belongs to this device and to the family of its queue, and is being recorded outside of a rendering;
-    /// - the image behind the view is a color attachment with one sample, in `COLOR_ATTACHMENT_OPTIMAL` layout, and what was
-    ///   written before is visible to reads and writes of color attachments; it stays in that layout;
-    /// - the commands are executed on the queue of the [`Gpu`], once, in the order in which they were recorded: what one copies
-    ///   the next may read. A recording that is not executed is [discarded](Recording::discard) before the next is made;
-    /// - what a recording returns is dropped after the commands have been executed, and before the device goes.
+    /// - The command buffer belongs to this device and its queue family, and is being recorded outside of a rendering;
+    /// - the image of the view is a color attachment with one sample, in `COLOR_ATTACHMENT_OPTIMAL` layout, which it keeps;
+    ///   previous writes are visible to color attachment reads and writes;
+    /// - the commands are executed once on the queue of the [`Gpu`], in the order of recording, as later ones may read copies of
+    ///   earlier ones. A recording that is not executed is [discarded](Recording::discard) before the next one begins;
+    /// - the [`Recording`] is dropped after the commands have been executed, and before the device.
     pub unsafe fn host_commands(
         &self,
         buffer: vk::CommandBuffer,
@@ -89,7 +90,7 @@ impl Gpu {
 }
 
 impl Format {
-    /// What a host's image may be of.
+    /// Supported formats of host images.
     const HOST: [Format; 6] = [
         Format::Rgba8Srgb,
         Format::Bgra8Srgb,
@@ -100,10 +101,10 @@ impl Format {
     ];
 }
 
-/// An image of a host that is drawn into. What is written is linear: formats that encode sRGB show it as it is.
+/// An image of a host as a render target. Written colors are linear; sRGB formats encode them.
 #[derive(Clone, Copy, Debug)]
 pub struct HostTarget {
-    /// A view of all of it.
+    /// View of the whole image.
     pub view: vk::ImageView,
     /// Its format.
     pub format: vk::Format,
@@ -111,7 +112,7 @@ pub struct HostTarget {
     pub size: [u32; 2],
 }
 
-/// A host's command buffer and the image to draw into: [`Gpu::host_commands`].
+/// A command buffer of a host and its render target; see [`Gpu::host_commands`].
 pub struct HostCommands<'a> {
     commands: Commands<'a>,
     target: HostTarget,
@@ -120,14 +121,14 @@ pub struct HostCommands<'a> {
 }
 
 impl HostCommands<'_> {
-    /// The same with another image of the host, all of which the depth of the picture is written into: see
+    /// Adds an image of the host that receives the depth of the picture in all its pixels; see
     /// [`Renderer::render_depth`](crate::render::Renderer::render_depth).
     ///
     /// # Errors
-    /// [`GpuError::Unsupported`]: its format is not `R32_SFLOAT`, or its size not that of the picture's.
+    /// [`GpuError::Unsupported`]: the format is not `R32_SFLOAT`, or the size differs from that of the picture.
     ///
     /// # Safety
-    /// Of its view, as [`Gpu::host_commands`].
+    /// As for the picture in [`Gpu::host_commands`].
     pub unsafe fn with_depth(self, depth: HostTarget) -> Result<Self, GpuError> {
         let [[width, height], size] = [self.target.size, depth.size];
         let (what, remedy) = match depth.format == Format::R32Float.vk() {
@@ -141,7 +142,7 @@ impl HostCommands<'_> {
         Err(GpuError::Unsupported { device, what, remedy: format!("use an image of {remedy}") })
     }
 
-    /// Whether it has an image for the depth.
+    /// Whether there is an image for the depth.
     pub fn has_depth(&self) -> bool {
         self.depth.is_some()
     }
@@ -156,8 +157,8 @@ impl HostCommands<'_> {
         self.format
     }
 
-    /// Copies what waits to be copied, then draws triangles over what is in the image: a range of the vertices, or of none
-    /// where the program makes its own. `depth` draws all of that image, where there is one.
+    /// Records the queued uploads, then draws triangles over the image: a range of the vertices of `buffer`; without a buffer
+    /// the program generates them. `depth` draws the image of the depth, if there is one.
     pub fn draw(
         &mut self,
         uploads: &Uploads,
@@ -191,20 +192,20 @@ impl HostCommands<'_> {
     }
 }
 
-/// What recorded commands use: the host drops it when they have been executed.
-#[must_use = "what the commands use must stay until they have been executed"]
+/// Resources of recorded commands. The host drops it after their execution.
+#[must_use = "the resources of the commands must live until their execution"]
 pub struct Recording {
     _pipeline: Arc<Pipeline>,
     _set: BindSet,
     _vertices: Option<Buffer>,
     _depth: Option<(Arc<Pipeline>, BindSet)>,
     copied: Vec<Upload>,
-    /// Where they came from.
+    /// Queue of the copied uploads.
     uploads: Uploads,
 }
 
 impl Recording {
-    /// Gives back what the commands use where the host does not execute them: the next commands copy what these were to.
+    /// Discards commands that the host does not execute. Their uploads return to the queue.
     pub fn discard(self) {
         for own in &self.copied {
             own.image.set_layout(vk::ImageLayout::UNDEFINED);

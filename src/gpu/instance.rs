@@ -7,13 +7,13 @@ use std::ffi::{CStr, c_char};
 use std::thread::available_parallelism;
 use support::memory;
 
-/// MiB of addresses that loader, driver and compiler of lavapipe take before and with a first picture, and each thread of theirs:
-/// where there are fewer, they end the process.
-const ADDRESSES: [u64; 2] = [560, 8];
+/// MiB of address space for the loader, lavapipe and LLVM, and for each of their threads. With less, they end the process
+/// (`docs/notes/drivers.md`).
+const ADDRESS_SPACE: [u64; 2] = [560, 8];
 
-/// Whether a driver has as many addresses as it takes.
-fn has_addresses() -> Result<(), GpuError> {
-    let [driver, thread] = ADDRESSES;
+/// Checks that the address space is large enough for a driver.
+fn check_address_space() -> Result<(), GpuError> {
+    let [driver, thread] = ADDRESS_SPACE;
     let needed = driver + thread * available_parallelism().map_or(1, |count| count.get() as u64);
     match memory::addresses().map(|bytes| bytes >> 20) {
         Some(left) if left < needed => Err(GpuError::Addresses { left, needed }),
@@ -21,12 +21,12 @@ fn has_addresses() -> Result<(), GpuError> {
     }
 }
 
-/// The Vulkan instance, with the registration of its messages, and the surface of its window if it has one.
+/// The Vulkan instance, with its debug messenger and the surface of its window, if any.
 pub(super) struct Instance {
     #[cfg(feature = "window")]
     pub(super) surface: Option<super::window::WindowSurface>,
     pub(super) raw: ash::Instance,
-    /// It is a host's, who destroys it.
+    /// Whether a host owns and destroys it.
     hosted: bool,
     messenger: Option<Messenger>,
     pub(super) messages: Messages,
@@ -34,12 +34,12 @@ pub(super) struct Instance {
 }
 
 impl Instance {
-    /// An instance with these extensions, by name.
+    /// Creates an instance with these extensions.
     pub(super) fn new(validation: bool, extensions: &[*const c_char]) -> Result<Instance, GpuError> {
         #[cfg(test)]
         assert!(!validation || support::alone::Alone::is_held(), "a test with validation begins with Alone::enter()");
-        has_addresses()?;
-        // SAFETY: the loader is the system's Vulkan library, which has no requirement on when it is loaded.
+        check_address_space()?;
+        // SAFETY: the Vulkan library of the system has no requirements for loading.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| GpuError::NoLoader(error.to_string()))?;
         let messages = Messages::default();
         let raw = create_instance(&entry, validation, extensions, &messages)?;
@@ -58,7 +58,7 @@ impl Instance {
         Ok(instance)
     }
 
-    /// The instance of a host, which has messages of its own.
+    /// Wraps the instance of a host, which has its own messages.
     pub(super) fn of_host(entry: ash::Entry, raw: ash::Instance) -> Instance {
         Instance {
             #[cfg(feature = "window")]
@@ -79,7 +79,7 @@ impl Drop for Instance {
         if let Some(messenger) = &self.messenger {
             messenger.destroy();
         }
-        // SAFETY: all that was made from the instance is gone: its owners are fields before it, or hold it alive.
+        // SAFETY: all objects of the instance are destroyed: their owners are earlier fields, or keep it alive.
         unsafe {
             if !self.hosted {
                 self.raw.destroy_instance(None);
@@ -90,9 +90,9 @@ impl Drop for Instance {
 
 const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// Newer layers look at what shaders read and write only where a setting asks for it; older ones always do.
+/// Whether the layer has settings. Such versions check accesses by shaders only on demand (`docs/notes/drivers.md`).
 fn layer_has_settings(entry: &ash::Entry) -> Result<bool, GpuError> {
-    // SAFETY: the loader is alive; the layer is there.
+    // SAFETY: the loader is alive and the layer exists.
     let extensions = unsafe { entry.enumerate_instance_extension_properties(Some(LAYER)) }
         .named("vkEnumerateInstanceExtensionProperties")?;
     Ok(extensions.iter().any(|of| of.extension_name_as_c_str() == Ok(ash::ext::layer_settings::NAME)))

@@ -1,16 +1,16 @@
-//! What the validation layer says, collected so that a test can fail on it.
+//! Messages of the validation layer, collected so that tests can fail on them.
 
 use super::{GpuError, Named};
 use ash::vk;
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex};
 
-/// The messages of the validation layer: shared, so that they can be read after the device is gone.
+/// Messages of the validation layer, shared so that they outlive the device.
 #[derive(Clone, Default)]
 pub struct Messages(Arc<Mutex<Vec<String>>>);
 
 impl Messages {
-    /// Takes what has been said so far.
+    /// Removes and returns the messages so far.
     pub fn take(&self) -> Vec<String> {
         std::mem::take(&mut *self.0.lock().unwrap_or_else(|poisoned| poisoned.into_inner()))
     }
@@ -22,7 +22,7 @@ impl Messages {
     }
 }
 
-/// The registration of a [`Messages`] with an instance; must be destroyed before that instance.
+/// Debug messenger of an instance; must be destroyed before it.
 pub(super) struct Messenger {
     functions: ash::ext::debug_utils::Instance,
     handle: vk::DebugUtilsMessengerEXT,
@@ -38,14 +38,14 @@ impl Messenger {
         Ok(Messenger { functions, handle })
     }
 
-    /// Ends the registration.
+    /// Destroys the messenger.
     pub(super) fn destroy(&self) {
         // SAFETY: called once, from the drop of the device's owner, before the instance is destroyed.
         unsafe { self.functions.destroy_debug_utils_messenger(self.handle, None) };
     }
 }
 
-/// What to report: warnings and errors of validation.
+/// Subscribes to warnings and errors of validation.
 pub(super) fn create_info(to: &Messages) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
     use vk::{DebugUtilsMessageSeverityFlagsEXT as Severity, DebugUtilsMessageTypeFlagsEXT as Type};
     vk::DebugUtilsMessengerCreateInfoEXT::default()
@@ -76,7 +76,7 @@ unsafe extern "system" fn on_message(
         };
         (Messages(Arc::from_raw(user)), text((*data).p_message_id_name), text((*data).p_message))
     };
-    // The layer's own ids; a driver may report other things through the same channel.
+    // Ids of the layer; drivers may report through the same channel.
     if ["VUID-", "SYNC-", "UNASSIGNED-"].iter().any(|prefix| id.starts_with(prefix)) {
         messages.push(format!("{id}: {text}"));
     } else {

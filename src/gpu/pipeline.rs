@@ -1,15 +1,15 @@
-//! Graphics pipelines, with layouts made from the bindings that their program really uses.
+//! Graphics pipelines, with layouts of the bindings that their programs use.
 
 use super::{Buffer, Format, Gpu, GpuError, Image, Named, Sampler};
 use ash::vk;
 use std::sync::Arc;
 
-/// A binding that a program reads; all bindings are in set 0.
+/// A binding of a program, in set 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Binding {
-    /// Number of the binding.
+    /// Binding number.
     pub index: u32,
-    /// What it holds.
+    /// Kind of resource.
     pub kind: BindingKind,
     /// Whether the vertex stage reads it.
     pub vertex: bool,
@@ -17,58 +17,58 @@ pub struct Binding {
     pub fragment: bool,
 }
 
-/// What a binding holds.
+/// Kind of resource of a binding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BindingKind {
     /// A uniform block.
     Uniform,
-    /// An image, to be combined with a sampler in the program.
+    /// An image; the program combines it with a sampler.
     Image,
     /// A sampler.
     Sampler,
 }
 
-/// How a fragment meets what is in the target; colors are premultiplied.
+/// Blending of premultiplied colors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blend {
-    /// The fragment replaces it.
+    /// The fragment replaces the target.
     Replace,
-    /// The fragment is in front of it: for slices drawn back to front.
+    /// The fragment is in front of the target: for slices drawn back to front.
     Over,
-    /// The fragment is behind it: for slices drawn front to back.
+    /// The fragment is behind the target: for slices drawn front to back.
     Under,
 }
 
-/// What a pipeline has to do with marks of pixels.
+/// Use of pixel marks (values of a depth attachment) by a pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marks {
-    /// Nothing: its target has none.
+    /// The target has no marks.
     None,
-    /// It draws the pixels that are not marked.
-    Heed,
-    /// It marks pixels and draws nothing: it has no target.
-    Make,
+    /// Only unmarked pixels are drawn.
+    Test,
+    /// Pixels are marked, and no color is written.
+    Write,
 }
 
-/// What a pipeline is made of.
+/// Description of a pipeline.
 pub struct PipelineDescription<'a> {
     /// SPIR-V of the vertex stage, entry point `main`.
     pub vertex: &'a [u32],
     /// SPIR-V of the fragment stage, entry point `main`.
     pub fragment: &'a [u32],
-    /// Values of specialization constants, by `constant_id`; a stage takes those that it has.
+    /// Specialization constants by `constant_id`; a stage ignores those that it does not declare.
     pub constants: &'a [(u32, u32)],
-    /// Bindings that either stage reads.
+    /// Bindings of both stages.
     pub bindings: &'a [Binding],
-    /// Floats of each vertex attribute, by location; the attributes lie one after another in one buffer.
+    /// Floats of each vertex attribute by location, interleaved in one buffer.
     pub attributes: &'a [u32],
     /// Format of the target.
     pub format: Format,
-    /// Samples per pixel of the target; above 1 every sample is shaded.
+    /// Samples per pixel of the target; if above 1, each is shaded.
     pub samples: u32,
-    /// How fragments meet the target.
+    /// Blending.
     pub blend: Blend,
-    /// What it has to do with marks of pixels.
+    /// Use of marks.
     pub marks: Marks,
 }
 
@@ -85,7 +85,7 @@ impl Pipeline {
     /// Compiles a pipeline.
     ///
     /// # Errors
-    /// The device lacks the format, the sample count or sample shading, or refuses the program.
+    /// The device does not support the format, the sample count or sample shading, or rejects the program.
     pub fn new(gpu: &Gpu, description: &PipelineDescription<'_>) -> Result<Pipeline, GpuError> {
         check(gpu, description)?;
         let device = &gpu.0.device;
@@ -122,13 +122,13 @@ impl Pipeline {
         Ok(pipeline)
     }
 
-    /// Binds resources for a draw.
+    /// Creates a descriptor set for a draw.
     ///
     /// # Errors
-    /// No memory left.
+    /// Memory is exhausted.
     ///
     /// # Panics
-    /// When a binding of the pipeline has no resource of its kind.
+    /// If a binding of the pipeline has no resource of its kind.
     pub fn bind(&self, resources: &[(u32, Resource)]) -> Result<BindSet, GpuError> {
         let device = &self.gpu.0.device;
         let sizes: Vec<_> = self
@@ -159,7 +159,7 @@ impl Pipeline {
 
 impl Drop for Pipeline {
     fn drop(&mut self) {
-        // SAFETY: submissions that used the pipeline were waited for; each handle is destroyed once, null is ignored.
+        // SAFETY: submissions with the pipeline have finished; each handle is destroyed once, null is ignored.
         self.gpu.free(|device| unsafe {
             device.destroy_pipeline(self.handle, None);
             device.destroy_pipeline_layout(self.layout, None);
@@ -168,7 +168,7 @@ impl Drop for Pipeline {
     }
 }
 
-/// A resource to be bound.
+/// A resource for a binding.
 #[derive(Clone)]
 pub enum Resource {
     /// A uniform block.
@@ -189,7 +189,7 @@ impl Resource {
     }
 }
 
-/// Resources bound to a pipeline's layout, which it keeps.
+/// A descriptor set, which keeps its resources alive.
 pub struct BindSet {
     gpu: Gpu,
     pool: vk::DescriptorPool,
@@ -217,14 +217,14 @@ impl BindSet {
                 write.image_info(&image)
             }
         };
-        // SAFETY: the set is not in use, and the handles written belong to the device and are kept by the set.
+        // SAFETY: the set is unused, and its resources belong to the device and are kept alive by the set.
         unsafe { self.gpu.0.device.update_descriptor_sets(&[write], &[]) };
     }
 }
 
 impl Drop for BindSet {
     fn drop(&mut self) {
-        // SAFETY: submissions that used the set were waited for; the pool frees the set with it.
+        // SAFETY: submissions with the set have finished; the pool frees the set.
         self.gpu.free(|device| unsafe { device.destroy_descriptor_pool(self.pool, None) });
     }
 }
@@ -268,8 +268,8 @@ fn check(gpu: &Gpu, description: &PipelineDescription<'_>) -> Result<(), GpuErro
     if description.blend != Blend::Replace && !gpu.can_blend(description.format) {
         return unsupported(format!("blending into {:?}", description.format), "use another quality.target".into());
     }
-    if description.marks == Marks::Make {
-        return Ok(()); // into a format that every device has
+    if description.marks == Marks::Write {
+        return Ok(()); // every device supports the format of marks
     }
     let counts = gpu.sample_counts(description.format);
     if !counts.contains(&description.samples) {
@@ -313,13 +313,13 @@ fn compile(
         .rasterization_samples(vk::SampleCountFlags::from_raw(description.samples))
         .sample_shading_enable(description.samples > 1)
         .min_sample_shading(1.0);
-    let colors = if description.marks == Marks::Make { 0 } else { 1 };
+    let colors = if description.marks == Marks::Write { 0 } else { 1 };
     let attachments = [blend_state(description.blend)];
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&attachments[..colors]);
-    let compare = if description.marks == Marks::Make { vk::CompareOp::ALWAYS } else { vk::CompareOp::LESS_OR_EQUAL };
+    let compare = if description.marks == Marks::Write { vk::CompareOp::ALWAYS } else { vk::CompareOp::LESS_OR_EQUAL };
     let depth = vk::PipelineDepthStencilStateCreateInfo::default()
         .depth_test_enable(description.marks != Marks::None)
-        .depth_write_enable(description.marks == Marks::Make)
+        .depth_write_enable(description.marks == Marks::Write)
         .depth_compare_op(compare);
     let dynamic_states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
     let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic_states);
@@ -341,8 +341,8 @@ fn compile(
         .layout(layout)
         .push_next(&mut rendering);
     // SAFETY: every handle belongs to the device and every pointer outlives the call.
-    let made = unsafe { gpu.0.device.create_graphics_pipelines(gpu.0.pipeline_cache.handle, &[info], None) };
-    made.map(|pipelines| pipelines[0]).map_err(|(_, result)| result).named("vkCreateGraphicsPipelines")
+    let pipelines = unsafe { gpu.0.device.create_graphics_pipelines(gpu.0.pipeline_cache.handle, &[info], None) };
+    pipelines.map(|pipelines| pipelines[0]).map_err(|(_, result)| result).named("vkCreateGraphicsPipelines")
 }
 
 fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
@@ -369,7 +369,7 @@ struct Module {
 impl Module {
     fn new(gpu: &Gpu, code: &[u32]) -> Result<Module, GpuError> {
         let info = vk::ShaderModuleCreateInfo::default().code(code);
-        // SAFETY: the code was made by shaderc, which emits valid SPIR-V.
+        // SAFETY: shaderc emits valid SPIR-V.
         let handle = unsafe { gpu.0.device.create_shader_module(&info, None) }.named("vkCreateShaderModule")?;
         Ok(Module { gpu: gpu.clone(), handle })
     }

@@ -1,16 +1,16 @@
-//! How images are read between their texels.
+//! Samplers.
 
 use super::{Gpu, GpuError, Named};
 use ash::vk;
 
-/// What a sampler returns outside [0, 1].
+/// Continuation of an image outside of [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Address {
-    /// The texel at the border.
+    /// The border texel.
     Clamp,
-    /// The image again and again.
+    /// Repetition.
     Repeat,
-    /// The image and its mirror image in turns.
+    /// Repetition, mirrored every second time.
     Mirror,
 }
 
@@ -21,10 +21,10 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// A linear sampler; `anisotropy` of 1 is off.
+    /// Creates a linear sampler; an `anisotropy` of 1 is off.
     ///
     /// # Errors
-    /// The device has no such anisotropy.
+    /// The device does not support the anisotropy.
     pub fn new(gpu: &Gpu, address: Address, anisotropy: f32) -> Result<Sampler, GpuError> {
         let info = gpu.info();
         if anisotropy > info.max_anisotropy {

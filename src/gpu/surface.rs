@@ -1,14 +1,14 @@
-//! The device that draws into a window, and the images of its swapchain.
+//! The device of a window, and its swapchain.
 
 use super::device::Gpu;
+use super::format::COLOR;
 use super::instance::Instance;
-use super::memory::COLOR;
 use super::window::{WindowHandle, WindowSurface, no_handle};
 use super::{GpuError, Named, Options};
 use ash::{khr, vk};
 use std::sync::Arc;
 
-/// The swapchain of the surface of a device.
+/// A device with the swapchain of a window.
 pub(super) struct Surface {
     pub(super) gpu: Gpu,
     pub(super) swapchains: khr::swapchain::Device,
@@ -16,21 +16,21 @@ pub(super) struct Surface {
     swapchain: Option<Swapchain>,
 }
 
-/// The images that are shown in turn.
+/// A swapchain and its images.
 pub(super) struct Swapchain {
     pub(super) handle: vk::SwapchainKHR,
     pub(super) extent: vk::Extent2D,
     pub(super) images: Vec<ChainImage>,
-    /// The size of the window that it was made for.
+    /// Size of the window that it was created for.
     asked: [u32; 2],
 }
 
-/// One of them.
+/// An image of a swapchain.
 #[derive(Clone, Copy)]
 pub(super) struct ChainImage {
     pub(super) image: vk::Image,
     pub(super) view: vk::ImageView,
-    /// Signaled when it is drawn: one for each image, since presenting says of no other moment when it is free again.
+    /// Signaled when the image is drawn. One per image: it is free again when the image is acquired.
     pub(super) drawn: vk::Semaphore,
 }
 
@@ -48,7 +48,7 @@ impl Surface {
             unsafe { functions.get_physical_device_surface_support(physical, family, handle) }.unwrap_or(false)
         };
         let gpu = match Gpu::with_instance(options, instance, &[khr::swapchain::NAME.as_ptr()], presents) {
-            // It is there, and does not draw into this window.
+            // The device exists but cannot present to this window.
             Err(GpuError::NoDevice { wanted, found }) if found.to_lowercase().contains(&wanted.to_lowercase()) => {
                 return Err(GpuError::NoPresent);
             }
@@ -60,13 +60,13 @@ impl Surface {
         Ok(surface)
     }
 
-    /// The functions of surfaces, the device, and the surface.
+    /// Surface functions, physical device and surface.
     fn parts(&self) -> Result<(&khr::surface::Instance, vk::PhysicalDevice, vk::SurfaceKHR), GpuError> {
         let surface = self.gpu.0.instance.surface.as_ref().ok_or(GpuError::NoPresent)?;
         Ok((&surface.functions, self.gpu.0.physical, surface.handle))
     }
 
-    /// Codes are written as they are where the surface allows it: colors are mixed as in every other program then.
+    /// Chooses the format, preferably unorm: then sRGB codes are blended as in other programs.
     fn choose_format(&self) -> Result<vk::SurfaceFormatKHR, GpuError> {
         use vk::Format as F;
         let (functions, physical, surface) = self.parts()?;
@@ -78,7 +78,7 @@ impl Surface {
         wanted.into_iter().find_map(find).copied().ok_or(GpuError::NoPresent)
     }
 
-    /// The swapchain for a window of this size; `None` while there is nothing to draw into.
+    /// The swapchain for a window of this size; `None` if it has no pixels.
     pub(super) fn swapchain(&mut self, size: [u32; 2]) -> Result<Option<&Swapchain>, GpuError> {
         if size.contains(&0) {
             return Ok(None);
@@ -89,7 +89,7 @@ impl Surface {
         Ok(self.swapchain.as_ref())
     }
 
-    /// Makes the next use of the swapchain begin with a new one.
+    /// Marks the swapchain for renewal at its next use.
     pub(super) fn outdated(&mut self) {
         if let Some(chain) = &mut self.swapchain {
             chain.asked = [0; 2];
@@ -98,21 +98,21 @@ impl Surface {
 
     fn renew(&mut self, size: [u32; 2]) -> Result<(), GpuError> {
         let old = self.swapchain.take();
-        let made = self.make(size, old.as_ref().map_or(vk::SwapchainKHR::null(), |chain| chain.handle));
+        let new = self.create(size, old.as_ref().map_or(vk::SwapchainKHR::null(), |chain| chain.handle));
         self.drop_swapchain(old);
-        self.swapchain = made?;
+        self.swapchain = new?;
         self.fill()
     }
 
-    /// A swapchain without its images, in place of another one.
-    fn make(&self, size: [u32; 2], old: vk::SwapchainKHR) -> Result<Option<Swapchain>, GpuError> {
+    /// Creates a swapchain that replaces `old`, without its images.
+    fn create(&self, size: [u32; 2], old: vk::SwapchainKHR) -> Result<Option<Swapchain>, GpuError> {
         let (functions, physical, surface) = self.parts()?;
         // SAFETY: device and surface belong to the same instance.
         let can = unsafe { functions.get_physical_device_surface_capabilities(physical, surface) }
             .named("vkGetPhysicalDeviceSurfaceCapabilitiesKHR")?;
         let own = can.current_extent;
         let extent = match own.width {
-            // The surface is as large as what is drawn.
+            // The size of the surface follows the swapchain.
             u32::MAX => vk::Extent2D {
                 width: size[0].clamp(can.min_image_extent.width, can.max_image_extent.width),
                 height: size[1].clamp(can.min_image_extent.height, can.max_image_extent.height),
@@ -136,12 +136,12 @@ impl Surface {
             .present_mode(vk::PresentModeKHR::FIFO)
             .clipped(true)
             .old_swapchain(old);
-        // SAFETY: the surface is alive and the old swapchain is one of it; FIFO is always there.
+        // SAFETY: surface and old swapchain belong together; FIFO is always supported.
         let handle = unsafe { self.swapchains.create_swapchain(&info, None) }.named("vkCreateSwapchainKHR")?;
         Ok(Some(Swapchain { handle, asked: size, extent, images: Vec::new() }))
     }
 
-    /// Takes the images of a new swapchain.
+    /// Creates views and semaphores of the images.
     fn fill(&mut self) -> Result<(), GpuError> {
         let Some(chain) = &mut self.swapchain else { return Ok(()) };
         let device = &self.gpu.0.device;
@@ -167,7 +167,7 @@ impl Surface {
     fn drop_swapchain(&self, chain: Option<Swapchain>) {
         let Some(chain) = chain else { return };
         let _queue = self.gpu.queue();
-        // SAFETY: nothing is in use any more, since the device is waited for while its queue is locked; null is ignored.
+        // SAFETY: the device is idle while its queue is locked; null is ignored.
         self.gpu.free(|device| unsafe {
             let _ = device.device_wait_idle();
             for shown in chain.images {

@@ -3,8 +3,9 @@
 //! Every test of the GPU fails on a message of the validation layer. That means something only if the layer really
 //! says something, and if what it says arrives: each bug here must be reported under its own id, and nothing else.
 
-use super::memory::COLOR;
+use super::format::COLOR;
 use super::*;
+use ash::vk;
 use glsl::{Library, Linker, Slots, Stage};
 use std::sync::Arc;
 use support::alone::Alone;

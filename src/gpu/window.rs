@@ -1,4 +1,4 @@
-//! A window, and the surface by which it is drawn into.
+//! The surface of a window, and checks of the window system.
 
 use super::{GpuError, Named};
 use ash::{khr, vk};
@@ -6,28 +6,28 @@ use raw_window_handle::{HandleError, HasDisplayHandle, HasWindowHandle};
 use std::ffi::{c_int, c_void};
 use std::sync::{Arc, OnceLock};
 
-/// A window that can be drawn into.
+/// A window that can have a surface.
 pub trait WindowHandle: HasDisplayHandle + HasWindowHandle + Send + Sync {}
 
 impl<T: HasDisplayHandle + HasWindowHandle + Send + Sync> WindowHandle for T {}
 
-/// Whether a shared library is installed, by its file name: for those of which the absence would end the program.
+/// Whether a shared library is installed, by its file name. Some end the program if they are missing.
 pub fn has_library(name: &str) -> bool {
-    // SAFETY: a library of the system, whose constructors have no requirement on when it is loaded.
+    // SAFETY: libraries of the system have no requirements for loading.
     unsafe { libloading::Library::new(name) }.is_ok()
 }
 
-/// Whether libxkbcommon finds a folder of its data; true where it is not installed.
+/// Whether libxkbcommon finds its data; true if it is not installed.
 pub fn has_keyboard_data() -> bool {
     type Create = unsafe extern "C" fn(c_int) -> *mut c_void;
     type SetLevel = unsafe extern "C" fn(*mut c_void, c_int);
     type Append = unsafe extern "C" fn(*mut c_void) -> c_int;
     type Drop = unsafe extern "C" fn(*mut c_void);
-    /// XKB_CONTEXT_NO_DEFAULT_INCLUDES: with these, an error would be written to standard error.
+    /// XKB_CONTEXT_NO_DEFAULT_INCLUDES; the default ones write an error to standard error.
     const EMPTY: c_int = 1;
     /// XKB_LOG_LEVEL_CRITICAL.
     const QUIET: c_int = 10;
-    // SAFETY: as for `has_library`; the functions have these types, and the context lives from its creation to its drop.
+    // SAFETY: as in `has_library`; the functions have these types, and the context is used between creation and drop.
     let found = unsafe {
         libloading::Library::new("libxkbcommon.so.0").and_then(|library| {
             let create = library.get::<Create>(b"xkb_context_new\0")?;
@@ -47,18 +47,17 @@ pub fn has_keyboard_data() -> bool {
     found.unwrap_or(true)
 }
 
-/// What is done when Xlib finds that its server has ended.
+/// Callback for the end of the X server.
 static BROKEN: OnceLock<Box<dyn Fn() + Send + Sync>> = OnceLock::new();
 
-/// Has `act` called when Xlib finds that its server has ended, behind which it ends the process; the first call holds.
+/// Registers a callback for the end of the X server, after which Xlib ends the process. Only the first call counts.
 pub fn on_broken_display(act: impl Fn() + Send + Sync + 'static) {
     type Handler = unsafe extern "C" fn(*mut c_void) -> c_int;
     extern "C" fn broken(_: *mut c_void) -> c_int {
         BROKEN.get().iter().for_each(|act| act());
         0
     }
-    // SAFETY: as for `has_library`; the function has this type, and the library is never unloaded, so that Xlib keeps the
-    // handler for as long as it is called.
+    // SAFETY: as in `has_library`; the function has this type, and the library is never unloaded.
     let set = unsafe {
         libloading::Library::new("libX11.so.6").and_then(|xlib| {
             let set = *xlib.get::<unsafe extern "C" fn(Handler) -> Option<Handler>>(b"XSetIOErrorHandler\0")?;
@@ -72,7 +71,7 @@ pub fn on_broken_display(act: impl Fn() + Send + Sync + 'static) {
     }
 }
 
-/// The surface of a window, which is kept for as long: a part of its instance, so that it goes before that.
+/// The surface of a window, which it keeps alive. Part of the instance, so that it is destroyed first.
 pub(super) struct WindowSurface {
     pub(super) functions: khr::surface::Instance,
     pub(super) handle: vk::SurfaceKHR,
@@ -88,7 +87,7 @@ impl WindowSurface {
         let display = window.display_handle().map_err(no_handle)?.as_raw();
         let own = window.window_handle().map_err(no_handle)?.as_raw();
         let functions = khr::surface::Instance::new(entry, instance);
-        // SAFETY: the instance has the extensions of this display; the window is kept for longer than the surface.
+        // SAFETY: the instance has the extensions of this display; the window outlives the surface.
         let handle =
             unsafe { ash_window::create_surface(entry, instance, display, own, None) }.named("vkCreateSurfaceKHR")?;
         Ok(WindowSurface { functions, handle, _window: window })
@@ -97,12 +96,12 @@ impl WindowSurface {
 
 impl Drop for WindowSurface {
     fn drop(&mut self) {
-        // SAFETY: its swapchain is gone, which holds the device alive, which holds the instance, which drops this.
+        // SAFETY: the swapchain is destroyed: it keeps the device alive, which keeps the instance alive, which drops this.
         unsafe { self.functions.destroy_surface(self.handle, None) };
     }
 }
 
-/// What is wrong where a window has no handle.
+/// Error of a window without a handle.
 pub(super) fn no_handle(error: HandleError) -> GpuError {
     GpuError::Window(error.to_string())
 }

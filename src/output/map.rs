@@ -1,4 +1,4 @@
-//! Maps: values of pixels that are no light, such as errors.
+//! Maps: values of pixels other than light, such as errors.
 
 use super::{OutputError, PROGRAM, check};
 use exr::prelude::{AnyChannel, AnyChannels, FlatSamples, Image, SmallVec, Text, Vec2, WritableImage};
@@ -6,10 +6,10 @@ use std::io::Cursor;
 use std::path::Path;
 use support::write_whole;
 
-/// Writes channels of 32-bit floats by their names, row by row from the top, as EXR.
+/// Writes named channels of 32-bit floats, row by row from the top, to an OpenEXR file.
 ///
 /// # Errors
-/// Another format, or what the system says; the file is then not there.
+/// Another format, or an error of the encoder or the system; the file is then unchanged.
 pub fn write_map(path: &Path, size: [u32; 2], channels: &[(&str, Vec<f32>)]) -> Result<(), OutputError> {
     check(path)?;
     let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> =

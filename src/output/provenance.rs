@@ -1,9 +1,8 @@
-//! Where a picture comes from: what goes into its file, so that it can be rendered again and verified.
+//! Provenance of a picture, stored in its file so that it can be rendered again and verified.
 //!
-//! Role: the scene as text, what it read, and what drew it. Invariant: of the machine it says nothing but the device,
-//! and the path of an input as the person typed it. PNG holds it in an iTXt chunk, OpenEXR in a text attribute, as TOML.
+//! Role: the scene as text, hashes of its inputs, and the device, as TOML in an iTXt chunk of a PNG or a text attribute of
+//! an OpenEXR file. Invariant: of the machine it reveals only the device and the paths of inputs as typed.
 
-use super::PROGRAM;
 use crate::render::Measurements;
 use crate::scene::{self, Reach, Scene, SceneError};
 use crate::shape::{BUILT_IN, MEMORY};
@@ -13,55 +12,54 @@ use std::path::{Path, PathBuf};
 use std::{fs, io, iter};
 use support::open;
 
+/// Name and version of this program.
+pub const PROGRAM: &str = concat!("hypertexture ", env!("CARGO_PKG_VERSION"));
+
 /// Name of the chunk or attribute.
 pub(super) const KEY: &str = "hypertexture";
-/// The longest text that is read, in bytes: more than the largest scene file, every character of it escaped.
+/// Length limit of the text, bytes: more than the largest scene file with every character escaped.
 const MAX_BYTES: usize = 8 << 20;
 
-/// Where a picture comes from.
+/// Provenance of a picture.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Name and version of the program.
     pub program: String,
-    /// Name and driver of the device; of a merged picture all of them, in order of the shards.
+    /// Name and driver of the device; for a merged picture those of all shards, in order.
     pub device: String,
-    /// Slots and modules of the program that the device ran.
+    /// Slots and modules of the program.
     pub modules: String,
     /// BLAKE3 hash of `scene`.
     pub scene_hash: String,
     /// The scene, complete with defaults, as a scene file.
     pub scene: String,
-    /// BLAKE3 hashes of the files that the scene reads, by path as in the scene, and of those beside them that hold their
-    /// data; of a folder, that of its files.
+    /// BLAKE3 hashes of the input files by their path in the scene, and of detached data files; for a folder, the hash of its
+    /// files.
     #[serde(default)]
     pub inputs: BTreeMap<String, String>,
 }
 
-/// Why a picture does not say where it comes from, or where it says is no longer to be had.
+/// Errors of reading provenance and of finding its inputs.
+#[allow(missing_docs, reason = "the names of the fields describe them")]
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProvenanceError {
-    /// Nothing there.
+    /// The file has no provenance.
     #[error("it does not say which scene it shows; pictures that hypertexture has written do, unless a tool drops it")]
     None,
-    /// Too much there.
+    /// The text is too long.
     #[error("its provenance has {0} bytes, more than the {MAX_BYTES} that any scene needs")]
     Long(usize),
-    /// Not what this program writes.
+    /// The text is malformed.
     #[error("its provenance cannot be read: {0}")]
     Syntax(String),
-    /// The scene was changed after the picture was made.
+    /// The scene was changed after rendering.
     #[error("the scene in it is not the one that was rendered: its hash is {found}, not {said}")]
-    Changed {
-        /// The hash of the text.
-        found: String,
-        /// The hash beside it.
-        said: String,
-    },
+    Changed { found: String, said: String },
     /// The scene cannot be read.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// An input was never in a file.
+    /// An input was in memory.
     #[error(
         "its object was in the memory of the program that rendered it, with contents of BLAKE3 hash {0}, and cannot be had again"
     )]
@@ -69,33 +67,19 @@ pub enum ProvenanceError {
     /// An input is out of reach.
     #[error("{0}")]
     Outside(String),
-    /// An input is not there.
+    /// An input is missing.
     #[error("input {input}: {reason}; it was rendered from a file with BLAKE3 hash {said}")]
-    Missing {
-        /// The path.
-        input: String,
-        /// What the system says.
-        reason: io::Error,
-        /// Its hash.
-        said: String,
-    },
-    /// An input is another file.
+    Missing { input: String, reason: io::Error, said: String },
+    /// An input has another content.
     #[error("input {input}: this is not the file it was rendered from: its BLAKE3 hash is {found}, not {said}")]
-    Input {
-        /// The path.
-        input: String,
-        /// Its hash.
-        found: String,
-        /// The hash that it had.
-        said: String,
-    },
+    Input { input: String, found: String, said: String },
 }
 
 impl Provenance {
-    /// The provenance of a picture of a scene, rendered by this program, with what was measured of it.
+    /// The provenance of a picture that this program has rendered.
     ///
     /// # Errors
-    /// [`ProvenanceError::Missing`] where a file of the scene is no longer there.
+    /// [`ProvenanceError::Missing`]: an input file has disappeared.
     pub fn of(scene: &Scene, device: &str, measured: &Measurements) -> Result<Provenance, ProvenanceError> {
         let mut inputs = BTreeMap::new();
         let named = scene.files().map(|(_, input)| input.to_string()).filter(|input| !BUILT_IN.contains(&&**input));
@@ -114,15 +98,15 @@ impl Provenance {
         Ok(Provenance { program, device, modules, scene_hash, scene: text, inputs })
     }
 
-    /// As it stands in a file: TOML.
+    /// The text in a file, as TOML.
     pub fn to_text(&self) -> String {
         toml::to_string(self).expect("strings by name are TOML")
     }
 
-    /// Reads what [`Provenance::to_text`] gives.
+    /// Parses the text of [`Provenance::to_text`].
     ///
     /// # Errors
-    /// A text that is none, or a scene that does not have the hash beside it.
+    /// The text is malformed, or the scene does not have its hash.
     pub fn from_text(text: &str) -> Result<Provenance, ProvenanceError> {
         if text.len() > MAX_BYTES {
             return Err(ProvenanceError::Long(text.len()));
@@ -137,11 +121,10 @@ impl Provenance {
         Ok(read)
     }
 
-    /// The scene of a picture that lies at `picture`. An input that is not where the person typed it may lie beside the
-    /// picture.
+    /// The scene of the picture in the file `picture`. Inputs that are not at their path are looked for beside the picture.
     ///
     /// # Errors
-    /// A scene that this version cannot read, or one that names a file out of reach.
+    /// This version cannot read the scene, or it names a file out of reach.
     pub fn scene(&self, picture: &Path, reach: Reach) -> Result<Scene, ProvenanceError> {
         let mut scene = scene::parse(&self.scene, &format!("the scene in {}", picture.display()))?;
         for file in scene.files_mut().filter(|file| self.inputs.contains_key(*file)) {
@@ -151,10 +134,10 @@ impl Provenance {
         Ok(scene)
     }
 
-    /// Checks that the files of the scene are those that were rendered. What is out of reach is not read.
+    /// Checks that the input files are unchanged since rendering. Files out of reach are not read.
     ///
     /// # Errors
-    /// A file that is out of reach, missing or another one.
+    /// A file is out of reach, missing or changed.
     pub fn check_inputs(&self, picture: &Path, reach: Reach) -> Result<(), ProvenanceError> {
         for (input, said) in &self.inputs {
             if input.starts_with(MEMORY) {
@@ -176,7 +159,7 @@ impl Provenance {
         Ok(())
     }
 
-    /// Where an input of the picture is now.
+    /// Present path of an input.
     fn place(&self, input: &str, picture: &Path) -> String {
         let beside = picture.parent().unwrap_or(Path::new("")).join(input);
         match !Path::new(input).exists() && beside.exists() {
@@ -186,7 +169,7 @@ impl Provenance {
     }
 }
 
-/// The files that are read for an input: itself, or those in it, by their names.
+/// Files of an input: itself, or those in a folder by name.
 fn read_for(input: &Path) -> io::Result<Vec<PathBuf>> {
     if !input.is_dir() {
         return Ok(vec![input.into()]);
@@ -197,7 +180,7 @@ fn read_for(input: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// Of a file; of a folder that of the names of its files, and of what is in them.
+/// Hash of a file; for a folder, the hash of the names and contents of its files.
 fn hash_of(path: &Path) -> io::Result<String> {
     if !path.is_dir() {
         return Ok(open::hash(path)?.to_string());

@@ -1,7 +1,9 @@
-//! Pictures from disk: as stored, and where they come from.
+//! Pictures from disk, and their provenance.
 
+use super::OutputError;
+use super::format::FileFormat;
 use super::provenance::{KEY, Provenance, ProvenanceError};
-use super::{Kind, OutputError, kind, over, straight};
+use super::write::{over, straight};
 use crate::scene::{Color, srgb_to_linear};
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
@@ -11,33 +13,32 @@ use std::io::BufReader;
 use std::path::Path;
 use support::open;
 
-/// The longest side of a picture that is read, pixels, and what its decoder may allocate, bytes: as much as the largest
-/// that is rendered.
-const LONGEST: u32 = 16_384;
-const MAX_BYTES: u64 = LONGEST as u64 * LONGEST as u64 * 16;
+/// Longest side of a picture, pixels, as for rendering; and the memory limit of the decoder, bytes.
+const MAX_SIDE: u32 = 16_384;
+const MAX_BYTES: u64 = MAX_SIDE as u64 * MAX_SIDE as u64 * 16;
 
-/// What the numbers of a stored picture mean.
+/// Encoding of the pixels of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
-    /// Straight sRGB and alpha in codes from 0 to this many: 255 or 65535, for a PNG.
+    /// PNG: straight sRGB and alpha in codes from 0 to 255 or 65535.
     Codes(u16),
-    /// Premultiplied linear floats, for OpenEXR.
+    /// OpenEXR: premultiplied linear floats.
     Linear,
 }
 
-/// A picture as it is stored.
+/// A picture with the values of its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stored {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Row by row from the top; codes as parts of the largest, so from 0 to 1.
+    /// Pixels row by row from the top; codes are scaled to [0, 1].
     pub pixels: Vec<[f32; 4]>,
-    /// What the numbers mean.
+    /// Their encoding.
     pub encoding: Encoding,
 }
 
 impl Encoding {
-    /// A premultiplied linear pixel over a background, if there is one, in this encoding but not rounded to its codes.
+    /// Encodes a premultiplied linear pixel over a background, if any, without rounding to codes.
     pub fn of(self, pixel: [f32; 4], background: Option<Color>) -> [f32; 4] {
         let whole = over(pixel, background.map(Color::linear));
         match self {
@@ -46,7 +47,7 @@ impl Encoding {
         }
     }
 
-    /// A pixel in this encoding as it is stored: rounded to codes.
+    /// Rounds an encoded pixel to codes.
     pub fn rounded(self, pixel: [f32; 4]) -> [f32; 4] {
         match self {
             Encoding::Codes(most) => pixel.map(|part| (part * f32::from(most)).round() / f32::from(most)),
@@ -54,7 +55,7 @@ impl Encoding {
         }
     }
 
-    /// The premultiplied linear pixel that a stored one shows.
+    /// Decodes a pixel to premultiplied linear color.
     pub fn linear(self, [r, g, b, alpha]: [f32; 4]) -> [f32; 4] {
         match self {
             Encoding::Codes(_) => {
@@ -65,7 +66,7 @@ impl Encoding {
         }
     }
 
-    /// The distance between two codes; 0 for floats.
+    /// Distance between two codes; 0 for floats.
     pub fn quantum(self) -> f64 {
         match self {
             Encoding::Codes(most) => 1.0 / f64::from(most),
@@ -74,22 +75,22 @@ impl Encoding {
     }
 }
 
-/// Width and height of the picture in a PNG or OpenEXR file, pixels; it is not decoded.
+/// Width and height of the picture in a PNG or OpenEXR file, in pixels, without decoding it.
 ///
 /// # Errors
-/// As [`read`].
+/// Those of [`read`].
 pub fn size(path: &Path) -> Result<[u32; 2], OutputError> {
     reader(path)?.into_dimensions().map(<[u32; 2]>::from).map_err(|error| fail(path, &error.to_string()))
 }
 
 fn reader(path: &Path) -> Result<ImageReader<BufReader<File>>, OutputError> {
-    let format = match kind(path)? {
-        Kind::Png => ImageFormat::Png,
-        Kind::Exr => ImageFormat::OpenExr,
+    let format = match FileFormat::of(path)? {
+        FileFormat::Png => ImageFormat::Png,
+        FileFormat::Exr => ImageFormat::OpenExr,
     };
     let mut reader = ImageReader::with_format(opened(path).map_err(|reason| fail(path, &reason))?, format);
     let mut limits = Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(LONGEST), Some(LONGEST));
+    (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE), Some(MAX_SIDE));
     limits.max_alloc = Some(MAX_BYTES);
     reader.limits(limits);
     Ok(reader)
@@ -98,7 +99,7 @@ fn reader(path: &Path) -> Result<ImageReader<BufReader<File>>, OutputError> {
 /// Reads a PNG or OpenEXR file.
 ///
 /// # Errors
-/// An unknown format, or what the system or the decoder says.
+/// An unknown format, or an error of the system or the decoder.
 pub fn read(path: &Path) -> Result<Stored, OutputError> {
     let image = reader(path)?.decode().map_err(|error| fail(path, &error.to_string()))?;
     let size = [image.width(), image.height()];
@@ -121,14 +122,14 @@ pub fn read(path: &Path) -> Result<Stored, OutputError> {
     })
 }
 
-/// Reads where the picture in a PNG or OpenEXR file comes from.
+/// Reads the provenance in a PNG or OpenEXR file. [`Provenance::scene`] parses its scene.
 ///
 /// # Errors
-/// A file that cannot be read, or that does not say; its scene is only read by [`Provenance::scene`].
+/// The file cannot be read, or has no provenance.
 pub fn read_provenance(path: &Path) -> Result<Provenance, OutputError> {
-    let text = match kind(path)? {
-        Kind::Png => png_text(path),
-        Kind::Exr => exr_text(path),
+    let text = match FileFormat::of(path)? {
+        FileFormat::Png => png_text(path),
+        FileFormat::Exr => exr_text(path),
     };
     let of = |source| OutputError::Provenance { path: path.display().to_string(), source };
     let text = text.map_err(|reason| fail(path, &reason))?.ok_or_else(|| of(ProvenanceError::None))?;

@@ -1,8 +1,8 @@
-//! Sequences: numbered pictures of one scene in motion, and how far a rendering of them got.
+//! Sequences: numbered pictures of one scene in motion, and their progress.
 //!
-//! Role: which scene frame k shows, what its file is called, and the manifest beside the frames, by which a rendering
-//! that was stopped goes on. Invariant: a frame counts as finished only when its line in the manifest is whole and its
-//! file has the hash that the line says; the line is written after the file.
+//! Role: the scene and the file name of each frame, and the manifest beside the frames, from which a stopped rendering
+//! resumes. Invariant: a frame is finished only if its line in the manifest is complete and its file has the hash of the
+//! line; the line is written after the file.
 
 use crate::output::shard::Shard;
 use crate::scene::Scene;
@@ -14,49 +14,40 @@ use std::str::FromStr;
 use support::open::{self, OpenError};
 use support::{may_fail, write_whole};
 
-/// The largest number of a frame.
+/// Highest frame number.
 const MAX_FRAME: u32 = 9_999_999;
-/// The longest manifest that is read, in bytes: a line of a hundred for each frame that there can be.
+/// Size limit of a manifest, bytes: 100 for each possible frame.
 const MAX_BYTES: u64 = 1 << 30;
-/// Digits of a number where a name has no place for it.
+/// Digits of a frame number if the name has no `#`.
 const DIGITS: usize = 4;
-/// The first words of a manifest; the identity of the sequence follows.
+/// Start of a manifest, before the identity of the sequence.
 const TITLE: &str = "hypertexture-frames 1 ";
 
-/// Why a sequence cannot be rendered.
+/// Errors of sequences.
+#[allow(missing_docs, reason = "the names of the fields describe them")]
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SequenceError {
-    /// Not a range of frames.
+    /// Malformed range of frames.
     #[error("write A..B, the numbers of the first and the last frame, from 0 to {MAX_FRAME}, such as 1..100")]
     Range,
-    /// A rate that makes no motion.
+    /// Frame rate out of range.
     #[error("--fps {0}: must be from 0.001 to 1000 frames per second")]
     Rate(f64),
-    /// A manifest cannot be read or written, or a frame cannot be read.
+    /// A manifest or frame cannot be read or written.
     #[error("{path}: {source}")]
-    File {
-        /// The file.
-        path: String,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// A manifest of something else.
+    File { path: String, source: io::Error },
+    /// The manifest belongs to something else.
     #[error("{path} {what}; give another --output, or --restart to render every frame again")]
-    Foreign {
-        /// The manifest.
-        path: String,
-        /// What it is instead.
-        what: &'static str,
-    },
+    Foreign { path: String, what: &'static str },
 }
 
-/// Numbers of frames: both the first and the last are rendered, as in Blender's `-f 1..100`.
+/// A range of frame numbers that includes both ends, as in Blender's `-f 1..100`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frames {
-    /// The first.
+    /// First frame.
     pub first: u32,
-    /// The last, not less than the first.
+    /// Last frame, at least `first`.
     pub last: u32,
 }
 
@@ -76,17 +67,16 @@ impl FromStr for Frames {
 /// A scene in motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sequence {
-    /// Its frames.
+    /// Frames.
     pub frames: Frames,
     /// Frames per second, 0.001 to 1000.
     pub fps: f64,
-    /// Whether the camera goes once around the object, in equal steps: the frame after the last would show the first view
-    /// again.
+    /// Whether the camera circles the object once in equal steps, so that the frame after the last would equal the first.
     pub turntable: bool,
 }
 
 impl Sequence {
-    /// Checks the rate.
+    /// Checks the frame rate.
     ///
     /// # Errors
     /// [`SequenceError::Rate`].
@@ -97,8 +87,8 @@ impl Sequence {
         }
     }
 
-    /// The scene of frame k: its time is that of `scene` and k / fps seconds. With a turntable, its azimuth is that of
-    /// `scene` and 360 (k - first) / (last - first + 1) degrees.
+    /// The scene of frame k. Adds k / fps seconds to the time of `scene` and, with a turntable,
+    /// 360 (k - first) / (last - first + 1) degrees to its azimuth.
     pub fn scene(&self, scene: &Scene, frame: u32) -> Scene {
         let mut moved = scene.clone();
         moved.camera.time = scene.camera.time + f64::from(frame) / self.fps;
@@ -114,17 +104,17 @@ impl Sequence {
         moved
     }
 
-    /// A hash of what decides the pixels of a frame with a given number; `scene` is the identity of the scene at rest,
-    /// `depth` the bits of a channel. The range of frames counts only where the turntable depends on it, so that a
-    /// sequence can be made longer.
+    /// Hash of everything that determines the pixels of a frame besides its number. `scene` is the identity of the scene at
+    /// rest, `depth` the bits of a channel. The range of frames is included only for a turntable, so that other sequences can
+    /// be extended.
     pub fn identity(&self, scene: blake3::Hash, depth: &str) -> blake3::Hash {
         let range = self.turntable.then_some(self.frames);
         blake3::hash(format!("{scene} {} {range:?} {depth}", self.fps).as_bytes())
     }
 }
 
-/// The file of a frame: its number takes the place of the last run of `#` in the name, with at least as many digits, or
-/// goes before the extension with at least 4.
+/// File of a frame. Its number replaces the last run of `#` in the name, with at least as many digits; without a `#` it
+/// precedes the extension with at least 4 digits.
 pub fn frame_path(output: &Path, frame: u32) -> PathBuf {
     let name = output.file_name().unwrap_or_default().to_string_lossy();
     let (before, digits, after) = match name.rfind('#') {
@@ -140,15 +130,15 @@ pub fn frame_path(output: &Path, frame: u32) -> PathBuf {
     output.with_file_name(format!("{before}{frame:0digits$}{after}"))
 }
 
-/// The manifest of the frames called `output`, or of one shard of them: beside them, named after them.
+/// File of the manifest of the frames `output`, or of one shard of them: beside the frames and named after them.
 pub fn manifest_path(output: &Path, shard: Option<Shard>) -> PathBuf {
     let name = output.file_name().unwrap_or_default().to_string_lossy().replace('#', "");
     let shard = shard.map_or(String::new(), |shard| format!(".{}", shard.suffix()));
     output.with_file_name(format!("{name}{shard}.frames"))
 }
 
-/// Which frames are finished: a text file with the identity of the sequence in its first line, and a line for each
-/// frame: number, BLAKE3 hash of the file, name of the file.
+/// List of the finished frames: a text file with the identity of the sequence in the first line, and a line for each frame
+/// with its number, the BLAKE3 hash of its file, and the name of the file.
 #[derive(Debug)]
 pub struct Manifest {
     path: PathBuf,
@@ -157,11 +147,10 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    /// Opens or begins the manifest of a sequence; `restart` begins it in any case. A line that is not whole, as a crash
-    /// leaves it, is dropped.
+    /// Opens or creates the manifest of a sequence; `restart` empties it. Incomplete lines, as after a crash, are dropped.
     ///
     /// # Errors
-    /// [`SequenceError::Foreign`] for the manifest of another sequence or another kind of file, or what the system says.
+    /// [`SequenceError::Foreign`] for the manifest of another sequence or another kind of file, or an error of the system.
     pub fn open(path: &Path, identity: blake3::Hash, restart: bool) -> Result<Manifest, SequenceError> {
         let name = path.display().to_string();
         let failed = |source| SequenceError::File { path: name.clone(), source };
@@ -187,7 +176,7 @@ impl Manifest {
         Ok(Manifest { path: path.into(), file, done })
     }
 
-    /// Whether the file of a frame is there as it was written.
+    /// Whether the file of a frame exists unchanged.
     pub fn has(&self, frame: u32, path: &Path) -> bool {
         let own = |name: &str| path.file_name().is_some_and(|file| file == name);
         match self.done.get(&frame) {
@@ -196,10 +185,10 @@ impl Manifest {
         }
     }
 
-    /// Notes that the file of a frame is finished. The line is on the disk when this returns.
+    /// Records a finished frame. The line is on disk when this returns.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the system.
     pub fn add(&mut self, frame: u32, path: &Path) -> Result<(), SequenceError> {
         let failed = |path: &Path| {
             let path = path.display().to_string();
@@ -220,7 +209,7 @@ fn line(frame: u32, hash: &blake3::Hash, name: &str) -> String {
     format!("{frame} {hash} {name}\n")
 }
 
-/// The frame of a whole line.
+/// Parses a complete line.
 fn finished(line: &str) -> Option<(u32, (blake3::Hash, String))> {
     let mut parts = line.strip_suffix('\n')?.splitn(3, ' ');
     let frame = parts.next()?.parse().ok()?;

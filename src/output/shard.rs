@@ -1,8 +1,8 @@
-//! Shards: one picture, or one sequence, split among processes that know nothing of each other.
+//! Shards: one picture, or one sequence, split among independent processes.
 //!
-//! Role: which rows of a picture belong to a shard, the file that holds them, and the union of those files. Invariant:
-//! any split gives the pixels of the whole, bit for bit; a file is believed only when its checksum holds, and a picture
-//! is made only of all its shards. Source: PH 3.1 (interleaved pixels on 64 processors, a dozen workstations).
+//! Role: the rows of each shard, its file, and the merge of the files. Invariant: every split gives the pixels of the whole
+//! picture bit for bit; the checksum of each file is verified, and a merge needs all shards. Source: PH 3.1 (interleaved
+//! pixels on 64 processors, a dozen workstations).
 
 use crate::output::{Depth, Provenance};
 use crate::render::variant::Variant;
@@ -17,37 +17,38 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use support::open::{self, OpenError};
 
-/// The most shards of one picture.
+/// Most shards of one picture.
 const MAX_COUNT: u32 = 65_536;
-/// Bands of one shard that a picture should have room for. Fewer: one shard gets the object and another the sky.
+/// Wanted bands per shard. Lower: one shard gets the object and another the background.
 const BANDS: u32 = 8;
-/// Rows of a band are a multiple of this. Less: a device that shades blocks of 4 x 4 pixels shades most of them in vain.
+/// Divisor of the rows of a band. Lower: devices that shade blocks of 4 x 4 pixels waste most of them.
 const BAND_STEP: u32 = 4;
-/// The most rows of a band. More: an object that is small in its picture falls into a few bands.
+/// Most rows of a band. Higher: a small object falls into few bands.
 const BAND_ROWS: u32 = 32;
-/// The largest side of a picture, as scenes have it.
+/// Longest side of a picture, as in scenes.
 const MAX_SIDE: u32 = 16_384;
-/// The longest file that is read: all of the largest picture, and where it comes from.
+/// Size limit of a file: the largest picture with its provenance.
 const MAX_BYTES: u64 = 16 * (MAX_SIDE as u64).pow(2) + (16 << 20);
 const MAGIC: &[u8; 8] = b"HTSHARD2";
 /// Bytes of a BLAKE3 hash.
 const HASH: usize = 32;
 
-/// Part `index` of `count`.
+/// Shard `index` of `count`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     index: u32,
     count: u32,
 }
 
-/// Why there is no shard, or no picture of shards.
+/// Errors of shards and of their merge.
+#[allow(missing_docs, reason = "the names of the fields describe them")]
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShardError {
-    /// Not a part of a whole.
+    /// Malformed specification.
     #[error("shard {0}: write K/N with K from 0 to N - 1 and N from 1 to {MAX_COUNT}, such as 0/4, or auto")]
     Spec(String),
-    /// No scheduler says which part is meant.
+    /// The environment does not specify the shard.
     #[error(
         "--shard auto: {0}; it is set by Slurm (SLURM_ARRAY_TASK_ID, SLURM_ARRAY_TASK_COUNT) or Kubernetes \
          (JOB_COMPLETION_INDEX, with JOB_COMPLETIONS or HYPERTEXTURE_SHARD_COUNT); otherwise give --shard K/N"
@@ -55,52 +56,19 @@ pub enum ShardError {
     Environment(String),
     /// A shard cannot be read.
     #[error("{path}: {source}")]
-    Read {
-        /// The file.
-        path: String,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// A file is no shard, or not as it was written.
+    Read { path: String, source: io::Error },
+    /// The file is not a shard, or is damaged.
     #[error("{path}: {what}")]
-    Damaged {
-        /// The file.
-        path: String,
-        /// What is wrong.
-        what: &'static str,
-    },
-    /// Two files are not of one picture.
+    Damaged { path: String, what: &'static str },
+    /// Two files belong to different pictures.
     #[error("{path} and {first} are not shards of one picture: they differ in {what}; render one of them again")]
-    Foreign {
-        /// The file.
-        path: String,
-        /// The file before it.
-        first: String,
-        /// In what they differ.
-        what: &'static str,
-    },
-    /// Two files hold the same part, and not the same pixels.
+    Foreign { path: String, first: String, what: &'static str },
+    /// Two files hold the same shard with different pixels.
     #[error("{path} and {first} both hold shard {shard}, with different content; leave one of them out")]
-    Twice {
-        /// The file.
-        path: String,
-        /// The file before it.
-        first: String,
-        /// The part.
-        shard: Shard,
-    },
-    /// Parts are missing.
+    Twice { path: String, first: String, shard: Shard },
+    /// Shards are missing.
     #[error("{missing} of {count} shards missing: {which}; render with --shard {first}")]
-    Missing {
-        /// How many.
-        missing: usize,
-        /// Of how many.
-        count: u32,
-        /// The first few.
-        which: String,
-        /// The first one.
-        first: Shard,
-    },
+    Missing { missing: usize, count: u32, which: String, first: Shard },
 }
 
 impl fmt::Display for Shard {
@@ -120,7 +88,7 @@ impl FromStr for Shard {
 }
 
 impl Shard {
-    /// Part `index` of `count`, counted from 0; `None` unless `index < count <= 65536`.
+    /// Shard `index` of `count`, counted from 0; `None` unless `index < count <= 65536`.
     pub fn new(index: u32, count: u32) -> Option<Shard> {
         (index < count && count <= MAX_COUNT).then_some(Shard { index, count })
     }
@@ -158,13 +126,12 @@ impl Shard {
             .ok_or_else(|| ShardError::Environment(format!("it says shard {index} of {count}, counted from 0")))
     }
 
-    /// Whether item `number` of a sequence belongs to this part: every `count`-th does.
+    /// Whether frame `number` of a sequence belongs to this shard, as every `count`-th does.
     pub fn takes(self, number: u32) -> bool {
         number % self.count == self.index
     }
 
-    /// The rows of a picture that belong to this part: bands of some rows, every `count`-th; they do not touch. None,
-    /// where a picture has fewer bands than there are parts.
+    /// The rows of this shard: every `count`-th band of some rows. Empty if the picture has fewer bands than shards.
     pub fn bands(self, height: u32) -> Vec<Range<u32>> {
         let rows = if self.count == 1 { height.max(1) } else { band_rows(height, self.count) };
         let starts = (0..height).step_by(rows as usize);
@@ -172,24 +139,24 @@ impl Shard {
         own.map(|start| start..(start + rows).min(height)).collect()
     }
 
-    /// The name of the file that holds this part of the picture `output`.
+    /// File of this shard of the picture `output`.
     pub fn path(self, output: &Path) -> PathBuf {
         output.with_extension(self.suffix())
     }
 
-    /// The name of this part in the names of files.
+    /// Part of file names that denotes this shard.
     pub fn suffix(self) -> String {
         format!("shard-{}-of-{}", self.index, self.count)
     }
 }
 
-/// Rows of one band.
+/// Number of rows of a band.
 fn band_rows(height: u32, count: u32) -> u32 {
     (height / (BANDS * count) / BAND_STEP * BAND_STEP).clamp(BAND_STEP, BAND_ROWS)
 }
 
-/// A hash of everything that decides the pixels of a scene, but for the device: the scene, the program, the object by
-/// its content and not by its path, and the version of this crate.
+/// Hash of everything but the device that determines the pixels of a scene: the scene, its program, the content of the
+/// object (not its path), and the version of this crate.
 ///
 /// # Errors
 /// The scene has no valid program.
@@ -198,8 +165,8 @@ pub fn identity(scene: &Scene, library: &Library, subject: &Subject) -> Result<b
     Ok(identity_by(scene, subject, &[&program.vertex, &program.fragment].map(|words| bytemuck::cast_slice(words))))
 }
 
-/// The same by the texts of the library, of which the program is not linked: that takes up to a second. Other texts that the
-/// program does not reach make another hash as well.
+/// A cheaper identity, by the texts of the library in place of the linked program, which saves up to a second. It also changes
+/// with texts that the program does not use.
 ///
 /// # Errors
 /// The scene is not valid.
@@ -210,7 +177,7 @@ pub fn identity_of_texts(scene: &Scene, library: &Library, subject: &Subject) ->
 
 fn identity_by(scene: &Scene, subject: &Subject, program: &[&[u8]]) -> blake3::Hash {
     let mut named = scene.clone();
-    named.modules.clear(); // they are in the program
+    named.modules.clear(); // the program contains them
     let mut hash = blake3::Hasher::new();
     hash.update(concat!("hypertexture ", env!("CARGO_PKG_VERSION"), "\n").as_bytes());
     let further = named.parts.iter_mut().map(|(name, part)| (&mut part.object, &subject.parts[name]));
@@ -228,24 +195,23 @@ fn identity_by(scene: &Scene, subject: &Subject, program: &[&[u8]]) -> blake3::H
     hash.finalize()
 }
 
-/// What all shards of one picture agree on.
+/// Header of a shard: the properties of the whole picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Whole {
-    /// What [`identity`] says of its scene.
+    /// [`identity`] of the scene.
     pub identity: blake3::Hash,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Color behind the object; `None` for transparent.
     pub background: Option<Color>,
-    /// Bits of each channel, if it becomes a PNG.
+    /// Bits of each channel of a PNG.
     pub depth: Depth,
-    /// Where the picture comes from; not part of the agreement: another device may round another way, and another
-    /// machine may have its files elsewhere.
+    /// Provenance, which may differ between shards: by device, and by paths.
     pub provenance: Provenance,
 }
 
-/// The file of a shard: a magic, a header, the pixels of the shard's bands from the top (little-endian f32, premultiplied
-/// linear RGBA), and the BLAKE3 hash of everything before.
+/// Encodes the file of a shard: magic, header, pixels of its bands from the top (little-endian f32, premultiplied linear
+/// RGBA), and the BLAKE3 hash of everything before.
 pub fn encode(whole: &Whole, shard: Shard, frame: &Frame) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     bytes.extend(whole.identity.as_bytes());
@@ -266,17 +232,17 @@ pub fn encode(whole: &Whole, shard: Shard, frame: &Frame) -> Vec<u8> {
     bytes
 }
 
-/// Where the pixels of a band are in a picture.
+/// Range of the pixels of a band in a picture.
 fn span(band: &Range<u32>, width: u32) -> Range<usize> {
     band.start as usize * width as usize..band.end as usize * width as usize
 }
 
-/// Joins the shards of a picture. Its pixels are those that one process would have rendered, bit for bit. Says which
-/// other devices had a part, if there are any.
+/// Merges the shards of a picture into the pixels that one process would have rendered, bit for bit. Also returns the
+/// devices other than the first.
 ///
 /// # Errors
-/// A file that cannot be read or is damaged, shards of several pictures, a shard twice with different content, or one
-/// that is missing.
+/// A file cannot be read or is damaged, shards belong to different pictures, one exists twice with different content, or one
+/// is missing.
 pub fn merge(paths: &[PathBuf]) -> Result<(Frame, Whole, Vec<String>), ShardError> {
     let mut first: Option<(String, Whole, u32)> = None;
     let mut found: BTreeMap<u32, (String, blake3::Hash)> = BTreeMap::new();
@@ -322,14 +288,14 @@ pub fn merge(paths: &[PathBuf]) -> Result<(Frame, Whole, Vec<String>), ShardErro
     Ok((Frame { size: whole.size, pixels, measurements: Measurements::default() }, whole, devices))
 }
 
-/// What a file holds; of one that is no shard, how it begins.
+/// Content of a file; only the start if it is not a shard.
 fn bytes_of(path: &Path) -> Result<Vec<u8>, OpenError> {
     let mut start = Vec::new();
     open::open(path, MAX_BYTES)?.0.take(MAGIC.len() as u64).read_to_end(&mut start)?;
     if start == MAGIC { open::bytes(path, MAX_BYTES) } else { Ok(start) }
 }
 
-/// In what two shards differ that should not.
+/// Illegal difference between two shards.
 fn difference(a: (&Whole, u32), b: (&Whole, u32)) -> Option<&'static str> {
     let info = [
         (a.0.size == b.0.size, "the size of the picture"),
@@ -340,10 +306,10 @@ fn difference(a: (&Whole, u32), b: (&Whole, u32)) -> Option<&'static str> {
     info.into_iter().find(|(same, _)| !same).map(|(_, what)| what)
 }
 
-/// What a file of a shard holds: the picture, the part and the bytes of its pixels.
+/// Decodes a file: the whole picture, the shard, and the bytes of its pixels.
 fn decode(bytes: &[u8]) -> Result<(Whole, Shard, &[u8]), &'static str> {
     if !bytes.starts_with(MAGIC) {
-        return Err("this is no shard of hypertexture; name the files that `render --shard` wrote");
+        return Err("not a shard of hypertexture; name the files that `render --shard` wrote");
     }
     let split = bytes.len().checked_sub(HASH).ok_or("the file ends early; render this shard again")?;
     let (content, hash) = bytes.split_at(split);

@@ -88,7 +88,7 @@ fn terraces(m: &Measurements, subject: &Subject) -> Option<String> {
     let voxel = subject.scale * subject.field.as_ref()?.grid.spacing.min_element();
     (m.quantization > TERRACE * voxel).then(|| {
         format!(
-            "distances are stored to {:.3} of a voxel, and normals show it as steps; object.source = \"normals16\" does not",
+            "distances are stored to {:.3} of a voxel, and normals show it as steps; object.field_encoding = \"normals16\" does not",
             m.quantization / voxel
         )
     })

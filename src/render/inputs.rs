@@ -226,7 +226,7 @@ fn image(
         "classified_image" => {
             let field = subject.field.as_ref().ok_or(RenderError::Classification(
                 scene.effect.classify.clone(),
-                "voxels, and this object is a formula (object.source = \"normals16\" makes a volume of it)",
+                "voxels, and this object is a formula (object.field_encoding = \"normals16\" makes a volume of it)",
             ))?;
             if !scene.effect.dmf.is_empty() || !scene.effect.warp.is_empty() {
                 let what = "no DMF or warp: colors are given to voxels";

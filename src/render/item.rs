@@ -4,7 +4,7 @@ use super::view::Own;
 use super::{RenderError, Subject};
 use crate::render::texture::{self, Encoding, Texels};
 use crate::render::variant::Variant;
-use crate::scene::{Parameters, Scene, Source};
+use crate::scene::{FieldEncoding, Parameters, Scene};
 
 /// How a distance is stored in a volume, units of its object: `x + y s` for a texel s.
 #[derive(Clone, Copy, Default)]
@@ -49,7 +49,7 @@ impl<'a> Item<'a> {
             name => Item {
                 suffix: format!("_{name}"),
                 own,
-                scene: scene.alone(name),
+                scene: scene.part_as_scene(name),
                 subject: &subject.parts[name],
                 parameters: &variant.parts[name],
                 stored,
@@ -67,9 +67,9 @@ impl<'a> Item<'a> {
     /// How the volume is stored, and the distances that it tells apart, units of the field.
     pub(super) fn encoding(&self, variant: &Variant) -> (Encoding, [f32; 2]) {
         let slot = if self.own.name.is_empty() { "object".into() } else { format!("{}.object", self.own.name) };
-        let encoding = match (self.scene.object.source, variant.module(&slot)) {
-            (Source::Normals8, _) => Encoding::Normals8,
-            (Source::Distance32, _) => Encoding::Distance32,
+        let encoding = match (self.scene.object.field_encoding, variant.module(&slot)) {
+            (FieldEncoding::Normals8, _) => Encoding::Normals8,
+            (FieldEncoding::Distance32, _) => Encoding::Distance32,
             (_, Some("distance")) => Encoding::Distance16,
             _ => Encoding::Normals16,
         };

@@ -40,7 +40,7 @@ impl Marks {
     pub(super) fn new(gpu: &Gpu, library: &Library, scene: &Scene, variant: &Variant) -> Result<Marks, RenderError> {
         let program = variant.table(ENTRY, library)?.program(library, Linker::new)?;
         let pipeline =
-            bind::pipeline(gpu, &program, scene, &[], Format::Depth16, 1, (gpu::Blend::Replace, gpu::Marks::Make))?;
+            bind::pipeline(gpu, &program, scene, &[], Format::Depth16, 1, (gpu::Blend::Replace, gpu::Marks::Write))?;
         Ok(Marks { program, pipeline, image: image(gpu, scene)? })
     }
 

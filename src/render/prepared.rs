@@ -142,7 +142,7 @@ impl Prepared {
         let attributes = if quality.pass == Pass::Slices { pass::attributes(quality.proxy) } else { &[] };
         let ends_early = destination == Destination::Frame && Marks::serve(scene);
         let marks = ends_early.then(|| Marks::new(gpu, library, scene, &variant)).transpose()?;
-        let heeds = if marks.is_some() { gpu::Marks::Heed } else { gpu::Marks::None };
+        let heeds = if marks.is_some() { gpu::Marks::Test } else { gpu::Marks::None };
         let shape = (scene.effect.octaves, attributes, format, quality.msaa, blend, heeds);
         let (picture, caster, half_angle, mut depth, pace) = match made.pipelines.filter(|made| made.shape == shape) {
             Some(made) => (made.picture, made.caster, made.half_angle, made.depth, made.pace),

@@ -180,7 +180,13 @@ impl View {
         let camera = &scene.camera;
         let mut objects = vec![Own::of("", Transform::default(), scene, subject, &variant.parameters)];
         for (name, part) in &scene.parts {
-            objects.push(Own::of(name, part.transform, &scene.alone(name), &subject.parts[name], &variant.parts[name]));
+            objects.push(Own::of(
+                name,
+                part.transform,
+                &scene.part_as_scene(name),
+                &subject.parts[name],
+                &variant.parts[name],
+            ));
         }
         let (box_min, box_max) = box_of(scene, &objects, Own::soft_box);
         // What the camera looks at does not move with what drips.

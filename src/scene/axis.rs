@@ -1,37 +1,34 @@
-//! Which way is up in a file.
+//! The vertical axis of a file.
 
+use super::setting::choices;
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
 
-/// A direction along an axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Axis {
-    /// +x.
-    X,
-    /// +y.
-    #[default]
-    Y,
-    /// +z.
-    Z,
-    /// -x.
-    #[serde(rename = "-x")]
-    MinusX,
-    /// -y.
-    #[serde(rename = "-y")]
-    MinusY,
-    /// -z.
-    #[serde(rename = "-z")]
-    MinusZ,
+choices! {
+    /// A direction along an axis of a file.
+    pub enum Axis {
+        /// x of the file points up.
+        X = "x",
+        /// y of the file points up.
+        #[default]
+        Y = "y",
+        /// z of the file points up.
+        Z = "z",
+        /// -x of the file points up.
+        MinusX = "-x",
+        /// -y of the file points up.
+        MinusY = "-y",
+        /// -z of the file points up.
+        MinusZ = "-z",
+    }
 }
 
 impl Axis {
-    /// A vector by the axes of a file, by those of the scene.
+    /// Converts a vector from the axes of the file to those of the scene.
     pub fn turned(self, vector: DVec3) -> DVec3 {
         self.turn().map(|(axis, reversed)| if reversed { -vector[axis] } else { vector[axis] }).into()
     }
 
-    /// A vector by the axes of the scene, by those of the file.
+    /// Converts a vector from the axes of the scene to those of the file.
     pub fn turned_back(self, vector: DVec3) -> DVec3 {
         let mut own = DVec3::ZERO;
         for (axis, (from, reversed)) in self.turn().into_iter().enumerate() {
@@ -40,8 +37,8 @@ impl Axis {
         own
     }
 
-    /// For each axis of a space whose y axis is this direction: the axis it comes from, and whether it is reversed. The
-    /// turn is a rotation, so that nothing is mirrored.
+    /// Source axis and sign of each axis of a space whose y axis is this direction. The map is a rotation: it mirrors
+    /// nothing.
     pub fn turn(self) -> [(usize, bool); 3] {
         match self {
             Axis::Y => [(0, false), (1, false), (2, false)],

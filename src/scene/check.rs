@@ -1,19 +1,19 @@
-//! The checks that make a scene valid.
+//! Validation of scenes.
 
 use super::header::{declaring, header};
 use super::loops::{BENDING_LOOPS, BENDING_STEPS, LOOP_BUDGET, SHADOW_SAMPLES};
 use super::schema::setting;
-use super::{Integration, Jitter, Parameters, RayPath, Repeat, Scene, SceneError, Storage};
+use super::{Integration, Jitter, Object, Parameters, Pass, RayPath, Repeat, Scene, SceneError, Storage};
 use crate::shader::declare::Outside;
 use crate::shader::library::{COMBINE, Library};
 use crate::shader::{Declarations, Slots};
 use std::collections::BTreeMap;
 
 impl Scene {
-    /// Checks every value, module and parameter, and gives the parameters their values.
+    /// Checks all values, modules and parameters, and returns the values of the parameters.
     ///
     /// # Errors
-    /// The first thing that is wrong: the field, its value, and what is allowed.
+    /// The first error, with field, value and allowed values.
     pub fn check(&self, library: &Library) -> Result<Parameters, SceneError> {
         self.check_values()?;
         self.check_object()?;
@@ -29,14 +29,14 @@ impl Scene {
         self.parameters(&library.declarations(&self.entries(), &slots)?)
     }
 
-    /// Checks the additional objects of a scene that is valid but for them, and gives their parameters their values.
+    /// Checks the additional objects of an otherwise valid scene, and returns the values of their parameters.
     ///
     /// # Errors
-    /// As [`Scene::check`], with the object named.
+    /// Those of [`Scene::check`], with the name of the object.
     pub fn check_parts(&self, library: &Library) -> Result<BTreeMap<String, Parameters>, SceneError> {
         let slots = self.slots_with_objects(library);
         let check = |name: &String| {
-            let own = self.alone(name);
+            let own = self.part_as_scene(name);
             own.check_values()?;
             own.check_object()?;
             own.check_look(library)?;
@@ -50,7 +50,7 @@ impl Scene {
         checked.collect()
     }
 
-    /// The modules of the scene with one for each object: any, since all declare the same.
+    /// Modules with one of slot `object` for each object; any will do, as all declare the same.
     fn slots_with_objects(&self, library: &Library) -> Slots {
         let mut slots = self.slots(library);
         let own = self.parts.keys().map(|name| format!("{name}.object"));
@@ -58,10 +58,10 @@ impl Scene {
         slots
     }
 
-    /// Drops the values of parameters that no module of the scene declares: for a scene whose modules were exchanged.
+    /// Removes the values of parameters that no module declares, after modules were exchanged.
     ///
     /// # Errors
-    /// An unknown module.
+    /// A module is unknown.
     pub fn drop_foreign_parameters(&mut self, library: &Library) -> Result<(), SceneError> {
         let slots = self.slots_with_objects(library);
         self.check_modules(library, &slots)?;
@@ -70,7 +70,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Every value is in the range of its setting; those of additional objects are checked with them.
+    /// Checks all values against their settings, except those of additional objects.
     fn check_values(&self) -> Result<(), SceneError> {
         let fields = self.fields();
         let own = fields.iter().filter(|(name, _)| !name.starts_with("parts.") || name.contains(".transform."));
@@ -79,81 +79,63 @@ impl Scene {
     }
 
     fn check_object(&self) -> Result<(), SceneError> {
-        let object = &self.object;
-        if object.inner_iso > object.outer_iso {
-            return Err(SceneError::Value {
-                field: "object.inner_iso".into(),
-                value: object.inner_iso.to_string(),
-                limit: format!(
-                    "at most object.outer_iso = {}; for a hard object use softness = \"hard\"",
-                    object.outer_iso
-                ),
-            });
+        let Object { inner_iso, outer_iso, .. } = self.object;
+        if inner_iso <= outer_iso {
+            return Ok(());
         }
-        Ok(())
+        let limit = format!("at most object.outer_iso = {outer_iso}; for a hard object use softness = \"hard\"");
+        Err(SceneError::value("object.inner_iso", inner_iso, limit))
     }
 
     fn check_look(&self, library: &Library) -> Result<(), SceneError> {
-        let limit = match (self.effect.project.as_str(), self.object.is_formula()) {
-            ("closest", true) => "needs a volume; object.source = \"normals16\" makes one of a formula",
-            ("formula", false) => "needs an object that is a formula: sphere, cube or torus, without object.source",
-            _ => "",
-        };
-        if !limit.is_empty() {
-            let (field, value) = ("effect.project".into(), self.effect.project.clone());
-            return Err(SceneError::Value { field, value, limit: limit.into() });
+        let (project, is_formula) = (self.effect.project.as_str(), self.object.is_formula());
+        let volume = "needs a volume; object.field_encoding = \"normals16\" makes one of a formula";
+        match (project, is_formula) {
+            ("closest", true) => return Err(SceneError::value("effect.project", project, volume)),
+            ("formula", false) => {
+                let limit = "needs an object that is a formula: sphere, cube or torus, without object.field_encoding";
+                return Err(SceneError::value("effect.project", project, limit));
+            }
+            _ => {}
         }
-        let sparse = |limit: &str| {
-            let (field, value) = ("object.storage".into(), "\"sparse\"".into());
-            Err(SceneError::Value { field, value, limit: limit.into() })
-        };
         if self.object.storage == Storage::Sparse {
-            if self.object.is_formula() {
-                return sparse("needs a volume; object.source = \"normals16\" makes one of a formula");
+            let sparse = |limit: String| Err(SceneError::value("object.storage", "\"sparse\"", limit));
+            if is_formula {
+                return sparse(volume.into());
             }
             let empty = |declared: &Declarations| declared.outside == Outside::Empty;
             if !empty(&header(library, "classify", &self.effect.classify)) {
                 let empty = declaring(library, "classify", empty);
-                return sparse(&format!(
-                    "needs effect.classify = {empty}: others color what is beyond the soft region"
-                ));
+                return sparse(format!("needs effect.classify = {empty}: others color what is beyond the soft region"));
             }
         }
         self.check_light()?;
+        self.check_camera()
+    }
+
+    fn check_camera(&self) -> Result<(), SceneError> {
         let camera = &self.camera;
         if let Some(rotation) = camera.rotation {
             let length = rotation.iter().map(|value| value * value).sum::<f32>().sqrt();
             if !(0.999..=1.001).contains(&length) {
-                return Err(SceneError::Value {
-                    field: "camera.rotation".into(),
-                    value: format!("{rotation:?}"),
-                    limit: "must be a unit quaternion x, y, z, w: its squares sum to 1".into(),
-                });
+                let limit = "must be a unit quaternion x, y, z, w: its squares sum to 1";
+                return Err(SceneError::value("camera.rotation", format!("{rotation:?}"), limit));
             }
         }
         camera.lens()?;
         if camera.shutter > 0.0 && self.quality.supersampling < 2 {
-            return Err(SceneError::Value {
-                field: "camera.shutter".into(),
-                value: camera.shutter.to_string(),
-                limit: "needs quality.supersampling of 2 or more: one moment is not blurred".into(),
-            });
+            let limit = "needs quality.supersampling of 2 or more: one moment is not blurred";
+            return Err(SceneError::value("camera.shutter", camera.shutter, limit));
         }
-        if camera.slice_stack && self.quality.pass == super::Pass::March {
-            return Err(SceneError::Value {
-                field: "camera.slice_stack".into(),
-                value: "true".into(),
-                limit: "needs quality.pass = \"slices\": rays have no stack to look at".into(),
-            });
+        if camera.slice_stack && self.quality.pass == Pass::March {
+            let limit = "needs quality.pass = \"slices\": rays have no stack to look at";
+            return Err(SceneError::value("camera.slice_stack", true, limit));
         }
         if let Some(plane) = camera.clip
             && plane[..3].iter().all(|&value| value.abs() < 1e-6)
         {
-            return Err(SceneError::Value {
-                field: "camera.clip".into(),
-                value: format!("{plane:?}"),
-                limit: "the first three numbers are the normal of the plane and must not all be 0".into(),
-            });
+            let limit = "the first three numbers are the normal of the plane and must not all be 0";
+            return Err(SceneError::value("camera.clip", format!("{plane:?}"), limit));
         }
         Ok(())
     }
@@ -161,11 +143,7 @@ impl Scene {
     fn check_transfer(&self) -> Result<(), SceneError> {
         let stops = &self.transfer.stops;
         if stops.is_empty() || stops.len() > 256 {
-            return Err(SceneError::Value {
-                field: "transfer.stops".into(),
-                value: format!("{} stops", stops.len()),
-                limit: "1 to 256".into(),
-            });
+            return Err(SceneError::value("transfer.stops", format!("{} stops", stops.len()), "1 to 256"));
         }
         for stop in stops {
             within("transfer.stops.at", stop.at, 0.0, 1.0)?;
@@ -174,58 +152,44 @@ impl Scene {
         }
         match stops.windows(2).find(|pair| pair[0].at > pair[1].at) {
             None => Ok(()),
-            Some(pair) => Err(SceneError::Value {
-                field: "transfer.stops.at".into(),
-                value: pair[1].at.to_string(),
-                limit: format!("at least that of the stop before it, {}", pair[0].at),
-            }),
+            Some(pair) => {
+                let limit = format!("at least that of the stop before it, {}", pair[0].at);
+                Err(SceneError::value("transfer.stops.at", pair[1].at, limit))
+            }
         }
     }
 
     fn check_quality(&self, library: &Library) -> Result<(), SceneError> {
-        let quality = &self.quality;
-        let effect = &self.effect;
-        let procedural = self.has_noise_loops(library);
-        if quality.pass == super::Pass::March && effect.ray_path == RayPath::Straight {
+        let (quality, effect) = (&self.quality, &self.effect);
+        if quality.pass == Pass::March && effect.ray_path == RayPath::Straight {
             let most = (self.loop_budget(library) / self.sample_loops(library)).floor();
             if quality.samples as f32 > most {
-                return Err(SceneError::Value {
-                    field: "quality.samples".into(),
-                    value: quality.samples.to_string(),
-                    limit: format!(
-                        "must be from 1 to {most} by rays, whose loops add up; quality.pass = \"slices\" takes more"
-                    ),
-                });
+                let limit = format!(
+                    "must be from 1 to {most} by rays, whose loops add up; quality.pass = \"slices\" takes more"
+                );
+                return Err(SceneError::value("quality.samples", quality.samples, limit));
             }
         }
-        if self.light.shadows && procedural && SHADOW_SAMPLES as f32 * self.procedural_loops(library) > LOOP_BUDGET {
-            return Err(SceneError::Value {
-                field: "light.shadows".into(),
-                value: "true".into(),
-                limit:
-                    "needs fewer modules or octaves, or noise = \"block\" and turbulence = \"encoded\": a ray of the \
-                        light would loop longer than every device bears"
-                        .into(),
-            });
+        let shadow_loops = SHADOW_SAMPLES as f32 * self.procedural_loops(library);
+        if self.light.shadows && self.has_noise_loops(library) && shadow_loops > LOOP_BUDGET {
+            let limit = "needs fewer modules or octaves, or noise = \"block\" and turbulence = \"encoded\": shadow rays \
+                         would exceed the loop limit of some drivers";
+            return Err(SceneError::value("light.shadows", true, limit));
         }
         let has_segments = |declared: &Declarations| declared.segments.is_some();
         if quality.integration == Integration::Segment && !has_segments(&header(library, "classify", &effect.classify))
         {
-            return Err(SceneError::Value {
-                field: "quality.integration".into(),
-                value: "segment".into(),
-                limit: format!(
-                    "effect.classify = \"{}\" has points only; use {}, or integration = \"point\"",
-                    effect.classify,
-                    declaring(library, "classify", has_segments)
-                ),
-            });
+            let limit = format!(
+                "effect.classify = \"{}\" has points only; use {}, or integration = \"point\"",
+                effect.classify,
+                declaring(library, "classify", has_segments)
+            );
+            return Err(SceneError::value("quality.integration", "segment", limit));
         }
         let cells = quality.turbulence_cells;
         if 2 * cells > quality.block_size {
             let limit = format!("at most half of quality.block_size = {}", quality.block_size);
-            let (field, value) = ("quality.turbulence_cells".into(), cells.to_string());
-            return Err(SceneError::Value { field, value, limit });
+            return Err(SceneError::value("quality.turbulence_cells", cells, limit));
         }
         for (slot, repeat, module) in [
             ("noise", effect.noise_repeat, &effect.noise),
@@ -233,37 +197,36 @@ impl Scene {
         ] {
             if repeat != Repeat::Own && header(library, slot, module).period.is_some() {
                 let limit = format!("must be \"own\" with {module}, which repeats as its memory does; use procedural");
-                let field = format!("effect.{slot}_repeat");
-                return Err(SceneError::Value { field, value: format!("{repeat:?}"), limit });
+                return Err(SceneError::value(format!("effect.{slot}_repeat"), format!("{repeat:?}"), limit));
             }
         }
         Ok(())
     }
 
-    /// What bends needs rays, and what only bent rays read needs rays that bend.
+    /// Checks that bent rays have the settings they need, and that settings for them are only used with them.
     fn check_ray(&self, library: &Library) -> Result<(), SceneError> {
         let effect = &self.effect;
-        let refuse = |field: &str, value: &str, limit: String| {
-            Err(SceneError::Value { field: field.into(), value: format!("\"{value}\""), limit })
-        };
+        let refuse =
+            |field: &str, value: &str, limit: &str| Err(SceneError::value(field, format!("\"{value}\""), limit));
         if effect.ray_path == RayPath::Straight {
-            let idle = [
+            let unused = [
                 ("effect.environment", &effect.environment, effect.environment != "none"),
                 ("effect.absorption", &effect.absorption, effect.absorption != "none"),
                 ("effect.classify", &effect.classify, effect.classify == "clear"),
             ];
-            return match idle.into_iter().find(|(_, _, set)| *set) {
+            return match unused.into_iter().find(|(_, _, set)| *set) {
                 None => Ok(()),
-                Some((field, value, _)) => refuse(field, value, "needs effect.ray_path = \"refracted\"".into()),
+                Some((field, value, _)) => refuse(field, value, "needs effect.ray_path = \"refracted\""),
             };
         }
-        if self.quality.pass == super::Pass::Slices {
-            let limit = "needs quality.pass = \"march\": light does not bend from slice to slice".into();
-            return refuse("effect.ray_path", "refracted", limit);
+        let refuse_path = |limit| refuse("effect.ray_path", "refracted", limit);
+        if self.quality.pass == Pass::Slices {
+            return refuse_path("needs quality.pass = \"march\": light does not bend from slice to slice");
         }
         if self.has_noise_loops(library) {
-            let limit = "needs turbulence = \"encoded\", and a noise whose header has `@loops 1`: a ray that bends reads too much of a sum";
-            return refuse("effect.ray_path", "refracted", limit.into());
+            return refuse_path(
+                "needs turbulence = \"encoded\", and a noise whose header has `@loops 1`: a ray that bends reads too much of a sum",
+            );
         }
         let straight_only = [
             ("quality.integration", "segment", self.quality.integration == Integration::Segment, "\"point\""),
@@ -271,16 +234,16 @@ impl Scene {
             ("effect.gradient", effect.gradient.as_str(), effect.gradient != "analytic", "\"analytic\""),
         ];
         if let Some((field, value, _, other)) = straight_only.into_iter().find(|entry| entry.2) {
-            return refuse(field, value, format!("must be {other} where effect.ray_path = \"refracted\""));
+            return refuse(field, value, &format!("must be {other} where effect.ray_path = \"refracted\""));
         }
         if self.has_several() {
-            return refuse("effect.ray_path", "refracted", "needs a scene of one object".into());
+            return refuse_path("needs a scene of one object");
         }
         let most = ((LOOP_BUDGET / BENDING_LOOPS - BENDING_STEPS[1]) / BENDING_STEPS[0]).floor();
         within("quality.samples", self.quality.samples as f32, 1.0, most)
     }
 
-    /// DMFs are of the kinds that they say, and several media need as many layers.
+    /// Checks the kinds of the DMFs, and that there is one medium or one for each layer.
     fn check_layers(&self, library: &Library) -> Result<(), SceneError> {
         for dmf in &self.effect.dmf {
             library.kind(dmf.split('@').next().unwrap_or_default())?;
@@ -291,7 +254,7 @@ impl Scene {
         }
         let limit =
             format!("one medium, or one for each of the {layers} DMFs in effect.dmf that have a width of their own");
-        Err(SceneError::Value { field: "effect.medium".into(), value: self.effect.medium.clone(), limit })
+        Err(SceneError::value("effect.medium", &self.effect.medium, limit))
     }
 
     fn check_modules(&self, library: &Library, slots: &Slots) -> Result<(), SceneError> {
@@ -316,22 +279,21 @@ impl Scene {
     }
 }
 
-/// NaN lies in no range.
+/// Checks that a value is in a range; NaN never is.
 pub(super) fn within(field: &str, value: f32, low: f32, high: f32) -> Result<(), SceneError> {
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    let limit = format!("must be from {low} to {high}");
-    Err(SceneError::Value { field: field.into(), value: value.to_string(), limit })
+    Err(SceneError::value(field, value, format!("must be from {low} to {high}")))
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::scene::{Color, ParameterValue, Pass, preset};
+    use crate::scene::{Color, ParameterValue, preset};
     use crate::shader;
 
-    /// What is said of the preset of fur, changed.
+    /// Error of the preset fur after a change.
     pub(in crate::scene) fn refusal(change: impl FnOnce(&mut Scene)) -> String {
         let mut scene = preset("fur").unwrap();
         change(&mut scene);

@@ -1,4 +1,4 @@
-//! Colors: sRGB where people write them, linear where light is added up.
+//! Colors: sRGB in files, linear in computations.
 
 use serde::{Deserialize, Serialize};
 

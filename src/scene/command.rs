@@ -1,7 +1,7 @@
-//! The command line that says what a scene is.
+//! The command line of a scene.
 //!
-//! It starts from the preset, or the preset over an input, that leaves the least to say, and says the rest with the option
-//! that a person would use, else with `--set FIELD=VALUE`.
+//! It starts from the preset, or the preset for an input, that needs the fewest words, followed by the flag of each setting, or
+//! `--set FIELD=VALUE` for one without a flag.
 
 use super::schema::{self, Kind, SETTINGS};
 use super::{Part, Scene, names as presets, parse_value, preset};
@@ -11,13 +11,13 @@ use support::quoted;
 use toml::Value;
 
 impl Scene {
-    /// The shortest of the command lines that render this scene, for `sh`.
+    /// The shortest command line that renders this scene, quoted for `sh`.
     pub fn command_line(&self, library: &Library) -> String {
         let starts = presets().filter_map(|name| preset(name).ok().map(|preset| (name, preset)));
         let lines = starts.flat_map(|(name, preset)| {
             let figure = (vec![name.to_string()], preset.clone());
             let mut over = preset;
-            over.bring(&self.object.input);
+            over.replace_object(&self.object.input);
             let effect: &[&str] = if name == "lit" { &[] } else { &["--effect", name] };
             let words = [&self.object.input].into_iter().cloned().chain(effect.iter().map(|word| word.to_string()));
             let input = is_plain_input(&self.object.input).then(|| (words.collect(), over));
@@ -31,23 +31,23 @@ impl Scene {
     }
 }
 
-/// Whether `render INPUT` means this input as the object.
+/// Whether `render INPUT` takes this input as the object.
 fn is_plain_input(input: &str) -> bool {
     let is_scene = Path::new(input).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
     !is_scene && !input.starts_with('-') && !input.is_empty() && presets().all(|name| name != input)
 }
 
-/// The words that turn `base` into `scene`, in the order in which they act.
+/// The options that turn `base` into `scene`, in the order of their effect.
 fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
     let mut words = Vec::new();
     let mut base = base.clone();
     let changed = scene.difference(&base);
     let slots = changed.iter().filter_map(|(name, value)| Some((module_slot(name)?, value.as_ref()?)));
     let slots: Vec<_> = slots.collect();
-    // `--module` checks the scene before, and drops the parameters of modules that are gone.
+    // `--module` checks the scene first, and drops the parameters of removed modules.
     let mut exchanged = base.clone();
     let object = &mut exchanged.object;
-    (object.iso, object.up, object.source) = (scene.object.iso, scene.object.up, scene.object.source);
+    (object.iso, object.up, object.field_encoding) = (scene.object.iso, scene.object.up, scene.object.field_encoding);
     (object.stretch, object.resolution) = (scene.object.stretch, scene.object.resolution);
     object.grid.clone_from(&scene.object.grid);
     object.distance |= scene.object.distance;
@@ -101,7 +101,7 @@ fn options(base: &Scene, scene: &Scene, library: &Library) -> Vec<String> {
     words
 }
 
-/// The modules that fill a slot.
+/// Module names of a slot.
 fn names(value: &Value) -> Vec<&str> {
     match value {
         Value::Array(stack) => stack.iter().filter_map(Value::as_str).collect(),
@@ -109,7 +109,7 @@ fn names(value: &Value) -> Vec<&str> {
     }
 }
 
-/// Whether `--module` knows a module before `--set` has said which files there are.
+/// Whether `--module` knows a module before `--set` adds custom ones.
 fn is_known(scene: &Scene, slot: &str, name: &str) -> bool {
     let (name, mask) = name.split_once('@').map_or((name, None), |(name, mask)| (name, Some(mask)));
     let is_own = |slot: &str, name: &str| scene.modules.contains_key(&format!("{slot}/{name}"));
@@ -119,13 +119,13 @@ fn is_known(scene: &Scene, slot: &str, name: &str) -> bool {
     }
 }
 
-/// The file of a module of the scene's own, where `--module` makes the same of it.
+/// File of a custom module, if `--module FILE` gives it the same name.
 fn own_file<'a>(scene: &'a Scene, slot: &str, name: &str) -> Option<&'a str> {
     let file = scene.modules.get(&format!("{slot}/{name}"))?;
     (Path::new(file).file_stem()? == name && !file.contains(['+', '@'])).then_some(file)
 }
 
-/// The option for one field.
+/// The option for a field.
 fn option(name: &str, value: Option<&Value>) -> Vec<String> {
     let set = |name: &str| vec!["--set".into(), format!("{name}={}", value.map(text).unwrap_or_default())];
     if let Some((setting, flag)) = SETTINGS.iter().find(|own| own.name == name).and_then(|own| Some((own, own.flag?))) {
@@ -149,13 +149,13 @@ fn option(name: &str, value: Option<&Value>) -> Vec<String> {
     }
 }
 
-/// An option and its value; joined where the value could be taken for an option.
+/// A flag and its value, joined by `=` if the value begins with a dash.
 fn valued(flag: &str, value: &str) -> Vec<String> {
     if value.starts_with('-') { vec![format!("{flag}={value}")] } else { vec![flag.into(), value.into()] }
 }
 
-/// The slot of a field of the scene's own effect that `--module` fills: before the other options, since it decides which
-/// parameters are kept. `--gradient` is an option of its own.
+/// The slot of a field that `--module` sets. It precedes the other options, as it drops parameters. `gradient` has its own
+/// flag.
 fn module_slot(name: &str) -> Option<&str> {
     name.strip_prefix("effect.").filter(|slot| *slot != "gradient" && schema::slots().any(|(own, _)| own == *slot))
 }
@@ -164,7 +164,7 @@ fn list(numbers: &[Value], between: &str) -> String {
     numbers.iter().map(text).collect::<Vec<_>>().join(between)
 }
 
-/// A value as `--set` reads it.
+/// A value for `--set`.
 fn text(value: &Value) -> String {
     match value {
         Value::String(text) if !text.is_empty() && text.trim() == text && parse_value(text) == *value => text.clone(),
@@ -173,7 +173,7 @@ fn text(value: &Value) -> String {
     }
 }
 
-/// The same value with as few digits as a single-precision number needs.
+/// Rounds numbers to the digits of single precision.
 fn short(value: &Value) -> Value {
     match value {
         Value::Float(number) => Value::Float((*number as f32).to_string().parse().unwrap_or(*number)),

@@ -1,63 +1,41 @@
-//! What can be wrong with a scene.
+//! Errors of scenes.
 
 use support::words::nearest;
 
-/// Why a scene cannot be made.
+/// Errors of scenes and scene files.
+#[allow(missing_docs, reason = "the names of the fields describe them")]
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
     /// A scene file cannot be read.
     #[error("{path}: {reason}")]
-    Read {
-        /// The file.
-        path: String,
-        /// What the system says.
-        reason: String,
-    },
-    /// A scene file is not what a scene file must be.
+    Read { path: String, reason: String },
+    /// A scene file is malformed.
     #[error("{path}:{line}: {reason}")]
-    Syntax {
-        /// The file.
-        path: String,
-        /// Line, from 1.
-        line: usize,
-        /// What is wrong, on one line.
-        reason: String,
-    },
-    /// A value is out of its range.
+    Syntax { path: String, line: usize, reason: String },
+    /// A value is not allowed.
     #[error("{field} = {value}: {limit}")]
-    Value {
-        /// The field, as in a scene file.
-        field: String,
-        /// The value found.
-        value: String,
-        /// What is allowed.
-        limit: String,
-    },
-    /// A name is not known.
+    Value { field: String, value: String, limit: String },
+    /// A name is unknown.
     #[error("no {kind} `{name}`{nearest}{known}")]
-    Name {
-        /// What was to be named.
-        kind: String,
-        /// The name found.
-        name: String,
-        /// The nearest known name, as a question.
-        nearest: String,
-        /// The known names, or that there are none.
-        known: String,
-    },
-    /// The formula of the objects cannot be read.
+    Name { kind: String, name: String, nearest: String, known: String },
+    /// The formula of the objects is malformed.
     #[error("combine = {0}")]
     Formula(String),
-    /// Something is wrong with an additional object.
+    /// Error of an additional object.
     #[error("in parts.{0}: {1}")]
     Part(String, Box<SceneError>),
-    /// A module is missing or its declarations are wrong.
+    /// Error of a module or its declarations.
     #[error(transparent)]
     Library(#[from] crate::shader::LibraryError),
 }
 
 impl SceneError {
+    /// A value of a field that is not allowed.
+    pub(super) fn value(field: impl Into<String>, value: impl ToString, limit: impl Into<String>) -> SceneError {
+        SceneError::Value { field: field.into(), value: value.to_string(), limit: limit.into() }
+    }
+
     /// A name that is not among `known`.
     pub fn unknown(kind: &str, name: &str, known: &[&str]) -> SceneError {
         let nearest = nearest(name, known).map(|near| format!(" (did you mean `{near}`?)")).unwrap_or_default();
@@ -69,7 +47,7 @@ impl SceneError {
     }
 }
 
-/// What TOML's reader says on one line, and the nearest name where one is wrong.
+/// Message of the TOML parser on one line, with the nearest name for a wrong one.
 pub(super) fn reason(error: &toml::de::Error) -> String {
     let mut reason = plain(&error.message().replace('\n', " "));
     let mut quoted = error.message().split('`').skip(1).step_by(2);
@@ -82,7 +60,7 @@ pub(super) fn reason(error: &toml::de::Error) -> String {
     reason
 }
 
-/// What TOML's reader says, without the words of Rust.
+/// Message of the TOML parser without terms of Rust.
 fn plain(message: &str) -> String {
     const WORDS: [(&str, &str); 14] = [
         (

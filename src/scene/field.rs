@@ -1,22 +1,20 @@
-//! Fields of a scene by name, as `--set` writes them.
+//! Fields of a scene by name, as for `--set`.
 
 use super::error::reason;
-use super::schema::{Changes, number, setting};
+use super::renamed;
+use super::schema::{Changes, float, setting};
 use super::{Scene, SceneError};
 use toml::{Table, Value};
 
 impl Scene {
-    /// Gives a field its value: the name with its tables, such as `light.color` or `parts.stone.transform.at`, and a value as
-    /// in a scene file, where the quotes of a text may be left out. An empty value takes the field back to its default.
+    /// Sets a field, named with its tables such as `light.color` or `parts.stone.transform.at`. The value is written as in a
+    /// scene file; a text needs no quotes. An empty value restores the default.
     ///
     /// # Errors
-    /// There is no such field, or it cannot have that value. How it goes with the others is for [`Scene::check`].
+    /// The field does not exist, or does not take the value. [`Scene::check`] checks it against other fields.
     pub fn set_field(&mut self, name: &str, value: &str) -> Result<(), SceneError> {
-        let wrong = |limit: String| SceneError::Value {
-            field: name.into(),
-            value: value.into(),
-            limit: limit.replace('\n', " "),
-        };
+        let (name, value) = (&*renamed::name(name), &*renamed::value(name, value));
+        let wrong = |limit: String| SceneError::value(name, value, limit.replace('\n', " "));
         let mut whole = Table::try_from(&*self).map_err(|error| wrong(error.to_string()))?;
         let (tables, field) = name.rsplit_once('.').map_or((Vec::new(), name), |(t, f)| (t.split('.').collect(), f));
         let mut table = &mut whole;
@@ -36,7 +34,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Every field that is written into a scene file, with the name that [`Scene::set_field`] knows it by.
+    /// All fields of the scene file, with their names for [`Scene::set_field`].
     pub fn fields(&self) -> Vec<(String, Value)> {
         let whole = Table::try_from(self).expect("a scene holds nothing that TOML cannot hold");
         let mut fields = Vec::new();
@@ -44,19 +42,18 @@ impl Scene {
         fields
     }
 
-    /// A text that is the same for scenes that differ only in how large numbers are, if not 0, and in colors: they are made of
-    /// the same parts.
+    /// Fingerprint of the scene that ignores colors and the magnitude of numbers other than 0.
     pub fn shape(&self) -> String {
-        let part = |(name, value): (String, Value)| match (number(&value), &value) {
+        let part = |(name, value): (String, Value)| match (float(&value), &value) {
             (Some(number), _) => format!("{name} {}\n", number != 0.0),
-            (None, Value::Array(many)) if many.iter().all(|value| number(value).is_some()) => format!("{name}\n"),
+            (None, Value::Array(many)) if many.iter().all(|value| float(value).is_some()) => format!("{name}\n"),
             (None, Value::String(text)) if text.starts_with('#') => format!("{name}\n"),
             (None, value) => format!("{name} {value}\n"),
         };
         self.fields().into_iter().map(part).collect()
     }
 
-    /// The fields that are not as in `base`, with their values; `None` where the field is gone.
+    /// Fields that differ from `base`, with their values; `None` for a missing field.
     pub fn difference(&self, base: &Scene) -> Vec<(String, Option<Value>)> {
         let (before, after) = (base.fields(), self.fields());
         let find = |fields: &[(String, Value)], name: &str| {
@@ -67,7 +64,7 @@ impl Scene {
         gone.chain(new.map(|(name, value)| (name.clone(), Some(value.clone())))).collect()
     }
 
-    /// What is made anew for this scene where that of `base` is there; values of parameters change the picture alone.
+    /// Stages of the renderer to rebuild if `base` is prepared. Values of parameters only change the picture.
     pub fn changes(&self, base: &Scene) -> Vec<Changes> {
         let of = |name: &str| match setting(name) {
             Some(setting) => setting.changes,
@@ -78,7 +75,7 @@ impl Scene {
     }
 }
 
-/// A value as in a scene file; anything else is a text.
+/// Parses a value of a scene file; anything else is a text.
 pub fn parse_value(text: &str) -> Value {
     let parsed = toml::from_str::<Table>(&format!("value = {text}")).ok().filter(|table| table.len() == 1);
     parsed.and_then(|mut table| table.remove("value")).unwrap_or_else(|| text.into())

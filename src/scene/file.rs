@@ -1,25 +1,27 @@
-//! Scene files: TOML, unknown fields refused with line and nearest name.
+//! Scene files: TOML; unknown fields are errors with line and nearest name.
 
 use super::error::reason;
 use super::field::flatten;
+use super::renamed;
 use super::schema::{Kind, Setting, setting};
 use super::{Reach, Scene, SceneError, preset_texts};
 use crate::shape::BUILT_IN;
 use std::path::Path;
 use support::open;
 
-/// The largest scene file that is read, in bytes: more is no scene.
+/// Size limit of a scene file, bytes.
 pub const MAX_BYTES: u64 = 1 << 20;
 
-/// Reads a scene file and checks it; a path of an object or a module in it is relative to the file.
+/// Reads and checks a scene file. Paths of objects and modules are relative to it.
 ///
 /// # Errors
-/// [`SceneError::Read`] or [`SceneError::Syntax`], which name the file: also of what [`Scene::check`] finds, and where the
-/// scene names a file that is out of reach.
+/// [`SceneError::Read`] or [`SceneError::Syntax`] with the name of the file; also for errors of [`Scene::check`], and for
+/// files out of reach.
 pub fn load(path: &Path, reach: Reach) -> Result<Scene, SceneError> {
     let name = path.display().to_string();
     let fail = |reason: String| SceneError::Read { path: name.clone(), reason };
     let text = open::text(path, MAX_BYTES).map_err(|error| fail(error.to_string()))?;
+    let text = renamed::update(text, &name);
     let mut scene = parse(&text, &name).map_err(|error| match error {
         SceneError::Syntax { .. } | SceneError::Read { .. } => error,
         other => fail(other.to_string()),
@@ -34,13 +36,13 @@ pub fn load(path: &Path, reach: Reach) -> Result<Scene, SceneError> {
     reach.check(&scene, path)?;
     let checked = scene.library().and_then(|library| scene.check(&library));
     checked.map_err(|error| match error {
-        SceneError::Read { .. } => error, // of a module, which it names
+        SceneError::Read { .. } => error, // names its module
         other => located(other, &text, &name),
     })?;
     Ok(scene)
 }
 
-/// An error of a scene with the name of its file, and its line where that is known.
+/// Adds the name of the file and, if known, the line to an error.
 fn located(error: SceneError, text: &str, name: &str) -> SceneError {
     let line = match &error {
         SceneError::Value { field, .. } => line_of(text, field),
@@ -53,7 +55,7 @@ fn located(error: SceneError, text: &str, name: &str) -> SceneError {
     }
 }
 
-/// The line that sets a field, if one alone may.
+/// The line that sets a field, if it is unique.
 fn line_of(text: &str, field: &str) -> Option<usize> {
     let own = field.rsplit('.').next().unwrap_or(field);
     let sets = |line: &str| {
@@ -64,15 +66,16 @@ fn line_of(text: &str, field: &str) -> Option<usize> {
     lines.next().filter(|_| lines.next().is_none())
 }
 
-/// Reads the text of a scene; `name` is what errors call it. A `preset` is read first, and the text goes over it.
+/// Parses the text of a scene, which errors call `name`. The text overrides its `preset`.
 ///
 /// # Errors
-/// [`SceneError::Syntax`] with the line, [`SceneError::Read`] where that is not known, or an unknown preset.
+/// [`SceneError::Syntax`] with the line, [`SceneError::Read`] without one, or an unknown preset.
 pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
+    let text = &*renamed::update(text.into(), name);
     let scene: Scene = toml::from_str(text).map_err(|error| syntax(&error, text, name))?;
     let mut values = Vec::new();
     flatten("", table(text, name)?, &mut values);
-    // The types that it is read into do not mind a list that is too long; all else is for `Scene::check`.
+    // Deserialization ignores excess elements of a list; `Scene::check` finds all other errors.
     let too_long = |setting: &Setting, value: &toml::Value| match (setting.kind, value) {
         (Kind::Numbers(count, _) | Kind::Wholes(count, _), toml::Value::Array(values)) => values.len() > count,
         _ => false,
@@ -96,7 +99,7 @@ pub fn parse(text: &str, name: &str) -> Result<Scene, SceneError> {
     Ok(merged)
 }
 
-/// Puts a part over what its preset says of one object.
+/// Merges a part over the tables of its preset that belong to one object.
 fn part_over_preset(part: &mut toml::Value, name: &str) -> Result<(), SceneError> {
     let Some(table) = part.as_table_mut() else { return Ok(()) };
     let Some(toml::Value::String(preset)) = table.remove("preset") else { return Ok(()) };
@@ -109,7 +112,7 @@ fn part_over_preset(part: &mut toml::Value, name: &str) -> Result<(), SceneError
     Ok(())
 }
 
-/// The scene as the text of a scene file, complete with defaults.
+/// Text of the scene file, complete with defaults.
 pub fn to_text(scene: &Scene) -> String {
     toml::to_string(scene).expect("a scene holds nothing that TOML cannot hold")
 }
@@ -118,7 +121,7 @@ fn table(text: &str, name: &str) -> Result<toml::Table, SceneError> {
     toml::from_str(text).map_err(|error| syntax(&error, text, name))
 }
 
-/// Puts `over` over `base`, table by table; anything but a table is replaced.
+/// Merges `over` into `base`, table by table; other values are replaced.
 fn merge(base: &mut toml::Table, over: toml::Table) {
     for (key, value) in over {
         match (base.get_mut(&key), value) {
@@ -130,7 +133,7 @@ fn merge(base: &mut toml::Table, over: toml::Table) {
     }
 }
 
-/// One line: where, what, and the nearest name where a name is wrong.
+/// Error of the TOML parser on one line, with the nearest name for a wrong one.
 fn syntax(error: &toml::de::Error, text: &str, name: &str) -> SceneError {
     let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
     let of_setting = text.lines().nth(line - 1).and_then(|line| wrong_setting(text, line));
@@ -140,7 +143,7 @@ fn syntax(error: &toml::de::Error, text: &str, name: &str) -> SceneError {
     SceneError::Syntax { path: name.into(), line, reason: reason(error) }
 }
 
-/// What the table of settings says against a value in this line, if it does.
+/// Error of the setting whose value this line holds, if any.
 fn wrong_setting(text: &str, line: &str) -> Option<String> {
     let mut values = Vec::new();
     flatten("", toml::from_str(text).ok()?, &mut values);

@@ -1,35 +1,35 @@
-//! What a scene asks the headers of its modules.
+//! Properties of a scene that the headers of its modules determine.
 
 use super::{Integration, Pass, Scene, Storage};
 use crate::shader::declare::Outside;
 use crate::shader::{Declarations, Kind, Library};
 
-/// What the module of a slot declares; nothing where it cannot be read, which a check of the scene finds.
+/// Declarations of a module. Empty if they are malformed, as the check of the scene reports.
 pub(super) fn header(library: &Library, slot: &str, module: &str) -> Declarations {
     library.header(slot, module).unwrap_or_default()
 }
 
-/// The modules of a slot that declare something, in words.
+/// Names of the modules of a slot whose declarations satisfy a condition.
 pub(super) fn declaring(library: &Library, slot: &str, what: impl Fn(&Declarations) -> bool) -> String {
     let modules = library.modules(slot);
     modules.into_iter().filter(|module| what(&header(library, slot, module))).collect::<Vec<_>>().join(" or ")
 }
 
 impl Scene {
-    /// Whether nothing is drawn beyond the soft region, so that a ray may skip there.
+    /// Whether nothing is visible beyond the soft region, so that rays may skip there.
     pub(super) fn is_empty_outside(&self, library: &Library) -> bool {
         let stops = &self.transfer.stops;
         let outside = stops.iter().rfind(|stop| stop.at <= 0.0).or(stops.first());
         match header(library, "classify", &self.effect.classify).outside {
-            _ if self.has_several() => true, // the soft booleans say how far it is to matter
+            _ if self.has_several() => true, // the soft booleans give the distance to matter
             Outside::Empty => true,
             Outside::Transfer => self.effect.dmf.is_empty() && outside.is_some_and(|stop| stop.density <= 0.0),
             Outside::Matter => false,
         }
     }
 
-    /// Whether slices may be drawn in the tiles alone in which cells may hold matter: those that face the camera and stay
-    /// where they are, with one sample in a pixel.
+    /// Whether slices may be limited to tiles whose cells may hold matter: slices that face the camera, with one sample per
+    /// pixel.
     pub fn has_tiles(&self, library: &Library) -> bool {
         let (quality, slots) = (&self.quality, self.slots(library));
         let faces = !self.is_half_angle() && !self.camera.slice_stack;
@@ -37,8 +37,8 @@ impl Scene {
         faces && is_drawn_once && slots["empty_space"] != ["sample"] && self.is_plain() && self.has_points(library)
     }
 
-    /// Whether cells may be empty where the distance does not say so, and a sample there shows it: it stands for its place
-    /// alone, and something beside the distance decides what is matter.
+    /// Whether cells can prove more empty space than the distance: samples are points, and the density depends on more than
+    /// the distance.
     pub(super) fn has_cells(&self, library: &Library) -> bool {
         let effect = &self.effect;
         let by_distance = |dmf: &String| library.kind(dmf) == Ok(Kind::PositionIndependent);
@@ -46,20 +46,20 @@ impl Scene {
         moves && self.has_points(library)
     }
 
-    /// Whether a sample stands for its place alone.
+    /// Whether samples are points.
     fn has_points(&self, library: &Library) -> bool {
         let classify = &self.effect.classify;
         let by_ends = header(library, "classify", classify).segments.as_ref() == Some(classify);
         !by_ends && self.quality.integration == Integration::Point
     }
 
-    /// Whether a sample also stands for hard matter between it and the one before.
+    /// Whether a sample includes hard matter between it and the previous one.
     pub(crate) fn looks_back(&self, library: &Library) -> bool {
         let classify = if self.has_several() { "objects" } else { &self.effect.classify };
         self.has_points(library) && header(library, "classify", classify).looks_back
     }
 
-    /// Whether the objects are stored as bounds read them: whole, or as formulas.
+    /// Whether all objects are dense volumes or formulas, as the proofs of empty cells require.
     pub(super) fn is_plain(&self) -> bool {
         let is_whole = self.object.storage == Storage::Dense && self.quality.anisotropy <= 1.0;
         is_whole || self.object.is_formula() && !self.has_several()

@@ -1,32 +1,32 @@
-//! A camera as an engine has it: a view matrix and a projection matrix.
+//! Cameras given by a view matrix and a projection matrix.
 
 use super::{Camera, Projection, SceneError};
 use glam::{Mat3, Mat4, Quat, Vec3};
 
-/// Where a camera of matrices is, and what it sees.
+/// Position and view of such a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lens {
-    /// From object space to eye space, both in object units.
+    /// Rotation and translation from object space to eye space, in object units.
     pub(crate) turn: Quat,
     pub(crate) origin: Vec3,
-    /// Half width and height of the view: at depth 1 in perspective, at any depth in parallel projection.
+    /// Half width and height of the view: at depth 1 in perspective, at every depth in parallel projection.
     pub(crate) ray_scale: [f32; 2],
-    /// How far the middle of the view is moved to the right and down; its sides are at -1 and 1.
+    /// Shift of the view to the right and down; its sides are at -1 and 1.
     pub(crate) pan: [f32; 2],
 }
 
-/// Parts of a matrix that are to be 0, and differences that are to be none.
+/// Largest absolute value of elements and differences that should be 0.
 const TOLERANCE: f32 = 1e-3;
 
 impl Camera {
-    /// Looks as an engine does. `view` goes from object space (the object spans -1 to 1, see
-    /// [`Subject::world`](crate::render::Subject::world)) to eye space, looking along -z: a turn, one scale and a translation.
-    /// `projection` goes from there to clip space, in perspective or parallel; y may point up or down, and its depths are not
-    /// used. Both stand in place of turn, pan, zoom and angle of view; the size of the picture is to have their aspect.
+    /// Sets the matrices of an engine. `view` maps object space (the object spans -1 to 1, see
+    /// [`Subject::world`](crate::render::Subject::world)) to eye space, looking along -z: a rotation, a uniform scale and a
+    /// translation. `projection` maps eye space to clip space, perspective or parallel; y may point up or down, and depths are
+    /// ignored. They replace rotation, pan, zoom and angle of view; the picture should have their aspect.
     ///
     /// # Errors
-    /// [`SceneError::Value`]: a number that is not finite, a view that mirrors, shears or has no inverse, or a projection that
-    /// is neither perspective nor parallel.
+    /// [`SceneError::Value`]: a number is not finite, the view mirrors, shears or is singular, or the projection is neither
+    /// perspective nor parallel.
     pub fn look_through(&mut self, view: Mat4, projection: Mat4) -> Result<(), SceneError> {
         let mut matrices = [0.0; 32];
         matrices[..16].copy_from_slice(&view.to_cols_array());
@@ -39,15 +39,13 @@ impl Camera {
         Ok(())
     }
 
-    /// What the matrices of the camera say, where it has some.
+    /// Position and view by the matrices, if set.
     ///
     /// # Errors
-    /// As [`Camera::look_through`]; or the camera's own projection is of the other kind.
+    /// Those of [`Camera::look_through`]; or `projection` is of the other kind.
     pub(crate) fn lens(&self) -> Result<Option<Lens>, SceneError> {
         let Some(numbers) = self.matrices else { return Ok(None) };
-        let refused = |value: String, limit: &str| {
-            Err(SceneError::Value { field: "camera.matrices".into(), value, limit: limit.into() })
-        };
+        let refused = |value: String, limit: &str| Err(SceneError::value("camera.matrices", value, limit));
         let [view, projection] = [0, 16].map(|at| Mat4::from_cols_slice(&numbers[at..at + 16]));
         if !numbers.iter().all(|number| number.is_finite()) {
             return refused("a number that is not finite".into(), "must be 32 finite numbers");

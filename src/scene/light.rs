@@ -1,95 +1,71 @@
 //! The light of a scene.
 
 use super::check::within;
+use super::setting::{choices, settings};
 use super::{Color, Order, Pass, Proxy, Scene, SceneError};
-use serde::{Deserialize, Serialize};
 
-/// A point light that moves with the camera (MJ 3.2).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Light {
-    /// Position from the center of the object: right, up, toward the camera; object units.
-    pub position: [f32; 3],
-    /// Color.
-    pub color: Color,
-    /// Brightness of the color.
-    pub intensity: f32,
-    /// Color of what comes from all sides.
-    pub ambient: Color,
-    /// Whether matter keeps the light from what is behind it.
-    pub shadows: bool,
-    /// Texels along a side of the volume of shadows, 16 to 256; or of the buffer of half-angle slicing, 16 to 2048.
-    pub shadow_resolution: u32,
-    /// How the light that reaches a place is found.
-    pub method: LightMethod,
-    /// Part of the light that soft matter scatters forward, 0 to 1: it is blurred and colored on its way. Needs
-    /// `method = "half_angle"`.
-    pub translucency: f32,
-    /// Part of the optical depth that scattered light is spared, by channel.
-    pub transport: Color,
-    /// Standard deviation of the blur of scattered light after one object unit, object units, 0 to 2.
-    pub scatter: f32,
+settings! {
+    /// A point light that moves with the camera (MJ 3.2).
+    pub struct Light = "light." {
+        /// Position from the center of the object: right, up, toward the camera; object units.
+        position: [f32; 3] = [-3.0, 4.0, 5.0] => Picture, numbers(3, -1e6, 1e6), usual(-10.0, 10.0), flag("light");
+        /// Color of the light.
+        color: Color = Color([255; 3]) => Picture, Kind::Color;
+        /// Brightness of the light.
+        intensity: f32 = 1.0 => Picture, number(0.0, 1000.0), usual(0.0, 5.0);
+        /// Color of the ambient light.
+        ambient: Color = Color([76, 80, 90]) => Picture, Kind::Color;
+        /// Whether matter casts shadows.
+        shadows: bool = false => Images, Kind::Switch, flag_alone("shadows", "true");
+        /// Texels along a side of the shadow volume, at most 256, or of the buffer of half-angle slicing.
+        shadow_resolution: u32 = 128 => Picture, whole(8.0, 2048.0), usual(16.0, 256.0);
+        /// Shadow method.
+        method: LightMethod = LightMethod::Volume => Images, Kind::Choice(LightMethod::CHOICES);
+        /// Fraction of the light that soft matter scatters forward; needs half_angle.
+        translucency: f32 = 0.0 => Images, number(0.0, 1.0);
+        /// Fraction of the extinction that scattered light ignores, per channel.
+        transport: Color = Color([230, 170, 110]) => Images, Kind::Color;
+        /// Standard deviation of the blur of scattered light after one object unit, object units.
+        scatter: f32 = 0.2 => Images, number(0.0, 2.0);
+    }
 }
 
-/// How the light that reaches a place of the scene is found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum LightMethod {
-    /// From a volume, rendered before the picture: any light, slices and rays.
-    #[default]
-    Volume,
-    /// Slice by slice with the picture, in slices half way between the camera and the light (GG 39.5.1): slices alone, and a
-    /// light outside of the scene. Knows translucency.
-    HalfAngle,
-}
-
-impl std::default::Default for Light {
-    fn default() -> Light {
-        Light {
-            position: [-3.0, 4.0, 5.0],
-            color: Color([255; 3]),
-            intensity: 1.0,
-            ambient: Color([76, 80, 90]),
-            shadows: false,
-            shadow_resolution: 128,
-            method: LightMethod::Volume,
-            translucency: 0.0,
-            transport: Color([230, 170, 110]),
-            scatter: 0.2,
-        }
+choices! {
+    /// Shadow method.
+    #[non_exhaustive]
+    pub enum LightMethod {
+        /// A shadow volume, rendered before the picture: any light, slices and rays.
+        #[default]
+        Volume = "volume",
+        /// Half-angle slicing (GG 39.5.1): slices only, a light outside of the scene; supports translucency.
+        HalfAngle = "half_angle",
     }
 }
 
 impl Scene {
-    /// Whether the slices lie half way between the camera and the light.
+    /// Whether the scene uses half-angle slicing.
     pub fn is_half_angle(&self) -> bool {
         self.light.shadows && self.light.method == LightMethod::HalfAngle
     }
 
-    /// Checks the values of the light.
+    /// Checks the resolution of the shadows.
     pub(super) fn check_light(&self) -> Result<(), SceneError> {
         let finest = if self.is_half_angle() { 2048.0 } else { 256.0 };
         within("light.shadow_resolution", self.light.shadow_resolution as f32, 8.0, finest)
     }
 
-    /// Light that goes from slice to slice needs slices, in its own order.
+    /// Checks that half-angle slicing has slices in the order of the light.
     pub(super) fn check_half_angle(&self) -> Result<(), SceneError> {
-        let wrong = |field: &str, value: String, limit: &str| {
-            Err(SceneError::Value { field: field.into(), value, limit: limit.into() })
-        };
-        let quality = &self.quality;
+        let (quality, translucency) = (&self.quality, self.light.translucency);
         if !self.is_half_angle() {
-            return match self.light.shadows && self.light.translucency > 0.0 {
-                true => wrong(
-                    "light.translucency",
-                    self.light.translucency.to_string(),
-                    "needs light.method = \"half_angle\"",
-                ),
+            return match self.light.shadows && translucency > 0.0 {
+                true => {
+                    Err(SceneError::value("light.translucency", translucency, "needs light.method = \"half_angle\""))
+                }
                 false => Ok(()),
             };
         }
-        let half_angle = |limit| wrong("light.method", "\"half_angle\"".into(), limit);
+        let half_angle = |limit| Err(SceneError::value("light.method", "\"half_angle\"", limit));
         match quality {
             _ if quality.pass == Pass::March => half_angle("needs quality.pass = \"slices\"; rays take \"volume\""),
             _ if quality.proxy == Proxy::Quads => half_angle("needs quality.proxy = \"polygons\""),

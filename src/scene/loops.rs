@@ -1,86 +1,87 @@
-//! How long a fragment may loop, and how long a scene makes it.
+//! Estimates of the loop iterations of a fragment, against the limit of drivers (`docs/notes/drivers.md`).
 
 use super::header::header;
 use super::{Integration, Scene};
 use crate::shader::Library;
 
-/// Loop iterations of one fragment that every device bears: lavapipe ends a fragment in silence after 65 535.
+/// Most loop iterations of a fragment, below the 65 535 after which lavapipe ends it silently.
 pub(super) const LOOP_BUDGET: f32 = 60_000.0;
-/// Rays that a device marches together at most and that cuts their loops: lavapipe. All wait for what one finds.
+/// Rays that lavapipe marches together at most. All of them wait for the one that finds matter.
 const LANES: f32 = 8.0;
-/// Samples of one fragment of the shadow volume, at most: four segments of 16.
+/// Most samples of a fragment of the shadow volume: four segments of 16.
 pub(crate) const SHADOW_SAMPLES: u32 = 4 * 16;
-/// Iterations of a segment: up to four places.
+/// Iterations of a segment, which has up to four places.
 const SEGMENT_LOOPS: f32 = 4.0;
-/// Iterations of a ray that bends, for each step of it: the step, and three gradients of three differences each.
+/// Iterations of each step of a bent ray: the step, and three gradients of three differences each.
 pub(super) const BENDING_LOOPS: f32 = 1.0 + 3.0 * 3.0;
-/// Steps of a ray that bends, for each sample of the scene, and in all to locate its interfaces: see `refract.frag`.
+/// Steps of a bent ray: for each sample, and in all to locate its interfaces (`refract.frag`).
 pub(super) const BENDING_STEPS: [f32; 2] = [3.0, 24.0 * (14.0 + 1.0)];
 
-/// Turns in which a ray looks for surfaces between its samples, at most, beside one for each sample: `MOST_TURNS` of
-/// `step_back.glsl`, and those of the last step. One that several rays wait for is counted once for each.
-const LOOK_TURNS: f32 = LANES * (32.0 + 16.0);
+/// Most iterations that look for surfaces between samples, besides one for each sample: `MOST_TURNS` of `step_back.glsl` and
+/// those of the last step, once for each ray that waits.
+const SURFACE_SEARCHES: f32 = LANES * (32.0 + 16.0);
 
 impl Scene {
-    /// Iterations of one noise; of a module that does not say, those of a loop over the corners of a cell.
+    /// Iterations of a noise; by default those of a loop over the corners of a cell.
     fn noise_loops(&self, library: &Library) -> f32 {
         header(library, "noise", &self.effect.noise).loops.unwrap_or(9) as f32
     }
 
-    /// Iterations of one octave of turbulence; of a module that does not say, those of a loop over the noise.
+    /// Iterations of an octave of turbulence; by default those of a loop over the noise.
     fn octave_loops(&self, library: &Library) -> f32 {
         let own = header(library, "turbulence", &self.effect.turbulence).loops;
         own.map_or_else(|| 1.0 + self.noise_loops(library), |loops| loops as f32)
     }
 
-    /// Whether noise or turbulence is computed in a loop.
+    /// Whether noise or turbulence has a loop.
     pub(super) fn has_noise_loops(&self, library: &Library) -> bool {
         self.noise_loops(library) > 1.0 || self.octave_loops(library) > 0.0
     }
 
-    /// Iterations of the noise at one sample of a ray, at most, for all objects.
+    /// Most iterations of the noise of all objects at a sample.
     pub(super) fn procedural_loops(&self, library: &Library) -> f32 {
-        self.own_loops(library) + self.parts.keys().map(|name| self.alone(name).own_loops(library)).sum::<f32>()
+        self.object_loops(library)
+            + self.parts.keys().map(|name| self.part_as_scene(name).object_loops(library)).sum::<f32>()
     }
 
-    /// Whether every device bears a ray that finds matter before it asks what is there: at worst each of those marched together
-    /// finds its own while the others wait.
+    /// Whether rays may locate matter before they shade it without exceeding the limit. At worst each of the rays marched
+    /// together finds matter while the others wait.
     pub fn may_find_first(&self, library: &Library) -> bool {
         let looks = if self.looks_back(library) { 2.0 } else { 1.0 };
-        let each = looks * LANES * self.found_loops(library) + 2.0 + self.procedural_loops(library);
+        let each = looks * LANES * self.test_loops(library) + 2.0 + self.procedural_loops(library);
         self.quality.samples as f32 * each <= self.loop_budget(library)
     }
 
-    /// Iterations of one look at whether there is matter.
-    fn found_loops(&self, library: &Library) -> f32 {
+    /// Iterations of a test for matter.
+    fn test_loops(&self, library: &Library) -> f32 {
         let octave = self.octave_loops(library).max(self.noise_loops(library));
         1.0 + self.effect.warp.len() as f32 * self.effect.octaves as f32 * octave
     }
 
-    /// Iterations of one look between two samples, for all objects.
-    fn between_loops(&self, library: &Library) -> f32 {
-        let parts = self.parts.keys().map(|name| self.alone(name).found_loops(library));
-        if self.has_noise_loops(library) { self.found_loops(library) + parts.sum::<f32>() } else { 1.0 }
+    /// Iterations of a test between two samples, for all objects.
+    fn between_samples_loops(&self, library: &Library) -> f32 {
+        let parts = self.parts.keys().map(|name| self.part_as_scene(name).test_loops(library));
+        if self.has_noise_loops(library) { self.test_loops(library) + parts.sum::<f32>() } else { 1.0 }
     }
 
-    /// Iterations that the samples of a ray may have: what looking for surfaces between them leaves.
+    /// Iterations left for the samples of a ray after the tests between them.
     pub(super) fn loop_budget(&self, library: &Library) -> f32 {
-        LOOP_BUDGET - LOOK_TURNS * self.between_loops(library)
+        LOOP_BUDGET - SURFACE_SEARCHES * self.between_samples_loops(library)
     }
 
-    /// Iterations of one sample of a ray, at most.
+    /// Most iterations of a sample.
     pub(super) fn sample_loops(&self, library: &Library) -> f32 {
         let noise = if self.has_noise_loops(library) { self.procedural_loops(library) } else { 1.0 };
         match self.quality.integration {
-            Integration::Point if self.looks_back(library) => noise + self.between_loops(library),
+            Integration::Point if self.looks_back(library) => noise + self.between_samples_loops(library),
             Integration::Point => noise,
             Integration::Segment => noise + SEGMENT_LOOPS,
         }
     }
 
-    /// Those of one object: a sum of octaves for every module that changes the density, one for the color and three more
-    /// noises, at each place where the density is asked for.
-    fn own_loops(&self, library: &Library) -> f32 {
+    /// Iterations of the noise of one object at a sample: at each place where the density is evaluated, a sum of octaves for
+    /// every module that changes the density, one for the color, and three more noises.
+    fn object_loops(&self, library: &Library) -> f32 {
         let effect = &self.effect;
         let places = match self.quality.integration {
             Integration::Point => 1.0,
@@ -91,7 +92,7 @@ impl Scene {
             .chain([("gradient", effect.gradient.as_str())])
             .map(|(slot, name)| header(library, slot, name).places as f32)
             .sum();
-        let layers = if effect.medium.contains('+') { 2.0 } else { 0.0 }; // each medium asks again for its own
+        let layers = if effect.medium.contains('+') { 2.0 } else { 0.0 }; // each medium evaluates its own
         let sums = (effect.warp.len() + effect.dmf.len() + 1).max(2) as f32;
         let noise = self.noise_loops(library);
         let sum = effect.octaves as f32 * self.octave_loops(library).max(noise);
@@ -113,7 +114,7 @@ mod tests {
             let mut scene = Scene::default();
             (scene.effect.octaves, scene.effect.turbulence) = (1, "encoded".into());
             change(&mut scene);
-            scene.own_loops(&shipped)
+            scene.object_loops(&shipped)
         };
         // One octave of two sums, and three noises more.
         let noises =
@@ -160,12 +161,12 @@ mod tests {
         let library = shader::shipped().with_module("noise", "mine", "").with_module("turbulence", "mine", "");
         let mut scene = Scene::default();
         (scene.effect.octaves, scene.effect.noise) = (1, "mine".into());
-        assert_eq!(scene.own_loops(&library), 2.0 * 9.0 + 3.0 * 9.0);
+        assert_eq!(scene.object_loops(&library), 2.0 * 9.0 + 3.0 * 9.0);
         scene.effect.turbulence = "mine".into();
-        assert_eq!(scene.own_loops(&library), 2.0 * 10.0 + 3.0 * 9.0);
+        assert_eq!(scene.object_loops(&library), 2.0 * 10.0 + 3.0 * 9.0);
         scene.effect.noise = "block".into();
-        assert_eq!(scene.own_loops(&library), 2.0 * 2.0 + 3.0);
-        assert_eq!(scene.own_loops(&library.with_module("turbulence", "mine", "// @loops 4\n")), 2.0 * 4.0 + 3.0);
+        assert_eq!(scene.object_loops(&library), 2.0 * 2.0 + 3.0);
+        assert_eq!(scene.object_loops(&library.with_module("turbulence", "mine", "// @loops 4\n")), 2.0 * 4.0 + 3.0);
     }
 
     #[test]

@@ -1,33 +1,33 @@
-//! A person's own modules: GLSL files beside those that ship.
+//! Custom modules: GLSL files besides those that ship.
 
 use super::{Scene, SceneError};
 use crate::shader::{self, Library};
 use std::path::Path;
 use support::open;
 
-/// The largest file of a module, bytes: more is no module.
+/// Size limit of the file of a module, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
 impl Scene {
-    /// Takes a module from a file for a slot, under the name of the file without its end; returns that name.
+    /// Adds the module of a file to a slot; returns its name, the stem of the file.
     ///
     /// # Errors
-    /// The name is no identifier of GLSL.
+    /// The name is not a GLSL identifier.
     pub fn add_module(&mut self, slot: &str, file: &str) -> Result<String, SceneError> {
         let name = Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let letters = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
         if !name.starts_with(|c: char| c.is_ascii_lowercase()) || !name.chars().all(letters) {
             let limit = "a module is named after its file: a-z, 0-9 and _, a letter first, such as my_fur.glsl";
-            return Err(SceneError::Value { field: slot.into(), value: file.into(), limit: limit.into() });
+            return Err(SceneError::value(slot, file, limit));
         }
         self.modules.insert(format!("{slot}/{name}"), file.into());
         Ok(name)
     }
 
-    /// The modules that ship, and those of the scene.
+    /// The shipped modules and those of the scene.
     ///
     /// # Errors
-    /// A file cannot be read, is for no slot, or has the name of a module that ships.
+    /// A file cannot be read, its slot is unknown, or a shipped module has its name.
     pub fn library(&self) -> Result<Library, SceneError> {
         let mut library = shader::shipped();
         for (module, file) in &self.modules {
@@ -35,8 +35,8 @@ impl Scene {
             let (slot, name) = module.split_once('/').unwrap_or((module, ""));
             let shipped = library.modules(slot);
             if shipped.is_empty() {
-                let limit = format!("`{slot}` is no slot; write modules.\"dmf/my_fur\" = \"my_fur.glsl\"");
-                return Err(SceneError::Value { field: format!("modules.\"{module}\""), value: file.clone(), limit });
+                let limit = format!("`{slot}` is not a slot; write modules.\"dmf/my_fur\" = \"my_fur.glsl\"");
+                return Err(SceneError::value(format!("modules.\"{module}\""), file, limit));
             }
             if shipped.contains(&name) {
                 return Err(fail(format!("{slot}/{name} is a module that ships; give the file another name")));
@@ -79,7 +79,7 @@ mod tests {
         };
         assert!(refusal("dmf", "My Fur.glsl").starts_with("dmf = My Fur.glsl: a module is named after its file"));
         assert!(refusal("dmf", "no_such.glsl").starts_with("no_such.glsl: there is no such file"));
-        assert!(refusal("dfm", "half.glsl").contains("`dfm` is no slot"));
+        assert!(refusal("dfm", "half.glsl").contains("`dfm` is not a slot"));
         assert_eq!(refusal("dmf", "fur.glsl"), "fur.glsl: dmf/fur is a module that ships; give the file another name");
     }
 }

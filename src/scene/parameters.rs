@@ -1,4 +1,4 @@
-//! The parameters of a scene: what its modules declare, and what the scene says.
+//! Parameters of a scene: the declarations of its modules with the values of the scene.
 
 use super::check::within;
 use super::{ParameterValue, Scene, SceneError};
@@ -7,7 +7,7 @@ use crate::shader::drift::Drift;
 use crate::shader::reach::{GIVEN, NOISE_BOUND};
 use crate::shader::{Declarations, Reach, Sides};
 
-/// The declared parameters of a scene's modules with the values that the scene gives them.
+/// Declared parameters with their values in a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
     declared: Vec<(Parameter, ParameterValue)>,
@@ -17,24 +17,23 @@ pub struct Parameters {
     noise_bound: f32,
 }
 
-/// How far the modules of an object move lookups, and how far its matter grows by that; units of the object.
+/// Displacement of lookups by the modules of an object, and the growth of its matter; object units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// How far matter grows beyond the soft region.
+    /// Growth of matter beyond the soft region.
     pub grows: Sides,
-    /// How far a lookup moves.
+    /// Displacement of a lookup.
     pub moves: Sides,
-    /// Radius beyond which a step along the radius stays as long as it is there.
+    /// Radius beyond which displacements along the radius are clamped to their length there.
     pub hold_radius: f32,
-    /// Whether there may be matter beyond it: lobes are shorter than the formula of the warp has them.
+    /// Whether matter may lie beyond that radius, so that lobes are shorter than by the formula of the warp.
     pub held: bool,
 }
 
-/// Steps along the radius are held so that matter gets this many times as far as the soft region alone. Larger: the
-/// slices lie so far apart that the picture is coarse.
-const MOST_GROWTH: f32 = 2.25;
-/// But not within this many radii, so that the object itself is what the formula says.
-const LEAST_HOLD: f32 = 1.1547005;
+/// Growth factor of the soft region at which displacements along the radius are clamped. Higher: slices are too far apart.
+const MAX_GROWTH: f32 = 2.25;
+/// Smallest such factor, so that the object itself follows the formula.
+const MIN_HOLD: f32 = 1.1547005;
 
 impl Parameters {
     /// Every parameter with its value, in the order of the modules.
@@ -42,20 +41,20 @@ impl Parameters {
         self.declared.iter().map(|(parameter, value)| (parameter, value))
     }
 
-    /// Signed distance at which the soft region starts, if a module says so: of several, that of the widest; object units.
+    /// Signed distance at which the soft region starts, if a module declares it; the largest of several. Object units.
     pub fn outer_iso(&self) -> Option<f32> {
         self.outer.iter().map(|name| self.number(name)).reduce(f32::max)
     }
 
-    /// The parameters that say so.
+    /// Names of the parameters that set it.
     pub fn outer(&self) -> &[String] {
         &self.outer
     }
 
-    /// How far lookups move and matter grows, around a soft region of this radius.
+    /// Displacements and growth around a soft region of this radius.
     ///
-    /// A step along the radius that shortens it by up to a part k, from x to x (1 - k), brings matter of radius r from
-    /// r / (1 - k): from there on it may be held, and where that is too far, earlier.
+    /// A displacement along the radius from x to x (1 - k) moves matter of radius r to r / (1 - k). It is clamped from there
+    /// on, or earlier if that is too far.
     pub fn spread(&self, radius: f32) -> Spread {
         type Of = fn(&Reach, &dyn Fn(&str) -> f32) -> Sides;
         let all = |hold: f32, of: Of| {
@@ -69,21 +68,20 @@ impl Parameters {
         let start = radius + bare.farthest();
         let part = all(1.0, Reach::grows).round - bare.round;
         let whole = if part < 1.0 { start / (1.0 - part) } else { f32::INFINITY };
-        let room = if part > 0.0 { (MOST_GROWTH - 1.0) / part } else { f32::INFINITY };
-        let hold_radius = whole.min(start * room.max(LEAST_HOLD));
+        let room = if part > 0.0 { (MAX_GROWTH - 1.0) / part } else { f32::INFINITY };
+        let hold_radius = whole.min(start * room.max(MIN_HOLD));
         let [grows, moves] = [Reach::grows, Reach::moves].map(|of| all(hold_radius, of));
         Spread { grows, moves, hold_radius, held: hold_radius < whole }
     }
 
-    /// Speeds that have another value at a time (seconds), so that far places are told as well as near ones; see
-    /// [`crate::shader::drift`].
+    /// Speeds that are adjusted at a time (seconds) to preserve precision far from the origin; see [`crate::shader::drift`].
     pub fn held_speeds(&self, time: f64) -> impl Iterator<Item = (&str, f32)> {
         self.drifts
             .iter()
             .filter_map(move |drift| Some((drift.speed.as_str(), drift.held(time, |name| self.number(name))?)))
     }
 
-    /// The value of a parameter that is one number; 0 for any other.
+    /// Value of a parameter that is a number; 0 for any other.
     pub fn number(&self, name: &str) -> f32 {
         let found = self.declared.iter().find(|(parameter, _)| parameter.name == name);
         match found.map(|(_, value)| value) {
@@ -118,7 +116,7 @@ impl Scene {
                         ParameterValue::Number(value) => value.to_string(),
                         ParameterValue::Color(color) => String::from(*color),
                     };
-                    return Err(SceneError::Value { field: format!("parameters.{}", parameter.name), value, limit });
+                    return Err(SceneError::value(format!("parameters.{}", parameter.name), value, limit));
                 }
             };
             declared.push((parameter.clone(), value));

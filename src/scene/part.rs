@@ -1,6 +1,7 @@
-//! Further objects of a scene, each with its own effect, and how they make one.
+//! Additional objects of a scene, each with its own effect, and their combination.
 
 use super::schema::{self, Filled};
+use super::setting::settings;
 use super::{Effect, Integration, Material, Object, ParameterValue, Scene, SceneError, Storage, Transfer};
 use crate::shader::library::COMBINE;
 use crate::shader::{Formula, FormulaError, Library, Slots, link::MAIN};
@@ -8,19 +9,19 @@ use glam::{EulerRot, Mat4, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Further objects than this need more images than every device can bind.
+/// Most additional objects. Higher: some devices cannot bind enough images.
 const MAX_PARTS: usize = 4;
 
 /// An additional object of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Part {
-    /// The preset that effect, parameters, material and transfer map start from; what the part says goes over it.
+    /// Preset for effect, parameters, material and transfer map; the fields of the part override it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<String>,
     /// The object.
     pub object: Object,
-    /// The modules that make its effect. Noise, turbulence and opacity are the scene's.
+    /// The modules of its effect. Noise, turbulence and opacity are those of the scene.
     pub effect: Effect,
     /// Parameters of those modules, by name.
     pub parameters: BTreeMap<String, ParameterValue>,
@@ -28,33 +29,27 @@ pub struct Part {
     pub material: Material,
     /// Color and opacity by density.
     pub transfer: Transfer,
-    /// Where it is.
+    /// Its placement.
     pub transform: Transform,
 }
 
-/// Where an additional object is: scaled, then turned about x, then y, then z, then moved.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Transform {
-    /// Position of its center in object space of the scene, -100 to 100.
-    pub at: [f32; 3],
-    /// Degrees about x, y and z.
-    pub turn: [f32; 3],
-    /// Its size against that of the scene's own object, 0.01 to 100.
-    pub scale: f32,
-    /// Whether it starts from where its file has it beside that of the scene's own object, in the same units, and not from a
-    /// size of 2 around the origin. A formula is in no file.
-    pub aligned: bool,
-}
-
-impl std::default::Default for Transform {
-    fn default() -> Transform {
-        Transform { at: [0.0; 3], turn: [0.0; 3], scale: 1.0, aligned: false }
+settings! {
+    /// Placement of an additional object: scale, then rotations about x, y and z, then translation.
+    #[derive(Copy)]
+    pub struct Transform = "transform." {
+        /// Position of the center of an additional object in object space of the scene.
+        at: [f32; 3] = [0.0; 3] => Images, numbers(3, -100.0, 100.0), usual(-2.0, 2.0);
+        /// Degrees about x, y and z.
+        turn: [f32; 3] = [0.0; 3] => Images, numbers(3, -1e6, 1e6), usual(-180.0, 180.0);
+        /// Size relative to the object of the scene.
+        scale: f32 = 1.0 => Images, number(0.01, 100.0), usual(0.01, 4.0);
+        /// Whether it keeps its place relative to the object of the scene in their common file, such as bone in skin, in place of the middle.
+        aligned: bool = false => Field, Kind::Switch;
     }
 }
 
 impl Transform {
-    /// From the space of the object to object space of the scene.
+    /// Matrix from the space of the object to object space of the scene.
     pub fn matrix(&self) -> Mat4 {
         let [x, y, z] = self.turn.map(f32::to_radians);
         let turn = Quat::from_euler(EulerRot::ZYX, z, y, x);
@@ -63,9 +58,9 @@ impl Transform {
 }
 
 impl Scene {
-    /// Puts an object in the place of the scene's own, and of those that are aligned with it in the same file. Iso-values and grids
-    /// of another file mean nothing in this one.
-    pub fn bring(&mut self, input: &str) {
+    /// Replaces the object of the scene and those that are aligned with it in the same file. Iso-values and grids of another
+    /// file are dropped.
+    pub fn replace_object(&mut self, input: &str) {
         let before = std::mem::replace(&mut self.object.input, input.into());
         let aligned = self.parts.values_mut().filter(|part| part.transform.aligned && part.object.input == before);
         for object in aligned.map(|part| &mut part.object).chain([&mut self.object]) {
@@ -76,10 +71,10 @@ impl Scene {
         }
     }
 
-    /// Sets the iso-value of the scene's own object, and behind commas those of the aligned ones in the order of their names.
+    /// Sets the iso-value of the object of the scene and, after commas, those of the aligned ones in the order of their names.
     ///
     /// # Errors
-    /// A value that is none, or more of them than objects.
+    /// A value is not a number, or there are more values than objects.
     pub fn set_isos(&mut self, values: &str) -> Result<(), SceneError> {
         let aligned = self.parts.iter().filter(|(_, part)| part.transform.aligned);
         let aligned: Vec<String> = aligned.map(|(name, _)| format!("parts.{name}.object.iso")).collect();
@@ -92,22 +87,10 @@ impl Scene {
                 more => format!("at most {} numbers, one for each object", more + 1),
             };
             let (field, value) = ("object.iso", value.trim().trim_start_matches("none"));
-            let excess = || SceneError::Value { field: field.into(), value: values.into(), limit: limit() };
-            self.set_field(names.next().ok_or_else(excess)?, value)?;
+            self.set_field(names.next().ok_or_else(|| SceneError::value(field, values, limit()))?, value)?;
         }
         Ok(())
     }
-}
-
-/// What the signs of the formula of a scene's objects mean.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Boolean {
-    /// Products: PH 2.2, with fillets as wide as the soft regions.
-    #[default]
-    Algebraic,
-    /// Minimum and maximum: fuzzy sets, with creases.
-    Minmax,
 }
 
 impl Scene {
@@ -116,29 +99,14 @@ impl Scene {
         !self.parts.is_empty()
     }
 
-    /// The scene with one of its additional objects as its only one.
+    /// The scene with an additional object as its only object.
     ///
     /// # Panics
-    /// When there is no such object.
-    pub fn alone(&self, name: &str) -> Scene {
-        let part = self.parts[name].clone();
-        Scene {
-            preset: self.preset.clone(),
-            about: self.about.clone(),
-            object: part.object,
-            effect: part.effect,
-            modules: self.modules.clone(),
-            parameters: part.parameters,
-            material: part.material,
-            transfer: part.transfer,
-            light: self.light.clone(),
-            camera: self.camera.clone(),
-            image: self.image.clone(),
-            quality: self.quality.clone(),
-            parts: BTreeMap::new(),
-            combine: None,
-            boolean: self.boolean,
-        }
+    /// If there is no such object.
+    pub fn part_as_scene(&self, name: &str) -> Scene {
+        let Part { object, effect, parameters, material, transfer, .. } = self.parts[name].clone();
+        let (parts, combine) = (BTreeMap::new(), None);
+        Scene { object, effect, parameters, material, transfer, parts, combine, ..self.clone() }
     }
 
     /// The stacks of DMFs of all objects.
@@ -146,30 +114,27 @@ impl Scene {
         [&self.effect].into_iter().chain(self.parts.values().map(|part| &part.effect)).map(|effect| &effect.dmf)
     }
 
-    /// The text of the formula by which the objects make one.
+    /// Text of the formula that combines the objects.
     fn formula_text(&self) -> String {
         let union = || [MAIN].into_iter().chain(self.parts.keys().map(String::as_str)).collect::<Vec<_>>().join(" | ");
         self.combine.clone().unwrap_or_else(union)
     }
 
-    /// The formula by which the objects make one.
+    /// The formula that combines the objects.
     ///
     /// # Errors
-    /// Its text is no formula, which [`Scene::check`] finds.
+    /// The formula is malformed, as [`Scene::check`] reports.
     pub fn formula(&self) -> Result<Formula, FormulaError> {
         Formula::parse(&self.formula_text())
     }
 
+    /// Adds the modules of the additional objects and of the formula.
     pub(super) fn fill_parts(&self, library: &Library, slots: &mut Slots) {
-        let boolean = match self.boolean {
-            Boolean::Algebraic => "algebraic",
-            Boolean::Minmax => "minmax",
-        };
         slots.insert("classify".into(), vec!["objects".into()]);
-        slots.insert("boolean".into(), vec![boolean.into()]);
+        slots.insert("boolean".into(), vec![self.boolean.name().into()]);
         slots.insert(COMBINE.into(), vec![self.formula_text()]);
         for name in self.parts.keys() {
-            let own = self.alone(name).slots(library);
+            let own = self.part_as_scene(name).slots(library);
             let own = own.into_iter().filter(|(slot, _)| {
                 slot != "classify" && (slot == "transfer" || schema::slots().any(|own| own == (slot, Filled::ByObject)))
             });
@@ -177,10 +142,9 @@ impl Scene {
         }
     }
 
-    /// What must hold of the additional objects together; each alone is checked as a scene is.
+    /// Checks the objects together; [`Scene::check_parts`] checks each of them.
     pub(super) fn check_formula(&self) -> Result<(), SceneError> {
-        let wrong =
-            |field: String, value: &str, limit: String| Err(SceneError::Value { field, value: value.into(), limit });
+        let wrong = |field: String, value: &str, limit: String| Err(SceneError::value(field, value, limit));
         if !self.has_several() {
             return match &self.combine {
                 Some(text) if text.trim() != MAIN => {

@@ -1,4 +1,4 @@
-//! The texts of the scenes that ship with the program.
+//! Texts of the presets.
 
 use super::SceneError;
 

@@ -1,9 +1,9 @@
-//! The scenes that ship with the program.
+//! Presets.
 
 use super::preset_texts::{names, text};
 use super::{Scene, SceneError, file};
 
-/// Names of the six effects of MJ Fig. 7, in its order.
+/// The six effects of MJ Fig. 7, in its order.
 pub const EFFECTS: [&str; 6] = ["lit", "solid", "bump", "fur", "melting", "fire"];
 
 /// The preset of that name.
@@ -14,13 +14,13 @@ pub fn preset(name: &str) -> Result<Scene, SceneError> {
     file::parse(text(name)?, &format!("preset {name}"))
 }
 
-/// The preset that a scene differs from in the fewest fields, with its input and additional objects: what was set in it is
-/// told from that.
+/// The preset with the fewest differences from a scene, with the input and additional objects of the scene. The base for
+/// lists of changed settings.
 pub fn nearest_preset(scene: &Scene) -> Scene {
     let fields = scene.fields();
     let over = |name: &str| -> Option<Scene> {
         let mut base = preset(name).ok()?;
-        base.bring(&scene.object.input);
+        base.replace_object(&scene.object.input);
         base.parts.clone_from(&scene.parts);
         base.combine.clone_from(&scene.combine);
         Some(base)

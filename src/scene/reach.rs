@@ -1,11 +1,11 @@
-//! The files that a scene names, and which of them it may.
+//! Files of a scene, and which of them it may name.
 
 use super::{GLSL, Scene, SceneError};
 use std::path::{Path, PathBuf};
 use support::open::Home;
 
 impl Scene {
-    /// What may be files, by their fields: the inputs of the objects, and custom modules.
+    /// Possible files with their fields: inputs of the objects, and custom modules.
     pub fn files(&self) -> impl Iterator<Item = (String, &str)> {
         let parts = self.parts.iter().map(|(name, part)| (format!("parts.{name}.object.input"), &part.object));
         let objects = [("object.input".into(), &self.object)].into_iter().chain(parts);
@@ -14,27 +14,27 @@ impl Scene {
         inputs.filter(|(_, input)| !input.starts_with(GLSL)).chain(modules)
     }
 
-    /// Those files, to be put elsewhere.
+    /// Mutable paths of those files.
     pub(crate) fn files_mut(&mut self) -> impl Iterator<Item = &mut String> {
         let objects = [&mut self.object].into_iter().chain(self.parts.values_mut().map(|part| &mut part.object));
         objects.map(|object| &mut object.input).chain(self.modules.values_mut())
     }
 }
 
-/// Which files a scene may name that somebody else may have written.
+/// Files that an untrusted scene may name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
-    /// Those below the folder of the scene, and below the current folder.
+    /// Files below the folder of the scene or the current folder.
     Beside,
-    /// All.
+    /// All files.
     Anywhere,
 }
 
 impl Reach {
-    /// Checks the files that a scene names, which stands in the file `of`.
+    /// Checks the files of a scene in the file `of`.
     ///
     /// # Errors
-    /// One that is there and out of reach.
+    /// A file exists and is out of reach.
     pub fn check(self, scene: &Scene, of: &Path) -> Result<(), SceneError> {
         let files = scene.files().map(|(field, file)| (format!("{field} = {file}"), file.into()));
         match self.first_out(files, of) {
@@ -43,7 +43,7 @@ impl Reach {
         }
     }
 
-    /// Why the first of these files, each with how it is named, is out of reach of the file `of`.
+    /// Message about the first of these files, each with its name for messages, that is out of reach of the file `of`.
     pub(crate) fn first_out(self, files: impl Iterator<Item = (String, PathBuf)>, of: &Path) -> Option<String> {
         let home = Home::of(of.parent().unwrap_or(Path::new("")));
         let mut out = files.filter(|(_, file)| self == Reach::Beside && !home.holds(file));

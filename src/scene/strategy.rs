@@ -1,67 +1,59 @@
-//! Where noise and turbulence come from: how blocks are laid out, after how many cells a lattice repeats, and the scene
-//! whose noise nothing discretizes.
+//! Sources of noise and turbulence: layout of blocks, periods of lattices, and the scene without discretized noise.
 
 use super::Scene;
 use super::header::header;
+use super::setting::choices;
 use crate::noise::{Bake, Period};
 use crate::shader::declare::Octaves;
 use crate::shader::{Library, LibraryError};
-use serde::{Deserialize, Serialize};
 
-/// Lattice cells across a block of noise: four texels for each cell. Fewer texels: the trilinear filter shows its
-/// facets. More: the noise repeats sooner.
+/// Texels per lattice cell of a block of noise. Lower: facets of the trilinear filter show. Higher: the noise repeats sooner.
 const NOISE_TEXELS_PER_CELL: u32 = 4;
-/// Octaves of one fetch of four channels; the finest has two texels for each cell.
+/// Octaves in the four channels of one fetch; the finest has two texels per cell.
 const CHANNELS: u32 = 4;
-/// Octaves with fewer texels for each cell than this are computed by the hybrid. Fewer: the filter blurs what is in the
-/// block by more than the octaves above it hide. More: more is computed.
+/// Texels per cell below which the hybrid computes an octave. Lower: the filter visibly blurs the octaves of the block.
+/// Higher: more octaves are computed.
 const HYBRID_TEXELS_PER_CELL: u32 = 4;
 
-/// After how many of its cells the lattice of an octave repeats.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Repeat {
-    /// As the strategy has it by itself: where it reads a block, as the block; else not at all.
-    #[default]
-    Own,
-    /// Not at all: after 2^20 cells.
-    Never,
-    /// As a block of noise does that every octave is looked up in.
-    NoiseBlock,
-    /// As a block in which all octaves of turbulence are summed.
-    TurbulenceBlock,
-    /// As a block whose channels hold four octaves.
-    ChannelBlock,
+choices! {
+    /// Period of the lattice of an octave, in cells.
+    pub enum Repeat {
+        /// That of the module: of its block if it reads one, else none.
+        #[default]
+        Own = "own",
+        /// None: the pattern repeats after 2^20 cells.
+        Never = "never",
+        /// That of a block of noise.
+        NoiseBlock = "noise_block",
+        /// That of a block of turbulence.
+        TurbulenceBlock = "turbulence_block",
+        /// That of a block with four octaves in its channels.
+        ChannelBlock = "channel_block",
+    }
 }
 
 impl Repeat {
-    /// The value with this name in a scene file.
-    fn named(name: &str) -> Option<Repeat> {
-        match name {
-            "never" => Some(Repeat::Never),
-            "noise_block" => Some(Repeat::NoiseBlock),
-            "turbulence_block" => Some(Repeat::TurbulenceBlock),
-            "channel_block" => Some(Repeat::ChannelBlock),
-            _ => None,
-        }
+    /// The value with this name in the header of a module; `Own` for any other name.
+    fn named(name: Option<&str>) -> Repeat {
+        name.and_then(|name| toml::Value::from(name).try_into().ok()).unwrap_or_default()
     }
 }
 
 impl Scene {
-    /// Lattice cells across the block of noise, that of turbulence (its first octave), and that of four octaves.
+    /// Lattice cells across the block of noise, the block of turbulence (first octave), and the block of four octaves.
     pub fn block_cells(&self) -> [u32; 3] {
         let size = self.quality.block_size;
         let cells = size / NOISE_TEXELS_PER_CELL;
         [cells.max(1), self.quality.turbulence_cells, (size >> CHANNELS).max(1)]
     }
 
-    /// Octaves of turbulence that its block is given: those wanted that it can hold; and those of the hybrid's block.
+    /// Octaves in the block of turbulence, and in the block of the hybrid: the wanted ones, as far as they fit.
     pub fn block_octaves(&self) -> [u32; 2] {
         let (size, cells) = (self.quality.block_size, self.quality.turbulence_cells);
         [size, 2 * size / HYBRID_TEXELS_PER_CELL].map(|size| Bake::held(size, cells, self.effect.octaves))
     }
 
-    /// Octaves that the turbulence of the scene really has: a block cannot hold them all, and four lookups are four.
+    /// Octaves that the turbulence has: a block holds only some, and four lookups are four.
     pub fn octaves_held(&self, library: &Library) -> u32 {
         match header(library, "turbulence", &self.effect.turbulence).octaves {
             Octaves::All => self.effect.octaves,
@@ -70,7 +62,7 @@ impl Scene {
         }
     }
 
-    /// Why the turbulence has no more octaves than [`Scene::octaves_held`], in words.
+    /// Reason for the limit by [`Scene::octaves_held`], in words.
     pub fn octaves_limit(&self, library: &Library) -> String {
         let (size, cells) = (self.quality.block_size, self.quality.turbulence_cells);
         let module = &self.effect.turbulence;
@@ -83,11 +75,11 @@ impl Scene {
         }
     }
 
-    /// After how many cells procedural noise repeats, and the octaves of procedural turbulence.
+    /// Periods of procedural noise, and of the octaves of procedural turbulence.
     pub fn periods(&self, library: &Library) -> [Period; 2] {
         let [noise, turbulence, channels] = self.block_cells();
         let period = |repeat: Repeat, slot, module| {
-            let own = || header(library, slot, module).period.as_deref().and_then(Repeat::named).unwrap_or_default();
+            let own = || Repeat::named(header(library, slot, module).period.as_deref());
             match if repeat == Repeat::Own { own() } else { repeat } {
                 Repeat::Own | Repeat::Never => Period::ENDLESS,
                 Repeat::NoiseBlock => Period::same(noise),
@@ -102,15 +94,14 @@ impl Scene {
         ]
     }
 
-    /// The scene whose noise and turbulence are those of this one without what a block does to them, the same pattern
-    /// computed at every place: evaluated in f64, the truth that this scene is an approximation of. A module says in its
-    /// header which module that is (`// @exact`); without it, it is its own truth.
+    /// The scene with noise and turbulence computed at every point in place of blocks: in f64, the ground truth of this scene.
+    /// The header of a module names the exact module (`// @exact`); a module without it is exact.
     ///
-    /// The twin has all octaves that are asked for; set `effect.octaves` to [`Scene::octaves_held`] for the truth of
-    /// those alone that this scene has.
+    /// The result has all wanted octaves. Set `effect.octaves` to [`Scene::octaves_held`] for the ground truth of those that
+    /// this scene has.
     ///
     /// # Errors
-    /// A module does not exist, or its header cannot be read.
+    /// A module does not exist, or its header is malformed.
     pub fn unbaked(&self, library: &Library) -> Result<Scene, LibraryError> {
         let mut twin = self.clone();
         let effect = &mut twin.effect;
@@ -123,7 +114,7 @@ impl Scene {
                 library.path(slot, &exact.module)?;
                 *module = exact.module;
                 if *repeat == Repeat::Own {
-                    *repeat = exact.repeat.as_deref().and_then(Repeat::named).unwrap_or_default();
+                    *repeat = Repeat::named(exact.repeat.as_deref());
                 }
             }
         }

@@ -1,43 +1,37 @@
 //! The transfer map of a scene.
 
 use super::Color;
+use super::setting::{choices, settings};
 use serde::{Deserialize, Serialize};
 
-/// The transfer map: color and opacity by density.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Transfer {
-    /// What lies between two stops.
-    pub curve: Curve,
-    /// At least one stop, by rising density.
-    pub stops: Vec<Stop>,
+settings! {
+    /// The transfer map: color and opacity by density.
+    pub struct Transfer = "transfer." {
+        /// Interpolation between two stops of the transfer map.
+        curve: Curve = Curve::Linear => Images, Kind::Choice(Curve::CHOICES);
+        /// Stops of the transfer map in the order of their density, 1 to 256: color, density and index of refraction.
+        stops: Vec<Stop> = vec![Stop::of(0.0, [0, 0, 0]), Stop::of(1.0, [255, 255, 255])] => Images, Kind::Stops;
+    }
+}
+
+choices! {
+    /// Interpolation between two stops of the transfer map.
+    pub enum Curve {
+        /// The value of the lower stop.
+        Steps = "steps",
+        /// Linear.
+        #[default]
+        Linear = "linear",
+        /// A monotone cubic spline (Fritsch and Carlson 1980), which stays between the stops.
+        Spline = "spline",
+    }
 }
 
 impl Transfer {
-    /// Whether it has one color and one opacity at every density, and so need not be looked up.
+    /// Whether color and opacity are the same at every density, so that no lookup is needed.
     pub fn is_flat(&self) -> bool {
         self.stops.windows(2).all(|pair| (pair[0].color, pair[0].density) == (pair[1].color, pair[1].density))
     }
-}
-
-impl std::default::Default for Transfer {
-    fn default() -> Transfer {
-        let stop = |at, color| Stop { at, color: Color(color), density: at, index: 1.0 };
-        Transfer { curve: Curve::Linear, stops: vec![stop(0.0, [0, 0, 0]), stop(1.0, [255, 255, 255])] }
-    }
-}
-
-/// What lies between two stops of a transfer map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Curve {
-    /// The value of the lower stop.
-    Steps,
-    /// A straight line.
-    #[default]
-    Linear,
-    /// A monotone cubic (Fritsch and Carlson 1980): smooth, and never beyond the stops.
-    Spline,
 }
 
 /// One stop of a transfer map.
@@ -48,12 +42,18 @@ pub struct Stop {
     pub at: f32,
     /// Color there.
     pub color: Color,
-    /// Density that the opacity is made of, 0 to 1; 1 is opaque.
+    /// Density for the opacity, 0 to 1; 1 is opaque.
     #[serde(default = "one")]
     pub density: f32,
-    /// Index of refraction, 1 to 4; read where rays bend.
+    /// Index of refraction, 1 to 4; used by bent rays.
     #[serde(default = "one")]
     pub index: f32,
+}
+
+impl Stop {
+    fn of(at: f32, color: [u8; 3]) -> Stop {
+        Stop { at, color: Color(color), density: at, index: 1.0 }
+    }
 }
 
 fn one() -> f32 {

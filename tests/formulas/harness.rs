@@ -35,44 +35,18 @@ void main() {
 /// The vertex color of [`ENTRY`].
 pub const COLOR: DVec3 = DVec3::new(0.5, 0.75, 1.0);
 
-/// Default modules of the slots.
-const SLOTS: [(&str, &str); 25] = [
-    ("absorption", "none"),
-    ("bandlimit", "none"),
+/// Modules of the slots that a check does not fill, where they differ from those of the default scene.
+const SLOTS: [(&str, &str); 10] = [
     ("boolean", "algebraic"),
     ("classify", "soft"),
-    ("clip", "none"),
-    ("ray_path", "straight"),
-    ("dmf", "-"),
-    ("environment", "none"),
-    ("gradient", "analytic"),
-    ("index", "transfer"),
-    ("jitter", "none"),
-    ("medium", "material"),
+    ("empty_space", "sample"),
     ("noise", "procedural"),
     ("object", "sphere"),
-    ("opacity", "perlin"),
     ("project", "formula"),
-    ("projection", "perspective"),
-    ("proxy", "polygons"),
-    ("sampling", "pixel"),
-    ("shadow", "none"),
+    ("ray_path", "straight"),
     ("softness", "linear"),
     ("surface", "unlit"),
-    ("empty_space", "sample"),
-    ("transfer", "map"),
     ("turbulence", "procedural"),
-];
-const MORE_SLOTS: [(&str, &str); 9] = [
-    ("cells", "none"),
-    ("planes", "facing"),
-    ("reject", "discard"),
-    ("scatter", "none"),
-    ("filter", "device"),
-    ("storage", "dense"),
-    ("warp", "-"),
-    ("weights", "quintic"),
-    ("wrap", "repeat"),
 ];
 
 /// Values of the parameters, and points for each.
@@ -129,9 +103,9 @@ impl Check {
     pub fn new(library: &Library, slots: &[(&str, &str)], text: &str) -> Check {
         let library = library.clone().with_module("check", "entry", &ENTRY.replace("CHECK", text));
         let entries = ["march.vert", "check/entry.glsl"];
-        let all = SLOTS.iter().chain(&MORE_SLOTS).chain(slots);
         let names = |modules: &str| modules.split('+').filter(|name| *name != "-").map(String::from).collect();
-        let choice: Slots = all.map(|(slot, modules)| (slot.to_string(), names(modules))).collect();
+        let mut choice = Scene::default().slots(&library);
+        choice.extend(SLOTS.iter().chain(slots).map(|(slot, modules)| (slot.to_string(), names(modules))));
         let slots = library.needed(&entries, &choice).unwrap();
         let mut parameters = library.declarations(&entries, &slots).unwrap().parameters;
         for (part, _) in choice.keys().filter_map(|key| key.split_once('.')) {

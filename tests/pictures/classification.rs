@@ -2,13 +2,13 @@
 
 use crate::common::{difference, homogeneous, picture, subject, with_gpu};
 use hypertexture::render::Renderer;
-use hypertexture::scene::{Color, Curve, ParameterValue, Projection, Scene, Source, Stop};
+use hypertexture::scene::{Color, Curve, FieldEncoding, ParameterValue, Projection, Scene, Stop};
 use hypertexture::shader;
 
 /// A soft sphere in a coarse volume, under a transfer map that goes up and down twelve times across the soft region.
 fn high_frequency(classify: &str, samples: u32) -> Scene {
     let mut scene = homogeneous("sphere", 12.0, Projection::Perspective);
-    scene.object.source = Source::Normals16;
+    scene.object.field_encoding = FieldEncoding::Normals16;
     scene.object.resolution = 32;
     scene.object.outer_iso = 0.4;
     scene.effect.classify = classify.into();

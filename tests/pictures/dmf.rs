@@ -393,7 +393,7 @@ fn g05_a_perturbed_lookup_gives_a_coarse_field_detail_that_it_cannot_hold() {
     let depths = |gpu: &hypertexture::gpu::Gpu, resolution: u32, perturbation: f32| {
         let mut scene = homogeneous("sphere", 1.0, Projection::Parallel);
         (scene.effect.classify, scene.effect.surface) = ("surface".into(), "depth_probe".into());
-        scene.object.source = hypertexture::scene::Source::Normals16;
+        scene.object.field_encoding = hypertexture::scene::FieldEncoding::Normals16;
         (scene.effect.warp, scene.effect.noise) = (vec!["perturbed".into()], "procedural".into());
         set(
             &mut scene,

@@ -6,7 +6,7 @@ use hypertexture::field::{DistanceField, Grid};
 use hypertexture::gpu::Gpu;
 use hypertexture::noise::{Lattice, Period, Weights};
 use hypertexture::render::{Frame, Subject};
-use hypertexture::scene::{Filter, Projection, Scene, Source};
+use hypertexture::scene::{FieldEncoding, Filter, Projection, Scene};
 use hypertexture::shader::{self, Library};
 use std::sync::Arc;
 
@@ -118,10 +118,11 @@ fn m12_a_stack_of_three_dmfs_is_their_composition() {
 fn a_linear_field_is_reproduced_at_any_size_because_texels_are_centered() {
     with_gpu(|gpu| {
         let sizes = [[2, 2, 2], [3, 5, 7], [63, 64, 65], [17, 2, 33]];
-        for (size, source) in sizes.into_iter().flat_map(|size| [(size, Source::Distance32), (size, Source::Normals16)])
+        for (size, source) in
+            sizes.into_iter().flat_map(|size| [(size, FieldEncoding::Distance32), (size, FieldEncoding::Normals16)])
         {
             let (mut scene, library) = probe("distance_probe", include_str!("../glsl/distance_probe.glsl"));
-            scene.object.source = source;
+            scene.object.field_encoding = source;
             scene.quality.filter = Filter::precise(gpu.info().filters_by_few_bits());
             scene.object.inner_iso = 1.9;
             scene.object.outer_iso = 1.9;
@@ -139,7 +140,7 @@ fn a_linear_field_is_reproduced_at_any_size_because_texels_are_centered() {
             };
             let seen = face(gpu, &library, &scene, &subject);
             let off = worst(&seen, 0, |p| 0.5 + 0.25 * f64::from(linear(p.as_vec3())));
-            let bound = if source == Source::Distance32 { 1e-6 } else { 1e-5 };
+            let bound = if source == FieldEncoding::Distance32 { 1e-6 } else { 1e-5 };
             assert!(off <= bound, "{size:?} {source:?}: {off:e}");
         }
     });

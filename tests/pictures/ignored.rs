@@ -18,7 +18,7 @@ const FIELDS: [(&str, &str); 68] = [
     ("quality.jitter", "hash"),
     ("quality.order", "back_to_front"),
     ("quality.target", "unorm8"),
-    ("quality.neutral", "keep"),
+    ("quality.fold_zero_terms", "false"),
     ("quality.integration", "segment"),
     ("quality.anisotropy", "4"),
     ("quality.filter", "exact"),
@@ -77,7 +77,7 @@ const FIELDS: [(&str, &str); 68] = [
     ("object.shell", "0.1"),
     ("object.inner_iso", "-0.1"),
     ("object.outer_iso", "0.2"),
-    ("object.source", "distance32"),
+    ("object.field_encoding", "distance32"),
     ("light.method", "half_angle"),
     ("light.translucency", "0.3"),
     ("light.transport", "#204060"),
@@ -89,7 +89,7 @@ const FIELDS: [(&str, &str); 68] = [
 /// decided is not said.
 const UNDECIDED: [(&str, &str); 3] = [
     ("fur, blurred", "effect.gradient = three"),
-    ("fur, blurred", "quality.neutral = keep"),
+    ("fur, blurred", "quality.fold_zero_terms = false"),
     ("fire, slices", "effect.gradient = three"),
 ];
 
@@ -285,7 +285,7 @@ fn settings_that_are_idle_change_no_bit_whatever_they_are() {
                 "lit mesh",
                 scene("lit", "dodecahedron", |_| ()),
                 "effect.turbulence object.distance object.iso",
-                "object.shell object.resolution object.up object.source",
+                "object.shell object.resolution object.up object.field_encoding",
             ),
             (
                 "fur",

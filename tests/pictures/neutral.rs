@@ -4,7 +4,7 @@ use crate::common::{picture, subject, with_gpu};
 use crate::random_scene::SplitMix;
 use hypertexture::render::variant::{Program, Variant};
 use hypertexture::render::{Frame, Renderer};
-use hypertexture::scene::{Neutral, ParameterValue, Pass, Scene, names, preset};
+use hypertexture::scene::{ParameterValue, Pass, Scene, names, preset};
 use hypertexture::shader::{self, Linker, ParameterKind};
 
 /// A transfer map of one color and one opacity.
@@ -26,9 +26,9 @@ fn scene(effect: &str, settings: &[(&str, &str)]) -> Scene {
 }
 
 /// The program of a scene, with the terms that come to nothing or without them.
-fn program(scene: &Scene, neutral: Neutral) -> Program {
+fn program(scene: &Scene, folds: bool) -> Program {
     let (library, mut scene) = (shader::shipped(), scene.clone());
-    scene.quality.neutral = neutral;
+    scene.quality.fold_zero_terms = folds;
     let variant = Variant::of(&scene, &library).expect("a scene that is valid");
     variant.program(&library, Linker::new).expect("modules that can be linked")
 }
@@ -49,7 +49,7 @@ fn what_a_zero_takes_away_is_not_in_the_program() {
         let mut scene = scene(effect, settings);
         for pass in [Pass::Slices, Pass::March] {
             scene.quality.pass = pass;
-            let [kept, left] = [Neutral::Keep, Neutral::LeaveOut].map(|neutral| program(&scene, neutral));
+            let [kept, left] = [false, true].map(|folds| program(&scene, folds));
             let reads =
                 |of: &Program| of.resources.iter().any(|own| idle.iter().any(|name| own.name.starts_with(name)));
             assert!(reads(&kept) && !reads(&left), "{effect} {settings:?}");
@@ -107,8 +107,8 @@ fn a_picture_without_what_comes_to_nothing_is_the_same() {
                 continue;
             }
             let subject = subject(&scene, &library);
-            let [kept, left] = [Neutral::Keep, Neutral::LeaveOut].map(|neutral| {
-                scene.quality.neutral = neutral;
+            let [kept, left] = [false, true].map(|folds| {
+                scene.quality.fold_zero_terms = folds;
                 picture(gpu, &library, &scene, &subject)
             });
             drawn += 1;

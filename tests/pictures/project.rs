@@ -3,7 +3,7 @@
 use crate::common::{picture, subject, with_gpu};
 use glam::Vec3;
 use hypertexture::gpu::Gpu;
-use hypertexture::scene::{Pass, Scene, Source};
+use hypertexture::scene::{FieldEncoding, Pass, Scene};
 use hypertexture::shader;
 use hypertexture::shape::Solid;
 
@@ -70,7 +70,7 @@ fn p32_project_lies_on_the_inner_surface() {
             }
             // Of a volume, to a part of a voxel; where the surface is round, of second order.
             let mut scene = scene(input, "closest");
-            scene.object.source = Source::Normals16;
+            scene.object.field_encoding = FieldEncoding::Normals16;
             scene.object.inner_iso = iso;
             let (pairs, voxel) = feet(gpu, &scene);
             let (off, longer) = worst(&pairs, solid, iso);
@@ -91,7 +91,7 @@ fn p55_across_the_medial_axis_the_foot_is_on_one_side_or_the_other() {
         let mut rows = Vec::new();
         for project in ["gradient", "closest"] {
             let mut scene = scene(input, project);
-            scene.object.source = Source::Normals16;
+            scene.object.field_encoding = FieldEncoding::Normals16;
             scene.object.outer_iso = 0.5;
             scene.camera.clip = Some([0.0, 0.0, 1.0, 0.0]);
             let (pairs, voxel) = feet(gpu, &scene);

@@ -3,12 +3,13 @@
 use crate::common::{difference, picture, subject, with_gpu};
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, Subject};
-use hypertexture::scene::{EmptySpace, Integration, Pass, Scene, Source, Storage, parse, preset};
+use hypertexture::scene::{EmptySpace, FieldEncoding, Integration, Pass, Scene, Storage, parse, preset};
 use hypertexture::shader::{self, Library};
 
 fn scene(effect: &str, input: &str) -> Scene {
     let mut scene = preset(effect).expect("a shipped preset");
-    (scene.object.input, scene.object.resolution, scene.object.source) = (input.into(), 64, Source::Normals16);
+    (scene.object.input, scene.object.resolution, scene.object.field_encoding) =
+        (input.into(), 64, FieldEncoding::Normals16);
     (scene.image.size, scene.quality.samples) = ([96, 96], 128);
     (scene.light.shadow_resolution, scene.light.position) = (32, [5.0, 1.5, 2.0]);
     scene
@@ -87,9 +88,11 @@ fn g14_glass_is_seen_through_in_bricks() {
 fn g14_every_encoding_is_read_out_of_bricks() {
     let library = shader::shipped();
     with_gpu(|gpu| {
-        for source in [Source::Normals16, Source::Normals8, Source::Distance16, Source::Distance32] {
+        for source in
+            [FieldEncoding::Normals16, FieldEncoding::Normals8, FieldEncoding::Distance16, FieldEncoding::Distance32]
+        {
             let mut scene = scene("lit", "torus");
-            scene.object.source = source;
+            scene.object.field_encoding = source;
             let subject = subject(&scene, &library);
             let (flipped, stored) = compare(&both(gpu, &library, &scene, &subject));
             println!("{source:?}: {flipped:.5} of the pixels differ, {stored:.2} of the bytes");
@@ -155,7 +158,7 @@ fn g14_bricks_are_refused_where_they_cannot_be_had() {
     };
     let sparse = "object.storage = 'sparse'\n";
     let formula = refusal(&format!("preset = 'lit'\n{sparse}object.input = 'torus'"));
-    assert!(formula.starts_with("object.storage = \"sparse\": needs a volume; object.source = "), "{formula}");
+    assert!(formula.starts_with("object.storage = \"sparse\": needs a volume; object.field_encoding = "), "{formula}");
     let post = refusal(&format!("preset = 'shells'\n{sparse}object.input = 'teapot'"));
     assert!(
         post.starts_with("object.storage = \"sparse\": needs effect.classify = clear or soft or surface"),

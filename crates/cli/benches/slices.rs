@@ -11,7 +11,7 @@ mod bench;
 use bench::Spread;
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, Subject, render};
-use hypertexture::scene::{self, Pass, Proxy, Scene, Source};
+use hypertexture::scene::{self, FieldEncoding, Pass, Proxy, Scene};
 use hypertexture::shader::{self, Library};
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -81,15 +81,15 @@ impl Bench {
         let formula = self.load(&exact);
         let truth = self.render(&exact, &formula);
         let sources = [
-            ("formula", Source::Auto),
-            ("normals8", Source::Normals8),
-            ("normals16", Source::Normals16),
-            ("distance16", Source::Distance16),
-            ("distance32", Source::Distance32),
+            ("formula", FieldEncoding::Auto),
+            ("normals8", FieldEncoding::Normals8),
+            ("normals16", FieldEncoding::Normals16),
+            ("distance16", FieldEncoding::Distance16),
+            ("distance32", FieldEncoding::Distance32),
         ];
         let prepared = sources.map(|(name, source)| {
             let mut scene = exact.clone();
-            scene.object.source = source;
+            scene.object.field_encoding = source;
             // The very place and size of the formula: what remains is the error of sampling and storing.
             let subject = Subject { field: self.load(&scene).field, ..formula.clone() };
             (name, scene, subject)

@@ -9,7 +9,7 @@ use hypertexture::gpu::{Gpu, Options};
 use hypertexture::output::PROGRAM;
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{Frame, RenderError, Renderer, Subject, made_with, watch};
-use hypertexture::scene::{EmptySpace, Neutral, Pass, Scene};
+use hypertexture::scene::{EmptySpace, Pass, Scene};
 use hypertexture::shader::Library;
 use hypertexture::shader::library::ZERO;
 use measure::statistics::{largest, quantile};
@@ -125,7 +125,7 @@ fn explain(
         progress(share * index as f32);
         let mut other = scene.clone();
         change(&mut other);
-        let keeps = other.quality.neutral == Neutral::Keep && !has_zeros;
+        let keeps = !other.quality.fold_zero_terms && !has_zeros;
         if other == *scene || keeps || other.check(library).is_err() {
             continue;
         }
@@ -203,9 +203,9 @@ fn without(scene: &Scene) -> [More; 4] {
             change: |scene| scene.quality.empty_space = EmptySpace::Sample,
         },
         More {
-            how: "with the terms that a 0 takes away (--set quality.neutral=keep)",
+            how: "with the terms that a 0 takes away (--set quality.fold_zero_terms=false)",
             saves: "leaving them out saves",
-            change: |scene| scene.quality.neutral = Neutral::Keep,
+            change: |scene| scene.quality.fold_zero_terms = false,
         },
         More {
             how: "to the end of every ray (--set quality.early_termination=0)",

@@ -109,7 +109,7 @@ pub(super) fn run(command: &GalleryArguments, options: &Options, quiet: bool) ->
 /// A shipped preset that cannot be read, which its test excludes.
 pub fn effects(input: &str) -> Result<Vec<(String, Scene)>, SceneError> {
     let mut scenes = EFFECTS.iter().map(|name| example(name)).collect::<Result<Vec<_>, _>>()?;
-    scenes.iter_mut().for_each(|(_, scene)| scene.bring(input));
+    scenes.iter_mut().for_each(|(_, scene)| scene.replace_object(input));
     Ok(scenes)
 }
 

@@ -155,7 +155,7 @@ impl SceneArguments {
                     return Err(format!("no object, scene or file is called `{input}`; did you mean `{near}`?").into());
                 }
                 let mut scene = scene::preset(effect.as_deref().unwrap_or("lit"))?;
-                scene.bring(input);
+                scene.replace_object(input);
                 scene
             }
         })

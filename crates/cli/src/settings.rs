@@ -16,7 +16,7 @@ pub(super) fn page() -> String {
          `effect`,\n`parameters`, `material`, `transfer` and `transform` below `parts.NAME`.\n",
     );
     let mut table = None;
-    for setting in SETTINGS {
+    for setting in SETTINGS.iter() {
         if table != Some(setting.table()) {
             table = Some(setting.table());
             let title = if setting.table().is_empty() { "scene" } else { setting.table() };

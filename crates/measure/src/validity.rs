@@ -10,7 +10,7 @@ use super::statistics::largest;
 use hypertexture::gpu::Gpu;
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{Frame, RenderError, Renderer, Subject};
-use hypertexture::scene::{Pass, RayPath, Scene, Source, TargetFormat, linear_to_srgb};
+use hypertexture::scene::{FieldEncoding, Pass, RayPath, Scene, TargetFormat, linear_to_srgb};
 use hypertexture::shader::Library;
 
 /// A pixel is trusted while no setting changes a channel of its linear light by more: a code of 8 bits.
@@ -95,12 +95,12 @@ pub const CAUSES: [Cause; 9] = [
     },
     Cause {
         name: "codes",
-        why: "distances or normals are stored in few bits: object.source = \"distance32\"",
+        why: "distances or normals are stored in few bits: object.field_encoding = \"distance32\"",
         color: [204, 121, 167],
         stays: false,
         other: Other::Scene(|scene| {
-            let applies = scene.object.source != Source::Distance32;
-            changed(scene, applies, |scene| scene.object.source = Source::Distance32)
+            let applies = scene.object.field_encoding != FieldEncoding::Distance32;
+            changed(scene, applies, |scene| scene.object.field_encoding = FieldEncoding::Distance32)
         }),
     },
     Cause {
@@ -127,7 +127,7 @@ pub const CAUSES: [Cause; 9] = [
     },
     Cause {
         name: "direction",
-        why: "a gradient or another direction is all but 0, as on the medial axis, and points anywhere: object.source = \"distance32\", or no light there",
+        why: "a gradient or another direction is all but 0, as on the medial axis, and points anywhere: object.field_encoding = \"distance32\", or no light there",
         color: [146, 73, 0],
         stays: false,
         other: Other::Modules(|_, library| Some(library.moved(|path| path == "vector.glsl", TURNED))),

@@ -11,6 +11,7 @@ mod answers;
 mod app;
 #[doc(hidden)] // for the tests of this crate
 pub mod author;
+mod canvas;
 #[doc(hidden)] // for the tests of this crate
 pub mod compare;
 mod densities;

@@ -44,7 +44,6 @@ struct Flight<'a> {
 impl<'a> Flight<'a> {
     /// Records a picture over a color, with its depth or without.
     fn recorded(own: &'a Gpu, gpu: &Gpu, renderer: &mut Renderer, scene: &Scene, has_depth: bool) -> Flight<'a> {
-        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
         let size = Dimension::Plane(SIZE[0], SIZE[1]);
         let image = Image::new(own, "host", size, FORMAT, ImageUse::Target(1)).unwrap();
         let depth = Image::new(own, "depth", size, Format::R32Float, ImageUse::Target(1)).unwrap();
@@ -56,11 +55,9 @@ impl<'a> Flight<'a> {
             let buffer = device.allocate_command_buffers(&info).unwrap()[0];
             device.begin_command_buffer(buffer, &vk::CommandBufferBeginInfo::default()).unwrap();
             let mut commands = Commands { gpu: own, buffer };
-            let (output, write) = (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE);
-            let blend = write | Access::COLOR_ATTACHMENT_READ;
             for image in [Some(&image), depth.as_ref()].into_iter().flatten() {
                 commands.render(Target::of(image), Load::Clear(BEHIND), |_| ());
-                commands.transition(image, Layout::COLOR_ATTACHMENT_OPTIMAL, output, write, output, blend);
+                commands.transition(image, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL);
             }
             let target = |image: &Image| HostTarget { view: image.view, format: image.format().vk(), size: SIZE };
             let mut host = gpu.host_commands(buffer, target(&image)).unwrap();

@@ -14,9 +14,7 @@ pub use reflect::{Block, Member, ReflectError, Resource, Use};
 
 use super::texture;
 use crate::noise::Period;
-use crate::scene::{
-    Color, Integration, Neutral, ParameterValue, Parameters, SHADOW_SAMPLES, Scene, SceneError, Source,
-};
+use crate::scene::{Color, FieldEncoding, Integration, ParameterValue, Parameters, SHADOW_SAMPLES, Scene, SceneError};
 use crate::shader::library::{ZERO, objects, prefixed};
 use crate::shader::{Library, LibraryError, LinkError, Linker, Parameter, Slots};
 use std::collections::BTreeMap;
@@ -93,13 +91,13 @@ impl Variant {
                 "" => library.declarations(&entries, &choice)?.needs_normal,
                 _ => library.object_declarations(name, &choice)?.needs_normal,
             };
-            let own = if name.is_empty() { scene.clone() } else { scene.alone(name) };
+            let own = if name.is_empty() { scene.clone() } else { scene.part_as_scene(name) };
             // A boolean may turn the normal of any of its operands into that of the whole.
             choice.insert(slot(name), vec![object_module(&own, needs_normal || scene.has_several()).into()]);
         }
-        if scene.quality.neutral == Neutral::LeaveOut {
+        if scene.quality.fold_zero_terms {
             let mut all = zero(scene, "", &parameters);
-            all.extend(parts.iter().flat_map(|(name, parameters)| zero(&scene.alone(name), name, parameters)));
+            all.extend(parts.iter().flat_map(|(name, parameters)| zero(&scene.part_as_scene(name), name, parameters)));
             choice.insert(ZERO.into(), all);
         }
         let (octaves, periods) = (scene.octaves_held(library), scene.periods(library));
@@ -341,10 +339,10 @@ fn zero(own: &Scene, object: &str, parameters: &Parameters) -> Vec<String> {
 }
 
 fn object_module(scene: &Scene, needs_normal: bool) -> &str {
-    match scene.object.source {
-        Source::Normals16 | Source::Normals8 => "normals",
-        Source::Distance16 | Source::Distance32 => "distance",
-        Source::Auto => scene.object.formula().unwrap_or(if needs_normal { "normals" } else { "distance" }),
+    match scene.object.field_encoding {
+        FieldEncoding::Normals16 | FieldEncoding::Normals8 => "normals",
+        FieldEncoding::Distance16 | FieldEncoding::Distance32 => "distance",
+        FieldEncoding::Auto => scene.object.formula().unwrap_or(if needs_normal { "normals" } else { "distance" }),
     }
 }
 

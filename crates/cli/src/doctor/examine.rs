@@ -75,8 +75,8 @@ impl Diagnosis {
         for format in SAMPLED.into_iter().filter(|format| !gpu.can_filter(*format)) {
             let (what, remedy) = match format {
                 Format::R16Unorm | Format::Rgba16Unorm => ("FAIL", "volumes need it: HYPERTEXTURE_DEVICE=llvmpipe"),
-                Format::Rgba8Unorm => ("NOTE", "use another --source than normals8"),
-                Format::R32Float => ("NOTE", "use another --source than distance32"),
+                Format::Rgba8Unorm => ("NOTE", "use another --field-encoding than normals8"),
+                Format::R32Float => ("NOTE", "use another --field-encoding than distance32"),
                 _ => ("NOTE", "use another classification than preintegrated"),
             };
             self.line(what, &format!("{format:?} cannot be filtered: {remedy}"));

@@ -156,10 +156,10 @@ fn filter(bench: &Bench<'_>, format: Format) -> Result<Outcome, ProbeError> {
         (false, Format::Rgba8Unorm) => (
             "NOTE",
             format!(
-                "{measured}; volumes have 16 bits unless --source normals8 asks otherwise, which shows terraces here"
+                "{measured}; volumes have 16 bits unless --field-encoding normals8 asks otherwise, which shows terraces here"
             ),
         ),
-        (false, _) => ("NOTE", format!("{measured}; --source distance32 filters in float")),
+        (false, _) => ("NOTE", format!("{measured}; --field-encoding distance32 filters in float")),
     })
 }
 

@@ -119,7 +119,7 @@ pub fn scenes() -> Vec<Bad> {
 /// Flags and parameters beyond what they may be.
 fn arguments() -> Vec<Bad> {
     let mut all = Vec::new();
-    for setting in SETTINGS {
+    for setting in SETTINGS.iter() {
         let Some(flag) = setting.flag else { continue };
         let values: &[&str] = match setting.kind {
             Kind::Number(_) | Kind::Whole(_) | Kind::OneOf(_) => &["x", "nan", "--", "1e99"],

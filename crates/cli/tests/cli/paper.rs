@@ -6,7 +6,7 @@ use crate::program::{interrupt, run, unexpected};
 use hypertexture::gpu::Format;
 use hypertexture::render::render;
 use hypertexture::render::variant::Variant;
-use hypertexture::scene::{Order, Pass, Proxy, Quality, Reject, Scene, TargetFormat, preset};
+use hypertexture::scene::{Order, Pass, Proxy, Quality, Scene, TargetFormat, preset};
 use hypertexture::shader;
 use measure::compare::Stage;
 use measure::compare::paper::Cell;
@@ -192,10 +192,10 @@ fn m58_fragments_that_are_kept_with_alpha_0_change_no_bit_of_a_picture() {
             for (target, order, proxy, msaa) in ways.into_iter().cycle().skip(index).take(count) {
                 let quality = &mut scene.quality;
                 (quality.target, quality.order, quality.proxy, quality.msaa) = (target, order, proxy, msaa);
-                let drawn = [Reject::Discard, Reject::Keep].map(|reject| {
-                    scene.quality.reject = reject;
+                let drawn = [true, false].map(|discards| {
+                    scene.quality.discard_empty_fragments = discards;
                     let key = Variant::of(&scene, &library).unwrap().key();
-                    assert_eq!(key.contains("reject=keep"), reject == Reject::Keep, "{key}");
+                    assert_eq!(key.contains("reject=keep"), !discards, "{key}");
                     render(gpu, &library, &scene, &subject).unwrap().pixels
                 });
                 let bits = drawn
@@ -207,7 +207,7 @@ fn m58_fragments_that_are_kept_with_alpha_0_change_no_bit_of_a_picture() {
         }
         // Rays discard nothing: the choice is not in their program.
         let mut scene = preset("lit").unwrap();
-        (scene.quality.pass, scene.quality.reject) = (Pass::March, Reject::Keep);
+        (scene.quality.pass, scene.quality.discard_empty_fragments) = (Pass::March, false);
         assert!(!Variant::of(&scene, &library).unwrap().key().contains("reject"));
     });
 }

@@ -17,8 +17,8 @@ use hypertexture::eval::ExactError;
 use hypertexture::render::variant::{Variant, VariantError};
 use hypertexture::render::{RenderError, Subject};
 use hypertexture::scene::{
-    BlockFormat, Effect, EmptySpace, Filter, Integration, Jitter, LightMethod, Neutral, Order, Pass, Proxy, Quality,
-    RayPath, Reject, Scene, Storage, TargetFormat,
+    BlockFormat, Effect, EmptySpace, Filter, Integration, Jitter, LightMethod, Order, Pass, Proxy, Quality, RayPath,
+    Scene, Storage, TargetFormat,
 };
 use hypertexture::shader::{Library, LibraryError};
 use light::Light;
@@ -151,11 +151,11 @@ pub fn converged_settings(scene: &Scene) -> Scene {
     quality.pass = if bends { Pass::March } else { Pass::Slices }; // which may have the more samples
     quality.samples = if bends { bent::FEWEST } else { SAMPLES };
     quality.integration = Integration::Point;
-    (quality.empty_space, quality.neutral) = (EmptySpace::Skip, Neutral::LeaveOut);
+    (quality.empty_space, quality.fold_zero_terms) = (EmptySpace::Skip, true);
     quality.early_termination = 0.0;
     quality.target = TargetFormat::Float32;
     quality.order = Order::FrontToBack;
-    (quality.proxy, quality.reject) = (Proxy::Polygons, Reject::Discard);
+    (quality.proxy, quality.discard_empty_fragments) = (Proxy::Polygons, true);
     quality.filter = Filter::Device; // the same in f64
     quality.msaa = 1;
     (quality.jitter, quality.seed) = (Jitter::None, 0);

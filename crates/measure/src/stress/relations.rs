@@ -214,7 +214,7 @@ pub(super) fn told(lab: &Lab<'_>) -> Result<Vec<Row>, StressError> {
         (7, "knot", &[("object.inner_iso", "-1")], "the density is"),
         (43, "sphere", &[("quality.pass", "slices"), ("quality.target", "float16")], "float32 holds it"),
         (43, "sphere", &[("quality.pass", "slices"), ("quality.target", "unorm8")], "float32 holds it"),
-        (20, "knot", &[("object.source", "normals8"), ("object.outer_iso", "1")], "as steps"),
+        (20, "knot", &[("object.field_encoding", "normals8"), ("object.outer_iso", "1")], "as steps"),
         (0, "sphere", &[], ""),
     ];
     let library = &lab.bench.library;

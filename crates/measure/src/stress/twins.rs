@@ -8,7 +8,7 @@ use hypertexture::gpu::Gpu;
 use hypertexture::noise::Period;
 use hypertexture::render::variant::Variant;
 use hypertexture::render::{Frame, RenderError, Renderer, Subject};
-use hypertexture::scene::{EmptySpace, Integration, Neutral, Order, Pass, RayPath, Scene};
+use hypertexture::scene::{EmptySpace, Integration, Order, Pass, RayPath, Scene};
 use hypertexture::shader::Library;
 use std::sync::Arc;
 
@@ -54,7 +54,7 @@ const TWINS: [Twin; 7] = [
     Twin {
         what: "terms of 0 kept",
         bound: 0.0,
-        of: |scene, _| changed(scene, true, |scene| scene.quality.neutral = Neutral::Keep),
+        of: |scene, _| changed(scene, true, |scene| scene.quality.fold_zero_terms = false),
     },
     Twin {
         what: "slices from the other end",

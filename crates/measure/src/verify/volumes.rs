@@ -7,7 +7,7 @@ use super::{Bench, PASSES, Row, name};
 use glam::{DVec3, Vec3};
 use hypertexture::field::{DistanceField, Grid};
 use hypertexture::render::{RenderError, Subject, render};
-use hypertexture::scene::{Filter, Pass, Projection, Scene, Source};
+use hypertexture::scene::{FieldEncoding, Filter, Pass, Projection, Scene};
 use std::sync::Arc;
 
 /// A hard face across the picture, colored by a module.
@@ -68,7 +68,7 @@ pub(super) fn fields(bench: &Bench<'_>) -> Result<Vec<Row>, RenderError> {
         for pass in PASSES {
             let mut scene = face("field_value", pass);
             scene.quality.filter = filter;
-            scene.object.source = Source::Distance32;
+            scene.object.field_encoding = FieldEncoding::Distance32;
             (scene.object.inner_iso, scene.object.outer_iso) = (1.0, 1.0); // all of it is inside, and distances are stored in twice that range
             let mut subject = face_subject();
             let mut levels = Vec::new();

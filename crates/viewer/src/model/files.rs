@@ -16,7 +16,7 @@ impl Model {
             |ends: &[&str]| path.extension().is_some_and(|end| ends.iter().any(|own| end.eq_ignore_ascii_case(own)));
         let is_picture = ends(&["png", "exr"]);
         if !is_picture && !ends(&["toml"]) {
-            return self.edit("object.input", |scene| scene.bring(&name));
+            return self.edit("object.input", |scene| scene.replace_object(&name));
         }
         let loaded = match is_picture {
             true => scene_of_picture(path).map_err(|error| error.to_string()),

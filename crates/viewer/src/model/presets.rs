@@ -23,7 +23,7 @@ impl Model {
         let Scene { object, camera, image, .. } = self.scene.clone(); // the window has a size of its own
         preset.image = image;
         if on_object {
-            preset.bring(&object.input); // and what is aligned with it
+            preset.replace_object(&object.input); // and what is aligned with it
             let Object { inner_iso, outer_iso, .. } = preset.object;
             (preset.object, preset.camera) = (Object { inner_iso, outer_iso, ..object }, camera);
         }

@@ -62,7 +62,7 @@ fn built_in(ui: &mut Ui, pass: &mut Pass<'_>, part: Option<&str>) {
     if touch.is_some() {
         match part {
             // What is aligned with the scene's own object goes with it.
-            None => pass.draft.bring(&now),
+            None => pass.draft.replace_object(&now),
             Some(part) => drop(pass.draft.parts.get_mut(part).map(|part| part.object.input.clone_from(&now))),
         }
         pass.touch = Some(name);

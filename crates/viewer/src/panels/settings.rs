@@ -4,7 +4,7 @@ use super::Pass;
 use super::widgets::{self, Field, choice, color, field, number, numbers, switch, text};
 use egui::Ui;
 use hypertexture::scene::Color;
-use hypertexture::scene::schema::{self, Kind, SETTINGS, Setting, number as float};
+use hypertexture::scene::schema::{self, Kind, SETTINGS, Setting, float};
 use hypertexture::shader::Library;
 use toml::Value;
 

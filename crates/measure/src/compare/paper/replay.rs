@@ -9,7 +9,7 @@ use super::numbers::{CARDS, EFFECTS};
 use super::{Cell, TABLE_3};
 use hypertexture::gpu::{Format, Gpu};
 use hypertexture::render::Frame;
-use hypertexture::scene::{Integration, Pass, Proxy, Quality, Reject, Scene, TargetFormat};
+use hypertexture::scene::{Integration, Pass, Proxy, Quality, Scene, TargetFormat};
 use serde::Serialize;
 
 /// Slices, unless asked otherwise: about one for each voxel of the volumes of 2005.
@@ -92,7 +92,7 @@ pub struct Column {
     /// The window.
     pub window: Window,
     /// What becomes of fragments without matter.
-    pub reject: Reject,
+    pub discards: bool,
 }
 
 /// A scene that is timed.
@@ -204,7 +204,7 @@ impl Plan {
     fn drawn(&self, scene: &Scene, column: Column, sampling: &Sampling) -> Scene {
         let mut scene = scene.clone();
         scene.image.size = self.pixels(column.window);
-        scene.quality.reject = column.reject;
+        scene.quality.discard_empty_fragments = column.discards;
         (scene.quality.msaa, scene.quality.anisotropy) = sampling.of(column.window.sampling);
         scene
     }
@@ -227,10 +227,10 @@ impl Replay {
             bump_failure: None,
             partial: false,
         };
-        let column = |window, reject| Column { window, reject };
-        let printed = [0, 2, 3, 5].map(|index| column(WINDOWS[index], Reject::Discard)).to_vec();
-        let all = WINDOWS.map(|window| column(window, Reject::Discard)).to_vec();
-        let both = [Reject::Discard, Reject::Keep].map(|reject| column(WINDOWS[0], reject)).to_vec();
+        let column = |window, discards| Column { window, discards };
+        let printed = [0, 2, 3, 5].map(|index| column(WINDOWS[index], true)).to_vec();
+        let all = WINDOWS.map(|window| column(window, true)).to_vec();
+        let both = [true, false].map(|discards| column(WINDOWS[0], discards)).to_vec();
         let effects = || EFFECTS.iter().zip(replay.plan.effects.clone());
         let fire = replay.plan.effects[EFFECTS.len() - 1].clone();
         let some = |numbers: [f64; 4]| numbers.map(Some).to_vec();

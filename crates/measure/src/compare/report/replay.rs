@@ -12,7 +12,6 @@ use crate::compare::paper::conclusions::{conclusions, same_picture};
 use crate::compare::paper::numbers::SOFTWARE_SECONDS;
 use crate::compare::paper::replay::{Row, Sheet};
 use hypertexture::output::OutputError;
-use hypertexture::scene::Reject;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -111,7 +110,7 @@ fn csv(report: &Replayed) -> String {
                 width.to_string(),
                 height.to_string(),
                 column.window.sampling.to_string(),
-                if column.reject == Reject::Keep { "keep" } else { "discard" }.into(),
+                if !column.discards { "keep" } else { "discard" }.into(),
                 state(cell).into(),
                 number(cell.rate()),
                 number(cell.rate().map(|rate| 1e3 / rate)),

@@ -4,7 +4,7 @@ use super::Environment;
 use crate::compare::paper::Cell;
 use crate::compare::paper::conclusions::{digits, same_picture};
 use crate::compare::paper::replay::{Column, DISCARD_SHEET, Errors, Replay, Row, Sheet};
-use hypertexture::scene::{Proxy, Reject, TargetFormat};
+use hypertexture::scene::{Proxy, TargetFormat};
 
 /// All that the report tells.
 #[derive(Clone, Debug)]
@@ -91,10 +91,10 @@ fn printed(sheet: &Sheet, column: usize) -> impl Iterator<Item = usize> + '_ {
 
 fn heading(replay: &Replay, sheet: &Sheet, column: &Column) -> String {
     let [width, height] = replay.plan.pixels(column.window);
-    let reject = match (sheet.columns.iter().any(|column| column.reject == Reject::Keep), column.reject) {
+    let reject = match (sheet.columns.iter().any(|column| !column.discards), column.discards) {
         (false, _) => "",
-        (true, Reject::Discard) => ", discard",
-        (true, Reject::Keep) => ", alpha 0",
+        (true, true) => ", discard",
+        (true, false) => ", alpha 0",
     };
     format!("{width}×{height} {}x{reject}", column.window.sampling)
 }

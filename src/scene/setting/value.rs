@@ -6,13 +6,13 @@ use support::words::nearest;
 use toml::Value;
 
 impl Setting {
-    /// Checks a value as a scene file has it; `name` is what an error calls the setting.
+    /// Checks a value of a scene file; errors call the setting `name`.
     ///
     /// # Errors
-    /// [`SceneError::Value`]: it is no such value, or out of its range. NaN lies in no range.
+    /// [`SceneError::Value`]: a value of another kind, or out of range, as NaN always is.
     pub fn check(&self, name: &str, value: &Value) -> Result<(), SceneError> {
         let wrong = |shown: String, limit: String| Err(SceneError::Value { field: name.into(), value: shown, limit });
-        let one = |value: &Value, range: Range| match number(value) {
+        let one = |value: &Value, range: Range| match float(value) {
             Some(number) if (range.low..=range.high).contains(&number) => Ok(()),
             Some(_) => wrong(text(value), format!("must be {}", range.must())),
             None if range.is_all() => wrong(text(value), "must be a finite number".into()),
@@ -31,7 +31,7 @@ impl Setting {
             Kind::Whole(range) => whole(value, range),
             Kind::Numbers(count, range) => all(count, &|value| one(value, range)),
             Kind::Wholes(count, range) => all(count, &|value| whole(value, range)),
-            Kind::OneOf(numbers) => match number(value) {
+            Kind::OneOf(numbers) => match float(value) {
                 Some(found) if numbers.iter().any(|&number| number as f32 == found) => Ok(()),
                 _ => wrong(text(value), format!("must be {}", self.limits())),
             },
@@ -45,11 +45,11 @@ impl Setting {
                 }
             },
             Kind::Switch if !value.is_bool() => wrong(text(value), "must be true or false".into()),
-            _ => Ok(()), // their types are checked where they are read
+            _ => Ok(()), // serde checks their types
         }
     }
 
-    /// A value as it may be written.
+    /// An example of a value.
     pub fn example(&self) -> String {
         match self.kind {
             Kind::Numbers(count, _) | Kind::Wholes(count, _) => format!("[{}]", vec!["1"; count].join(", ")),
@@ -64,8 +64,8 @@ impl Range {
     }
 }
 
-/// A number, as a scene holds it.
-pub fn number(value: &Value) -> Option<f32> {
+/// A number in single precision, as a scene holds it.
+pub fn float(value: &Value) -> Option<f32> {
     match value {
         Value::Integer(whole) => Some(*whole as f32),
         Value::Float(number) => Some(*number as f32),
@@ -73,7 +73,7 @@ pub fn number(value: &Value) -> Option<f32> {
     }
 }
 
-/// A value as an error shows it.
+/// A value as errors show it.
 fn text(value: &Value) -> String {
     match value {
         Value::Float(number) => (*number as f32).to_string(),

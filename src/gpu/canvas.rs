@@ -1,77 +1,88 @@
-//! A window's content: the triangles that egui makes of it, drawn into the images of a swapchain.
+//! Textured triangles, drawn into the swapchain of a window.
 
 use super::commands::Commands;
-use super::memory::{Buffer, BufferUse, Dimension, Image, ImageUse};
 use super::pipeline::{BindSet, Binding, BindingKind, Blend, Marks, Pipeline, PipelineDescription, Resource};
 use super::sampler::{Address, Sampler};
 use super::surface::Surface;
 use super::window::WindowHandle;
 use super::{Area, Format, Gpu, GpuError, Named, Options};
+use super::{Buffer, BufferUse, Dimension, Image, ImageUse};
 use ash::vk;
-use egui::epaint::{ImageData, ImageDelta, Primitive};
-use egui::{ClippedPrimitive, Color32, ColorImage, TextureId, TexturesDelta};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A window is waited for at most this long, nanoseconds: a hidden one may give no image, and must not stop the program.
-const PATIENCE: u64 = 200_000_000;
-/// Floats of the attributes of a vertex: its place in the window from -1 to 1, its place in a texture, and its color.
+/// Longest wait for an image of the swapchain, nanoseconds: a compositor may withhold those of a hidden window.
+const ACQUIRE_TIMEOUT: u64 = 200_000_000;
+/// Floats of the attributes of a [`Vertex`].
 const ATTRIBUTES: [u32; 3] = [2, 2, 4];
-/// Bindings of the program: a texture, and how it is sampled.
+/// Bindings of the program: a texture and its sampler.
 const TEXTURE: u32 = 0;
 const SAMPLER: u32 = 1;
-/// Its constant: whether the target takes linear light.
+/// Specialization constant: whether the target expects linear colors.
 const LINEAR_ID: u32 = 0;
 
-/// A device that draws into a window.
+/// Position in the window from -1 to 1 (2 numbers), texture coordinates (2), premultiplied sRGB color (4).
+pub type Vertex = [f32; 8];
+
+/// Texels of a new or changed texture.
+pub struct CanvasTexture {
+    /// Number of the texture.
+    pub id: u64,
+    /// Width and height in texels.
+    pub size: [u32; 2],
+    /// Premultiplied sRGB and alpha, 8 bits a channel, row by row.
+    pub texels: Vec<u8>,
+}
+
+/// Triangles with one texture, clipped to an area.
+pub struct Batch {
+    /// Number of the texture.
+    pub texture: u64,
+    /// Pixels that may be drawn.
+    pub area: Area,
+    /// Range of the vertices.
+    pub vertices: Range<u32>,
+}
+
+/// A device with the swapchain of a window.
 pub struct Canvas {
     pipeline: Pipeline,
     sampler: Arc<Sampler>,
-    textures: HashMap<TextureId, Texture>,
-    /// The glyphs, which egui changes in parts.
-    glyphs: Option<ColorImage>,
-    freed: Vec<TextureId>,
+    textures: HashMap<u64, Texture>,
+    freed: Vec<u64>,
     frame: WindowFrame,
     surface: Surface,
 }
 
-/// A texture of egui.
 struct Texture {
     image: Arc<Image>,
     set: BindSet,
-    /// What is to be copied into it before it is used.
+    /// Texels to copy into the image before its next use.
     fresh: Option<Buffer>,
 }
 
-/// Triangles of one texture within an area.
-struct Batch {
-    texture: TextureId,
-    area: Area,
-    vertices: Range<u32>,
-}
-
-/// What became of a drawing.
+/// Result of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Presented {
-    /// It is on the screen.
+    /// The content is on the screen.
     Yes,
-    /// The window had an image of another size: try again.
+    /// The swapchain had another size than the window; draw again.
     Later,
-    /// The window has no pixel, or gave no image in time.
+    /// The window has no pixels, or gave no image in time.
     Hidden,
 }
 
-/// What one drawing at a time needs.
+/// Command buffer and synchronization of the one drawing in flight.
 struct WindowFrame {
     gpu: Gpu,
     pool: vk::CommandPool,
     buffer: vk::CommandBuffer,
-    /// Signaled while no drawing is under way.
+    /// Signaled while no drawing is in flight.
     done: vk::Fence,
-    /// Signaled when the image may be drawn into.
+    /// Signaled when the image is available.
     acquired: vk::Semaphore,
-    /// What the drawing that is under way reads.
+    /// Buffers that the drawing in flight reads.
     reads: Vec<Buffer>,
 }
 
@@ -101,7 +112,7 @@ impl WindowFrame {
         Ok(frame)
     }
 
-    /// Waits until nothing is being drawn.
+    /// Waits until no drawing is in flight.
     fn wait(&self) -> Result<(), GpuError> {
         self.gpu.wait_for(self.done, "the window")
     }
@@ -110,7 +121,7 @@ impl WindowFrame {
 impl Drop for WindowFrame {
     fn drop(&mut self) {
         let _queue = self.gpu.queue();
-        // SAFETY: nothing is in use any more, since the device is waited for while its queue is locked; null is ignored.
+        // SAFETY: the device is idle while its queue is locked; null is ignored.
         self.gpu.free(|device| unsafe {
             let _ = device.device_wait_idle();
             device.destroy_semaphore(self.acquired, None);
@@ -122,7 +133,7 @@ impl Drop for WindowFrame {
 
 impl Drop for Canvas {
     fn drop(&mut self) {
-        // What this frees may be in use. A device that is lost uses nothing.
+        // The drawing in flight may use what is freed here, unless the device is lost.
         if let Err(error) = self.frame.wait() {
             log::warn!("{error}");
         }
@@ -133,7 +144,7 @@ impl Canvas {
     /// Opens the best device that can draw into a window.
     ///
     /// # Errors
-    /// As [`Gpu::new`]; or no device draws into windows.
+    /// Those of [`Gpu::new`]; or no device can present to the window.
     pub fn open(options: &Options, window: Arc<dyn WindowHandle>) -> Result<Canvas, GpuError> {
         let surface = Surface::open(options, window)?;
         let gpu = &surface.gpu;
@@ -157,7 +168,7 @@ impl Canvas {
         };
         let (pipeline, frame) = (Pipeline::new(gpu, &description)?, WindowFrame::new(gpu)?);
         let sampler = Arc::new(Sampler::new(gpu, Address::Clamp, 1.0)?);
-        Ok(Canvas { pipeline, sampler, textures: HashMap::new(), glyphs: None, freed: Vec::new(), frame, surface })
+        Ok(Canvas { pipeline, sampler, textures: HashMap::new(), freed: Vec::new(), frame, surface })
     }
 
     /// The device.
@@ -165,102 +176,76 @@ impl Canvas {
         &self.surface.gpu
     }
 
-    /// Draws what egui has made of a window of `size` pixels. The textures are taken in any case, since egui tells of a
-    /// change once.
+    /// Draws triangles into a window of `size` pixels. `triangles` takes the size of the image and gives their corners, three
+    /// for each, and the batches from back to front. Textures are updated even if the window is hidden; those of `freed` are
+    /// freed after this drawing.
     ///
     /// # Errors
     /// A call fails; [`GpuError::is_lost`] says whether another device may help.
     pub fn draw(
         &mut self,
         size: [u32; 2],
-        mut textures: TexturesDelta,
-        primitives: &[ClippedPrimitive],
-        pixels_per_point: f32,
+        textures: &[CanvasTexture],
+        freed: impl IntoIterator<Item = u64>,
+        triangles: impl FnOnce([u32; 2]) -> (Vec<Vertex>, Vec<Batch>),
     ) -> Result<Presented, GpuError> {
-        // A texture in use must not change, so nothing is under way from here on.
+        // Textures in use must not change.
         self.frame.wait()?;
         self.frame.reads.clear();
         for id in self.freed.drain(..) {
             self.textures.remove(&id);
         }
         let gpu = self.surface.gpu.clone();
-        for (id, deltas) in textures.set.drain() {
-            for delta in deltas {
-                self.take(&gpu, id, delta)?;
-            }
+        for texture in textures {
+            self.set_texture(&gpu, texture)?;
         }
-        self.freed.extend(textures.free.drain());
-        let presented = self.present(&gpu, size, primitives, pixels_per_point)?;
+        self.freed.extend(freed);
+        let presented = self.present(&gpu, size, triangles)?;
         if presented == Presented::Later {
             self.surface.outdated();
         }
         Ok(presented)
     }
 
-    /// Takes the texels of a texture, which are on the device from the next drawing on.
-    fn take(&mut self, gpu: &Gpu, id: TextureId, delta: ImageDelta) -> Result<(), GpuError> {
-        let delta = self.whole(id, delta);
-        let ImageData::Color(content) = &delta.image;
-        let [width, height] = content.size.map(|side| side as u32);
-        let texels: Vec<u8> = content.pixels.iter().flat_map(Color32::to_array).collect();
-        let fresh = Some(Buffer::new(gpu, "upload", BufferUse::Upload, &texels)?);
-        match self.textures.get_mut(&id).filter(|texture| texture.image.size() == [width, height, 1]) {
+    /// Stages the texels of a texture for the next drawing.
+    fn set_texture(&mut self, gpu: &Gpu, texture: &CanvasTexture) -> Result<(), GpuError> {
+        let CanvasTexture { id, size: [width, height], texels } = texture;
+        let fresh = Some(Buffer::new(gpu, "upload", BufferUse::Upload, texels)?);
+        match self.textures.get_mut(id).filter(|texture| texture.image.size() == [*width, *height, 1]) {
             Some(texture) => texture.fresh = fresh,
             None => {
-                let (plane, sampled) = (Dimension::Plane(width, height), ImageUse::Sampled);
+                let (plane, sampled) = (Dimension::Plane(*width, *height), ImageUse::Sampled);
                 let image = Arc::new(Image::new(gpu, "texture of the window", plane, Format::Rgba8Unorm, sampled)?);
                 let (own, sampler) = (Resource::Image(image.clone()), Resource::Sampler(self.sampler.clone()));
                 let set = self.pipeline.bind(&[(TEXTURE, own), (SAMPLER, sampler)])?;
-                self.textures.insert(id, Texture { image, set, fresh });
+                self.textures.insert(*id, Texture { image, set, fresh });
             }
         }
         Ok(())
-    }
-
-    /// A change of the glyphs as all of them.
-    fn whole(&mut self, id: TextureId, delta: ImageDelta) -> ImageDelta {
-        if id != TextureId::default() {
-            return delta;
-        }
-        let ImageData::Color(part) = &delta.image;
-        match (delta.pos, &mut self.glyphs) {
-            (Some([left, top]), Some(glyphs)) => {
-                let [width, height] = part.size;
-                for row in 0..height {
-                    let to = (top + row) * glyphs.size[0] + left;
-                    glyphs.pixels[to..to + width].copy_from_slice(&part.pixels[row * width..(row + 1) * width]);
-                }
-                ImageDelta::full(glyphs.clone(), delta.options)
-            }
-            _ => {
-                self.glyphs = Some((**part).clone());
-                delta
-            }
-        }
     }
 
     fn present(
         &mut self,
         gpu: &Gpu,
         size: [u32; 2],
-        primitives: &[ClippedPrimitive],
-        pixels_per_point: f32,
+        triangles: impl FnOnce([u32; 2]) -> (Vec<Vertex>, Vec<Batch>),
     ) -> Result<Presented, GpuError> {
         let swapchains = self.surface.swapchains.clone();
         let Some(chain) = self.surface.swapchain(size)? else { return Ok(Presented::Hidden) };
         let (handle, extent) = (chain.handle, chain.extent);
-        // SAFETY: the swapchain is alive and used by this thread only; the semaphore is in no use.
-        let index =
-            match unsafe { swapchains.acquire_next_image(handle, PATIENCE, self.frame.acquired, vk::Fence::null()) } {
-                Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => return Ok(Presented::Later),
-                // A compositor keeps the images of a window that nobody sees.
-                Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => return Ok(Presented::Hidden),
-                other => other.named("vkAcquireNextImageKHR")?.0,
-            };
+        // SAFETY: the swapchain is alive and used by this thread only; the semaphore is unused.
+        let index = match unsafe {
+            swapchains.acquire_next_image(handle, ACQUIRE_TIMEOUT, self.frame.acquired, vk::Fence::null())
+        } {
+            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => return Ok(Presented::Later),
+            // Compositors withhold the images of hidden windows (docs/notes/drivers.md).
+            Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => return Ok(Presented::Hidden),
+            other => other.named("vkAcquireNextImageKHR")?.0,
+        };
         let target = chain.images[index as usize];
         let device = &gpu.0.device;
         let buffer = self.frame.buffer;
-        let (vertices, batches) = triangles(primitives, [extent.width, extent.height], pixels_per_point);
+        let (vertices, batches) = triangles([extent.width, extent.height]);
         let vertices = Buffer::new(gpu, "window", BufferUse::Vertices, bytemuck::cast_slice(&vertices))?;
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         let attachment = vk::RenderingAttachmentInfo::default()
@@ -268,7 +253,7 @@ impl Canvas {
             .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
             .load_op(vk::AttachmentLoadOp::CLEAR)
             .store_op(vk::AttachmentStoreOp::STORE);
-        // SAFETY: nothing else uses the command buffer, as its fence says.
+        // SAFETY: the fence says that the command buffer is unused.
         unsafe { device.begin_command_buffer(buffer, &begin) }.named("vkBeginCommandBuffer")?;
         let mut commands = Commands { gpu, buffer };
         for texture in self.textures.values_mut() {
@@ -303,7 +288,7 @@ impl Canvas {
         let info =
             vk::PresentInfoKHR::default().wait_semaphores(&drawn_ones).swapchains(&chains).image_indices(&indices);
         let queue = gpu.queue();
-        // SAFETY: the queue is locked; all that is submitted lives until the fence is signaled, which is waited for.
+        // SAFETY: the queue is locked; all submitted resources live until the fence is signaled.
         let presented = unsafe {
             device.reset_fences(&[self.frame.done]).named("vkResetFences")?;
             device.queue_submit2(*queue, &submits, self.frame.done).named("vkQueueSubmit2")?;
@@ -311,20 +296,20 @@ impl Canvas {
         };
         match presented {
             Ok(false) => Ok(Presented::Yes),
-            // Presented, in the size that the window had.
+            // Presented in a former size of the window.
             Ok(true) | Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => Ok(Presented::Later),
             Err(result) => Err(GpuError::Call { call: "vkQueuePresentKHR", result }),
         }
     }
 }
 
-/// To be drawn into, whatever was there; or to be presented.
+/// Transitions an image of the swapchain, for drawing without its content or for presenting.
 fn transition(gpu: &Gpu, buffer: vk::CommandBuffer, image: vk::Image, to: vk::ImageLayout) {
     use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
     let output = Stage::COLOR_ATTACHMENT_OUTPUT;
     let write = Access::COLOR_ATTACHMENT_WRITE;
     let barrier =
-        vk::ImageMemoryBarrier2::default().image(image).subresource_range(super::memory::COLOR).new_layout(to);
+        vk::ImageMemoryBarrier2::default().image(image).subresource_range(super::format::COLOR).new_layout(to);
     let barrier = match to {
         // The semaphore of the acquired image is waited for at this stage.
         Layout::COLOR_ATTACHMENT_OPTIMAL => barrier
@@ -344,36 +329,7 @@ fn transition(gpu: &Gpu, buffer: vk::CommandBuffer, image: vk::Image, to: vk::Im
     unsafe { gpu.0.device.cmd_pipeline_barrier2(buffer, &dependency) };
 }
 
-/// The triangles of egui as vertices, three for each, and which of them are drawn together.
-fn triangles(primitives: &[ClippedPrimitive], size: [u32; 2], pixels_per_point: f32) -> (Vec<[f32; 8]>, Vec<Batch>) {
-    let (mut vertices, mut batches) = (Vec::new(), Vec::new());
-    let [x, y] = size.map(|side| 2.0 * pixels_per_point / side as f32);
-    for ClippedPrimitive { clip_rect, primitive } in primitives {
-        let Primitive::Mesh(mesh) = primitive else { continue };
-        let range = |from: f32, to: f32, side: u32| {
-            let [from, to] = [from, to].map(|edge| (edge * pixels_per_point).round().clamp(0.0, side as f32) as u32);
-            from..to.max(from)
-        };
-        let columns = range(clip_rect.min.x, clip_rect.max.x, size[0]);
-        let rows = range(clip_rect.min.y, clip_rect.max.y, size[1]);
-        let area = Area { columns, rows };
-        if area.pixels() == 0 {
-            continue;
-        }
-        let first = vertices.len() as u32;
-        vertices.extend(mesh.indices.iter().filter_map(|index| mesh.vertices.get(*index as usize)).map(|vertex| {
-            let [r, g, b, a] = vertex.color.to_array().map(|code| f32::from(code) / 255.0);
-            [x * vertex.pos.x - 1.0, y * vertex.pos.y - 1.0, vertex.uv.x, vertex.uv.y, r, g, b, a]
-        }));
-        batches.push(Batch { texture: mesh.texture_id, area, vertices: first..vertices.len() as u32 });
-    }
-    if vertices.is_empty() {
-        vertices.push([0.0; 8]); // a buffer cannot be empty
-    }
-    (vertices, batches)
-}
-
-/// SPIR-V as the device takes it.
+/// The words of SPIR-V.
 fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.chunks_exact(4).map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]])).collect()
 }

@@ -1,0 +1,86 @@
+//! The program of a scene: its entry files, and the modules of its slots.
+
+use super::header::header;
+use super::{Curve, EmptySpace, Integration, LightMethod, Pass, RayPath, Scene, Storage, TargetFormat};
+use crate::shader::{Library, Slots};
+
+impl Scene {
+    /// Entry files of the program in the folder `glsl`: vertex stage, fragment stage.
+    pub fn entries(&self) -> [&'static str; 2] {
+        match (self.quality.pass, self.effect.ray_path) {
+            (Pass::Slices, _) => ["slice.vert", "slice.frag"],
+            (Pass::March, RayPath::Straight) => ["march.vert", "march.frag"],
+            (Pass::March, RayPath::Refracted) => ["march.vert", "refract.frag"],
+        }
+    }
+
+    /// Modules for all slots but `object`, which depends on the input. Settings with a slot of their name have the names of
+    /// its modules as values.
+    pub fn slots(&self, library: &Library) -> Slots {
+        let Scene { effect, quality, light, camera, .. } = self;
+        let half_angle = self.is_half_angle();
+        let storage = match self.object.storage {
+            Storage::Dense if quality.anisotropy > 1.0 => "anisotropic",
+            storage => storage.name(),
+        };
+        let empty_space = match quality.empty_space {
+            EmptySpace::Skip if !self.is_empty_outside(library) || effect.index != "transfer" => "sample",
+            // An unorm target cannot report that a device has cut the loops of a ray.
+            EmptySpace::Skip if quality.target == TargetFormat::Unorm8 && !self.may_find_first(library) => "leap",
+            empty_space => empty_space.name(),
+        };
+        let has_cells = empty_space != "sample" && self.is_plain() && self.has_cells(library);
+        let jumps = effect.index == "transfer" && self.transfer.curve == Curve::Steps;
+        let is_flat = quality.fold_zero_terms && self.transfer.is_flat();
+        let classify = match quality.integration {
+            Integration::Segment => header(library, "classify", &effect.classify).segments,
+            Integration::Point => None,
+        };
+        let chosen = [
+            ("projection", camera.projection.name()),
+            ("proxy", quality.proxy.name()),
+            ("reject", if quality.discard_empty_fragments { "discard" } else { "keep" }),
+            ("shadow", if light.shadows { light.method.name() } else { "none" }),
+            ("planes", if half_angle { LightMethod::HalfAngle.name() } else { "facing" }),
+            ("scatter", if light.translucency > 0.0 { "cone" } else { "none" }),
+            ("clip", if camera.clip.is_some() { "plane" } else { "none" }),
+            ("empty_space", empty_space),
+            ("cells", if has_cells { "grid" } else { "none" }),
+            ("jitter", quality.jitter.name()),
+            ("ray_path", if jumps { "straight" } else { "curved" }),
+            ("wrap", quality.wrap.name()),
+            ("filter", quality.filter.name()),
+            ("storage", storage),
+            ("transfer", if is_flat { "flat" } else { "map" }),
+            (
+                "sampling",
+                if camera.slice_stack {
+                    "stack"
+                } else if quality.msaa == 1 {
+                    "pixel"
+                } else {
+                    "sample"
+                },
+            ),
+            ("classify", classify.as_ref().unwrap_or(&effect.classify)),
+            (
+                "project",
+                match effect.project.as_str() {
+                    "auto" if self.object.is_formula() => "formula",
+                    "auto" => "closest",
+                    module => module,
+                },
+            ),
+        ];
+        let of_effect = effect.modules().into_iter().map(|(slot, module)| (slot, module.as_str()));
+        let mut slots: Slots =
+            of_effect.chain(chosen).map(|(slot, module)| (slot.to_string(), vec![module.to_string()])).collect();
+        slots.insert("medium".into(), effect.medium.split('+').map(|name| name.trim().to_string()).collect());
+        slots.insert("warp".into(), effect.warp.clone());
+        slots.insert("dmf".into(), effect.dmf.clone());
+        if self.has_several() {
+            self.fill_parts(library, &mut slots);
+        }
+        slots
+    }
+}
