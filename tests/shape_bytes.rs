@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use glam::{Mat3, Vec3};
-use hypertexture::shape::{Content, Shape, Volume, VolumeFormat, read, write_nrrd};
+use hypertexture::shape::{Content, Shape, Volume, VolumeFormat, read};
 use proptest::prelude::*;
 use std::io::Cursor;
 
@@ -15,7 +15,7 @@ fn seeds() -> Vec<(&'static str, Vec<u8>)> {
     let volume =
         Volume { size: [3, 4, 5], origin: Vec3::ZERO, steps: Mat3::IDENTITY, values, content: Content::SignedDistance };
     let mut compressed = Vec::new();
-    write_nrrd(&volume, &mut compressed).unwrap();
+    VolumeFormat::Nrrd.write(&volume, &mut compressed).unwrap();
     let oblique = Volume { steps: Mat3::from_rotation_x(0.3), content: Content::Scalar, ..volume };
     let others = [
         (VolumeFormat::MetaImage, "a.mha"),

@@ -1,4 +1,4 @@
-//! Files beside a header that are links: read where they stay beside it.
+//! DataFiles beside a header that are links: read where they stay beside it.
 #![cfg(unix)]
 
 use hypertexture::shape::open;

@@ -3,7 +3,7 @@
 //! Role: bodies turned as their neighbors are, each with what it adds to a solid or takes from it. Invariant: the inside is
 //! that of the distance field: what is wound around at least half a turn, either way.
 
-use super::mesh::Bodies;
+use super::mesh::Components;
 use super::wound::Wound;
 use super::{Bounds, Mesh};
 use glam::{DVec3, Vec3};
@@ -65,7 +65,7 @@ impl Mesh {
 
 /// The bodies of a mesh, relative to `origin`.
 fn bodies(wound: &Wound, origin: DVec3) -> Vec<Body<'_>> {
-    let mut roots = Bodies::of(&wound.triangles, wound.places.len());
+    let mut roots = Components::of(&wound.triangles, wound.places.len());
     let (mut numbers, mut bodies) = (HashMap::new(), Vec::<Body>::new());
     for triangle in &wound.triangles {
         let point = &wound.places[triangle[0] as usize];

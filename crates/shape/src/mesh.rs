@@ -3,13 +3,29 @@
 //! Role: bounds, cleaning, open edges, volume. Invariant: nothing here changes the surface; cleaning only removes
 //! what has no area, and moves what stands far away to where f32 can tell its corners apart.
 
-use super::{Bounds, Mesh};
+use super::Bounds;
 use foldhash::{HashMap, HashMapExt};
 use glam::{DVec3, Vec3};
 
+/// Most triangles of a mesh: a binary STL file of 2.5 GB.
+pub const MAX_TRIANGLES: u64 = 50_000_000;
 /// How many times farther from the origin than its box is long a mesh may stand without an offset: f32 then still tells
 /// apart 2^19 places along the box.
 const FAR: f64 = 16.0;
+
+/// A triangle mesh in world units.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Vertex positions, finite.
+    pub positions: Vec<Vec3>,
+    /// Corner indices into `positions`, all in range; triangles of zero area have been dropped.
+    pub triangles: Vec<[u32; 3]>,
+    /// What was taken from the coordinates of the file before they became f32.
+    ///
+    /// Zero on each axis along which the mesh reaches at most 16 times the longest side of its box from the origin. On the
+    /// others the middle of the box, rounded so that the difference is exact where the file has 32-bit floats.
+    pub offset: DVec3,
+}
 
 /// How the triangles of a mesh hang together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +73,7 @@ impl Mesh {
                 uses.entry((*a.min(b), *a.max(b))).or_default()[usize::from(a > b)] += 1;
             }
         }
-        let mut bodies = Bodies::of(&triangles, distinct.len());
+        let mut bodies = Components::of(&triangles, distinct.len());
         let count = |is: fn(&[u32; 2]) -> bool| uses.values().filter(|uses| is(uses)).count();
         let mut used: Vec<bool> = vec![false; distinct.len()];
         triangles.as_flattened().iter().for_each(|corner| used[*corner as usize] = true);
@@ -118,12 +134,12 @@ impl Mesh {
 }
 
 /// Which vertices hang together by triangles.
-pub(super) struct Bodies(Vec<u32>);
+pub(super) struct Components(Vec<u32>);
 
-impl Bodies {
+impl Components {
     /// Those of triangles over so many vertices.
-    pub(super) fn of(triangles: &[[u32; 3]], vertices: usize) -> Bodies {
-        let mut bodies = Bodies((0..vertices as u32).collect());
+    pub(super) fn of(triangles: &[[u32; 3]], vertices: usize) -> Components {
+        let mut bodies = Components((0..vertices as u32).collect());
         for [a, b, c] in triangles {
             for (a, b) in [(a, b), (b, c)] {
                 let (a, b) = (bodies.root(*a), bodies.root(*b));

@@ -1,7 +1,7 @@
 //! Wavefront OBJ: polygons.
 //!
 //! Role: `v` and `f` statements into a mesh. Invariant: an index is checked against the vertices above its line.
-//! Source: Alias|Wavefront, "Object Files (.obj)", Advanced Visualizer manual, appendix B1, 1995. Read here and not by
+//! Source: Alias|Wavefront, "Object DataFiles (.obj)", Advanced Visualizer manual, appendix B1, 1995. Read here and not by
 //! the tobj crate, which gives no line numbers, splits vertices between objects, refuses comments that are not UTF-8 or
 //! follow data, and lets NaN pass.
 
@@ -46,9 +46,8 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
                 }
             }
             Some(curve @ (b"curv" | b"curv2" | b"surf")) => {
-                let (file, place, found) = (source.file.clone(), Location::Line(line), quoted(curve));
                 let remedy = "convert curves and surfaces to polygons first";
-                return Err(ShapeError::Unsupported { file, place, what: "the statement", found, remedy });
+                return Err(source.unsupported(Location::Line(line), "the statement", quoted(curve), remedy));
             }
             Some(word) if foreign.is_none() && !PASSED_OVER.contains(&word) => foreign = Some((quoted(word), line)),
             _ => {}
@@ -109,10 +108,8 @@ fn position<'a>(source: &Source, mut words: impl Iterator<Item = &'a [u8]>) -> R
 /// The position index of `7`, `7/2`, `7//3` or `7/2/3`, counted from 1, or backwards from -1.
 fn index(source: &Source, line: u64, word: &[u8], count: usize) -> Result<u32, ShapeError> {
     let digits = word.split(|&byte| byte == b'/').next().unwrap_or_default();
-    let text = std::str::from_utf8(digits).ok();
-    let index: i64 = text
-        .and_then(|text| text.parse().ok())
-        .ok_or_else(|| source.malformed("a vertex index (as 7, 7/2, 7//3 or 7/2/3)", word))?;
+    let malformed = || source.malformed("a vertex index (as 7, 7/2, 7//3 or 7/2/3)", word);
+    let index: i64 = number(digits).ok_or_else(malformed)?;
     let from_zero = if index < 0 { index.checked_add(count as i64) } else { index.checked_sub(1) };
     match from_zero {
         Some(from_zero) if (0..count as i64).contains(&from_zero) => Ok(from_zero as u32),

@@ -5,7 +5,7 @@
 
 use super::error::{Location, quoted, shown, unreadable};
 use super::source::Source;
-use super::{BUILT_IN, MEMORY, Shape, ShapeError, dicom, generated, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
+use super::{BUILT_IN, MEMORY, Shape, ShapeError, built_in, dicom, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use support::open::{self as plain, OpenError};
@@ -83,7 +83,7 @@ impl Opened {
         if name_or_path.starts_with(MEMORY) {
             return Err(ShapeError::InMemory { name: shown(name_or_path) });
         }
-        if let Some(shape) = generated::built_in(name_or_path) {
+        if let Some(shape) = built_in::by_name(name_or_path) {
             return alone(shape, Vec::new());
         }
         let path = Path::new(name_or_path);

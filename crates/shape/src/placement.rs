@@ -71,10 +71,8 @@ impl Placement {
 
     /// An error where f32 cannot tell the samples apart, or where they would not mean what they should.
     pub fn check(&self, file: &str) -> Result<(), ShapeError> {
-        let unsupported = |what, found, remedy| {
-            let (file, place) = (file.to_owned(), Location::Header);
-            Err(ShapeError::Unsupported { file, place, what, found, remedy })
-        };
+        let unsupported =
+            |what, found, remedy| Err(ShapeError::unsupported(file, Location::Header, what, found, remedy));
         let determinant = directions(&self.steps).determinant();
         if determinant.abs() <= MIN_DETERMINANT {
             let found = format!("whose unit axes have the determinant {determinant:.1e} (the limit is 1e-6)");
@@ -94,11 +92,8 @@ impl Placement {
         }
         if self.content == Content::SignedDistance && order(&self.straight()).is_none() {
             let found = "on a grid that is not along the axes of the world".into();
-            return unsupported(
-                "a signed distance",
-                found,
-                "resample it onto these axes, or save it as a scalar volume",
-            );
+            let remedy = "resample it onto these axes, or save it as a scalar volume";
+            return unsupported("a signed distance", found, remedy);
         }
         Ok(())
     }

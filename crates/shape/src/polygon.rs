@@ -44,8 +44,7 @@ pub(super) fn triangulate(polygon: &[u32], positions: &[DVec3], triangles: &mut 
 /// A concave face of so many corners at `place` is not read.
 pub(super) fn too_large(source: &Source, place: Location, corners: usize) -> ShapeError {
     let found = format!("with {corners} corners (the limit is {MAX_CONCAVE_CORNERS})");
-    let (file, what, remedy) = (source.file.clone(), "a concave face", "triangulate the mesh first");
-    ShapeError::Unsupported { file, place, what, found, remedy }
+    source.unsupported(place, "a concave face", found, "triangulate the mesh first")
 }
 
 /// Corners in a plane, counterclockwise as a whole.

@@ -1,13 +1,13 @@
 //! The samples of a volume, behind a header or in files of their own.
 //!
-//! Role: bytes or words of any type, order and packing into a [`Volume`](super::Volume). Invariant: memory grows with the
+//! Role: bytes or words of any type, order and compression into a [`Volume`](super::Volume). Invariant: memory grows with the
 //! data that is there, not with what the header declares, and nothing is unpacked beyond the declared size.
 
+use super::data_files::DataFiles;
+use super::decompress::{Decompressor, GZIP, Hex, ZLIB};
 use super::error::{Found, Location, ShapeError, quoted};
-use super::files::Files;
 use super::placement::Placement;
 use super::source::{Source, read_block};
-use super::unpack::{GZIP, Hex, Unpacked, ZLIB};
 use super::{SampleType, Shape};
 use std::cell::Cell;
 use std::io::{self, Read};
@@ -32,7 +32,7 @@ pub(super) struct Raster {
     /// Whether the first byte of a value is its highest.
     pub big_endian: bool,
     /// How the data is compressed.
-    pub packing: Packing,
+    pub compression: Compression,
     /// What values are multiplied by, and what is added then.
     pub scale: Option<[f64; 2]>,
     /// Where they are.
@@ -41,7 +41,7 @@ pub(super) struct Raster {
 
 /// How data is compressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Packing {
+pub(super) enum Compression {
     /// Not at all.
     None,
     /// It was, and the source unpacks it: its length is the most that it can be.
@@ -70,7 +70,7 @@ pub(super) enum Skip {
 /// Where the data is.
 pub(super) struct Data {
     /// The files that hold it, if not this one.
-    pub files: Option<Files>,
+    pub files: Option<DataFiles>,
     /// Lines before it in each file.
     pub lines: u64,
     /// Bytes before it, behind these lines.
@@ -124,35 +124,35 @@ impl Raster {
             return Err(source.data_size(declared, format!("{what} behind {before} bytes"), Found::Bytes(left)));
         }
         let (file, offset) = (source.file.clone(), source.offset);
-        let failed = |decoded, reason| match self.packing {
-            Packing::None | Packing::Text => ShapeError::Unreadable { file: file.clone(), reason },
-            _ => ShapeError::Packed { file: file.clone(), offset, decoded, reason },
+        let failed = |decoded, reason| match self.compression {
+            Compression::None | Compression::Text => ShapeError::Unreadable { file: file.clone(), reason },
+            _ => ShapeError::Decompression { file: file.clone(), offset, decoded, reason },
         };
         source.offset += skipped(&mut source.reader, before).map_err(|reason| failed(0, reason))?;
-        if self.packing == Packing::Text {
+        if self.compression == Compression::Text {
             return self.append_text(source, count, values);
         }
         let (here, size) = (source.remaining(), |found| source.data_size(declared, what.clone(), found));
-        let most = match self.packing {
-            Packing::None | Packing::Unpacked | Packing::Text => here,
-            Packing::Gzip | Packing::Zlib => here.saturating_mul(MAX_DEFLATE_RATIO),
-            Packing::Bzip2 => here.saturating_mul(MAX_BZIP2_RATIO),
-            Packing::Hex => here / 2,
+        let most = match self.compression {
+            Compression::None | Compression::Unpacked | Compression::Text => here,
+            Compression::Gzip | Compression::Zlib => here.saturating_mul(MAX_DEFLATE_RATIO),
+            Compression::Bzip2 => here.saturating_mul(MAX_BZIP2_RATIO),
+            Compression::Hex => here / 2,
         };
-        if self.packing == Packing::None && declared != here {
+        if self.compression == Compression::None && declared != here {
             return Err(size(Found::Bytes(here)));
         }
         if declared > most {
             return Err(size(Found::AtMost(most)));
         }
-        let packing = self.found(source)?;
+        let compression = self.found(source)?;
         let reader = &mut *source.reader;
         let padding = Cell::new(0);
-        let mut stream: Box<dyn Read> = match packing {
-            Packing::Gzip => Box::new(Unpacked::gzip(reader, &padding)),
-            Packing::Zlib => Box::new(Unpacked::zlib(reader, &padding)),
-            Packing::Bzip2 => Box::new(Unpacked::bzip2(reader, &padding)),
-            Packing::Hex => Box::new(Hex(reader)),
+        let mut stream: Box<dyn Read> = match compression {
+            Compression::Gzip => Box::new(Decompressor::gzip(reader, &padding)),
+            Compression::Zlib => Box::new(Decompressor::zlib(reader, &padding)),
+            Compression::Bzip2 => Box::new(Decompressor::bzip2(reader, &padding)),
+            Compression::Hex => Box::new(Hex(reader)),
             _ => Box::new(reader),
         };
         let inside = skipped(&mut stream, data.inside).map_err(|reason| failed(0, reason))?;
@@ -172,12 +172,12 @@ impl Raster {
     }
 
     /// How the data is packed: gzip and zlib stand for each other in files, their first bytes tell them apart.
-    fn found(&self, source: &mut Source) -> Result<Packing, ShapeError> {
+    fn found(&self, source: &mut Source) -> Result<Compression, ShapeError> {
         let first = source.peek()?.first().copied().unwrap_or_default();
-        let (found, name) = match self.packing {
-            Packing::Zlib if first == GZIP[0] => (Packing::Gzip, "gzip"),
-            Packing::Gzip if first & 0xf == ZLIB => (Packing::Zlib, "zlib"),
-            packing => return Ok(packing),
+        let (found, name) = match self.compression {
+            Compression::Zlib if first == GZIP[0] => (Compression::Gzip, "gzip"),
+            Compression::Gzip if first & 0xf == ZLIB => (Compression::Zlib, "zlib"),
+            compression => return Ok(compression),
         };
         source.note(format!("its data is packed by {name}, which the header does not say, and is read so"));
         Ok(found)

@@ -3,8 +3,30 @@
 //! Role: closed forms that other code is measured against. Invariant: exact everywhere, up to f32 rounding.
 //! Source: J. Hart, "Sphere tracing", The Visual Computer 12, 1996, appendix; the torus by revolving a circle.
 
-use super::{Bounds, Solid};
+use super::Bounds;
 use glam::{Vec2, Vec3};
+
+/// A solid given by a formula, centered at the origin, in world units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Solid {
+    /// All points within `radius` of the origin.
+    Sphere {
+        /// Radius.
+        radius: f32,
+    },
+    /// An axis-aligned cube.
+    Cube {
+        /// Half of the edge length.
+        half: f32,
+    },
+    /// A torus around the y axis.
+    Torus {
+        /// Distance from the axis to the center of the tube.
+        major: f32,
+        /// Radius of the tube.
+        minor: f32,
+    },
+}
 
 impl Solid {
     /// Exact signed Euclidean distance from `p` to the surface, positive outside, world units.

@@ -76,13 +76,12 @@ impl<'a> Source<'a> {
                 part => part == Component::CurDir,
             });
         let folder = self.folder.as_deref().filter(|_| is_below).ok_or_else(|| {
-            let (place, found) = (Location::Header, quoted(name.as_bytes()));
-            let remedy = "put the file of the data beside this one";
-            ShapeError::Unsupported { file: self.file.clone(), place, what: "the data file", found, remedy }
+            let (found, remedy) = (quoted(name.as_bytes()), "put the file of the data beside this one");
+            self.unsupported(Location::Header, "the data file", found, remedy)
         })?;
         let path = folder.join(name);
         if !Home::of(folder).holds(&path) {
-            return Err(Source::leads_out(&self.file, Location::Header, name));
+            return Err(Source::link_outside(&self.file, Location::Header, name));
         }
         let file = shown(&path.to_string_lossy());
         let (opened, len) = open::open(&path, u64::MAX).map_err(|error| ShapeError::Unreadable {
@@ -93,8 +92,14 @@ impl<'a> Source<'a> {
         let mut reader = BufReader::new(opened);
         let mut part = Source::new(file, len, None, &mut reader);
         let found = read(&mut part)?;
-        part.notes.take().into_iter().for_each(|note| self.note(note));
+        self.adopt(&part);
         Ok(found)
+    }
+
+    /// Takes over the notes and files of a part of this source.
+    pub fn adopt(&self, part: &Source) {
+        part.notes.take().into_iter().for_each(|note| self.note(note));
+        self.others.borrow_mut().append(&mut part.others.borrow_mut());
     }
 
     /// Remembers what was assumed, or left out of the file: a short sentence without the file's name, once.
@@ -119,10 +124,8 @@ impl<'a> Source<'a> {
 
     /// Up to 1024 bytes at the current place, not consumed; fewer only near the end of the file.
     pub fn peek(&mut self) -> Result<&[u8], ShapeError> {
-        match self.reader.fill_buf() {
-            Ok(bytes) => Ok(&bytes[..bytes.len().min(1024)]),
-            Err(reason) => Err(ShapeError::Unreadable { file: self.file.clone(), reason }),
-        }
+        let unreadable = |reason| ShapeError::Unreadable { file: self.file.clone(), reason };
+        self.reader.fill_buf().map(|bytes| &bytes[..bytes.len().min(1024)]).map_err(unreadable)
     }
 
     /// Goes over the byte order mark of a text; whether there is one.
@@ -222,26 +225,45 @@ impl<'a> Source<'a> {
         ShapeError::Malformed { file: self.file.clone(), place, expected, found }
     }
 
-    /// The header declares `declared` bytes from here on, which is not what the file holds.
+    /// A valid part of the format at `place` that is not supported.
+    pub fn unsupported(
+        &self,
+        place: Location,
+        what: &'static str,
+        found: impl Into<String>,
+        remedy: &'static str,
+    ) -> ShapeError {
+        ShapeError::unsupported(&self.file, place, what, found, remedy)
+    }
+
+    /// More than `limit` of something that is counted.
+    pub fn too_large(&self, what: &'static str, found: impl ToString, limit: u64) -> ShapeError {
+        ShapeError::TooLarge { file: self.file.clone(), what, found: found.to_string(), limit }
+    }
+
+    /// Compressed data from byte `offset` on that is damaged after `decoded` bytes.
+    pub fn packed(&self, offset: u64, decoded: u64, reason: io::Error) -> ShapeError {
+        ShapeError::Decompression { file: self.file.clone(), offset, decoded, reason }
+    }
+
+    /// The header declares `declared` bytes from here on, which is not the length of the data.
     pub fn data_size(&self, declared: u64, what: String, found: Found) -> ShapeError {
         ShapeError::DataSize { file: self.file.clone(), offset: self.offset, declared, what, found }
     }
 
     /// An error where `triangles` is more than [`MAX_TRIANGLES`].
     pub fn check_triangles(&self, triangles: u64) -> Result<(), ShapeError> {
-        if triangles <= MAX_TRIANGLES {
-            return Ok(());
+        match triangles <= MAX_TRIANGLES {
+            true => Ok(()),
+            false => Err(self.too_large("triangles", triangles, MAX_TRIANGLES)),
         }
-        let found = triangles.to_string();
-        Err(ShapeError::TooLarge { file: self.file.clone(), what: "triangles", found, limit: MAX_TRIANGLES })
     }
 
-    /// The error of a link in `file` that leads out of the folder.
-    pub(super) fn leads_out(file: &str, place: Location, name: &str) -> ShapeError {
+    /// A link in `file` that leads out of the folder.
+    pub fn link_outside(file: &str, place: Location, name: &str) -> ShapeError {
         let remedy = "it leads out of the folder, and out of the current one: put the file itself in its place, \
                   or run this in a folder that has both in it";
-        let found = quoted(name.as_bytes());
-        ShapeError::Unsupported { file: file.into(), place, what: "the link", found, remedy }
+        ShapeError::unsupported(file, place, "the link", quoted(name.as_bytes()), remedy)
     }
 
     /// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].

@@ -2,15 +2,45 @@
 //!
 //! Role: where the samples are, and the value between them. Invariant: outside the samples there is no value.
 
+use super::Bounds;
 use super::axes::{Axes, lengths};
-use super::{Bounds, Volume};
 use glam::{DVec3, Mat3, Vec3};
 
+/// Most voxels of a volume: 8 GiB of f32.
+pub const MAX_VOXELS: u64 = 1 << 31;
 /// How far outside the outermost samples a point still counts as on them, in voxels.
 ///
 /// The corners of [`Volume::bounds`] are rounded to f32. Smaller, and they fall outside a volume far from the origin
 /// (1/128 voxel at the 131072 voxels that the reader allows); larger, and values outside are made up.
 const EDGE_TOLERANCE: f64 = 0.01;
+
+/// Samples on a regular grid, x fastest, then y, then z.
+#[derive(Clone, Debug)]
+pub struct Volume {
+    /// Samples per axis, each at least 1.
+    pub size: [u32; 3],
+    /// World position of sample (0, 0, 0).
+    pub origin: Vec3,
+    /// World steps from a sample to the next, one column for each axis of the grid; not singular. Diagonal and positive
+    /// where the grid stands along the axes of the world.
+    pub steps: Mat3,
+    /// `size[0] * size[1] * size[2]` finite values.
+    pub values: Vec<f32>,
+    /// What the values mean.
+    pub content: Content,
+}
+
+/// What the values of a [`Volume`] mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Content {
+    /// A measured or computed scalar: the object is where `value >= iso`.
+    Scalar,
+    /// A signed distance in world units, positive outside.
+    SignedDistance,
+    /// Negative inside and zero on the surface; what lies far from it says nothing but its side.
+    LevelSet,
+}
 
 impl Volume {
     /// Box around all samples (their positions, not voxel faces), in world units; an oblique grid fills it in part.
@@ -105,7 +135,6 @@ fn lerp(a: f32, b: f32, t: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Content;
     use super::*;
 
     /// Values of the trilinear function f, on a grid with different sizes and spacings per axis.

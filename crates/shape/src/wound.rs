@@ -3,7 +3,7 @@
 //! Invariant: positions are compared exactly, so that a mesh cut along seams of equal positions counts as whole.
 
 use super::Mesh;
-use super::mesh::{Bodies, weld};
+use super::mesh::{Components, weld};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -77,7 +77,7 @@ fn drop_repeated(triangles: &mut Vec<[u32; 3]>, places: usize) {
     if !is_dropped.contains(&true) {
         return;
     }
-    let mut bodies = Bodies::of(triangles, places);
+    let mut bodies = Components::of(triangles, places);
     let mut is_solid = vec![false; places];
     single.into_iter().for_each(|corner| is_solid[bodies.root(corner) as usize] = true);
     let mut at = 0..;

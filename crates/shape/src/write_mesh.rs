@@ -3,7 +3,7 @@
 //! Role: a [`Mesh`] in the formats that other programs read. Invariant: what is written is read back bit for bit; where a
 //! format holds no offset, coordinates are those of the file, as exact as it can say them.
 //! Sources: 3D Systems, "StereoLithography Interface Specification", 1989; G. Turk, "The PLY Polygon File Format", 1994;
-//! Wavefront, "Object Files", 1995; Khronos, "glTF 2.0 Specification".
+//! Wavefront, "Object DataFiles", 1995; Khronos, "glTF 2.0 Specification".
 
 use super::Mesh;
 use glam::DVec3;

@@ -5,8 +5,9 @@
 
 use super::axes::{directions, lengths};
 use super::space::Space;
-use super::values::{LEVEL, check, write_values};
-use super::{Content, Volume, meta, vdb, write_nifti, write_nrrd};
+use super::space::listed;
+use super::write_values::{LEVEL, check, write_values};
+use super::{Content, Volume, meta, nrrd, vdb, write_nifti};
 use flate2::write::{GzEncoder, ZlibEncoder};
 use std::io::{self, Write};
 use std::path::Path;
@@ -14,7 +15,7 @@ use std::path::Path;
 /// A format that volumes are written in: always as 32-bit floats, little endian, x fastest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VolumeFormat {
-    /// NRRD in one file, gzip: see [`write_nrrd`].
+    /// NRRD in one file, gzip. A signed distance is marked by the line `hypertexture content:=signed distance`.
     Nrrd,
     /// MetaImage in one file, zlib. A signed distance is marked by its comment.
     MetaImage,
@@ -84,12 +85,29 @@ impl VolumeFormat {
     }
 }
 
+fn write_nrrd(volume: &Volume, mut to: impl Write) -> io::Result<()> {
+    let ([x, y, z], steps, origin) = (volume.size, volume.steps, volume.origin);
+    writeln!(to, "NRRD0005\n# written by hypertexture\ntype: float\ndimension: 3\nspace: right-anterior-superior")?;
+    writeln!(to, "sizes: {x} {y} {z}")?;
+    let [a, b, c] =
+        [steps.x_axis, steps.y_axis, steps.z_axis].map(|step| format!("({},{},{})", step.x, step.y, step.z));
+    writeln!(to, "space directions: {a} {b} {c}")?;
+    writeln!(to, "space origin: ({},{},{})", origin.x, origin.y, origin.z)?;
+    writeln!(to, "kinds: domain domain domain\nendian: little\nencoding: gzip")?;
+    if volume.content == Content::SignedDistance {
+        writeln!(to, "{}:={}", nrrd::CONTENT_KEY, nrrd::SIGNED_DISTANCE)?;
+    }
+    writeln!(to)?;
+    let mut encoder = GzEncoder::new(to, LEVEL);
+    write_values(volume, &mut encoder)?;
+    encoder.finish()?.flush()
+}
+
 fn write_meta(volume: &Volume, mut to: impl Write) -> io::Result<()> {
     let [x, y, z] = volume.size;
     // From the world to LPS is the same turn as back.
     let origin = Space::LPS.position(volume.origin.as_dvec3());
     let steps = Space::LPS.steps(&volume.steps.as_dmat3());
-    let numbers = |numbers: &[f64]| numbers.iter().map(|number| number.to_string()).collect::<Vec<_>>().join(" ");
     writeln!(to, "ObjectType = Image\nNDims = 3")?;
     if volume.content == Content::SignedDistance {
         writeln!(to, "Comment = {}", meta::SIGNED_DISTANCE)?;
@@ -100,9 +118,9 @@ fn write_meta(volume: &Volume, mut to: impl Write) -> io::Result<()> {
     let data = encoder.finish()?;
     writeln!(to, "BinaryData = True\nBinaryDataByteOrderMSB = False")?;
     writeln!(to, "CompressedData = True\nCompressedDataSize = {}", data.len())?;
-    writeln!(to, "TransformMatrix = {}", numbers(&directions(&steps).to_cols_array()))?;
-    writeln!(to, "Offset = {}", numbers(&origin.to_array()))?;
-    writeln!(to, "CenterOfRotation = 0 0 0\nElementSpacing = {}", numbers(&lengths(&steps).to_array()))?;
+    writeln!(to, "TransformMatrix = {}", listed(&directions(&steps).to_cols_array()))?;
+    writeln!(to, "Offset = {}", listed(&origin.to_array()))?;
+    writeln!(to, "CenterOfRotation = 0 0 0\nElementSpacing = {}", listed(&lengths(&steps).to_array()))?;
     writeln!(to, "DimSize = {x} {y} {z}\nElementType = MET_FLOAT\nElementDataFile = LOCAL")?;
     to.write_all(&data)?;
     to.flush()

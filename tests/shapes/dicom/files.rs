@@ -1,4 +1,4 @@
-//! Files of DICOM in the making, byte by byte.
+//! DataFiles of DICOM in the making, byte by byte.
 
 use glam::DVec3;
 use hypertexture::shape::{Shape, ShapeError, Volume, open};

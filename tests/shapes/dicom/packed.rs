@@ -1,6 +1,6 @@
 //! Pixels that are packed: runs and JPEG, packed here as NEMA PS3.5 and ITU-T T.81 say.
 
-use super::files::{CT, Desk, File, ITEM, LITTLE, OPEN, PIXELS, Way, at, expected, frames, series, stored, volume};
+use super::data_files::{CT, Desk, File, ITEM, LITTLE, OPEN, PIXELS, Way, at, expected, frames, series, stored, volume};
 use hypertexture::shape::{Opened, open, read};
 use std::fs;
 

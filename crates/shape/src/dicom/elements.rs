@@ -4,8 +4,8 @@
 //! length, so that no depth of them ends the program, and what is not asked for is gone over by its length. Source: NEMA
 //! PS3.5, 7 and annex A.
 
-use super::super::error::{Location, ShapeError, quoted};
-use super::super::source::Source;
+use crate::error::{Location, ShapeError, quoted};
+use crate::source::Source;
 
 /// The pixels: no element behind them is read.
 pub(super) const PIXELS: u32 = 0x7fe0_0010;

@@ -4,22 +4,22 @@
 //! lowest first. Invariant: a frame has as many bytes as is said before it is unpacked. Sources: NEMA PS3.5, annexes A.4 and G;
 //! ITU-T T.81 for what is asked of JPEG before the crate unpacks it.
 
-use super::super::error::{Location, ShapeError};
-use super::super::source::Source;
 use super::elements::{ITEM, SEQUENCE_END, shown};
+use crate::error::{Location, ShapeError};
+use crate::source::Source;
 use jpeg_decoder::{Decoder, PixelFormat};
 use std::io;
 
 /// How the pixels of a file are packed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) enum Coding {
+pub(super) enum PixelEncoding {
     /// Not at all.
     #[default]
     Plain,
     /// Runs of equal bytes.
     Rle,
     /// JPEG, lossless.
-    Jpeg,
+    LosslessJpeg,
     /// JPEG, which changes values.
     LossyJpeg,
 }
@@ -43,13 +43,13 @@ pub(super) enum Fault {
     Unsupported(String),
 }
 
-impl Coding {
+impl PixelEncoding {
     /// Most bytes of pixels that one byte becomes.
     pub fn max_ratio(self) -> u64 {
         match self {
-            Coding::Plain => 1,
-            Coding::Rle => MAX_RLE_RATIO,
-            Coding::Jpeg | Coding::LossyJpeg => MAX_JPEG_RATIO,
+            PixelEncoding::Plain => 1,
+            PixelEncoding::Rle => MAX_RLE_RATIO,
+            PixelEncoding::LosslessJpeg | PixelEncoding::LossyJpeg => MAX_JPEG_RATIO,
         }
     }
 
@@ -57,9 +57,9 @@ impl Coding {
     fn unpacked(self, packed: &[u8], [columns, rows]: [u16; 2], width: usize) -> Result<Vec<u8>, Fault> {
         let pixels = usize::from(columns) * usize::from(rows);
         match self {
-            Coding::Plain => Ok(packed.to_vec()),
-            Coding::Rle => runs(packed, pixels, width),
-            Coding::Jpeg | Coding::LossyJpeg => jpeg(packed, [columns, rows], width),
+            PixelEncoding::Plain => Ok(packed.to_vec()),
+            PixelEncoding::Rle => runs(packed, pixels, width),
+            PixelEncoding::LosslessJpeg | PixelEncoding::LossyJpeg => jpeg(packed, [columns, rows], width),
         }
     }
 }
@@ -96,7 +96,7 @@ impl Fragments {
         &mut self,
         source: &mut Source,
         index: usize,
-        coding: Coding,
+        encoding: PixelEncoding,
         sides: [u16; 2],
         width: usize,
     ) -> Result<Vec<u8>, ShapeError> {
@@ -124,15 +124,11 @@ impl Fragments {
             let expected = "one fragment of packed pixels for each frame, or a table of frames";
             return Err(source.malformed_at(Location::Byte(source.offset), expected, "more".into()));
         }
-        coding.unpacked(&packed, sides, width).map_err(|fault| match fault {
-            Fault::Damaged(what) => {
-                let (file, reason) = (source.file.clone(), io::Error::other(what));
-                ShapeError::Packed { file, offset, decoded: 0, reason }
-            }
+        encoding.unpacked(&packed, sides, width).map_err(|fault| match fault {
+            Fault::Damaged(what) => source.packed(offset, 0, io::Error::other(what)),
             Fault::Unsupported(found) => {
-                let (file, place) = (source.file.clone(), Location::Byte(offset));
                 let remedy = "unpack it with `gdcmconv --raw`, or `dcmdjpeg` of DCMTK";
-                ShapeError::Unsupported { file, place, what: "JPEG with", found, remedy }
+                source.unsupported(Location::Byte(offset), "JPEG with", found, remedy)
             }
         })
     }

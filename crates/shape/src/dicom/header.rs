@@ -3,10 +3,10 @@
 //! Role: the mark, and how the rest of the file is written. Invariant: one of the ways that are read here, or a name for the
 //! other one. Source: NEMA PS3.10, 7, and PS3.5, annex A.
 
-use super::super::error::{Location, ShapeError, quoted};
-use super::super::source::Source;
 use super::elements::{Elements, Syntax, shown};
-use super::frames::Coding;
+use super::frames::PixelEncoding;
+use crate::error::{Location, ShapeError, quoted};
+use crate::source::Source;
 
 /// What is not read, what was found of it, and what to do.
 pub(super) type Refusal = (&'static str, String, &'static str);
@@ -26,7 +26,7 @@ pub(super) struct Header {
     /// How elements are written.
     pub syntax: Syntax,
     /// How pixels are packed.
-    pub coding: Coding,
+    pub encoding: PixelEncoding,
     /// Why its pixels are not read.
     pub refused: Option<Refusal>,
 }
@@ -36,10 +36,9 @@ impl Header {
     pub fn read(source: &mut Source) -> Result<Header, ShapeError> {
         let start: [u8; MARK_AT + 4] = source.array(HEADER)?;
         if &start[MARK_AT..] != MARK {
-            let (file, place) = (source.file.clone(), Location::Byte(MARK_AT as u64));
-            let (found, remedy) =
-                ("without the mark `DICM`".into(), "rewrite it with `dcmconv` of DCMTK, which adds a header");
-            return Err(ShapeError::Unsupported { file, place, what: "a DICOM file", found, remedy });
+            let (place, remedy) =
+                (Location::Byte(MARK_AT as u64), "rewrite it with `dcmconv` of DCMTK, which adds a header");
+            return Err(source.unsupported(place, "a DICOM file", "without the mark `DICM`", remedy));
         }
         let mut elements = Elements::new(source, EXPLICIT);
         let (mut end, mut syntax, mut is_directory) = (None, None, false);
@@ -63,20 +62,20 @@ impl Header {
         let Some(syntax) = syntax else {
             return Err(source.malformed_at(Location::Header, "a transfer syntax (0002,0010)", "none".into()));
         };
-        let plain = |is_implicit, big_endian| (Syntax { is_implicit, big_endian }, Coding::Plain, None);
-        let packed = |coding| (EXPLICIT, coding, None);
-        let (syntax, coding, refused) = match &*syntax {
+        let plain = |is_implicit, big_endian| (Syntax { is_implicit, big_endian }, PixelEncoding::Plain, None);
+        let packed = |encoding| (EXPLICIT, encoding, None);
+        let (syntax, encoding, refused) = match &*syntax {
             "1.2.840.10008.1.2" => plain(true, false),
             "1.2.840.10008.1.2.1" => plain(false, false),
             "1.2.840.10008.1.2.2" => plain(false, true),
-            "1.2.840.10008.1.2.5" => packed(Coding::Rle),
-            "1.2.840.10008.1.2.4.50" | "1.2.840.10008.1.2.4.51" => packed(Coding::LossyJpeg),
-            "1.2.840.10008.1.2.4.57" | "1.2.840.10008.1.2.4.70" => packed(Coding::Jpeg),
-            other => (EXPLICIT, Coding::Plain, Some(compressed(other))),
+            "1.2.840.10008.1.2.5" => packed(PixelEncoding::Rle),
+            "1.2.840.10008.1.2.4.50" | "1.2.840.10008.1.2.4.51" => packed(PixelEncoding::LossyJpeg),
+            "1.2.840.10008.1.2.4.57" | "1.2.840.10008.1.2.4.70" => packed(PixelEncoding::LosslessJpeg),
+            other => (EXPLICIT, PixelEncoding::Plain, Some(compressed(other))),
         };
         let remedy = "it only names files: open the folder that the slices are in, or one of them";
         let refused = if is_directory { Some(("the", "DICOMDIR".into(), remedy)) } else { refused };
-        Ok(Header { syntax, coding, refused })
+        Ok(Header { syntax, encoding, refused })
     }
 }
 

@@ -3,11 +3,11 @@
 //! Role: elements into an [`Image`], and its frames into values. Invariant: what changes the values or the places of pixels
 //! is understood, or refused once the image is used. Source: NEMA PS3.3, C.7.6.2, C.7.6.3, C.7.6.16 and C.11.1, and PS3.5, 8.
 
-use super::super::error::{Found, Location, ShapeError, quoted};
-use super::super::source::Source;
 use super::elements::{Element, Elements, PER_FRAME, PIXELS, SHARED, UNDEFINED};
-use super::frames::{Coding, Fragments};
+use super::frames::{Fragments, PixelEncoding};
 use super::header::{Header, Refusal};
+use crate::error::{Found, Location, ShapeError, quoted};
+use crate::source::Source;
 
 /// Most frames of a file or folder: what is kept of one is many times as long as the shortest item of it.
 pub(super) const MAX_FRAMES: usize = 1 << 16;
@@ -41,7 +41,7 @@ pub(super) struct Image {
     /// How many frames it says to have.
     count: u64,
     /// How its pixels are packed.
-    pub coding: Coding,
+    pub encoding: PixelEncoding,
     samples: u16,
     photometric: String,
     /// Bits of a pixel, those of its value, and the place of the highest of these.
@@ -125,8 +125,8 @@ fn number(elements: &mut Elements, head: &Element, expected: &'static str) -> Re
 impl Image {
     /// Reads a file up to the pixels, or to its end where there are none.
     pub fn read(source: &mut Source) -> Result<Image, ShapeError> {
-        let Header { syntax, coding, refused } = Header::read(source)?;
-        let mut image = Image { count: 1, samples: 1, coding, refused, ..Image::default() };
+        let Header { syntax, encoding, refused } = Header::read(source)?;
+        let mut image = Image { count: 1, samples: 1, encoding, refused, ..Image::default() };
         let (mut common, mut shared) = (Frame::default(), Frame::default());
         let mut elements = Elements::new(source, syntax);
         while let Some(head) = elements.next()? {
@@ -214,9 +214,8 @@ impl Image {
 
     /// An error where its pixels are not what is read here.
     pub fn check(&self, file: &str) -> Result<(), ShapeError> {
-        let unsupported = |what, found, remedy| {
-            Err(ShapeError::Unsupported { file: file.into(), place: Location::Header, what, found, remedy })
-        };
+        let unsupported =
+            |what, found, remedy| Err(ShapeError::unsupported(file, Location::Header, what, found, remedy));
         let wrong = |expected, found| {
             Err(ShapeError::Malformed { file: file.into(), place: Location::Header, expected, found })
         };
@@ -249,17 +248,17 @@ impl Image {
             return wrong("RescaleSlope that is not 0", "0".into());
         }
         let declared = self.frame_bytes() * self.count;
-        if self.coding != Coding::Plain {
+        let short = |found| {
+            let (file, what) = (file.into(), "pixels".into());
+            Err(ShapeError::DataSize { file, offset: pixels.offset, declared, what, found })
+        };
+        if self.encoding != PixelEncoding::Plain {
             if pixels.bytes != UNDEFINED {
                 let found = format!("{} bytes", pixels.bytes);
                 return wrong("packed pixels (7FE0,0010) in fragments, without a length of all", found);
             }
-            let most = pixels.left.saturating_mul(self.coding.max_ratio());
-            if declared > most {
-                let (file, what, found) = (file.into(), "pixels".into(), Found::AtMost(most));
-                return Err(ShapeError::DataSize { file, offset: pixels.offset, declared, what, found });
-            }
-            return Ok(());
+            let most = pixels.left.saturating_mul(self.encoding.max_ratio());
+            return if declared > most { short(Found::AtMost(most)) } else { Ok(()) };
         }
         if u64::from(pixels.bytes) != declared && u64::from(pixels.bytes) != declared + declared % 2 {
             let found = format!(
@@ -268,16 +267,12 @@ impl Image {
             );
             return wrong("as many bytes of pixels as Rows, Columns and BitsAllocated say", found);
         }
-        if declared > pixels.left {
-            let (file, what, found) = (file.into(), "pixels".into(), Found::Bytes(pixels.left));
-            return Err(ShapeError::DataSize { file, offset: pixels.offset, declared, what, found });
-        }
-        Ok(())
+        if declared > pixels.left { short(Found::Bytes(pixels.left)) } else { Ok(()) }
     }
 
     /// The fragments of packed pixels, which are next in the source.
     pub fn fragments(&self, source: &mut Source) -> Result<Option<Fragments>, ShapeError> {
-        (self.coding != Coding::Plain).then(|| Fragments::read(source, self.frames.len())).transpose()
+        (self.encoding != PixelEncoding::Plain).then(|| Fragments::read(source, self.frames.len())).transpose()
     }
 
     /// Reads the values of the next frame, that with this index: its pixels are next in the source, or in the fragments.
@@ -292,7 +287,7 @@ impl Image {
         let (Some(pixels), Some(frame)) = (self.data, self.frames.get(index)) else { return Ok(()) };
         let sides = [self.columns, self.rows];
         let block = match fragments {
-            Some(fragments) => fragments.frame(source, index, self.coding, sides, allocated as usize / 8)?,
+            Some(fragments) => fragments.frame(source, index, self.encoding, sides, allocated as usize / 8)?,
             None => source.block(self.frame_bytes(), "pixels of a frame")?,
         };
         let (slope, intercept) = (frame.slope.unwrap_or(1.0), frame.intercept.unwrap_or(0.0));

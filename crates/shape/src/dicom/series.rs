@@ -3,13 +3,13 @@
 //! Role: positions and orientations of slices into one grid. Invariant: each slice is within 1/50 of a gap of where the grid
 //! has it, or a tenth of a millimeter and a note says so; a slice too few or too many is refused. Source: NEMA PS3.3, C.7.6.2.1.1.
 
-use super::super::Content;
-use super::super::axes::lengths;
-use super::super::error::{Location, ShapeError, quoted};
-use super::super::placement::{self, Placement};
-use super::super::source::Source;
-use super::super::space::Space;
 use super::image::{Frame, Image};
+use crate::Content;
+use crate::axes::lengths;
+use crate::error::{Location, ShapeError, quoted};
+use crate::placement::{self, Placement};
+use crate::source::Source;
+use crate::space::Space;
 use glam::{DMat3, DVec3};
 use std::path::PathBuf;
 
@@ -21,7 +21,7 @@ const TURN: f64 = 1e-3;
 const ROUNDED: f64 = 0.101;
 /// Most kinds of pictures in a series: more, and none of them is its volume.
 const MOST_GROUPS: usize = 16;
-/// Files that are named in a message.
+/// DataFiles that are named in a message.
 const NAMED: usize = 4;
 
 /// A file of a series.

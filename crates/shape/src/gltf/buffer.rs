@@ -95,8 +95,7 @@ impl<'a, 's> Data<'a, 's> {
         let name = decoded(uri).ok_or_else(|| malformed(self.source, place(), "the name of a file", found()))?;
         let side = self.side_bytes.get().saturating_add(declared);
         if side > MAX_SIDE_BYTES {
-            let (file, what) = (self.source.file.clone(), "bytes of data beside it");
-            return Err(ShapeError::TooLarge { file, what, found: side.to_string(), limit: MAX_SIDE_BYTES });
+            return Err(self.source.too_large("bytes of data beside it", side, MAX_SIDE_BYTES));
         }
         self.side_bytes.set(side);
         let read = self.source.beside(&name, |side| side.block(declared, "the length of the buffer"));

@@ -228,7 +228,7 @@ pub fn unsupported(
     found: String,
     remedy: &'static str,
 ) -> ShapeError {
-    ShapeError::Unsupported { file: source.file.clone(), place: Location::Json(place), what, found, remedy }
+    source.unsupported(Location::Json(place), what, found, remedy)
 }
 
 /// `found` at a place of the JSON is not what the format asks for.
@@ -276,12 +276,10 @@ fn refusal(source: &Source, json: &[u8], error: &serde_json::Error) -> ShapeErro
     let read = quoted(&read[read.len().saturating_sub(SHOWN)..]).replace("\\\"", "\""); // as JSON is written
     let found = format!("{read} up to line {}, column {}", error.line(), error.column());
     match error.classify() {
-        Category::Data if message.starts_with(TOO_MANY) => ShapeError::TooLarge {
-            file: source.file.clone(),
-            what: "entries in a list of the JSON",
-            found: format!("more than {MAX_ENTRIES}"),
-            limit: MAX_ENTRIES as u64,
-        },
+        Category::Data if message.starts_with(TOO_MANY) => {
+            let found = format!("more than {MAX_ENTRIES}");
+            source.too_large("entries in a list of the JSON", found, MAX_ENTRIES as u64)
+        }
         Category::Data => {
             let path = serde_path_to_error::deserialize::<_, Document>(&mut serde_json::Deserializer::from_slice(json));
             let path = path.err().map(|error| shown(&error.path().to_string())).filter(|path| path != ".");

@@ -1,12 +1,12 @@
 //! The tree of an OpenVDB grid: root, nodes of 32^3 and 16^3 children, leaves of 8^3 voxels.
 //!
-//! Role: where values are, and then the values in their places of a dense box. Invariant: what is kept of a tree is smaller
+//! Role: where values are, and then the values in their places of a dense box. Invariant: what is deferred of a tree is smaller
 //! than 100 times its bytes in the file. Source: K. Museth, "VDB: High-Resolution Sparse Volumes with Dynamic Topology",
 //! ACM Trans. Graph. 32(3), 2013, and OpenVDB 10, `tree/RootNode.h`, `InternalNode.h`, `LeafNode.h`.
 
-use super::super::error::{Location, ShapeError, quoted};
-use super::super::source::Source;
-use super::values::{Coding, NODE_MASKS, count, is_on};
+use super::values::{NODE_MASKS, ValueEncoding, count, is_on};
+use crate::error::{Location, ShapeError, quoted};
+use crate::source::Source;
 use glam::{I64Vec3, IVec3};
 use std::collections::HashSet;
 
@@ -50,36 +50,36 @@ pub(super) struct Dense<'a> {
 }
 
 impl Tree {
-    /// Reads all but the values of the leaves, and the background into `coding`.
-    pub fn read(source: &mut Source, coding: &mut Coding) -> Result<Tree, ShapeError> {
+    /// Reads all but the values of the leaves, and the background into `encoding`.
+    pub fn read(source: &mut Source, encoding: &mut ValueEncoding) -> Result<Tree, ShapeError> {
         let place = Location::Byte(source.offset);
         let buffers = u32::from_le_bytes(source.array(TREE)?);
         if buffers != 1 {
             return Err(source.malformed_at(place, "a tree with 1 buffer", buffers.to_string()));
         }
-        coding.background = coding.value(source)?;
+        encoding.background = encoding.value(source)?;
         let [tiles, children] = [u32::from_le_bytes(source.array(TREE)?), u32::from_le_bytes(source.array(TREE)?)];
         let (mut tree, mut seen) = (Tree::default(), HashSet::new());
         for _ in 0..tiles {
             let min = root_key(source, &mut seen)?;
-            let value = coding.value(source)?;
+            let value = encoding.value(source)?;
             let is_active = source.array::<1>(TREE)?[0] != 0;
-            tree.add(Tile { min, max: min + (ROOT_CHILD - 1), value }, is_active, coding);
+            tree.add(Tile { min, max: min + (ROOT_CHILD - 1), value }, is_active, encoding);
         }
         for _ in 0..children {
             let min = root_key(source, &mut seen)?;
-            tree.node(source, coding, min, 5)?;
+            tree.node(source, encoding, min, 5)?;
         }
         Ok(tree)
     }
 
     /// Reads a node of 2^`log` children along each axis, and what is below it.
-    fn node(&mut self, source: &mut Source, coding: &Coding, min: IVec3, log: u32) -> Result<(), ShapeError> {
+    fn node(&mut self, source: &mut Source, encoding: &ValueEncoding, min: IVec3, log: u32) -> Result<(), ShapeError> {
         let (places, child) = (1 << (3 * log), if log == 5 { ROOT_CHILD >> log } else { LEAF });
         let children = source.block(places as u64 / 8, TREE)?;
         let active = source.block(places as u64 / 8, TREE)?;
-        let is_packed = coding.version < NODE_MASKS; // only of what is no child
-        let values = coding.values(source, &active, if is_packed { places - count(&children) } else { places })?;
+        let is_packed = encoding.version < NODE_MASKS; // only of what is no child
+        let values = encoding.values(source, &active, if is_packed { places - count(&children) } else { places })?;
         let corner = |place: usize| {
             let part = |shift: u32| (place >> shift & ((1 << log) - 1)) as i32;
             min + child * IVec3::new(part(2 * log), part(log), part(0))
@@ -103,14 +103,14 @@ impl Tree {
                 }
                 _ => {
                     let ended = run.replace((Tile { min, max: min + (child - 1), value }, is_active));
-                    ended.into_iter().for_each(|(tile, was_active)| self.add(tile, was_active, coding));
+                    ended.into_iter().for_each(|(tile, was_active)| self.add(tile, was_active, encoding));
                 }
             }
         }
-        run.into_iter().for_each(|(tile, was_active)| self.add(tile, was_active, coding));
+        run.into_iter().for_each(|(tile, was_active)| self.add(tile, was_active, encoding));
         for place in (0..places).filter(|place| is_on(&children, *place)) {
             match log {
-                5 => self.node(source, coding, corner(place), 4)?,
+                5 => self.node(source, encoding, corner(place), 4)?,
                 _ => self.leaf(source, corner(place))?,
             }
         }
@@ -127,11 +127,11 @@ impl Tree {
         Ok(())
     }
 
-    fn add(&mut self, tile: Tile, is_active: bool, coding: &Coding) {
+    fn add(&mut self, tile: Tile, is_active: bool, encoding: &ValueEncoding) {
         if is_active {
             self.include(tile.min, tile.max);
         }
-        if tile.value != coding.background {
+        if tile.value != encoding.background {
             self.tiles.push(tile);
         }
     }
@@ -143,7 +143,7 @@ impl Tree {
     }
 
     /// Reads the values of the leaves and writes all that are in `dense`, which is full of the background.
-    pub fn fill(&self, source: &mut Source, coding: &Coding, mut dense: Dense) -> Result<(), ShapeError> {
+    pub fn fill(&self, source: &mut Source, encoding: &ValueEncoding, mut dense: Dense) -> Result<(), ShapeError> {
         for tile in &self.tiles {
             dense.rows(tile.min, tile.max, |row, _| row.fill(tile.value));
         }
@@ -153,10 +153,10 @@ impl Tree {
                 let found = "another one".into();
                 return Err(source.malformed_at(place, "the same mask of a leaf as in the tree", found));
             }
-            let buffers = if coding.version < NODE_MASKS { source.array::<13>(LEAVES)?[12] } else { 1 };
-            let values = coding.values(source, mask, LEAF_VOXELS)?;
+            let buffers = if encoding.version < NODE_MASKS { source.array::<13>(LEAVES)?[12] } else { 1 };
+            let values = encoding.values(source, mask, LEAF_VOXELS)?;
             for _ in 1..buffers {
-                coding.skip(source, LEAF_VOXELS)?;
+                encoding.skip(source, LEAF_VOXELS)?;
             }
             dense.rows(*min, min + (LEAF - 1), |row, first| {
                 // Here x is the slowest.

@@ -3,9 +3,10 @@
 //! Role: what is stored of them into all of them. Invariant: memory is taken for the places of the node only, whatever
 //! length the file declares. Source: OpenVDB 10, `io/Compression.h`.
 
-use super::super::error::{Found, Location, ShapeError};
-use super::super::source::{Source, read_block};
 use super::blosc::{self, Fault};
+use crate::SampleType;
+use crate::error::{Found, Location, ShapeError};
+use crate::source::{Source, read_block};
 use flate2::bufread::ZlibDecoder;
 use half::f16;
 use std::io;
@@ -25,11 +26,11 @@ const WHAT: &str = "values of a node";
 
 /// How the values of a grid are stored.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Coding {
+pub(super) struct ValueEncoding {
     /// Version of the file.
     pub version: u32,
-    /// Whether a value is of 64 bits.
-    pub is_double: bool,
+    /// F32 or F64.
+    pub kind: SampleType,
     /// Whether values of nodes are stored in 16 bits.
     pub is_half: bool,
     /// How they are compressed.
@@ -48,14 +49,11 @@ pub(super) fn count(mask: &[u8]) -> usize {
     mask.iter().map(|byte| byte.count_ones() as usize).sum()
 }
 
-impl Coding {
+impl ValueEncoding {
     /// One value, as it stands beside the nodes.
     pub fn value(&self, source: &mut Source) -> Result<f32, ShapeError> {
-        Ok(if self.is_double {
-            f64::from_le_bytes(source.array(WHAT)?) as f32
-        } else {
-            f32::from_le_bytes(source.array(WHAT)?)
-        })
+        let bytes = source.block(self.kind.bytes(), WHAT)?;
+        Ok(self.kind.value(&bytes, false) as f32)
     }
 
     /// The values of a node of `places`, of which those in `active` are active.
@@ -85,24 +83,21 @@ impl Coding {
 
     /// Goes over values that are stored as they are or as zip.
     pub fn skip(&self, source: &mut Source, places: usize) -> Result<(), ShapeError> {
-        Coding { flags: self.flags & ZIP, ..*self }.stored(source, places).map(drop)
+        ValueEncoding { flags: self.flags & ZIP, ..*self }.stored(source, places).map(drop)
     }
 
     /// The next `places` values of the file.
     fn stored(&self, source: &mut Source, places: usize) -> Result<Vec<f32>, ShapeError> {
-        let floats = |bytes: Vec<u8>| bytes.as_chunks().0.iter().map(|&value| f32::from_le_bytes(value)).collect();
-        Ok(match (self.is_half, self.is_double) {
-            (true, _) if places == 0 => Vec::new(), // not even the length of nothing is stored
-            (true, _) => {
-                let bytes = self.data(source, 2 * places)?;
-                bytes.as_chunks().0.iter().map(|&value| f16::from_le_bytes(value).to_f32()).collect()
-            }
-            (false, false) => floats(self.data(source, 4 * places)?),
-            (false, true) => {
-                let bytes = self.data(source, 8 * places)?;
-                bytes.as_chunks().0.iter().map(|&value| f64::from_le_bytes(value) as f32).collect()
-            }
-        })
+        if self.is_half && places == 0 {
+            return Ok(Vec::new()); // the length is left out too
+        }
+        if self.is_half {
+            let bytes = self.data(source, 2 * places)?;
+            return Ok(bytes.as_chunks().0.iter().map(|&value| f16::from_le_bytes(value).to_f32()).collect());
+        }
+        let mut values = Vec::with_capacity(places);
+        self.kind.append(&self.data(source, self.kind.bytes() as usize * places)?, false, None, &mut values);
+        Ok(values)
     }
 
     /// `bytes` bytes that may be compressed.
@@ -121,22 +116,18 @@ impl Coding {
         if is_plain {
             return Ok(packed);
         }
-        let damaged = |decoded, reason| {
-            let file = source.file.clone();
-            ShapeError::Packed { file, offset, decoded, reason }
-        };
         if self.flags & BLOSC != 0 {
             return blosc::decode(&packed, bytes).map_err(|fault| match fault {
-                Fault::Damaged(what) => damaged(0, io::Error::other(what)),
+                Fault::Damaged(what) => source.packed(offset, 0, io::Error::other(what)),
                 Fault::Unsupported(found) => {
-                    let (file, place) = (source.file.clone(), Location::Byte(offset));
                     let remedy = "save it with the compression of OpenVDB itself (zip, or Blosc with LZ4)";
-                    ShapeError::Unsupported { file, place, what: "Blosc", found, remedy }
+                    source.unsupported(Location::Byte(offset), "Blosc", found, remedy)
                 }
             });
         }
         let mut data = vec![0; bytes + 1]; // one more shows whether there is more
-        let found = read_block(&mut ZlibDecoder::new(&packed[..]), &mut data).map_err(|reason| damaged(0, reason))?;
+        let found = read_block(&mut ZlibDecoder::new(&packed[..]), &mut data)
+            .map_err(|reason| source.packed(offset, 0, reason))?;
         data.truncate(bytes);
         if found == bytes {
             return Ok(data);

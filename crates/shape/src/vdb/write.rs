@@ -4,11 +4,11 @@
 //! background, and the box of the volume is in the metadata, so that all of it is read back bit for bit. Source: as for what
 //! reads it, and OpenVDB 10, `tree/InternalNode.h` and `tree/LeafNode.h`.
 
-use super::super::values::LEVEL;
-use super::super::{Content, Volume};
-use super::head::{CONTENT, CORNERS, SIGNED_DISTANCE};
+use super::header::{MAGIC, WRITTEN};
+use super::metadata::{CONTENT, CORNERS, SIGNED_DISTANCE};
 use super::values::{ACTIVE_ONLY, ZIP};
-use super::{MAGIC, WRITTEN};
+use crate::write_values::LEVEL;
+use crate::{Content, Volume};
 use flate2::{Compress, FlushCompress};
 use rayon::prelude::*;
 use std::io::{self, Write};
@@ -46,7 +46,7 @@ impl Bytes {
 }
 
 /// Writes a volume whose number of values has been checked. Takes memory for the packed values, twice.
-pub(in super::super) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result<()> {
+pub(crate) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result<()> {
     let tree = Tree { volume, background: background(volume) }.root()?;
     let mut file = Bytes(MAGIC.to_vec());
     [WRITTEN, 10, 0].into_iter().for_each(|number| file.u32(number)); // and the version of the library
@@ -96,7 +96,7 @@ fn about(volume: &Volume, name: &str) -> Bytes {
         let scale = [steps.x_axis.x, steps.y_axis.y, steps.z_axis.z];
         let is_uniform = scale == [scale[0]; 3];
         grid.text(if is_uniform { "UniformScaleTranslateMap" } else { "ScaleTranslateMap" });
-        // Kept by OpenVDB for its operators: the inverse, its square, and its half.
+        // Deferred by OpenVDB for its operators: the inverse, its square, and its half.
         let inverse = scale.map(|scale| 1.0 / scale);
         let (squares, halves) = (inverse.map(|inverse| inverse * inverse), inverse.map(|inverse| 0.5 * inverse));
         grid.doubles([origin, scale, scale, inverse, squares, halves].as_flattened());

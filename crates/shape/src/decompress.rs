@@ -1,6 +1,6 @@
 //! Packed streams.
 //!
-//! Role: what gzip, zlib, bzip2 or hexadecimal digits hold, as a stream of bytes. Invariant: the sum of every part is checked,
+//! Role: what gzip, zlib, bzip2 or hexadecimal digits hold, as a stream of bytes. Invariant: the sum of every decoder is checked,
 //! and what stands behind the last one is zeros or an error; behind zlib, which has no parts, anything.
 
 use bzip2::bufread::BzDecoder;
@@ -13,43 +13,43 @@ pub(super) const GZIP: [u8; 3] = [0x1f, 0x8b, 8];
 pub(super) const ZLIB: u8 = 8;
 const BZIP2: u8 = b'B';
 
-/// One packed part.
-enum Part<R> {
+/// One packed decoder.
+enum Decoder<R> {
     Gzip(Box<GzDecoder<R>>),
     Zlib(ZlibDecoder<R>),
     Bzip2(BzDecoder<R>),
 }
 
 /// Packed parts, one behind the other.
-pub(super) struct Unpacked<'a, R> {
+pub(super) struct Decompressor<'a, R> {
     /// None once all has been read.
-    part: Option<Part<R>>,
+    decoder: Option<Decoder<R>>,
     /// Counts the zeros behind them.
     padding: &'a Cell<u64>,
 }
 
-impl<'a, R: BufRead> Unpacked<'a, R> {
+impl<'a, R: BufRead> Decompressor<'a, R> {
     /// Parts of gzip.
-    pub fn gzip(reader: R, padding: &'a Cell<u64>) -> Unpacked<'a, R> {
-        Unpacked { part: Some(Part::Gzip(Box::new(GzDecoder::new(reader)))), padding }
+    pub fn gzip(reader: R, padding: &'a Cell<u64>) -> Decompressor<'a, R> {
+        Decompressor { decoder: Some(Decoder::Gzip(Box::new(GzDecoder::new(reader)))), padding }
     }
 
-    /// One part of zlib.
-    pub fn zlib(reader: R, padding: &'a Cell<u64>) -> Unpacked<'a, R> {
-        Unpacked { part: Some(Part::Zlib(ZlibDecoder::new(reader))), padding }
+    /// One decoder of zlib.
+    pub fn zlib(reader: R, padding: &'a Cell<u64>) -> Decompressor<'a, R> {
+        Decompressor { decoder: Some(Decoder::Zlib(ZlibDecoder::new(reader))), padding }
     }
 
     /// Parts of bzip2.
-    pub fn bzip2(reader: R, padding: &'a Cell<u64>) -> Unpacked<'a, R> {
-        Unpacked { part: Some(Part::Bzip2(BzDecoder::new(reader))), padding }
+    pub fn bzip2(reader: R, padding: &'a Cell<u64>) -> Decompressor<'a, R> {
+        Decompressor { decoder: Some(Decoder::Bzip2(BzDecoder::new(reader))), padding }
     }
 
-    /// The part behind one that has ended.
-    fn next(&mut self, part: Part<R>) -> io::Result<Option<Part<R>>> {
-        let (mut reader, mark) = match part {
-            Part::Gzip(part) => (part.into_inner(), Some(GZIP[0])),
-            Part::Bzip2(part) => (part.into_inner(), Some(BZIP2)),
-            Part::Zlib(part) => (part.into_inner(), None),
+    /// The decoder behind one that has ended.
+    fn next(&mut self, decoder: Decoder<R>) -> io::Result<Option<Decoder<R>>> {
+        let (mut reader, mark) = match decoder {
+            Decoder::Gzip(decoder) => (decoder.into_inner(), Some(GZIP[0])),
+            Decoder::Bzip2(decoder) => (decoder.into_inner(), Some(BZIP2)),
+            Decoder::Zlib(decoder) => (decoder.into_inner(), None),
         };
         loop {
             let rest = reader.fill_buf()?;
@@ -66,26 +66,26 @@ impl<'a, R: BufRead> Unpacked<'a, R> {
             }
         }
         Ok(Some(match mark {
-            Some(BZIP2) => Part::Bzip2(BzDecoder::new(reader)),
-            _ => Part::Gzip(Box::new(GzDecoder::new(reader))),
+            Some(BZIP2) => Decoder::Bzip2(BzDecoder::new(reader)),
+            _ => Decoder::Gzip(Box::new(GzDecoder::new(reader))),
         }))
     }
 }
 
-impl<R: BufRead> Read for Unpacked<'_, R> {
+impl<R: BufRead> Read for Decompressor<'_, R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         loop {
-            let read = match &mut self.part {
+            let read = match &mut self.decoder {
                 None => return Ok(0),
-                Some(Part::Gzip(part)) => part.read(buffer)?,
-                Some(Part::Zlib(part)) => part.read(buffer)?,
-                Some(Part::Bzip2(part)) => part.read(buffer)?,
+                Some(Decoder::Gzip(decoder)) => decoder.read(buffer)?,
+                Some(Decoder::Zlib(decoder)) => decoder.read(buffer)?,
+                Some(Decoder::Bzip2(decoder)) => decoder.read(buffer)?,
             };
             if read > 0 || buffer.is_empty() {
                 return Ok(read);
             }
-            if let Some(ended) = self.part.take() {
-                self.part = self.next(ended)?;
+            if let Some(ended) = self.decoder.take() {
+                self.decoder = self.next(ended)?;
             }
         }
     }

@@ -3,8 +3,8 @@
 //! Role: descriptor, metadata and transform of a grid. Invariant: a transform that is not linear is refused, and what is not
 //! known by name is gone over by its length. Source: OpenVDB 10, `io/GridDescriptor.cc`, `MetaMap.cc`, `math/Maps.h`.
 
-use super::super::error::{Location, ShapeError, quoted};
-use super::super::source::Source;
+use crate::error::{Location, ShapeError, quoted};
+use crate::source::Source;
 use glam::{DMat3, DVec3, IVec3};
 
 /// The longest name, in bytes: longer, and it is no name.
@@ -138,10 +138,8 @@ pub(super) fn transform(source: &mut Source) -> Result<(DVec3, DMat3), ShapeErro
             Ok((origin, DMat3::from_cols(x, y, z)))
         }
         _ => {
-            let found = quoted(kind.as_bytes());
             let remedy = "resample the grid to a linear transform (scale, translation or affine)";
-            let file = source.file.clone();
-            Err(ShapeError::Unsupported { file, place, what: "the transform", found, remedy })
+            Err(source.unsupported(place, "the transform", quoted(kind.as_bytes()), remedy))
         }
     }
 }

@@ -31,7 +31,7 @@ pub const BUILT_IN: &[&str] = &[
 static HEAD: LazyLock<Volume> = LazyLock::new(head::head);
 
 /// The object of that name.
-pub(super) fn built_in(name: &str) -> Option<Shape> {
+pub(super) fn by_name(name: &str) -> Option<Shape> {
     Some(match name {
         "sphere" => Shape::Solid(Solid::Sphere { radius: 1.0 }),
         "cube" => Shape::Solid(Solid::Cube { half: 0.8 }), // a cube of half 1 looks larger than the sphere
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     fn mesh(name: &str) -> Mesh {
-        match built_in(name) {
+        match by_name(name) {
             Some(Shape::Mesh(mesh)) => mesh,
             other => panic!("{other:?}"),
         }
@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn every_listed_name_gives_a_shape_of_size_about_two() {
         for name in BUILT_IN {
-            let bounds = built_in(name).unwrap().bounds();
+            let bounds = by_name(name).unwrap().bounds();
             assert!(bounds.max.max(-bounds.min).max_element() <= 1.0 + 1e-6, "{name}: {bounds:?}");
             assert!(bounds.size().max_element() >= 1.6 - 1e-6, "{name}: {bounds:?}");
         }
