@@ -4,7 +4,7 @@ use glam::Vec3;
 
 /// Largest magnitude of a coordinate in world units.
 ///
-/// Ten times larger and the squared length of a diagonal comes near the end of f32 (3.4e38); no real object is there.
+/// Higher: the squared length of a diagonal comes near the end of f32 (3.4e38).
 pub const MAX_COORDINATE: f32 = 1e18;
 
 /// An axis-aligned box in world units; `min <= max` on every axis.
@@ -17,7 +17,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The smallest box around `positions`; `None` if there are none.
+    /// Smallest box around `positions`; `None` if there are none.
     pub fn around(positions: &[Vec3]) -> Option<Bounds> {
         let first = *positions.first()?;
         let start = Bounds { min: first, max: first };

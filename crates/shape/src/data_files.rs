@@ -1,35 +1,29 @@
-//! DataFiles that hold the data of a header, one after another along the slowest axes.
+//! Data files of a header, one after another along the slowest axes.
 //!
-//! Role: names in a list or by numbers, as NRRD and MetaImage write them. Invariant: as many files as hold the declared
-//! samples in equal parts; no name is made before its file is opened.
+//! Invariant: the files hold equal parts of the samples; numbered names are formatted one at a time.
 
 use super::error::{Location, ShapeError, quoted};
 use super::source::Source;
 
-/// What is asked of the names.
 const EXPECTED: &str =
     "a file, `LIST` and then a file on each line, or `NAME%03d.raw FIRST LAST STEP`: one for each slice";
 
-/// DataFiles beside a header.
+/// Data files in NRRD's or MetaImage's notation.
 pub(super) enum DataFiles {
-    /// By their names.
     Named(Vec<String>),
-    /// By numbers.
     Numbered {
-        /// What is before and behind the number.
+        /// Text before and after the number.
         name: [String; 2],
-        /// Digits, at least, filled up with zeros or spaces.
+        /// Minimal number of digits, and the character that pads them.
         digits: (usize, char),
-        /// The first number, and from each to the next.
         first: i64,
         step: i64,
-        /// How many.
         count: u64,
     },
 }
 
 impl DataFiles {
-    /// The files that `value` says, at the current line of a header; the names of a list are the lines that follow.
+    /// Parses `value` at the current line of a header; the names of a `LIST` are on the following lines.
     pub fn read(value: &str, size: [u32; 3], source: &mut Source) -> Result<DataFiles, ShapeError> {
         let (at, words) = (source.line, value.split_whitespace().collect::<Vec<_>>());
         let (files, dimensions) = match words[..] {
@@ -53,7 +47,6 @@ impl DataFiles {
         Ok(files)
     }
 
-    /// The names on the lines up to the end.
     fn list(source: &mut Source) -> Result<DataFiles, ShapeError> {
         let (mut names, mut line) = (Vec::new(), Vec::new());
         while source.next_line(&mut line)? {
@@ -65,7 +58,7 @@ impl DataFiles {
         Ok(DataFiles::Named(names))
     }
 
-    /// `NAME%03d.raw FIRST LAST STEP`, and behind it the dimensions of a file.
+    /// Parses `NAME%03d.raw FIRST LAST STEP`, optionally followed by the dimensions of a file.
     fn numbered<'a>(words: &[&'a str]) -> Option<(DataFiles, Option<&'a str>)> {
         let number = |word: &&str| word.parse::<i64>().is_ok();
         let numbers = words.iter().rev().take_while(|word| number(word)).count().min(4);
@@ -89,7 +82,6 @@ impl DataFiles {
         Some((DataFiles::Numbered { name, digits: (digits, fill), first, step, count }, dimensions.first().copied()))
     }
 
-    /// How many files there are.
     pub fn count(&self) -> u64 {
         match self {
             DataFiles::Named(names) => names.len() as u64,
@@ -97,7 +89,6 @@ impl DataFiles {
         }
     }
 
-    /// Name of the file with this index.
     pub fn name(&self, index: u64) -> String {
         match self {
             DataFiles::Named(names) => names[index as usize].clone(),

@@ -8,12 +8,12 @@ use flate2::bufread::{GzDecoder, ZlibDecoder};
 use std::cell::Cell;
 use std::io::{self, BufRead, ErrorKind, Read};
 
-/// First bytes of gzip and of bzip2, and half of the first one of zlib.
+/// First bytes of gzip, low half of the first byte of zlib, and first byte of bzip2.
 pub(super) const GZIP: [u8; 3] = [0x1f, 0x8b, 8];
 pub(super) const ZLIB: u8 = 8;
 const BZIP2: u8 = b'B';
 
-/// One packed decoder.
+/// Decoder of one member.
 enum Decoder<R> {
     Gzip(Box<GzDecoder<R>>),
     Zlib(ZlibDecoder<R>),
@@ -22,9 +22,9 @@ enum Decoder<R> {
 
 /// Packed parts, one behind the other.
 pub(super) struct Decompressor<'a, R> {
-    /// None once all has been read.
+    /// `None` at the end.
     decoder: Option<Decoder<R>>,
-    /// Counts the zeros behind them.
+    /// Number of zeros after the last member.
     padding: &'a Cell<u64>,
 }
 
@@ -34,7 +34,6 @@ impl<'a, R: BufRead> Decompressor<'a, R> {
         Decompressor { decoder: Some(Decoder::Gzip(Box::new(GzDecoder::new(reader)))), padding }
     }
 
-    /// One decoder of zlib.
     pub fn zlib(reader: R, padding: &'a Cell<u64>) -> Decompressor<'a, R> {
         Decompressor { decoder: Some(Decoder::Zlib(ZlibDecoder::new(reader))), padding }
     }
@@ -44,7 +43,7 @@ impl<'a, R: BufRead> Decompressor<'a, R> {
         Decompressor { decoder: Some(Decoder::Bzip2(BzDecoder::new(reader))), padding }
     }
 
-    /// The decoder behind one that has ended.
+    /// Decoder of the member after one that has ended.
     fn next(&mut self, decoder: Decoder<R>) -> io::Result<Option<Decoder<R>>> {
         let (mut reader, mark) = match decoder {
             Decoder::Gzip(decoder) => (decoder.into_inner(), Some(GZIP[0])),
@@ -91,7 +90,7 @@ impl<R: BufRead> Read for Decompressor<'_, R> {
     }
 }
 
-/// Bytes that are written as two hexadecimal digits each, between white space.
+/// Bytes as pairs of hexadecimal digits, with white space between digits.
 pub(super) struct Hex<R>(pub R);
 
 impl<R: BufRead> Read for Hex<R> {
@@ -108,7 +107,6 @@ impl<R: BufRead> Read for Hex<R> {
 }
 
 impl<R: BufRead> Hex<R> {
-    /// The next digit, if there is one.
     fn digit(&mut self) -> io::Result<Option<u8>> {
         loop {
             let Some(&byte) = self.0.fill_buf()?.first() else { return Ok(None) };

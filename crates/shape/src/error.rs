@@ -1,7 +1,6 @@
-//! What can go wrong between a name and a shape.
+//! Errors of opening and reading shapes.
 //!
-//! Role: one variant for each thing that really happens. Invariant: every message is one line with the file, the place
-//! where it is known, the value found, the limit, and the way out.
+//! Invariant: every message is one line with the file, the place if it is known, the value found, the limit, and the remedy.
 
 use super::BUILT_IN;
 use std::{fmt, io};
@@ -118,33 +117,33 @@ impl ShapeError {
     }
 }
 
-/// Where in a file.
+/// Place in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Location {
     /// A line of text, from 1.
     Line(u64),
-    /// The header as a whole: something is not there.
+    /// The header as a whole: a part is missing.
     Header,
-    /// The files of a folder together.
+    /// The files of a folder.
     Folder,
-    /// What was said about a file that says nothing itself.
+    /// The layout given for a raw file.
     Layout,
     /// A byte, from 0.
     Byte(u64),
     /// A face or strip of a mesh, from 0.
     Face(u64),
-    /// A value in JSON by the names and numbers on the way to it, as `accessors[3].count`.
+    /// A path in JSON, as `accessors[3].count`.
     Json(String),
 }
 
-/// How many bytes of data a file holds.
+/// Length of the data in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Found {
     /// Exactly this many.
     Bytes(u64),
     /// More than declared.
     More,
-    /// Compressed data that can become this many at most.
+    /// Upper bound of the length after decompression.
     AtMost(u64),
 }
 
@@ -172,7 +171,7 @@ impl fmt::Display for Found {
     }
 }
 
-/// The vertices that an index may name.
+/// Range of valid vertex indices.
 fn defined(count: usize) -> String {
     match count {
         0 => "no vertices are defined above this line: they come before the faces".into(),
@@ -182,7 +181,7 @@ fn defined(count: usize) -> String {
     }
 }
 
-/// What to do about an error of the system; others say it themselves.
+/// Remedy for an error of the operating system; other errors name their own.
 fn remedy(reason: &io::Error) -> &'static str {
     if reason.kind() == io::ErrorKind::Other { "" } else { "; check its permissions and the disk it is on" }
 }
@@ -202,7 +201,7 @@ pub(super) fn shown(name: &str) -> String {
     words::line(name).into_owned()
 }
 
-/// Why a file cannot be opened.
+/// Error of a file that cannot be opened.
 pub(super) fn unreadable(file: String, error: OpenError) -> ShapeError {
     match error {
         OpenError::Missing => ShapeError::Missing { file },

@@ -1,12 +1,9 @@
-//! Shapes: what a person brings, before it becomes a distance field.
+//! Shapes: meshes, volumes and analytic solids, and the files they come from.
 //!
-//! Role: turn a file, a name or a formula into a [`Shape`]. Invariant: every coordinate and value is finite.
-//! This layer imports nothing else of the crate and needs no GPU.
+//! Invariant: every coordinate and value is finite.
 //!
-//! [`open`] is the way in, [`open_raw`] where a file does not say what it holds; [`VolumeFormat`] and [`MeshFormat`] are the
-//! ways back out. World space is right-handed with y up for the built-in objects; files keep the coordinates they have. Sources
-//! are named where they are used: Newell's teapot in [`teapot`], the head in [`head`], the Shepp-Logan head in [`phantom`],
-//! the file formats in `obj`, `ply`, `stl`, `gltf`, `nrrd`, `meta`, `nifti`, `dicom` and `vdb`.
+//! [`open`] reads a built-in object or a file, [`open_raw`] a file without a header; [`VolumeFormat`] and [`MeshFormat`] write
+//! files. World space is right-handed; built-in objects have y up, files keep their coordinates.
 
 mod axes;
 mod bounds;

@@ -1,8 +1,8 @@
-//! MetaImage: volumes as .mhd with a file of data beside it, or both in one .mha.
+//! MetaImage: volumes as .mhd with a data file, or both in one .mha.
 //!
-//! Role: lines `Key = value` into a [`Raster`]. Invariant: a key that changes what the values mean or where they are is
-//! understood or refused. Positions are LPS, whatever `AnatomicalOrientation` says: so ITK reads and writes them, and all that
-//! is built on it. A header without directions says nothing of the kind, as NRRD without a space. Source: Insight Software Consortium, "ITK/MetaIO/Documentation", itk.org/Wiki/ITK/MetaIO.
+//! Invariant: a key that changes the meaning or the place of values is understood or refused. Positions are LPS, whatever
+//! `AnatomicalOrientation` says, as in ITK; a header without directions has no space. Source: Insight Software Consortium,
+//! "ITK/MetaIO/Documentation", itk.org/Wiki/ITK/MetaIO.
 
 use super::data_files::DataFiles;
 use super::error::{Location, ShapeError, quoted};
@@ -15,16 +15,15 @@ use super::{Content, SampleType, Shape};
 use glam::{DMat3, DVec3};
 use std::ops::RangeInclusive;
 
-/// The key behind which the data is: the last one.
+/// Last key of a header, before the data.
 const DATA: &str = "ElementDataFile";
-/// The key of the sides that the axes come from, for people.
+/// Informative key: the sides that the axes come from.
 const ORIENTATION: &str = "AnatomicalOrientation";
-/// Dimensions that an image may have.
+/// Supported numbers of dimensions.
 const DIMENSIONS: RangeInclusive<usize> = 3..=10;
-/// What the key `Comment` says where values are signed distances.
+/// Value of `Comment` for signed distances.
 pub(super) const SIGNED_DISTANCE: &str = "hypertexture signed distance";
 
-/// Names of the types of values.
 const TYPES: [(&str, SampleType); 12] = [
     ("MET_CHAR", SampleType::I8),
     ("MET_UCHAR", SampleType::U8),
@@ -40,15 +39,15 @@ const TYPES: [(&str, SampleType); 12] = [
     ("MET_DOUBLE", SampleType::F64),
 ];
 
-/// Whether the file begins with a key that these files begin with.
+/// Whether the file begins with a first key of MetaImage.
 pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
     let line = start.split(|byte| *byte == b'\n').next().unwrap_or_default();
     let key = line.split(|byte| *byte == b'=').next().unwrap_or_default().trim_ascii();
     line.contains(&b'=') && (key == b"ObjectType" || key == b"NDims")
 }
 
-/// Reads a volume: raw or compressed, behind the header or in files beside it; integers of 8 to 64 bits, float or double,
-/// both byte orders, converted to f32 (integers above 2^24 and doubles are rounded).
+/// Reads a volume: raw or compressed, after the header or in data files; integers of 8 to 64 bits, float or double, both byte
+/// orders, converted to f32 (integers above 2^24 and doubles are rounded).
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let header = Header::read(source)?;
     let raster = header.raster(source)?;
@@ -57,7 +56,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
         None | Some(Ok(0)) => Skip::Bytes(0),
         Some(Ok(-1)) if raster.compression == Compression::None => Skip::ToData,
         Some(Ok(-1)) => return Err(header.0.unsupported("HeaderSize", "of compressed data, say how many bytes")),
-        // From the start of the file on, whichever it is.
+        // Counted from the start of the file with the data.
         Some(Ok(bytes @ 1..)) if !is_here => Skip::Bytes(bytes as u64),
         Some(Ok(bytes)) if bytes as u64 >= source.offset && bytes > 0 => Skip::Bytes(bytes as u64 - source.offset),
         Some(_) => return Err(header.0.malformed("HeaderSize", "a number of bytes before the data, or -1")),
@@ -142,7 +141,7 @@ impl Header {
         let big_endian = self.flag(order)?;
         let compression = if self.flag("CompressedData")? { Compression::Zlib } else { Compression::None };
         let (size, dimensions, axes) = self.size(source)?;
-        // Where samples have a size and no distance, they touch.
+        // Samples with a size but no spacing touch each other.
         let spacing = self.named(&["ElementSpacing", "ElementSize"]);
         let lengths = self.numbers(spacing, dimensions)?.unwrap_or(vec![1.0; dimensions]);
         let lengths = or_usual(source, spacing, axes.map(|axis| lengths[axis]), f64::NAN, 1.0);
@@ -179,7 +178,7 @@ impl Header {
         Ok(Raster { kind, big_endian, compression, scale: None, placement })
     }
 
-    /// Says so where `AnatomicalOrientation` is neither the sides that the axes come from nor those that they point to.
+    /// Notes an `AnatomicalOrientation` that contradicts the matrix, as sides that the axes come from or point to.
     fn compare_orientation(&self, source: &Source, steps: &DMat3) {
         let Some(said) = self.0.get(ORIENTATION) else { return };
         let sides = |steps: &DMat3| Space::LPS.letters(steps);
@@ -190,7 +189,7 @@ impl Header {
         }
     }
 
-    /// `DimSize`, checked, how many it has, and which of them are those of the volume.
+    /// Checked size, number of dimensions, and the dimensions of the volume.
     fn size(&self, source: &Source) -> Result<([u32; 3], usize, [usize; 3]), ShapeError> {
         let dimensions = self.0.get("NDims").and_then(|text| text.parse().ok()).unwrap_or(0);
         let one_volume = || self.0.malformed("NDims", "`NDims = 3`: one volume of 3 dimensions");

@@ -1,7 +1,4 @@
-//! NIfTI-1 and NIfTI-2: volumes as .nii, the same packed by gzip, or a pair of .hdr and .img; such pairs of Analyze 7.5 too.
-//!
-//! Role: the data behind a header that [`super::nifti_header`] reads. Invariant: coordinates are those of the file, x to the
-//! right, y to the front, z up. Read here and not by the nifti crate, which makes room for what a header declares.
+//! NIfTI-1 and NIfTI-2: volumes as .nii, .nii.gz or a pair of .hdr and .img; pairs of Analyze 7.5.
 
 use super::Shape;
 use super::data_files::DataFiles;
@@ -15,11 +12,11 @@ use std::cell::Cell;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-/// Whether the file begins with a header, packed or not.
+/// Whether the file begins with a header, compressed or not.
 pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
     let mut unpacked = Vec::new();
     if start.starts_with(&GZIP) {
-        // The end of what is there is no end of the file: what came out before it is enough.
+        // `start` is cut off: the error at its end is expected.
         let _ = MultiGzDecoder::new(start).take(NIFTI2.bytes as u64).read_to_end(&mut unpacked);
     }
     let start = if unpacked.is_empty() { start } else { &unpacked };
@@ -30,7 +27,7 @@ pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
 }
 
 /// Reads a volume of 3 dimensions: integers of 8 to 64 bits, float or double, both byte orders, scaled and then rounded to
-/// f32. Extensions, units and what is said of time are read over.
+/// f32. Extensions, units and time are ignored.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     if !source.peek()?.starts_with(&GZIP) {
         return read_unpacked(source, Compression::None);

@@ -1,4 +1,4 @@
-//! The header of a NIfTI file.
+//! Header of a NIfTI file.
 //!
 //! Role: where the fields of both versions and of Analyze 7.5 are, and from these bytes to a [`Raster`]. Invariant: what changes
 //! the values or their layout is understood or refused. Sources: R. Cox et al., "nifti1.h" and "nifti2.h", nifti.nimh.nih.gov;
@@ -13,16 +13,16 @@ use super::space::{Space, listed, or_usual};
 use super::{Content, SampleType};
 use glam::{DMat3, DQuat, DVec3};
 
-/// What the description says where values are signed distances.
+/// Description of signed distances.
 pub(super) const SIGNED_DISTANCE: &[u8] = b"hypertexture signed distance";
-/// Squares of the real part of a quaternion that are smaller are what rounding left of 0: half a turn.
+/// Squares of the real part of a quaternion below this are rounding errors of half a turn.
 const HALF_TURN: f64 = 4e-7;
 
-/// Where the fields of a header are, from its first byte.
+/// Offsets of the fields of a header.
 pub(super) struct HeaderLayout {
-    /// Bytes of the header, which its first 4 bytes say.
+    /// Bytes of the header, also its first field.
     pub bytes: usize,
-    /// The magic, and what it is where the data follows or is in a file of its own.
+    /// Offset of the magic, and its values for data in the same file and in a file of its own.
     pub magic: usize,
     pub single: &'static [u8],
     pub pair: &'static [u8],
@@ -30,9 +30,9 @@ pub(super) struct HeaderLayout {
     pub dim: usize,
     pub datatype: usize,
     pub bitpix: usize,
-    /// Side of the qform, and 7 distances between samples.
+    /// Handedness of the qform, and 7 distances between samples.
     pub pixdim: usize,
-    /// Where the data begins.
+    /// `vox_offset`, the start of the data.
     pub offset: usize,
     /// Slope and intercept.
     pub scale: usize,
@@ -44,7 +44,7 @@ pub(super) struct HeaderLayout {
     pub forms: usize,
     /// 16 characters.
     pub intent: usize,
-    /// Whether sizes have 8 bytes, numbers 8 and codes 4, else 2, 4 and 2.
+    /// Whether sizes, numbers and codes have 8, 8 and 4 bytes; else 2, 4 and 2.
     pub is_wide: bool,
 }
 
@@ -87,13 +87,13 @@ pub(super) const NIFTI2: HeaderLayout = HeaderLayout {
 };
 
 impl HeaderLayout {
-    /// Bytes of a number, of a size and of a code.
+    /// Bytes of a number, a size and a code.
     pub fn widths(&self) -> (usize, usize, usize) {
         if self.is_wide { (8, 8, 4) } else { (4, 2, 2) }
     }
 }
 
-/// Codes and names of types.
+/// Codes of types, with the names of unsupported ones.
 const TYPES: [(i64, Result<SampleType, &str>); 17] = [
     (1, Err("bits")),
     (2, Ok(SampleType::U8)),
@@ -114,13 +114,11 @@ const TYPES: [(i64, Result<SampleType, &str>); 17] = [
     (2304, Err("RGBA32")),
 ];
 
-/// Where the axes of an image of Analyze 7.5 point, by its orientation: the first three transverse, coronal and sagittal, then
-/// the same with rows from the other side.
+/// Axes of Analyze 7.5 by orientation code: transverse, coronal, sagittal, then the three with rows reversed.
 const ANALYZE_AXES: [&str; 6] = ["LAS", "LSA", "ASL", "LPS", "LIA", "AIL"];
-/// Where that orientation is.
+/// Offset of the orientation code.
 const ANALYZE_ORIENTATION: usize = 252;
 
-/// The bytes of a header, and how they are read.
 pub(super) struct Header<'s, 'a> {
     source: &'s Source<'a>,
     bytes: &'s [u8],
@@ -129,7 +127,7 @@ pub(super) struct Header<'s, 'a> {
     layout: &'static HeaderLayout,
 }
 
-/// The version and the order of bytes of what begins with these.
+/// Version and byte order by the first field; the flag is `true` for big endian.
 pub(super) fn version(start: &[u8]) -> Option<(&'static HeaderLayout, bool)> {
     let first = *start.first_chunk()?;
     let versions = [&NIFTI1, &NIFTI2].into_iter().flat_map(|layout| [(layout, false), (layout, true)]);
@@ -139,14 +137,14 @@ pub(super) fn version(start: &[u8]) -> Option<(&'static HeaderLayout, bool)> {
     })
 }
 
-/// Whether a whole file is a header of Analyze 7.5: as long as the first one of NIfTI and without its magic.
+/// Whether a file is a header of Analyze 7.5: as long as that of NIfTI-1, without the magic.
 pub(super) fn is_analyze(file: &[u8]) -> bool {
     let is_first = version(file).is_some_and(|(layout, _)| layout.bytes == NIFTI1.bytes);
     is_first && file.len() == NIFTI1.bytes && file[NIFTI1.magic] != b'n'
 }
 
 impl<'s, 'a> Header<'s, 'a> {
-    /// The header that `bytes` begin with; `is_whole`: they are the whole file.
+    /// Header at the start of `bytes`; `is_whole` means that nothing follows in the file.
     pub fn new(source: &'s Source<'a>, bytes: &'s [u8], is_whole: bool) -> Result<Header<'s, 'a>, ShapeError> {
         let malformed = |at: usize, expected, found| source.malformed_at(Location::Byte(at as u64), expected, found);
         let Some((layout, big_endian)) = version(bytes) else {
@@ -169,16 +167,16 @@ impl<'s, 'a> Header<'s, 'a> {
         Ok(header)
     }
 
-    /// Whether the data is in a file of its own.
+    /// Whether the data is in a separate file.
     pub fn is_pair(&self) -> bool {
         self.is_analyze || self.bytes[self.layout.magic..].starts_with(self.layout.pair)
     }
 
-    /// Byte at which the data begins, in its file.
+    /// Offset of the data in its file.
     pub fn offset(&self) -> Result<u64, ShapeError> {
         let at = self.layout.offset;
         let offset = if self.layout.is_wide { self.integer(at, 8) as f64 } else { self.number(at) };
-        // Behind the header is the word that says whether there are extensions.
+        // 4 bytes after the header tell of extensions.
         let least = if self.is_pair() { 0 } else { self.layout.bytes + 4 };
         if offset == 0.0 && least > 0 {
             self.source
@@ -192,7 +190,6 @@ impl<'s, 'a> Header<'s, 'a> {
         Ok(offset as u64)
     }
 
-    /// What the samples are and where.
     pub fn raster(&self, compression: Compression) -> Result<Raster, ShapeError> {
         let (size, kind, scale) = (self.size()?, self.kind()?, self.scale()?);
         let (space, place) = self.placement()?;
@@ -203,7 +200,7 @@ impl<'s, 'a> Header<'s, 'a> {
         Ok(Raster { kind, big_endian: self.big_endian, compression, scale, placement })
     }
 
-    /// A whole number of so many bytes.
+    /// Signed integer of `bytes` bytes.
     fn integer(&self, at: usize, bytes: usize) -> i64 {
         let mut number = [0; 8];
         for (i, byte) in self.bytes[at..][..bytes].iter().enumerate() {
@@ -213,7 +210,7 @@ impl<'s, 'a> Header<'s, 'a> {
         i64::from_le_bytes(number) << unused >> unused
     }
 
-    /// A number, of 4 or 8 bytes as all are.
+    /// Float of 4 or 8 bytes.
     fn number(&self, at: usize) -> f64 {
         if self.layout.is_wide {
             f64::from_bits(self.integer(at, 8) as u64)
@@ -302,8 +299,7 @@ impl<'s, 'a> Header<'s, 'a> {
         Ok(Some([slope, rest]).filter(|scale| *scale != [1.0, 0.0]))
     }
 
-    /// The space of the file, the position of the first sample in it, and the steps to the next on each axis: by the sform, else
-    /// by the qform, else by distances alone.
+    /// Space, position of the first sample and steps: from the sform, else the qform, else the spacing alone.
     fn placement(&self) -> Result<(Space, (DVec3, DMat3)), ShapeError> {
         let (layout, (number, _, code)) = (self.layout, self.layout.widths());
         let [qform, sform] = match self.is_analyze {
@@ -340,7 +336,7 @@ impl<'s, 'a> Header<'s, 'a> {
         Ok((if self.is_analyze { self.analyze_space()? } else { Space::RAS }, (origin, steps)))
     }
 
-    /// Where the axes of an image of Analyze point.
+    /// Axes of an Analyze image.
     fn analyze_space(&self) -> Result<Space, ShapeError> {
         let code = self.bytes[ANALYZE_ORIENTATION];
         let letters = ANALYZE_AXES.get(usize::from(code)).copied();
@@ -353,7 +349,7 @@ impl<'s, 'a> Header<'s, 'a> {
         Ok(space)
     }
 
-    /// The rotation of the qform.
+    /// Rotation of the qform.
     fn turn(&self) -> Result<DMat3, ShapeError> {
         let parts: [f64; 3] = self.numbers(self.layout.forms);
         let vector = DVec3::from(parts);

@@ -2,7 +2,7 @@
 
 use super::{Bounds, Content, Mesh, Solid, Volume};
 
-/// Something that has a surface.
+/// An object with a surface.
 #[derive(Clone, Debug)]
 pub enum Shape {
     /// An analytic solid with an exact distance everywhere.
@@ -14,10 +14,9 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// A box that contains the object, in world units; that of a mesh is less its offset.
+    /// Bounding box in world units; for a mesh, relative to its offset.
     ///
-    /// Tight for a solid and a mesh. For a volume, scalar or distance, its whole extent from first to last sample:
-    /// where the object ends in there depends on the iso-value.
+    /// Tight for a solid and a mesh. For a volume, the whole extent from first to last sample.
     pub fn bounds(&self) -> Bounds {
         match self {
             Shape::Solid(solid) => solid.bounds(),
@@ -26,7 +25,7 @@ impl Shape {
         }
     }
 
-    /// The same `by` times as large, from the origin of the world on; a solid stays as it is.
+    /// The shape scaled about the world origin; a solid is returned unchanged.
     pub fn scaled(&self, by: f32) -> Shape {
         let mut scaled = self.clone();
         match &mut scaled {

@@ -1,7 +1,6 @@
-//! Distances to the analytic [`Solid`]s.
+//! Analytic solids.
 //!
-//! Role: closed forms that other code is measured against. Invariant: exact everywhere, up to f32 rounding.
-//! Source: J. Hart, "Sphere tracing", The Visual Computer 12, 1996, appendix; the torus by revolving a circle.
+//! Invariant: distances are exact up to f32 rounding. Source: J. Hart, "Sphere tracing", The Visual Computer 12, 1996, appendix.
 
 use super::Bounds;
 use glam::{Vec2, Vec3};
@@ -43,7 +42,7 @@ impl Solid {
         }
     }
 
-    /// The point of the surface closest to `p`, world units. Where several are, one of them.
+    /// Closest point of the surface to `p`, world units; any of them where several are equally close.
     ///
     /// `p` must be finite. Error: a few ulp of the largest coordinate involved.
     pub fn closest(&self, p: Vec3) -> Vec3 {

@@ -1,7 +1,6 @@
-//! Volumes as NIfTI.
+//! Writer of NIfTI.
 //!
-//! Role: a header and the values behind it. Invariant: the sform holds the steps bit for bit; there is a qform only where
-//! it says the same.
+//! Invariant: the sform holds the steps bit for bit; a qform is written only if it is equivalent.
 
 use super::axes::{directions, lengths};
 use super::nifti_header::{HeaderLayout, NIFTI1, NIFTI2, SIGNED_DISTANCE};
@@ -10,24 +9,23 @@ use super::{Content, Volume};
 use glam::{DMat3, DQuat};
 use std::io::{self, Write};
 
-/// How far the axes may be from perpendicular unit vectors, in each product: f32 rounding.
+/// Tolerance of each dot product of perpendicular unit vectors: f32 rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// A header in the making.
 struct Header {
     bytes: Vec<u8>,
     layout: &'static HeaderLayout,
 }
 
 impl Header {
-    /// Whole numbers of so many bytes, side by side.
+    /// Writes integers of `width` bytes.
     fn integers(&mut self, at: usize, width: usize, numbers: &[i64]) {
         for (own, number) in self.bytes[at..].chunks_exact_mut(width).zip(numbers) {
             own.copy_from_slice(&number.to_le_bytes()[..width]);
         }
     }
 
-    /// Numbers side by side.
+    /// Writes floats.
     fn numbers(&mut self, at: usize, numbers: &[f64]) {
         let bits = |number: &f64| match self.layout.is_wide {
             true => number.to_bits() as i64,
@@ -47,7 +45,7 @@ pub(super) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result<()> {
     let [x, y, z] = volume.size.map(i64::from);
     let is_wide = x.max(y).max(z) > i64::from(i16::MAX);
     let layout = if is_wide { &NIFTI2 } else { &NIFTI1 };
-    // Behind the header, the word that says that there are no extensions.
+    // 4 zeros after the header mean no extensions.
     let mut header = Header { bytes: vec![0; layout.bytes + 4], layout };
     let (number, size, code) = layout.widths();
     header.integers(0, 4, &[layout.bytes as i64]);
@@ -81,7 +79,7 @@ pub(super) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result<()> {
     write_values(volume, to)
 }
 
-/// The side and the rotation of steps whose directions are perpendicular.
+/// Handedness and rotation of perpendicular steps.
 fn turn(steps: &DMat3) -> Option<(f64, DQuat)> {
     let mut axes = directions(steps);
     if !(axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, ROUNDING) {
