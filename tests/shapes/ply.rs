@@ -145,7 +145,7 @@ fn what_is_wrong_is_said_with_its_place() {
         ("property float z", "property half z", "line 10: expected `property TYPE NAME`"),
         ("vertex_indices", "corners", "a list `vertex_indices`"),
         ("end_header\n", "", "a line of a PLY header"),
-        ("4 0 2 3 1", "4 0 2 3 8", "face 0 (from 0): expected a vertex that there is, found vertex 8 of 8"),
+        ("4 0 2 3 1", "4 0 2 3 8", "face 0 (from 0): expected the index of a vertex, found vertex 8 of 8"),
         ("4 0 2 3 1", "4 0 2 3 -1", "expected the index of a vertex, found -1"),
         ("4 0 2 3 1", "4 0 2 3 0.5", "expected the index of a vertex, found 0.5"),
         ("4 0 2 3 1", "4000000000 0 2 3 1", "expected a list that is in the file"),

@@ -1,7 +1,7 @@
-//! Packed streams.
+//! Decompression of gzip, zlib and bzip2 streams, and hexadecimal digits.
 //!
-//! Role: what gzip, zlib, bzip2 or hexadecimal digits hold, as a stream of bytes. Invariant: the sum of every decoder is checked,
-//! and what stands behind the last one is zeros or an error; behind zlib, which has no parts, anything.
+//! Invariant: the checksum of every member is checked. After the last member of gzip or bzip2 only zeros may follow, after
+//! zlib anything.
 
 use bzip2::bufread::BzDecoder;
 use flate2::bufread::{GzDecoder, ZlibDecoder};
@@ -20,7 +20,7 @@ enum Decoder<R> {
     Bzip2(BzDecoder<R>),
 }
 
-/// Packed parts, one behind the other.
+/// Decoder of consecutive members.
 pub(super) struct Decompressor<'a, R> {
     /// `None` at the end.
     decoder: Option<Decoder<R>>,
@@ -29,7 +29,6 @@ pub(super) struct Decompressor<'a, R> {
 }
 
 impl<'a, R: BufRead> Decompressor<'a, R> {
-    /// Parts of gzip.
     pub fn gzip(reader: R, padding: &'a Cell<u64>) -> Decompressor<'a, R> {
         Decompressor { decoder: Some(Decoder::Gzip(Box::new(GzDecoder::new(reader)))), padding }
     }
@@ -38,7 +37,6 @@ impl<'a, R: BufRead> Decompressor<'a, R> {
         Decompressor { decoder: Some(Decoder::Zlib(ZlibDecoder::new(reader))), padding }
     }
 
-    /// Parts of bzip2.
     pub fn bzip2(reader: R, padding: &'a Cell<u64>) -> Decompressor<'a, R> {
         Decompressor { decoder: Some(Decoder::Bzip2(BzDecoder::new(reader))), padding }
     }

@@ -1,8 +1,7 @@
 //! Header of a NIfTI file.
 //!
-//! Role: where the fields of both versions and of Analyze 7.5 are, and from these bytes to a [`Raster`]. Invariant: what changes
-//! the values or their layout is understood or refused. Sources: R. Cox et al., "nifti1.h" and "nifti2.h", nifti.nimh.nih.gov;
-//! Mayo Foundation, "ANALYZE 7.5 File Format".
+//! Invariant: fields that change values or positions are understood or refused. Sources: R. Cox et al., "nifti1.h" and
+//! "nifti2.h", nifti.nimh.nih.gov; Mayo Foundation, "ANALYZE 7.5 File Format".
 
 use super::axes::lengths;
 use super::error::{Location, ShapeError, quoted};

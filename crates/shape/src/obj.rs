@@ -1,9 +1,8 @@
 //! Wavefront OBJ: polygons.
 //!
-//! Role: `v` and `f` statements into a mesh. Invariant: an index is checked against the vertices above its line.
-//! Source: Alias|Wavefront, "Object DataFiles (.obj)", Advanced Visualizer manual, appendix B1, 1995. Read here and not by
-//! the tobj crate, which gives no line numbers, splits vertices between objects, refuses comments that are not UTF-8 or
-//! follow data, and lets NaN pass.
+//! Role: `v` and `f` statements as a mesh. Invariant: an index is checked against the vertices above its line.
+//! Source: Alias|Wavefront, "Object Files (.obj)", Advanced Visualizer manual, appendix B1, 1995. The crate tobj gives no line
+//! numbers, splits vertices between objects, refuses comments that are not UTF-8 or follow data, and accepts NaN.
 
 use super::error::{Location, ShapeError, quoted};
 use super::polygon::{self, triangulate};

@@ -1,7 +1,7 @@
 //! Sample data of a volume, after a header or in data files.
 //!
-//! Role: bytes or words of any type, order and compression into a [`Volume`](super::Volume). Invariant: memory grows with the
-//! data that is there, not with what the header declares, and nothing is unpacked beyond the declared size.
+//! Role: values of any type, byte order and compression as a [`Volume`](super::Volume). Invariant: memory grows with the data
+//! present, not with the declared size, and decompression stops at the declared size.
 
 use super::data_files::DataFiles;
 use super::decompress::{Decompressor, GZIP, Hex, ZLIB};

@@ -1,38 +1,34 @@
-//! The header of a DICOM file.
+//! Header of a DICOM file.
 //!
-//! Role: the mark, and how the rest of the file is written. Invariant: one of the ways that are read here, or a name for the
-//! other one. Source: NEMA PS3.10, 7, and PS3.5, annex A.
+//! Role: the preamble, and the transfer syntax of the rest of the file. Source: NEMA PS3.10, 7, and PS3.5, annex A.
 
 use super::elements::{Elements, Syntax, shown};
 use super::frames::PixelEncoding;
 use crate::error::{Location, ShapeError, quoted};
 use crate::source::Source;
 
-/// What is not read, what was found of it, and what to do.
+/// Unsupported part, its value, and the remedy.
 pub(super) type Refusal = (&'static str, String, &'static str);
 
-/// Where the mark of a file is, and the mark.
+/// Offset and bytes of the prefix of a file.
 pub(super) const MARK_AT: usize = 128;
 pub(super) const MARK: &[u8] = b"DICM";
-/// How elements are written where nothing else is said.
+/// Encoding of the header.
 const EXPLICIT: Syntax = Syntax { is_implicit: false, big_endian: false };
-/// What a file is that names others.
+/// Class of a DICOMDIR.
 const DIRECTORY: &str = "1.2.840.10008.1.3.10";
-/// What is read here, for messages.
+/// Noun for messages.
 const HEADER: &str = "a DICOM header";
 
-/// What is said before the image.
 pub(super) struct Header {
-    /// How elements are written.
     pub syntax: Syntax,
-    /// How pixels are packed.
     pub encoding: PixelEncoding,
-    /// Why its pixels are not read.
+    /// Reason why the pixels are not supported.
     pub refused: Option<Refusal>,
 }
 
 impl Header {
-    /// Reads a file up to its data set.
+    /// Reads up to the data set.
     pub fn read(source: &mut Source) -> Result<Header, ShapeError> {
         let start: [u8; MARK_AT + 4] = source.array(HEADER)?;
         if &start[MARK_AT..] != MARK {
@@ -79,7 +75,7 @@ impl Header {
     }
 }
 
-/// Why a transfer syntax is not read.
+/// Reason why a transfer syntax is not supported.
 fn compressed(syntax: &str) -> Refusal {
     let number = syntax.strip_prefix("1.2.840.10008.1.2.").unwrap_or_default();
     let name = match number {

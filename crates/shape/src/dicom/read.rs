@@ -1,9 +1,8 @@
-//! DICOM: the slices of a scan, one a file or several in one.
+//! Reader of DICOM series.
 //!
-//! Role: the files of a series in a folder into one [`Volume`](super::Volume), in mm, on the axes that NIfTI has: x to the
-//! right of the patient, y to the front, z up. Invariant: heads are read before pixels, and memory is taken once all slices
-//! have their places. Read here and not by the crate `dicom-object`: a slice is described by some 20 elements, and what is
-//! around them must not take memory or depth. Source: NEMA PS3.
+//! Role: the files of a series as one [`Volume`](crate::Volume), in mm, on the axes of NIfTI: x to the right of the patient, y
+//! to the front, z up. Invariant: all headers are read before pixels, and memory is allocated once all slices have their
+//! places. Source: NEMA PS3. The crate `dicom-object` overflows the stack on deeply nested sequences.
 
 use super::frames::PixelEncoding;
 use super::header::{MARK, MARK_AT};
@@ -17,21 +16,21 @@ use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 use support::open::{self, Home};
 
-/// Most files of a folder that are looked at: the slices of a body, five times.
+/// Most files of a folder: five times the slices of a whole body.
 const MAX_FILES: usize = 10_000;
-/// Series that are named in a message.
+/// Most series named in a message.
 const NAMED: usize = 4;
 
-/// Whether the mark of DICOM is behind the first 128 bytes.
+/// Whether the file has the prefix of DICOM after 128 bytes.
 pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
     start.get(MARK_AT..).is_some_and(|rest| rest.starts_with(MARK))
 }
 
-/// Reads the series that the slice is of from the files beside it, or the frames of a file that has several.
+/// Reads the series of a slice from the files beside it, or the frames of a multi-frame file.
 ///
-/// Integers of 8, 16 or 32 bits, each slice with its slope and intercept, become f32. Slices that are shifted against each
-/// other, as those of a tilted gantry, stand where they are; a few of another size or orientation, as localizers, are left out.
-/// Colors and values whose 0 is white (MONOCHROME1) are refused: programs do not agree on whether the latter are turned around.
+/// Integers of 8, 16 or 32 bits, each slice with its slope and intercept, become f32. Slices with an offset to each other, as
+/// of a tilted gantry, keep their places; a few of another size or orientation, as localizers, are left out. Colors and
+/// MONOCHROME1 are refused: programs disagree on whether the latter is inverted.
 pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let image = Image::read(source)?;
     if let Some(folder) = source.folder.clone().filter(|_| image.is_slice()) {
@@ -48,7 +47,7 @@ pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     placement.volume(source, values).map(Shape::Volume)
 }
 
-/// Reads the series in a folder; what is to be known of it besides.
+/// Reads the series in a folder, with notes.
 pub(crate) fn read_folder(name: &str, folder: &Path) -> Result<(Shape, Vec<String>), ShapeError> {
     let mut nothing = io::empty();
     let source = Source::new(name.into(), 0, None, &mut nothing);
@@ -80,10 +79,10 @@ fn folder_series(source: &Source, folder: &Path) -> Result<Shape, ShapeError> {
     Err(ShapeError::unsupported(name, Location::Folder, "a folder of", found, remedy))
 }
 
-/// All pictures in the files of a folder, by the names of the files.
+/// All images in the files of a folder, sorted by file name.
 fn members(name: &str, folder: &Path) -> Result<Vec<Member>, ShapeError> {
     let failed = |reason| ShapeError::Unreadable { file: name.into(), reason };
-    // A file that is named alone is in the current folder.
+    // A bare file name is in the current folder.
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let (mut paths, home) = (Vec::new(), Home::of(folder));
     for entry in fs::read_dir(folder).map_err(failed)? {
@@ -123,7 +122,7 @@ fn too_many(name: &str, found: String) -> ShapeError {
     ShapeError::unsupported(name, Location::Folder, "a folder of", found, remedy)
 }
 
-/// The volume of all frames of `members`, but for a few that are other pictures.
+/// Volume of all frames of `members` except a few deviating images.
 fn joined(source: &Source, members: Vec<Member>) -> Result<Shape, ShapeError> {
     let name = &*source.file;
     let members = &without_others(source, members)[..];

@@ -1,14 +1,13 @@
-//! Accessors: numbers in the bytes of a glTF file.
+//! Accessors: arrays of scalars or vectors in the bytes of a glTF file.
 //!
-//! Role: elements of one to three numbers by their index, whatever their type, distance and sparse replacements.
-//! Invariant: every element that is counted lies in its view, or there is none to lie anywhere and it is zero.
+//! Invariant: every element lies in its view; without a view all elements are zero.
 
 use super::buffer::Data;
 use super::document::{Accessor, entry, malformed};
 use crate::SampleType;
 use crate::error::{ShapeError, quoted};
 
-/// Most elements of all accessors without a view, each time that one is used: real files have none but in morph targets.
+/// Most elements without a view, over all uses of accessors. Real files have none outside of morph targets.
 const MAX_ZEROS: u64 = 1 << 20;
 
 /// Type of a number by its code.
@@ -37,22 +36,21 @@ fn number(kind: SampleType, bytes: &[u8], normalized: bool) -> f64 {
     if normalized { (value / largest).max(-1.0) } else { value }
 }
 
-/// The elements of an accessor, of `N` numbers each.
+/// Elements of an accessor, of `N` numbers each.
 pub struct Elements<'a, const N: usize> {
-    /// How many there are.
     pub count: u64,
     pub component: SampleType,
     normalized: bool,
-    /// From the first one on; nothing where all are zero.
+    /// Bytes from the first element on; empty for zeros.
     bytes: &'a [u8],
-    /// Bytes from one to the next.
+    /// Distance between elements in bytes.
     stride: usize,
-    /// Those that are replaced, in rising order.
+    /// Sparse replacements by rising index.
     sparse: Vec<(u64, [f64; N])>,
 }
 
 impl<'a, const N: usize> Elements<'a, N> {
-    /// The accessor `index`, whose components are of one of these types; `place` names it.
+    /// Reads accessor `index` with a component type out of `types`; `place` names the reference to it.
     pub fn read(
         data: &'a Data,
         index: u32,
@@ -173,7 +171,7 @@ impl<'a, const N: usize> Elements<'a, N> {
     }
 }
 
-/// The bytes of `count` elements from `offset` on; none if they are not all there.
+/// Bytes of `count` elements from `offset` on, if all are in `bytes`.
 fn part(bytes: &[u8], offset: u64, count: u64, stride: usize, size: usize) -> Option<&[u8]> {
     let needed = (count - 1).checked_mul(stride as u64)?.checked_add(size as u64)?;
     bytes.get(usize::try_from(offset).ok()?..)?.get(..usize::try_from(needed).ok()?)

@@ -1,7 +1,7 @@
-//! The primitives of a glTF mesh.
+//! Primitives of a glTF mesh.
 //!
-//! Role: triangles, strips and fans, with indices and without, as triangles over the vertices that they use. Invariant: a
-//! triangle without area is dropped before anything is kept for it.
+//! Role: indexed and plain triangles, strips and fans as triangles over the used vertices. Invariant: triangles without area are
+//! dropped before they take memory.
 
 use super::accessor::Elements;
 use super::buffer::Data;
@@ -11,25 +11,25 @@ use crate::error::ShapeError;
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
-/// A mesh in its own coordinates.
+/// Mesh in its local coordinates.
 #[derive(Default)]
 pub struct MeshPart {
     pub positions: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
-    /// How many triangles had no area.
+    /// Dropped triangles.
     pub zero_area: usize,
-    /// How many primitives are of points or lines.
+    /// Number of primitives of points or lines.
     pub points_and_lines: usize,
-    /// How many have no positions.
+    /// Number of primitives without positions.
     pub without_positions: usize,
-    /// How many corners are too few for a triangle more.
+    /// Number of corners after the last whole triangle.
     pub leftover_corners: usize,
-    /// Whether there are other shapes to blend with.
+    /// Whether there are morph targets.
     pub morphs: bool,
 }
 
 impl MeshPart {
-    /// Reads a mesh; `declared` counts triangles that are declared in the meshes so far.
+    /// Reads a mesh; `declared` sums the triangles of all meshes.
     pub fn read(data: &Data, mesh: u32, declared: &mut u64) -> Result<MeshPart, ShapeError> {
         let mut part = MeshPart::default();
         for (index, primitive) in data.document.meshes[mesh as usize].primitives.iter().enumerate() {
@@ -45,7 +45,7 @@ impl MeshPart {
         Ok(part)
     }
 
-    /// The positions where a node puts them.
+    /// Positions in the world of a node.
     pub fn at(&self, world: DAffine3) -> impl Iterator<Item = DVec3> {
         self.positions.iter().map(move |position| world.transform_point3(*position))
     }
@@ -59,7 +59,7 @@ impl MeshPart {
         at: impl Fn(&str) -> String,
     ) -> Result<(), ShapeError> {
         let Some(position) = primitive.attributes.position else {
-            self.without_positions += 1; // as the specification asks for
+            self.without_positions += 1; // to be ignored by the specification
             return Ok(());
         };
         let place = || at(".attributes.POSITION");

@@ -1,8 +1,7 @@
-//! glTF 2.0: a scene of meshes, as JSON with its data beside or inside it, or both in one binary file (GLB).
+//! Reader of glTF and GLB.
 //!
-//! Role: all triangles of the default scene, where its nodes put them, as one mesh. Invariant: no number of the file is used
-//! before it is checked against what is there. Source: Khronos Group, "glTF 2.0 specification", 2021 (ISO/IEC 12113).
-//! Read here and not by the gltf crate, which trusts the numbers of a file and stops at the first one that is wrong.
+//! Role: all triangles of the default scene as one mesh. Invariant: numbers of the file are checked before use. Source: Khronos
+//! Group, "glTF 2.0 specification", 2021 (ISO/IEC 12113).
 
 use super::buffer::Data;
 use super::{document, scene};
@@ -10,23 +9,23 @@ use crate::error::{Found, Location, ShapeError, quoted};
 use crate::source::Source;
 use crate::{Mesh, Shape};
 
-/// Most bytes of JSON: a file that holds 190 MB of data as text.
+/// Most bytes of JSON: 190 MB of data in base64.
 const MAX_JSON: u64 = 256 << 20;
 const HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
-/// What the header of a chunk declares the length of.
+/// Noun for messages.
 const CHUNK: &str = "a chunk";
 
-/// Whether the file begins as GLB, or as JSON that speaks of its `asset`.
+/// Whether the file begins as GLB, or as JSON with an `asset`.
 pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
     let names_asset = || start.windows(7).any(|window| window == b"\"asset\"");
     start.starts_with(b"glTF") || start.trim_ascii_start().starts_with(b"{") && names_asset()
 }
 
-/// Reads the triangles of the default scene (else the first, else of all nodes), of each node that shows a mesh.
+/// Reads the triangles of the visible nodes of the default scene (else the first, else of all nodes).
 ///
-/// Cameras, lights, materials, textures and normals have no part in the surface and are passed over. Points and lines are
-/// left out, as are primitives without positions; skins and morph targets are not applied; notes say so. Compressed and instanced geometry is refused.
+/// Cameras, lights, materials, textures and normals are skipped. Points, lines and primitives without positions are left out,
+/// and skins and morph targets are not applied, with notes. Compressed and instanced geometry is refused.
 pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let (json, binary) = match source.peek()?.starts_with(b"glTF") {
         true => chunks(source)?,
@@ -40,7 +39,6 @@ pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     source.finish((mesh, zero_area + found.zero_area), holds)
 }
 
-/// The next bytes as JSON.
 fn json(source: &mut Source, bytes: u64) -> Result<Vec<u8>, ShapeError> {
     if bytes > MAX_JSON {
         return Err(source.too_large("bytes of JSON", bytes, MAX_JSON));
@@ -48,7 +46,7 @@ fn json(source: &mut Source, bytes: u64) -> Result<Vec<u8>, ShapeError> {
     source.block(bytes, "JSON")
 }
 
-/// The JSON of a GLB file, and its binary chunk if there is one. Chunks behind them are of extensions.
+/// JSON and optional binary chunk of a GLB file; further chunks are ignored.
 fn chunks(source: &mut Source) -> Result<(Vec<u8>, Option<Vec<u8>>), ShapeError> {
     let [_, version, length] = words::<HEADER_BYTES, 3>(source, "the header of GLB")?;
     if version != 2 {
@@ -78,7 +76,7 @@ fn chunks(source: &mut Source) -> Result<(Vec<u8>, Option<Vec<u8>>), ShapeError>
     Ok((json, None))
 }
 
-/// The kind and the length of the chunk that begins here, which is in the file.
+/// Type and length of the next chunk, which is complete.
 fn chunk(source: &mut Source) -> Result<([u8; 4], u64), ShapeError> {
     let at = source.offset;
     let [bytes, kind] = words::<CHUNK_HEADER_BYTES, 2>(source, "the header of a chunk")?;
@@ -92,7 +90,7 @@ fn chunk(source: &mut Source) -> Result<([u8; 4], u64), ShapeError> {
     Ok((kind.to_le_bytes(), bytes.into()))
 }
 
-/// The next `W` numbers of 32 bits, `B` bytes.
+/// Next `W` 32-bit integers, `B` bytes.
 fn words<const B: usize, const W: usize>(source: &mut Source, what: &str) -> Result<[u32; W], ShapeError> {
     let bytes: [u8; B] = source.array(what)?;
     Ok(std::array::from_fn(|word| u32::from_le_bytes(bytes.as_chunks().0[word])))

@@ -1,7 +1,6 @@
-//! The nodes of a glTF scene.
+//! Node hierarchy of a glTF scene.
 //!
-//! Role: where each mesh stands, and all of them together. Invariant: a node is visited once; a mirrored mesh keeps its
-//! outside outside.
+//! Invariant: a node is visited once; mirrored meshes are reversed so that they stay wound outward.
 
 use super::buffer::Data;
 use super::document::{Document, Node, entry, malformed};
@@ -10,30 +9,30 @@ use crate::error::ShapeError;
 use crate::source::Source;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
-/// How far the length of a rotation may be from 1: numbers of three digits.
+/// Tolerance of the length of a rotation: numbers of three digits.
 const MAX_LENGTH_ERROR: f64 = 0.01;
 
 /// All triangles of a scene.
 pub struct SceneMesh {
     pub positions: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
-    /// How many triangles had no area.
+    /// Dropped triangles.
     pub zero_area: usize,
     pub notes: Vec<String>,
 }
 
-/// Nodes to visit, the next one last.
+/// Stack of nodes to visit.
 struct Visits<'a, 's> {
     source: &'a Source<'s>,
     document: &'a Document<'a>,
-    /// Each with where its parent is.
+    /// Nodes with the transforms of their parents.
     nodes: Vec<(u32, DAffine3)>,
-    /// Whether a node has been in `nodes`.
+    /// Whether each node was ever in `nodes`.
     named: Vec<bool>,
 }
 
 impl Visits<'_, '_> {
-    /// Adds nodes so that the first is visited next; an error where one is there for the second time.
+    /// Pushes nodes, the first one on top; a repeated node is an error.
     fn add(&mut self, nodes: &[u32], parent: DAffine3, place: impl Fn(usize) -> String) -> Result<(), ShapeError> {
         let before = self.nodes.len();
         for (at, &node) in nodes.iter().enumerate() {
@@ -47,7 +46,7 @@ impl Visits<'_, '_> {
         Ok(())
     }
 
-    /// Adds the nodes of the scene that the document names, else of its first, else all that are no child of another.
+    /// Pushes the roots of the default scene, else of the first, else all nodes without a parent.
     fn begin(&mut self) -> Result<(), ShapeError> {
         let (source, document) = (self.source, self.document);
         if document.scene.is_some() || !document.scenes.is_empty() {
@@ -69,7 +68,7 @@ impl Visits<'_, '_> {
     }
 }
 
-/// The triangles of the scene that the document names, else of its first, else of all nodes.
+/// Reads the triangles of the default scene, else of the first, else of all nodes.
 pub fn read(data: &Data) -> Result<SceneMesh, ShapeError> {
     let (source, document) = (data.source, data.document);
     let mut visits = Visits { source, document, nodes: Vec::new(), named: vec![false; document.nodes.len()] };
@@ -131,7 +130,7 @@ pub fn read(data: &Data) -> Result<SceneMesh, ShapeError> {
 }
 
 impl SceneMesh {
-    /// Adds a mesh at a place.
+    /// Adds a mesh with a transform.
     fn add(&mut self, part: &MeshPart, world: DAffine3) {
         let (first, mirrored) = (self.positions.len() as u32, world.matrix3.determinant() < 0.0);
         self.positions.extend(part.at(world));
@@ -143,7 +142,7 @@ impl SceneMesh {
     }
 }
 
-/// From a node's own coordinates to those of its parent.
+/// Transform from a node to its parent.
 fn local(data: &Data, index: u32, node: &Node) -> Result<DAffine3, ShapeError> {
     let refuse = |field: &str, expected, found: String| {
         Err(malformed(data.source, format!("nodes[{index}].{field}"), expected, found))

@@ -12,22 +12,22 @@ use crate::source::Source;
 use crate::space::Space;
 use crate::{Content, SampleType, Shape, axes};
 
-/// Most voxels of a box: as many for each byte of the file, or 256 MiB. Real level sets have less than a tenth, and two
-/// voxels far from each other would take all memory.
+/// Most voxels of a box: this many per byte of the file, or `SMALL` (256 MiB). Real level sets have less than a tenth; two
+/// distant voxels would take all memory.
 const MAX_VOXELS_PER_BYTE: u64 = 1024;
 const SMALL: u64 = 1 << 26;
 
-/// A grid that can be read.
+/// A supported grid.
 pub(super) struct Grid {
     pub about: Descriptor,
     pub encoding: ValueEncoding,
-    /// What its values mean; none where the file does not say so.
+    /// Meaning of the values, if the class tells.
     pub content: Option<Content>,
     pub metadata: Metadata,
 }
 
 impl Grid {
-    /// What a grid is, if it can be read, and words for it: its metadata is read then.
+    /// Reads the metadata of a grid: the grid if it is supported, and a description.
     pub fn describe(
         source: &mut Source,
         header: &FileHeader,
@@ -54,7 +54,7 @@ impl Grid {
         Ok((Some(Grid { about, encoding, content, metadata }), words))
     }
 
-    /// The grid behind its metadata, which may tell its corners; it says where its parts are if `has_offsets`.
+    /// Reads the grid after its metadata, which may hold the corners; offsets are checked if `has_offsets`.
     pub fn volume(self, source: &mut Source, has_offsets: bool) -> Result<Shape, ShapeError> {
         let Grid { about, mut encoding, content, metadata } = self;
         if metadata.is_half != about.is_half {

@@ -1,7 +1,8 @@
-//! The grids of an OpenVDB file, and the one that is read.
+//! Selection of a grid of an OpenVDB file.
 //!
-//! Role: which of several grids is the object: the one that is asked for, else `density`, else the first level set or fog volume,
-//! else the first of no class. Invariant: every grid of the file is listed, and a note names those that are left out.
+//! Role: reads the requested grid, else `density`, else the first level set or fog volume, else the first without a class.
+//! Invariant: every grid of the file is listed, and a note names those left out. Source: OpenVDB 10, `io/Archive.cc`. The crate
+//! vdb-rs panics on damaged files.
 
 use super::grid::Grid;
 use super::header::FileHeader;
@@ -11,14 +12,13 @@ use crate::error::{Location, ShapeError, quoted};
 use crate::source::Source;
 use support::memory;
 
-/// The name of the grid of a fog volume or smoke that is matter, by custom.
+/// Conventional name of the grid of a fog volume.
 const DENSITY: &str = "density";
-/// Grids that are named in a message.
+/// Most grids named in a message.
 const NAMED: usize = 4;
-/// What to do where no grid is read.
 const REMEDY: &str = "a grid of floats or doubles of the class `level set` or `fog volume` is read: set its class";
 
-/// The bytes of a grid that is read if none goes before it, and where they are.
+/// Bytes of a grid that is read if no better one follows.
 struct Deferred {
     grid: Grid,
     rank: usize,
@@ -26,9 +26,8 @@ struct Deferred {
     bytes: Vec<u8>,
 }
 
-/// Reads one grid of floats or doubles, see [`grids`]: the box around its active voxels and one voxel more on each side, or the
-/// one that was written here, with all values that the tree has there. Values may be halves, masked, zip or Blosc; doubles are
-/// rounded to f32.
+/// Reads one grid of floats or doubles: the box around its active voxels with a margin of one voxel, or the box in the metadata
+/// of files of this program. Values may be halves, masked, zip or Blosc; doubles are rounded to f32.
 pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let header = FileHeader::read(source)?;
     Metadata::read(source)?;
@@ -66,7 +65,7 @@ fn select(source: &mut Source, header: &FileHeader) -> Result<Shape, ShapeError>
                 }
                 _ => source.skip(left, "a grid")?,
             },
-            (_, None) if shape.is_some() => break, // what follows is nowhere told
+            (_, None) if shape.is_some() => break, // without offsets the next grid cannot be found
             (_, None) if !is_last => {
                 let expected = "the offset of the end of a grid behind it";
                 return Err(source.malformed_at(place, expected, end.to_string()));
@@ -99,7 +98,7 @@ fn select(source: &mut Source, header: &FileHeader) -> Result<Shape, ShapeError>
     Ok(shape)
 }
 
-/// Why no grid is read.
+/// Error of a file without a readable grid.
 fn no_readable_grid(source: &Source) -> ShapeError {
     let all: Vec<&str> = source.grids.iter().map(|grid| &**grid).collect();
     let own = source.grid.as_deref().map(|grid| quoted(grid.as_bytes()));
@@ -113,14 +112,13 @@ fn no_readable_grid(source: &Source) -> ShapeError {
     }
 }
 
-/// The first few of them.
 fn first_few(grids: &[&str]) -> String {
     let more = if grids.len() > NAMED { ", ..." } else { "" };
     format!("{}{more}", grids[..grids.len().min(NAMED)].join(", "))
 }
 
 impl Descriptor {
-    /// Whether this is its name, with or without the number that tells it from others of the same name.
+    /// Whether `name` is the name of the grid, with or without its number.
     fn is_called(&self, name: &str) -> bool {
         self.name == name || self.base() == name
     }

@@ -5,28 +5,25 @@ use crate::error::{Location, ShapeError, quoted};
 use crate::source::Source;
 use std::ops::RangeInclusive;
 
-/// The first bytes of a file.
 pub(super) const MAGIC: &[u8] = b" BDV\0\0\0\0";
-/// The versions that are read: 220 says what is compressed, 225 has further types of grids.
+/// Supported versions: 220 added compression flags, 225 further types of grids.
 const VERSIONS: RangeInclusive<u32> = 220..=225;
-/// The version that is written, of OpenVDB 6.2 and all behind it.
+/// Written version, of OpenVDB 6.2 and later.
 pub(super) const WRITTEN: u32 = 224;
 /// Whether the file begins with the magic number.
 pub(crate) fn recognizes(start: &[u8], _len: u64) -> bool {
     start.starts_with(MAGIC)
 }
 
-/// What is said before the grids.
 pub(super) struct FileHeader {
     pub version: u32,
-    /// Whether the places of grids are told.
+    /// Whether the offsets of grids are stored.
     pub has_offsets: bool,
-    /// Whether all of the file is compressed.
+    /// Whether the whole file is compressed.
     is_zip: bool,
 }
 
 impl FileHeader {
-    /// Reads the header of a file.
     pub fn read(source: &mut Source) -> Result<FileHeader, ShapeError> {
         const WHAT: &str = "a VDB header";
         let magic: [u8; 8] = source.array(WHAT)?;
@@ -45,7 +42,7 @@ impl FileHeader {
         Ok(FileHeader { version, has_offsets, is_zip })
     }
 
-    /// How the values of a grid are compressed.
+    /// Compression flags of a grid.
     pub fn flags(&self, source: &mut Source) -> Result<u32, ShapeError> {
         if self.version < NODE_MASKS {
             return Ok(if self.is_zip { ZIP } else { 0 });

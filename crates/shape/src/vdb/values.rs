@@ -1,7 +1,7 @@
-//! The values of a node of an OpenVDB tree.
+//! Values of a node of an OpenVDB tree.
 //!
-//! Role: what is stored of them into all of them. Invariant: memory is taken for the places of the node only, whatever
-//! length the file declares. Source: OpenVDB 10, `io/Compression.h`.
+//! Invariant: memory is allocated only for the values of one node, whatever length the file declares. Source: OpenVDB 10,
+//! `io/Compression.h`.
 
 use super::blosc::{self, Fault};
 use crate::SampleType;
@@ -11,52 +11,49 @@ use flate2::bufread::ZlibDecoder;
 use half::f16;
 use std::io;
 
-/// Since this version each node says which of its values are stored.
+/// Version since which nodes store only some of their values.
 pub(super) const NODE_MASKS: u32 = 222;
-/// Flags of the compression of a grid.
+/// Compression flags of a grid.
 pub(super) const ZIP: u32 = 1;
 pub(super) const ACTIVE_ONLY: u32 = 2;
 const BLOSC: u32 = 4;
-/// All flags that are known.
 pub(super) const KNOWN_FLAGS: u32 = ZIP | ACTIVE_ONLY | BLOSC;
-/// The code of a node that stores all of its values.
+/// Node code: all values are stored.
 const ALL: u8 = 6;
-/// What is read here, for messages.
+/// Noun for messages.
 const WHAT: &str = "values of a node";
 
-/// How the values of a grid are stored.
+/// Encoding of the values of a grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ValueEncoding {
-    /// Version of the file.
     pub version: u32,
     /// F32 or F64.
     pub kind: SampleType,
-    /// Whether values of nodes are stored in 16 bits.
+    /// Whether nodes store 16-bit floats.
     pub is_half: bool,
-    /// How they are compressed.
+    /// Compression flags.
     pub flags: u32,
-    /// Value where the tree has none.
     pub background: f32,
 }
 
-/// Whether place `index` is in `mask`.
+/// Whether bit `index` of `mask` is set.
 pub(super) fn is_on(mask: &[u8], index: usize) -> bool {
     mask.get(index / 8).is_some_and(|byte| byte >> (index % 8) & 1 == 1)
 }
 
-/// How many places are in `mask`.
+/// Number of set bits.
 pub(super) fn count(mask: &[u8]) -> usize {
     mask.iter().map(|byte| byte.count_ones() as usize).sum()
 }
 
 impl ValueEncoding {
-    /// One value, as it stands beside the nodes.
+    /// Reads one value outside of a node.
     pub fn value(&self, source: &mut Source) -> Result<f32, ShapeError> {
         let bytes = source.block(self.kind.bytes(), WHAT)?;
         Ok(self.kind.value(&bytes, false) as f32)
     }
 
-    /// The values of a node of `places`, of which those in `active` are active.
+    /// Reads the values of a node of `places` values with an active mask.
     pub fn values(&self, source: &mut Source, active: &[u8], places: usize) -> Result<Vec<f32>, ShapeError> {
         let place = Location::Byte(source.offset);
         let code = if self.version < NODE_MASKS { ALL } else { source.array::<1>(WHAT)?[0] };
@@ -81,12 +78,12 @@ impl ValueEncoding {
         Ok((0..places).map(value).collect())
     }
 
-    /// Goes over values that are stored as they are or as zip.
+    /// Skips values stored plain or in zip.
     pub fn skip(&self, source: &mut Source, places: usize) -> Result<(), ShapeError> {
         ValueEncoding { flags: self.flags & ZIP, ..*self }.stored(source, places).map(drop)
     }
 
-    /// The next `places` values of the file.
+    /// Reads `places` stored values.
     fn stored(&self, source: &mut Source, places: usize) -> Result<Vec<f32>, ShapeError> {
         if self.is_half && places == 0 {
             return Ok(Vec::new()); // the length is left out too
@@ -100,14 +97,14 @@ impl ValueEncoding {
         Ok(values)
     }
 
-    /// `bytes` bytes that may be compressed.
+    /// Reads `bytes` bytes, decompressed.
     fn data(&self, source: &mut Source, bytes: usize) -> Result<Vec<u8>, ShapeError> {
         if self.flags & (ZIP | BLOSC) == 0 {
             return source.block(bytes as u64, WHAT);
         }
         let place = Location::Byte(source.offset);
         let length = i64::from_le_bytes(source.array(WHAT)?);
-        // Compressed data is never longer than its values by more than a header; a negative length is of plain values.
+        // Compressed data exceeds its values by a header at most; a negative length marks plain values.
         let is_plain = length <= 0;
         if is_plain && length.unsigned_abs() != bytes as u64 || length > 2 * bytes as i64 + 1024 {
             return Err(source.malformed_at(place, "the length of the values of a node", format!("{length} bytes")));
@@ -125,7 +122,7 @@ impl ValueEncoding {
                 }
             });
         }
-        let mut data = vec![0; bytes + 1]; // one more shows whether there is more
+        let mut data = vec![0; bytes + 1]; // one more to detect surplus data
         let found = read_block(&mut ZlibDecoder::new(&packed[..]), &mut data)
             .map_err(|reason| source.packed(offset, 0, reason))?;
         data.truncate(bytes);
