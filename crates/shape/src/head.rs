@@ -5,6 +5,7 @@
 //! nose, nose to brow and brow to hairline are a third of the face each.
 //! Head units: eyes at y = 0, crown at 1, chin at -1, x across, face to +z.
 
+use super::solid::ellipsoid_distance;
 use super::{Content, Volume};
 use Form::{Ellipsoid, Limb};
 use glam::{Mat3, Vec3};
@@ -132,14 +133,6 @@ const RAMP_OF_BONE: f32 = 2.0;
 /// Height of the cut through the neck.
 const NECK_END: f32 = -1.45;
 
-/// First-order signed distance to an ellipsoid about the origin (I. Quilez, "Distance to an ellipsoid", 2008).
-#[inline(always)]
-fn ellipsoid(p: Vec3, axes: Vec3) -> f32 {
-    let (scaled, gradient) = ((p / axes).length(), (p / (axes * axes)).length());
-    let away = scaled * (scaled - 1.0) / gradient;
-    if gradient == 0.0 { -axes.min_element() } else { away }
-}
-
 /// Distance to a segment whose radius varies linearly.
 #[inline(always)]
 fn limb(p: Vec3, a: Vec3, b: Vec3, [ra, rb]: [f32; 2]) -> f32 {
@@ -175,7 +168,7 @@ fn distances(x: [f32; LANES], [y, z]: [f32; 2], parts: &[Part], turns: &[Mat3]) 
             Ellipsoid(center, axes, _) => {
                 for lane in 0..LANES {
                     let away = Vec3::new(x[lane].abs(), y, z) - Vec3::from(center);
-                    own[lane] = ellipsoid(*turn * away, Vec3::from(axes));
+                    own[lane] = ellipsoid_distance(*turn * away, Vec3::from(axes));
                 }
             }
             Limb(a, b, radii) => {

@@ -214,11 +214,6 @@ mod tests {
     }
 
     #[test]
-    fn a_square_of_two_triangles_has_four_open_edges() {
-        assert_eq!(square().open_edges(), 4);
-    }
-
-    #[test]
     fn bodies_turned_and_crowded_edges_are_counted() {
         let edges = square().edges();
         assert_eq!(edges, Edges { vertices: 4, bodies: 1, open: 4, crowded: 0, turned: 0 });

@@ -5,10 +5,10 @@
 //! "ITK/MetaIO/Documentation", itk.org/Wiki/ITK/MetaIO.
 
 use super::data_files::DataFiles;
-use super::error::{Location, ShapeError, quoted};
+use super::error::{ShapeError, quoted};
 use super::fields::{Fields, finite_or_nan};
 use super::placement::{self, Placement};
-use super::raster::{Compression, Data, Raster, Skip};
+use super::raster::{Compression, Data, Raster};
 use super::source::Source;
 use super::space::{Space, or_usual, three_axes};
 use super::{Content, SampleType, Shape};
@@ -53,12 +53,12 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let raster = header.raster(source)?;
     let is_here = matches!(header.0.get(DATA), Some("LOCAL" | "Local" | "local"));
     let before = match header.0.get("HeaderSize").map(str::parse::<i64>) {
-        None | Some(Ok(0)) => Skip::Bytes(0),
-        Some(Ok(-1)) if raster.compression == Compression::None => Skip::ToData,
+        None | Some(Ok(0)) => Some(0),
+        Some(Ok(-1)) if raster.compression == Compression::None => None,
         Some(Ok(-1)) => return Err(header.0.unsupported("HeaderSize", "of compressed data, say how many bytes")),
         // Counted from the start of the file with the data.
-        Some(Ok(bytes @ 1..)) if !is_here => Skip::Bytes(bytes as u64),
-        Some(Ok(bytes)) if bytes as u64 >= source.offset && bytes > 0 => Skip::Bytes(bytes as u64 - source.offset),
+        Some(Ok(bytes @ 1..)) if !is_here => Some(bytes as u64),
+        Some(Ok(bytes)) if bytes as u64 >= source.offset && bytes > 0 => Some(bytes as u64 - source.offset),
         Some(_) => return Err(header.0.malformed("HeaderSize", "a number of bytes before the data, or -1")),
     };
     let name = header.0.get(DATA).unwrap_or_default();
@@ -74,8 +74,7 @@ impl Header {
         let (mut fields, mut line) = (Fields::new(source), Vec::new());
         loop {
             if !source.next_line(&mut line)? {
-                let end = Location::Line(source.line);
-                return Err(source.malformed_at(end, "`ElementDataFile = ...`", "the end of the file".into()));
+                return Err(source.ended("`ElementDataFile = ...`"));
             }
             let text = String::from_utf8_lossy(&line);
             if text.trim().is_empty() {

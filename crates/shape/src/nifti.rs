@@ -5,7 +5,7 @@ use super::data_files::DataFiles;
 use super::decompress::{Decompressor, GZIP};
 use super::error::ShapeError;
 use super::nifti_header::{Header, NIFTI1, NIFTI2, is_analyze, version};
-use super::raster::{Compression, Data, MAX_DEFLATE_RATIO, Raster, Skip};
+use super::raster::{Compression, Data, MAX_DEFLATE_RATIO, Raster};
 use super::source::{Source, read_block};
 use flate2::bufread::MultiGzDecoder;
 use std::cell::Cell;
@@ -63,7 +63,7 @@ fn read_unpacked(source: &mut Source, compression: Compression) -> Result<Shape,
     let header = Header::new(source, &bytes[..filled], is_whole)?;
     let (raster, offset, is_pair) = (header.raster(compression)?, header.offset()?, header.is_pair());
     if !is_pair {
-        let before = Skip::Bytes(offset - source.offset);
+        let before = Some(offset - source.offset);
         return raster.read(source, &Data { before, ..Data::HERE });
     }
     let own = Path::new(&source.file).file_name().unwrap_or_default();
@@ -74,6 +74,6 @@ fn read_unpacked(source: &mut Source, compression: Compression) -> Result<Shape,
         _ => (Path::new(own).with_extension("img"), Compression::None, [offset, 0]),
     };
     let files = Some(DataFiles::Named(vec![name.to_string_lossy().into_owned()]));
-    let data = Data { files, lines: 0, before: Skip::Bytes(before), inside };
+    let data = Data { files, lines: 0, before: Some(before), inside };
     Raster { compression, ..raster }.read(source, &data)
 }

@@ -7,7 +7,7 @@ use super::data_files::DataFiles;
 use super::error::{Location, ShapeError};
 use super::fields::{Fields, finite_or_nan};
 use super::placement::{self, Placement};
-use super::raster::{Compression, Data, MAX_UNPACKED_SKIP, Raster, Skip};
+use super::raster::{Compression, Data, MAX_UNPACKED_SKIP, Raster};
 use super::source::Source;
 use super::space::{Space, or_usual, three_axes};
 use super::{Content, SampleType, Shape};
@@ -109,8 +109,7 @@ impl Header {
                 if read.fields.get("datafile").is_some() {
                     return Ok(read);
                 }
-                let end = Location::Line(source.line);
-                return Err(source.malformed_at(end, "an empty line and then data", "the end of the file".into()));
+                return Err(source.ended("an empty line and then data"));
             }
             let text = String::from_utf8_lossy(&line);
             if text.is_empty() {
@@ -145,16 +144,16 @@ impl Header {
             Some(Err(_)) => return Err(self.fields.malformed("lineskip", "a number of lines")),
         };
         let (before, inside) = match (self.fields.get("byteskip").map(str::parse::<i64>), compression) {
-            (None, _) => (Skip::Bytes(0), 0),
-            (Some(Ok(-1)), Compression::None) => (Skip::ToData, 0),
+            (None, _) => (Some(0), 0),
+            (Some(Ok(-1)), Compression::None) => (None, 0),
             (Some(Ok(-1)), _) => {
                 return Err(self.fields.unsupported("byteskip", "only raw data can be found from its end"));
             }
             (Some(Ok(bytes @ 0..)), Compression::None | Compression::Text | Compression::Hex) => {
-                (Skip::Bytes(bytes as u64), 0)
+                (Some(bytes as u64), 0)
             }
             // The skipped bytes are compressed too.
-            (Some(Ok(bytes @ 0..)), _) if bytes as u64 <= MAX_UNPACKED_SKIP => (Skip::Bytes(0), bytes as u64),
+            (Some(Ok(bytes @ 0..)), _) if bytes as u64 <= MAX_UNPACKED_SKIP => (Some(0), bytes as u64),
             _ => {
                 return Err(self
                     .fields

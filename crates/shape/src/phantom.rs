@@ -10,6 +10,7 @@
 //! - iso 0.25: the skull; cut open, the small structures stand in the hollow skull.
 //! - iso 0.1: the skull; cut open, the head is filled and the two ventricles are hollow.
 
+use super::solid::ellipsoid_distance;
 use super::{Content, Volume};
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
@@ -72,18 +73,11 @@ pub fn head() -> Volume {
 fn value(p: Vec3, reach: f32, turns: &[Mat3; ELLIPSOIDS.len()]) -> f32 {
     let p = Vec3::new(-p.x, p.z, p.y); // a rotation: world to Shepp and Logan's axes
     let parts = ELLIPSOIDS.iter().zip(turns).map(|(ellipsoid, turn)| {
-        let inside = 0.5 - 0.5 * distance(ellipsoid.half_axes, *turn * (p - Vec3::from(ellipsoid.center))) / reach;
+        let inside = 0.5
+            - 0.5 * ellipsoid_distance(*turn * (p - Vec3::from(ellipsoid.center)), ellipsoid.half_axes.into()) / reach;
         ellipsoid.value * inside.clamp(0.0, 1.0)
     });
     parts.sum()
-}
-
-/// First-order signed distance to an ellipsoid about the origin, positive outside, exact on the surface (I. Quilez,
-/// "Distance to an ellipsoid", 2008).
-fn distance(half_axes: [f32; 3], p: Vec3) -> f32 {
-    let axes = Vec3::from(half_axes);
-    let (scaled, gradient) = ((p / axes).length(), (p / (axes * axes)).length());
-    if gradient == 0.0 { -axes.min_element() } else { scaled * (scaled - 1.0) / gradient }
 }
 
 #[cfg(test)]

@@ -97,8 +97,7 @@ impl Header {
         }
         loop {
             if !source.next_line(&mut line)? {
-                let end = Location::Line(source.line);
-                return Err(source.malformed_at(end, "`end_header`", "the end of the file".into()));
+                return Err(source.ended("`end_header`"));
             }
             let words: Vec<&[u8]> = tokens(&line).collect();
             match words[..] {

@@ -5,7 +5,7 @@
 
 use super::data_files::DataFiles;
 use super::decompress::{Decompressor, GZIP, Hex, ZLIB};
-use super::error::{Found, Location, ShapeError, quoted};
+use super::error::{Found, ShapeError, quoted};
 use super::placement::Placement;
 use super::source::{Source, read_block};
 use super::{SampleType, Shape};
@@ -50,29 +50,21 @@ pub(super) enum Compression {
     Text,
 }
 
-/// Bytes before the data in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Skip {
-    Bytes(u64),
-    /// All bytes but the data at the end of the file.
-    ToData,
-}
-
 /// Location of the data.
 pub(super) struct Data {
     /// Data files; `None` if the data follows the header.
     pub files: Option<DataFiles>,
     /// Lines to skip in each file.
     pub lines: u64,
-    /// Bytes to skip after these lines.
-    pub before: Skip,
+    /// Bytes to skip after these lines; `None` if the data is at the end of the file.
+    pub before: Option<u64>,
     /// Decompressed bytes to skip.
     pub inside: u64,
 }
 
 impl Data {
     /// The rest of the current file.
-    pub const HERE: Data = Data { files: None, lines: 0, before: Skip::Bytes(0), inside: 0 };
+    pub const HERE: Data = Data { files: None, lines: 0, before: Some(0), inside: 0 };
 }
 
 impl Raster {
@@ -106,10 +98,7 @@ impl Raster {
             }
         }
         let left = source.remaining();
-        let before = match data.before {
-            Skip::Bytes(bytes) => bytes,
-            Skip::ToData => left.saturating_sub(declared),
-        };
+        let before = data.before.unwrap_or(left.saturating_sub(declared));
         if before > left {
             return Err(source.data_size(declared, format!("{what} behind {before} bytes"), Found::Bytes(left)));
         }
@@ -204,19 +193,19 @@ impl Raster {
             if !next_word(source, &mut word)? {
                 let found = format!("{read} of {count}, and the end of the file");
                 let expected = "as many numbers as the header says";
-                return Err(source.malformed_at(Location::Byte(source.offset), expected, found));
+                return Err(source.malformed_here(expected, found));
             }
             let text = std::str::from_utf8(&word).ok().filter(|word| word.len() < MAX_WORD);
             let Some(number) = text.and_then(|word| self.kind.parse(word)) else {
                 let expected = "a number of the type that the header says";
-                return Err(source.malformed_at(Location::Byte(source.offset), expected, quoted(&word)));
+                return Err(source.malformed_here(expected, quoted(&word)));
             };
             self.reserve(1, values, &source.file)?;
             values.push(number);
         }
         if next_word(source, &mut word)? {
             let expected = "the end of the file behind the last number";
-            return Err(source.malformed_at(Location::Byte(source.offset), expected, quoted(&word)));
+            return Err(source.malformed_here(expected, quoted(&word)));
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::error::{Location, ShapeError, quoted, shown, unreadable};
 use super::placement::{self, Placement};
-use super::raster::{Compression, Data, Raster, Skip, sides};
+use super::raster::{Compression, Data, Raster, sides};
 use super::source::Source;
 use super::space::Space;
 use super::{Content, SampleType, Shape};
@@ -50,7 +50,7 @@ pub fn open_raw(path: &str, layout: &RawLayout) -> Result<Shape, ShapeError> {
     let placement = Placement::new(Space::RAS, size, (DVec3::ZERO, steps), content);
     let (kind, big_endian) = (layout.kind, layout.big_endian);
     let raster = Raster { kind, big_endian, compression: Compression::None, scale: None, placement };
-    let data = Data { before: layout.skip.map_or(Skip::ToData, Skip::Bytes), ..Data::HERE };
+    let data = Data { before: layout.skip, ..Data::HERE };
     let shape = raster.read(&mut source, &data)?;
     source.notes.take().iter().for_each(|note| log::warn!("{}: {note}", source.file));
     Ok(shape)

@@ -5,28 +5,19 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Numeric type of a value in a file, with NumPy's names: `uint16`, `float32`.
+/// Numeric type of a value in a file; displayed with NumPy's names, as `uint16` and `float32`.
+#[allow(missing_docs)] // named like the types of Rust
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SampleType {
-    /// Unsigned 8 bits.
     U8,
-    /// Signed 8 bits.
     I8,
-    /// Unsigned 16 bits.
     U16,
-    /// Signed 16 bits.
     I16,
-    /// Unsigned 32 bits.
     U32,
-    /// Signed 32 bits.
     I32,
-    /// Unsigned 64 bits.
     U64,
-    /// Signed 64 bits.
     I64,
-    /// IEEE single.
     F32,
-    /// IEEE double.
     F64,
 }
 

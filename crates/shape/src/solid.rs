@@ -74,6 +74,15 @@ impl Solid {
     }
 }
 
+/// First-order signed distance to an ellipsoid about the origin, positive outside, exact on the surface (I. Quilez,
+/// "Distance to an ellipsoid", 2008).
+#[inline(always)] // into the vector code of `head`
+pub(super) fn ellipsoid_distance(p: Vec3, axes: Vec3) -> f32 {
+    let (scaled, gradient) = ((p / axes).length(), (p / (axes * axes)).length());
+    let away = scaled * (scaled - 1.0) / gradient;
+    if gradient == 0.0 { -axes.min_element() } else { away }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

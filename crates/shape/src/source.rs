@@ -175,6 +175,11 @@ impl<'a> Source<'a> {
         Ok(bytes)
     }
 
+    /// Next 32-bit integer in little endian.
+    pub fn u32(&mut self, what: &str) -> Result<u32, ShapeError> {
+        self.array(what).map(u32::from_le_bytes)
+    }
+
     /// Next `bytes` bytes, a declared number: memory is allocated only for bytes present.
     pub fn block(&mut self, bytes: u64, what: &str) -> Result<Vec<u8>, ShapeError> {
         self.expect(bytes, what)?;
@@ -219,6 +224,16 @@ impl<'a> Source<'a> {
     /// Violation of the format at `place`.
     pub fn malformed_at(&self, place: Location, expected: &'static str, found: String) -> ShapeError {
         ShapeError::Malformed { file: self.file.clone(), place, expected, found }
+    }
+
+    /// Violation of the format at the current byte.
+    pub fn malformed_here(&self, expected: &'static str, found: String) -> ShapeError {
+        self.malformed_at(Location::Byte(self.offset), expected, found)
+    }
+
+    /// End of a text file where the format expects more.
+    pub fn ended(&self, expected: &'static str) -> ShapeError {
+        self.malformed_at(Location::Line(self.line), expected, "the end of the file".into())
     }
 
     /// A valid part of the format at `place` that is not supported.

@@ -4,7 +4,7 @@
 //! header says; other contents are skipped with a note. Source: 3D Systems, "Stereolithography interface specification", 1988.
 //! The crate stl_io loses all but the first solid of a text file.
 
-use super::error::{Found, Location, ShapeError};
+use super::error::{Found, ShapeError};
 use super::source::{Source, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
 use glam::{DVec3, Vec3};
@@ -133,8 +133,7 @@ fn text(source: &mut Source) -> Result<Vec<DVec3>, ShapeError> {
         }
     }
     if in_loop.is_some() {
-        let end = Location::Line(source.line);
-        return Err(source.malformed_at(end, "`endloop`", "the end of the file".into()));
+        return Err(source.ended("`endloop`"));
     }
     unended += u64::from(in_solid);
     for (count, text) in [
@@ -154,6 +153,7 @@ const _: () = assert!(3 * MAX_TRIANGLES < u32::MAX as u64);
 
 #[cfg(test)]
 mod tests {
+    use super::super::error::Location;
     use super::super::{read as read_any, read_noted};
     use super::*;
 

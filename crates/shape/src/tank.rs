@@ -143,18 +143,3 @@ fn track(z: f32) -> Vec<Vec3> {
         (place + out * normal).extend(z + side) + Vec3::Y * AXLE
     }))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_parts_of_the_tank_are_closed_and_wound_outward() {
-        for name in PARTS {
-            let mesh = part(name);
-            assert_eq!(mesh.open_edges(), 0, "{name}");
-            assert!(mesh.signed_volume() > 0.01, "{name}: {}", mesh.signed_volume());
-            println!("{name}: at {:?}", place(name));
-        }
-    }
-}

@@ -3,7 +3,7 @@
 //! Role: tags, types and lengths, with the enclosing sequences. Invariant: the stack of open sequences is bounded, so nesting
 //! cannot exhaust memory, and unused elements are skipped by their length. Source: NEMA PS3.5, 7 and annex A.
 
-use crate::error::{Location, ShapeError, quoted};
+use crate::error::{ShapeError, quoted};
 use crate::source::Source;
 
 /// Pixel data: elements after it are not read.
@@ -226,7 +226,7 @@ impl<'s, 'a> Elements<'s, 'a> {
     }
 
     fn wrong(&self, expected: &'static str, found: String) -> ShapeError {
-        self.source.malformed_at(Location::Byte(self.source.offset), expected, found)
+        self.source.malformed_here(expected, found)
     }
 }
 

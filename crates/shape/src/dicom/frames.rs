@@ -117,7 +117,7 @@ impl Fragments {
         }
         if index + 1 == self.frames && self.next.is_some_and(|(_, length)| length.is_some()) {
             let expected = "one fragment of packed pixels for each frame, or a table of frames";
-            return Err(source.malformed_at(Location::Byte(source.offset), expected, "more".into()));
+            return Err(source.malformed_here(expected, "more".into()));
         }
         encoding.unpacked(&packed, sides, width).map_err(|fault| match fault {
             Fault::Damaged(what) => source.packed(offset, 0, io::Error::other(what)),

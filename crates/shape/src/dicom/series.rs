@@ -57,16 +57,14 @@ impl Member {
     fn is_like(&self, other: &Member) -> bool {
         let of = |member: &Member| {
             let frame = member.image.frames.first()?;
-            Some((plane(frame).ok()?, frame.position.is_some()))
+            Some((Plane::of(frame).ok()?, (member.image.columns, member.image.rows, frame.position.is_some())))
         };
-        let (Some(((x, y, spacing), has_place)), Some(((to_x, to_y, to_spacing), other_place))) = (of(self), of(other))
-        else {
-            return of(self).is_none() && of(other).is_none();
-        };
-        let is_turned = x.distance(to_x).max(y.distance(to_y)) > TURN;
-        let is_scaled = spacing.iter().zip(to_spacing).any(|(its, other)| (its - other).abs() > TURN * other);
-        let sides = |member: &Member| (member.image.columns, member.image.rows);
-        !is_turned && !is_scaled && sides(self) == sides(other) && has_place == other_place
+        match (of(self), of(other)) {
+            (Some((plane, sides)), Some((to, other))) => {
+                plane.is_parallel_to(&to) && plane.has_spacing_of(&to) && sides == other
+            }
+            (plane, to) => plane.is_none() && to.is_none(),
+        }
     }
 
     /// Name of a frame for a message.
@@ -86,39 +84,34 @@ pub(super) fn layout(source: &Source, members: &[Member]) -> Result<Layout, Shap
         let place = if members.len() > 1 { Location::Folder } else { Location::Header };
         ShapeError::Malformed { file: file.into(), place, expected, found }
     };
-    let frames = || {
-        let of = |(file, member): (usize, &'_ Member)| (0..member.image.frames.len()).map(move |frame| (file, frame));
-        members.iter().enumerate().flat_map(of)
-    };
-    let Some(first) = members.first().and_then(|member| Some((member, member.image.frames.first()?))) else {
+    let frames = members.iter().enumerate().flat_map(|(file, member)| {
+        member.image.frames.iter().enumerate().map(move |(frame, about)| (file, member, frame, about))
+    });
+    let (mut first, mut slices) = (None, Vec::new());
+    for (file, member, frame, about) in frames {
+        let of_this = |expected, found: String| wrong(expected, format!("{found} in {}", member.shown(frame)));
+        let own = Plane::of(about).map_err(|(expected, found)| of_this(expected, found))?;
+        let (columns, rows) = (member.image.columns, member.image.rows);
+        let (plane, sides) = first.get_or_insert((own, (columns, rows)));
+        if (columns, rows) != *sides {
+            let found = format!("{columns} x {rows} and {} x {}", sides.0, sides.1);
+            return Err(of_this("as many rows and columns in all slices", found));
+        }
+        if !own.is_parallel_to(plane) {
+            let found = format!("{} {} and {} {}", vector(own.x), vector(own.y), vector(plane.x), vector(plane.y));
+            return Err(of_this("the same orientation of all slices", found));
+        }
+        if !own.has_spacing_of(plane) {
+            let found = format!("{:?} and {:?} mm", own.spacing, plane.spacing);
+            return Err(of_this("the same PixelSpacing in all slices", found));
+        }
+        let position = about.position.ok_or_else(|| of_this("an ImagePositionPatient", "none".into()))?;
+        let position = DVec3::from(position);
+        slices.push(Slice { file, frame, position, height: position.dot(plane.x.cross(plane.y)) });
+    }
+    let Some((Plane { x, y, spacing }, (columns, rows))) = first else {
         return Err(wrong("slices", "none".into()));
     };
-    let (columns, rows) = (first.0.image.columns, first.0.image.rows);
-    let (x, y, spacing) =
-        plane(first.1).map_err(|(expected, found)| wrong(expected, format!("{found} in {}", first.0.shown(0))))?;
-    let normal = x.cross(y);
-    let mut slices = Vec::new();
-    for (file, frame) in frames() {
-        let member = &members[file];
-        let of_this = |found: String| format!("{found} in {}", member.shown(frame));
-        let about = &member.image.frames[frame];
-        let (its_x, its_y, its_spacing) = plane(about).map_err(|(expected, found)| wrong(expected, of_this(found)))?;
-        if (member.image.columns, member.image.rows) != (columns, rows) {
-            let found = format!("{} x {} and {columns} x {rows}", member.image.columns, member.image.rows);
-            return Err(wrong("as many rows and columns in all slices", of_this(found)));
-        }
-        if its_x.distance(x).max(its_y.distance(y)) > TURN {
-            let found = format!("{} {} and {} {}", vector(its_x), vector(its_y), vector(x), vector(y));
-            return Err(wrong("the same orientation of all slices", of_this(found)));
-        }
-        if its_spacing.iter().zip(spacing).any(|(its, first)| (its - first).abs() > TURN * first) {
-            let found = format!("{its_spacing:?} and {spacing:?} mm");
-            return Err(wrong("the same PixelSpacing in all slices", of_this(found)));
-        }
-        let position =
-            DVec3::from(about.position.ok_or_else(|| wrong("an ImagePositionPatient", of_this("none".into())))?);
-        slices.push(Slice { file, frame, position, height: position.dot(normal) });
-    }
     slices.sort_by(|a, b| a.height.total_cmp(&b.height));
     let name = |slice: &Slice| members[slice.file].shown(slice.frame);
     let (first, step) = line(source, &slices, &name).map_err(|(expected, found)| wrong(expected, found))?;
@@ -141,22 +134,37 @@ pub(super) fn layout(source: &Source, members: &[Member]) -> Result<Layout, Shap
 /// Expected and found.
 type Wrong = (&'static str, String);
 
-/// Unit directions along rows and columns, and the distances between rows and columns.
-fn plane(frame: &Frame) -> Result<(DVec3, DVec3, [f64; 2]), Wrong> {
-    let [a, b, c, d, e, f] = frame.orientation.ok_or_else(|| ("an ImageOrientationPatient", "none".to_string()))?;
-    let (x, y) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
-    let off = (x.length() - 1.0).abs().max((y.length() - 1.0).abs()).max(x.dot(y).abs());
-    if off.is_nan() || off > TURN {
-        return Err((
-            "an ImageOrientationPatient of two directions at right angles",
-            format!("{} {}", vector(x), vector(y)),
-        ));
+/// Plane of a frame: unit directions along rows and columns, and the distances between rows and columns.
+#[derive(Clone, Copy)]
+struct Plane {
+    x: DVec3,
+    y: DVec3,
+    spacing: [f64; 2],
+}
+
+impl Plane {
+    fn of(frame: &Frame) -> Result<Plane, Wrong> {
+        let [a, b, c, d, e, f] = frame.orientation.ok_or_else(|| ("an ImageOrientationPatient", "none".to_string()))?;
+        let (x, y) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
+        let off = (x.length() - 1.0).abs().max((y.length() - 1.0).abs()).max(x.dot(y).abs());
+        if off.is_nan() || off > TURN {
+            let expected = "an ImageOrientationPatient of two directions at right angles";
+            return Err((expected, format!("{} {}", vector(x), vector(y))));
+        }
+        let spacing = frame.spacing.ok_or_else(|| ("a PixelSpacing", "none".to_string()))?;
+        if spacing.iter().any(|spacing| *spacing <= 0.0) {
+            return Err(("a PixelSpacing above 0", format!("{spacing:?}")));
+        }
+        Ok(Plane { x: x.normalize(), y: y.normalize(), spacing })
     }
-    let spacing = frame.spacing.ok_or_else(|| ("a PixelSpacing", "none".to_string()))?;
-    if spacing.iter().any(|spacing| *spacing <= 0.0) {
-        return Err(("a PixelSpacing above 0", format!("{spacing:?}")));
+
+    fn is_parallel_to(&self, other: &Plane) -> bool {
+        self.x.distance(other.x).max(self.y.distance(other.y)) <= TURN
     }
-    Ok((x.normalize(), y.normalize(), spacing))
+
+    fn has_spacing_of(&self, other: &Plane) -> bool {
+        self.spacing.iter().zip(other.spacing).all(|(own, other)| (own - other).abs() <= TURN * other)
+    }
 }
 
 /// Position of the first slice, and the step to the next.

@@ -71,8 +71,7 @@ impl Grid {
             Ok(())
         };
         check(source, about.blocks, "the offset of the leaves of a grid")?;
-        let wrong =
-            |expected, found: &str| Err(source.malformed_at(Location::Byte(source.offset), expected, found.into()));
+        let wrong = |expected, found: &str| Err(source.malformed_here(expected, found.into()));
         let (min, max) = match (metadata.corners, tree.active) {
             ([Some(min), Some(max)], active) => {
                 let [low, high] = active.unwrap_or([min, max]);

@@ -35,7 +35,7 @@ pub(crate) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
 }
 
 fn select(source: &mut Source, header: &FileHeader) -> Result<Shape, ShapeError> {
-    let count = u32::from_le_bytes(source.array("the number of grids")?);
+    let count = source.u32("the number of grids")?;
     let (mut shape, mut deferred): (Option<(String, Shape)>, Option<Deferred>) = (None, None);
     for index in 0..count {
         let about = Descriptor::read(source)?;

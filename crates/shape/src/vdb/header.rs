@@ -30,7 +30,7 @@ impl FileHeader {
         if magic != MAGIC {
             return Err(source.malformed_at(Location::Byte(0), "` BDV`, the mark of OpenVDB", quoted(&magic)));
         }
-        let version = u32::from_le_bytes(source.array(WHAT)?);
+        let version = source.u32(WHAT)?;
         if !VERSIONS.contains(&version) {
             let remedy = "versions 220 to 225 are read: save it again with OpenVDB 3 to 13";
             return Err(source.unsupported(Location::Byte(8), "version", version.to_string(), remedy));
@@ -48,7 +48,7 @@ impl FileHeader {
             return Ok(if self.is_zip { ZIP } else { 0 });
         }
         let place = Location::Byte(source.offset);
-        let flags = u32::from_le_bytes(source.array("the compression of a grid")?);
+        let flags = source.u32("the compression of a grid")?;
         if flags & !KNOWN_FLAGS == 0 {
             return Ok(flags);
         }

@@ -48,7 +48,7 @@ pub(super) struct Metadata {
 /// Reads a length and a string.
 fn name(source: &mut Source, what: &str) -> Result<String, ShapeError> {
     let place = Location::Byte(source.offset);
-    let length = u32::from_le_bytes(source.array(what)?);
+    let length = source.u32(what)?;
     if length > MAX_NAME {
         return Err(source.malformed_at(place, "a name of at most 4096 bytes", format!("{length} bytes")));
     }
@@ -77,7 +77,7 @@ impl Metadata {
     pub fn read(source: &mut Source) -> Result<Metadata, ShapeError> {
         const WHAT: &str = "metadata";
         let mut metadata = Metadata::default();
-        let entries = u32::from_le_bytes(source.array(WHAT)?);
+        let entries = source.u32(WHAT)?;
         for _ in 0..entries {
             let (key, kind) = (name(source, WHAT)?, name(source, WHAT)?);
             match (&*key, &*kind) {
@@ -92,7 +92,7 @@ impl Metadata {
                     metadata.corners[usize::from(key == CORNERS[1])] = Some(IVec3::new(x, y, z));
                 }
                 _ => {
-                    let length = u32::from_le_bytes(source.array(WHAT)?);
+                    let length = source.u32(WHAT)?;
                     source.skip(u64::from(length), WHAT)?;
                 }
             }

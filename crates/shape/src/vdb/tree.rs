@@ -50,12 +50,12 @@ impl Tree {
     /// Reads the topology, and the background into `encoding`.
     pub fn read(source: &mut Source, encoding: &mut ValueEncoding) -> Result<Tree, ShapeError> {
         let place = Location::Byte(source.offset);
-        let buffers = u32::from_le_bytes(source.array(TREE)?);
+        let buffers = source.u32(TREE)?;
         if buffers != 1 {
             return Err(source.malformed_at(place, "a tree with 1 buffer", buffers.to_string()));
         }
         encoding.background = encoding.value(source)?;
-        let [tiles, children] = [u32::from_le_bytes(source.array(TREE)?), u32::from_le_bytes(source.array(TREE)?)];
+        let [tiles, children] = [source.u32(TREE)?, source.u32(TREE)?];
         let (mut tree, mut seen) = (Tree::default(), HashSet::new());
         for _ in 0..tiles {
             let min = root_key(source, &mut seen)?;
