@@ -42,7 +42,7 @@ mod warp;
 
 use std::collections::BTreeSet;
 
-/// DataFiles with nothing to be wrong about: declarations alone.
+/// Files with nothing to be wrong about: declarations alone.
 const DECLARATIONS: [&str; 8] = [
     "distance_bound.glsl",
     "index_point.glsl",

@@ -1,4 +1,4 @@
-//! NRRD files made here: what is read, what is refused and with which words, and the way out and back.
+//! NRRD: reading, refusals with their messages, and round trips.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use crate::packed::{bzip2, gzip, thread_seconds};

@@ -2,7 +2,7 @@
 //!
 //! Invariant: a mesh is read back bit for bit; in formats without an offset, coordinates are rounded to the format.
 //! Sources: 3D Systems, "StereoLithography Interface Specification", 1989; G. Turk, "The PLY Polygon File Format", 1994;
-//! Wavefront, "Object DataFiles", 1995; Khronos, "glTF 2.0 Specification".
+//! Wavefront, "Object Files", 1995; Khronos, "glTF 2.0 Specification".
 
 use super::Mesh;
 use glam::DVec3;

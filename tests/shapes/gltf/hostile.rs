@@ -1,10 +1,10 @@
-//! What costs no more than it should, whatever the bytes.
+//! Bounds of time and memory for hostile files.
 
 use super::*;
 use hypertexture::shape::read_noted;
 use proptest::prelude::*;
 
-/// What this thread has taken of the processor.
+/// Processor time of this thread.
 fn processor_seconds() -> f64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
@@ -135,7 +135,7 @@ fn a_mesh_shown_too_often_is_refused_before_it_is_there_so_often() {
     assert!(processor_seconds() - start < 1.0, "{}", processor_seconds() - start);
 }
 
-/// Whatever the bytes, what comes back is a mesh that can be trusted, or one line.
+/// Any bytes give a valid mesh or an error of one line.
 fn check(name: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
     match read(name, bytes) {
         Err(error) => prop_assert_eq!(error.to_string().lines().count(), 1, "{}", error),

@@ -1,8 +1,8 @@
-//! What is refused, and what is said of it.
+//! Refused files with the expected messages.
 
 use super::*;
 
-/// What is put at a place of the document, and what is said of it.
+/// Value at a place in the document, and the expected message.
 type Wrong = (&'static str, Value, &'static str);
 
 /// One wrong value each, by its place in the document.
@@ -49,11 +49,7 @@ fn wrong_values() -> Vec<Wrong> {
             json!([{ "children": [1] }, { "children": [2] }, { "children": [0] }]),
             "nodes[2].children[0]: expected",
         ),
-        (
-            "/nodes",
-            json!([{ "children": [4_000_000_000_u32] }]),
-            "nodes[0].children[0]: expected the index of",
-        ),
+        ("/nodes", json!([{ "children": [4_000_000_000_u32] }]), "nodes[0].children[0]: expected the index of"),
         ("/nodes/0", json!("a"), "nodes[0]: expected a value of the glTF"),
         ("/nodes/0/mesh", json!(1), "nodes[0].mesh: expected the index of an existing entry, found 1 of 1"),
         ("/nodes/0/mesh", json!("0"), "nodes[0].mesh: expected a value of the glTF"),
@@ -91,11 +87,7 @@ fn wrong_values() -> Vec<Wrong> {
             "meshes[0].primitives[0].attributes.POSITION: expected the",
         ),
         ("/meshes/0/primitives/0/attributes/POSITION", json!(1), "accessors[1].type: expected `VEC3`, found `SCALAR`"),
-        (
-            "/meshes/0/primitives/0/indices",
-            json!(2),
-            "meshes[0].primitives[0].indices: expected the index of",
-        ),
+        ("/meshes/0/primitives/0/indices", json!(2), "meshes[0].primitives[0].indices: expected the index of"),
         ("/meshes/0/primitives/0/indices", json!(0), "accessors[0].type: expected `SCALAR`, found `VEC3`"),
         ("/meshes/0/primitives/0/mode", json!(7), "meshes[0].primitives[0].mode: expected 0 to 6, found 7"),
         ("/meshes/0/primitives/0/mode", json!(1), "no triangles"),
@@ -199,7 +191,7 @@ fn wrong_values() -> Vec<Wrong> {
     ]
 }
 
-/// Puts a value at a place, where nothing may be yet.
+/// Inserts a value at a place, which may be new.
 fn put(document: &mut Value, place: &str, value: Value) {
     let (parent, name) = place.rsplit_once('/').unwrap();
     match document.pointer_mut(parent).unwrap() {
