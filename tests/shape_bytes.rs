@@ -1,9 +1,9 @@
-//! Damaged and made-up files: every reader ends with a shape or one line, and takes no more memory than it should.
-//! And agreement with the readers of the `tobj` and `stl_io` crates on good files.
+//! Damaged and random files: every reader returns a shape or an error of one line, within bounds of memory. On good files the
+//! readers agree with the crates `tobj` and `stl_io`.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use glam::{Mat3, Vec3};
-use hypertexture::shape::{Content, Shape, Volume, VolumeFormat, read, write_nrrd};
+use hypertexture::shape::{Content, Shape, Volume, VolumeFormat, read};
 use proptest::prelude::*;
 use std::io::Cursor;
 
@@ -15,7 +15,7 @@ fn seeds() -> Vec<(&'static str, Vec<u8>)> {
     let volume =
         Volume { size: [3, 4, 5], origin: Vec3::ZERO, steps: Mat3::IDENTITY, values, content: Content::SignedDistance };
     let mut compressed = Vec::new();
-    write_nrrd(&volume, &mut compressed).unwrap();
+    VolumeFormat::Nrrd.write(&volume, &mut compressed).unwrap();
     let oblique = Volume { steps: Mat3::from_rotation_x(0.3), content: Content::Scalar, ..volume };
     let others = [
         (VolumeFormat::MetaImage, "a.mha"),
@@ -66,7 +66,7 @@ fn text_stl() -> Vec<u8> {
     (text + "endsolid strip\n").into_bytes()
 }
 
-/// Properties of a reader for any bytes.
+/// Invariants for any bytes.
 fn check(name: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
     match read(name, bytes) {
         Err(error) => prop_assert_eq!(error.to_string().lines().count(), 1, "{}", error),
@@ -87,7 +87,7 @@ fn check(name: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Changes to a good file: overwrite, insert or cut at places given as fractions of its length.
+/// Change of a good file: overwrite, insert or cut at fractions of its length.
 fn damage(mut bytes: Vec<u8>, changes: &[(f64, u8, u8)]) -> Vec<u8> {
     for &(place, kind, byte) in changes {
         let at = (place * bytes.len() as f64) as usize;
@@ -161,7 +161,7 @@ fn the_undamaged_files_are_read() {
     }
 }
 
-/// The largest address space this process has had, in bytes: counts what is reserved even if it is never touched.
+/// Peak address space of this process in bytes, with reserved but untouched memory.
 #[cfg(target_os = "linux")]
 fn peak_address_space() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();

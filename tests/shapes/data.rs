@@ -1,6 +1,6 @@
-//! Facts about real files, checked against what other readers say about them (the table in the data's README).
+//! Real files, compared with other readers (the table in the data's README).
 //!
-//! They run where `HYPERTEXTURE_DATA` names the folder: `HYPERTEXTURE_DATA=... cargo test -- --include-ignored`.
+//! Run with `HYPERTEXTURE_DATA=... cargo test -- --include-ignored`.
 
 use glam::Vec3;
 use hypertexture::shape::{Content, Mesh, Shape, ShapeError, Volume, open, teapot};

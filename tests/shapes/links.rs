@@ -1,11 +1,11 @@
-//! Files beside a header that are links: read where they stay beside it.
+//! Data files that are links: read if they lead into the folder of the header.
 #![cfg(unix)]
 
 use hypertexture::shape::open;
 use std::fs;
 use std::os::unix::fs::symlink;
 
-/// Headers whose data are the 36 bytes of `deep/data`.
+/// Headers with the 36 bytes of `deep/data`.
 const HEADERS: [(&str, &str); 3] = [
     ("a.nhdr", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 3 3\nencoding: raw\ndata file: deep/data\n"),
     ("a.mhd", "ObjectType = Image\nNDims = 3\nDimSize = 4 3 3\nElementType = MET_UCHAR\nElementDataFile = deep/data\n"),

@@ -1,4 +1,4 @@
-//! Shapes: what files of meshes and volumes give, what is refused and with which words, and what is written and comes back.
+//! Shapes: readers and writers of meshes and volumes, refusals and their messages.
 
 #[path = "../common/random_scene.rs"]
 mod random_scene;

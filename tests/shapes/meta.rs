@@ -1,4 +1,4 @@
-//! Volumes whose data lies behind a MetaImage header or in a file beside one: what is read, and what is refused.
+//! MetaImage: data after the header or in data files; reading and refusals.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use crate::packed::zlib;
@@ -6,10 +6,10 @@ use glam::{Mat3, Vec3};
 use hypertexture::shape::{Content, Shape, Volume, open, read};
 use std::fs;
 
-/// A name and what writes numbers.
+/// Name and encoder of a type.
 type Type = (&'static str, fn(f32) -> Vec<u8>);
 
-/// The types, their bytes, and how numbers from 0 to 99 are written in them, the lowest byte first.
+/// Types with encoders of numbers from 0 to 99, in little endian.
 const TYPES: [Type; 12] = [
     ("MET_CHAR", |x| (x as i8 - 50).to_le_bytes().into()),
     ("MET_UCHAR", |x| (x as u8).to_le_bytes().into()),
@@ -39,14 +39,14 @@ const WORTH: [fn(f32) -> f32; 12] = [
     |x| x * 0.5,
 ];
 
-/// The axes of the world in LPS, as it is in the header.
+/// World axes in LPS, as in the header.
 const MATRIX: &str = "-1 0 0 0 -1 0 0 0 1";
 const HEADER: &str = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n\
                       TransformMatrix = -1 0 0 0 -1 0 0 0 1\nOffset = -1.5 2 0.25\nCenterOfRotation = 0 0 0\n\
                       AnatomicalOrientation = LPI\nElementSpacing = 0.5 1 2\nDimSize = 4 5 3\nElementType = MET_UCHAR\n\
                       ElementDataFile = LOCAL\n";
 
-/// Directions of axes in the world, as these files have them: in LPS.
+/// Directions of axes in LPS.
 fn lps(directions: &str) -> String {
     let turned = directions.split(' ').enumerate().map(|(place, part)| match part.strip_prefix('-') {
         _ if place % 3 == 2 || part == "0" => part.to_string(),
@@ -116,7 +116,7 @@ fn an_axis_that_runs_backwards_is_turned() {
     assert_eq!(read.sample(Vec3::new(2.0, -3.0, 0.25)), Some(5.0));
 }
 
-/// The volume of numbers 0 to 59 whose axes have these directions.
+/// Volume of numbers 0 to 59 with these directions of axes.
 fn turned(directions: &str) -> Volume {
     let header = HEADER.replace(MATRIX, &lps(directions));
     volume(read("test.mha", &[header.as_bytes(), &data(1, false)].concat()))
@@ -272,7 +272,11 @@ fn what_is_wrong_is_said_with_its_place() {
     for (from, to, said) in [
         ("= Image", "= Tube", "line 1: ObjectType `Tube` is not supported"),
         ("NDims = 3", "NDims = 2", "line 2: expected `NDims = 3`"),
-        ("NDims = 3", "NDims = 4", "line 11: expected 3 whole numbers of at least 1, found DimSize `4 5 3`"),
+        (
+            "NDims = 3",
+            "NDims = 4",
+            "line 11: expected `DimSize` with a whole number of at least 1 for each dimension, found `4 5 3`",
+        ),
         ("NDims = 3\n", "", "header: expected `NDims = 3`"),
         ("BinaryData = True", "BinaryData = False", "line 3: BinaryData `False` is not supported"),
         ("MSB = False", "MSB = maybe", "line 4: expected `True` or `False`"),
@@ -283,8 +287,8 @@ fn what_is_wrong_is_said_with_its_place() {
         ("-1.5 2 0.25", "1e9 0 0", "voxels from the origin is not supported"),
         ("0.5 1 2", "0.5 0 2", "line 10: expected distances between samples"),
         ("0.5 1 2", "0.5 1e19 2", "line 10: expected distances between samples"),
-        ("4 5 3", "4 0 3", "line 11: expected 3 whole numbers"),
-        ("4 5 3", "4 5", "line 11: expected 3 whole numbers"),
+        ("4 5 3", "4 0 3", "line 11: expected `DimSize`"),
+        ("4 5 3", "4 5", "line 11: expected `DimSize`"),
         ("4 5 3", "4000000000 4000000000 4000000000", "voxels, the limit is"),
         ("4 5 3", "4 5 4", "the header declares 80 bytes of data (4 x 5 x 4 voxels of 1 bytes), the file holds 60"),
         ("MET_UCHAR", "MET_UCHAR_ARRAY", "line 12: ElementType `MET_UCHAR_ARRAY` is not supported"),

@@ -1,4 +1,4 @@
-//! NIfTI files made here byte by byte: what is read and where it stands, and what is refused with which words.
+//! NIfTI: reading, placement, refusals and their messages.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use crate::packed::{gzip, thread_seconds};
@@ -6,7 +6,7 @@ use glam::{Mat3, Vec3};
 use hypertexture::shape::{Content, Shape, Volume, open, read};
 use std::fs;
 
-/// How the numbers of a file are written.
+/// Byte order and version of a file.
 #[derive(Clone, Copy, PartialEq)]
 struct Order {
     is_big: bool,
@@ -21,7 +21,7 @@ const ORDERS: [Order; 4] = [
     Order { is_big: true, is_second: true },
 ];
 
-/// A field: where it is in NIfTI-1 and in NIfTI-2, as `nifti1.h` and `nifti2.h` say, and its value.
+/// Field: its offsets in NIfTI-1 and NIfTI-2 after `nifti1.h` and `nifti2.h`, and its value.
 #[derive(Clone, Copy)]
 enum Field {
     Sizeof(i32),
@@ -38,7 +38,7 @@ enum Field {
     Sform(i32),
     /// Quaternion and shift.
     Quatern(usize, f64),
-    /// Rows of the sform, one after another.
+    /// Rows of the sform.
     Srow(usize, f64),
     Magic(&'static [u8]),
     Descrip(&'static [u8]),
@@ -87,7 +87,7 @@ impl Order {
         header[at..at + bytes.len()].copy_from_slice(&bytes);
     }
 
-    /// A header of 4 x 5 x 3 bytes at distances of 0.5, 1 and 2, and the word behind it.
+    /// Header of 4 x 5 x 3 bytes with spacings 0.5, 1 and 2, and the extension word.
     fn header(self, fields: &[Field]) -> Vec<u8> {
         let length = if self.is_second { 540 } else { 348 };
         let mut header = vec![0; length + 4];
@@ -127,7 +127,7 @@ fn volume(name: &str, bytes: &[u8]) -> Volume {
     }
 }
 
-/// The line that refuses these bytes.
+/// Error of a file.
 fn error(bytes: &[u8]) -> String {
     let line = read("test.nii", bytes).unwrap_err().to_string();
     assert!(line.starts_with("test.nii: ") && !line.contains('\n') && line.len() < 400, "{line}");
@@ -145,7 +145,7 @@ fn sform(rows: [[f64; 4]; 3]) -> Vec<Field> {
 
 #[test]
 fn every_type_order_version_and_packing_gives_the_values_in_their_place() {
-    /// Code, what writes numbers from 0 to 59 the lowest byte first, and what they are worth.
+    /// Code, encoder of numbers from 0 to 59 in little endian, and their values.
     type Type = (i16, fn(f32) -> Vec<u8>, fn(f32) -> f32);
     const TYPES: [Type; 10] = [
         (2, |x| vec![x as u8], |x| x),

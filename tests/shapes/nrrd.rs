@@ -1,9 +1,9 @@
-//! NRRD files made here: what is read, what is refused and with which words, and the way out and back.
+//! NRRD: reading, refusals with their messages, and round trips.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use crate::packed::{bzip2, gzip, thread_seconds};
 use glam::{Mat3, Vec3};
-use hypertexture::shape::{Content, Found, Shape, ShapeError, Volume, open, read, write_nrrd};
+use hypertexture::shape::{Content, Found, Shape, ShapeError, Volume, VolumeFormat, open, read};
 use std::fs;
 
 fn volume(bytes: &[u8]) -> Volume {
@@ -39,7 +39,7 @@ fn a_distance() -> Volume {
 
 fn written(volume: &Volume) -> Vec<u8> {
     let mut bytes = Vec::new();
-    write_nrrd(volume, &mut bytes).unwrap();
+    VolumeFormat::Nrrd.write(volume, &mut bytes).unwrap();
     bytes
 }
 
@@ -60,7 +60,7 @@ fn what_is_written_is_read_back_bit_for_bit() {
 fn a_volume_with_too_few_values_is_not_written() {
     let mut volume = a_distance();
     volume.values.pop();
-    assert_eq!(write_nrrd(&volume, Vec::new()).unwrap_err().kind(), std::io::ErrorKind::InvalidInput);
+    assert_eq!(VolumeFormat::Nrrd.write(&volume, Vec::new()).unwrap_err().kind(), std::io::ErrorKind::InvalidInput);
 }
 
 #[test]
@@ -273,7 +273,7 @@ fn what_bzip2_packed_stops_at_the_declared_size_and_damage_is_told() {
     changed[good.len() - 3] ^= 16; // in the sum that closes the stream
     for damaged in [&good[..good.len() / 2], &good[..good.len() - 1], &changed, b"not bzip2 data", &gzip(&values)] {
         let error = error(&file(header, damaged));
-        assert!(matches!(error, ShapeError::Packed { .. }), "{error}");
+        assert!(matches!(error, ShapeError::Decompression { .. }), "{error}");
     }
     let start = thread_seconds();
     let bomb = error(&file(header, &bzip2(&vec![0; 40 << 20])));
@@ -333,7 +333,7 @@ fn header_errors_name_the_line_and_the_value() {
         ("type: block\nsizes: 1 1 1\nencoding: raw\nendian: big", "type `block` is not supported; convert"),
         (
             "type: short\nsizes: 1 1 1\nencoding: raw",
-            "header: expected `endian: little` or `endian: big`, found `nothing`",
+            "header: expected `endian: little` or `endian: big`, found nothing",
         ),
         ("type: uchar\nsizes: 1 1 1\nencoding: zip", "encoding `zip` is not supported; save it as raw, gzip, bzip2"),
         (
@@ -405,7 +405,7 @@ fn damaged_truncated_short_and_long_gzip_data_are_told_apart() {
         &[good.as_slice(), b"junk"].concat(),
     ] {
         let error = error(&file(header, damaged));
-        assert!(matches!(error, ShapeError::Packed { .. }), "{error}");
+        assert!(matches!(error, ShapeError::Decompression { .. }), "{error}");
     }
     let short = error(&file(header, &gzip(&values[..9_000])));
     assert!(matches!(short, ShapeError::DataSize { declared: 10_000, found: Found::Bytes(9_000), .. }), "{short}");

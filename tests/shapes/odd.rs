@@ -1,4 +1,4 @@
-//! Volumes with an oddity that other programs read: what is taken for what is missing, and the line that says so.
+//! Volumes with missing or odd fields that other programs accept: the assumption and its note.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use crate::dicom::files::{Desk, LITTLE, at, expected, series};
@@ -25,7 +25,7 @@ fn meta(header: &str, data: &[u8]) -> Vec<u8> {
     [format!("ObjectType = Image\n{header}\nElementDataFile = LOCAL\n").as_bytes(), data].concat()
 }
 
-/// A header of 4 x 5 x 3 bytes from byte `offset` on, with further fields, each a place and its bytes.
+/// Header of 4 x 5 x 3 bytes from byte `offset` on, with further fields as offsets and bytes.
 fn nifti(offset: f32, fields: &[(usize, &[u8])], data: &[u8]) -> Vec<u8> {
     let mut header = vec![0; 352];
     let numbers = [1.0f32, 0.5, 1.0, 2.0].map(f32::to_le_bytes).concat();

@@ -1,4 +1,4 @@
-//! One scan in four formats: wherever its axes point in the file, it stands in the world as it was.
+//! One scan in four formats and all orientations, always at the same place in the world.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use crate::dicom::files::{Desk, File, LITTLE, decimals};
@@ -8,10 +8,10 @@ use hypertexture::shape::{Content, Shape, ShapeError, Volume, VolumeFormat, open
 /// Samples along x, y and z of the world, and the distances between them.
 const SIZE: [usize; 3] = [4, 3, 5];
 const SPACING: [f64; 3] = [0.5, 1.5, 2.0];
-/// Where the sample that is farthest to the left, the back and below is.
+/// Position of the leftmost, rearmost, lowest sample.
 const ORIGIN: [f64; 3] = [-10.0, 4.25, 100.0];
 
-/// A scan with a left and a right, a front and a back, a top and a bottom: every voxel has another value.
+/// Scan without symmetry: every voxel has another value.
 fn scan() -> Volume {
     Volume {
         size: SIZE.map(|n| n as u32),
@@ -22,7 +22,7 @@ fn scan() -> Volume {
     }
 }
 
-/// A way to store it: the axis of the world that each axis of the file runs along, and whether it runs backwards.
+/// Storage order: the world axis along each axis of the file, and whether it is reversed.
 type Way = [(usize, bool); 3];
 
 fn ways() -> impl Iterator<Item = Way> {
@@ -31,7 +31,7 @@ fn ways() -> impl Iterator<Item = Way> {
     orders.into_iter().flat_map(move |order| signs.clone().map(move |signs| [0, 1, 2].map(|i| (order[i], signs[i]))))
 }
 
-/// The scan as a file has it, in RAS.
+/// The scan in file order, in RAS.
 struct Stored {
     size: [usize; 3],
     origin: DVec3,
@@ -60,7 +60,7 @@ fn stored(way: Way) -> Stored {
     Stored { size, origin, steps: DMat3::from_cols(columns[0], columns[1], columns[2]), data }
 }
 
-/// Which of the axes of the world run the other way in a space, by its letters.
+/// Reversed world axes in a space, by its letters.
 fn turn(space: &str) -> DVec3 {
     let letters = space.as_bytes();
     DVec3::new(if letters[0] == b'L' { -1.0 } else { 1.0 }, if letters[1] == b'P' { -1.0 } else { 1.0 }, 1.0)
@@ -82,7 +82,7 @@ fn nrrd(stored: &Stored, space: &str, name: &str) -> Vec<u8> {
     [header.as_bytes(), &stored.data].concat()
 }
 
-/// As ITK writes it: lengths, directions of length 1, and the position of the first sample in LPS.
+/// MetaImage as ITK writes it: lengths, unit directions, and the first position in LPS.
 fn meta(stored: &Stored) -> Vec<u8> {
     let [x, y, z] = stored.size;
     let (mut lengths, mut directions) = ([0.0; 3], Vec::new());

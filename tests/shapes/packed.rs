@@ -1,4 +1,4 @@
-//! Compressed bytes of the other modules, and a clock that other processes do not move.
+//! Compression helpers, and a clock of processor time.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use bzip2::write::BzEncoder;

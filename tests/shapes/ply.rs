@@ -1,10 +1,10 @@
-//! PLY: every encoding, order and type gives the mesh that was written, and what is wrong is one line with its place.
+//! PLY: every encoding, order and type gives the mesh; errors are one line with the place.
 #![expect(clippy::unwrap_used, reason = "a test fails where a file is not as described")]
 
 use hypertexture::shape::{self, Mesh, Shape, ShapeError};
 use std::time::Instant;
 
-/// How numbers are written.
+/// Encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Encoding {
     Text,
@@ -15,7 +15,7 @@ enum Encoding {
 const ENCODINGS: [(Encoding, &str); 3] =
     [(Encoding::Text, "ascii"), (Encoding::Little, "binary_little_endian"), (Encoding::Big, "binary_big_endian")];
 
-/// The types of numbers by both of their names, with bytes and whether they are floats.
+/// Types by both names, with their size and whether they are floats.
 const TYPES: [(&str, &str, usize, bool); 10] = [
     ("char", "int8", 1, false),
     ("uchar", "uint8", 1, false),
@@ -29,7 +29,7 @@ const TYPES: [(&str, &str, usize, bool); 10] = [
     ("double", "float64", 8, true),
 ];
 
-/// Bytes of a number of a type.
+/// Encoded number.
 fn number(encoding: Encoding, kind: &str, value: f64) -> Vec<u8> {
     let (_, _, bytes, is_float) = *TYPES.iter().find(|(old, new, ..)| [old, new].contains(&&kind)).unwrap();
     let mut little = match (encoding, bytes, is_float) {
@@ -44,7 +44,7 @@ fn number(encoding: Encoding, kind: &str, value: f64) -> Vec<u8> {
     little
 }
 
-/// A box of six quads, with what has no part in the surface around and between.
+/// Box of six quads, with ignored properties and elements around and between.
 fn cube(encoding: Encoding, name: &str, [coordinate, length, index]: [&str; 3]) -> Vec<u8> {
     let mut bytes = format!(
         "ply\nformat {name} 1.0\ncomment a box\nobj_info made by hand\nelement camera 2\nproperty short view\nproperty list \
@@ -145,7 +145,7 @@ fn what_is_wrong_is_said_with_its_place() {
         ("property float z", "property half z", "line 10: expected `property TYPE NAME`"),
         ("vertex_indices", "corners", "a list `vertex_indices`"),
         ("end_header\n", "", "a line of a PLY header"),
-        ("4 0 2 3 1", "4 0 2 3 8", "face 0 (from 0): expected a vertex that there is, found vertex 8 of 8"),
+        ("4 0 2 3 1", "4 0 2 3 8", "face 0 (from 0): expected the index of a vertex, found vertex 8 of 8"),
         ("4 0 2 3 1", "4 0 2 3 -1", "expected the index of a vertex, found -1"),
         ("4 0 2 3 1", "4 0 2 3 0.5", "expected the index of a vertex, found 0.5"),
         ("4 0 2 3 1", "4000000000 0 2 3 1", "expected a list that is in the file"),
@@ -223,7 +223,7 @@ fn what_a_header_only_declares_takes_no_memory() {
     assert!(error(&bytes).contains("expected a list that is in the file, found 4294967295 numbers of `values`"));
 }
 
-/// A grid of quads over a wave, as PLY, and how many triangles that are.
+/// Grid of quads over a wave, and its number of triangles.
 fn wave(side: u32) -> (Vec<u8>, usize) {
     let count = (side + 1) * (side + 1);
     let mut bytes = format!(

@@ -1,4 +1,4 @@
-//! Files of bare values: read by a layout that is said, refused without one.
+//! Raw files: read with a layout, refused without one.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use glam::Vec3;

@@ -1,4 +1,4 @@
-//! Text that others write a little otherwise: byte order marks, ends of lines, comments and paths that end in a backslash.
+//! Variations of text files: byte order marks, line ends, comments, and paths that end in a backslash.
 #![expect(clippy::unwrap_used, reason = "a test fails where a file is not as described")]
 
 use hypertexture::shape::{Facts, Mesh, Shape, read, read_noted};
@@ -24,7 +24,7 @@ fn volume(text: &str) -> f64 {
     (mesh.signed_volume() * 1e9).round() / 1e9
 }
 
-/// Texts of all formats that are read as text, each of one triangle or of two samples.
+/// Text files of all formats, each of one triangle or two samples.
 const TEXTS: [(&str, &str); 6] = [
     ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
     ("a.stl", "solid a\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"),
@@ -48,7 +48,7 @@ const TEXTS: [(&str, &str); 6] = [
     ),
 ];
 
-/// What a file holds: corners or values.
+/// Corners or values of a file.
 fn held(name: &str, bytes: &[u8]) -> Vec<f32> {
     match read_noted(name, bytes).unwrap_or_else(|error| panic!("{error}")).shape {
         Shape::Mesh(mesh) => {
@@ -118,7 +118,7 @@ fn one_bad_face_is_left_out_with_a_line_and_outlines_are_faces() {
     }
 }
 
-/// What `info` says of a mesh in OBJ about something.
+/// Line of `info` about an OBJ mesh.
 fn fact(text: &str, about: &str) -> String {
     let file = tempfile::NamedTempFile::with_suffix(".obj").unwrap();
     std::fs::write(file.path(), text).unwrap();

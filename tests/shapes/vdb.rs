@@ -1,4 +1,4 @@
-//! Level sets and fog of OpenVDB: what is read, and what is refused.
+//! Level sets and fog volumes of OpenVDB: reading and refusals.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use crate::packed::zlib;
@@ -36,7 +36,7 @@ fn the_sphere_has_its_known_distances() {
     }
 }
 
-/// How the values of a file are packed.
+/// Compression of the values of a file.
 #[derive(Clone, Copy, PartialEq)]
 enum Packing {
     Plain,
@@ -49,7 +49,7 @@ fn text(bytes: &mut Vec<u8>, text: &str) {
     bytes.extend(text.as_bytes());
 }
 
-/// Values of a node as OpenVDB writes them.
+/// Encoded values of a node.
 fn values(bytes: &mut Vec<u8>, packing: Packing, all: &[f32], active: &[bool]) {
     bytes.push(0); // what is not active is background
     let kept = all.iter().zip(active).filter(|(_, active)| packing != Packing::Mask || **active);
@@ -63,20 +63,20 @@ fn values(bytes: &mut Vec<u8>, packing: Packing, all: &[f32], active: &[bool]) {
     }
 }
 
-/// The mask of some places out of `places`.
+/// Mask of `places` bits.
 fn mask(places: usize, on: impl Fn(usize) -> bool) -> Vec<u8> {
     (0..places / 8).map(|byte| (0..8).map(|bit| u8::from(on(8 * byte + bit)) << bit).sum()).collect()
 }
 
-/// A file of version 224 with the voxels from -8 to 7 on each axis, half of a unit apart, those active that have a value:
-/// around the origin each octant has nodes of its own.
+/// File of version 224 with voxels from -8 to 7 on each axis, spacing 0.5, active where they have a value: each octant has nodes
+/// of its own.
 fn file(packing: Packing, class: &str, value: impl Fn(IVec3) -> Option<f32>) -> Vec<u8> {
     let mut bytes = start(1);
     grid(&mut bytes, packing, ("ball", "Tree_float_5_4_3", class), 9.0, value);
     bytes
 }
 
-/// What is before so many grids.
+/// Header of a file with this number of grids.
 fn start(grids: u32) -> Vec<u8> {
     let mut bytes = b" BDV\0\0\0\0".to_vec();
     bytes.extend([224u32, 9, 0].map(u32::to_le_bytes).concat());
@@ -211,7 +211,7 @@ fn two_far_leaves_and_other_classes_are_refused_by_name() {
     assert!(line.contains("voxels in the box around the active ones") && line.contains("the limit is"), "{line}");
 }
 
-/// A file of fog: each grid has the voxels of [`ball`] with the number of its place as their value.
+/// File of fog volumes: the voxels of [`ball`] with the index of the grid as their value.
 fn fog(grids: &[(&str, &str, &str)]) -> Vec<u8> {
     let mut bytes = start(grids.len() as u32);
     for (about, number) in grids.iter().zip(1u8..) {

@@ -1,4 +1,4 @@
-//! Volumes as OpenVDB: which bytes are written, and that all of them come back bit for bit.
+//! Volumes written as OpenVDB: bytes, and exact round trips.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use glam::{EulerRot, Mat3, Quat, Vec3};
@@ -26,7 +26,7 @@ fn assert_comes_back(volume: &Volume) {
     assert_eq!(bits(&found.values), bits(&volume.values));
 }
 
-/// A volume whose voxels are at distances of 0.5, 0.25 and 2 from (1, -2, 3) on.
+/// Volume with spacings 0.5, 0.25 and 2 and the origin (1, -2, 3).
 fn volume(size: [u32; 3], content: Content, value: impl Fn(u32) -> f32) -> Volume {
     let steps = Mat3::from_diagonal(Vec3::new(0.5, 0.25, 2.0));
     let values = (0..size.iter().product()).map(value).collect();

@@ -1,4 +1,4 @@
-//! Volumes out and back: bit for bit, however their grids stand.
+//! Volumes written and read back bit for bit, on any grid.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use glam::{EulerRot, Mat3, Quat, Vec3};
@@ -88,7 +88,7 @@ fn a_long_side_goes_into_nifti_2() {
     }
 }
 
-/// The numbers of a NIfTI-1 header from byte `at` on.
+/// Numbers of a NIfTI-1 header from byte `at` on.
 fn numbers<const N: usize>(bytes: &[u8], at: usize) -> [f32; N] {
     std::array::from_fn(|i| f32::from_le_bytes(bytes[at + 4 * i..][..4].try_into().unwrap()))
 }

@@ -1,4 +1,4 @@
-//! Meshes that are written are read back as they were, by every format, and say nothing else.
+//! Meshes written and read back unchanged in every format, without notes.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 use glam::{DVec3, Vec3};
@@ -23,13 +23,13 @@ fn again(name: &str, bytes: &[u8]) -> Mesh {
     }
 }
 
-/// Corners of the triangles in the coordinates of the file.
+/// Triangle corners in the coordinates of the file.
 fn places(mesh: &Mesh) -> Vec<[DVec3; 3]> {
     let corners = |index| mesh.corners(index).map(|corner| corner.as_dvec3() + mesh.offset);
     (0..mesh.triangles.len()).map(corners).collect()
 }
 
-/// A fan around the first place, without triangles of no area.
+/// Fan around the first position, without triangles of zero area.
 fn fan(places: &[[f32; 3]], offset: DVec3) -> Mesh {
     let positions: Vec<Vec3> = places.iter().copied().map(Vec3::from).collect();
     let has_area = |[a, b, c]: &[u32; 3]| {

@@ -1,38 +1,37 @@
-//! From indices of a grid to the world and back.
+//! Transform between grid indices and the world.
 //!
-//! Role: the arithmetic of a grid whose axes stand anyhow, in f64. Invariant: on axes along those of the world nothing is
-//! rounded but by one product and one sum, or one difference and one quotient.
+//! Invariant: on aligned axes the only roundings are one product and one sum, or one difference and one quotient.
 
 use glam::{DMat3, DVec3};
 
-/// Where the samples of a grid are.
+/// Position and axes of a grid, in f64.
 pub struct Axes {
     origin: DVec3,
     steps: DMat3,
     /// Lengths of the steps.
     spacing: DVec3,
-    /// From the world to lengths along the axes: exact where they are those of the world.
+    /// World offsets to lengths along the axes; exact for aligned axes.
     along: DMat3,
 }
 
 impl Axes {
-    /// `steps` has a column for each axis of the grid.
+    /// `steps` has one column per grid axis.
     pub fn new(origin: DVec3, steps: DMat3) -> Axes {
         let spacing = lengths(&steps);
         Axes { origin, steps, spacing, along: directions(&steps).inverse() }
     }
 
-    /// World position of what is at `at`, counted in samples.
+    /// World position of a grid position in samples.
     pub fn world(&self, at: DVec3) -> DVec3 {
         self.origin + self.steps * at
     }
 
-    /// Where a world position is, counted in samples.
+    /// Grid position in samples of a world position.
     pub fn index(&self, world: DVec3) -> DVec3 {
         self.along * (world - self.origin) / self.spacing
     }
 
-    /// How much the rounding of each coordinate of a world position moves what is there, in samples over the rounding of 1.
+    /// Shift in samples, per unit of relative rounding of the coordinates of a world position.
     pub fn sensitivity(&self, world: DVec3) -> DVec3 {
         self.along.abs() * world.abs() / self.spacing
     }

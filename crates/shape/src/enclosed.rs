@@ -1,9 +1,9 @@
-//! The volume that a mesh encloses.
+//! Volume enclosed by a mesh.
 //!
-//! Role: bodies turned as their neighbors are, each with what it adds to a solid or takes from it. Invariant: the inside is
-//! that of the distance field: what is wound around at least half a turn, either way.
+//! Role: sums the contributions of connected components. Invariant: inside is as in the distance field: points with a winding
+//! number of at least one half, in either direction.
 
-use super::mesh::Bodies;
+use super::mesh::Components;
 use super::wound::Wound;
 use super::{Bounds, Mesh};
 use glam::{DVec3, Vec3};
@@ -11,25 +11,25 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// Volumes below so many times the area times the longest side are the rounding of f32 coordinates.
+/// Relative volume, to area times longest side, below which a mesh is flat: the rounding of f32 coordinates.
 const FLAT: f64 = 1e-6;
-/// Most bodies that are held against each other.
+/// Most components tested against each other.
 const MAX_BODIES: usize = 4096;
-/// Most triangles that bodies are held against, together.
+/// Most triangles in these tests.
 const MAX_TRIANGLES_SEEN: usize = 20_000_000;
 
-/// The solid in a mesh.
+/// Solid enclosed by a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enclosed {
-    /// Cubic world units. Of an open mesh a guess, and where bodies cross each other what they share counts twice.
+    /// Cubic world units. An estimate for an open mesh; the overlap of crossing components counts twice.
     pub volume: f64,
-    /// Triangles that repeat others and count once.
+    /// Number of duplicate triangles, which count once.
     pub repeated: usize,
     /// Whether there is no inside: faces cancel, or lie in a plane.
     pub is_nothing: bool,
 }
 
-/// Triangles that hang together.
+/// Connected component.
 struct Body<'a> {
     triangles: Vec<[DVec3; 3]>,
     volume: f64,
@@ -38,11 +38,11 @@ struct Body<'a> {
 }
 
 impl Mesh {
-    /// What is said of a mesh without an inside.
+    /// Message about a mesh without an inside.
     pub const ENCLOSES_NOTHING: &str =
         "it encloses nothing, its faces cancel or lie in a plane: a shell gives it a thickness (--shell)";
 
-    /// What it encloses, once repeated triangles are dropped and those that disagree with their neighbors are turned.
+    /// Enclosed solid, after duplicate triangles are dropped and inconsistent ones reversed.
     pub fn enclosed(&self) -> Enclosed {
         let (wound, bounds) = (self.wound(), self.bounds());
         let is_closed = wound.uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).all(|edge| edge.len() > 1);
@@ -63,9 +63,9 @@ impl Mesh {
     }
 }
 
-/// The bodies of a mesh, relative to `origin`.
+/// Components of a mesh; volumes are relative to `origin`.
 fn bodies(wound: &Wound, origin: DVec3) -> Vec<Body<'_>> {
-    let mut roots = Bodies::of(&wound.triangles, wound.places.len());
+    let mut roots = Components::of(&wound.triangles, wound.places.len());
     let (mut numbers, mut bodies) = (HashMap::new(), Vec::<Body>::new());
     for triangle in &wound.triangles {
         let point = &wound.places[triangle[0] as usize];
@@ -87,13 +87,13 @@ fn bodies(wound: &Wound, origin: DVec3) -> Vec<Body<'_>> {
 }
 
 impl Body<'_> {
-    /// Whether another one may lie within it.
+    /// Whether another component may lie inside of this one.
     fn holds(&self, other: &Body) -> bool {
         let Bounds { min, max } = self.bounds;
         !std::ptr::eq(self, other) && min.cmple(*other.point).all() && max.cmpge(*other.point).all()
     }
 
-    /// What it adds to the volume of the solid, where it lies among the other bodies.
+    /// Contribution to the volume of the solid among all components.
     fn adds(&self, all: &[Body]) -> f64 {
         let around: f64 =
             all.iter().filter(|other| other.holds(self)).map(|other| other.turns(self.point.as_dvec3())).sum();
@@ -101,7 +101,7 @@ impl Body<'_> {
         self.volume.abs() * (is_inside(around + self.volume.signum()) - is_inside(around))
     }
 
-    /// How often it winds around `p`. Source: van Oosterom & Strackee 1983.
+    /// Winding number around `p`. Source: van Oosterom & Strackee 1983.
     fn turns(&self, p: DVec3) -> f64 {
         let angle = |corners: &[DVec3; 3]| {
             let [a, b, c] = corners.map(|corner| corner - p);

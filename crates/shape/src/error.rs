@@ -1,254 +1,112 @@
-//! What can go wrong between a name and a shape.
+//! Errors of opening and reading shapes.
 //!
-//! Role: one variant for each thing that really happens. Invariant: every message is one line with the file, the place
-//! where it is known, the value found, the limit, and the way out.
+//! Invariant: every message is one line with the file, the place if it is known, the value found, the limit, and the remedy.
 
 use super::BUILT_IN;
 use std::{fmt, io};
 use support::open::OpenError;
 use support::words;
 
-/// Why a name or a file gives no [`Shape`](super::Shape).
+/// Reason why a name or a file gives no [`Shape`](super::Shape).
 ///
-/// `file` is what the caller passed, with control characters escaped, so that a message stays on one line.
+/// `file` is the path as the caller passed it, with control characters escaped, so that a message stays on one line.
+#[allow(missing_docs)] // the messages say what the fields are
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShapeError {
-    /// Neither a built-in object nor an existing file, and it does not look like a path.
+    /// Neither a built-in object nor an existing file; the name does not look like a path.
     #[error("no built-in object and no file is called `{name}`; {}built in: {}; files: {known}",
         nearest.map_or(String::new(), |near| format!("did you mean `{near}`? ")), BUILT_IN.join(", "))]
-    UnknownName {
-        /// What was asked for.
-        name: String,
-        /// The built-in name that it may stand for.
-        nearest: Option<&'static str>,
-        /// Extensions of the files that are read.
-        known: String,
-    },
-    /// What a program gave for a shape is none.
+    UnknownName { name: String, nearest: Option<&'static str>, known: String },
+    /// Invalid contents of a shape that a program built in memory.
     #[error("a shape in memory: {what}: found {found}, needed {needed}")]
-    Contents {
-        /// The part of it.
-        what: String,
-        /// What it is.
-        found: String,
-        /// What it must be.
-        needed: String,
-    },
+    Contents { what: String, found: String, needed: String },
     /// The object was never in a file.
     #[error("{name}: this object was in the memory of the program that drew it; give a file of it as object.input")]
-    InMemory {
-        /// The input.
-        name: String,
-    },
+    InMemory { name: String },
     /// There is no file at this path.
     #[error("{file}: no such file; check the path, or use a built-in object: {}", BUILT_IN.join(", "))]
-    Missing {
-        /// The path.
-        file: String,
-    },
+    Missing { file: String },
     /// A directory, a device or a pipe.
     #[error("{file}: is {kind}, not a file; name the mesh or volume file itself, or a folder with slices of DICOM")]
-    NotAFile {
-        /// The path.
-        file: String,
-        /// What it is.
-        kind: &'static str,
-    },
+    NotAFile { file: String, kind: &'static str },
     /// The operating system refused to open or read the file.
     #[error("{file}: cannot be read: {reason}{}", remedy(reason))]
-    Unreadable {
-        /// The path.
-        file: String,
-        /// What the operating system said.
-        reason: io::Error,
-    },
+    Unreadable { file: String, reason: io::Error },
     /// The file has no bytes.
     #[error("{file}: is empty (0 bytes); export or copy it again")]
-    Empty {
-        /// The path.
-        file: String,
-    },
+    Empty { file: String },
     /// Neither the content nor the extension belongs to a known format.
     #[error("{file}: not a known format, it begins with {start}; known files: {known}")]
-    UnknownFormat {
-        /// The path.
-        file: String,
-        /// The first bytes, quoted.
-        start: String,
-        /// Extensions of the files that are read.
-        known: String,
-    },
-    /// The text of the file breaks the integrations of its format.
+    UnknownFormat { file: String, start: String, known: String },
+    /// The file breaks the rules of its format.
     #[error("{file}: {place}: expected {expected}, found {found}; correct it there or export the file again")]
-    Malformed {
-        /// The path.
-        file: String,
-        /// Where.
-        place: Location,
-        /// What the format asks for.
-        expected: &'static str,
-        /// What is there, quoted.
-        found: String,
-    },
-    /// The file is valid, but uses a part of its format that is not read.
+    Malformed { file: String, place: Location, expected: &'static str, found: String },
+    /// The file is valid, but uses an unsupported part of its format.
     #[error("{file}: {place}: {what} {found} is not supported; {remedy}")]
-    Unsupported {
-        /// The path.
-        file: String,
-        /// Where.
-        place: Location,
-        /// The field or statement.
-        what: &'static str,
-        /// Its value, quoted.
-        found: String,
-        /// What is read, or how to convert.
-        remedy: &'static str,
-    },
-    /// A face names a vertex that is not there.
-    #[error(
-        "{file}: line {line}: vertex index {index} is out of range, {}; export the mesh again", defined(*count)
-    )]
-    IndexOutOfRange {
-        /// The path.
-        file: String,
-        /// Line of the face, from 1.
-        line: u64,
-        /// The index as written.
-        index: i64,
-        /// Vertices defined so far.
-        count: usize,
-    },
+    Unsupported { file: String, place: Location, what: &'static str, found: String, remedy: &'static str },
+    /// A face names a missing vertex. `index` is as written, `count` vertices are defined above.
+    #[error("{file}: line {line}: vertex index {index} is out of range, {}; export the mesh again", defined(*count))]
+    IndexOutOfRange { file: String, line: u64, index: i64, count: usize },
     /// The header and the length of the data do not agree: truncated, or wrong sizes.
     #[error(
         "{file}: byte {offset}: the header declares {declared} bytes of data ({what}), the file holds {found}; \
         copy or export it again"
     )]
-    DataSize {
-        /// The path.
-        file: String,
-        /// Where the data begins.
-        offset: u64,
-        /// Bytes that the header asks for.
-        declared: u64,
-        /// How that number comes about.
-        what: String,
-        /// Bytes that are there, or that can be there at most.
-        found: Found,
-    },
+    DataSize { file: String, offset: u64, declared: u64, what: String, found: Found },
     /// More than this program accepts from any file.
     #[error(
         "{file}: {found} {what}, the limit is {limit}; reduce it (decimate the mesh, or crop or resample the volume)"
     )]
-    TooLarge {
-        /// The path.
-        file: String,
-        /// What is counted.
-        what: &'static str,
-        /// How many.
-        found: String,
-        /// How many are accepted.
-        limit: u64,
-    },
-    /// A file of bare values, of which nothing says what they are.
+    TooLarge { file: String, what: &'static str, found: String, limit: u64 },
+    /// A file of raw values without a layout; `guess` is a likely layout, or empty.
     #[error(
         "{file}: {bytes} bytes of bare values, and nothing says what they are{guess}; \
         `hypertexture convert` makes a volume of it by --dims X,Y,Z --type uint16 (uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64)"
     )]
-    NoLayout {
-        /// The path.
-        file: String,
-        /// Its length.
-        bytes: u64,
-        /// What they may be, or nothing.
-        guess: String,
-    },
+    NoLayout { file: String, bytes: u64, guess: String },
     /// A volume with no samples along some axis.
     #[error("{file}: line {line}: a volume of {} x {} x {} has no samples, every size must be at least 1; \
         export it again", size[0], size[1], size[2])]
-    ZeroSize {
-        /// The path.
-        file: String,
-        /// Line of the sizes, from 1.
-        line: u64,
-        /// The sizes as declared, x first.
-        size: [u64; 3],
-    },
-    /// A grid is asked for that the file does not have.
+    ZeroSize { file: String, line: u64, size: [u64; 3] },
+    /// The file does not have the requested grid.
     #[error("{file}: no grid is called {name}; it has {known}")]
-    NoGrid {
-        /// The path.
-        file: String,
-        /// What was asked for, quoted.
-        name: String,
-        /// The grids that it has.
-        known: String,
-    },
-    /// NaN or infinite coordinates or voxels.
+    NoGrid { file: String, name: String, known: String },
+    /// NaN or infinite coordinates or voxels; `first` is the index of the first one.
     #[error(
         "{file}: {count} of {total} {what} are NaN, infinite or beyond 32-bit floats, the first has index {first} \
         (from 0); remove or replace them"
     )]
-    NotFinite {
-        /// The path.
-        file: String,
-        /// Vertices or voxels.
-        what: &'static str,
-        /// How many are not finite.
-        count: usize,
-        /// How many there are.
-        total: usize,
-        /// Index of the first one that is not finite, from 0.
-        first: usize,
-    },
+    NotFinite { file: String, what: &'static str, count: usize, total: usize, first: usize },
     /// A coordinate so large that squared distances would overflow.
     #[error("{file}: {what} {index} (from 0) reaches {value:e}, the limit is {limit:e}; scale the object down")]
-    CoordinateRange {
-        /// The path.
-        file: String,
-        /// Vertices or volume corners.
-        what: &'static str,
-        /// Which one, from 0.
-        index: usize,
-        /// The coordinate.
-        value: f32,
-        /// Largest magnitude accepted.
-        limit: f32,
-    },
-    /// A mesh without a single triangle that has an area.
+    CoordinateRange { file: String, what: &'static str, index: usize, value: f32, limit: f32 },
+    /// A mesh without a triangle of nonzero area; `holds` says what the file has instead.
     #[error("{file}: no triangles ({holds}); a mesh needs at least 1 face, export it again")]
-    NoTriangles {
-        /// The path.
-        file: String,
-        /// The cause: what the file holds instead.
-        holds: String,
-    },
-    /// The compressed data is damaged.
+    NoTriangles { file: String, holds: String },
+    /// Damaged compressed data, which begins at byte `offset`.
     #[error(
         "{file}: byte {offset}: compressed data damaged after {decoded} good bytes: {reason}; copy or export it again"
     )]
-    Packed {
-        /// The path.
-        file: String,
-        /// Where the compressed data begins.
-        offset: u64,
-        /// Bytes that came out before the damage.
-        decoded: u64,
-        /// What the decoder said.
-        reason: io::Error,
-    },
-    /// The memory for the values could not be had.
+    Decompression { file: String, offset: u64, decoded: u64, reason: io::Error },
+    /// The system did not give the memory for the values.
     #[error("{file}: no memory for {bytes} bytes of values; crop or resample the volume, or free memory")]
-    OutOfMemory {
-        /// The path.
-        file: String,
-        /// Bytes that were asked for.
-        bytes: u64,
-    },
+    OutOfMemory { file: String, bytes: u64 },
 }
 
 impl ShapeError {
-    /// The same with a place, where it only says that it is in the header.
+    /// [`ShapeError::Unsupported`] of a file.
+    pub(super) fn unsupported(
+        file: &str,
+        place: Location,
+        what: &'static str,
+        found: impl Into<String>,
+        remedy: &'static str,
+    ) -> ShapeError {
+        ShapeError::Unsupported { file: file.into(), place, what, found: found.into(), remedy }
+    }
+
+    /// Replaces a place that is only "header" by a more exact one.
     pub(super) fn placed(mut self, at: Location) -> ShapeError {
         if let ShapeError::Malformed { place: place @ Location::Header, .. }
         | ShapeError::Unsupported { place: place @ Location::Header, .. } = &mut self
@@ -259,33 +117,33 @@ impl ShapeError {
     }
 }
 
-/// Where in a file.
+/// Place in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Location {
     /// A line of text, from 1.
     Line(u64),
-    /// The header as a whole: something is not there.
+    /// The header as a whole: a part is missing.
     Header,
-    /// The files of a folder together.
+    /// The files of a folder.
     Folder,
-    /// What was said about a file that says nothing itself.
+    /// The layout given for a raw file.
     Layout,
     /// A byte, from 0.
     Byte(u64),
     /// A face or strip of a mesh, from 0.
     Face(u64),
-    /// A value in JSON by the names and numbers on the way to it, as `accessors[3].count`.
+    /// A path in JSON, as `accessors[3].count`.
     Json(String),
 }
 
-/// How many bytes of data a file holds.
+/// Length of the data in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Found {
     /// Exactly this many.
     Bytes(u64),
     /// More than declared.
     More,
-    /// Compressed data that can become this many at most.
+    /// Upper bound of the length after decompression.
     AtMost(u64),
 }
 
@@ -313,7 +171,7 @@ impl fmt::Display for Found {
     }
 }
 
-/// The vertices that an index may name.
+/// Range of valid vertex indices.
 fn defined(count: usize) -> String {
     match count {
         0 => "no vertices are defined above this line: they come before the faces".into(),
@@ -323,7 +181,7 @@ fn defined(count: usize) -> String {
     }
 }
 
-/// What to do about an error of the system; others say it themselves.
+/// Remedy for an error of the operating system; other errors name their own.
 fn remedy(reason: &io::Error) -> &'static str {
     if reason.kind() == io::ErrorKind::Other { "" } else { "; check its permissions and the disk it is on" }
 }
@@ -343,7 +201,7 @@ pub(super) fn shown(name: &str) -> String {
     words::line(name).into_owned()
 }
 
-/// Why a file cannot be opened.
+/// Error of a file that cannot be opened.
 pub(super) fn unreadable(file: String, error: OpenError) -> ShapeError {
     match error {
         OpenError::Missing => ShapeError::Missing { file },

@@ -1,7 +1,6 @@
-//! What a file holds, before anything is made of it.
+//! Description of the contents of a file, for people and programs.
 //!
-//! Role: a shape -> a few lines for a person and for a program, and the histogram of a scan. Invariant: the file is all that is
-//! looked at; how a scene reads it changes nothing.
+//! Invariant: depends on the file alone, not on the settings of a scene.
 
 use super::{Content, Histogram, Mesh, Opened, Shape, ShapeError, Solid, Volume};
 use glam::{DVec3, Vec3};
@@ -10,40 +9,40 @@ use serde_json::{Value, json};
 use std::ops::RangeInclusive;
 use support::significant;
 
-/// How much scalars that are distances change per world unit where they are 0.
+/// Slope at 0 of scalars that look like signed distances, per world unit.
 const SLOPE: RangeInclusive<f32> = 0.95..=1.05;
 
-/// The lowest value of a scan in Hounsfield units: air is -1000, and scanners write some less where they know nothing.
+/// Lowest value of a CT scan in Hounsfield units: air is -1000, some scanners pad with lower values.
 const AIR: RangeInclusive<f32> = -3100.0..=-900.0;
 
-/// One line of what is known.
+/// One line of a description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fact {
-    /// What it is about, one word.
+    /// Topic, one word.
     pub name: &'static str,
-    /// For a person.
+    /// Text for people.
     pub words: String,
-    /// For a program.
+    /// Value for programs.
     pub value: Value,
 }
 
-/// What a file, or a built-in object, holds.
+/// Description of a file or a built-in object.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facts {
-    /// Each in a line; what was left out of the file is among them.
+    /// Lines of the description, with the notes of the reader.
     pub lines: Vec<Fact>,
-    /// The corners of the box that contains it, world units of the file.
+    /// Corners of the bounding box, in world units of the file.
     pub corners: [DVec3; 2],
-    /// Values and their change; of scalars alone.
+    /// Histogram of a scalar volume.
     pub histogram: Option<Histogram>,
-    /// Iso-values between materials, from the lowest; of scalars alone.
+    /// Ascending iso-values between materials of a scalar volume.
     pub iso_values: Vec<f32>,
-    /// Whether they are scalars that change at 0 as signed distances do.
+    /// Whether scalars have the slope of signed distances at 0.
     pub is_like_distances: bool,
 }
 
 impl Facts {
-    /// Reads a file, or makes a built-in object, and looks at it.
+    /// Reads a file or makes a built-in object, and describes it.
     ///
     /// # Errors
     /// Those of [`Opened::with_grid`].
@@ -82,7 +81,7 @@ fn in_words(corners: [DVec3; 2], size: Vec3) -> String {
     format!("({low}) to ({high}), {sides} world units")
 }
 
-/// As few digits as tell what was an f32, or all; far from 1 with an exponent.
+/// Shortest decimal that is exact for an f32, else for the f64; with an exponent far from 1.
 fn short(number: f64) -> String {
     let is_near = number == 0.0 || (1e-4..1e9).contains(&number.abs());
     match (f64::from(number as f32) == number, is_near) {
@@ -146,7 +145,7 @@ fn of_mesh(mesh: &Mesh) -> Facts {
     Facts { lines, ..Facts::default() }
 }
 
-/// What begins at a value in Hounsfield units: fat is at -100, muscle and organs are at 10 to 60, bone from 200 on.
+/// Tissue above an iso-value in Hounsfield units: fat is at -100, muscle and organs at 10 to 60, bone from 200 on.
 fn boundary(iso: f32) -> &'static str {
     match iso {
         ..-150.0 => "skin",
@@ -208,7 +207,7 @@ mod tests {
     use super::*;
     use glam::Mat3;
 
-    /// A ball of tissue around one of bone in air, less `offset`; blurred over two voxels.
+    /// A ball of tissue around one of bone in air, minus `offset`; blurred over two voxels.
     fn scan(offset: f32) -> Volume {
         let size = [48; 3];
         let mut volume = Volume {

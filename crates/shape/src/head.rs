@@ -1,12 +1,11 @@
-//! A human head: face, ears, neck and the skull within as soft parts that blend into each other.
+//! A human head: face, ears, neck and skull as soft parts that blend into each other.
 //!
-//! Role: a scalar volume that reads as a head at first sight. Invariant: left and right are the same.
-//! Sources: PH 2.2 (soft objects are blended by their densities); I. Quilez, "Smooth minimum", 2013 (the blend); the
-//! proportions are those of drawing schools: the eyes are halfway between chin and crown, a third of the face each from
-//! chin to nose, from nose to brow and from there to the hair. Modelled by hand.
-//!
-//! Head units, in which it is modelled: eyes at y = 0, crown at 1, chin at -1, x across, face to +z.
+//! Invariant: left and right are mirror images. Sources: PH 2.2 (soft objects are blended by their densities); I. Quilez,
+//! "Smooth minimum", 2013 (the blend). Proportions of drawing schools: the eyes are halfway between chin and crown; chin to
+//! nose, nose to brow and brow to hairline are a third of the face each.
+//! Head units: eyes at y = 0, crown at 1, chin at -1, x across, face to +z.
 
+use super::solid::ellipsoid_distance;
 use super::{Content, Volume};
 use Form::{Ellipsoid, Limb};
 use glam::{Mat3, Vec3};
@@ -17,29 +16,29 @@ const SIZE: u32 = 192;
 /// Corners of the volume in head units, with a margin around the surface.
 const LOW: Vec3 = Vec3::new(-0.86, -1.48, -0.98);
 const HIGH: Vec3 = Vec3::new(0.86, 1.03, 0.96);
-/// Distance over which values run from the middle to 0 and to 1, in samples: smaller would round off the surface.
+/// Half width of the ramp of values at the skin, in samples. Lower rounds off the surface.
 const RAMP: f32 = 4.0;
 
 /// The iso-value of the skin.
 pub const SKIN: f32 = 0.5;
 
-/// One soft part of the half where x is positive; the other half is its mirror image.
+/// Soft part of the half with positive x.
 struct Part {
     form: Form,
-    /// Width of the blend with what stands before it in the list.
+    /// Width of the blend with the parts before it.
     blend: f32,
-    /// Whether it is taken away.
+    /// Whether the part is subtracted.
     carve: bool,
 }
 
-/// Places that are computed side by side.
+/// Points computed per vector operation.
 const LANES: usize = 16;
 
-/// What a part is made of, in head units.
+/// Shape of a part, in head units.
 enum Form {
-    /// Center, half axes, and turns about x (the top backward) and then y (the front outward), degrees.
+    /// Center, half axes, and rotations about x (top backward) and then y (front outward) in degrees.
     Ellipsoid([f32; 3], [f32; 3], [f32; 2]),
-    /// Two ends and the radius at each.
+    /// Two ends with their radii.
     Limb([f32; 3], [f32; 3], [f32; 2]),
 }
 
@@ -51,10 +50,10 @@ const fn carve(blend: f32, form: Form) -> Part {
     Part { form, blend, carve: true }
 }
 
-/// An ellipsoid that is not turned.
+/// No rotation.
 const LEVEL: [f32; 2] = [0.0; 2];
 
-/// Each part blends with all before it.
+/// Parts of the skin; each blends with all before it.
 const PARTS: &[Part] = &[
     // Skull and face.
     add(0.0, Ellipsoid([0.0, 0.27, -0.14], [0.69, 0.72, 0.80], LEVEL)),
@@ -96,7 +95,7 @@ const PARTS: &[Part] = &[
     carve(0.04, Ellipsoid([0.745, -0.06, -0.06], [0.050, 0.075, 0.045], LEVEL)),
 ];
 
-/// The skull, without what of it is nearer than [`FLESH`] to the skin.
+/// Parts of the skull, which is cut off at [`FLESH`] below the skin.
 const SKULL: &[Part] = &[
     // Braincase and face.
     add(0.0, Ellipsoid([0.0, 0.26, -0.14], [0.62, 0.65, 0.73], LEVEL)),
@@ -126,23 +125,15 @@ const SKULL: &[Part] = &[
     add(0.04, Limb([0.0, -0.36, -0.24], [0.0, -1.7, -0.32], [0.13, 0.15])),
 ];
 
-/// Depth of the bone that is nearest to the skin: no value between the two belongs to both.
+/// Least depth of bone below the skin. Lower: a voxel between them could belong to both.
 const FLESH: f32 = 0.055;
-/// Distance over which values run from flesh to bone, in samples.
+/// Half width of the ramp of values at the bone, in samples.
 const RAMP_OF_BONE: f32 = 2.0;
 
-/// The cut through the neck.
+/// Height of the cut through the neck.
 const NECK_END: f32 = -1.45;
 
-/// First-order signed distance to an ellipsoid about the origin (I. Quilez, "Distance to an ellipsoid", 2008).
-#[inline(always)]
-fn ellipsoid(p: Vec3, axes: Vec3) -> f32 {
-    let (scaled, gradient) = ((p / axes).length(), (p / (axes * axes)).length());
-    let away = scaled * (scaled - 1.0) / gradient;
-    if gradient == 0.0 { -axes.min_element() } else { away }
-}
-
-/// Distance to a limb: a line whose thickness changes along it.
+/// Distance to a segment whose radius varies linearly.
 #[inline(always)]
 fn limb(p: Vec3, a: Vec3, b: Vec3, [ra, rb]: [f32; 2]) -> f32 {
     let along = b - a;
@@ -150,14 +141,14 @@ fn limb(p: Vec3, a: Vec3, b: Vec3, [ra, rb]: [f32; 2]) -> f32 {
     p.distance(a + t * along) - (ra + t * (rb - ra))
 }
 
-/// The smaller of two distances, rounded off where they differ by less than `width`.
+/// Smooth minimum: rounded off where the distances differ by less than `width`.
 #[inline(always)]
 fn blend(a: f32, b: f32, width: f32) -> f32 {
     let h = (1.0 - (a - b).abs() / width.max(1e-6)).max(0.0);
     a.min(b) - 0.25 * width * h * h
 }
 
-/// What undoes the turn of each part.
+/// Inverse rotation of each part.
 fn turns(parts: &[Part]) -> Vec<Mat3> {
     let of = |part: &Part| match part.form {
         Ellipsoid(_, _, [back, out]) => {
@@ -168,8 +159,7 @@ fn turns(parts: &[Part]) -> Vec<Mat3> {
     parts.iter().map(of).collect()
 }
 
-/// Signed distances of parts in head units at some places of a row, to first order, positive outside; less than the distance
-/// where they blend.
+/// First-order signed distances to the parts in head units for a row of points, positive outside; lower bounds at blends.
 #[inline(always)] // into code for the vectors of this processor
 fn distances(x: [f32; LANES], [y, z]: [f32; 2], parts: &[Part], turns: &[Mat3]) -> [f32; LANES] {
     let (mut soft, mut own) = ([f32::MAX; LANES], [0.0; LANES]);
@@ -178,7 +168,7 @@ fn distances(x: [f32; LANES], [y, z]: [f32; 2], parts: &[Part], turns: &[Mat3]) 
             Ellipsoid(center, axes, _) => {
                 for lane in 0..LANES {
                     let away = Vec3::new(x[lane].abs(), y, z) - Vec3::from(center);
-                    own[lane] = ellipsoid(*turn * away, Vec3::from(axes));
+                    own[lane] = ellipsoid_distance(*turn * away, Vec3::from(axes));
                 }
             }
             Limb(a, b, radii) => {
@@ -195,7 +185,7 @@ fn distances(x: [f32; LANES], [y, z]: [f32; 2], parts: &[Part], turns: &[Mat3]) 
     soft.map(|soft| -blend(-soft, y - NECK_END, 0.1))
 }
 
-/// The half of a row of the head where x is negative: from the first sample on, whose place is `low`.
+/// Half of a row of samples with negative x; `low` is the first point.
 struct Row<'a> {
     low: Vec3,
     step: f32,
@@ -225,8 +215,8 @@ impl pulp::NullaryFnOnce for Row<'_> {
     }
 }
 
-/// The head: scalars from 0 outside by 1 in the flesh to 2 in the bone, as a scan has them; skin is at [`SKIN`], bone at 1.5.
-/// It fits into [-1, 1]^3, face towards +z.
+/// The head: scalars 0 outside, 1 in the flesh, 2 in the bone, like a scan; the skin is at [`SKIN`], the bone at 1.5.
+/// Fits into [-1, 1]^3, face towards +z.
 pub fn head() -> Volume {
     let scale = 2.0 / (HIGH - LOW).max_element();
     let step = (HIGH - LOW).max_element() / (SIZE - 1) as f32;
@@ -255,7 +245,7 @@ mod tests {
         distances([p.x; LANES], [p.y, p.z], parts, turns)[0]
     }
 
-    /// Where the surface is, seen from far away along -z at this place of the face, head units.
+    /// Depth of the surface along -z at a point of the face, head units.
     fn relief(parts: &[Part], x: f32, y: f32) -> f32 {
         let turns = turns(parts);
         let is_in = |z: &f32| distance(Vec3::new(x, y, *z), parts, &turns) <= 0.0;

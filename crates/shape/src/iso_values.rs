@@ -1,40 +1,38 @@
-//! Iso-values worth looking at, found in the values of a volume.
+//! Iso-values at material boundaries of a volume.
 //!
-//! Role: between two materials the values change within a few voxels, inside of one they hardly do; so the mean gradient of
-//! the voxels of a value is large where that value is a boundary. Its peaks are proposed. Invariant: the same values give the
-//! same proposals, in whatever units they are. Source: V. Pekar, R. Wiemker, D. Hempel, "Fast detection of meaningful
-//! isosurfaces for volume data visualization", IEEE Visualization 2001.
+//! Role: values change fast between two materials and slowly within one, so the mean gradient over the voxels of a value peaks
+//! at boundaries. Invariant: proposals do not depend on the unit of the values. Source: V. Pekar, R. Wiemker, D. Hempel, "Fast
+//! detection of meaningful isosurfaces for volume data visualization", IEEE Visualization 2001.
 
 use super::Volume;
 use rayon::prelude::*;
 
-/// Parts of the range of values. Fewer: boundaries merge. More: each has too few voxels to tell its mean.
+/// Bins of the histogram. Lower: boundaries merge. Higher: bins have too few voxels for a mean.
 const BINS: usize = 64;
-/// Of the voxels, how many are above the range that is looked at: a few voxels of metal leave no room for all else.
+/// Part of the voxels above the range of the histogram. Without a cut, a few voxels of metal compress all other values.
 const ABOVE: f64 = 5e-4;
-/// Times that the curve is smoothed by 1 4 6 4 1.
+/// Passes of the smoothing filter 1 4 6 4 1.
 const SMOOTHINGS: usize = 2;
-/// How far a peak stands out of the curve on both sides, as a part of the highest peak. Smaller: waves of the curve are taken
-/// for boundaries; larger: bone inside of tissue is none.
+/// Least prominence of a peak relative to the highest one. Lower: noise passes for boundaries. Higher: bone inside of tissue is
+/// missed.
 const PROMINENCE: f64 = 0.12;
-/// Most proposals.
 const MOST: usize = 4;
-/// Voxels that are looked at, about: every so many-th row of a larger volume.
+/// Approximate number of voxels sampled: rows of larger volumes are skipped.
 const VOXELS: usize = 4 << 20;
 
-/// What the values of a volume are.
+/// Histogram of the values of a volume with mean gradients.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Histogram {
-    /// The values at which the first bin begins and the last one ends.
+    /// Start of the first bin and end of the last one.
     pub range: (f32, f32),
-    /// Voxels in each part of the range, of those that were looked at.
+    /// Sampled voxels in each bin.
     pub counts: Vec<u64>,
-    /// Mean change of the value from a sample to the next, there.
+    /// Mean gradient in each bin, per sample.
     pub gradients: Vec<f64>,
 }
 
 impl Volume {
-    /// The histogram of its values and of how much they change; none for fewer than 2 samples on a side or one value alone.
+    /// Histogram of values and gradients; `None` for fewer than 2 samples on a side or a constant volume.
     pub fn histogram(&self) -> Option<Histogram> {
         let [nx, ny, nz] = self.size.map(|n| n as usize);
         let (low, high) = self.range();
@@ -66,7 +64,7 @@ impl Volume {
             }
             bins
         };
-        // One sum for each of a fixed number of parts, added in order: not a bit depends on the number of threads.
+        // A fixed number of partial sums, added in order: the result does not depend on the number of threads.
         let rows: Vec<usize> = (0..ny * nz).step_by(every).collect();
         let parts: Vec<_> =
             rows.par_chunks(rows.len().div_ceil(64)).map(|rows| rows.iter().copied().fold(none(), row)).collect();
@@ -80,7 +78,7 @@ impl Volume {
         Some(Histogram { range: (low, high), counts: counts.into(), gradients })
     }
 
-    /// The value above which there are [`ABOVE`] of the voxels, about.
+    /// Value that a part [`ABOVE`] of the voxels exceeds, about.
     fn below_the_few(&self, low: f32, high: f32) -> f32 {
         const FINE: usize = 4096;
         let width = (f64::from(high) - f64::from(low)) / FINE as f64;
@@ -97,21 +95,21 @@ impl Volume {
         kept.map_or(high, |bin| (f64::from(low) + (bin + 1) as f64 * width) as f32).min(high)
     }
 
-    /// Iso-values between materials, from the lowest; empty where the values have no boundary.
+    /// Ascending iso-values between materials; empty without a boundary.
     pub fn iso_values(&self) -> Vec<f32> {
         self.histogram().map(|histogram| histogram.boundaries()).unwrap_or_default()
     }
 }
 
 impl Histogram {
-    /// The values of the peaks of the mean gradient, from the lowest, at most 4; a peak at an end of the range is none.
+    /// Ascending values of the peaks of the mean gradient, at most 4; the ends of the range do not count.
     pub fn boundaries(&self) -> Vec<f32> {
         let curve = self.curve();
         let highest = curve.iter().copied().fold(0.0, f64::max);
         let mut peaks: Vec<(usize, f64)> = Vec::new();
         for bin in 1..BINS - 1 {
             let is_peak = curve[bin] > curve[bin - 1] && curve[bin] >= curve[bin + 1];
-            // How low the curve gets on each side before it is higher than here, or ends.
+            // Minimum of the curve on each side before it is higher than here, or ends.
             let depth = |side: &mut dyn Iterator<Item = &f64>| {
                 side.take_while(|other| **other <= curve[bin]).copied().fold(curve[bin], f64::min)
             };
@@ -130,7 +128,7 @@ impl Histogram {
         peaks.into_iter().map(|(bin, _)| rounded(value(bin), (high - low) / BINS as f64)).collect()
     }
 
-    /// The mean gradients without their noise; where there are no voxels, between those that there are.
+    /// Smoothed mean gradients; empty bins are interpolated.
     fn curve(&self) -> Vec<f64> {
         let mut curve = self.gradients.clone();
         let known: Vec<usize> = (0..BINS).filter(|bin| self.counts[*bin] > 0).collect();
@@ -151,7 +149,7 @@ impl Histogram {
     }
 }
 
-/// The shortest decimal within half a `step` of a value: a person reads 780, not 777.3421.
+/// Shortest decimal within half a `step` of a value: 780 instead of 777.3421.
 fn rounded(value: f64, step: f64) -> f32 {
     let decade = 10f64.powi(step.log10().floor() as i32);
     ((value / decade).round() * decade) as f32
@@ -163,7 +161,7 @@ mod tests {
     use super::*;
     use glam::{Mat3, Vec3};
 
-    /// Three materials in shells, blurred over two voxels, with noise of `noise`: of values 20, 1000 and 1800.
+    /// Shells of three materials with values 20, 1000 and 1800, blurred over two voxels, with noise.
     fn shells(noise: f32, scale: f32) -> Volume {
         let size = [48; 3];
         let (origin, spacing) = (Vec3::splat(-23.5), Vec3::ONE);

@@ -1,64 +1,59 @@
-//! NIfTI-1 and NIfTI-2: volumes as .nii, the same packed by gzip, or a pair of .hdr and .img; such pairs of Analyze 7.5 too.
-//!
-//! Role: the data behind a header that [`super::nifti_header`] reads. Invariant: coordinates are those of the file, x to the
-//! right, y to the front, z up. Read here and not by the nifti crate, which makes room for what a header declares.
+//! NIfTI-1 and NIfTI-2: volumes as .nii, .nii.gz or a pair of .hdr and .img; pairs of Analyze 7.5.
 
 use super::Shape;
+use super::data_files::DataFiles;
+use super::decompress::{Decompressor, GZIP};
 use super::error::ShapeError;
-use super::files::Files;
-use super::nifti_header::{FIRST, Header, SECOND, is_analyze, version};
-use super::raster::{Data, MAX_DEFLATE_RATIO, Packing, Raster, Skip};
+use super::nifti_header::{Header, NIFTI1, NIFTI2, is_analyze, version};
+use super::raster::{Compression, Data, MAX_DEFLATE_RATIO, Raster};
 use super::source::{Source, read_block};
-use super::unpack::{GZIP, Unpacked};
 use flate2::bufread::MultiGzDecoder;
 use std::cell::Cell;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-/// Whether the file begins with a header, packed or not.
+/// Whether the file begins with a header, compressed or not.
 pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
     let mut unpacked = Vec::new();
     if start.starts_with(&GZIP) {
-        // The end of what is there is no end of the file: what came out before it is enough.
-        let _ = MultiGzDecoder::new(start).take(SECOND.bytes as u64).read_to_end(&mut unpacked);
+        // `start` is cut off: the error at its end is expected.
+        let _ = MultiGzDecoder::new(start).take(NIFTI2.bytes as u64).read_to_end(&mut unpacked);
     }
     let start = if unpacked.is_empty() { start } else { &unpacked };
-    version(start).is_some_and(|(places, _)| {
-        let magic = start.get(places.magic..).unwrap_or_default();
-        magic.starts_with(places.single) || magic.starts_with(places.pair) || is_analyze(start)
+    version(start).is_some_and(|(layout, _)| {
+        let magic = start.get(layout.magic..).unwrap_or_default();
+        magic.starts_with(layout.single) || magic.starts_with(layout.pair) || is_analyze(start)
     })
 }
 
 /// Reads a volume of 3 dimensions: integers of 8 to 64 bits, float or double, both byte orders, scaled and then rounded to
-/// f32. Extensions, units and what is said of time are read over.
+/// f32. Extensions, units and time are ignored.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     if !source.peek()?.starts_with(&GZIP) {
-        return read_unpacked(source, Packing::None);
+        return read_unpacked(source, Compression::None);
     }
     let (file, folder) = (source.file.clone(), source.folder.clone());
     let len = source.remaining().saturating_mul(MAX_DEFLATE_RATIO);
     let padding = Cell::new(0);
-    let reader = &mut BufReader::new(Unpacked::gzip(&mut *source.reader, &padding));
+    let reader = &mut BufReader::new(Decompressor::gzip(&mut *source.reader, &padding));
     let mut inner = Source::new(file, len, folder, reader);
-    let shape = read_unpacked(&mut inner, Packing::Unpacked)?;
-    let (notes, others) = (inner.notes.take(), inner.others.take());
-    notes.into_iter().for_each(|note| source.note(note));
-    source.others.borrow_mut().extend(others);
+    let shape = read_unpacked(&mut inner, Compression::Unpacked)?;
+    let (notes, others) = (inner.notes, inner.others);
+    source.notes.borrow_mut().extend(notes.take());
+    source.others.borrow_mut().extend(others.take());
     source.note_padding(padding.get());
     Ok(shape)
 }
 
-fn read_unpacked(source: &mut Source, packing: Packing) -> Result<Shape, ShapeError> {
-    let mut bytes = [0; SECOND.bytes];
-    let failed = |source: &Source, reason| match packing {
-        Packing::Unpacked => {
-            ShapeError::Packed { file: source.file.clone(), offset: 0, decoded: source.offset, reason }
-        }
+fn read_unpacked(source: &mut Source, compression: Compression) -> Result<Shape, ShapeError> {
+    let mut bytes = [0; NIFTI2.bytes];
+    let failed = |source: &Source, reason| match compression {
+        Compression::Unpacked => source.packed(0, source.offset, reason),
         _ => source.unreadable(reason),
     };
     let mut filled = 0;
-    for end in [FIRST.bytes, SECOND.bytes] {
-        if end == FIRST.bytes || version(&bytes).is_some_and(|(places, _)| places.bytes == end) {
+    for end in [NIFTI1.bytes, NIFTI2.bytes] {
+        if end == NIFTI1.bytes || version(&bytes).is_some_and(|(layout, _)| layout.bytes == end) {
             filled +=
                 read_block(&mut source.reader, &mut bytes[filled..end]).map_err(|reason| failed(source, reason))?;
             source.offset = filled as u64;
@@ -66,17 +61,19 @@ fn read_unpacked(source: &mut Source, packing: Packing) -> Result<Shape, ShapeEr
     }
     let is_whole = source.peek()?.is_empty();
     let header = Header::new(source, &bytes[..filled], is_whole)?;
-    let (raster, offset, is_pair) = (header.raster(packing)?, header.offset()?, header.is_pair());
+    let (raster, offset, is_pair) = (header.raster(compression)?, header.offset()?, header.is_pair());
     if !is_pair {
-        let before = Skip::Bytes(offset - source.offset);
+        let before = Some(offset - source.offset);
         return raster.read(source, &Data { before, ..Data::HERE });
     }
     let own = Path::new(&source.file).file_name().unwrap_or_default();
-    let (name, packing, [before, inside]) = match packing {
-        Packing::Unpacked => (Path::new(own).with_extension("").with_extension("img.gz"), Packing::Gzip, [0, offset]),
-        _ => (Path::new(own).with_extension("img"), Packing::None, [offset, 0]),
+    let (name, compression, [before, inside]) = match compression {
+        Compression::Unpacked => {
+            (Path::new(own).with_extension("").with_extension("img.gz"), Compression::Gzip, [0, offset])
+        }
+        _ => (Path::new(own).with_extension("img"), Compression::None, [offset, 0]),
     };
-    let files = Some(Files::Named(vec![name.to_string_lossy().into_owned()]));
-    let data = Data { files, lines: 0, before: Skip::Bytes(before), inside };
-    Raster { packing, ..raster }.read(source, &data)
+    let files = Some(DataFiles::Named(vec![name.to_string_lossy().into_owned()]));
+    let data = Data { files, lines: 0, before: Some(before), inside };
+    Raster { compression, ..raster }.read(source, &data)
 }

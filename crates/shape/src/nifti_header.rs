@@ -1,28 +1,27 @@
-//! The header of a NIfTI file.
+//! Header of a NIfTI file.
 //!
-//! Role: where the fields of both versions and of Analyze 7.5 are, and from these bytes to a [`Raster`]. Invariant: what changes
-//! the values or their places is understood or refused. Sources: R. Cox et al., "nifti1.h" and "nifti2.h", nifti.nimh.nih.gov;
-//! Mayo Foundation, "ANALYZE 7.5 File Format".
+//! Invariant: fields that change values or positions are understood or refused. Sources: R. Cox et al., "nifti1.h" and
+//! "nifti2.h", nifti.nimh.nih.gov; Mayo Foundation, "ANALYZE 7.5 File Format".
 
 use super::axes::lengths;
 use super::error::{Location, ShapeError, quoted};
 use super::placement::{self, Placement};
-use super::raster::{MAX_UNPACKED_SKIP, Packing, Raster};
+use super::raster::{Compression, MAX_UNPACKED_SKIP, Raster};
 use super::source::Source;
 use super::space::{Space, listed, or_usual};
 use super::{Content, SampleType};
 use glam::{DMat3, DQuat, DVec3};
 
-/// What the description says where values are signed distances.
+/// Description of signed distances.
 pub(super) const SIGNED_DISTANCE: &[u8] = b"hypertexture signed distance";
-/// Squares of the real part of a quaternion that are smaller are what rounding left of 0: half a turn.
+/// Squares of the real part of a quaternion below this are rounding errors of half a turn.
 const HALF_TURN: f64 = 4e-7;
 
-/// Where the fields of a header are, from its first byte.
-pub(super) struct Places {
-    /// Bytes of the header, which its first 4 bytes say.
+/// Offsets of the fields of a header.
+pub(super) struct HeaderLayout {
+    /// Bytes of the header, also its first field.
     pub bytes: usize,
-    /// The magic, and what it is where the data follows or is in a file of its own.
+    /// Offset of the magic, and its values for data in the same file and in a file of its own.
     pub magic: usize,
     pub single: &'static [u8],
     pub pair: &'static [u8],
@@ -30,9 +29,9 @@ pub(super) struct Places {
     pub dim: usize,
     pub datatype: usize,
     pub bitpix: usize,
-    /// Side of the qform, and 7 distances between samples.
+    /// Handedness of the qform, and 7 distances between samples.
     pub pixdim: usize,
-    /// Where the data begins.
+    /// `vox_offset`, the start of the data.
     pub offset: usize,
     /// Slope and intercept.
     pub scale: usize,
@@ -44,12 +43,12 @@ pub(super) struct Places {
     pub forms: usize,
     /// 16 characters.
     pub intent: usize,
-    /// Whether sizes have 8 bytes, numbers 8 and codes 4, else 2, 4 and 2.
+    /// Whether sizes, numbers and codes have 8, 8 and 4 bytes; else 2, 4 and 2.
     pub is_wide: bool,
 }
 
 /// NIfTI-1.
-pub(super) const FIRST: Places = Places {
+pub(super) const NIFTI1: HeaderLayout = HeaderLayout {
     bytes: 348,
     magic: 344,
     single: b"n+1\0",
@@ -68,7 +67,7 @@ pub(super) const FIRST: Places = Places {
 };
 
 /// NIfTI-2.
-pub(super) const SECOND: Places = Places {
+pub(super) const NIFTI2: HeaderLayout = HeaderLayout {
     bytes: 540,
     magic: 4,
     single: b"n+2\0\r\n\x1a\n",
@@ -86,14 +85,14 @@ pub(super) const SECOND: Places = Places {
     is_wide: true,
 };
 
-impl Places {
-    /// Bytes of a number, of a size and of a code.
+impl HeaderLayout {
+    /// Bytes of a number, a size and a code.
     pub fn widths(&self) -> (usize, usize, usize) {
         if self.is_wide { (8, 8, 4) } else { (4, 2, 2) }
     }
 }
 
-/// Codes and names of types.
+/// Codes of types, with the names of unsupported ones.
 const TYPES: [(i64, Result<SampleType, &str>); 17] = [
     (1, Err("bits")),
     (2, Ok(SampleType::U8)),
@@ -114,46 +113,44 @@ const TYPES: [(i64, Result<SampleType, &str>); 17] = [
     (2304, Err("RGBA32")),
 ];
 
-/// Where the axes of an image of Analyze 7.5 point, by its orientation: the first three transverse, coronal and sagittal, then
-/// the same with rows from the other side.
+/// Axes of Analyze 7.5 by orientation code: transverse, coronal, sagittal, then the three with rows reversed.
 const ANALYZE_AXES: [&str; 6] = ["LAS", "LSA", "ASL", "LPS", "LIA", "AIL"];
-/// Where that orientation is.
+/// Offset of the orientation code.
 const ANALYZE_ORIENTATION: usize = 252;
 
-/// The bytes of a header, and how they are read.
 pub(super) struct Header<'s, 'a> {
     source: &'s Source<'a>,
     bytes: &'s [u8],
     is_analyze: bool,
     big_endian: bool,
-    places: &'static Places,
+    layout: &'static HeaderLayout,
 }
 
-/// The version and the order of bytes of what begins with these.
-pub(super) fn version(start: &[u8]) -> Option<(&'static Places, bool)> {
+/// Version and byte order by the first field; the flag is `true` for big endian.
+pub(super) fn version(start: &[u8]) -> Option<(&'static HeaderLayout, bool)> {
     let first = *start.first_chunk()?;
-    let versions = [&FIRST, &SECOND].into_iter().flat_map(|places| [(places, false), (places, true)]);
-    versions.into_iter().find(|(places, big_endian)| {
+    let versions = [&NIFTI1, &NIFTI2].into_iter().flat_map(|layout| [(layout, false), (layout, true)]);
+    versions.into_iter().find(|(layout, big_endian)| {
         let size = if *big_endian { u32::from_be_bytes(first) } else { u32::from_le_bytes(first) };
-        size as usize == places.bytes
+        size as usize == layout.bytes
     })
 }
 
-/// Whether a whole file is a header of Analyze 7.5: as long as the first one of NIfTI and without its magic.
+/// Whether a file is a header of Analyze 7.5: as long as that of NIfTI-1, without the magic.
 pub(super) fn is_analyze(file: &[u8]) -> bool {
-    let is_first = version(file).is_some_and(|(places, _)| places.bytes == FIRST.bytes);
-    is_first && file.len() == FIRST.bytes && file[FIRST.magic] != b'n'
+    let is_first = version(file).is_some_and(|(layout, _)| layout.bytes == NIFTI1.bytes);
+    is_first && file.len() == NIFTI1.bytes && file[NIFTI1.magic] != b'n'
 }
 
 impl<'s, 'a> Header<'s, 'a> {
-    /// The header that `bytes` begin with; `is_whole`: they are the whole file.
+    /// Header at the start of `bytes`; `is_whole` means that nothing follows in the file.
     pub fn new(source: &'s Source<'a>, bytes: &'s [u8], is_whole: bool) -> Result<Header<'s, 'a>, ShapeError> {
         let malformed = |at: usize, expected, found| source.malformed_at(Location::Byte(at as u64), expected, found);
-        let Some((places, big_endian)) = version(bytes) else {
+        let Some((layout, big_endian)) = version(bytes) else {
             let found = quoted(&bytes[..bytes.len().min(4)]);
             return Err(malformed(0, "348 or 540, the size of a NIfTI header", found));
         };
-        if bytes.len() < places.bytes {
+        if bytes.len() < layout.bytes {
             return Err(malformed(
                 bytes.len(),
                 "a header of 348 bytes, or 540 of NIfTI-2",
@@ -161,25 +158,25 @@ impl<'s, 'a> Header<'s, 'a> {
             ));
         }
         let is_analyze = is_whole && is_analyze(bytes);
-        let header = Header { source, bytes: &bytes[..places.bytes], is_analyze, big_endian, places };
-        let magic = &bytes[places.magic..][..places.single.len()];
-        if !is_analyze && magic != places.single && magic != places.pair {
-            return Err(malformed(places.magic, "`n+1` or `ni1`, for NIfTI-2 `n+2` or `ni2`", quoted(magic)));
+        let header = Header { source, bytes: &bytes[..layout.bytes], is_analyze, big_endian, layout };
+        let magic = &bytes[layout.magic..][..layout.single.len()];
+        if !is_analyze && magic != layout.single && magic != layout.pair {
+            return Err(malformed(layout.magic, "`n+1` or `ni1`, for NIfTI-2 `n+2` or `ni2`", quoted(magic)));
         }
         Ok(header)
     }
 
-    /// Whether the data is in a file of its own.
+    /// Whether the data is in a separate file.
     pub fn is_pair(&self) -> bool {
-        self.is_analyze || self.bytes[self.places.magic..].starts_with(self.places.pair)
+        self.is_analyze || self.bytes[self.layout.magic..].starts_with(self.layout.pair)
     }
 
-    /// Byte at which the data begins, in its file.
+    /// Offset of the data in its file.
     pub fn offset(&self) -> Result<u64, ShapeError> {
-        let at = self.places.offset;
-        let offset = if self.places.is_wide { self.integer(at, 8) as f64 } else { self.number(at) };
-        // Behind the header is the word that says whether there are extensions.
-        let least = if self.is_pair() { 0 } else { self.places.bytes + 4 };
+        let at = self.layout.offset;
+        let offset = if self.layout.is_wide { self.integer(at, 8) as f64 } else { self.number(at) };
+        // 4 bytes after the header tell of extensions.
+        let least = if self.is_pair() { 0 } else { self.layout.bytes + 4 };
         if offset == 0.0 && least > 0 {
             self.source
                 .note(format!("vox_offset is 0: its data is taken to be right behind the header, from byte {least}"));
@@ -192,18 +189,17 @@ impl<'s, 'a> Header<'s, 'a> {
         Ok(offset as u64)
     }
 
-    /// What the samples are and where.
-    pub fn raster(&self, packing: Packing) -> Result<Raster, ShapeError> {
+    pub fn raster(&self, compression: Compression) -> Result<Raster, ShapeError> {
         let (size, kind, scale) = (self.size()?, self.kind()?, self.scale()?);
         let (space, place) = self.placement()?;
-        let description = &self.bytes[self.places.description..][..80];
+        let description = &self.bytes[self.layout.description..][..80];
         let is_distance = description.strip_prefix(SIGNED_DISTANCE).is_some_and(|rest| rest[0] == 0);
         let content = if is_distance { Content::SignedDistance } else { Content::Scalar };
         let placement = Placement::new(space, size, place, content);
-        Ok(Raster { kind, big_endian: self.big_endian, packing, scale, placement })
+        Ok(Raster { kind, big_endian: self.big_endian, compression, scale, placement })
     }
 
-    /// A whole number of so many bytes.
+    /// Signed integer of `bytes` bytes.
     fn integer(&self, at: usize, bytes: usize) -> i64 {
         let mut number = [0; 8];
         for (i, byte) in self.bytes[at..][..bytes].iter().enumerate() {
@@ -213,9 +209,9 @@ impl<'s, 'a> Header<'s, 'a> {
         i64::from_le_bytes(number) << unused >> unused
     }
 
-    /// A number, of 4 or 8 bytes as all are.
+    /// Float of 4 or 8 bytes.
     fn number(&self, at: usize) -> f64 {
-        if self.places.is_wide {
+        if self.layout.is_wide {
             f64::from_bits(self.integer(at, 8) as u64)
         } else {
             f64::from(f32::from_bits(self.integer(at, 4) as u32))
@@ -223,26 +219,20 @@ impl<'s, 'a> Header<'s, 'a> {
     }
 
     fn numbers<const N: usize>(&self, at: usize) -> [f64; N] {
-        let (width, ..) = self.places.widths();
+        let (width, ..) = self.layout.widths();
         std::array::from_fn(|i| self.number(at + i * width))
     }
 
     fn malformed(&self, at: usize, expected: &'static str, found: String) -> ShapeError {
-        ShapeError::Malformed { file: self.source.file.clone(), place: Location::Byte(at as u64), expected, found }
+        self.source.malformed_at(Location::Byte(at as u64), expected, found)
     }
 
     fn unsupported(&self, at: usize, what: &'static str, found: String, remedy: &'static str) -> ShapeError {
-        ShapeError::Unsupported {
-            file: self.source.file.clone(),
-            place: Location::Byte(at as u64),
-            what,
-            found,
-            remedy,
-        }
+        self.source.unsupported(Location::Byte(at as u64), what, found, remedy)
     }
 
     fn size(&self) -> Result<[u32; 3], ShapeError> {
-        let (at, (_, width, _)) = (self.places.dim, self.places.widths());
+        let (at, (_, width, _)) = (self.layout.dim, self.layout.widths());
         let dimensions = self.integer(at, width);
         if !(1..=7).contains(&dimensions) {
             return Err(self.malformed(at, "1 to 7 dimensions", dimensions.to_string()));
@@ -264,15 +254,15 @@ impl<'s, 'a> Header<'s, 'a> {
     }
 
     fn kind(&self) -> Result<SampleType, ShapeError> {
-        let at = self.places.datatype;
+        let at = self.layout.datatype;
         let code = self.integer(at, 2);
         let known = TYPES.iter().find(|(known, _)| *known == code).map(|(_, kind)| *kind);
         match known {
             Some(Ok(kind)) => {
-                let bits = self.integer(self.places.bitpix, 2);
+                let bits = self.integer(self.layout.bitpix, 2);
                 if bits != 0 && bits as u64 != 8 * kind.bytes() {
                     let expected = "as many bits as the datatype has";
-                    return Err(self.malformed(self.places.bitpix, expected, format!("{bits} for {kind}")));
+                    return Err(self.malformed(self.layout.bitpix, expected, format!("{bits} for {kind}")));
                 }
                 Ok(kind)
             }
@@ -285,7 +275,7 @@ impl<'s, 'a> Header<'s, 'a> {
     }
 
     fn scale(&self) -> Result<Option<[f64; 2]>, ShapeError> {
-        let [slope, rest] = self.numbers(self.places.scale);
+        let [slope, rest] = self.numbers(self.layout.scale);
         if slope == 0.0 {
             return Ok(None);
         }
@@ -303,26 +293,25 @@ impl<'s, 'a> Header<'s, 'a> {
         };
         if !slope.is_finite() || !rest.is_finite() {
             let expected = "a finite scl_slope and scl_inter (a slope of 0 for none)";
-            return Err(self.malformed(self.places.scale, expected, format!("{slope} and {rest}")));
+            return Err(self.malformed(self.layout.scale, expected, format!("{slope} and {rest}")));
         }
         Ok(Some([slope, rest]).filter(|scale| *scale != [1.0, 0.0]))
     }
 
-    /// The space of the file, the position of the first sample in it, and the steps to the next on each axis: by the sform, else
-    /// by the qform, else by distances alone.
+    /// Space, position of the first sample and steps: from the sform, else the qform, else the spacing alone.
     fn placement(&self) -> Result<(Space, (DVec3, DMat3)), ShapeError> {
-        let (places, (number, _, code)) = (self.places, self.places.widths());
+        let (layout, (number, _, code)) = (self.layout, self.layout.widths());
         let [qform, sform] = match self.is_analyze {
             true => [0; 2],
-            false => [0, 1].map(|i| self.integer(places.codes + i * code, code)),
+            false => [0, 1].map(|i| self.integer(layout.codes + i * code, code)),
         };
-        let rows_at = places.forms + 6 * number;
+        let rows_at = layout.forms + 6 * number;
         let (at, origin, steps) = if sform > 0 {
             let [x, y, z] = [0, 4, 8].map(|i| self.numbers::<4>(rows_at + i * number));
             let column = |i: usize| DVec3::new(x[i], y[i], z[i]);
             (rows_at, column(3), DMat3::from_cols(column(0), column(1), column(2)))
         } else {
-            let [side, sizes @ ..]: [f64; 4] = self.numbers(places.pixdim);
+            let [side, sizes @ ..]: [f64; 4] = self.numbers(layout.pixdim);
             let sizes = or_usual(self.source, "pixdim", sizes, 0.0, 1.0);
             if sizes.min_element() < 0.0 {
                 let text = "their magnitudes are taken, directions are not in them";
@@ -332,9 +321,9 @@ impl<'s, 'a> Header<'s, 'a> {
             if qform > 0 {
                 let side = DVec3::new(1.0, 1.0, if side < 0.0 { -1.0 } else { 1.0 });
                 let turn = self.turn()? * DMat3::from_diagonal(side);
-                (places.pixdim, DVec3::from(self.numbers(places.forms + 3 * number)), turn * sizes)
+                (layout.pixdim, DVec3::from(self.numbers(layout.forms + 3 * number)), turn * sizes)
             } else {
-                (places.pixdim, DVec3::ZERO, sizes)
+                (layout.pixdim, DVec3::ZERO, sizes)
             }
         };
         if !origin.is_finite() {
@@ -346,7 +335,7 @@ impl<'s, 'a> Header<'s, 'a> {
         Ok((if self.is_analyze { self.analyze_space()? } else { Space::RAS }, (origin, steps)))
     }
 
-    /// Where the axes of an image of Analyze point.
+    /// Axes of an Analyze image.
     fn analyze_space(&self) -> Result<Space, ShapeError> {
         let code = self.bytes[ANALYZE_ORIENTATION];
         let letters = ANALYZE_AXES.get(usize::from(code)).copied();
@@ -359,14 +348,14 @@ impl<'s, 'a> Header<'s, 'a> {
         Ok(space)
     }
 
-    /// The rotation of the qform.
+    /// Rotation of the qform.
     fn turn(&self) -> Result<DMat3, ShapeError> {
-        let parts: [f64; 3] = self.numbers(self.places.forms);
+        let parts: [f64; 3] = self.numbers(self.layout.forms);
         let vector = DVec3::from(parts);
         let square = 1.0 - vector.length_squared();
         if !square.is_finite() || square < -1e-5 {
             let expected = "a quaternion whose parts have squares of 1 together at most";
-            return Err(self.malformed(self.places.forms, expected, shown(&parts)));
+            return Err(self.malformed(self.layout.forms, expected, shown(&parts)));
         }
         let real = if square < HALF_TURN { 0.0 } else { square.sqrt() };
         Ok(DMat3::from_quat(DQuat::from_xyzw(vector.x, vector.y, vector.z, real).normalize()))

@@ -1,9 +1,8 @@
 //! Wavefront OBJ: polygons.
 //!
-//! Role: `v` and `f` statements into a mesh. Invariant: an index is checked against the vertices above its line.
-//! Source: Alias|Wavefront, "Object Files (.obj)", Advanced Visualizer manual, appendix B1, 1995. Read here and not by
-//! the tobj crate, which gives no line numbers, splits vertices between objects, refuses comments that are not UTF-8 or
-//! follow data, and lets NaN pass.
+//! Role: `v` and `f` statements as a mesh. Invariant: an index is checked against the vertices above its line.
+//! Source: Alias|Wavefront, "Object Files (.obj)", Advanced Visualizer manual, appendix B1, 1995. The crate tobj gives no line
+//! numbers, splits vertices between objects, refuses comments that are not UTF-8 or follow data, and accepts NaN.
 
 use super::error::{Location, ShapeError, quoted};
 use super::polygon::{self, triangulate};
@@ -11,16 +10,16 @@ use super::source::{MAX_LINE, Source, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
 use glam::DVec3;
 
-/// Reads positions and faces; polygons become triangles.
+/// Reads positions and faces; polygons are triangulated.
 ///
-/// Normals, texture coordinates, colors, materials, groups, points and lines have no part in the surface and are passed
-/// over, and so is a fourth coordinate (the weight of a control point). Curved surfaces are refused.
+/// Normals, texture coordinates, colors, materials, groups, points, lines and fourth coordinates (weights of control points)
+/// are skipped. Curved surfaces are refused.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let mut positions: Vec<DVec3> = Vec::new();
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let mut polygon: Vec<u32> = Vec::new();
     let mut statement = Vec::new();
-    // Faces of fewer than 3 corners, and the line of the first; the first word that is of no statement, and its line.
+    // Number of faces with fewer than 3 corners and the line of the first; first unknown statement and its line.
     let (mut short, mut foreign) = ((0, 0), None);
     while let Some(line) = next_statement(source, &mut statement)? {
         let mut words = tokens(&statement);
@@ -30,7 +29,7 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
                 // Three vertices for each triangle, and never more than a u32 can count.
                 source.check_triangles((positions.len() as u64).div_ceil(3))?;
             }
-            // Written by versions up to 2.11 and read as a face since.
+            // `fo`: a face in files of versions up to 2.11.
             Some(b"f" | b"fo") => {
                 polygon.clear();
                 for word in words {
@@ -46,9 +45,8 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
                 }
             }
             Some(curve @ (b"curv" | b"curv2" | b"surf")) => {
-                let (file, place, found) = (source.file.clone(), Location::Line(line), quoted(curve));
                 let remedy = "convert curves and surfaces to polygons first";
-                return Err(ShapeError::Unsupported { file, place, what: "the statement", found, remedy });
+                return Err(source.unsupported(Location::Line(line), "the statement", quoted(curve), remedy));
             }
             Some(word) if foreign.is_none() && !PASSED_OVER.contains(&word) => foreign = Some((quoted(word), line)),
             _ => {}
@@ -63,11 +61,11 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     source.finish(Mesh::cleaned(&positions, triangles), format!("{} vertices and no face{unread}", positions.len()))
 }
 
-/// First words of statements that have no part in the surface.
+/// Keywords of skipped statements.
 const PASSED_OVER: [&[u8]; 10] = [b"vt", b"vn", b"vp", b"o", b"g", b"s", b"l", b"p", b"usemtl", b"mtllib"];
 
-/// Replaces `statement` by the next one; the numbers of a vertex or a face go on behind a line that ends in a backslash.
-/// Returns the number of its first line.
+/// Replaces `statement` by the next one and returns its line number. A backslash at the end continues a vertex or face on the
+/// next line.
 fn next_statement(source: &mut Source, statement: &mut Vec<u8>) -> Result<Option<u64>, ShapeError> {
     if !next_part(source, statement)? {
         return Ok(None);
@@ -76,7 +74,7 @@ fn next_statement(source: &mut Source, statement: &mut Vec<u8>) -> Result<Option
     let mut more = Vec::new();
     while statement.last() == Some(&b'\\') {
         statement.pop();
-        // A name may end in a backslash: that of a folder.
+        // Names of folders may end in a backslash.
         if !matches!(tokens(statement).next(), None | Some(b"v" | b"f" | b"fo")) || !next_part(source, &mut more)? {
             break;
         }
@@ -89,7 +87,7 @@ fn next_statement(source: &mut Source, statement: &mut Vec<u8>) -> Result<Option
     Ok(Some(first))
 }
 
-/// Replaces `part` by the next line, without its comment and the white space at its end; `false` at the end of the file.
+/// Replaces `part` by the next line without comment and trailing white space; `false` at the end of the file.
 fn next_part(source: &mut Source, part: &mut Vec<u8>) -> Result<bool, ShapeError> {
     let is_there = source.next_line(part)?;
     let text = part.split(|byte| *byte == b'#').next().unwrap_or_default();
@@ -106,13 +104,11 @@ fn position<'a>(source: &Source, mut words: impl Iterator<Item = &'a [u8]>) -> R
     Ok(DVec3::from(xyz))
 }
 
-/// The position index of `7`, `7/2`, `7//3` or `7/2/3`, counted from 1, or backwards from -1.
+/// Position index of `7`, `7/2`, `7//3` or `7/2/3`, counted from 1, or backwards from -1.
 fn index(source: &Source, line: u64, word: &[u8], count: usize) -> Result<u32, ShapeError> {
     let digits = word.split(|&byte| byte == b'/').next().unwrap_or_default();
-    let text = std::str::from_utf8(digits).ok();
-    let index: i64 = text
-        .and_then(|text| text.parse().ok())
-        .ok_or_else(|| source.malformed("a vertex index (as 7, 7/2, 7//3 or 7/2/3)", word))?;
+    let malformed = || source.malformed("a vertex index (as 7, 7/2, 7//3 or 7/2/3)", word);
+    let index: i64 = number(digits).ok_or_else(malformed)?;
     let from_zero = if index < 0 { index.checked_add(count as i64) } else { index.checked_sub(1) };
     match from_zero {
         Some(from_zero) if (0..count as i64).contains(&from_zero) => Ok(from_zero as u32),
@@ -120,7 +116,7 @@ fn index(source: &Source, line: u64, word: &[u8], count: usize) -> Result<u32, S
     }
 }
 
-// Every index fits: a u32 counts more vertices than three for each triangle.
+// Every index fits a u32.
 const _: () = assert!(3 * MAX_TRIANGLES < u32::MAX as u64);
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
-//! From a name or a path to a shape.
+//! Opening of built-in objects and files.
 //!
-//! Role: choose between built-in objects and file formats. Invariant: only plain files are opened, and a format is
-//! chosen by what is in the file before by what it is called.
+//! Invariant: only plain files are opened; content decides the format before the extension.
 
 use super::error::{Location, quoted, shown, unreadable};
 use super::source::Source;
-use super::{BUILT_IN, MEMORY, Shape, ShapeError, dicom, generated, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
+use super::{BUILT_IN, MEMORY, Shape, ShapeError, built_in, dicom, gltf, meta, nifti, nrrd, obj, ply, raw, stl, vdb};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use support::open::{self as plain, OpenError};
@@ -15,13 +14,13 @@ use support::words::nearest;
 struct Format {
     /// Extensions without the dot, lower case.
     extensions: &'static [&'static str],
-    /// Whether a file with these first bytes (up to 1024) and this length in bytes is surely of this format.
+    /// Whether the first bytes (up to 1024) and the length identify the format.
     recognizes: fn(&[u8], u64) -> bool,
     /// Reads the file from its start.
     read: fn(&mut Source) -> Result<Shape, ShapeError>,
 }
 
-/// The formats, tried in this order; a new format is one more line.
+/// Formats in the order in which they are tried.
 const FORMATS: &[Format] = &[
     Format { extensions: &["nrrd", "nhdr"], recognizes: nrrd::recognizes, read: nrrd::read },
     Format { extensions: &["mhd", "mha"], recognizes: meta::recognizes, read: meta::read },
@@ -37,11 +36,10 @@ const FORMATS: &[Format] = &[
 
 /// Opens a built-in object or a file.
 ///
-/// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The format of a file
-/// is chosen by its content where the content tells (NRRD, MetaImage, DICOM, OpenVDB, NIfTI, glTF, PLY, STL), else by its
-/// extension (OBJ). Coordinates stay as they are in the file, but those of DICOM are turned to the axes of NIfTI. A folder is
-/// the DICOM series in it, and a slice stands for its series; other folders, devices and pipes are refused. Each note of
-/// [`Opened`] becomes a warning in the log.
+/// A name in [`BUILT_IN`] always means the built-in object; write `./sphere` for a file of that name. The content decides the
+/// format (NRRD, MetaImage, DICOM, OpenVDB, NIfTI, glTF, PLY, STL), else the extension (OBJ). Coordinates stay as they are in
+/// the file; those of DICOM and MetaImage are converted to the axes of NIfTI. A folder means the DICOM series in it, and a
+/// slice its whole series; other folders, devices and pipes are refused. Each note of [`Opened`] is logged as a warning.
 ///
 /// # Errors
 /// Any [`ShapeError`]; its message is one line.
@@ -49,16 +47,16 @@ pub fn open(name_or_path: &str) -> Result<Shape, ShapeError> {
     Ok(Opened::of(name_or_path)?.warned(name_or_path))
 }
 
-/// A shape, and what is known of its file besides.
+/// A shape with notes about its file.
 #[derive(Clone, Debug)]
 pub struct Opened {
-    /// What [`open`] gives.
+    /// The shape itself.
     pub shape: Shape,
-    /// What a person should know: short sentences, each about something that was assumed or left out.
+    /// Short sentences about assumptions and omissions.
     pub notes: Vec<String>,
-    /// Other files that it was read from: the data of a header, the slices of a series.
+    /// Other files of the shape: the data of a header, the slices of a series.
     pub others: Vec<PathBuf>,
-    /// The grids of an OpenVDB file, each with what it is.
+    /// Names and types of the grids of an OpenVDB file.
     pub grids: Vec<String>,
 }
 
@@ -71,10 +69,10 @@ impl Opened {
         Opened::with_grid(name_or_path, None)
     }
 
-    /// The same, of an OpenVDB file the grid of this name; none stands for the one that [`open`] reads.
+    /// Opens a built-in object or a file, with a grid of an OpenVDB file by name; `None` is the default grid.
     ///
     /// # Errors
-    /// Those of [`open`], and a grid that the file does not have.
+    /// Those of [`open`], and [`ShapeError::NoGrid`].
     pub fn with_grid(name_or_path: &str, grid: Option<&str>) -> Result<Opened, ShapeError> {
         let alone = |shape, notes| match grid {
             Some(grid) => Err(no_grids(shown(name_or_path), grid)),
@@ -83,7 +81,7 @@ impl Opened {
         if name_or_path.starts_with(MEMORY) {
             return Err(ShapeError::InMemory { name: shown(name_or_path) });
         }
-        if let Some(shape) = generated::built_in(name_or_path) {
+        if let Some(shape) = built_in::by_name(name_or_path) {
             return alone(shape, Vec::new());
         }
         let path = Path::new(name_or_path);
@@ -96,14 +94,13 @@ impl Opened {
         parse(name_or_path, len, (Some(folder), grid), &mut BufReader::new(opened))
     }
 
-    /// The shape, once its notes are in the log.
+    /// Logs the notes and returns the shape.
     pub fn warned(self, name: &str) -> Shape {
         self.notes.iter().for_each(|note| log::warn!("{}: {note}", shown(name)));
         self.shape
     }
 }
-/// Reads the content of a file that is already in memory; `name` supplies the extension and the name for messages.
-/// Notes become warnings as in [`open`].
+/// Reads a file that is already in memory; `name` gives the extension and the name for messages. Notes are logged as warnings.
 ///
 /// # Errors
 /// Any [`ShapeError`] that the content can cause.
@@ -111,7 +108,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Shape, ShapeError> {
     Ok(read_noted(name, bytes)?.warned(name))
 }
 
-/// [`read`], with its notes.
+/// Like [`read`], but returns the notes.
 ///
 /// # Errors
 /// Those of [`read`].
@@ -119,7 +116,6 @@ pub fn read_noted(name: &str, mut bytes: &[u8]) -> Result<Opened, ShapeError> {
     parse(name, bytes.len() as u64, (None, None), &mut bytes)
 }
 
-/// Extensions of all formats, for messages.
 fn known_extensions() -> String {
     let all = FORMATS.iter().flat_map(|format| format.extensions);
     all.map(|extension| format!(".{extension}")).collect::<Vec<_>>().join(", ")
@@ -160,12 +156,11 @@ fn parse(
     }
 }
 
-/// The format that a file with this start is surely of.
 fn by_content(start: &[u8], len: u64) -> Option<&'static Format> {
     FORMATS.iter().find(|format| (format.recognizes)(start, len))
 }
 
-/// Whether the start is that of Latin text with the byte order mark of UTF-16.
+/// Whether the file begins as Latin text in UTF-16, with a byte order mark.
 fn is_utf_16(start: &[u8]) -> bool {
     let low = match start {
         [0xff, 0xfe, ..] => 0,
@@ -175,7 +170,7 @@ fn is_utf_16(start: &[u8]) -> bool {
     start[2..].chunks_exact(2).take(8).all(|pair| pair[low].is_ascii() && pair[1 - low] == 0)
 }
 
-/// A grid is asked for, and the file is not of a format that has some.
+/// A grid is requested from a file of another format than OpenVDB.
 fn no_grids(file: String, grid: &str) -> ShapeError {
     ShapeError::NoGrid { file, name: quoted(grid.as_bytes()), known: "none: files of OpenVDB have grids".into() }
 }
@@ -186,7 +181,7 @@ fn by_extension(name: &str) -> Option<&'static Format> {
     FORMATS.iter().find(|format| format.extensions.iter().any(ends))
 }
 
-/// Why a path cannot be opened: a wrong name if it looks like one, else a missing or unreadable file.
+/// Error of a path that cannot be opened: an unknown name if it does not look like a path.
 fn unopened(name: &str, error: OpenError) -> ShapeError {
     let file = shown(name);
     match error {

@@ -1,32 +1,31 @@
 //! The Shepp-Logan head.
 //!
-//! Role: a scalar volume with a known answer. Invariant: away from the surfaces a value is the sum of the ellipsoids
-//! that contain it. Sources: L. Shepp and B. Logan, "The Fourier reconstruction of a head section", IEEE Transactions
-//! on Nuclear Science 21, 1974 (the plane figure); P. Toft, "The Radon transform", thesis, 1996, table B.3 (the visible
-//! contrast); M. Schabel, "phantom3d", 2005 (the third dimension).
+//! Invariant: away from the surfaces a value is the sum of the ellipsoids that contain it. Sources: L. Shepp and B. Logan, "The
+//! Fourier reconstruction of a head section", IEEE Transactions on Nuclear Science 21, 1974 (2D); P. Toft, "The Radon
+//! transform", thesis, 1996, table B.3 (contrast); M. Schabel, "phantom3d", 2005 (3D).
 //!
 //! Values: 0 outside and in the ventricles, 1 in the skull (0.88 in the middle of its thinnest parts), 0.2 in the
 //! brain, 0.3 in the small structures.
 //! - iso 0.5: the skull; its outer surface is the first ellipsoid.
-//! - iso 0.25: the same from outside; cut open, the small structures stand in the hollow skull.
-//! - iso 0.1: the same from outside; cut open, the head is filled and the two ventricles are hollow.
+//! - iso 0.25: the skull; cut open, the small structures stand in the hollow skull.
+//! - iso 0.1: the skull; cut open, the head is filled and the two ventricles are hollow.
 
+use super::solid::ellipsoid_distance;
 use super::{Content, Volume};
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
-/// Samples per axis. With 64 the skull (0.028 thin at the sides) falls between samples, 256 is 64 MiB.
+/// Samples per axis. Lower: the skull (0.028 thin at the sides) falls between samples. 256 takes 64 MiB.
 const SIZE: u32 = 128;
 
-/// One ellipsoid in Shepp and Logan's axes: x across the head, y to the nose, z to the crown.
+/// Ellipsoid in Shepp and Logan's axes: x across the head, y to the nose, z to the crown.
 struct Ellipsoid {
-    /// Added to everything inside.
+    /// Value added inside.
     value: f32,
-    /// Half axes before turning.
+    /// Half axes before rotation.
     half_axes: [f32; 3],
-    /// Center.
     center: [f32; 3],
-    /// Turn about z, degrees, counterclockwise.
+    /// Counterclockwise rotation about z in degrees.
     turn: f32,
 }
 
@@ -34,8 +33,8 @@ const fn ellipsoid(value: f32, half_axes: [f32; 3], center: [f32; 3], turn: f32)
     Ellipsoid { value, half_axes, center, turn }
 }
 
-/// Schabel's table has one more column, psi = 10 for the ventricles: with his theta of 0 it only adds to the turn and
-/// makes the two sides unequal; it is left out, which gives the angles of the plane figure.
+/// Schabel's table also has psi = 10 for the ventricles; with his theta of 0 it would only make the two sides unequal. Without
+/// it, the angles are those of the 2D phantom.
 const ELLIPSOIDS: [Ellipsoid; 10] = [
     ellipsoid(1.0, [0.69, 0.92, 0.81], [0.0, 0.0, 0.0], 0.0), // the skull
     ellipsoid(-0.8, [0.6624, 0.874, 0.78], [0.0, -0.0184, 0.0], 0.0), // the brain in it
@@ -51,9 +50,9 @@ const ELLIPSOIDS: [Ellipsoid; 10] = [
 
 /// The head: 128^3 scalars over [-1, 1]^3, the outermost samples on the faces; y to the crown, face towards +z.
 ///
-/// Range [0, 1] up to rounding. Each value is the sum over the ellipsoids of their value times the part of the sample's
-/// neighborhood (a voxel to both sides) that they cover, by the first-order distance to the ellipsoid. Unlike counting
-/// sub-samples this has no steps, and where one surface is alone the middle of its two values lies on it to 1/20 voxel.
+/// Range [0, 1] up to rounding. A value sums each ellipsoid's value times the part of the neighborhood (a voxel to both sides)
+/// inside of it, by the first-order distance. Unlike supersampling this has no steps; an isolated surface lies at the mean of
+/// its two values to 1/20 voxel.
 pub fn head() -> Volume {
     let spacing = 2.0 / (SIZE - 1) as f32;
     let at = |index: usize| index as f32 * spacing - 1.0;
@@ -70,22 +69,15 @@ pub fn head() -> Volume {
     Volume { size: [SIZE; 3], origin, steps, values, content: Content::Scalar }
 }
 
-/// The filtered phantom at world position `p`; `reach` is the half width of the filter, `turns` undoes the turns.
+/// Filtered phantom at world position `p`; `reach` is the half width of the filter, `turns` are the inverse rotations.
 fn value(p: Vec3, reach: f32, turns: &[Mat3; ELLIPSOIDS.len()]) -> f32 {
     let p = Vec3::new(-p.x, p.z, p.y); // a rotation: world to Shepp and Logan's axes
     let parts = ELLIPSOIDS.iter().zip(turns).map(|(ellipsoid, turn)| {
-        let inside = 0.5 - 0.5 * distance(ellipsoid.half_axes, *turn * (p - Vec3::from(ellipsoid.center))) / reach;
+        let inside = 0.5
+            - 0.5 * ellipsoid_distance(*turn * (p - Vec3::from(ellipsoid.center)), ellipsoid.half_axes.into()) / reach;
         ellipsoid.value * inside.clamp(0.0, 1.0)
     });
     parts.sum()
-}
-
-/// First-order signed distance to an ellipsoid about the origin, positive outside, exact on the surface (I. Quilez,
-/// "Distance to an ellipsoid", 2008).
-fn distance(half_axes: [f32; 3], p: Vec3) -> f32 {
-    let axes = Vec3::from(half_axes);
-    let (scaled, gradient) = ((p / axes).length(), (p / (axes * axes)).length());
-    if gradient == 0.0 { -axes.min_element() } else { scaled * (scaled - 1.0) / gradient }
 }
 
 #[cfg(test)]

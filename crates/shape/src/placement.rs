@@ -1,7 +1,7 @@
-//! Where the samples of a file are in the world.
+//! Placement of a grid of samples in the world.
 //!
-//! Role: the geometry that a header declares, checked, and samples in an order that runs along the axes of the world where
-//! that can be. Invariant: every sample stays where its file says.
+//! Role: checks of the declared geometry; reordering of samples along the world axes where possible. Invariant: every sample
+//! stays where its file says.
 
 use super::axes::{Axes, directions, lengths};
 use super::error::{Location, ShapeError};
@@ -12,42 +12,41 @@ use glam::{BVec3, DMat3, DVec3};
 use std::collections::TryReserveError;
 use support::memory;
 
-/// Farther away, f32 rounding moves a sample by more than the 1/100 voxel that `Volume::sample` allows for; nearer, and
-/// micro-CT scans in scanner coordinates would be refused.
+/// Higher: f32 rounding moves a sample by more than the 1/100 voxel that `Volume::sample` tolerates. Lower: micro-CT scans in
+/// scanner coordinates are refused.
 const MAX_VOXELS_FROM_ORIGIN: f64 = 131_072.0;
-/// Volume between the unit vectors along the axes of a grid: less, and f32 cannot hold positions in it.
+/// Least determinant of the unit vectors along the axes. Lower: f32 does not resolve positions in the grid.
 const MIN_DETERMINANT: f64 = 1e-6;
-/// A part of a step that is shorter, over the length of the step, is what rounding left of a quarter turn: f32 has no more
-/// digits, and over 1000 samples it adds up to 1/10000 of a voxel.
+/// Relative size of a step component that is taken for the rounding of a quarter turn: the precision of f32; over 1000 samples
+/// it adds up to 1/10000 voxel.
 const ROUNDING: f64 = 1e-7;
 
-/// What is asked of lengths of steps.
+/// Condition of [`are_lengths`], for messages.
 pub(super) const STEPS: &str = "distances between samples from 1.2e-38 to 1e18";
 
-/// Where the samples are, x fastest, and what they mean.
+/// Grid of samples, x fastest, with their meaning.
 pub(super) struct Placement {
-    /// Samples per axis, at least 1, and their product at most [`MAX_VOXELS`].
+    /// Samples per axis, at least 1; their product is at most [`MAX_VOXELS`].
     pub size: [u32; 3],
     /// World position of the first sample.
     pub origin: DVec3,
-    /// From a sample to the next, one column for each axis: of lengths that [`are_lengths`] accepts.
+    /// Steps to the next sample, one column per axis, of lengths that [`are_lengths`] accepts.
     pub steps: DMat3,
-    /// What the values mean.
     pub content: Content,
 }
 
-/// Whether f32 can hold the lengths of steps as normal numbers.
+/// Whether f32 represents the lengths of steps as normal numbers.
 pub(super) fn are_lengths(lengths: DVec3) -> bool {
     let tiny = DVec3::splat(f64::from(f32::MIN_POSITIVE));
     (lengths.cmpge(tiny) & lengths.cmple(DVec3::splat(f64::from(MAX_COORDINATE)))).all()
 }
 
-/// Samples per axis, each at least 1, checked against [`MAX_VOXELS`].
+/// Samples per axis, checked against [`MAX_VOXELS`].
 pub(super) fn checked(file: &str, size: [u64; 3]) -> Result<[u32; 3], ShapeError> {
     at_most(file, "voxels", size, MAX_VOXELS)
 }
 
-/// Samples per axis, checked against a `limit` of their number; `what` says which voxels they are.
+/// Samples per axis, checked against a `limit`; `what` is the noun of the error.
 pub(super) fn at_most(file: &str, what: &'static str, size: [u64; 3], limit: u64) -> Result<[u32; 3], ShapeError> {
     let limit = limit.min(MAX_VOXELS);
     let voxels = size.iter().try_fold(1_u64, |product, &n| product.checked_mul(n));
@@ -71,10 +70,8 @@ impl Placement {
 
     /// An error where f32 cannot tell the samples apart, or where they would not mean what they should.
     pub fn check(&self, file: &str) -> Result<(), ShapeError> {
-        let unsupported = |what, found, remedy| {
-            let (file, place) = (file.to_owned(), Location::Header);
-            Err(ShapeError::Unsupported { file, place, what, found, remedy })
-        };
+        let unsupported =
+            |what, found, remedy| Err(ShapeError::unsupported(file, Location::Header, what, found, remedy));
         let determinant = directions(&self.steps).determinant();
         if determinant.abs() <= MIN_DETERMINANT {
             let found = format!("whose unit axes have the determinant {determinant:.1e} (the limit is 1e-6)");
@@ -94,20 +91,17 @@ impl Placement {
         }
         if self.content == Content::SignedDistance && order(&self.straight()).is_none() {
             let found = "on a grid that is not along the axes of the world".into();
-            return unsupported(
-                "a signed distance",
-                found,
-                "resample it onto these axes, or save it as a scalar volume",
-            );
+            let remedy = "resample it onto these axes, or save it as a scalar volume";
+            return unsupported("a signed distance", found, remedy);
         }
         Ok(())
     }
 
-    /// Room for the values of a volume, all `value`.
+    /// Values of a volume, all `value`.
     pub fn filled(&self, file: &str, value: f32) -> Result<Vec<f32>, ShapeError> {
         let bytes = 4 * self.voxels();
         let refused = || ShapeError::OutOfMemory { file: file.to_owned(), bytes };
-        // What is asked for is given by some systems, and taken back together with the process when it is used.
+        // Systems that overcommit memory grant the allocation and kill the process when it is used.
         if memory::available().is_some_and(|left| bytes > left) {
             return Err(refused());
         }
@@ -117,8 +111,7 @@ impl Placement {
         Ok(values)
     }
 
-    /// The volume with these values, in the order of the file. Those that are unknown are outside of the object. An error
-    /// where another one is not finite, or where there is no memory to put them into another order.
+    /// Volume of values in the order of the file. Unknown values count as outside of the object.
     pub fn volume(self, source: &Source, mut values: Vec<f32>) -> Result<Volume, ShapeError> {
         let file = &source.file;
         if let Some(first) = values.iter().position(|value| !value.is_finite()) {
@@ -146,8 +139,8 @@ impl Placement {
         Ok(Volume { size, origin: origin.as_vec3(), steps: steps.as_mat3(), values, content })
     }
 
-    /// Gives the value of the far outside to voxels that are NaN, as scanners and programs write it where they know nothing, or
-    /// infinitely far outside. `first` is the first that is not finite.
+    /// Replaces unknown voxels (NaN, or infinitely far outside) by the most outside value. `first` is the index of the first
+    /// voxel that is not finite.
     fn fill_unknown(&self, source: &Source, values: &mut [f32], first: usize) -> Result<(), ShapeError> {
         let is_scalar = self.content == Content::Scalar;
         let far = if is_scalar { f32::NEG_INFINITY } else { f32::INFINITY };
@@ -168,7 +161,7 @@ impl Placement {
         Ok(())
     }
 
-    /// The steps without what rounding left of a quarter turn.
+    /// Steps with rounding residues of quarter turns set to 0.
     fn straight(&self) -> DMat3 {
         let lengths = lengths(&self.steps).to_array();
         let column = |axis: usize| {
@@ -179,7 +172,7 @@ impl Placement {
     }
 }
 
-/// The axis of the grid that runs along each axis of the world, if one does.
+/// Grid axis along each world axis, if the grid is aligned up to order and sign.
 fn order(steps: &DMat3) -> Option<[usize; 3]> {
     let along = |row: usize| {
         let mut axes = (0..3).filter(|&axis| steps.col(axis)[row] != 0.0);
@@ -188,7 +181,7 @@ fn order(steps: &DMat3) -> Option<[usize; 3]> {
     Some([along(0)?, along(1)?, along(2)?])
 }
 
-/// Turns one axis of `count` blocks around.
+/// Reverses an axis of `count` blocks.
 fn reverse(values: &mut [f32], block: usize, count: usize) {
     for axis in values.chunks_exact_mut(block * count) {
         for i in 0..count / 2 {
@@ -198,7 +191,7 @@ fn reverse(values: &mut [f32], block: usize, count: usize) {
     }
 }
 
-/// The values with the axes in another order.
+/// Values with permuted axes.
 fn exchanged(values: &[f32], size: [u32; 3], order: [usize; 3]) -> Result<Vec<f32>, TryReserveError> {
     let [nx, ny, nz] = size.map(|n| n as usize);
     let [sx, sy, sz] = order.map(|axis| [1, nx, nx * ny][axis]);

@@ -1,13 +1,12 @@
 //! Polygon File Format (PLY): polygons and strips, as text or binary.
 //!
-//! Role: the elements `vertex`, `face` and `tristrips` into a mesh; all others are read over. Invariant: nothing is allocated
-//! for a count that the header declares. Source: G. Turk, "The PLY polygon file format", Stanford, 1994. Read here and not by
-//! the ply-rs-bw crate, which makes room for what a header declares and does not say where a file is wrong.
+//! Role: the elements `vertex`, `face` and `tristrips` as a mesh; others are skipped. Invariant: no memory is allocated for a
+//! declared count. Source: G. Turk, "The PLY polygon file format", Stanford, 1994.
 
 use super::error::{Found, Location, ShapeError, quoted};
 use super::polygon::{self, triangulate};
-use super::source::{Source, tokens};
-use super::{MAX_TRIANGLES, Mesh, Shape};
+use super::source::{Source, number, tokens};
+use super::{MAX_TRIANGLES, Mesh, SampleType, Shape};
 use glam::DVec3;
 use std::io::Read;
 
@@ -16,9 +15,9 @@ pub(super) fn recognizes(start: &[u8], _len: u64) -> bool {
     start.starts_with(b"ply\n") || start.starts_with(b"ply\r")
 }
 
-/// Reads positions, faces and strips, whatever the order and the types of their properties.
+/// Reads positions, faces and strips; properties may have any order and type.
 ///
-/// Normals, colors, texture coordinates and elements of other names have no part in the surface and are read over.
+/// Normals, colors, texture coordinates and other elements are skipped.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let header = Header::read(source)?;
     let mut parts = Parts::default();
@@ -29,77 +28,31 @@ pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
             "vertex" => parts.vertices(&mut values, element)?,
             "face" => parts.polygons(&mut values, element, false)?,
             "tristrips" => parts.polygons(&mut values, element, true)?,
-            _ if element.properties.is_empty() => {} // however many: nothing is written of them
+            _ if element.properties.is_empty() => {} // takes no bytes, whatever the count
             _ => (0..element.count).try_for_each(|_| values.element(element, |_, _| ()))?,
         }
     }
-    values.leave_rest();
+    values.note_rest();
     parts.finish(source)
 }
 
-/// Type of a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Number {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    I64,
-    U64,
-    F32,
-    F64,
+/// Type by its PLY name; those of 64 bits are a common extension.
+fn number_type(name: &[u8]) -> Option<SampleType> {
+    Some(match name {
+        b"char" => SampleType::I8,
+        b"uchar" => SampleType::U8,
+        b"short" => SampleType::I16,
+        b"ushort" => SampleType::U16,
+        b"int" => SampleType::I32,
+        b"uint" => SampleType::U32,
+        b"long" => SampleType::I64,
+        b"ulong" => SampleType::U64,
+        b"float" => SampleType::F32,
+        b"double" => SampleType::F64,
+        name => return number(name), // `int8` to `float64`
+    })
 }
 
-impl Number {
-    /// By their names; those of 64 bits are of no standard.
-    const NAMES: [(Number, [&'static str; 2]); 10] = [
-        (Number::I8, ["char", "int8"]),
-        (Number::U8, ["uchar", "uint8"]),
-        (Number::I16, ["short", "int16"]),
-        (Number::U16, ["ushort", "uint16"]),
-        (Number::I32, ["int", "int32"]),
-        (Number::U32, ["uint", "uint32"]),
-        (Number::I64, ["long", "int64"]),
-        (Number::U64, ["ulong", "uint64"]),
-        (Number::F32, ["float", "float32"]),
-        (Number::F64, ["double", "float64"]),
-    ];
-
-    fn named(name: &[u8]) -> Option<Number> {
-        let is_own = |names: &[&str; 2]| names.iter().any(|own| own.as_bytes() == name);
-        Number::NAMES.iter().find(|(_, names)| is_own(names)).map(|(number, _)| *number)
-    }
-
-    fn bytes(self) -> usize {
-        match self {
-            Number::I8 | Number::U8 => 1,
-            Number::I16 | Number::U16 => 2,
-            Number::I32 | Number::U32 | Number::F32 => 4,
-            Number::I64 | Number::U64 | Number::F64 => 8,
-        }
-    }
-
-    /// The value of bytes, the highest first.
-    fn value(self, big: [u8; 8]) -> f64 {
-        let [a, b, c, d, ..] = big;
-        match self {
-            Number::I8 => f64::from(i8::from_be_bytes([a])),
-            Number::U8 => f64::from(a),
-            Number::I16 => f64::from(i16::from_be_bytes([a, b])),
-            Number::U16 => f64::from(u16::from_be_bytes([a, b])),
-            Number::I32 => f64::from(i32::from_be_bytes([a, b, c, d])),
-            Number::U32 => f64::from(u32::from_be_bytes([a, b, c, d])),
-            Number::I64 => i64::from_be_bytes(big) as f64,
-            Number::U64 => u64::from_be_bytes(big) as f64,
-            Number::F32 => f64::from(f32::from_be_bytes([a, b, c, d])),
-            Number::F64 => f64::from_be_bytes(big),
-        }
-    }
-}
-
-/// How numbers are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Encoding {
     Text,
@@ -107,15 +60,15 @@ enum Encoding {
     Big,
 }
 
-/// A number, or a list of them, of each element of a kind.
+/// A number or a list of numbers in each element of a kind.
 struct Property {
     name: String,
-    /// The type of its length, if it is a list.
-    list: Option<Number>,
-    number: Number,
+    /// Type of the length of a list.
+    list: Option<SampleType>,
+    kind: SampleType,
 }
 
-/// Elements of one kind.
+/// Kind of elements.
 struct Element {
     name: String,
     count: u64,
@@ -123,13 +76,12 @@ struct Element {
 }
 
 impl Element {
-    /// The place of a property.
+    /// Index of a property.
     fn find(&self, names: &[&str], is_list: bool) -> Option<usize> {
         self.properties.iter().position(|p| names.contains(&p.name.as_str()) && p.list.is_some() == is_list)
     }
 }
 
-/// What the elements are.
 struct Header {
     encoding: Encoding,
     elements: Vec<Element>,
@@ -145,8 +97,7 @@ impl Header {
         }
         loop {
             if !source.next_line(&mut line)? {
-                let end = Location::Line(source.line);
-                return Err(source.malformed_at(end, "`end_header`", "the end of the file".into()));
+                return Err(source.ended("`end_header`"));
             }
             let words: Vec<&[u8]> = tokens(&line).collect();
             match words[..] {
@@ -164,20 +115,16 @@ impl Header {
                     };
                 }
                 [b"element", name, count] => {
-                    let count = std::str::from_utf8(count).ok().and_then(|count| count.parse().ok());
-                    let count = count.ok_or_else(|| source.malformed("`element NAME COUNT`", &line))?;
+                    let count = number(count).ok_or_else(|| source.malformed("`element NAME COUNT`", &line))?;
                     let name = String::from_utf8_lossy(name).into_owned();
                     elements.push(Element { name, count, properties: Vec::new() });
                 }
                 [b"property", .., name] => {
-                    let types: Option<Vec<Number>> = words[1..words.len() - 1]
-                        .iter()
-                        .filter(|word| **word != b"list")
-                        .map(|word| Number::named(word))
-                        .collect();
-                    let (list, number) = match (words[1] == b"list", types.as_deref()) {
-                        (false, Some([number])) => (None, *number),
-                        (true, Some([length, number])) => (Some(*length), *number),
+                    let types = words[1..words.len() - 1].iter().filter(|word| **word != b"list");
+                    let types: Option<Vec<SampleType>> = types.map(|word| number_type(word)).collect();
+                    let (list, kind) = match (words[1] == b"list", types.as_deref()) {
+                        (false, Some([kind])) => (None, *kind),
+                        (true, Some([length, kind])) => (Some(*length), *kind),
                         _ => {
                             return Err(
                                 source.malformed("`property TYPE NAME` or `property list TYPE TYPE NAME`", &line)
@@ -187,11 +134,7 @@ impl Header {
                     let Some(element) = elements.last_mut() else {
                         return Err(source.malformed("an `element` before its properties", &line));
                     };
-                    element.properties.push(Property {
-                        name: String::from_utf8_lossy(name).into_owned(),
-                        list,
-                        number,
-                    });
+                    element.properties.push(Property { name: String::from_utf8_lossy(name).into_owned(), list, kind });
                 }
                 _ => return Err(source.malformed("a line of a PLY header", &line)),
             }
@@ -202,26 +145,26 @@ impl Header {
     }
 }
 
-/// The numbers behind the header.
+/// Reader of the numbers after the header.
 struct Values<'a, 'b> {
     source: &'a mut Source<'b>,
     encoding: Encoding,
-    /// The line of a text, and how much of it is read.
+    /// Current line of a text file, and the number of bytes consumed of it.
     line: Vec<u8>,
     at: usize,
 }
 
 impl Values<'_, '_> {
-    /// An error where the file is too short for what the header declares.
+    /// Checks that the file is long enough for the declared count.
     fn check(&self, element: &Element) -> Result<(), ShapeError> {
         let least = |property: &Property| match (self.encoding, property.list) {
-            (Encoding::Text, _) => 2, // a digit and what ends it
-            (_, Some(length)) => length.bytes() as u64,
-            (_, None) => property.number.bytes() as u64,
+            (Encoding::Text, _) => 2, // a digit and a separator
+            (_, Some(length)) => length.bytes(),
+            (_, None) => property.kind.bytes(),
         };
         let bytes = element.properties.iter().map(least).sum::<u64>();
         let (declared, left) = (element.count.saturating_mul(bytes), self.left());
-        // The last line of a text may have no end.
+        // The last line of a text file may lack its line end.
         if declared > left + u64::from(self.encoding == Encoding::Text) {
             let what = format!("{} of {}, at least {bytes} bytes each", element.count, element.name);
             return Err(self.source.data_size(declared, what, Found::Bytes(left)));
@@ -229,30 +172,30 @@ impl Values<'_, '_> {
         Ok(())
     }
 
-    /// Reads an element: calls `take` with each number and the place of its property.
+    /// Reads an element: calls `take` with each number and the index of its property.
     fn element(&mut self, element: &Element, mut take: impl FnMut(usize, f64)) -> Result<(), ShapeError> {
         for (place, property) in element.properties.iter().enumerate() {
             let count = match property.list {
                 None => 1,
                 Some(length) => {
                     let count = self.number(length)?;
-                    let bytes = if self.encoding == Encoding::Text { 1 } else { property.number.bytes() as u64 };
+                    let bytes = if self.encoding == Encoding::Text { 1 } else { property.kind.bytes() };
                     if count < 0.0 || count.fract() != 0.0 || count * bytes as f64 > self.left() as f64 + 1.0 {
                         let found = format!("{count} numbers of `{}`", property.name);
-                        return Err(self.wrong("a list that is in the file", found));
+                        return Err(self.malformed("a list that is in the file", found));
                     }
                     count as u64
                 }
             };
             for _ in 0..count {
-                take(place, self.number(property.number)?);
+                take(place, self.number(property.kind)?);
             }
         }
         Ok(())
     }
 
-    /// Notes what is behind the last element.
-    fn leave_rest(&mut self) {
+    /// Notes bytes after the last element.
+    fn note_rest(&mut self) {
         let bytes = self.left();
         let is_blank = |byte: &u8| byte.is_ascii_whitespace();
         if self.encoding == Encoding::Text && self.line[self.at..].iter().all(is_blank) {
@@ -266,13 +209,13 @@ impl Values<'_, '_> {
         }
     }
 
-    /// Bytes that are not read yet.
+    /// Bytes not read yet.
     fn left(&self) -> u64 {
         self.source.remaining() + (self.line.len() - self.at) as u64
     }
 
-    /// What is wrong here.
-    fn wrong(&self, expected: &'static str, found: String) -> ShapeError {
+    /// Error at the current position.
+    fn malformed(&self, expected: &'static str, found: String) -> ShapeError {
         let place = match self.encoding {
             Encoding::Text => Location::Line(self.source.line),
             _ => Location::Byte(self.source.offset),
@@ -280,23 +223,20 @@ impl Values<'_, '_> {
         self.source.malformed_at(place, expected, found)
     }
 
-    fn number(&mut self, number: Number) -> Result<f64, ShapeError> {
+    fn number(&mut self, kind: SampleType) -> Result<f64, ShapeError> {
         if self.encoding == Encoding::Text {
             return self.word();
         }
         let mut bytes = [0; 8];
-        let own = &mut bytes[..number.bytes()];
-        if self.source.remaining() < own.len() as u64 {
-            return Err(self.wrong("more numbers", "the end of the file".into()));
+        let bytes = &mut bytes[..kind.bytes() as usize];
+        if self.source.remaining() < kind.bytes() {
+            return Err(self.malformed("more numbers", "the end of the file".into()));
         }
-        self.source.fill(own)?;
-        if self.encoding == Encoding::Little {
-            own.reverse();
-        }
-        Ok(number.value(bytes))
+        self.source.fill(bytes)?;
+        Ok(kind.value(bytes, self.encoding == Encoding::Big))
     }
 
-    /// The next number of a text.
+    /// Next number of a text file.
     fn word(&mut self) -> Result<f64, ShapeError> {
         loop {
             let rest = &self.line[self.at..];
@@ -304,50 +244,43 @@ impl Values<'_, '_> {
             if let Some(start) = start {
                 let word = &rest[start..];
                 let word = &word[..word.iter().position(u8::is_ascii_whitespace).unwrap_or(word.len())];
-                let value = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-                let value = value.ok_or_else(|| self.wrong("a number", quoted(word)))?;
+                let value = number(word).ok_or_else(|| self.malformed("a number", quoted(word)))?;
                 self.at += start + word.len();
                 return Ok(value);
             }
             self.at = 0;
             if !self.source.next_line(&mut self.line)? {
-                return Err(self.wrong("more numbers", "the end of the file".into()));
+                return Err(self.malformed("more numbers", "the end of the file".into()));
             }
         }
     }
 }
 
-/// What of a mesh has been read.
+/// Contents of the elements read so far.
 #[derive(Default)]
 struct Parts {
     positions: Vec<DVec3>,
-    /// The corners of all faces and strips, one after another.
+    /// Corners of all faces and strips.
     corners: Vec<u32>,
-    /// How many corners each has, and whether it is a strip.
+    /// Number of corners, and whether it is a strip.
     polygons: Vec<(u32, bool)>,
-    /// How many triangles they are.
+    /// Upper bound of the number of triangles.
     declared: u64,
 }
 
 impl Parts {
     fn vertices(&mut self, values: &mut Values<'_, '_>, element: &Element) -> Result<(), ShapeError> {
-        let place = |name: &str| {
-            let missing = || {
-                let found = quoted(name.as_bytes());
-                values.source.malformed_at(
-                    Location::Header,
-                    "numbers x, y and z of `element vertex`",
-                    format!("no {found}"),
-                )
-            };
+        let property = |name: &str| {
+            let expected = "numbers x, y and z of `element vertex`";
+            let missing = || values.source.malformed_at(Location::Header, expected, format!("no `{name}`"));
             element.find(&[name], false).ok_or_else(missing)
         };
-        let places = [place("x")?, place("y")?, place("z")?];
+        let properties = [property("x")?, property("y")?, property("z")?];
         values.source.check_triangles(element.count.div_ceil(3))?;
         for _ in 0..element.count {
             let mut position = [0.0; 3];
             values.element(element, |place, value| {
-                for (axis, own) in places.iter().enumerate() {
+                for (axis, own) in properties.iter().enumerate() {
                     if *own == place {
                         position[axis] = value;
                     }
@@ -376,7 +309,7 @@ impl Parts {
                 }
             })?;
             if let Some(value) = bad {
-                return Err(values.wrong("the index of a vertex", format!("{value}")));
+                return Err(values.malformed("the index of a vertex", format!("{value}")));
             }
             let count = self.corners.len() - before;
             self.declared += count.saturating_sub(2) as u64;
@@ -400,7 +333,7 @@ impl Parts {
             if let Some(index) = polygon.iter().find(|index| **index as usize >= count && !(is_strip && **index == END))
             {
                 let found = format!("vertex {index} of {count}, counted from 0");
-                return Err(source.malformed_at(place, "a vertex that there is", found));
+                return Err(source.malformed_at(place, "the index of a vertex", found));
             }
             if is_strip {
                 for strip in polygon.split(|index| *index == END) {
@@ -422,8 +355,8 @@ impl Parts {
     }
 }
 
-/// Where a strip of triangles ends and the next one begins.
+/// Marks the end of a triangle strip.
 const END: u32 = u32::MAX;
 
-// No vertex has that index.
+// No vertex has this index.
 const _: () = assert!(3 * MAX_TRIANGLES < END as u64);

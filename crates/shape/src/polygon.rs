@@ -1,24 +1,23 @@
-//! Polygons into triangles.
+//! Triangulation of polygons: convex ones as fans, others by ear clipping.
 //!
-//! Role: convex polygons as fans, others by ear clipping. Invariant: a polygon of n corners gives n - 2 triangles with
-//! its winding. Source: G. Meisters, "Polygons have ears", American Mathematical Monthly 82, 1975; the normal by
-//! Newell's sums.
+//! Invariant: a polygon of n corners gives n - 2 triangles with its winding. Source: G. Meisters, "Polygons have ears", American
+//! Mathematical Monthly 82, 1975; normals by Newell's method.
 
 use super::error::{Location, ShapeError};
 use super::source::Source;
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
-/// Most corners of a polygon that is not convex.
+/// Most corners of a concave polygon.
 ///
-/// The time grows as their square: a star of so many corners took 72 ms, and a made-up outline that crosses itself
-/// everywhere 0.5 s. Fewer and real outlines (lettering, plans) are refused.
+/// Time is quadratic: a star of this size took 72 ms, an outline that crosses itself everywhere 0.5 s. Lower: real outlines
+/// (lettering, plans) are refused.
 const MAX_CONCAVE_CORNERS: usize = 1 << 14;
 
 /// Appends the triangles of `polygon` (indices into `positions`, at least 3); `false` if it is concave and too large.
 ///
-/// The polygon is projected along its longest normal axis. Copies of a polygon, turned over or not, are divided alike where
-/// they are convex. Self-crossing ones have no right answer: they still give n - 2 triangles.
+/// The polygon is projected along its longest normal axis. Copies of a convex polygon, flipped or not, are divided alike.
+/// Self-intersecting polygons give n - 2 arbitrary triangles.
 pub(super) fn triangulate(polygon: &[u32], positions: &[DVec3], triangles: &mut Vec<[u32; 3]>) -> bool {
     let outline = flattened(polygon, positions);
     let n = polygon.len();
@@ -41,14 +40,13 @@ pub(super) fn triangulate(polygon: &[u32], positions: &[DVec3], triangles: &mut 
     true
 }
 
-/// A concave face of so many corners at `place` is not read.
+/// Error of a concave face with too many corners.
 pub(super) fn too_large(source: &Source, place: Location, corners: usize) -> ShapeError {
     let found = format!("with {corners} corners (the limit is {MAX_CONCAVE_CORNERS})");
-    let (file, what, remedy) = (source.file.clone(), "a concave face", "triangulate the mesh first");
-    ShapeError::Unsupported { file, place, what, found, remedy }
+    source.unsupported(place, "a concave face", found, "triangulate the mesh first")
 }
 
-/// Corners in a plane, counterclockwise as a whole.
+/// Corners projected to a plane, counterclockwise as a whole.
 fn flattened(polygon: &[u32], positions: &[DVec3]) -> Vec<DVec2> {
     let corners: Vec<DVec3> = polygon.iter().map(|&corner| positions[corner as usize]).collect();
     let next = corners.iter().cycle().skip(1);
@@ -66,7 +64,7 @@ fn flattened(polygon: &[u32], positions: &[DVec3]) -> Vec<DVec2> {
     corners.iter().map(project).collect()
 }
 
-/// Twice the signed area of a triangle: positive where a, b, c turn left.
+/// Twice the signed area of a triangle: positive if a, b, c turn left.
 fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
 }

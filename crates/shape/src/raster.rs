@@ -1,91 +1,73 @@
-//! The samples of a volume, behind a header or in files of their own.
+//! Sample data of a volume, after a header or in data files.
 //!
-//! Role: bytes or words of any type, order and packing into a [`Volume`](super::Volume). Invariant: memory grows with the
-//! data that is there, not with what the header declares, and nothing is unpacked beyond the declared size.
+//! Role: values of any type, byte order and compression as a [`Volume`](super::Volume). Invariant: memory grows with the data
+//! present, not with the declared size, and decompression stops at the declared size.
 
-use super::error::{Found, Location, ShapeError, quoted};
-use super::files::Files;
+use super::data_files::DataFiles;
+use super::decompress::{Decompressor, GZIP, Hex, ZLIB};
+use super::error::{Found, ShapeError, quoted};
 use super::placement::Placement;
 use super::source::{Source, read_block};
-use super::unpack::{GZIP, Hex, Unpacked, ZLIB};
 use super::{SampleType, Shape};
 use std::cell::Cell;
 use std::io::{self, Read};
 
-/// Most bytes that one byte of deflate can become (P. Deutsch, RFC 1951: 258 bytes for 2 bits).
+/// Highest expansion of deflate (P. Deutsch, RFC 1951: 258 bytes for 2 bits).
 pub(super) const MAX_DEFLATE_RATIO: u64 = 1032;
-/// Most bytes that one byte of bzip2 can become: a block of 900000 bytes, each 5 of them a run of 259, in 32 bytes at least.
+/// Highest expansion of bzip2: a block of 900000 bytes, each 5 of them a run of 259, in 32 bytes at least.
 const MAX_BZIP2_RATIO: u64 = 1 << 21;
-/// Most bytes that are unpacked to be skipped: more, and a small file would keep its reader waiting.
+/// Most decompressed bytes that are skipped. Higher: a small file takes seconds to read.
 pub(super) const MAX_UNPACKED_SKIP: u64 = 1 << 28;
-/// Bytes decoded at a time, a multiple of every value size; smaller costs calls, larger leaves the cache.
+/// Bytes decoded at a time, a multiple of every value size. Lower costs calls, higher leaves the cache.
 const BLOCK_BYTES: usize = 64 * 1024;
-/// Values that memory grows by at least: 16 MiB. Larger, and a small damaged file takes more than it should.
+/// Least growth of the values, 16 MiB. Higher: a small damaged file allocates too much.
 const GROWTH: usize = 4 << 20;
-/// The longest number in a text, in bytes.
+/// Longest number in a text file, in bytes.
 const MAX_WORD: usize = 400;
 
-/// What the samples are.
+/// Encoding and placement of samples.
 pub(super) struct Raster {
-    /// Type of a value in the file.
     pub kind: SampleType,
-    /// Whether the first byte of a value is its highest.
     pub big_endian: bool,
-    /// How the data is compressed.
-    pub packing: Packing,
-    /// What values are multiplied by, and what is added then.
+    pub compression: Compression,
+    /// Slope and intercept.
     pub scale: Option<[f64; 2]>,
-    /// Where they are.
     pub placement: Placement,
 }
 
-/// How data is compressed.
+/// Encoding of the bytes of sample data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Packing {
-    /// Not at all.
+pub(super) enum Compression {
     None,
-    /// It was, and the source unpacks it: its length is the most that it can be.
+    /// Decompressed by the source, whose length is only an upper bound.
     Unpacked,
-    /// As gzip does.
     Gzip,
-    /// As zlib does.
     Zlib,
-    /// As bzip2 does.
     Bzip2,
-    /// Not, but written as hexadecimal digits.
+    /// Hexadecimal digits.
     Hex,
-    /// Numbers as text, between white space or commas.
+    /// Numbers as text, separated by white space or commas.
     Text,
 }
 
-/// Bytes before the data of a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Skip {
-    /// So many.
-    Bytes(u64),
-    /// All but the data, which is at the end.
-    ToData,
-}
-
-/// Where the data is.
+/// Location of the data.
 pub(super) struct Data {
-    /// The files that hold it, if not this one.
-    pub files: Option<Files>,
-    /// Lines before it in each file.
+    /// Data files; `None` if the data follows the header.
+    pub files: Option<DataFiles>,
+    /// Lines to skip in each file.
     pub lines: u64,
-    /// Bytes before it, behind these lines.
-    pub before: Skip,
-    /// Bytes before it that are packed with it.
+    /// Bytes to skip after these lines; `None` if the data is at the end of the file.
+    pub before: Option<u64>,
+    /// Decompressed bytes to skip.
     pub inside: u64,
 }
 
 impl Data {
-    /// The rest of the file.
-    pub const HERE: Data = Data { files: None, lines: 0, before: Skip::Bytes(0), inside: 0 };
+    /// The rest of the current file.
+    pub const HERE: Data = Data { files: None, lines: 0, before: Some(0), inside: 0 };
 }
 
 impl Raster {
-    /// Reads the data.
     pub fn read(self, source: &mut Source, data: &Data) -> Result<Shape, ShapeError> {
         self.placement.check(&source.file)?;
         let (mut values, voxels) = (Vec::new(), self.placement.voxels());
@@ -116,43 +98,40 @@ impl Raster {
             }
         }
         let left = source.remaining();
-        let before = match data.before {
-            Skip::Bytes(bytes) => bytes,
-            Skip::ToData => left.saturating_sub(declared),
-        };
+        let before = data.before.unwrap_or(left.saturating_sub(declared));
         if before > left {
             return Err(source.data_size(declared, format!("{what} behind {before} bytes"), Found::Bytes(left)));
         }
         let (file, offset) = (source.file.clone(), source.offset);
-        let failed = |decoded, reason| match self.packing {
-            Packing::None | Packing::Text => ShapeError::Unreadable { file: file.clone(), reason },
-            _ => ShapeError::Packed { file: file.clone(), offset, decoded, reason },
+        let failed = |decoded, reason| match self.compression {
+            Compression::None | Compression::Text => ShapeError::Unreadable { file: file.clone(), reason },
+            _ => ShapeError::Decompression { file: file.clone(), offset, decoded, reason },
         };
         source.offset += skipped(&mut source.reader, before).map_err(|reason| failed(0, reason))?;
-        if self.packing == Packing::Text {
+        if self.compression == Compression::Text {
             return self.append_text(source, count, values);
         }
         let (here, size) = (source.remaining(), |found| source.data_size(declared, what.clone(), found));
-        let most = match self.packing {
-            Packing::None | Packing::Unpacked | Packing::Text => here,
-            Packing::Gzip | Packing::Zlib => here.saturating_mul(MAX_DEFLATE_RATIO),
-            Packing::Bzip2 => here.saturating_mul(MAX_BZIP2_RATIO),
-            Packing::Hex => here / 2,
+        let most = match self.compression {
+            Compression::None | Compression::Unpacked | Compression::Text => here,
+            Compression::Gzip | Compression::Zlib => here.saturating_mul(MAX_DEFLATE_RATIO),
+            Compression::Bzip2 => here.saturating_mul(MAX_BZIP2_RATIO),
+            Compression::Hex => here / 2,
         };
-        if self.packing == Packing::None && declared != here {
+        if self.compression == Compression::None && declared != here {
             return Err(size(Found::Bytes(here)));
         }
         if declared > most {
             return Err(size(Found::AtMost(most)));
         }
-        let packing = self.found(source)?;
+        let compression = self.found(source)?;
         let reader = &mut *source.reader;
         let padding = Cell::new(0);
-        let mut stream: Box<dyn Read> = match packing {
-            Packing::Gzip => Box::new(Unpacked::gzip(reader, &padding)),
-            Packing::Zlib => Box::new(Unpacked::zlib(reader, &padding)),
-            Packing::Bzip2 => Box::new(Unpacked::bzip2(reader, &padding)),
-            Packing::Hex => Box::new(Hex(reader)),
+        let mut stream: Box<dyn Read> = match compression {
+            Compression::Gzip => Box::new(Decompressor::gzip(reader, &padding)),
+            Compression::Zlib => Box::new(Decompressor::zlib(reader, &padding)),
+            Compression::Bzip2 => Box::new(Decompressor::bzip2(reader, &padding)),
+            Compression::Hex => Box::new(Hex(reader)),
             _ => Box::new(reader),
         };
         let inside = skipped(&mut stream, data.inside).map_err(|reason| failed(0, reason))?;
@@ -160,7 +139,7 @@ impl Raster {
             all if all == data.inside => self.append_bytes(&mut stream, declared, values, &file, &failed)?,
             _ => 0,
         };
-        // Reading on to the end checks the length and the sum that close the stream.
+        // Reading to the end checks the length and the checksum at the end of the stream.
         let more = read_block(&mut stream, &mut [0]).map_err(|reason| failed(decoded, reason))?;
         drop(stream);
         source.note_padding(padding.get());
@@ -171,19 +150,19 @@ impl Raster {
         }
     }
 
-    /// How the data is packed: gzip and zlib stand for each other in files, their first bytes tell them apart.
-    fn found(&self, source: &mut Source) -> Result<Packing, ShapeError> {
+    /// Actual compression: some headers confuse gzip and zlib; the first byte tells.
+    fn found(&self, source: &mut Source) -> Result<Compression, ShapeError> {
         let first = source.peek()?.first().copied().unwrap_or_default();
-        let (found, name) = match self.packing {
-            Packing::Zlib if first == GZIP[0] => (Packing::Gzip, "gzip"),
-            Packing::Gzip if first & 0xf == ZLIB => (Packing::Zlib, "zlib"),
-            packing => return Ok(packing),
+        let (found, name) = match self.compression {
+            Compression::Zlib if first == GZIP[0] => (Compression::Gzip, "gzip"),
+            Compression::Gzip if first & 0xf == ZLIB => (Compression::Zlib, "zlib"),
+            compression => return Ok(compression),
         };
         source.note(format!("its data is packed by {name}, which the header does not say, and is read so"));
         Ok(found)
     }
 
-    /// Appends the values of so many bytes, or of as many as there are; how many were read.
+    /// Appends the values in up to `bytes` bytes; returns the number of bytes read.
     fn append_bytes(
         &self,
         stream: &mut dyn Read,
@@ -207,31 +186,31 @@ impl Raster {
         Ok(read)
     }
 
-    /// Appends `count` numbers that are written as text.
+    /// Appends `count` numbers from text.
     fn append_text(&self, source: &mut Source, count: u64, values: &mut Vec<f32>) -> Result<(), ShapeError> {
         let mut word = Vec::new();
         for read in 0..count {
             if !next_word(source, &mut word)? {
                 let found = format!("{read} of {count}, and the end of the file");
                 let expected = "as many numbers as the header says";
-                return Err(source.malformed_at(Location::Byte(source.offset), expected, found));
+                return Err(source.malformed_here(expected, found));
             }
             let text = std::str::from_utf8(&word).ok().filter(|word| word.len() < MAX_WORD);
             let Some(number) = text.and_then(|word| self.kind.parse(word)) else {
                 let expected = "a number of the type that the header says";
-                return Err(source.malformed_at(Location::Byte(source.offset), expected, quoted(&word)));
+                return Err(source.malformed_here(expected, quoted(&word)));
             };
             self.reserve(1, values, &source.file)?;
             values.push(number);
         }
         if next_word(source, &mut word)? {
             let expected = "the end of the file behind the last number";
-            return Err(source.malformed_at(Location::Byte(source.offset), expected, quoted(&word)));
+            return Err(source.malformed_here(expected, quoted(&word)));
         }
         Ok(())
     }
 
-    /// Room for so many values more, if there are to be as many.
+    /// Reserves memory for `more` values, within the declared number.
     fn reserve(&self, more: usize, values: &mut Vec<f32>, file: &str) -> Result<(), ShapeError> {
         if values.capacity() - values.len() >= more {
             return Ok(());
@@ -243,7 +222,7 @@ impl Raster {
     }
 }
 
-/// Replaces `word` by the next one between white space and commas, cut after [`MAX_WORD`] bytes; whether there is one.
+/// Replaces `word` by the next one, cut after [`MAX_WORD`] bytes; `false` at the end of the file.
 fn next_word(source: &mut Source, word: &mut Vec<u8>) -> Result<bool, ShapeError> {
     let is_space = |byte: &u8| byte.is_ascii_whitespace() || *byte == b',';
     word.clear();
@@ -264,12 +243,12 @@ fn next_word(source: &mut Source, word: &mut Vec<u8>) -> Result<bool, ShapeError
     }
 }
 
-/// Sizes as people write them.
+/// Sizes for a message, as `4 x 5 x 3`.
 pub(super) fn sides(size: [u32; 3]) -> String {
     size.map(|n| n.to_string()).join(" x ")
 }
 
-/// Reads over so many bytes, or as many as there are; how many.
+/// Skips up to `bytes` bytes; returns their number.
 fn skipped(reader: &mut dyn Read, bytes: u64) -> io::Result<u64> {
     io::copy(&mut reader.take(bytes), &mut io::sink())
 }

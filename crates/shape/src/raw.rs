@@ -1,10 +1,8 @@
-//! Bare values: a volume without a header.
-//!
-//! Role: the bytes of a file by a layout that a person says. Invariant: the file is as long as the layout says.
+//! Raw files: volumes without a header.
 
 use super::error::{Location, ShapeError, quoted, shown, unreadable};
 use super::placement::{self, Placement};
-use super::raster::{Data, Packing, Raster, Skip, sides};
+use super::raster::{Compression, Data, Raster, sides};
 use super::source::Source;
 use super::space::Space;
 use super::{Content, SampleType, Shape};
@@ -13,27 +11,27 @@ use std::io::BufReader;
 use std::path::Path;
 use support::open as plain;
 
-/// What the bytes of a file are.
+/// Layout of a raw file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawLayout {
     /// Samples per axis, x fastest, each at least 1.
     pub size: [u32; 3],
     /// Type of a value.
     pub kind: SampleType,
-    /// Whether the first byte of a value is its highest.
+    /// Byte order.
     pub big_endian: bool,
     /// World distances between neighboring samples on each axis, positive.
     pub spacing: [f64; 3],
-    /// Bytes before the values; `None` for all but the values, which are at the end.
+    /// Bytes before the values; `None` if the values are at the end of the file.
     pub skip: Option<u64>,
 }
 
-/// Opens a file of bare values as a scalar volume whose first sample is at the origin of the world.
+/// Opens a raw file as a scalar volume whose first sample is at the world origin.
 ///
-/// Integers above 2^24 and doubles are rounded to f32; what was assumed becomes a warning in the log.
+/// Integers above 2^24 and doubles are rounded to f32; assumptions are logged as warnings.
 ///
 /// # Errors
-/// Any [`ShapeError`]; its message is one line. A layout that the length of the file does not fit to is refused.
+/// Any [`ShapeError`], also for a layout that does not fit the length of the file.
 pub fn open_raw(path: &str, layout: &RawLayout) -> Result<Shape, ShapeError> {
     let file = shown(path);
     let (opened, len) = plain::open(Path::new(path), u64::MAX).map_err(|error| unreadable(file.clone(), error))?;
@@ -51,14 +49,14 @@ pub fn open_raw(path: &str, layout: &RawLayout) -> Result<Shape, ShapeError> {
     let (steps, content) = (DMat3::from_diagonal(spacing), Content::Scalar);
     let placement = Placement::new(Space::RAS, size, (DVec3::ZERO, steps), content);
     let (kind, big_endian) = (layout.kind, layout.big_endian);
-    let raster = Raster { kind, big_endian, packing: Packing::None, scale: None, placement };
-    let data = Data { before: layout.skip.map_or(Skip::ToData, Skip::Bytes), ..Data::HERE };
+    let raster = Raster { kind, big_endian, compression: Compression::None, scale: None, placement };
+    let data = Data { before: layout.skip, ..Data::HERE };
     let shape = raster.read(&mut source, &data)?;
     source.notes.take().iter().for_each(|note| log::warn!("{}: {note}", source.file));
     Ok(shape)
 }
 
-/// A file of bare values without a layout: what it may be.
+/// Error of a raw file without a layout, with a guess.
 pub(super) fn refuse(source: &mut Source) -> Result<Shape, ShapeError> {
     let bytes = source.len;
     let side = |kind: &SampleType| (1..1291).find(|side: &u64| side.pow(3) * kind.bytes() == bytes).filter(|n| *n > 1);

@@ -1,10 +1,31 @@
-//! Distances to the analytic [`Solid`]s.
+//! Analytic solids.
 //!
-//! Role: closed forms that other code is measured against. Invariant: exact everywhere, up to f32 rounding.
-//! Source: J. Hart, "Sphere tracing", The Visual Computer 12, 1996, appendix; the torus by revolving a circle.
+//! Invariant: distances are exact up to f32 rounding. Source: J. Hart, "Sphere tracing", The Visual Computer 12, 1996, appendix.
 
-use super::{Bounds, Solid};
+use super::Bounds;
 use glam::{Vec2, Vec3};
+
+/// A solid given by a formula, centered at the origin, in world units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Solid {
+    /// All points within `radius` of the origin.
+    Sphere {
+        /// Radius.
+        radius: f32,
+    },
+    /// An axis-aligned cube.
+    Cube {
+        /// Half of the edge length.
+        half: f32,
+    },
+    /// A torus around the y axis.
+    Torus {
+        /// Distance from the axis to the center of the tube.
+        major: f32,
+        /// Radius of the tube.
+        minor: f32,
+    },
+}
 
 impl Solid {
     /// Exact signed Euclidean distance from `p` to the surface, positive outside, world units.
@@ -21,7 +42,7 @@ impl Solid {
         }
     }
 
-    /// The point of the surface closest to `p`, world units. Where several are, one of them.
+    /// Closest point of the surface to `p`, world units; any of them where several are equally close.
     ///
     /// `p` must be finite. Error: a few ulp of the largest coordinate involved.
     pub fn closest(&self, p: Vec3) -> Vec3 {
@@ -51,6 +72,15 @@ impl Solid {
         };
         Bounds { min: -max, max }
     }
+}
+
+/// First-order signed distance to an ellipsoid about the origin, positive outside, exact on the surface (I. Quilez,
+/// "Distance to an ellipsoid", 2008).
+#[inline(always)] // into the vector code of `head`
+pub(super) fn ellipsoid_distance(p: Vec3, axes: Vec3) -> f32 {
+    let (scaled, gradient) = ((p / axes).length(), (p / (axes * axes)).length());
+    let away = scaled * (scaled - 1.0) / gradient;
+    if gradient == 0.0 { -axes.min_element() } else { away }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
-//! The bytes that a format reader reads.
+//! Input of a format reader.
 //!
-//! Role: lines and blocks with the place they came from, and the checks that all formats share. Invariant: nothing is
-//! allocated for a count that a file merely declares.
+//! Role: lines and blocks with their place in the file, and checks shared by all formats. Invariant: no memory is allocated for
+//! a count that is only declared.
 
 use super::error::{Found, Location, ShapeError, quoted, shown};
 use super::{MAX_COORDINATE, MAX_TRIANGLES, Mesh, Shape};
@@ -12,14 +12,14 @@ use std::path::{Component, Path, PathBuf};
 use std::str::FromStr;
 use support::open::{self, Home, MARK};
 
-/// The longest line, in bytes, its end included.
+/// Longest line in bytes, with its end.
 pub(super) const MAX_LINE: usize = 1 << 20;
-/// The longest name of a file beside another, in bytes, with its folders.
+/// Longest relative path of a data file, in bytes.
 const MAX_NAME: usize = 1024;
-/// The longest name of a file or a folder, in bytes.
+/// Longest file or folder name, in bytes.
 const MAX_PART: usize = 255;
 
-/// An open file, or bytes that stand for one.
+/// An open file, or a file in memory.
 pub(super) struct Source<'a> {
     /// Name for messages.
     pub file: String,
@@ -29,24 +29,22 @@ pub(super) struct Source<'a> {
     pub offset: u64,
     /// Lines consumed so far by [`Source::next_line`].
     pub line: u64,
-    /// The byte that ends a line, known from the first one on.
+    /// Line terminator, detected in the first line.
     end: u8,
-    /// Where files beside it are; none where it is in memory.
+    /// Folder of the file; `None` for a file in memory.
     pub folder: Option<PathBuf>,
-    /// The grid that is asked for of a file with several.
+    /// Requested grid of an OpenVDB file.
     pub grid: Option<String>,
-    /// All grids of such a file, each with what it is.
+    /// Names and types of the grids of an OpenVDB file.
     pub grids: Vec<String>,
-    /// What a person should know about the shape besides: see [`Source::note`].
+    /// Notes for the user, see [`Source::note`].
     pub notes: RefCell<Vec<String>>,
-    /// Other files that it was read from.
+    /// Other files of the shape.
     pub others: RefCell<Vec<PathBuf>>,
-    /// What is left.
     pub reader: &'a mut dyn BufRead,
 }
 
 impl<'a> Source<'a> {
-    /// The start of `len` bytes of which nothing is consumed.
     pub fn new(file: String, len: u64, folder: Option<PathBuf>, reader: &'a mut dyn BufRead) -> Source<'a> {
         Source {
             file,
@@ -63,26 +61,25 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Reads a file beside this one, or below its folder; no link leads elsewhere, but below the current folder.
+    /// Reads a data file in the folder of this file or below. Links may lead only into that folder or the current one.
     pub fn beside<T>(
         &self,
         name: &str,
         read: impl FnOnce(&mut Source<'_>) -> Result<T, ShapeError>,
     ) -> Result<T, ShapeError> {
-        // Longer names are none of files.
+        // The system refuses longer names.
         let is_below = name.len() <= MAX_NAME
             && Path::new(name).components().all(|part| match part {
                 Component::Normal(part) => part.len() <= MAX_PART,
                 part => part == Component::CurDir,
             });
         let folder = self.folder.as_deref().filter(|_| is_below).ok_or_else(|| {
-            let (place, found) = (Location::Header, quoted(name.as_bytes()));
-            let remedy = "put the file of the data beside this one";
-            ShapeError::Unsupported { file: self.file.clone(), place, what: "the data file", found, remedy }
+            let (found, remedy) = (quoted(name.as_bytes()), "put the file of the data beside this one");
+            self.unsupported(Location::Header, "the data file", found, remedy)
         })?;
         let path = folder.join(name);
         if !Home::of(folder).holds(&path) {
-            return Err(Source::leads_out(&self.file, Location::Header, name));
+            return Err(Source::link_outside(&self.file, Location::Header, name));
         }
         let file = shown(&path.to_string_lossy());
         let (opened, len) = open::open(&path, u64::MAX).map_err(|error| ShapeError::Unreadable {
@@ -93,11 +90,17 @@ impl<'a> Source<'a> {
         let mut reader = BufReader::new(opened);
         let mut part = Source::new(file, len, None, &mut reader);
         let found = read(&mut part)?;
-        part.notes.take().into_iter().for_each(|note| self.note(note));
+        self.adopt(&part);
         Ok(found)
     }
 
-    /// Remembers what was assumed, or left out of the file: a short sentence without the file's name, once.
+    /// Takes over the notes and files of a part of this source.
+    pub fn adopt(&self, part: &Source) {
+        part.notes.take().into_iter().for_each(|note| self.note(note));
+        self.others.borrow_mut().append(&mut part.others.borrow_mut());
+    }
+
+    /// Records an assumption or omission, once: a short sentence without the name of the file.
     pub fn note(&self, text: String) {
         let mut notes = self.notes.borrow_mut();
         if !notes.contains(&text) {
@@ -105,27 +108,24 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Says that zeros fill up the file behind its packed data, if some do.
+    /// Notes zero padding after compressed data.
     pub fn note_padding(&self, zeros: u64) {
         if zeros > 0 {
             self.note(format!("{zeros} zeros behind the packed data are left out"));
         }
     }
 
-    /// Bytes that are not consumed yet.
     pub fn remaining(&self) -> u64 {
         self.len.saturating_sub(self.offset)
     }
 
-    /// Up to 1024 bytes at the current place, not consumed; fewer only near the end of the file.
+    /// Up to 1024 bytes at the current place without consuming them; fewer only near the end of the file.
     pub fn peek(&mut self) -> Result<&[u8], ShapeError> {
-        match self.reader.fill_buf() {
-            Ok(bytes) => Ok(&bytes[..bytes.len().min(1024)]),
-            Err(reason) => Err(ShapeError::Unreadable { file: self.file.clone(), reason }),
-        }
+        let unreadable = |reason| ShapeError::Unreadable { file: self.file.clone(), reason };
+        self.reader.fill_buf().map(|bytes| &bytes[..bytes.len().min(1024)]).map_err(unreadable)
     }
 
-    /// Goes over the byte order mark of a text; whether there is one.
+    /// Skips a byte order mark; returns whether there was one.
     pub fn skip_mark(&mut self) -> Result<bool, ShapeError> {
         let is_marked = self.peek()?.starts_with(MARK);
         if is_marked {
@@ -134,12 +134,12 @@ impl<'a> Source<'a> {
         Ok(is_marked)
     }
 
-    /// Replaces `line` by the next line without its end (LF, CRLF, or CR where all lines end so); `false` at the end of the
-    /// file. One that is longer than [`MAX_LINE`] is an error: a file without line ends would take its length in memory.
+    /// Replaces `line` by the next line without its end (LF, CRLF, or CR if all lines end in CR); `false` at the end of the file.
+    /// A line longer than [`MAX_LINE`] is an error: a file without line ends would be read into memory.
     pub fn next_line(&mut self, line: &mut Vec<u8>) -> Result<bool, ShapeError> {
         line.clear();
         if self.line == 0 {
-            // One CR within a line is a slip of the pen, two before the first LF are ends of lines.
+            // Two CR before the first LF are line ends; a single one is a typo.
             let first = self.peek()?.split(|byte| *byte == b'\n').next().unwrap_or_default();
             let first = first.strip_suffix(b"\r").unwrap_or(first);
             self.end = if first.iter().filter(|byte| **byte == b'\r').count() > 1 { b'\r' } else { b'\n' };
@@ -160,14 +160,14 @@ impl<'a> Source<'a> {
         Ok(bytes > 0)
     }
 
-    /// Fills `bytes`; the caller has checked that the file is long enough.
+    /// Fills `bytes`; the caller has checked the length.
     pub fn fill(&mut self, bytes: &mut [u8]) -> Result<(), ShapeError> {
         self.reader.read_exact(bytes).map_err(|reason| self.unreadable(reason))?;
         self.offset += bytes.len() as u64;
         Ok(())
     }
 
-    /// The next `N` bytes; `what` they are of is said where the file ends before.
+    /// Next `N` bytes; `what` describes them in the error of a short file.
     pub fn array<const N: usize>(&mut self, what: &str) -> Result<[u8; N], ShapeError> {
         self.expect(N as u64, what)?;
         let mut bytes = [0; N];
@@ -175,7 +175,12 @@ impl<'a> Source<'a> {
         Ok(bytes)
     }
 
-    /// The next `bytes` bytes, a number that the file declares: memory is taken for those that are there.
+    /// Next 32-bit integer in little endian.
+    pub fn u32(&mut self, what: &str) -> Result<u32, ShapeError> {
+        self.array(what).map(u32::from_le_bytes)
+    }
+
+    /// Next `bytes` bytes, a declared number: memory is allocated only for bytes present.
     pub fn block(&mut self, bytes: u64, what: &str) -> Result<Vec<u8>, ShapeError> {
         self.expect(bytes, what)?;
         let mut block = Vec::new();
@@ -184,20 +189,20 @@ impl<'a> Source<'a> {
         Ok(block)
     }
 
-    /// Goes over the next `bytes` bytes.
+    /// Skips `bytes` bytes.
     pub fn skip(&mut self, bytes: u64, what: &str) -> Result<(), ShapeError> {
         self.expect(bytes, what)?;
         let skipped = io::copy(&mut (&mut *self.reader).take(bytes), &mut io::sink());
         self.consumed(skipped, bytes, what)
     }
 
-    /// An error where fewer than `bytes` bytes are left.
+    /// Checks that `bytes` bytes are left.
     fn expect(&self, bytes: u64, what: &str) -> Result<(), ShapeError> {
         let left = self.remaining();
         if bytes <= left { Ok(()) } else { Err(self.data_size(bytes, what.into(), Found::Bytes(left))) }
     }
 
-    /// Counts what was read, an error where it is less than `bytes`.
+    /// Advances by `bytes`; an error if fewer were read.
     fn consumed(&mut self, read: io::Result<u64>, bytes: u64, what: &str) -> Result<(), ShapeError> {
         let read = read.map_err(|reason| self.unreadable(reason))?;
         if read < bytes {
@@ -207,49 +212,77 @@ impl<'a> Source<'a> {
         Ok(())
     }
 
-    /// The operating system's error.
     pub fn unreadable(&self, reason: io::Error) -> ShapeError {
         ShapeError::Unreadable { file: self.file.clone(), reason }
     }
 
-    /// `found` at the current line is not what the format asks for.
+    /// Violation of the format in the current line.
     pub fn malformed(&self, expected: &'static str, found: &[u8]) -> ShapeError {
         self.malformed_at(Location::Line(self.line), expected, quoted(found))
     }
 
-    /// `found` at `place` is not what the format asks for.
+    /// Violation of the format at `place`.
     pub fn malformed_at(&self, place: Location, expected: &'static str, found: String) -> ShapeError {
         ShapeError::Malformed { file: self.file.clone(), place, expected, found }
     }
 
-    /// The header declares `declared` bytes from here on, which is not what the file holds.
+    /// Violation of the format at the current byte.
+    pub fn malformed_here(&self, expected: &'static str, found: String) -> ShapeError {
+        self.malformed_at(Location::Byte(self.offset), expected, found)
+    }
+
+    /// End of a text file where the format expects more.
+    pub fn ended(&self, expected: &'static str) -> ShapeError {
+        self.malformed_at(Location::Line(self.line), expected, "the end of the file".into())
+    }
+
+    /// A valid part of the format at `place` that is not supported.
+    pub fn unsupported(
+        &self,
+        place: Location,
+        what: &'static str,
+        found: impl Into<String>,
+        remedy: &'static str,
+    ) -> ShapeError {
+        ShapeError::unsupported(&self.file, place, what, found, remedy)
+    }
+
+    /// More than `limit` of something that is counted.
+    pub fn too_large(&self, what: &'static str, found: impl ToString, limit: u64) -> ShapeError {
+        ShapeError::TooLarge { file: self.file.clone(), what, found: found.to_string(), limit }
+    }
+
+    /// Compressed data from byte `offset` on that is damaged after `decoded` bytes.
+    pub fn packed(&self, offset: u64, decoded: u64, reason: io::Error) -> ShapeError {
+        ShapeError::Decompression { file: self.file.clone(), offset, decoded, reason }
+    }
+
+    /// The header declares `declared` bytes from here on, which is not the length of the data.
     pub fn data_size(&self, declared: u64, what: String, found: Found) -> ShapeError {
         ShapeError::DataSize { file: self.file.clone(), offset: self.offset, declared, what, found }
     }
 
-    /// An error where `triangles` is more than [`MAX_TRIANGLES`].
+    /// Checks a number of triangles against [`MAX_TRIANGLES`].
     pub fn check_triangles(&self, triangles: u64) -> Result<(), ShapeError> {
-        if triangles <= MAX_TRIANGLES {
-            return Ok(());
+        match triangles <= MAX_TRIANGLES {
+            true => Ok(()),
+            false => Err(self.too_large("triangles", triangles, MAX_TRIANGLES)),
         }
-        let found = triangles.to_string();
-        Err(ShapeError::TooLarge { file: self.file.clone(), what: "triangles", found, limit: MAX_TRIANGLES })
     }
 
-    /// The error of a link in `file` that leads out of the folder.
-    pub(super) fn leads_out(file: &str, place: Location, name: &str) -> ShapeError {
+    /// A link in `file` that leads out of the folder.
+    pub fn link_outside(file: &str, place: Location, name: &str) -> ShapeError {
         let remedy = "it leads out of the folder, and out of the current one: put the file itself in its place, \
                   or run this in a folder that has both in it";
-        let found = quoted(name.as_bytes());
-        ShapeError::Unsupported { file: file.into(), place, what: "the link", found, remedy }
+        ShapeError::unsupported(file, place, "the link", quoted(name.as_bytes()), remedy)
     }
 
-    /// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].
+    /// Checks that coordinates are finite and at most [`MAX_COORDINATE`].
     pub fn check_positions(&self, what: &'static str, positions: &[impl Copy + Into<DVec3>]) -> Result<(), ShapeError> {
         check_positions(&self.file, what, positions)
     }
 
-    /// A cleaned mesh as a shape; an error that says what the file `holds` if nothing is left of it.
+    /// A cleaned mesh as a shape; an error with what the file `holds` instead if the mesh is empty.
     pub fn finish(&self, (mesh, zero_area): (Mesh, usize), holds: impl Into<String>) -> Result<Shape, ShapeError> {
         if mesh.triangles.is_empty() {
             let holds = if zero_area > 0 { format!("{zero_area} of zero area were dropped") } else { holds.into() };
@@ -262,7 +295,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// An error where a coordinate is not finite or its magnitude is above [`MAX_COORDINATE`].
+/// Checks that coordinates are finite and at most [`MAX_COORDINATE`].
 pub(super) fn check_positions(
     file: &str,
     what: &'static str,
@@ -282,17 +315,17 @@ pub(super) fn check_positions(
     }
 }
 
-/// A number as text; NaN and infinities pass, they are counted later.
+/// Parses a token; NaN and infinities pass and are rejected later.
 pub(super) fn number<T: FromStr>(token: &[u8]) -> Option<T> {
     std::str::from_utf8(token).ok()?.parse().ok()
 }
 
-/// The parts of `line` between white space.
+/// Whitespace-separated tokens.
 pub(super) fn tokens(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|token| !token.is_empty())
 }
 
-/// Reads until `block` is full or the input ends; how many bytes were read.
+/// Reads until `block` is full or the input ends; returns the number of bytes.
 pub(super) fn read_block(reader: &mut dyn Read, block: &mut [u8]) -> io::Result<usize> {
     let mut filled = 0;
     while filled < block.len() {

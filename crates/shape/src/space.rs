@@ -1,25 +1,24 @@
-//! The axes of a file in the world.
+//! Orientation of the axes of a file in the world.
 //!
-//! Role: the convention of a format, or the words of a header, into one orientation of all volumes. Invariant: the world is
-//! RAS, as NIfTI has it: x to the right of a patient, y to the front, z up. Sources: "nifti1.h", nifti.nimh.nih.gov; NEMA
-//! PS3.3, C.7.6.2.1.1; G. Kindlmann, "Definition of NRRD file format"; ITK, `itkMetaImageIO.cxx`, which reads LPS.
+//! Invariant: the world is RAS, as in NIfTI: x to the right of the patient, y to the front, z up. Sources: "nifti1.h",
+//! nifti.nimh.nih.gov; NEMA PS3.3, C.7.6.2.1.1; G. Kindlmann, "Definition of NRRD file format"; ITK, `itkMetaImageIO.cxx`.
 
 use super::source::Source;
 use glam::{DMat3, DVec3};
 
-/// Where the axes of a file point in the world: a column for each.
+/// World directions of the axes of a file, one column each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Space(DMat3);
 
 impl Space {
-    /// Of NIfTI, and of files that say nothing: the world.
+    /// Right, anterior, superior: NIfTI, and files without a declared space.
     pub const RAS: Space = Space(DMat3::IDENTITY);
-    /// Of DICOM and MetaImage: to the left, to the back, up.
+    /// Left, posterior, superior: DICOM and MetaImage.
     pub const LPS: Space = Space(DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0)));
-    /// Of a left-handed space that says no more: its z is turned around.
+    /// An unspecific left-handed space: z is reversed.
     pub const LEFT_HANDED: Space = Space(DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0)));
 
-    /// By a letter of each axis, the side that it points to.
+    /// Space from one letter per axis: the side that the axis points to.
     pub fn of(letters: &str) -> Option<Space> {
         let column = |letter: char| {
             "RLAPSI".find(letter.to_ascii_uppercase()).map(|at| {
@@ -33,7 +32,7 @@ impl Space {
         (axes.determinant() != 0.0).then_some(Space(axes))
     }
 
-    /// The letters of the sides that steps in this space point to, each by its longest part.
+    /// Letters of the sides that steps in this space point to, by their largest components.
     pub fn letters(self, steps: &DMat3) -> String {
         let world = self.steps(steps);
         let letter = |axis: usize| {
@@ -44,19 +43,19 @@ impl Space {
         (0..3).map(letter).collect()
     }
 
-    /// A position in the world.
+    /// World coordinates of a position.
     pub fn position(self, position: DVec3) -> DVec3 {
         self.0 * position
     }
 
-    /// Steps in the world.
+    /// World coordinates of steps.
     pub fn steps(self, steps: &DMat3) -> DMat3 {
         self.0 * *steps
     }
 }
 
-/// The three axes of an image of several dimensions, where all others have one sample: `last` are left out first, from the
-/// highest on. A note says which.
+/// The three axes of an image whose other dimensions have one sample. Surplus axes of one sample are dropped with a note:
+/// those with `last` first, then from the highest on.
 pub(super) fn three_axes(source: &Source, sizes: &[u64], last: impl Fn(usize) -> bool) -> Option<[usize; 3]> {
     let mut single: Vec<usize> = (0..sizes.len()).rev().filter(|&axis| sizes[axis] == 1).collect();
     single.sort_by_key(|&axis| !last(axis));
@@ -71,7 +70,7 @@ pub(super) fn three_axes(source: &Source, sizes: &[u64], last: impl Fn(usize) ->
     Some(axes)
 }
 
-/// Numbers of axes where a file may say none, NaN or `unknown`: `usual` is taken then, and a note says so.
+/// Numbers per axis; NaN or `unknown` is replaced by `usual`, with a note.
 pub(super) fn or_usual(source: &Source, name: &str, numbers: [f64; 3], unknown: f64, usual: f64) -> DVec3 {
     let is_unknown = |number: f64| number.is_nan() || number == unknown;
     if numbers.into_iter().any(is_unknown) {
@@ -80,7 +79,7 @@ pub(super) fn or_usual(source: &Source, name: &str, numbers: [f64; 3], unknown: 
     DVec3::from(numbers.map(|number| if is_unknown(number) { usual } else { number }))
 }
 
-/// Numbers for a message.
+/// Numbers separated by spaces.
 pub(super) fn listed(numbers: &[f64]) -> String {
     numbers.iter().map(|number| number.to_string()).collect::<Vec<_>>().join(" ")
 }

@@ -1,28 +1,27 @@
 //! Stereolithography (STL): triangles, binary or text.
 //!
-//! Role: triangles into a mesh whose equal corners are one vertex. Invariant: a file is binary if its length is the one
-//! its triangle count asks for, whatever its header says; what else is in a file is passed over with a note. Source: 3D Systems, "Stereolithography interface
-//! specification", 1988. Read here and not by the stl_io crate, which takes every header that begins with "solid " for
-//! text and gives no line numbers.
+//! Role: triangles as a mesh with welded corners. Invariant: a file whose length fits its triangle count is binary, whatever its
+//! header says; other contents are skipped with a note. Source: 3D Systems, "Stereolithography interface specification", 1988.
+//! The crate stl_io loses all but the first solid of a text file.
 
-use super::error::{Found, Location, ShapeError};
+use super::error::{Found, ShapeError};
 use super::source::{Source, number, tokens};
 use super::{MAX_TRIANGLES, Mesh, Shape};
 use glam::{DVec3, Vec3};
 
-/// Bytes before the first triangle of a binary file: 80 of free text and the count.
+/// Header of a binary file: 80 bytes of text and the triangle count.
 const HEADER_BYTES: u64 = 84;
-/// Bytes of a binary triangle: normal and 3 corners as f32, and 2 unused bytes.
+/// Bytes of a binary triangle: normal and 3 corners as f32, and 2 attribute bytes.
 const TRIANGLE_BYTES: u64 = 50;
 
-/// Whether the length fits a binary file, or the start is that of a text file.
+/// Whether the length fits a binary file, or the file begins as a text file.
 pub(super) fn recognizes(start: &[u8], len: u64) -> bool {
     let lower = start.to_ascii_lowercase();
     let has = |word: &[u8]| lower.windows(word.len()).any(|window| window == word);
     is_binary(start, len) || is_text(start) && (has(b"facet") || has(b"endsolid"))
 }
 
-/// Reads a binary or text file; the normals in the file are not used, the winding is.
+/// Reads a binary or text file; the winding counts, the normals are ignored.
 pub(super) fn read(source: &mut Source) -> Result<Shape, ShapeError> {
     let len = source.len;
     let start = source.peek()?;
@@ -40,7 +39,7 @@ fn finish(source: &Source, corners: &[impl Copy + Into<DVec3>]) -> Result<Shape,
     source.finish(Mesh::of_corners(corners), "no facet, or a count of 0 in a binary header")
 }
 
-/// The triangle count of a binary header, if there are enough bytes for one.
+/// Triangle count of a binary header, if it is complete.
 fn declared(start: &[u8]) -> Option<u64> {
     let count = start.get(80..84)?.first_chunk()?;
     Some(u64::from(u32::from_le_bytes(*count)))
@@ -52,7 +51,7 @@ fn is_binary(start: &[u8], len: u64) -> bool {
 
 fn is_text(start: &[u8]) -> bool {
     let word = start.trim_ascii_start().get(..5).unwrap_or_default();
-    // The count of a binary file below 2^24 triangles ends in a zero.
+    // The triangle count of a binary file below 2^24 triangles has a zero byte.
     word.eq_ignore_ascii_case(b"solid") && !start[..start.len().min(HEADER_BYTES as usize)].contains(&0)
 }
 
@@ -68,11 +67,11 @@ fn binary(source: &mut Source) -> Result<Vec<Vec3>, ShapeError> {
         return Err(source.data_size(needed, what, Found::Bytes(left)));
     }
     source.check_triangles(count)?;
-    // All that the triangles can be with attributes; less, where the rest cannot be that.
+    // Longest possible data with attributes.
     let most = (needed + u64::from(u16::MAX) * count).min(TRIANGLE_BYTES * MAX_TRIANGLES);
     let bytes = source.block(left.min(most), "triangles")?;
     let more = left - needed;
-    // The bytes of attributes behind a triangle, as its last two declare them; most files have something else there.
+    // Length of the attributes after a triangle, from its last two bytes; many files store other data there.
     let own = |at: usize| Some(usize::from(u16::from_le_bytes(*bytes.get(at + 48..)?.first_chunk()?)));
     let stride = TRIANGLE_BYTES as usize;
     let end = (0..count).try_fold(0, |at, _| Some(at + stride + own(at)?));
@@ -95,7 +94,7 @@ fn text(source: &mut Source) -> Result<Vec<DVec3>, ShapeError> {
     let mut corners = Vec::new();
     let mut in_loop = None;
     let mut in_solid = false;
-    // Facets of fewer than 3 corners, solids that another one ends or the file, and lines between solids.
+    // Facets with fewer than 3 corners, unterminated solids, and lines between solids.
     let (mut short, mut unended, mut between) = (0, 0, 0);
     let (mut solids, mut line) = (0, Vec::new());
     while source.next_line(&mut line)? {
@@ -134,8 +133,7 @@ fn text(source: &mut Source) -> Result<Vec<DVec3>, ShapeError> {
         }
     }
     if in_loop.is_some() {
-        let end = Location::Line(source.line);
-        return Err(source.malformed_at(end, "`endloop`", "the end of the file".into()));
+        return Err(source.ended("`endloop`"));
     }
     unended += u64::from(in_solid);
     for (count, text) in [
@@ -155,6 +153,7 @@ const _: () = assert!(3 * MAX_TRIANGLES < u32::MAX as u64);
 
 #[cfg(test)]
 mod tests {
+    use super::super::error::Location;
     use super::super::{read as read_any, read_noted};
     use super::*;
 

@@ -1,30 +1,28 @@
-//! A tank in five closed parts, each a built-in object of its own: what Satherley and Jones 2002 put hypertexture on.
+//! A tank in five closed parts, each a built-in object, after the tank of Satherley and Jones 2002.
 //!
-//! The parts are modelled together, in units of half the length of the hull, x to the front and y up; each is then
-//! brought to the size of the other built-in objects, and [`place`] says where it belongs.
+//! The parts are modelled together, in units of half the length of the hull, x to the front and y up, then scaled to the size of
+//! the other built-in objects; [`place`] gives their original place.
 
 use super::Mesh;
 use super::mesh::tessellate;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// Names of the parts, the hull first.
 pub(super) const PARTS: [&str; 5] = ["hull", "turret", "gun", "tracks", "wheels"];
-/// Height of the axles.
 const AXLE: f32 = -0.19;
-/// Radius of the loop of a track to the middle of its links, and half the distance between its ends.
+/// Radius of the loop of a track to the middle of its links, and half the length of its straight runs.
 const LOOP: [f32; 2] = [0.215, 0.7];
-/// From the middle of the tank to the middle of a track.
+/// Distance from the middle of the tank to the middle of a track.
 const GAUGE: f32 = 0.45;
 
-/// A part by its name, centered, its longest side from -1 to 1.
+/// Part by name, centered, with its longest side from -1 to 1.
 pub(super) fn part(name: &str) -> Mesh {
     let (center, scale) = place(name);
     let corners: Vec<Vec3> = model(name).into_iter().map(|corner| (corner - center) / scale).collect();
     Mesh::of_corners(&corners).0
 }
 
-/// Where a part is on the tank: the middle of its box, and half its longest side.
+/// Center of the bounding box of a part in the tank, and half its longest side.
 fn place(name: &str) -> (Vec3, f32) {
     let corners = model(name);
     let low = corners.iter().copied().fold(Vec3::INFINITY, Vec3::min);
@@ -32,7 +30,7 @@ fn place(name: &str) -> (Vec3, f32) {
     (0.5 * (low + high), 0.5 * (high - low).max_element())
 }
 
-/// The corners of the triangles of a part, closed and wound outward.
+/// Triangle corners of a part, closed and wound outward.
 fn model(name: &str) -> Vec<Vec3> {
     let both_sides = |one: &dyn Fn(f32) -> Vec<Vec3>| [one(-GAUGE), one(GAUGE)].concat();
     match name {
@@ -66,7 +64,7 @@ fn model(name: &str) -> Vec<Vec3> {
     }
 }
 
-/// The triangles of a closed surface, turned so that they are wound outward.
+/// Triangles of a closed surface, wound outward.
 fn outward(mut corners: Vec<Vec3>) -> Vec<Vec3> {
     if Mesh::of_corners(&corners).0.signed_volume() < 0.0 {
         corners.chunks_exact_mut(3).for_each(|triangle| triangle.swap(1, 2));
@@ -74,7 +72,7 @@ fn outward(mut corners: Vec<Vec3>) -> Vec<Vec3> {
     corners
 }
 
-/// What lies between two convex polygons with as many corners.
+/// Solid between two convex polygons with equally many corners.
 fn prism(a: &[Vec3], b: &[Vec3]) -> Vec<Vec3> {
     let count = a.len();
     let sides = (0..count).flat_map(|i| {
@@ -85,13 +83,13 @@ fn prism(a: &[Vec3], b: &[Vec3]) -> Vec<Vec3> {
     outward(sides.chain(caps).collect())
 }
 
-/// An outline in x and y, as far to either side as `half`.
+/// Outline in x and y, extruded from -`half` to `half` in z.
 fn across(outline: &[[f32; 2]], half: f32) -> Vec<Vec3> {
     let at = |z: f32| outline.iter().map(|[x, y]| Vec3::new(*x, *y, z)).collect::<Vec<_>>();
     prism(&at(-half), &at(half))
 }
 
-/// Half an outline in x and z, from the first height to the second, where it is smaller by `taper`.
+/// Half an outline in x and z, mirrored, extruded between two heights, scaled by `taper` at the second.
 fn upward(half: &[[f32; 2]], heights: [f32; 2], taper: f32) -> Vec<Vec3> {
     let mirrored = half.iter().rev().map(|[x, z]| [*x, -z]);
     let whole: Vec<Vec2> = half.iter().copied().chain(mirrored).map(Vec2::from).collect();
@@ -103,7 +101,7 @@ fn upward(half: &[[f32; 2]], heights: [f32; 2], taper: f32) -> Vec<Vec3> {
     prism(&at(heights[0], 1.0), &at(heights[1], taper))
 }
 
-/// A profile of (place along an axis, radius), turned around it.
+/// Solid of revolution of a profile of (position along the axis, radius).
 fn turned(from: Vec3, axis: Vec3, profile: &[[f32; 2]]) -> Vec<Vec3> {
     const AROUND: usize = 32;
     let (side, other) = axis.any_orthonormal_pair();
@@ -116,15 +114,15 @@ fn turned(from: Vec3, axis: Vec3, profile: &[[f32; 2]]) -> Vec<Vec3> {
     }))
 }
 
-/// A loop of links around the wheels of one side.
+/// Loop of links around the wheels of one side.
 fn track(z: f32) -> Vec<Vec3> {
-    /// Links along a loop, in cells: two of each four stand out.
+    /// Cells along the loop: of each four, two are raised.
     const ALONG: usize = 4 * 56;
     const THICK: [f32; 2] = [0.02, 0.045];
     const HALF_WIDTH: f32 = 0.105;
     let [radius, half] = LOOP;
     let (straight, arc) = (2.0 * half, 0.5 * TAU * radius);
-    // A point of the loop and its normal, by the length from the front of its upper run.
+    // Point and normal by the length from the front of the upper run.
     let at = |length: f32| -> (Vec2, Vec2) {
         let end = |sign: f32, turn: f32| {
             let normal = Vec2::new(turn.sin(), turn.cos()) * sign;
@@ -144,19 +142,4 @@ fn track(z: f32) -> Vec<Vec3> {
         let side = [-HALF_WIDTH, -HALF_WIDTH, HALF_WIDTH, HALF_WIDTH][v % 4];
         (place + out * normal).extend(z + side) + Vec3::Y * AXLE
     }))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_parts_of_the_tank_are_closed_and_wound_outward() {
-        for name in PARTS {
-            let mesh = part(name);
-            assert_eq!(mesh.open_edges(), 0, "{name}");
-            assert!(mesh.signed_volume() > 0.01, "{name}: {}", mesh.signed_volume());
-            println!("{name}: at {:?}", place(name));
-        }
-    }
 }

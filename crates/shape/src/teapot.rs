@@ -1,9 +1,8 @@
 //! The Utah teapot.
 //!
-//! Role: Newell's 32 Bezier patches into triangles. Invariant: the shape is his, with the handle and spout that run into
-//! the body; only the bottom is a later addition. [`newell`] keeps his open ends (both rims, the ends of handle and
-//! spout), [`unit()`] closes them. Source: M. Newell 1975, see `teapot_data.rs`.
-
+//! Newell's 32 Bezier patches, with handle and spout that reach into the body, and a bottom that was added later. [`newell`]
+//! keeps the open ends (both rims, the ends of handle and spout), [`unit()`] closes them. Source: M. Newell 1975, see
+//! `teapot_data.rs`.
 use super::Mesh;
 use super::mesh::tessellate;
 use super::teapot_data::{PATCHES, POINTS};
@@ -11,18 +10,17 @@ use foldhash::{HashSet, HashSetExt};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 
-/// Cells along each side of a patch in [`newell`]: the usual tessellation, and the one of the meshes that go around.
+/// Cells along each side of a patch in [`newell`]: the usual tessellation.
 const USUAL: usize = 10;
-/// Cells along each side of a patch in [`unit`]. With 10 the body shows facets of 9 degrees; with 40 no triangle is
-/// farther than 1/40 of a voxel of the default resolution from the surface. Error and number of triangles both go with
-/// the square.
+/// Cells along each side of a patch in [`unit`]. 10 shows facets of 9 degrees; with 40 the error is at most 1/40 voxel of the
+/// default resolution. Error and number of triangles are quadratic in it.
 const FINE: usize = 40;
-/// Middle of the bounding box in Newell's units, y up.
+/// Center of the bounding box in Newell's units, y up.
 pub const CENTER: Vec3 = Vec3::new(0.217, 1.575, 0.0);
 /// Half the length from handle to spout in Newell's units, rounded up.
 pub const HALF_LENGTH: f32 = 3.2172;
 
-/// From the middle of the mouth of the spout to the bottom of its hollow, down along the spout, in Newell's units.
+/// Offset from the center of the spout's mouth to the bottom of its hollow, in Newell's units.
 const MOUTH: Vec3 = Vec3::new(-0.3, -0.25, 0.0);
 
 /// The teapot in Newell's units, y up: x from the handle at -3 to the spout at 3.434, y from 0 to 3.15, z from -2 to 2.
@@ -32,7 +30,7 @@ pub fn newell() -> Mesh {
     tessellated(USUAL)
 }
 
-/// [`newell`], finer, closed, moved and scaled to fit [-1, 1]^3: minus [`CENTER`], divided by [`HALF_LENGTH`].
+/// Finer, closed teapot in [-1, 1]^3: relative to [`CENTER`], divided by [`HALF_LENGTH`].
 ///
 /// Three solids, each closed and wound outward: the body with its lid, the handle, and the spout.
 pub fn unit() -> Mesh {
@@ -41,14 +39,14 @@ pub fn unit() -> Mesh {
     mesh
 }
 
-/// All patches, with so many cells along each side.
+/// All patches with `cells` cells along each side.
 fn tessellated(cells: usize) -> Mesh {
     let corners: Vec<Vec3> = (0..PATCHES.len()).flat_map(|index| patch(index, cells)).collect();
     Mesh::of_corners(&corners).0
 }
 
-/// The teapot without open ends: body and lid meet at the bottom of the groove between them; the ends of the handle and
-/// the foot of the spout, which lie in the body, are flat; the mouth of the spout is a hollow.
+/// The teapot without open ends: body and lid are joined at the bottom of the groove between them; the ends of the handle and
+/// the foot of the spout, inside of the body, are flat; the mouth of the spout is a hollow.
 fn closed(mut mesh: Mesh) -> Mesh {
     let mut circles = Vec::new();
     for edges in open_loops(&mesh) {
@@ -73,7 +71,7 @@ fn closed(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// The edges that only one triangle has, from its first corner to its second, joined to loops.
+/// Boundary edges, from the first corner in their triangle to the second, joined to loops.
 fn open_loops(mesh: &Mesh) -> Vec<Vec<[u32; 2]>> {
     let mut single = HashSet::with_capacity(mesh.triangles.len());
     for &[a, b, c] in &mesh.triangles {
@@ -105,7 +103,7 @@ fn patch(index: usize, cells: usize) -> Vec<Vec3> {
         let [x, y, z] = POINTS[usize::from(point)];
         Vec3::new(x, z, -y).as_dvec3() // z up to y up
     });
-    // Newell's rows and columns turn inward in this order: the columns go first.
+    // Newell's rows and columns turn inward in this order, so columns come first.
     tessellate(cells, cells, |v, u| {
         let (rows, columns) = (bernstein(u, cells), bernstein(v, cells));
         let weighted = points.iter().enumerate().map(|(k, &point)| point * (rows[k / 4] * columns[k % 4]));
@@ -113,9 +111,9 @@ fn patch(index: usize, cells: usize) -> Vec<Vec3> {
     })
 }
 
-/// Weights of the four points of a cubic Bezier curve at t = i / n.
+/// Bernstein weights of a cubic Bezier curve at t = i / n.
 ///
-/// In f64, so that the two sides of a seam round to the same f32.
+/// In f64, so that both sides of a seam round to the same f32.
 pub(super) fn bernstein(i: usize, n: usize) -> [f64; 4] {
     let (t, s) = (i as f64 / n as f64, (n - i) as f64 / n as f64);
     [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t]

@@ -1,10 +1,8 @@
 //! Newell's teapot: 306 control points and 32 bicubic Bezier patches.
 //!
-//! Role: the numbers, and nothing else. Invariant: every index of [`PATCHES`] is below 306. Source: M. Newell,
-//! University of Utah, 1975, with Blinn's vertical scale of 3/4 and the bottom that Newell's own data lacked; F. Crow,
-//! "The Origins of the Teapot", IEEE Computer Graphics and Applications 7(1), 1987. z is up here; [`super::teapot`]
-//! turns it.
-
+//! Invariant: every index of [`PATCHES`] is below 306; z is up. Source: M. Newell, University of Utah, 1975, with Blinn's vertical
+//! scale of 3/4 and the bottom that Newell's data lacked; F. Crow, "The Origins of the Teapot", IEEE Computer Graphics and
+//! Applications 7(1), 1987.
 /// Control points of each patch, 4 rows of 4: rim, body (8), handle (4), spout (4), lid (8), bottom (4).
 #[rustfmt::skip]
 pub(super) const PATCHES: [[u16; 16]; 32] = [

@@ -1,19 +1,48 @@
-//! What can be asked of a [`Volume`].
+//! Volumes: samples on a regular grid.
 //!
-//! Role: where the samples are, and the value between them. Invariant: outside the samples there is no value.
+//! Invariant: there is no value outside the samples.
 
+use super::Bounds;
 use super::axes::{Axes, lengths};
-use super::{Bounds, Volume};
 use glam::{DVec3, Mat3, Vec3};
 
-/// How far outside the outermost samples a point still counts as on them, in voxels.
+/// Most voxels of a volume: 8 GiB of f32.
+pub const MAX_VOXELS: u64 = 1 << 31;
+/// Distance outside the outermost samples that still counts as inside, in voxels.
 ///
-/// The corners of [`Volume::bounds`] are rounded to f32. Smaller, and they fall outside a volume far from the origin
-/// (1/128 voxel at the 131072 voxels that the reader allows); larger, and values outside are made up.
+/// Lower: the corners of [`Volume::bounds`], rounded to f32, fall outside of a volume far from the origin (1/128 voxel at the
+/// allowed 131072 voxels). Higher: values outside are extrapolated.
 const EDGE_TOLERANCE: f64 = 0.01;
 
+/// Samples on a regular grid, x fastest, then y, then z.
+#[derive(Clone, Debug)]
+pub struct Volume {
+    /// Samples per axis, each at least 1.
+    pub size: [u32; 3],
+    /// World position of sample (0, 0, 0).
+    pub origin: Vec3,
+    /// World step to the next sample, one column per grid axis; not singular. Diagonal and positive for an aligned grid.
+    pub steps: Mat3,
+    /// `size[0] * size[1] * size[2]` finite values.
+    pub values: Vec<f32>,
+    /// Meaning of the values.
+    pub content: Content,
+}
+
+/// Meaning of the values of a [`Volume`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Content {
+    /// A measured or computed scalar: the object is where `value >= iso`.
+    Scalar,
+    /// A signed distance in world units, positive outside.
+    SignedDistance,
+    /// Negative inside and zero on the surface; far from the surface only the sign is meaningful.
+    LevelSet,
+}
+
 impl Volume {
-    /// Box around all samples (their positions, not voxel faces), in world units; an oblique grid fills it in part.
+    /// Box around all sample positions, in world units.
     pub fn bounds(&self) -> Bounds {
         let [x, y, z] = self.size.map(|n| n.saturating_sub(1));
         let corner = |i: u32| self.position([x * (i & 1), y * (i >> 1 & 1), z * (i >> 2)]);
@@ -21,18 +50,18 @@ impl Volume {
         (1..8).map(corner).fold(start, |b, p| Bounds { min: b.min.min(p), max: b.max.max(p) })
     }
 
-    /// World distances between neighboring samples on each axis of the grid.
+    /// World distances between neighboring samples along the grid axes.
     pub fn spacing(&self) -> Vec3 {
         lengths(&self.steps.as_dmat3()).as_vec3()
     }
 
-    /// Whether the axes of the grid are those of the world and run forwards.
+    /// Whether the grid axes are the world axes, all forwards.
     pub fn is_aligned(&self) -> bool {
         let along = Vec3::new(self.steps.x_axis.x, self.steps.y_axis.y, self.steps.z_axis.z);
         self.steps == Mat3::from_diagonal(along) && along.cmpgt(Vec3::ZERO).all()
     }
 
-    /// Where the samples are.
+    /// Transform between grid indices and the world.
     pub fn axes(&self) -> Axes {
         Axes::new(self.origin.as_dvec3(), self.steps.as_dmat3())
     }
@@ -43,17 +72,16 @@ impl Volume {
         (self.origin.as_dvec3() + self.steps.as_dmat3() * index).as_vec3()
     }
 
-    /// Smallest and largest value. Time grows as the volume; a volume without values gives (inf, -inf).
+    /// Smallest and largest value; (inf, -inf) for an empty volume.
     pub fn range(&self) -> (f32, f32) {
         self.values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
     }
 
-    /// How fast the values change across the surface of a distance, per world unit: the median length of the gradient where
-    /// the sign changes. 1 for a distance; none where no sign changes.
+    /// Median gradient length where the sign changes, per world unit: 1 for a signed distance, `None` without a sign change.
     pub fn slope_at_zero(&self) -> Option<f32> {
         let [nx, ny, nz] = self.size.map(|n| n as usize);
         let at = |x: usize, y: usize, z: usize| self.values[(z * ny + y) * nx + x];
-        // Products of tiny steps leave f32, and so do differences of large values.
+        // In f64: products of tiny steps and differences of large values leave the range of f32.
         let to_world = self.steps.as_dmat3().inverse().transpose();
         let mut slopes = Vec::new();
         for z in 0..nz.saturating_sub(1) {
@@ -73,8 +101,8 @@ impl Volume {
 
     /// Trilinear value at world position `p`; `None` outside the grid, from its first to its last samples, and for NaN.
     ///
-    /// Exact at the samples of an aligned grid, and to the rounding of their positions on others. Up to 1/100 of a voxel
-    /// outside, where the rounding of the bounds may lie, the value is that of the nearest point on the grid.
+    /// Exact at the samples of an aligned grid, up to the rounding of positions on others. Points up to 1/100 voxel outside get
+    /// the value of the nearest point on the grid.
     pub fn sample(&self, p: Vec3) -> Option<f32> {
         let local = self.axes().index(p.as_dvec3());
         let mut cell = [(0_usize, 0_usize, 0.0_f64); 3];
@@ -105,7 +133,6 @@ fn lerp(a: f32, b: f32, t: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Content;
     use super::*;
 
     /// Values of the trilinear function f, on a grid with different sizes and spacings per axis.
@@ -216,13 +243,5 @@ mod tests {
             (scaled.origin, scaled.steps) = (scale * scaled.origin, scale * scaled.steps);
             assert!((scaled.slope_at_zero().unwrap() - 1.0).abs() < 0.05, "{scale}");
         }
-    }
-
-    #[test]
-    fn the_range_of_a_volume_is_its_smallest_and_largest_value() {
-        let (mut volume, _) = trilinear();
-        volume.values[7] = 1e3;
-        volume.values[11] = -1e3;
-        assert_eq!(volume.range(), (-1e3, 1e3));
     }
 }

@@ -1,35 +1,35 @@
-//! The triangles of a mesh as a solid has them: each once, and wound as its neighbors are.
+//! Consistent orientation of the triangles of a mesh, without duplicates.
 //!
-//! Invariant: positions are compared exactly, so that a mesh cut along seams of equal positions counts as whole.
+//! Invariant: positions are compared exactly, so seams of equal positions are closed.
 
 use super::Mesh;
-use super::mesh::{Bodies, weld};
+use super::mesh::{Components, weld};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// A use of an edge: its two ends as welded vertices in rising order, the triangle, and whether it runs from the first to the
-/// second.
+/// Use of an edge: its two ends as welded vertices in rising order, the triangle, and whether the edge runs from the first to
+/// the second.
 pub type EdgeUse = (u32, u32, u32, bool);
 
-/// Triangles that agree with their neighbors.
+/// Consistently oriented triangles.
 pub struct Wound {
-    /// Positions that differ.
+    /// Distinct positions.
     pub places: Vec<Vec3>,
-    /// Corners of each triangle by their places.
+    /// Indices into `places`.
     pub triangles: Vec<[u32; 3]>,
-    /// The uses of all edges, by their ends.
+    /// Uses of all edges, sorted by their ends.
     pub uses: Vec<EdgeUse>,
-    /// Triangles that were turned around.
+    /// Number of reversed triangles.
     pub turned: usize,
-    /// Triangles that were dropped, as others have their corners.
+    /// Number of dropped duplicates.
     pub repeated: usize,
 }
 
 impl Mesh {
-    /// Welds corners at equal positions, drops triangles that repeat others, and turns those around whose neighbors, across
-    /// edges of two triangles, are wound the other way. Every index must be in range.
+    /// Welds corners at equal positions, drops duplicate triangles, and reverses triangles to agree with their neighbors across
+    /// edges of two triangles. Every index must be in range.
     ///
-    /// A body in which each triangle has one with the same corners wound the other way keeps them all: it encloses nothing.
+    /// A component in which each triangle has a duplicate of opposite winding is kept whole: it encloses nothing.
     pub fn wound(&self) -> Wound {
         let (places, welded) = weld(&self.positions);
         let mut triangles: Vec<[u32; 3]> =
@@ -37,7 +37,7 @@ impl Mesh {
         drop_repeated(&mut triangles, places.len());
         let repeated = self.triangles.len() - triangles.len();
         let edges = |(t, &[a, b, c]): (usize, &[u32; 3])| {
-            // A triangle with two equal corners covers its edge both ways: nothing to be left open.
+            // A triangle with two equal corners covers its edge both ways and leaves none open.
             let edges = if a == b || b == c || c == a { [None; 3] } else { [(a, b), (b, c), (c, a)].map(Some) };
             edges.into_iter().flatten().map(move |(u, v)| (u.min(v), u.max(v), t as u32, u < v))
         };
@@ -51,12 +51,12 @@ impl Mesh {
     }
 }
 
-/// Whether a triangle is wound as its corners in rising order are; always of one with equal corners.
+/// Whether the winding is that of the sorted corners; true for a triangle with equal corners.
 fn rises([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || c == a || (a < b) ^ (b < c) ^ (c > a)
 }
 
-/// Keeps the first of the triangles with the same corners; all of a body that is there once in either direction.
+/// Keeps the first of triangles with equal corners; keeps all of a component that occurs once in either direction.
 fn drop_repeated(triangles: &mut Vec<[u32; 3]>, places: usize) {
     let key = |mut triangle: [u32; 3]| {
         triangle.sort_unstable();
@@ -77,7 +77,7 @@ fn drop_repeated(triangles: &mut Vec<[u32; 3]>, places: usize) {
     if !is_dropped.contains(&true) {
         return;
     }
-    let mut bodies = Bodies::of(triangles, places);
+    let mut bodies = Components::of(triangles, places);
     let mut is_solid = vec![false; places];
     single.into_iter().for_each(|corner| is_solid[bodies.root(corner) as usize] = true);
     let mut at = 0..;
@@ -87,8 +87,8 @@ fn drop_repeated(triangles: &mut Vec<[u32; 3]>, places: usize) {
     });
 }
 
-/// Which triangles to turn so that neighbors agree across every edge of two triangles. The larger area of each
-/// connected piece keeps its winding; a piece that cannot agree (a Moebius strip) is left as it is.
+/// Triangles to reverse so that neighbors agree across every edge of two triangles. The larger area of each connected piece
+/// keeps its winding; a piece that cannot be oriented (a Moebius strip) is left unchanged.
 fn turns(uses: &[EdgeUse], triangles: &[[u32; 3]], places: &[Vec3]) -> Vec<bool> {
     let mut links: Vec<(u32, u32, bool)> = Vec::new();
     for pair in uses.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).filter(|edge| edge.len() == 2) {

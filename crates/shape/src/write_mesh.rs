@@ -1,7 +1,6 @@
-//! Meshes as files.
+//! Writers of meshes.
 //!
-//! Role: a [`Mesh`] in the formats that other programs read. Invariant: what is written is read back bit for bit; where a
-//! format holds no offset, coordinates are those of the file, as exact as it can say them.
+//! Invariant: a mesh is read back bit for bit; in formats without an offset, coordinates are rounded to the format.
 //! Sources: 3D Systems, "StereoLithography Interface Specification", 1989; G. Turk, "The PLY Polygon File Format", 1994;
 //! Wavefront, "Object Files", 1995; Khronos, "glTF 2.0 Specification".
 
@@ -11,25 +10,24 @@ use serde_json::json;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// A format that meshes are written in.
+/// File format of written meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshFormat {
-    /// Binary STL: triangles without common corners.
+    /// Binary STL: triangles without shared corners.
     Stl,
     /// Binary PLY, little endian: floats, or doubles where the mesh has an offset.
     Ply,
     /// Wavefront OBJ, with as many digits as coordinates have.
     Obj,
-    /// Binary glTF 2.0; an offset is the place of its node.
+    /// Binary glTF 2.0; an offset becomes the translation of the node.
     Glb,
 }
 
 impl MeshFormat {
-    /// Names of files of each format end like this, small or large.
     const ENDS: [(MeshFormat, &'static str); 4] =
         [(MeshFormat::Stl, "stl"), (MeshFormat::Ply, "ply"), (MeshFormat::Obj, "obj"), (MeshFormat::Glb, "glb")];
 
-    /// The format that the end of a name asks for: .stl, .ply, .obj or .glb.
+    /// Format by extension: .stl, .ply, .obj or .glb, in any case.
     pub fn from_path(path: &Path) -> Option<MeshFormat> {
         let own = path.extension()?;
         MeshFormat::ENDS.iter().find(|(_, end)| own.eq_ignore_ascii_case(end)).map(|(format, _)| *format)
@@ -38,7 +36,7 @@ impl MeshFormat {
     /// Writes a mesh with at least one triangle, at most 2^32 - 1 corners and finite coordinates.
     ///
     /// # Errors
-    /// What `to` returns, and `InvalidInput` where the mesh is none that a file can hold.
+    /// Errors of `to`, and `InvalidInput` for any other mesh.
     pub fn write(&self, mesh: &Mesh, mut to: impl Write) -> io::Result<()> {
         let vertices = mesh.positions.len();
         let is_known = |corner: &u32| (*corner as usize) < vertices;
@@ -58,7 +56,7 @@ impl MeshFormat {
     }
 }
 
-/// The corners in the coordinates of the file.
+/// Positions with the offset added.
 fn places(mesh: &Mesh) -> impl Iterator<Item = DVec3> {
     mesh.positions.iter().map(|place| place.as_dvec3() + mesh.offset)
 }
@@ -142,7 +140,7 @@ fn write_glb(mesh: &Mesh, to: &mut impl Write) -> io::Result<()> {
     });
     let mut text = document.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
-    // A header of 12 bytes, and 8 before each chunk.
+    // 12 bytes of header, and 8 before each chunk.
     let length = |bytes: u64| u32::try_from(bytes).map_err(|_| io::Error::other("a glTF file ends at 4 GiB"));
     let whole = length(28 + text.len() as u64 + places + corners)?;
     to.write_all(b"glTF\x02\0\0\0")?;

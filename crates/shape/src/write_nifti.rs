@@ -1,40 +1,38 @@
-//! Volumes as NIfTI.
+//! Writer of NIfTI.
 //!
-//! Role: a header and the values behind it. Invariant: the sform holds the steps bit for bit; there is a qform only where
-//! it says the same.
+//! Invariant: the sform holds the steps bit for bit; a qform is written only if it is equivalent.
 
 use super::axes::{directions, lengths};
-use super::nifti_header::{FIRST, Places, SECOND, SIGNED_DISTANCE};
-use super::values::write_values;
+use super::nifti_header::{HeaderLayout, NIFTI1, NIFTI2, SIGNED_DISTANCE};
+use super::write_values::write_values;
 use super::{Content, Volume};
 use glam::{DMat3, DQuat};
 use std::io::{self, Write};
 
-/// How far the axes may be from perpendicular unit vectors, in each product: f32 rounding.
+/// Tolerance of each dot product of perpendicular unit vectors: f32 rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// A header in the making.
 struct Header {
     bytes: Vec<u8>,
-    places: &'static Places,
+    layout: &'static HeaderLayout,
 }
 
 impl Header {
-    /// Whole numbers of so many bytes, side by side.
+    /// Writes integers of `width` bytes.
     fn integers(&mut self, at: usize, width: usize, numbers: &[i64]) {
         for (own, number) in self.bytes[at..].chunks_exact_mut(width).zip(numbers) {
             own.copy_from_slice(&number.to_le_bytes()[..width]);
         }
     }
 
-    /// Numbers side by side.
+    /// Writes floats.
     fn numbers(&mut self, at: usize, numbers: &[f64]) {
-        let bits = |number: &f64| match self.places.is_wide {
+        let bits = |number: &f64| match self.layout.is_wide {
             true => number.to_bits() as i64,
             false => i64::from((*number as f32).to_bits()),
         };
         let bits: Vec<i64> = numbers.iter().map(bits).collect();
-        self.integers(at, self.places.widths().0, &bits);
+        self.integers(at, self.layout.widths().0, &bits);
     }
 
     fn text(&mut self, at: usize, text: &[u8]) {
@@ -46,42 +44,42 @@ impl Header {
 pub(super) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result<()> {
     let [x, y, z] = volume.size.map(i64::from);
     let is_wide = x.max(y).max(z) > i64::from(i16::MAX);
-    let places = if is_wide { &SECOND } else { &FIRST };
-    // Behind the header, the word that says that there are no extensions.
-    let mut header = Header { bytes: vec![0; places.bytes + 4], places };
-    let (number, size, code) = places.widths();
-    header.integers(0, 4, &[places.bytes as i64]);
-    header.text(places.magic, places.single);
-    header.integers(places.dim, size, &[3, x, y, z, 1, 1, 1, 1]);
-    header.integers(places.datatype, 2, &[16]);
-    header.integers(places.bitpix, 2, &[32]);
+    let layout = if is_wide { &NIFTI2 } else { &NIFTI1 };
+    // 4 zeros after the header mean no extensions.
+    let mut header = Header { bytes: vec![0; layout.bytes + 4], layout };
+    let (number, size, code) = layout.widths();
+    header.integers(0, 4, &[layout.bytes as i64]);
+    header.text(layout.magic, layout.single);
+    header.integers(layout.dim, size, &[3, x, y, z, 1, 1, 1, 1]);
+    header.integers(layout.datatype, 2, &[16]);
+    header.integers(layout.bitpix, 2, &[32]);
     let data = header.bytes.len();
     match is_wide {
-        true => header.integers(places.offset, 8, &[data as i64]),
-        false => header.numbers(places.offset, &[data as f64]),
+        true => header.integers(layout.offset, 8, &[data as i64]),
+        false => header.numbers(layout.offset, &[data as f64]),
     }
-    header.numbers(places.scale, &[1.0, 0.0]);
+    header.numbers(layout.scale, &[1.0, 0.0]);
     if volume.content == Content::SignedDistance {
-        header.text(places.description, SIGNED_DISTANCE);
-        header.text(places.intent, b"signed distance");
+        header.text(layout.description, SIGNED_DISTANCE);
+        header.text(layout.intent, b"signed distance");
     }
     let (origin, steps) = (volume.origin.as_dvec3(), volume.steps.as_dmat3());
     let turn = turn(&steps);
     let side = turn.map_or(1.0, |(side, _)| side);
-    header.numbers(places.pixdim, &[&[side][..], &lengths(&steps).to_array(), &[1.0; 4]].concat());
-    header.integers(places.codes, code, &[i64::from(turn.is_some()), 1]);
+    header.numbers(layout.pixdim, &[&[side][..], &lengths(&steps).to_array(), &[1.0; 4]].concat());
+    header.integers(layout.codes, code, &[i64::from(turn.is_some()), 1]);
     if let Some((_, DQuat { x, y, z, .. })) = turn {
-        header.numbers(places.forms, &[x, y, z, origin.x, origin.y, origin.z]);
+        header.numbers(layout.forms, &[x, y, z, origin.x, origin.y, origin.z]);
     }
     for row in 0..3 {
         let parts = [steps.x_axis[row], steps.y_axis[row], steps.z_axis[row], origin[row]];
-        header.numbers(places.forms + (6 + 4 * row) * number, &parts);
+        header.numbers(layout.forms + (6 + 4 * row) * number, &parts);
     }
     to.write_all(&header.bytes)?;
     write_values(volume, to)
 }
 
-/// The side and the rotation of steps whose directions are perpendicular.
+/// Handedness and rotation of perpendicular steps.
 fn turn(steps: &DMat3) -> Option<(f64, DQuat)> {
     let mut axes = directions(steps);
     if !(axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, ROUNDING) {

@@ -1,36 +1,35 @@
-//! Volumes as files.
+//! Writers of volumes.
 //!
-//! Role: a [`Volume`] in the formats that other programs read. Invariant: what is written is read back bit for bit, where
-//! the format can say where the samples are.
+//! Invariant: a volume is read back bit for bit, except from NPY.
 
 use super::axes::{directions, lengths};
 use super::space::Space;
-use super::values::{LEVEL, check, write_values};
-use super::{Content, Volume, meta, vdb, write_nifti, write_nrrd};
+use super::space::listed;
+use super::write_values::{LEVEL, check, write_values};
+use super::{Content, Volume, meta, nrrd, vdb, write_nifti};
 use flate2::write::{GzEncoder, ZlibEncoder};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// A format that volumes are written in: always as 32-bit floats, little endian, x fastest.
+/// File format of written volumes: 32-bit floats, little endian, x fastest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VolumeFormat {
-    /// NRRD in one file, gzip: see [`write_nrrd`].
+    /// NRRD in one file, gzip. A signed distance is marked by the line `hypertexture content:=signed distance`.
     Nrrd,
     /// MetaImage in one file, zlib. A signed distance is marked by its comment.
     MetaImage,
     /// NIfTI-1, or NIfTI-2 where a side is longer than 32767 samples. A signed distance is marked by its description.
     Nifti,
-    /// The same, gzip.
+    /// [`VolumeFormat::Nifti`] in gzip.
     NiftiGzip,
-    /// OpenVDB: one grid of zip, `surface` of the class `level set` of distances, else `density` of `fog volume`. The
-    /// background is the largest distance, or the first value. A file that is nearly empty is not read back above 2^26 voxels.
+    /// OpenVDB with one grid in zip: `surface` of class `level set` for distances, else `density` of class `fog volume`. The
+    /// background is the largest distance, or the first value. A nearly empty file is not read back above 2^26 voxels.
     OpenVdb,
-    /// An array of numpy, of shape (z, y, x). Where its samples are in the world and what they mean is not kept.
+    /// NumPy array of shape (z, y, x), without placement and meaning.
     Npy,
 }
 
 impl VolumeFormat {
-    /// Names of files of each format end like this, small or large.
     const ENDS: [(VolumeFormat, &'static str); 6] = [
         (VolumeFormat::Nrrd, ".nrrd"),
         (VolumeFormat::MetaImage, ".mha"),
@@ -40,18 +39,17 @@ impl VolumeFormat {
         (VolumeFormat::Npy, ".npy"),
     ];
 
-    /// The format that the end of a name asks for: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy.
+    /// Format by extension: .nrrd, .mha, .nii, .nii.gz, .vdb or .npy, in any case.
     pub fn from_path(path: &Path) -> Option<VolumeFormat> {
         let name = path.file_name()?.to_str()?.to_ascii_lowercase();
         VolumeFormat::ENDS.iter().find(|(_, end)| name.ends_with(end)).map(|(format, _)| *format)
     }
 
-    /// Writes a volume. [`open`](super::open) reads it back bit for bit, except from [`VolumeFormat::Npy`], if the values
-    /// are finite and the samples within 131072 voxels of the origin. Axes that are those of the world, but exchanged or
-    /// backwards, come back in order.
+    /// Writes a volume. [`open`](super::open) reads it back bit for bit, except from [`VolumeFormat::Npy`], if the values are
+    /// finite and the samples within 131072 voxels of the origin. World axes that are permuted or reversed come back in order.
     ///
     /// # Errors
-    /// What `to` returns, and `InvalidInput` where the number of values is not the product of the sizes.
+    /// Errors of `to`, and `InvalidInput` if the number of values is not the product of the sizes.
     pub fn write(&self, volume: &Volume, mut to: impl Write) -> io::Result<()> {
         check(volume)?;
         match self {
@@ -84,25 +82,42 @@ impl VolumeFormat {
     }
 }
 
+fn write_nrrd(volume: &Volume, mut to: impl Write) -> io::Result<()> {
+    let ([x, y, z], steps, origin) = (volume.size, volume.steps, volume.origin);
+    writeln!(to, "NRRD0005\n# written by hypertexture\ntype: float\ndimension: 3\nspace: right-anterior-superior")?;
+    writeln!(to, "sizes: {x} {y} {z}")?;
+    let [a, b, c] =
+        [steps.x_axis, steps.y_axis, steps.z_axis].map(|step| format!("({},{},{})", step.x, step.y, step.z));
+    writeln!(to, "space directions: {a} {b} {c}")?;
+    writeln!(to, "space origin: ({},{},{})", origin.x, origin.y, origin.z)?;
+    writeln!(to, "kinds: domain domain domain\nendian: little\nencoding: gzip")?;
+    if volume.content == Content::SignedDistance {
+        writeln!(to, "{}:={}", nrrd::CONTENT_KEY, nrrd::SIGNED_DISTANCE)?;
+    }
+    writeln!(to)?;
+    let mut encoder = GzEncoder::new(to, LEVEL);
+    write_values(volume, &mut encoder)?;
+    encoder.finish()?.flush()
+}
+
 fn write_meta(volume: &Volume, mut to: impl Write) -> io::Result<()> {
     let [x, y, z] = volume.size;
-    // From the world to LPS is the same turn as back.
+    // The conversion to LPS is its own inverse.
     let origin = Space::LPS.position(volume.origin.as_dvec3());
     let steps = Space::LPS.steps(&volume.steps.as_dmat3());
-    let numbers = |numbers: &[f64]| numbers.iter().map(|number| number.to_string()).collect::<Vec<_>>().join(" ");
     writeln!(to, "ObjectType = Image\nNDims = 3")?;
     if volume.content == Content::SignedDistance {
         writeln!(to, "Comment = {}", meta::SIGNED_DISTANCE)?;
     }
-    // Readers ask for the length before the data.
+    // The header holds the compressed length.
     let mut encoder = ZlibEncoder::new(Vec::new(), LEVEL);
     write_values(volume, &mut encoder)?;
     let data = encoder.finish()?;
     writeln!(to, "BinaryData = True\nBinaryDataByteOrderMSB = False")?;
     writeln!(to, "CompressedData = True\nCompressedDataSize = {}", data.len())?;
-    writeln!(to, "TransformMatrix = {}", numbers(&directions(&steps).to_cols_array()))?;
-    writeln!(to, "Offset = {}", numbers(&origin.to_array()))?;
-    writeln!(to, "CenterOfRotation = 0 0 0\nElementSpacing = {}", numbers(&lengths(&steps).to_array()))?;
+    writeln!(to, "TransformMatrix = {}", listed(&directions(&steps).to_cols_array()))?;
+    writeln!(to, "Offset = {}", listed(&origin.to_array()))?;
+    writeln!(to, "CenterOfRotation = 0 0 0\nElementSpacing = {}", listed(&lengths(&steps).to_array()))?;
     writeln!(to, "DimSize = {x} {y} {z}\nElementType = MET_FLOAT\nElementDataFile = LOCAL")?;
     to.write_all(&data)?;
     to.flush()

@@ -1,11 +1,11 @@
-//! What is wrong with files and folders of DICOM, and the words for it.
+//! Invalid DICOM files and folders, with the expected messages.
 
 use crate::dicom::files::{CT, Desk, File, ITEM, LITTLE, OPEN, PIXELS, WAYS, Way, at, frames, series, volume};
 use crate::packed::thread_seconds;
 use hypertexture::shape::{open, read};
 use std::fs;
 
-/// A file of the series with something wrong in it, and what is said of it.
+/// Error of a series with a modified file.
 fn bad() -> Vec<(Vec<u8>, &'static str)> {
     let mut all: Vec<(Vec<u8>, &'static str)> = Vec::new();
     let texts: &[(u32, &[u8; 2], &str, &str)] = &[

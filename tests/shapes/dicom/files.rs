@@ -1,4 +1,4 @@
-//! Files of DICOM in the making, byte by byte.
+//! Builder of DICOM files.
 
 use glam::DVec3;
 use hypertexture::shape::{Shape, ShapeError, Volume, open};
@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use tempfile::TempDir;
 
-/// How elements are written.
+/// Encoding of elements.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Way {
     pub uid: &'static str,
@@ -21,7 +21,7 @@ pub const WAYS: [Way; 3] = [
     Way { uid: "1.2.840.10008.1.2.2", is_implicit: false, is_big: true },
 ];
 
-/// The length of what ends with a mark.
+/// Length of an element that ends with a delimiter.
 pub const OPEN: u32 = u32::MAX;
 pub const ITEM: u32 = 0xfffe_e000;
 pub const PIXELS: u32 = 0x7fe0_0010;
@@ -34,7 +34,7 @@ impl Way {
         little.to_vec()
     }
 
-    /// Tag, type and length, which may be wrong.
+    /// Tag, type and length, not necessarily valid.
     pub fn head(self, tag: u32, kind: &[u8; 2], length: u32) -> Vec<u8> {
         let tags = [self.number(((tag >> 16) as u16).to_le_bytes()), self.number((tag as u16).to_le_bytes())].concat();
         let is_bare = self.is_implicit || tag >> 16 == 0xfffe;
@@ -54,7 +54,7 @@ impl Way {
         [self.head(tag, kind, value.len() as u32), value].concat()
     }
 
-    /// A sequence of items, with lengths or with marks at the ends.
+    /// Sequence of items, with lengths or delimiters.
     pub fn sequence(self, tag: u32, items: &[Vec<u8>], has_lengths: bool) -> Vec<u8> {
         let end = |tag| if has_lengths { Vec::new() } else { self.head(tag, b"  ", 0) };
         let length = |bytes: &[u8]| if has_lengths { bytes.len() as u32 } else { OPEN };
@@ -76,10 +76,10 @@ impl Way {
     }
 }
 
-/// Bits of a pixel, of its value, the highest of these, and whether it has a sign.
+/// Bits allocated, bits stored, high bit, and sign.
 pub type Bits = (u16, u16, u16, bool);
 
-/// The elements of a file in the making.
+/// Elements of a file.
 #[derive(Clone)]
 pub struct File {
     pub way: Way,
@@ -95,13 +95,13 @@ pub fn decimals(numbers: &[f64]) -> String {
     numbers.iter().map(|number| format!("{number:.9}")).collect::<Vec<_>>().join("\\")
 }
 
-/// What is stored of the pixels of slice `z`, x fastest.
+/// Stored pixels of slice `z`, x fastest.
 pub fn stored(z: usize) -> Vec<i64> {
     (0..12).map(|index| (index + 12 * z as i64) * 3 - 20).collect()
 }
 
 impl File {
-    /// Slice `z` of a series of 4 x 3 pixels of 16 bits with a sign.
+    /// Slice `z` of a series of 4 x 3 signed 16-bit pixels.
     pub fn slice(way: Way, z: usize, position: DVec3) -> File {
         let mut file = File { way, elements: BTreeMap::new() };
         file.text(0x0008_0060, b"CS", "CT");
@@ -136,7 +136,7 @@ impl File {
         self.elements.insert(tag, self.way.sequence(tag, items, has_lengths));
     }
 
-    /// Pixels of a type; the bits beside their values are all 1.
+    /// Pixels of a type; unused bits are 1.
     pub fn pixels(&mut self, (allocated, count, high, is_signed): Bits, values: &[i64]) {
         for (tag, number) in [(0x0028_0100, allocated), (0x0028_0101, count), (0x0028_0102, high)] {
             self.short(tag, number);
@@ -162,7 +162,7 @@ impl File {
     }
 }
 
-/// Slices one above the other, 2 mm apart.
+/// Stacked slices, 2 mm apart.
 pub fn at(z: usize) -> DVec3 {
     DVec3::new(10.0, -20.0, 5.0 + 2.0 * z as f64)
 }
@@ -204,7 +204,7 @@ pub fn volume(shape: Result<Shape, ShapeError>) -> Volume {
     }
 }
 
-/// Three slices whose names run the other way.
+/// Three slices whose file names run backwards.
 pub fn series(way: Way, edit: impl Fn(&mut File, usize)) -> Desk {
     let file = |z: usize| {
         let mut file = File::slice(way, z, at(z));
@@ -214,7 +214,7 @@ pub fn series(way: Way, edit: impl Fn(&mut File, usize)) -> Desk {
     Desk::new(&[("c", file(0)), ("b.dcm", file(1)), ("a", file(2))])
 }
 
-/// The values of [`series`] in the world, whose first two axes run against those of the patient.
+/// World values of [`series`]; the first two axes are reversed.
 pub fn expected(worth: impl Fn(i64, usize) -> f64) -> Vec<f32> {
     let mut values = Vec::new();
     for z in 0..3 {
@@ -226,7 +226,7 @@ pub fn expected(worth: impl Fn(i64, usize) -> f64) -> Vec<f32> {
     values
 }
 
-/// A file of frames: places and values in groups of each frame, the rest in groups that they share.
+/// Multi-frame file: positions and values in per-frame groups, the rest in shared ones.
 pub fn frames(edit: impl Fn(&mut File, &mut Vec<Vec<u8>>)) -> Vec<u8> {
     let way = LITTLE;
     let group = |tag, elements: Vec<Vec<u8>>| way.sequence(tag, &[elements.concat()], tag % 2 == 0);

@@ -1,5 +1,4 @@
-//! DICOM series made here byte by byte, as NEMA PS3.5 says: what is read and where it stands, and what is refused with which
-//! words.
+//! DICOM series built after NEMA PS3.5: reading, placement, refusals and their messages.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 mod bad;
@@ -67,10 +66,10 @@ fn each_slice_has_its_own_slope_and_intercept_or_none() {
     assert_eq!(volume(open(&desk.folder())).values, expected(|value, _| value as f64));
 }
 
-/// Axes of columns and rows, and the way from a slice to the next.
+/// Directions of rows and columns, and the step between slices.
 type Axes = [DVec3; 3];
 
-/// Slices anywhere, and what a pixel of them is in the world.
+/// Slices at any place, and the world position of a pixel.
 fn scan(axes: Axes, start: DVec3, slices: usize) -> (Desk, Vec<(Vec3, f32)>) {
     let (mut files, mut truth) = (Vec::new(), Vec::new());
     for z in 0..slices {
@@ -88,7 +87,7 @@ fn scan(axes: Axes, start: DVec3, slices: usize) -> (Desk, Vec<(Vec3, f32)>) {
     (Desk::new(&files), truth)
 }
 
-/// As far as `f32` says where things are: the place and the origin are off by half a unit in the last place each.
+/// Tolerance of f32: half a unit in the last place each for position and origin.
 fn assert_stands(desk: &Desk, truth: &[(Vec3, f32)]) {
     let found = volume(open(&desk.folder()));
     assert_eq!(found.values.len(), truth.len());

@@ -1,6 +1,8 @@
-//! Pixels that are packed: runs and JPEG, packed here as NEMA PS3.5 and ITU-T T.81 say.
+//! Compressed pixels: run lengths and JPEG, encoded here after NEMA PS3.5 and ITU-T T.81.
 
-use super::files::{CT, Desk, File, ITEM, LITTLE, OPEN, PIXELS, Way, at, expected, frames, series, stored, volume};
+use super::files::{
+    CT, Desk, File, ITEM, LITTLE, OPEN, PIXELS, Way, at, expected, frames, series, stored, volume,
+};
 use hypertexture::shape::{Opened, open, read};
 use std::fs;
 
@@ -8,7 +10,7 @@ const RLE: &str = "1.2.840.10008.1.2.5";
 const LOSSLESS: [&str; 2] = ["1.2.840.10008.1.2.4.57", "1.2.840.10008.1.2.4.70"];
 const BASELINE: &str = "1.2.840.10008.1.2.4.50";
 
-/// The element of packed pixels: a table of frames, or an empty one, and the fragments.
+/// Encapsulated pixel data: an offset table, maybe empty, and fragments.
 fn fragments(table: &[u32], fragments: &[Vec<u8>]) -> Vec<u8> {
     let item = |bytes: &[u8]| [LITTLE.head(ITEM, b"  ", bytes.len() as u32), bytes.to_vec()].concat();
     let table = table.iter().flat_map(|start| start.to_le_bytes()).collect::<Vec<u8>>();
@@ -17,7 +19,7 @@ fn fragments(table: &[u32], fragments: &[Vec<u8>]) -> Vec<u8> {
     [LITTLE.head(PIXELS, b"OB", OPEN), item(&table), items, end].concat()
 }
 
-/// The bytes of a file in another syntax, whose pixels are these.
+/// File in another transfer syntax with these pixels.
 fn packed(file: &File, uid: &'static str, pixels: Vec<u8>) -> Vec<u8> {
     let mut file = file.clone();
     file.elements.insert(PIXELS, pixels);
@@ -30,7 +32,7 @@ fn even(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-/// A plane of bytes for each byte of the pixels, the highest first: runs from 2 on, else bytes as they are.
+/// Run lengths: one segment per byte of a pixel, the highest first.
 fn rle(pixels: &[Vec<u8>]) -> Vec<u8> {
     let width = pixels[0].len();
     let (mut header, mut planes) = (vec![width as u32], Vec::new());
@@ -54,7 +56,7 @@ fn rle(pixels: &[Vec<u8>]) -> Vec<u8> {
     [header.iter().flat_map(|number| number.to_le_bytes()).collect(), planes].concat()
 }
 
-/// Bits, the highest first, with a zero behind each byte of ones.
+/// Bits, the highest first, with a zero byte after each 0xff.
 #[derive(Default)]
 struct Bits {
     bytes: Vec<u8>,
@@ -83,19 +85,19 @@ impl Bits {
     }
 }
 
-/// A segment of JPEG with its length.
+/// JPEG segment with its length.
 fn segment(marker: u8, content: &[u8]) -> Vec<u8> {
     [&[0xff, marker][..], &(content.len() as u16 + 2).to_be_bytes(), content].concat()
 }
 
-/// How many bits a difference has, and which.
+/// Category of a difference, and its additional bits.
 fn category(difference: i32) -> (u32, u32) {
     let count = 32 - difference.unsigned_abs().leading_zeros();
     let bits = if difference < 0 { difference - 1 } else { difference };
     (count, bits as u32 & ((1 << count) - 1))
 }
 
-/// A frame of so many columns in lossless JPEG: each category of differences from 0 to 16 has a code of 5 bits.
+/// Lossless JPEG: each category of differences from 0 to 16 has a code of 5 bits.
 fn lossless(pixels: &[i32], columns: usize, precision: u8, predictor: u8, extra: &[Vec<u8>], shift: u8) -> Vec<u8> {
     let rows = pixels.len() / columns;
     let mut bits = Bits::default();
@@ -136,7 +138,7 @@ fn lossless(pixels: &[i32], columns: usize, precision: u8, predictor: u8, extra:
     even([parts.concat(), vec![0xff, 0xd9]].concat())
 }
 
-/// A frame of blocks of 8 x 8 in baseline JPEG, each of one value: 8 times what it is above 128, without rounding.
+/// Baseline JPEG of constant blocks of 8 x 8: 8 times the value above 128, without rounding.
 fn baseline(blocks: &[u8], columns: usize) -> Vec<u8> {
     let mut bits = Bits::default();
     let mut before = 0;
@@ -157,7 +159,7 @@ fn baseline(blocks: &[u8], columns: usize) -> Vec<u8> {
     even([vec![0xff, 0xd8], tables.concat(), rest.concat(), vec![0xff, 0xd9]].concat())
 }
 
-/// Pixels of 16 bits with a sign, as they are stored.
+/// Signed 16-bit pixels as stored.
 fn raw(z: usize) -> Vec<i32> {
     stored(z).iter().map(|value| i32::from(*value as i16 as u16)).collect()
 }

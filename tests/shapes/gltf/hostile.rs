@@ -1,10 +1,10 @@
-//! What costs no more than it should, whatever the bytes.
+//! Bounds of time and memory for hostile files.
 
 use super::*;
 use hypertexture::shape::read_noted;
 use proptest::prelude::*;
 
-/// What this thread has taken of the processor.
+/// Processor time of this thread.
 fn processor_seconds() -> f64 {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
@@ -37,14 +37,14 @@ fn a_binary_file_that_is_cut_or_whose_lengths_lie_is_refused() {
         (second, 76_u32.to_le_bytes(), "the header declares 76 bytes of data (a chunk), the file holds 72"),
         (second, 68_u32.to_le_bytes(), "buffers[0].byteLength: expected a part of its data, found 72 of 68"),
         (second, 71_u32.to_le_bytes(), "expected the length of a chunk as a multiple of 4, found 71"),
-        (second + 4, *b"JSON", "buffers[0].uri: expected where its data is, found none, and no binary chunk"),
+        (second + 4, *b"JSON", "buffers[0].uri: expected the location of its data, found none, and no binary chunk"),
     ] {
         let mut bad = good.clone();
         bad[at..at + 4].copy_from_slice(&bytes);
         let line = error(&bad);
         assert!(line.contains(said), "{at}: {line}");
     }
-    assert!(error(&glb(&document(), &[])).contains("buffers[0].uri: expected where its data is"));
+    assert!(error(&glb(&document(), &[])).contains("buffers[0].uri: expected the location of its data"));
     let tailed = read_noted("a.glb", &[&good[..], b"some more"].concat()).unwrap();
     assert_eq!(tailed.notes, ["bytes behind the declared end of the file are left out: 9"]);
     assert!(matches!(tailed.shape, Shape::Mesh(mesh) if mesh.triangles.len() == 4));
@@ -135,7 +135,7 @@ fn a_mesh_shown_too_often_is_refused_before_it_is_there_so_often() {
     assert!(processor_seconds() - start < 1.0, "{}", processor_seconds() - start);
 }
 
-/// Whatever the bytes, what comes back is a mesh that can be trusted, or one line.
+/// Any bytes give a valid mesh or an error of one line.
 fn check(name: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
     match read(name, bytes) {
         Err(error) => prop_assert_eq!(error.to_string().lines().count(), 1, "{}", error),

@@ -1,4 +1,4 @@
-//! What is read.
+//! Files that are read.
 
 use super::*;
 use hypertexture::shape::{Opened, open, read_noted};

@@ -1,5 +1,4 @@
-//! glTF and GLB: every way to write a mesh gives the mesh, where its nodes put it, and what is wrong is one line with its
-//! place in the JSON.
+//! glTF and GLB: every encoding gives the mesh at its place; errors are one line with a place in the JSON.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 mod hostile;
@@ -16,14 +15,14 @@ use serde_json::{Value, json};
 const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const FACES: [[u16; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
 
-/// The corners as 48 bytes, then the faces as 24.
+/// 48 bytes of corners, then 24 of faces.
 fn data() -> Vec<u8> {
     let mut bytes: Vec<u8> = CORNERS.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
     bytes.extend(FACES.as_flattened().iter().flat_map(|index| index.to_le_bytes()));
     bytes
 }
 
-/// The document of one node that shows the tetrahedron.
+/// Document of one node with the tetrahedron.
 fn document() -> Value {
     json!({
         "asset": { "version": "2.0", "generator": "by hand" },
@@ -43,7 +42,7 @@ fn document() -> Value {
     })
 }
 
-/// The bytes of a chunk of GLB.
+/// GLB chunk.
 fn chunk(kind: &[u8; 4], mut bytes: Vec<u8>, fill: u8) -> Vec<u8> {
     bytes.resize(bytes.len().next_multiple_of(4), fill);
     [&(bytes.len() as u32).to_le_bytes()[..], kind, &bytes].concat()
@@ -55,7 +54,7 @@ fn glb(document: &Value, data: &[u8]) -> Vec<u8> {
     [b"glTF\x02\0\0\0", &(chunks.len() as u32 + 12).to_le_bytes()[..], &chunks].concat()
 }
 
-/// The document with its data inside.
+/// Document with embedded data.
 fn gltf(mut document: Value, data: &[u8]) -> Vec<u8> {
     let address = format!("data:application/octet-stream;base64,{}", STANDARD.encode(data));
     document["buffers"] = json!([{ "byteLength": data.len(), "uri": address }]);
@@ -69,14 +68,14 @@ fn mesh(bytes: &[u8]) -> Mesh {
     }
 }
 
-/// The mesh of a changed document over the tetrahedron's data.
+/// Mesh of a modified document with the tetrahedron's data.
 fn changed(change: impl Fn(&mut Value)) -> Mesh {
     let mut document = document();
     change(&mut document);
     mesh(&glb(&document, &data()))
 }
 
-/// The one line about a file that is not read, whose words are those of a person.
+/// Error of a file: one line of printable text.
 fn error(bytes: &[u8]) -> String {
     let line = read("test.glb", bytes).unwrap_err().to_string();
     assert!(line.starts_with("test.glb: ") && line.lines().count() == 1 && line.len() < 400, "{line}");

@@ -1,18 +1,18 @@
-//! What is refused, and what is said of it.
+//! Refused files with the expected messages.
 
 use super::*;
 
-/// What is put at a place of the document, and what is said of it.
+/// Value at a place in the document, and the expected message.
 type Wrong = (&'static str, Value, &'static str);
 
 /// One wrong value each, by its place in the document.
 fn wrong_values() -> Vec<Wrong> {
     let many = |count: usize| json!(vec![0; count]);
     vec![
-        ("/asset", json!({}), "asset: expected what the schema of glTF 2.0 asks for, found no `version`"),
+        ("/asset", json!({}), "asset: expected a value of the glTF 2.0 schema, found no `version`"),
         ("/asset/version", json!("1.0"), "asset.version: version `1.0` is not supported; export it as glTF 2.0"),
         ("/asset/version", json!("20"), "asset.version: version `20` is not supported"),
-        ("/asset/version", json!(2.0), "asset.version: expected what the schema"),
+        ("/asset/version", json!(2.0), "asset.version: expected a value of the glTF"),
         ("/asset/minVersion", json!("2.1"), "asset.minVersion: version `2.1` is not supported"),
         (
             "/extensionsRequired",
@@ -26,12 +26,12 @@ fn wrong_values() -> Vec<Wrong> {
         ),
         ("/extensionsRequired", json!(["EXT_mesh_gpu_instancing"]), "export it without this extension"),
         ("/extensionsRequired", json!(["X\u{1b}\n"]), "extensionsRequired[0]: the extension `X"),
-        ("/scene", json!(1), "scene: expected the index of something that there is, found 1 of 1, counted from 0"),
-        ("/scene", json!(-1), "scene: expected what the schema"),
-        ("/scene", json!(0.5), "scene: expected what the schema"),
-        ("/scenes", json!({}), "scenes: expected what the schema"),
-        ("/scenes", json!([]), "scene: expected the index of something"),
-        ("/scenes/0/nodes/0", json!(1), "scenes[0].nodes[0]: expected the index of something"),
+        ("/scene", json!(1), "scene: expected the index of an existing entry, found 1 of 1, counted from 0"),
+        ("/scene", json!(-1), "scene: expected a value of the glTF"),
+        ("/scene", json!(0.5), "scene: expected a value of the glTF"),
+        ("/scenes", json!({}), "scenes: expected a value of the glTF"),
+        ("/scenes", json!([]), "scene: expected the index of"),
+        ("/scenes/0/nodes/0", json!(1), "scenes[0].nodes[0]: expected the index of"),
         ("/scenes/0/nodes", json!([0, 0]), "scenes[0].nodes[1]: expected each node once in a tree, found 0 again"),
         ("/scenes/0/nodes", json!([]), "no triangles"),
         (
@@ -49,16 +49,12 @@ fn wrong_values() -> Vec<Wrong> {
             json!([{ "children": [1] }, { "children": [2] }, { "children": [0] }]),
             "nodes[2].children[0]: expected",
         ),
-        (
-            "/nodes",
-            json!([{ "children": [4_000_000_000_u32] }]),
-            "nodes[0].children[0]: expected the index of something",
-        ),
-        ("/nodes/0", json!("a"), "nodes[0]: expected what the schema"),
-        ("/nodes/0/mesh", json!(1), "nodes[0].mesh: expected the index of something that there is, found 1 of 1"),
-        ("/nodes/0/mesh", json!("0"), "nodes[0].mesh: expected what the schema"),
-        ("/nodes/0/mesh", json!(1_u64 << 40), "nodes[0].mesh: expected what the schema"),
-        ("/nodes/0/matrix", json!([1, 0, 0]), "nodes[0].matrix: expected what the schema"),
+        ("/nodes", json!([{ "children": [4_000_000_000_u32] }]), "nodes[0].children[0]: expected the index of"),
+        ("/nodes/0", json!("a"), "nodes[0]: expected a value of the glTF"),
+        ("/nodes/0/mesh", json!(1), "nodes[0].mesh: expected the index of an existing entry, found 1 of 1"),
+        ("/nodes/0/mesh", json!("0"), "nodes[0].mesh: expected a value of the glTF"),
+        ("/nodes/0/mesh", json!(1_u64 << 40), "nodes[0].mesh: expected a value of the glTF"),
+        ("/nodes/0/matrix", json!([1, 0, 0]), "nodes[0].matrix: expected a value of the glTF"),
         (
             "/nodes/0/matrix",
             many(16),
@@ -71,7 +67,7 @@ fn wrong_values() -> Vec<Wrong> {
         ),
         ("/nodes/0/rotation", json!([0, 0, 0, 0]), "nodes[0].rotation: expected a rotation of length 1"),
         ("/nodes/0/rotation", json!([1, 1, 0, 0]), "nodes[0].rotation: expected a rotation of length 1"),
-        ("/nodes/0/scale", json!([1, 1]), "nodes[0].scale: expected what the schema"),
+        ("/nodes/0/scale", json!([1, 1]), "nodes[0].scale: expected a value of the glTF"),
         ("/nodes/0/scale", json!([0, 0, 0]), "no triangles (4 of zero area were dropped)"),
         ("/nodes/0/scale", json!([1e30, 1e30, 1e30]), "reaches 1e30, the limit is 1e18"),
         ("/nodes/0/scale", json!([1e300, 1e300, 1e300]), "3 of 4 vertices are NaN, infinite or beyond"),
@@ -82,7 +78,7 @@ fn wrong_values() -> Vec<Wrong> {
             json!({ "EXT_mesh_gpu_instancing": {} }),
             "nodes[0].extensions: the extension `EXT_mesh_gpu",
         ),
-        ("/meshes/0", json!({}), "meshes[0]: expected what the schema of glTF 2.0 asks for, found no `primitives`"),
+        ("/meshes/0", json!({}), "meshes[0]: expected a value of the glTF 2.0 schema, found no `primitives`"),
         ("/meshes/0/primitives", json!([]), "no triangles"),
         ("/meshes/0/primitives/0/attributes", json!({}), "no triangles (primitives without positions are left out: 1)"),
         (
@@ -91,11 +87,7 @@ fn wrong_values() -> Vec<Wrong> {
             "meshes[0].primitives[0].attributes.POSITION: expected the",
         ),
         ("/meshes/0/primitives/0/attributes/POSITION", json!(1), "accessors[1].type: expected `VEC3`, found `SCALAR`"),
-        (
-            "/meshes/0/primitives/0/indices",
-            json!(2),
-            "meshes[0].primitives[0].indices: expected the index of something",
-        ),
+        ("/meshes/0/primitives/0/indices", json!(2), "meshes[0].primitives[0].indices: expected the index of"),
         ("/meshes/0/primitives/0/indices", json!(0), "accessors[0].type: expected `SCALAR`, found `VEC3`"),
         ("/meshes/0/primitives/0/mode", json!(7), "meshes[0].primitives[0].mode: expected 0 to 6, found 7"),
         ("/meshes/0/primitives/0/mode", json!(1), "no triangles"),
@@ -104,7 +96,7 @@ fn wrong_values() -> Vec<Wrong> {
             json!({ "KHR_draco_mesh_compression": { "bufferView": 0 } }),
             "meshes[0].primitives[0].extensions: the extension `KHR_draco_mesh_compression` is not supported; export it without",
         ),
-        ("/accessors/0/bufferView", json!(2), "accessors[0].bufferView: expected the index of something"),
+        ("/accessors/0/bufferView", json!(2), "accessors[0].bufferView: expected the index of"),
         (
             "/accessors/0/bufferView",
             json!(1),
@@ -122,14 +114,14 @@ fn wrong_values() -> Vec<Wrong> {
         ("/accessors/0/count", json!(5), "accessors[0].count: expected as many elements as its view holds"),
         ("/accessors/0/count", json!(u64::MAX), "accessors[0].count: expected as many elements as its view holds"),
         ("/accessors/0/count", json!(0), "accessors[0].count: expected 1 or more, found 0"),
-        ("/accessors/0/count", json!(-4), "accessors[0].count: expected what the schema"),
+        ("/accessors/0/count", json!(-4), "accessors[0].count: expected a value of the glTF"),
         (
             "/accessors/0/count",
             json!(3),
             "accessors[1]: expected indices of vertices, and none that restarts a strip, found 3",
         ),
         ("/accessors/0/type", json!("VEC2"), "accessors[0].type: expected `VEC3`, found `VEC2`"),
-        ("/accessors/0/type", json!(["VEC3"]), "accessors[0].type: expected what the schema"),
+        ("/accessors/0/type", json!(["VEC3"]), "accessors[0].type: expected a value of the glTF"),
         (
             "/accessors/1/componentType",
             json!(5126),
@@ -139,8 +131,8 @@ fn wrong_values() -> Vec<Wrong> {
         ("/accessors/1/componentType", json!(5125), "accessors[1].count: expected as many elements"),
         ("/accessors/1/byteOffset", json!(3), "accessors[1].byteOffset: expected a multiple of the size of a number"),
         ("/accessors/1/count", json!(2), "no triangles (corners that make no whole triangle are left out: 2)"),
-        ("/accessors/1/normalized", json!(1), "accessors[1].normalized: expected what the schema"),
-        ("/bufferViews/0/buffer", json!(1), "bufferViews[0].buffer: expected the index of something"),
+        ("/accessors/1/normalized", json!(1), "accessors[1].normalized: expected a value of the glTF"),
+        ("/bufferViews/0/buffer", json!(1), "bufferViews[0].buffer: expected the index of"),
         (
             "/bufferViews/0/byteLength",
             json!(73),
@@ -177,7 +169,7 @@ fn wrong_values() -> Vec<Wrong> {
             json!({ "KHR_meshopt_compression": {} }),
             "bufferViews[1].extensions: the extension `KHR_meshopt",
         ),
-        ("/buffers", json!([]), "bufferViews[0].buffer: expected the index of something that there is, found 0 of 0"),
+        ("/buffers", json!([]), "bufferViews[0].buffer: expected the index of an existing entry, found 0 of 0"),
         (
             "/buffers/0/byteLength",
             json!(77),
@@ -199,7 +191,7 @@ fn wrong_values() -> Vec<Wrong> {
     ]
 }
 
-/// Puts a value at a place, where nothing may be yet.
+/// Inserts a value at a place, which may be new.
 fn put(document: &mut Value, place: &str, value: Value) {
     let (parent, name) = place.rsplit_once('/').unwrap();
     match document.pointer_mut(parent).unwrap() {
@@ -269,7 +261,7 @@ fn wrong_indices_and_sparse_replacements_are_said_with_their_place() {
             &values,
             "accessors[0].sparse.count: expected 1 or more, and at most `count`, found 5 of 4",
         ),
-        (json!(-1), &indices, &values, "accessors[0].sparse.count: expected what the schema"),
+        (json!(-1), &indices, &values, "accessors[0].sparse.count: expected a value of the glTF"),
         (json!(4), &indices, &values, "accessors[0].sparse.indices: expected rising indices below `count`"),
         (
             json!(1),
@@ -312,7 +304,7 @@ fn wrong_indices_and_sparse_replacements_are_said_with_their_place() {
             json!(1),
             &indices,
             &json!({}),
-            "accessors[0].sparse.values: expected what the schema of glTF 2.0 asks for, found no `bufferView`",
+            "accessors[0].sparse.values: expected a value of the glTF 2.0 schema, found no `bufferView`",
         ),
     ] {
         let line = sparse(count.clone(), indices.clone(), values.clone());
@@ -327,13 +319,13 @@ fn text_that_is_no_document_is_said_with_its_line() {
         ("{ \"asset\": ", "line 1: expected more JSON, found its end"),
         ("{ \"asset\": {\n\"version\" 2 } }", "line 2: expected JSON, found `\"version\" 2` up to line 2, column 11"),
         ("{ \"asset\": 1e999 }", "line 1: expected JSON"),
-        ("{ \"asset\": {} }", "asset: expected what the schema of glTF 2.0 asks for, found no `version`"),
+        ("{ \"asset\": {} }", "asset: expected a value of the glTF 2.0 schema, found no `version`"),
         ("{ \"asset\": { \"version\": \"2.0\" } } x", "line 1: expected JSON"),
-        ("{}", "header: expected what the schema of glTF 2.0 asks for, found no `asset`"),
-        ("[\"asset\"]", "expected what the schema"),
-        ("{ \"asset\": { \"version\": \"2.0\", \"version\": \"2.0\" } }", "expected what the schema"),
-        ("\"asset\"", "header: expected what the schema"),
-        ("{ \"asset\": { \"version\": \"2.0\" }, \"nodes\": [], \"nodes\": [] }", "expected what the schema"),
+        ("{}", "header: expected a value of the glTF 2.0 schema, found no `asset`"),
+        ("[\"asset\"]", "expected a value of the glTF"),
+        ("{ \"asset\": { \"version\": \"2.0\", \"version\": \"2.0\" } }", "expected a value of the glTF"),
+        ("\"asset\"", "header: expected a value of the glTF"),
+        ("{ \"asset\": { \"version\": \"2.0\" }, \"nodes\": [], \"nodes\": [] }", "expected a value of the glTF"),
         ("{ \"asset\": { \"version\": \"2.0\" } }", "no triangles"),
         (
             "{ \"asset\": { \"version\": \"2.0\" }, \"nodes\": [{ \"children\": [1] }, { \"children\": [0] }] }",
@@ -349,7 +341,7 @@ fn text_that_is_no_document_is_said_with_its_line() {
     assert!(error(format!("{head}\"extras\": {open}{close} }}").as_bytes()).contains("no triangles"));
     assert!(error(format!("{head}\"extras\": {open} }}").as_bytes()).contains("line 1: expected JSON, found"));
     assert!(error(format!("{head}\"extras\": {open}").as_bytes()).contains("line 1: expected more JSON"));
-    assert!(error(format!("{head}\"nodes\": {open}{close} }}").as_bytes()).contains("expected what the schema"));
+    assert!(error(format!("{head}\"nodes\": {open}{close} }}").as_bytes()).contains("expected a value of the glTF"));
     for cut in 8..good.len() {
         let _ = error(&good[..cut]);
     }

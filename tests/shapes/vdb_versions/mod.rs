@@ -1,4 +1,4 @@
-//! Versions and types of OpenVDB: every one and every packing gives the voxels that were written, and what is wrong is one line.
+//! All versions, types and compressions of OpenVDB give the written voxels; errors are one line.
 #![allow(clippy::unwrap_used)] // clippy sees a test only in `#[test]`, not in what it calls
 
 mod reads;
@@ -19,23 +19,23 @@ const ZIP: u32 = 1;
 const MASK: u32 = 2;
 const BLOSC: u32 = 4;
 
-/// How a file is written.
+/// Encoding of a file.
 #[derive(Clone, Copy, Debug)]
 struct Kind {
     version: u32,
     is_double: bool,
     is_half: bool,
     flags: u32,
-    /// The code of the first leaf, where nodes have one.
+    /// Node code of the first leaf, in versions with codes.
     code: u8,
 }
 
 const PLAIN: Kind = Kind { version: 224, is_double: false, is_half: false, flags: MASK, code: 0 };
 
-/// Where values are outside of everything.
+/// Background.
 const BACKGROUND: f64 = 2.0;
 
-/// What inactive voxels of the first leaf are, by its code.
+/// Values of inactive voxels of the first leaf, by its code.
 fn inactive(code: u8, place: usize) -> f64 {
     let choice = |pair: [f64; 2]| pair[place % 2];
     match code {
@@ -49,7 +49,7 @@ fn inactive(code: u8, place: usize) -> f64 {
     }
 }
 
-/// Whether a voxel of a leaf is active, and its value then.
+/// Value of a voxel of a leaf, if it is active.
 fn is_active(place: usize) -> bool {
     (place / 64 + place / 8 % 8 + place % 8) % 3 != 1
 }
@@ -58,7 +58,7 @@ fn active(place: usize) -> f64 {
     (place * 37 % 1021) as f64 / 64.0 - 6.0
 }
 
-/// The values that the file of [`tree`] has: two leaves and a tile of 8 in a node of 16^3, a tile of 128, one of 4096.
+/// Values of the file of [`tree`]: two leaves and a tile of 8 in a node of 16^3, a tile of 128, one of 4096.
 fn truth(code: u8, [x, y, z]: [i32; 3]) -> f64 {
     let place = ((x - 4088) * 64 + y * 8 + z.rem_euclid(8)) as usize;
     match (x, y, z) {
@@ -73,7 +73,7 @@ fn truth(code: u8, [x, y, z]: [i32; 3]) -> f64 {
     }
 }
 
-/// A file, and where its parts are in it.
+/// File, and the offsets of its parts.
 #[derive(Clone, Default)]
 struct File {
     bytes: Vec<u8>,
@@ -111,7 +111,7 @@ impl File {
         self.bytes.extend(value);
     }
 
-    /// A value beside the nodes.
+    /// Value outside of a node.
     fn value(&mut self, kind: Kind, name: &'static str, value: f64) {
         match kind.is_double {
             true => self.put(name, &value.to_le_bytes()),
@@ -125,7 +125,7 @@ impl File {
             .extend((0..places / 8).map(|byte| (0..8).map(|bit| u8::from(is_on(8 * byte + bit)) << bit).sum::<u8>()));
     }
 
-    /// The values of a node of `code`, with two inactive ones and which of them is the second.
+    /// Values of a node of `code`, with two inactive values and the mask of the second.
     fn values(
         &mut self,
         kind: Kind,
@@ -200,7 +200,7 @@ fn header(version: u32, grids: u32) -> File {
     file
 }
 
-/// A grid up to its tree; `map` writes the transform.
+/// Grid up to its tree; `map` writes the transform.
 fn head(file: &mut File, kind: Kind, class: &str, map: &dyn Fn(&mut File)) {
     file.text("name", "a grid\u{1e}2");
     let of_values = if kind.is_double { "double" } else { "float" };
@@ -328,7 +328,7 @@ fn error(bytes: &[u8]) -> String {
     line
 }
 
-/// The volume has the values of [`truth`] in all of the box around its active voxels, one more on each side.
+/// Checks the volume against [`truth`] in the box around its active voxels with a margin of one.
 fn assert_truth(volume: &Volume, code: u8, kind: Kind) {
     assert_eq!(volume.size, [10, 18, 130], "{kind:?}");
     let first = [4087, -1, -1];

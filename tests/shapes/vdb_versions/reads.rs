@@ -1,4 +1,4 @@
-//! What is read.
+//! Files that are read.
 
 use super::*;
 
@@ -29,7 +29,7 @@ fn every_code_of_a_node_gives_its_inactive_voxels() {
     }
 }
 
-/// What writes a transform, its origin and its distances.
+/// Writer of a transform, its origin and its spacing.
 type Map<'a> = (&'a dyn Fn(&mut File), Vec3, Vec3);
 
 #[test]
@@ -99,7 +99,7 @@ fn linear_transforms_place_the_voxels() {
     assert!(nothing.contains("expected distances between samples"), "{nothing}");
 }
 
-/// A file that OpenVDB 10.0.1 wrote.
+/// File written by OpenVDB 10.0.1.
 fn written(text: &str) -> Vec<u8> {
     let mut bytes = Vec::new();
     ZlibDecoder::new(&STANDARD.decode(text).unwrap()[..]).read_to_end(&mut bytes).unwrap();
@@ -180,7 +180,7 @@ fn the_first_grid_that_fits_is_read_and_the_others_are_named_where_none_does() {
     assert_truth(&volume(read("test.vdb", &file.bytes)), 0, PLAIN);
 }
 
-/// A fog of single voxels in leaves of their own.
+/// Fog volume of single voxels in leaves of their own.
 pub(super) fn voxels(origins: &[[i32; 3]]) -> Vec<u8> {
     let mut file = header(224, 1);
     head(&mut file, PLAIN, "fog volume", &scaled);
@@ -270,7 +270,7 @@ const BALL: &str = "eNrtnV1oW8kVx8/Vlb/ysZY3khtso3VWm3Y/Eq8cO1lnK6nF1C+lgpBNTVpM
     Rv6sDObJrKUngVpyOEhrpnovfSAWwm8QdVNjkOraQwEvXV8KKOE4S7W/pTo3/SjYLFcuB1z0sR37u/65cruFLy9YeW0gY54Xs7zw\
     lQvjZ7WrXthw7vwX/NPVlA==";
 
-/// Doubles in a box, Blosc without a mask, behind a grid of vectors.
+/// Box of doubles, Blosc without a mask, after a grid of vectors.
 const FOG: &str = "eNrtnN9PHFUUx88M2+U3u7W/gNUuBe0PW+guLIVpbZYaE2MibROrabTpsixDu+3CEpYSGhOdhD42qW998EESffChiT74aOwk/gM8\
     khgTTNq0MVgb02iiFTz33tkfwA5sS1Ep3w+Zc2fPnLk/zjl7uW1OaHr9jfeImeWrihRaqCtkdHWbXa1xwwy1Rtr7I63dg4nB1o7B\
     zo640RkeDHcbwlAXxnyN+1mcGTXN2LiZ6MjEOmORWIcwGHd69LSp9nun9fBVzlctX4PJlBnr709PxIbiE1vES9xHssbpWgxRttwy\

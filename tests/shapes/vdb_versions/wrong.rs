@@ -1,4 +1,4 @@
-//! What is refused, and what is said of it.
+//! Refused files with the expected messages.
 
 use super::reads::voxels;
 use super::*;

@@ -1,81 +1,76 @@
-//! The elements of a DICOM data set.
+//! Data elements of DICOM.
 //!
-//! Role: tags, types and lengths, and which sequence they are in. Invariant: open sequences are kept on a list of bounded
-//! length, so that no depth of them ends the program, and what is not asked for is gone over by its length. Source: NEMA
-//! PS3.5, 7 and annex A.
+//! Role: tags, types and lengths, with the enclosing sequences. Invariant: the stack of open sequences is bounded, so nesting
+//! cannot exhaust memory, and unused elements are skipped by their length. Source: NEMA PS3.5, 7 and annex A.
 
-use super::super::error::{Location, ShapeError, quoted};
-use super::super::source::Source;
+use crate::error::{ShapeError, quoted};
+use crate::source::Source;
 
-/// The pixels: no element behind them is read.
+/// Pixel data: elements after it are not read.
 pub(super) const PIXELS: u32 = 0x7fe0_0010;
-/// What all frames have in common, and what each one has of its own.
+/// Shared and per-frame functional groups.
 pub(super) const SHARED: u32 = 0x5200_9229;
 pub(super) const PER_FRAME: u32 = 0x5200_9230;
-/// Sequences in these two: place, orientation, size of pixels and meaning of values.
+/// Sequences in these groups: plane position, plane orientation, pixel measures, pixel value transformation.
 const OF_FRAMES: [u32; 4] = [0x0020_9113, 0x0020_9116, 0x0028_9110, 0x0028_9145];
-/// Values of a scanner by the values of pixels.
+/// Modality LUT sequence.
 const TABLE: u32 = 0x0028_3000;
-/// An item of a sequence, and the ends of one and of a sequence.
+/// Item, end of an item, end of a sequence.
 pub(super) const ITEM: u32 = 0xfffe_e000;
 const ITEM_END: u32 = 0xfffe_e00d;
 pub(super) const SEQUENCE_END: u32 = 0xfffe_e0dd;
-/// The length of what ends with a mark.
+/// Length of an element that ends with a delimiter.
 pub(super) const UNDEFINED: u32 = u32::MAX;
-/// Most sequences and items inside each other: 16 sequences, real files have 6.
+/// Deepest nesting: 16 sequences with an item each; real files have 6.
 const MAX_DEPTH: usize = 32;
-/// Longest value that is read, in bytes: the numbers of a frame are far shorter.
+/// Longest value read, in bytes; the numbers of a frame are far shorter.
 const MAX_VALUE: u32 = 1024;
-/// What is read here, for messages.
+/// Noun for messages.
 const WHAT: &str = "elements of DICOM";
 
-/// How elements are written.
+/// Encoding of elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Syntax {
-    /// Whether no type is written.
+    /// Whether types (VR) are left out.
     pub is_implicit: bool,
-    /// Whether the first byte of a number is its highest.
     pub big_endian: bool,
 }
 
-/// The head of an element whose value is next.
+/// Header of an element; its value is next in the source.
 pub(super) struct Element {
-    /// Group and number in it.
+    /// Group and element number.
     pub tag: u32,
-    /// Its type, or zeros.
+    /// Type (VR), or zeros.
     pub kind: [u8; 2],
-    /// Bytes of its value.
     pub length: u32,
 }
 
-/// A sequence or an item that has not ended.
+/// An open sequence or item.
 struct Open {
     tag: u32,
-    /// Where it ends, if that is known.
+    /// Offset of the end, if the length is defined.
     end: Option<u64>,
-    /// How what is in it is written.
+    /// Encoding of the contents.
     syntax: Syntax,
-    /// Items seen so far of a sequence.
+    /// Items of a sequence read so far.
     items: usize,
 }
 
-/// The elements of a source.
+/// Reader of elements.
 pub(super) struct Elements<'s, 'a> {
-    /// Where they are.
     pub source: &'s mut Source<'a>,
-    /// Whether there was a table of what values mean.
+    /// Whether a modality LUT was found.
     pub has_table: bool,
     syntax: Syntax,
     open: Vec<Open>,
 }
 
 impl<'s, 'a> Elements<'s, 'a> {
-    /// The elements from the current place on.
     pub fn new(source: &'s mut Source<'a>, syntax: Syntax) -> Self {
         Elements { source, has_table: false, syntax, open: Vec::new() }
     }
 
-    /// The next element that is no sequence, at the top or in a sequence of frames; `None` at the end of the file.
+    /// Next element that is no sequence, at the top level or in the functional groups; `None` at the end of the file.
     pub fn next(&mut self) -> Result<Option<Element>, ShapeError> {
         loop {
             while let Some(end) = self.open.last().and_then(|open| open.end)
@@ -110,23 +105,23 @@ impl<'s, 'a> Elements<'s, 'a> {
         }
     }
 
-    /// The sequence at the top that the last element is in, and the number of its item, from 0.
+    /// Outermost open sequence, and the index of its item.
     pub fn group(&self) -> Option<(u32, usize)> {
         self.open.first().map(|open| (open.tag, open.items.saturating_sub(1)))
     }
 
-    /// Goes over the value of an element.
+    /// Skips the value of an element.
     pub fn skip(&mut self, head: &Element) -> Result<(), ShapeError> {
         self.source.skip(u64::from(head.length), WHAT)
     }
 
-    /// The value of an element as text, without what fills it up.
+    /// Value as text without padding.
     pub fn text(&mut self, head: &Element) -> Result<String, ShapeError> {
         let value = self.value(head)?;
         Ok(String::from_utf8_lossy(&value).trim_matches(|c: char| c == '\0' || c.is_whitespace()).into())
     }
 
-    /// The value of an element of 16 bits.
+    /// Value as a 16-bit integer.
     pub fn short(&mut self, head: &Element) -> Result<u16, ShapeError> {
         match *self.value(head)? {
             [low, high] => Ok(self.u16([low, high])),
@@ -142,7 +137,7 @@ impl<'s, 'a> Elements<'s, 'a> {
         self.source.block(u64::from(head.length), WHAT)
     }
 
-    /// How the innermost of what is open is written.
+    /// Encoding of the innermost open sequence or item.
     fn inner(&self) -> Syntax {
         self.open.last().map_or(self.syntax, |open| open.syntax)
     }
@@ -178,12 +173,12 @@ impl<'s, 'a> Elements<'s, 'a> {
         Ok(Element { tag, kind, length: self.u32(length) })
     }
 
-    /// Whether the innermost of what is open ends with a mark, and its tag is as `is` says.
+    /// Whether the innermost open sequence or item ends with a delimiter and has a tag that `is` accepts.
     fn ends(&self, is: impl Fn(u32) -> bool) -> bool {
         self.open.last().is_some_and(|open| is(open.tag) && open.end.is_none())
     }
 
-    /// Whether `tag` is of a sequence that frames are described by, and stands where it does so.
+    /// Whether `tag` is a functional group sequence at its proper level.
     fn is_of_frames(&self, tag: u32) -> bool {
         match self.open.len() {
             0 => matches!(tag, SHARED | PER_FRAME),
@@ -192,18 +187,18 @@ impl<'s, 'a> Elements<'s, 'a> {
         }
     }
 
-    /// Whether the next element is in an item of such a sequence.
+    /// Whether the next element is in an item of a functional group sequence.
     fn is_in_frames(&self) -> bool {
         let is_there = self.open.len() == 4 && matches!(self.open[0].tag, SHARED | PER_FRAME);
         is_there && OF_FRAMES.contains(&self.open[2].tag)
     }
 
-    /// Enters a sequence, or goes over one that is not asked for and has a length.
+    /// Enters a sequence, or skips one that is not needed and has a length.
     fn sequence(&mut self, head: &Element) -> Result<(), ShapeError> {
         if head.length != UNDEFINED && !self.is_of_frames(head.tag) {
             return self.skip(head);
         }
-        // A sequence of an unknown type is written as if there were no types.
+        // The contents of type UN are implicit, little endian.
         let unknown = Syntax { is_implicit: true, big_endian: false };
         let syntax = if &head.kind == b"UN" { unknown } else { self.inner() };
         self.enter(head.tag, head.length, syntax)
@@ -231,11 +226,11 @@ impl<'s, 'a> Elements<'s, 'a> {
     }
 
     fn wrong(&self, expected: &'static str, found: String) -> ShapeError {
-        self.source.malformed_at(Location::Byte(self.source.offset), expected, found)
+        self.source.malformed_here(expected, found)
     }
 }
 
-/// A tag for a message.
+/// Tag as `(0028,0010)`.
 pub(super) fn shown(tag: u32) -> String {
     format!("({:04X},{:04X})", tag >> 16, tag & 0xffff)
 }

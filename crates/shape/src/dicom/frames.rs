@@ -1,82 +1,77 @@
-//! Packed frames.
+//! Decompression of frames.
 //!
-//! Role: the fragments that the pixels of a file are packed in, and from them the bytes of a frame as other files have them, the
-//! lowest first. Invariant: a frame has as many bytes as is said before it is unpacked. Sources: NEMA PS3.5, annexes A.4 and G;
-//! ITU-T T.81 for what is asked of JPEG before the crate unpacks it.
+//! Role: fragments of encapsulated pixel data as the bytes of a frame, in little endian. Invariant: the size of a frame is known
+//! before it is decompressed. Sources: NEMA PS3.5, annexes A.4 and G; ITU-T T.81 for the checks of JPEG.
 
-use super::super::error::{Location, ShapeError};
-use super::super::source::Source;
 use super::elements::{ITEM, SEQUENCE_END, shown};
+use crate::error::{Location, ShapeError};
+use crate::source::Source;
 use jpeg_decoder::{Decoder, PixelFormat};
 use std::io;
 
-/// How the pixels of a file are packed.
+/// Encoding of the pixels of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) enum Coding {
-    /// Not at all.
+pub(super) enum PixelEncoding {
     #[default]
     Plain,
-    /// Runs of equal bytes.
     Rle,
-    /// JPEG, lossless.
-    Jpeg,
-    /// JPEG, which changes values.
+    LosslessJpeg,
     LossyJpeg,
 }
 
-/// Most bytes that one byte of runs becomes: 128 for 2.
+/// Highest expansion of run lengths: 128 bytes for 2.
 const MAX_RLE_RATIO: u64 = 64;
-/// The same of JPEG: a block of 64 pixels takes 2 bits at least.
+/// Highest expansion of JPEG: a block of 64 pixels takes 2 bits at least.
 const MAX_JPEG_RATIO: u64 = 256;
-/// Bytes before the runs: their number and where each begins.
+/// Header of run lengths: the number of segments and their offsets.
 const RLE_HEADER: usize = 64;
-/// Markers of JPEG: a lossless frame, the distance of restarts, and the start of its data.
+/// JPEG markers: start of a lossless frame, restart interval, start of scan.
 const LOSSLESS: u8 = 0xc3;
 const RESTARTS: u8 = 0xdd;
 const SCAN: u8 = 0xda;
 
-/// What is wrong with a frame.
+/// Error of a frame.
 pub(super) enum Fault {
-    /// It is damaged, or not as large as it should be.
+    /// Damaged, or of the wrong size.
     Damaged(String),
-    /// It is right, but not read.
+    /// Valid, but not supported.
     Unsupported(String),
 }
 
-impl Coding {
-    /// Most bytes of pixels that one byte becomes.
+impl PixelEncoding {
+    /// Highest expansion.
     pub fn max_ratio(self) -> u64 {
         match self {
-            Coding::Plain => 1,
-            Coding::Rle => MAX_RLE_RATIO,
-            Coding::Jpeg | Coding::LossyJpeg => MAX_JPEG_RATIO,
+            PixelEncoding::Plain => 1,
+            PixelEncoding::Rle => MAX_RLE_RATIO,
+            PixelEncoding::LosslessJpeg | PixelEncoding::LossyJpeg => MAX_JPEG_RATIO,
         }
     }
 
-    /// The pixels of a frame of `columns` x `rows`, each of `width` bytes.
+    /// Decompresses a frame of `columns` x `rows` pixels of `width` bytes.
     fn unpacked(self, packed: &[u8], [columns, rows]: [u16; 2], width: usize) -> Result<Vec<u8>, Fault> {
         let pixels = usize::from(columns) * usize::from(rows);
         match self {
-            Coding::Plain => Ok(packed.to_vec()),
-            Coding::Rle => runs(packed, pixels, width),
-            Coding::Jpeg | Coding::LossyJpeg => jpeg(packed, [columns, rows], width),
+            PixelEncoding::Plain => Ok(packed.to_vec()),
+            PixelEncoding::Rle => runs(packed, pixels, width),
+            PixelEncoding::LosslessJpeg | PixelEncoding::LossyJpeg => jpeg(packed, [columns, rows], width),
         }
     }
 }
 
-/// The fragments of a file, in order.
+/// Reader of the fragments of a file.
 pub(super) struct Fragments {
-    /// Where the fragments of each frame begin, if that is told.
+    /// Offsets of the first fragments of the frames, if the table is not empty.
     starts: Vec<u32>,
-    /// Where the first one is.
+    /// Offset of the first fragment.
     first: u64,
-    /// The head of the next one, if it has been read: where it was, and its length; none behind the last one.
+    /// Offset and length of the next fragment, if its header has been read; the length is `None` at the end.
     next: Option<(u64, Option<u32>)>,
     frames: usize,
 }
 
 impl Fragments {
-    /// Those that are next in the source, of so many frames.
+    /// Reads the offset table of `frames` frames.
     pub fn read(source: &mut Source, frames: usize) -> Result<Fragments, ShapeError> {
         let place = Location::Byte(source.offset);
         let (_, Some(length)) = head(source)? else {
@@ -91,12 +86,12 @@ impl Fragments {
         Ok(Fragments { starts, first: source.offset, next: None, frames })
     }
 
-    /// The bytes of the frame behind those that have been read.
+    /// Decompresses the next frame, that of `index`.
     pub fn frame(
         &mut self,
         source: &mut Source,
         index: usize,
-        coding: Coding,
+        encoding: PixelEncoding,
         sides: [u16; 2],
         width: usize,
     ) -> Result<Vec<u8>, ShapeError> {
@@ -122,23 +117,19 @@ impl Fragments {
         }
         if index + 1 == self.frames && self.next.is_some_and(|(_, length)| length.is_some()) {
             let expected = "one fragment of packed pixels for each frame, or a table of frames";
-            return Err(source.malformed_at(Location::Byte(source.offset), expected, "more".into()));
+            return Err(source.malformed_here(expected, "more".into()));
         }
-        coding.unpacked(&packed, sides, width).map_err(|fault| match fault {
-            Fault::Damaged(what) => {
-                let (file, reason) = (source.file.clone(), io::Error::other(what));
-                ShapeError::Packed { file, offset, decoded: 0, reason }
-            }
+        encoding.unpacked(&packed, sides, width).map_err(|fault| match fault {
+            Fault::Damaged(what) => source.packed(offset, 0, io::Error::other(what)),
             Fault::Unsupported(found) => {
-                let (file, place) = (source.file.clone(), Location::Byte(offset));
                 let remedy = "unpack it with `gdcmconv --raw`, or `dcmdjpeg` of DCMTK";
-                ShapeError::Unsupported { file, place, what: "JPEG with", found, remedy }
+                source.unsupported(Location::Byte(offset), "JPEG with", found, remedy)
             }
         })
     }
 }
 
-/// Where the next item is, and its length; none of the end of all.
+/// Offset and length of the next item; the length is `None` at the end of the sequence.
 fn head(source: &mut Source) -> Result<(u64, Option<u32>), ShapeError> {
     let at = source.offset;
     let [a, b, c, d, length @ ..] = source.array::<8>("packed pixels")?;
@@ -150,7 +141,7 @@ fn head(source: &mut Source) -> Result<(u64, Option<u32>), ShapeError> {
     }
 }
 
-/// Runs of each byte of the pixels, the highest first.
+/// Decompresses run lengths: one segment per byte of a pixel, the highest first.
 fn runs(packed: &[u8], pixels: usize, width: usize) -> Result<Vec<u8>, Fault> {
     let damaged = |what: &str| Fault::Damaged(what.into());
     let header: Vec<usize> =
@@ -168,7 +159,7 @@ fn runs(packed: &[u8], pixels: usize, width: usize) -> Result<Vec<u8>, Fault> {
             let (&code, behind) = rest.split_first().ok_or_else(short)?;
             let (run, copies) = match code {
                 0..128 => (usize::from(code) + 1, 1),
-                128 => (0, 0), // stands for nothing
+                128 => (0, 0), // no operation
                 _ => (1, 257 - usize::from(code)),
             };
             let (run, behind) = behind.split_at_checked(run).ok_or_else(short)?;
@@ -183,7 +174,7 @@ fn runs(packed: &[u8], pixels: usize, width: usize) -> Result<Vec<u8>, Fault> {
     Ok(bytes)
 }
 
-/// A frame of JPEG of one component.
+/// Decompresses a grayscale JPEG.
 fn jpeg(packed: &[u8], sides: [u16; 2], width: usize) -> Result<Vec<u8>, Fault> {
     let fault = |error| match error {
         jpeg_decoder::Error::Unsupported(feature) => Fault::Unsupported(format!("{feature:?}")),
@@ -211,7 +202,7 @@ fn jpeg(packed: &[u8], sides: [u16; 2], width: usize) -> Result<Vec<u8>, Fault> 
     }
 }
 
-/// A feature of lossless JPEG that the crate gets wrong without a word.
+/// Feature of lossless JPEG that the crate decodes wrongly without an error.
 fn beyond_crate(packed: &[u8]) -> Option<&'static str> {
     let (mut rest, mut is_lossless, mut has_restarts) = (packed.get(2..)?, false, false);
     while let [0xff, marker, high, low, ..] = *rest {

@@ -1,45 +1,40 @@
-//! The header of a DICOM file.
+//! Header of a DICOM file.
 //!
-//! Role: the mark, and how the rest of the file is written. Invariant: one of the ways that are read here, or a name for the
-//! other one. Source: NEMA PS3.10, 7, and PS3.5, annex A.
+//! Role: the preamble, and the transfer syntax of the rest of the file. Source: NEMA PS3.10, 7, and PS3.5, annex A.
 
-use super::super::error::{Location, ShapeError, quoted};
-use super::super::source::Source;
 use super::elements::{Elements, Syntax, shown};
-use super::frames::Coding;
+use super::frames::PixelEncoding;
+use crate::error::{Location, ShapeError, quoted};
+use crate::source::Source;
 
-/// What is not read, what was found of it, and what to do.
+/// Unsupported part, its value, and the remedy.
 pub(super) type Refusal = (&'static str, String, &'static str);
 
-/// Where the mark of a file is, and the mark.
+/// Offset and bytes of the prefix of a file.
 pub(super) const MARK_AT: usize = 128;
 pub(super) const MARK: &[u8] = b"DICM";
-/// How elements are written where nothing else is said.
+/// Encoding of the header.
 const EXPLICIT: Syntax = Syntax { is_implicit: false, big_endian: false };
-/// What a file is that names others.
+/// Class of a DICOMDIR.
 const DIRECTORY: &str = "1.2.840.10008.1.3.10";
-/// What is read here, for messages.
+/// Noun for messages.
 const HEADER: &str = "a DICOM header";
 
-/// What is said before the image.
 pub(super) struct Header {
-    /// How elements are written.
     pub syntax: Syntax,
-    /// How pixels are packed.
-    pub coding: Coding,
-    /// Why its pixels are not read.
+    pub encoding: PixelEncoding,
+    /// Reason why the pixels are not supported.
     pub refused: Option<Refusal>,
 }
 
 impl Header {
-    /// Reads a file up to its data set.
+    /// Reads up to the data set.
     pub fn read(source: &mut Source) -> Result<Header, ShapeError> {
         let start: [u8; MARK_AT + 4] = source.array(HEADER)?;
         if &start[MARK_AT..] != MARK {
-            let (file, place) = (source.file.clone(), Location::Byte(MARK_AT as u64));
-            let (found, remedy) =
-                ("without the mark `DICM`".into(), "rewrite it with `dcmconv` of DCMTK, which adds a header");
-            return Err(ShapeError::Unsupported { file, place, what: "a DICOM file", found, remedy });
+            let (place, remedy) =
+                (Location::Byte(MARK_AT as u64), "rewrite it with `dcmconv` of DCMTK, which adds a header");
+            return Err(source.unsupported(place, "a DICOM file", "without the mark `DICM`", remedy));
         }
         let mut elements = Elements::new(source, EXPLICIT);
         let (mut end, mut syntax, mut is_directory) = (None, None, false);
@@ -63,24 +58,24 @@ impl Header {
         let Some(syntax) = syntax else {
             return Err(source.malformed_at(Location::Header, "a transfer syntax (0002,0010)", "none".into()));
         };
-        let plain = |is_implicit, big_endian| (Syntax { is_implicit, big_endian }, Coding::Plain, None);
-        let packed = |coding| (EXPLICIT, coding, None);
-        let (syntax, coding, refused) = match &*syntax {
+        let plain = |is_implicit, big_endian| (Syntax { is_implicit, big_endian }, PixelEncoding::Plain, None);
+        let packed = |encoding| (EXPLICIT, encoding, None);
+        let (syntax, encoding, refused) = match &*syntax {
             "1.2.840.10008.1.2" => plain(true, false),
             "1.2.840.10008.1.2.1" => plain(false, false),
             "1.2.840.10008.1.2.2" => plain(false, true),
-            "1.2.840.10008.1.2.5" => packed(Coding::Rle),
-            "1.2.840.10008.1.2.4.50" | "1.2.840.10008.1.2.4.51" => packed(Coding::LossyJpeg),
-            "1.2.840.10008.1.2.4.57" | "1.2.840.10008.1.2.4.70" => packed(Coding::Jpeg),
-            other => (EXPLICIT, Coding::Plain, Some(compressed(other))),
+            "1.2.840.10008.1.2.5" => packed(PixelEncoding::Rle),
+            "1.2.840.10008.1.2.4.50" | "1.2.840.10008.1.2.4.51" => packed(PixelEncoding::LossyJpeg),
+            "1.2.840.10008.1.2.4.57" | "1.2.840.10008.1.2.4.70" => packed(PixelEncoding::LosslessJpeg),
+            other => (EXPLICIT, PixelEncoding::Plain, Some(compressed(other))),
         };
         let remedy = "it only names files: open the folder that the slices are in, or one of them";
         let refused = if is_directory { Some(("the", "DICOMDIR".into(), remedy)) } else { refused };
-        Ok(Header { syntax, coding, refused })
+        Ok(Header { syntax, encoding, refused })
     }
 }
 
-/// Why a transfer syntax is not read.
+/// Reason why a transfer syntax is not supported.
 fn compressed(syntax: &str) -> Refusal {
     let number = syntax.strip_prefix("1.2.840.10008.1.2.").unwrap_or_default();
     let name = match number {

@@ -1,69 +1,63 @@
-//! The image in a DICOM file: what is said of its pixels, and the pixels.
+//! Image of a DICOM file: description and pixels.
 //!
-//! Role: elements into an [`Image`], and its frames into values. Invariant: what changes the values or the places of pixels
-//! is understood, or refused once the image is used. Source: NEMA PS3.3, C.7.6.2, C.7.6.3, C.7.6.16 and C.11.1, and PS3.5, 8.
+//! Invariant: elements that change the values or places of pixels are understood, or refused when the image is used. Source:
+//! NEMA PS3.3, C.7.6.2, C.7.6.3, C.7.6.16 and C.11.1, and PS3.5, 8.
 
-use super::super::error::{Found, Location, ShapeError, quoted};
-use super::super::source::Source;
 use super::elements::{Element, Elements, PER_FRAME, PIXELS, SHARED, UNDEFINED};
-use super::frames::{Coding, Fragments};
+use super::frames::{Fragments, PixelEncoding};
 use super::header::{Header, Refusal};
+use crate::error::{Found, Location, ShapeError, quoted};
+use crate::source::Source;
 
-/// Most frames of a file or folder: what is kept of one is many times as long as the shortest item of it.
+/// Most frames of a file or folder. A frame in memory is many times as long as its shortest item in a file.
 pub(super) const MAX_FRAMES: usize = 1 << 16;
 
-/// What is said of a frame.
+/// Attributes of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Frame {
     /// Center of the first pixel, in mm.
     pub position: Option<[f64; 3]>,
-    /// Directions in which columns and rows are counted.
+    /// Directions along rows and along columns.
     pub orientation: Option<[f64; 6]>,
-    /// Distance of rows and of columns, in mm.
+    /// Distances between rows and between columns, in mm.
     pub spacing: Option<[f64; 2]>,
-    /// What pixels are multiplied by.
     pub slope: Option<f64>,
-    /// What is added then.
     pub intercept: Option<f64>,
 }
 
-/// What is said of an image.
+/// Attributes of an image.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Image {
-    /// Identifier of its series.
+    /// Series instance UID.
     pub series: String,
-    /// Pixels along y.
     pub rows: u16,
-    /// Pixels along x.
     pub columns: u16,
-    /// What is said of each frame.
     pub frames: Vec<Frame>,
-    /// How many frames it says to have.
+    /// Declared number of frames.
     count: u64,
-    /// How its pixels are packed.
-    pub coding: Coding,
+    pub encoding: PixelEncoding,
     samples: u16,
     photometric: String,
-    /// Bits of a pixel, those of its value, and the place of the highest of these.
+    /// Bits allocated, bits stored, high bit.
     bits: [u16; 3],
     is_signed: bool,
-    /// Something that is not read, and what to do.
+    /// Unsupported part.
     refused: Option<Refusal>,
     data: Option<Pixels>,
 }
 
-/// How pixels are written.
+/// Location of the pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Pixels {
     big_endian: bool,
-    /// Their bytes as declared, where they begin, and the bytes from there to the end of the file.
+    /// Declared length, offset, and bytes to the end of the file.
     bytes: u32,
     offset: u64,
     left: u64,
 }
 
 impl Frame {
-    /// What it says, else what `common` says.
+    /// Attributes of the frame, or else of `common`.
     fn or(self, common: Frame) -> Frame {
         Frame {
             position: self.position.or(common.position),
@@ -74,7 +68,7 @@ impl Frame {
         }
     }
 
-    /// Takes over an element that is of frames; whether it is one.
+    /// Takes an attribute of frames; returns whether `head` is one.
     fn takes(&mut self, elements: &mut Elements, head: &Element) -> Result<bool, ShapeError> {
         match head.tag {
             0x0020_0032 => self.position = Some(numbers(elements, head, "ImagePositionPatient of 3 numbers")?),
@@ -88,7 +82,7 @@ impl Frame {
     }
 }
 
-/// The decimal numbers of an element.
+/// Decimal numbers of an element.
 fn numbers<const N: usize>(
     elements: &mut Elements,
     head: &Element,
@@ -102,7 +96,7 @@ fn numbers<const N: usize>(
     parts.ok_or_else(|| elements.source.malformed_at(place, expected, quoted(text.as_bytes())))
 }
 
-/// The number of an element that may say none, by nothing or NaN.
+/// Number of an element; `None` if it is empty or NaN.
 fn known(elements: &mut Elements, head: &Element, expected: &'static str) -> Result<Option<f64>, ShapeError> {
     let place = Location::Byte(elements.source.offset);
     let text = elements.text(head)?;
@@ -123,10 +117,10 @@ fn number(elements: &mut Elements, head: &Element, expected: &'static str) -> Re
 }
 
 impl Image {
-    /// Reads a file up to the pixels, or to its end where there are none.
+    /// Reads up to the pixels, or to the end of the file.
     pub fn read(source: &mut Source) -> Result<Image, ShapeError> {
-        let Header { syntax, coding, refused } = Header::read(source)?;
-        let mut image = Image { count: 1, samples: 1, coding, refused, ..Image::default() };
+        let Header { syntax, encoding, refused } = Header::read(source)?;
+        let mut image = Image { count: 1, samples: 1, encoding, refused, ..Image::default() };
         let (mut common, mut shared) = (Frame::default(), Frame::default());
         let mut elements = Elements::new(source, syntax);
         while let Some(head) = elements.next()? {
@@ -169,7 +163,7 @@ impl Image {
         Ok(image)
     }
 
-    /// Takes over an element that is of the whole image; whether it is one.
+    /// Takes an attribute of the image; returns whether `head` is one.
     fn takes(&mut self, elements: &mut Elements, head: &Element) -> Result<bool, ShapeError> {
         match head.tag {
             0x0020_000e => self.series = elements.text(head)?,
@@ -192,31 +186,28 @@ impl Image {
         Ok(true)
     }
 
-    /// Whether there is a picture in the file.
+    /// Whether the file has an image.
     pub fn is_picture(&self) -> bool {
         self.rows > 0 && self.columns > 0 && (self.data.is_some() || self.refused.is_some())
     }
 
-    /// Whether the picture is one slice of a series.
+    /// Whether the image is a single slice.
     pub fn is_slice(&self) -> bool {
         self.is_picture() && self.frames.len() < 2 && self.count < 2
     }
 
-    /// Pixels of a frame.
     pub fn pixels(&self) -> usize {
         usize::from(self.rows) * usize::from(self.columns)
     }
 
-    /// Bytes of a frame.
     fn frame_bytes(&self) -> u64 {
         self.pixels() as u64 * u64::from(self.bits[0] / 8)
     }
 
-    /// An error where its pixels are not what is read here.
+    /// Checks that the pixels are supported.
     pub fn check(&self, file: &str) -> Result<(), ShapeError> {
-        let unsupported = |what, found, remedy| {
-            Err(ShapeError::Unsupported { file: file.into(), place: Location::Header, what, found, remedy })
-        };
+        let unsupported =
+            |what, found, remedy| Err(ShapeError::unsupported(file, Location::Header, what, found, remedy));
         let wrong = |expected, found| {
             Err(ShapeError::Malformed { file: file.into(), place: Location::Header, expected, found })
         };
@@ -249,17 +240,17 @@ impl Image {
             return wrong("RescaleSlope that is not 0", "0".into());
         }
         let declared = self.frame_bytes() * self.count;
-        if self.coding != Coding::Plain {
+        let short = |found| {
+            let (file, what) = (file.into(), "pixels".into());
+            Err(ShapeError::DataSize { file, offset: pixels.offset, declared, what, found })
+        };
+        if self.encoding != PixelEncoding::Plain {
             if pixels.bytes != UNDEFINED {
                 let found = format!("{} bytes", pixels.bytes);
                 return wrong("packed pixels (7FE0,0010) in fragments, without a length of all", found);
             }
-            let most = pixels.left.saturating_mul(self.coding.max_ratio());
-            if declared > most {
-                let (file, what, found) = (file.into(), "pixels".into(), Found::AtMost(most));
-                return Err(ShapeError::DataSize { file, offset: pixels.offset, declared, what, found });
-            }
-            return Ok(());
+            let most = pixels.left.saturating_mul(self.encoding.max_ratio());
+            return if declared > most { short(Found::AtMost(most)) } else { Ok(()) };
         }
         if u64::from(pixels.bytes) != declared && u64::from(pixels.bytes) != declared + declared % 2 {
             let found = format!(
@@ -268,19 +259,15 @@ impl Image {
             );
             return wrong("as many bytes of pixels as Rows, Columns and BitsAllocated say", found);
         }
-        if declared > pixels.left {
-            let (file, what, found) = (file.into(), "pixels".into(), Found::Bytes(pixels.left));
-            return Err(ShapeError::DataSize { file, offset: pixels.offset, declared, what, found });
-        }
-        Ok(())
+        if declared > pixels.left { short(Found::Bytes(pixels.left)) } else { Ok(()) }
     }
 
-    /// The fragments of packed pixels, which are next in the source.
+    /// Reader of compressed frames; the pixel data is next in the source.
     pub fn fragments(&self, source: &mut Source) -> Result<Option<Fragments>, ShapeError> {
-        (self.coding != Coding::Plain).then(|| Fragments::read(source, self.frames.len())).transpose()
+        (self.encoding != PixelEncoding::Plain).then(|| Fragments::read(source, self.frames.len())).transpose()
     }
 
-    /// Reads the values of the next frame, that with this index: its pixels are next in the source, or in the fragments.
+    /// Reads the values of the next frame, that of `index`.
     pub fn values(
         &self,
         source: &mut Source,
@@ -292,11 +279,11 @@ impl Image {
         let (Some(pixels), Some(frame)) = (self.data, self.frames.get(index)) else { return Ok(()) };
         let sides = [self.columns, self.rows];
         let block = match fragments {
-            Some(fragments) => fragments.frame(source, index, self.coding, sides, allocated as usize / 8)?,
+            Some(fragments) => fragments.frame(source, index, self.encoding, sides, allocated as usize / 8)?,
             None => source.block(self.frame_bytes(), "pixels of a frame")?,
         };
         let (slope, intercept) = (frame.slope.unwrap_or(1.0), frame.intercept.unwrap_or(0.0));
-        // To the left the bits above the value fall off, to the right those below it, and a sign comes along.
+        // The left shift drops bits above the value, the right shift those below it, with sign extension.
         let (left, right) = (31 - high, 32 - stored);
         let width = allocated as usize / 8;
         for (value, pixel) in values.iter_mut().zip(block.chunks_exact(width)) {

@@ -1,77 +1,73 @@
-//! The places of the slices of a DICOM series.
+//! Grid of the slices of a DICOM series.
 //!
-//! Role: positions and orientations of slices into one grid. Invariant: each slice is within 1/50 of a gap of where the grid
-//! has it, or a tenth of a millimeter and a note says so; a slice too few or too many is refused. Source: NEMA PS3.3, C.7.6.2.1.1.
+//! Invariant: each slice is within 1/50 gap of its place in the grid, or within a tenth of a millimeter with a note; missing
+//! and duplicate slices are refused. Source: NEMA PS3.3, C.7.6.2.1.1.
 
-use super::super::Content;
-use super::super::axes::lengths;
-use super::super::error::{Location, ShapeError, quoted};
-use super::super::placement::{self, Placement};
-use super::super::source::Source;
-use super::super::space::Space;
 use super::image::{Frame, Image};
+use crate::Content;
+use crate::axes::lengths;
+use crate::error::{Location, ShapeError, quoted};
+use crate::placement::{self, Placement};
+use crate::source::Source;
+use crate::space::Space;
 use glam::{DMat3, DVec3};
 use std::path::PathBuf;
 
-/// How far a slice may be from its place, in gaps: what scanners round their positions by.
+/// Tolerance of a slice position in gaps: the rounding of scanners.
 const OFF: f64 = 0.02;
-/// How far orientations may be from each other, from length 1 and from right angles: what is left of 16 characters, and more.
+/// Tolerance of directions, their length and their right angle: the rounding to 16 characters, and more.
 const TURN: f64 = 1e-3;
-/// How far a slice may be off where positions are rounded to a tenth of a millimeter, in mm: two of them by half of it each.
+/// Tolerance where positions are rounded to a tenth of a millimeter, in mm: half of a tenth for each of two slices.
 const ROUNDED: f64 = 0.101;
-/// Most kinds of pictures in a series: more, and none of them is its volume.
+/// Most kinds of images in a series; with more, none is left out.
 const MOST_GROUPS: usize = 16;
-/// Files that are named in a message.
+/// Most files named in a message.
 const NAMED: usize = 4;
 
-/// A file of a series.
+/// File of a series.
 pub(super) struct Member {
-    /// Where it is; nowhere if it is in memory.
+    /// Path; empty for a file in memory.
     pub path: PathBuf,
-    /// Its image.
     pub image: Image,
 }
 
-/// A grid, and which slice of it each frame of each file is.
+/// Grid of a series, and the slice index of each frame.
 pub(super) struct Layout {
-    /// Where the pixels are.
     pub placement: Placement,
-    /// The slice of each frame of each file.
+    /// Slice index by file and frame.
     pub slices: Vec<Vec<usize>>,
 }
 
-/// A frame and where it is.
+/// Frame with its position.
 struct Slice {
     file: usize,
     frame: usize,
     position: DVec3,
-    /// Along the normal of the slices, in mm.
+    /// Position along the normal of the slices, in mm.
     height: f64,
 }
 
 impl Member {
-    /// Its name for a message.
+    /// Quoted file name.
     pub fn name(&self) -> String {
         quoted(self.path.file_name().unwrap_or_default().to_string_lossy().as_bytes())
     }
 
-    /// Whether it has the size, orientation and distances of pixels of another one.
+    /// Whether size, orientation and pixel spacing equal those of another image.
     fn is_like(&self, other: &Member) -> bool {
         let of = |member: &Member| {
             let frame = member.image.frames.first()?;
-            Some((plane(frame).ok()?, frame.position.is_some()))
+            Some((Plane::of(frame).ok()?, (member.image.columns, member.image.rows, frame.position.is_some())))
         };
-        let (Some(((x, y, spacing), has_place)), Some(((to_x, to_y, to_spacing), other_place))) = (of(self), of(other))
-        else {
-            return of(self).is_none() && of(other).is_none();
-        };
-        let is_turned = x.distance(to_x).max(y.distance(to_y)) > TURN;
-        let is_scaled = spacing.iter().zip(to_spacing).any(|(its, other)| (its - other).abs() > TURN * other);
-        let sides = |member: &Member| (member.image.columns, member.image.rows);
-        !is_turned && !is_scaled && sides(self) == sides(other) && has_place == other_place
+        match (of(self), of(other)) {
+            (Some((plane, sides)), Some((to, other))) => {
+                plane.is_parallel_to(&to) && plane.has_spacing_of(&to) && sides == other
+            }
+            (plane, to) => plane.is_none() && to.is_none(),
+        }
     }
 
-    /// A frame for a message.
+    /// Name of a frame for a message.
     fn shown(&self, frame: usize) -> String {
         match (self.image.frames.len() > 1, self.path.file_name()) {
             (true, None) => format!("frame {}", frame + 1),
@@ -81,46 +77,41 @@ impl Member {
     }
 }
 
-/// The grid that the frames of `members` make.
+/// Grid of the frames of `members`.
 pub(super) fn layout(source: &Source, members: &[Member]) -> Result<Layout, ShapeError> {
     let file = &*source.file;
     let wrong = |expected, found| {
         let place = if members.len() > 1 { Location::Folder } else { Location::Header };
         ShapeError::Malformed { file: file.into(), place, expected, found }
     };
-    let frames = || {
-        let of = |(file, member): (usize, &'_ Member)| (0..member.image.frames.len()).map(move |frame| (file, frame));
-        members.iter().enumerate().flat_map(of)
-    };
-    let Some(first) = members.first().and_then(|member| Some((member, member.image.frames.first()?))) else {
+    let frames = members.iter().enumerate().flat_map(|(file, member)| {
+        member.image.frames.iter().enumerate().map(move |(frame, about)| (file, member, frame, about))
+    });
+    let (mut first, mut slices) = (None, Vec::new());
+    for (file, member, frame, about) in frames {
+        let of_this = |expected, found: String| wrong(expected, format!("{found} in {}", member.shown(frame)));
+        let own = Plane::of(about).map_err(|(expected, found)| of_this(expected, found))?;
+        let (columns, rows) = (member.image.columns, member.image.rows);
+        let (plane, sides) = first.get_or_insert((own, (columns, rows)));
+        if (columns, rows) != *sides {
+            let found = format!("{columns} x {rows} and {} x {}", sides.0, sides.1);
+            return Err(of_this("as many rows and columns in all slices", found));
+        }
+        if !own.is_parallel_to(plane) {
+            let found = format!("{} {} and {} {}", vector(own.x), vector(own.y), vector(plane.x), vector(plane.y));
+            return Err(of_this("the same orientation of all slices", found));
+        }
+        if !own.has_spacing_of(plane) {
+            let found = format!("{:?} and {:?} mm", own.spacing, plane.spacing);
+            return Err(of_this("the same PixelSpacing in all slices", found));
+        }
+        let position = about.position.ok_or_else(|| of_this("an ImagePositionPatient", "none".into()))?;
+        let position = DVec3::from(position);
+        slices.push(Slice { file, frame, position, height: position.dot(plane.x.cross(plane.y)) });
+    }
+    let Some((Plane { x, y, spacing }, (columns, rows))) = first else {
         return Err(wrong("slices", "none".into()));
     };
-    let (columns, rows) = (first.0.image.columns, first.0.image.rows);
-    let (x, y, spacing) =
-        plane(first.1).map_err(|(expected, found)| wrong(expected, format!("{found} in {}", first.0.shown(0))))?;
-    let normal = x.cross(y);
-    let mut slices = Vec::new();
-    for (file, frame) in frames() {
-        let member = &members[file];
-        let of_this = |found: String| format!("{found} in {}", member.shown(frame));
-        let about = &member.image.frames[frame];
-        let (its_x, its_y, its_spacing) = plane(about).map_err(|(expected, found)| wrong(expected, of_this(found)))?;
-        if (member.image.columns, member.image.rows) != (columns, rows) {
-            let found = format!("{} x {} and {columns} x {rows}", member.image.columns, member.image.rows);
-            return Err(wrong("as many rows and columns in all slices", of_this(found)));
-        }
-        if its_x.distance(x).max(its_y.distance(y)) > TURN {
-            let found = format!("{} {} and {} {}", vector(its_x), vector(its_y), vector(x), vector(y));
-            return Err(wrong("the same orientation of all slices", of_this(found)));
-        }
-        if its_spacing.iter().zip(spacing).any(|(its, first)| (its - first).abs() > TURN * first) {
-            let found = format!("{its_spacing:?} and {spacing:?} mm");
-            return Err(wrong("the same PixelSpacing in all slices", of_this(found)));
-        }
-        let position =
-            DVec3::from(about.position.ok_or_else(|| wrong("an ImagePositionPatient", of_this("none".into())))?);
-        slices.push(Slice { file, frame, position, height: position.dot(normal) });
-    }
     slices.sort_by(|a, b| a.height.total_cmp(&b.height));
     let name = |slice: &Slice| members[slice.file].shown(slice.frame);
     let (first, step) = line(source, &slices, &name).map_err(|(expected, found)| wrong(expected, found))?;
@@ -130,7 +121,7 @@ pub(super) fn layout(source: &Source, members: &[Member]) -> Result<Layout, Shap
     for (index, slice) in slices.iter().enumerate() {
         order[slice.file][slice.frame] = index;
     }
-    // Columns are counted along x, so that their distance is the second.
+    // The second spacing is that between columns, along x.
     let steps = DMat3::from_cols(x * spacing[1], y * spacing[0], step);
     if !placement::are_lengths(lengths(&steps)) {
         return Err(wrong(placement::STEPS, vector(lengths(&steps))));
@@ -140,28 +131,43 @@ pub(super) fn layout(source: &Source, members: &[Member]) -> Result<Layout, Shap
     Ok(Layout { placement, slices: order })
 }
 
-/// What was expected, and what was found.
+/// Expected and found.
 type Wrong = (&'static str, String);
 
-/// The directions of columns and rows, of length 1, and the distances of rows and columns.
-fn plane(frame: &Frame) -> Result<(DVec3, DVec3, [f64; 2]), Wrong> {
-    let [a, b, c, d, e, f] = frame.orientation.ok_or_else(|| ("an ImageOrientationPatient", "none".to_string()))?;
-    let (x, y) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
-    let off = (x.length() - 1.0).abs().max((y.length() - 1.0).abs()).max(x.dot(y).abs());
-    if off.is_nan() || off > TURN {
-        return Err((
-            "an ImageOrientationPatient of two directions at right angles",
-            format!("{} {}", vector(x), vector(y)),
-        ));
-    }
-    let spacing = frame.spacing.ok_or_else(|| ("a PixelSpacing", "none".to_string()))?;
-    if spacing.iter().any(|spacing| *spacing <= 0.0) {
-        return Err(("a PixelSpacing above 0", format!("{spacing:?}")));
-    }
-    Ok((x.normalize(), y.normalize(), spacing))
+/// Plane of a frame: unit directions along rows and columns, and the distances between rows and columns.
+#[derive(Clone, Copy)]
+struct Plane {
+    x: DVec3,
+    y: DVec3,
+    spacing: [f64; 2],
 }
 
-/// The place of the first slice, and the way from a slice to the next one.
+impl Plane {
+    fn of(frame: &Frame) -> Result<Plane, Wrong> {
+        let [a, b, c, d, e, f] = frame.orientation.ok_or_else(|| ("an ImageOrientationPatient", "none".to_string()))?;
+        let (x, y) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
+        let off = (x.length() - 1.0).abs().max((y.length() - 1.0).abs()).max(x.dot(y).abs());
+        if off.is_nan() || off > TURN {
+            let expected = "an ImageOrientationPatient of two directions at right angles";
+            return Err((expected, format!("{} {}", vector(x), vector(y))));
+        }
+        let spacing = frame.spacing.ok_or_else(|| ("a PixelSpacing", "none".to_string()))?;
+        if spacing.iter().any(|spacing| *spacing <= 0.0) {
+            return Err(("a PixelSpacing above 0", format!("{spacing:?}")));
+        }
+        Ok(Plane { x: x.normalize(), y: y.normalize(), spacing })
+    }
+
+    fn is_parallel_to(&self, other: &Plane) -> bool {
+        self.x.distance(other.x).max(self.y.distance(other.y)) <= TURN
+    }
+
+    fn has_spacing_of(&self, other: &Plane) -> bool {
+        self.spacing.iter().zip(other.spacing).all(|(own, other)| (own - other).abs() <= TURN * other)
+    }
+}
+
+/// Position of the first slice, and the step to the next.
 fn line(source: &Source, slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> Result<(DVec3, DVec3), Wrong> {
     let (Some(first), Some(last), true) = (slices.first(), slices.last(), slices.len() > 1) else {
         return Err(("at least 2 slices of a series in a folder", slices.len().to_string()));
@@ -182,7 +188,7 @@ fn line(source: &Source, slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> R
             return Err(("slices at even distances, none missing", found));
         }
     }
-    // The slice that is farthest from a line, and how far.
+    // Largest distance of a slice from a line, and its index.
     let farthest = |(start, step): (DVec3, DVec3)| {
         let off = |(index, slice): (usize, &Slice)| slice.position.distance(start + step * index as f64);
         let offs = slices.iter().enumerate().map(|(index, slice)| (off((index, slice)), index));
@@ -207,12 +213,12 @@ fn line(source: &Source, slices: &[Slice], name: &dyn Fn(&Slice) -> String) -> R
     Ok(fitted)
 }
 
-/// How far a slice may be from its place where the usual gap is this one.
+/// Tolerance of a gap, by the usual gap.
 fn slack(usual: f64) -> f64 {
     (OFF * usual).max(ROUNDED.min(0.5 * usual))
 }
 
-/// The line of even distances that is nearest to all slices: where it begins, and its step.
+/// Least-squares line through evenly spaced slices: start and step.
 fn fitted(slices: &[Slice]) -> (DVec3, DVec3) {
     let middle = 0.5 * (slices.len() as f64 - 1.0);
     let center = slices.iter().map(|slice| slice.position).sum::<DVec3>() / slices.len() as f64;
@@ -225,8 +231,8 @@ fn fitted(slices: &[Slice]) -> (DVec3, DVec3) {
     (center - slope / weight * middle, slope / weight)
 }
 
-/// Pictures of a series without a few that are of another size or orientation or have no place, as localizers and reports: a note
-/// names them. All where no three quarters are alike.
+/// Images of a series without a few of another size, orientation or without a position, as localizers and reports, with a note.
+/// All images if fewer than three quarters are alike.
 pub(super) fn without_others(source: &Source, members: Vec<Member>) -> Vec<Member> {
     let mut groups: Vec<(usize, Vec<usize>)> = Vec::new();
     for (index, member) in members.iter().enumerate() {
@@ -253,12 +259,11 @@ pub(super) fn without_others(source: &Source, members: Vec<Member>) -> Vec<Membe
     own.map(|(_, member)| member).collect()
 }
 
-/// A length for a message: to a micrometer.
+/// Length for a message, to a micrometer.
 fn shown_mm(length: f64) -> String {
     format!("{:?}", (length * 1e3).round() / 1e3)
 }
 
-/// A vector for a message.
 fn vector(vector: DVec3) -> String {
     let [x, y, z] = vector.to_array();
     format!("({x:?},{y:?},{z:?})")

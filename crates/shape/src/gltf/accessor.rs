@@ -1,87 +1,60 @@
-//! Accessors: numbers in the bytes of a glTF file.
+//! Accessors: arrays of scalars or vectors in the bytes of a glTF file.
 //!
-//! Role: elements of one to three numbers by their index, whatever their type, distance and sparse replacements.
-//! Invariant: every element that is counted lies in its view, or there is none to lie anywhere and it is zero.
+//! Invariant: every element lies in its view; without a view all elements are zero.
 
 use super::buffer::Data;
 use super::document::{Accessor, entry, malformed};
+use crate::SampleType;
 use crate::error::{ShapeError, quoted};
 
-/// Most elements of all accessors without a view, each time that one is used: real files have none but in morph targets.
+/// Most elements without a view, over all uses of accessors. Real files have none outside of morph targets.
 const MAX_ZEROS: u64 = 1 << 20;
 
-/// Type of a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
+/// Type of a number by its code.
+fn component_type(code: u32) -> Option<SampleType> {
+    Some(match code {
+        5120 => SampleType::I8,
+        5121 => SampleType::U8,
+        5122 => SampleType::I16,
+        5123 => SampleType::U16,
+        5125 => SampleType::U32,
+        5126 => SampleType::F32,
+        _ => return None,
+    })
 }
 
-impl Component {
-    fn of(code: u32) -> Option<Component> {
-        Some(match code {
-            5120 => Component::I8,
-            5121 => Component::U8,
-            5122 => Component::I16,
-            5123 => Component::U16,
-            5125 => Component::U32,
-            5126 => Component::F32,
-            _ => return None,
-        })
-    }
-
-    fn bytes(self) -> usize {
-        match self {
-            Component::I8 | Component::U8 => 1,
-            Component::I16 | Component::U16 => 2,
-            Component::U32 | Component::F32 => 4,
-        }
-    }
-
-    /// The largest index of an integer type, which restarts strips.
-    pub fn restart(self) -> f64 {
-        (2_f64).powi(8 * self.bytes() as i32) - 1.0
-    }
-
-    /// The number at the start of `bytes`, which are enough; normalized, integers become -1 to 1.
-    fn value(self, bytes: &[u8], normalized: bool) -> f64 {
-        let byte = |at: usize| bytes[at];
-        let (value, whole) = match self {
-            Component::I8 => (f64::from(byte(0) as i8), 127.0),
-            Component::U8 => (f64::from(byte(0)), 255.0),
-            Component::I16 => (f64::from(i16::from_le_bytes([byte(0), byte(1)])), 32_767.0),
-            Component::U16 => (f64::from(u16::from_le_bytes([byte(0), byte(1)])), 65_535.0),
-            Component::U32 => (f64::from(u32::from_le_bytes([byte(0), byte(1), byte(2), byte(3)])), 1.0),
-            Component::F32 => return f32::from_le_bytes([byte(0), byte(1), byte(2), byte(3)]).into(),
-        };
-        if normalized { (value / whole).max(-1.0) } else { value }
-    }
+/// First number in `bytes`; normalized integers become -1 to 1.
+fn number(kind: SampleType, bytes: &[u8], normalized: bool) -> f64 {
+    let value = kind.value(bytes, false);
+    let largest = match kind {
+        SampleType::I8 => f64::from(i8::MAX),
+        SampleType::U8 => f64::from(u8::MAX),
+        SampleType::I16 => f64::from(i16::MAX),
+        SampleType::U16 => f64::from(u16::MAX),
+        _ => return value,
+    };
+    if normalized { (value / largest).max(-1.0) } else { value }
 }
 
-/// The elements of an accessor, of `N` numbers each.
+/// Elements of an accessor, of `N` numbers each.
 pub struct Elements<'a, const N: usize> {
-    /// How many there are.
     pub count: u64,
-    pub component: Component,
+    pub component: SampleType,
     normalized: bool,
-    /// From the first one on; nothing where all are zero.
+    /// Bytes from the first element on; empty for zeros.
     bytes: &'a [u8],
-    /// Bytes from one to the next.
+    /// Distance between elements in bytes.
     stride: usize,
-    /// Those that are replaced, in rising order.
+    /// Sparse replacements by rising index.
     sparse: Vec<(u64, [f64; N])>,
 }
 
 impl<'a, const N: usize> Elements<'a, N> {
-    /// The accessor `index`, whose components are of one of these types; `place` names it.
+    /// Reads accessor `index` with a component type out of `types`; `place` names the reference to it.
     pub fn read(
         data: &'a Data,
         index: u32,
-        types: &[Component],
+        types: &[SampleType],
         place: impl FnOnce() -> String,
     ) -> Result<Elements<'a, N>, ShapeError> {
         let source = data.source;
@@ -91,7 +64,7 @@ impl<'a, const N: usize> Elements<'a, N> {
         if accessor.kind != kind {
             return Err(malformed(source, at("type"), expected, quoted(accessor.kind.as_bytes())));
         }
-        let component = Component::of(accessor.component_type).filter(|component| types.contains(component));
+        let component = component_type(accessor.component_type).filter(|component| types.contains(component));
         let component = component.ok_or_else(|| {
             let expected = if N == 1 { "5121, 5123 or 5125" } else { "5126, or 5120 to 5123 where it is quantized" };
             malformed(source, at("componentType"), expected, accessor.component_type)
@@ -99,7 +72,7 @@ impl<'a, const N: usize> Elements<'a, N> {
         if accessor.count == 0 {
             return Err(malformed(source, at("count"), "1 or more", 0));
         }
-        let size = N * component.bytes();
+        let size = N * component.bytes() as usize;
         let (mut bytes, mut stride): (&[u8], _) = (&[], size);
         if let Some(view) = accessor.buffer_view {
             let (view, all) = data.view(view, || at("bufferView"))?;
@@ -112,7 +85,7 @@ impl<'a, const N: usize> Elements<'a, N> {
                     return Err(malformed(source, place, expected, stride));
                 }
             };
-            if (accessor.byte_offset.wrapping_add(view.byte_offset)) % component.bytes() as u64 != 0 {
+            if (accessor.byte_offset.wrapping_add(view.byte_offset)) % component.bytes() != 0 {
                 let found = format!("{} in a view from byte {}", accessor.byte_offset, view.byte_offset);
                 return Err(malformed(source, at("byteOffset"), "a multiple of the size of a number", found));
             }
@@ -124,8 +97,7 @@ impl<'a, const N: usize> Elements<'a, N> {
         } else {
             let zeros = data.zeros.get().saturating_add(accessor.count);
             if zeros > MAX_ZEROS {
-                let (file, what) = (source.file.clone(), "elements of accessors without a view");
-                return Err(ShapeError::TooLarge { file, what, found: zeros.to_string(), limit: MAX_ZEROS });
+                return Err(source.too_large("elements of accessors without a view", zeros, MAX_ZEROS));
             }
             data.zeros.set(zeros);
         }
@@ -141,6 +113,11 @@ impl<'a, const N: usize> Elements<'a, N> {
         Ok(elements)
     }
 
+    /// Largest value of an index type, which would restart a strip.
+    pub fn largest_index(&self) -> f64 {
+        2_f64.powi(8 * self.component.bytes() as i32) - 1.0
+    }
+
     /// Element `index`, which is below `count`.
     pub fn get(&self, index: u64) -> [f64; N] {
         if let Ok(at) = self.sparse.binary_search_by_key(&index, |(index, _)| *index) {
@@ -153,7 +130,8 @@ impl<'a, const N: usize> Elements<'a, N> {
     }
 
     fn element(&self, bytes: &[u8]) -> [f64; N] {
-        std::array::from_fn(|n| self.component.value(&bytes[n * self.component.bytes()..], self.normalized))
+        let size = self.component.bytes() as usize;
+        std::array::from_fn(|n| number(self.component, &bytes[n * size..], self.normalized))
     }
 
     fn replacements(
@@ -165,24 +143,24 @@ impl<'a, const N: usize> Elements<'a, N> {
         let Some(sparse) = &accessor.sparse else { return Ok(Vec::new()) };
         let (source, count) = (data.source, sparse.count);
         let refuse = |field, expected, found: String| Err(malformed(source, at(field), expected, found));
-        let integers = [Component::U8, Component::U16, Component::U32];
+        let integers = [SampleType::U8, SampleType::U16, SampleType::U32];
         let code = sparse.indices.component_type;
-        let Some(kind) = code.and_then(Component::of).filter(|kind| integers.contains(kind)) else {
+        let Some(kind) = code.and_then(component_type).filter(|kind| integers.contains(kind)) else {
             let found = code.map_or("none".into(), |code| code.to_string());
             return refuse("sparse.indices.componentType", "5121, 5123 or 5125", found);
         };
         if count == 0 || count > self.count {
             return refuse("sparse.count", "1 or more, and at most `count`", format!("{count} of {}", self.count));
         }
-        let size = N * self.component.bytes();
+        let (size, index_size) = (N * self.component.bytes() as usize, kind.bytes() as usize);
         let (_, bytes) = data.view(sparse.indices.buffer_view, || at("sparse.indices.bufferView"))?;
-        let indices = part(bytes, sparse.indices.byte_offset, count, kind.bytes(), kind.bytes());
+        let indices = part(bytes, sparse.indices.byte_offset, count, index_size, index_size);
         let (_, bytes) = data.view(sparse.values.buffer_view, || at("sparse.values.bufferView"))?;
         let values = part(bytes, sparse.values.byte_offset, count, size, size);
         let (Some(indices), Some(values)) = (indices, values) else {
             return refuse("sparse.count", "as many elements as its views hold", count.to_string());
         };
-        let indices = indices.chunks_exact(kind.bytes()).map(|bytes| kind.value(bytes, false) as u64);
+        let indices = indices.chunks_exact(index_size).map(|bytes| kind.value(bytes, false) as u64);
         let replaced: Vec<_> = indices.zip(values.chunks_exact(size).map(|bytes| self.element(bytes))).collect();
         let rises = replaced.windows(2).all(|pair| pair[0].0 < pair[1].0);
         if !rises || replaced.last().is_some_and(|(last, _)| *last >= self.count) {
@@ -193,7 +171,7 @@ impl<'a, const N: usize> Elements<'a, N> {
     }
 }
 
-/// The bytes of `count` elements from `offset` on; none if they are not all there.
+/// Bytes of `count` elements from `offset` on, if all are in `bytes`.
 fn part(bytes: &[u8], offset: u64, count: u64, stride: usize, size: usize) -> Option<&[u8]> {
     let needed = (count - 1).checked_mul(stride as u64)?.checked_add(size as u64)?;
     bytes.get(usize::try_from(offset).ok()?..)?.get(..usize::try_from(needed).ok()?)

@@ -1,7 +1,7 @@
-//! The bytes behind a glTF document.
+//! Buffers and views of a glTF file.
 //!
-//! Role: buffers from the binary chunk, from `data:` addresses and from files beside the file, each when it is first asked
-//! for, and the views into them. Invariant: a view lies in its buffer, and a buffer holds what it declares.
+//! Role: lazy loading from the binary chunk, `data:` URIs and data files. Invariant: a view lies in its buffer, and a buffer has
+//! its declared length.
 
 use super::document::{Document, View, entry, malformed, unsupported};
 use crate::error::{Location, ShapeError, quoted};
@@ -11,23 +11,23 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use std::cell::{Cell, OnceCell};
 
-/// Most bytes of all files beside a file together: those of the largest binary STL.
+/// Most bytes of all data files together: the size of the largest binary STL file.
 const MAX_SIDE_BYTES: u64 = 2_500_000_000;
 
-/// Base64 with or without its `=` at the end.
+/// Base64 with or without padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// A document and what it speaks of.
+/// Document with its buffers.
 pub struct Data<'a, 's> {
     pub source: &'a Source<'s>,
     pub document: &'a Document<'a>,
     binary: Option<Vec<u8>>,
     loaded: Vec<OnceCell<Vec<u8>>>,
     side_bytes: Cell<u64>,
-    /// Elements of accessors without a view that have been read: they cost time and no bytes.
+    /// Elements without a view read so far: they take time without taking bytes.
     pub zeros: Cell<u64>,
 }
 
@@ -37,7 +37,7 @@ impl<'a, 's> Data<'a, 's> {
         Data { source, document, binary, loaded, side_bytes: Cell::new(0), zeros: Cell::new(0) }
     }
 
-    /// A view and its bytes; `place` names it.
+    /// View `index` and its bytes; `place` names the reference to it.
     pub fn view(&self, index: u32, place: impl FnOnce() -> String) -> Result<(&View, &[u8]), ShapeError> {
         let view = entry(self.source, &self.document.buffer_views, index, place)?;
         view.extensions.check(self.source, || format!("bufferViews[{index}]"))?;
@@ -51,14 +51,14 @@ impl<'a, 's> Data<'a, 's> {
         Ok((view, own))
     }
 
-    /// The bytes that a buffer declares.
+    /// Bytes of a buffer, of the declared length.
     fn buffer(&self, index: u32, place: impl FnOnce() -> String) -> Result<&[u8], ShapeError> {
         let buffer = entry(self.source, &self.document.buffers, index, place)?;
         let loaded = match (&buffer.uri, &self.binary) {
             (None, Some(binary)) if index == 0 => binary,
             (None, _) => {
                 let place = format!("buffers[{index}].uri");
-                return Err(malformed(self.source, place, "where its data is", "none, and no binary chunk for it"));
+                return Err(malformed(self.source, place, "the location of its data", "none, and no binary chunk"));
             }
             (Some(uri), _) => {
                 let cell = &self.loaded[index as usize];
@@ -78,7 +78,7 @@ impl<'a, 's> Data<'a, 's> {
         })
     }
 
-    /// The bytes at an address, at least those that are declared.
+    /// Loads a URI, at least the declared bytes.
     fn load(&self, uri: &str, declared: u64, place: impl Fn() -> String) -> Result<Vec<u8>, ShapeError> {
         let found = || quoted(uri.as_bytes());
         if let Some(uri) = uri.strip_prefix("data:") {
@@ -95,8 +95,7 @@ impl<'a, 's> Data<'a, 's> {
         let name = decoded(uri).ok_or_else(|| malformed(self.source, place(), "the name of a file", found()))?;
         let side = self.side_bytes.get().saturating_add(declared);
         if side > MAX_SIDE_BYTES {
-            let (file, what) = (self.source.file.clone(), "bytes of data beside it");
-            return Err(ShapeError::TooLarge { file, what, found: side.to_string(), limit: MAX_SIDE_BYTES });
+            return Err(self.source.too_large("bytes of data beside it", side, MAX_SIDE_BYTES));
         }
         self.side_bytes.set(side);
         let read = self.source.beside(&name, |side| side.block(declared, "the length of the buffer"));
@@ -104,7 +103,7 @@ impl<'a, 's> Data<'a, 's> {
     }
 }
 
-/// An address without its percent signs; none where they or the characters are not right.
+/// Percent-decoded file name; `None` if it is invalid.
 fn decoded(uri: &str) -> Option<String> {
     let (mut bytes, mut rest) = (Vec::with_capacity(uri.len()), uri.bytes());
     while let Some(byte) = rest.next() {

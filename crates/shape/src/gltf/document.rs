@@ -1,7 +1,7 @@
-//! The JSON of a glTF file.
+//! JSON of a glTF file.
 //!
-//! Role: what of it has a part in the surface, as the schema names it, or one line about what does not fit the schema.
-//! Invariant: nothing here is checked against anything else; memory is a small multiple of the text.
+//! Role: the part of the schema that describes surfaces. Invariant: references are not checked here; memory is a small multiple
+//! of the text.
 
 use crate::error::{Location, ShapeError, quoted, shown};
 use crate::source::Source;
@@ -15,12 +15,12 @@ use support::open::MARK;
 
 /// Most entries of a list: an entry in memory is up to 30 times as long as its text.
 const MAX_ENTRIES: usize = 1 << 20;
-/// How the error of a longer list begins.
+/// Prefix of the error of a longer list.
 const TOO_MANY: &str = "too many";
-/// Characters shown before a place where the text is wrong.
+/// Characters shown before an error in the text.
 const SHOWN: usize = 32;
 
-/// The whole file.
+/// Root of the file.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Document<'a> {
@@ -145,11 +145,11 @@ pub struct Buffer<'a> {
     pub byte_length: u64,
 }
 
-/// Text that stays where it is, unless it has escapes.
+/// Text borrowed from the file, unless it has escapes.
 #[derive(Deserialize)]
 pub struct Text<'a>(#[serde(borrow)] pub Cow<'a, str>);
 
-/// Extensions that hold or make geometry.
+/// Extensions with geometry.
 #[derive(Default, Deserialize)]
 pub struct Extensions {
     #[serde(rename = "KHR_draco_mesh_compression")]
@@ -164,15 +164,13 @@ pub struct Extensions {
     visibility: Option<Visibility>,
 }
 
-/// Whether a node and all below it are shown.
 #[derive(Deserialize)]
 struct Visibility {
     visible: Option<bool>,
 }
 
 impl Extensions {
-    /// How the names of extensions begin that a file may require: those that are read, and those that change only what
-    /// surfaces look like.
+    /// Prefixes of harmless required extensions: supported ones, and those that change only the appearance.
     const HARMLESS: [&str; 7] = [
         "KHR_mesh_quantization",
         "KHR_node_visibility",
@@ -183,12 +181,12 @@ impl Extensions {
         "MSFT_texture_",
     ];
 
-    /// Whether the node is left out, and all below it.
+    /// Whether the node and its descendants are hidden.
     pub fn hides(&self) -> bool {
         self.visibility.as_ref().is_some_and(|visibility| visibility.visible == Some(false))
     }
 
-    /// An error where one of these has to be understood to read the geometry at `place`.
+    /// Checks that no unsupported extension defines the geometry at `place`.
     pub fn check(&self, source: &Source, place: impl FnOnce() -> String) -> Result<(), ShapeError> {
         let names = [
             (self.draco, "KHR_draco_mesh_compression"),
@@ -202,7 +200,7 @@ impl Extensions {
         }
     }
 
-    /// An error where the file requires an extension that may change its geometry.
+    /// Checks that no required extension may change the geometry.
     pub fn check_required(source: &Source, required: &[String]) -> Result<(), ShapeError> {
         let is_harmless = |name: &String| Extensions::HARMLESS.iter().any(|start| name.starts_with(start));
         match required.iter().position(|name| !is_harmless(name)) {
@@ -220,7 +218,7 @@ fn unread(source: &Source, place: String, name: &str) -> ShapeError {
     unsupported(source, place, "the extension", quoted(name.as_bytes()), remedy)
 }
 
-/// `found` at a place of the JSON is valid and not read.
+/// Unsupported value at a place in the JSON.
 pub fn unsupported(
     source: &Source,
     place: String,
@@ -228,15 +226,15 @@ pub fn unsupported(
     found: String,
     remedy: &'static str,
 ) -> ShapeError {
-    ShapeError::Unsupported { file: source.file.clone(), place: Location::Json(place), what, found, remedy }
+    source.unsupported(Location::Json(place), what, found, remedy)
 }
 
-/// `found` at a place of the JSON is not what the format asks for.
+/// Invalid value at a place in the JSON.
 pub fn malformed(source: &Source, place: String, expected: &'static str, found: impl fmt::Display) -> ShapeError {
     source.malformed_at(Location::Json(place), expected, found.to_string())
 }
 
-/// Entry `index` of a list; `place` is what names it.
+/// Entry `index` of a list; `place` names the reference to it.
 pub fn entry<'b, T>(
     source: &Source,
     list: &'b [T],
@@ -245,20 +243,20 @@ pub fn entry<'b, T>(
 ) -> Result<&'b T, ShapeError> {
     let missing = || {
         let found = format!("{index} of {}, counted from 0", list.len());
-        malformed(source, place(), "the index of something that there is", found)
+        malformed(source, place(), "the index of an existing entry", found)
     };
     list.get(index as usize).ok_or_else(missing)
 }
 
-/// The document of a text.
+/// Parses and checks the JSON.
 pub fn parse<'a>(source: &Source, json: &'a [u8]) -> Result<Document<'a>, ShapeError> {
-    let json = json.strip_prefix(MARK).unwrap_or(json); // in GLB
+    let json = json.strip_prefix(MARK).unwrap_or(json); // some GLB files have a mark
     let document: Document = serde_json::from_slice(json).map_err(|error| refusal(source, json, &error))?;
     for (version, name) in
         [(Some(&document.asset.version), "version"), (document.asset.min_version.as_ref(), "minVersion")]
     {
         let Some(version) = version else { continue };
-        // A minor version adds only what may be passed over, unless the least version names it.
+        // Minor versions only add optional parts, unless `minVersion` names one.
         if !version.starts_with("2.") || name == "minVersion" && version != "2.0" {
             let (found, remedy) = (quoted(version.as_bytes()), "export it as glTF 2.0");
             return Err(unsupported(source, format!("asset.{name}"), "version", found, remedy));
@@ -268,34 +266,32 @@ pub fn parse<'a>(source: &Source, json: &'a [u8]) -> Result<Document<'a>, ShapeE
     Ok(document)
 }
 
-/// What is wrong with a text, in words of its own format.
+/// Error of the JSON parser in terms of glTF.
 fn refusal(source: &Source, json: &[u8], error: &serde_json::Error) -> ShapeError {
     let message = error.to_string();
     let line = json.split(|byte| *byte == b'\n').nth(error.line().saturating_sub(1)).unwrap_or_default();
     let read = &line[..error.column().min(line.len())];
-    let read = quoted(&read[read.len().saturating_sub(SHOWN)..]).replace("\\\"", "\""); // as JSON is written
+    let read = quoted(&read[read.len().saturating_sub(SHOWN)..]).replace("\\\"", "\""); // JSON has many quotes
     let found = format!("{read} up to line {}, column {}", error.line(), error.column());
     match error.classify() {
-        Category::Data if message.starts_with(TOO_MANY) => ShapeError::TooLarge {
-            file: source.file.clone(),
-            what: "entries in a list of the JSON",
-            found: format!("more than {MAX_ENTRIES}"),
-            limit: MAX_ENTRIES as u64,
-        },
+        Category::Data if message.starts_with(TOO_MANY) => {
+            let found = format!("more than {MAX_ENTRIES}");
+            source.too_large("entries in a list of the JSON", found, MAX_ENTRIES as u64)
+        }
         Category::Data => {
             let path = serde_path_to_error::deserialize::<_, Document>(&mut serde_json::Deserializer::from_slice(json));
             let path = path.err().map(|error| shown(&error.path().to_string())).filter(|path| path != ".");
             let place = path.map_or(Location::Header, Location::Json);
             let missing = message.strip_prefix("missing field ").and_then(|rest| rest.split_whitespace().next());
             let found = missing.map_or(found, |name| format!("no {name}"));
-            source.malformed_at(place, "what the schema of glTF 2.0 asks for", found)
+            source.malformed_at(place, "a value of the glTF 2.0 schema", found)
         }
         Category::Eof => source.malformed_at(Location::Line(error.line() as u64), "more JSON", "its end".into()),
         _ => source.malformed_at(Location::Line(error.line() as u64), "JSON", found),
     }
 }
 
-/// A list of at most [`MAX_ENTRIES`].
+/// Deserializes a list of at most [`MAX_ENTRIES`].
 fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<Vec<T>, D::Error> {
     struct Entries<T>(PhantomData<T>);
     impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {

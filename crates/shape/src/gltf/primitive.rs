@@ -1,42 +1,43 @@
-//! The primitives of a glTF mesh.
+//! Primitives of a glTF mesh.
 //!
-//! Role: triangles, strips and fans, with indices and without, as triangles over the vertices that they use. Invariant: a
-//! triangle without area is dropped before anything is kept for it.
+//! Role: indexed and plain triangles, strips and fans as triangles over the used vertices. Invariant: triangles without area are
+//! dropped before they take memory.
 
-use super::accessor::{Component, Elements};
+use super::accessor::Elements;
 use super::buffer::Data;
 use super::document::{Primitive, malformed};
+use crate::SampleType::{F32, I8, I16, U8, U16, U32};
 use crate::error::ShapeError;
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
-/// A mesh in its own coordinates.
+/// Mesh in its local coordinates.
 #[derive(Default)]
-pub struct Part {
+pub struct MeshPart {
     pub positions: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
-    /// How many triangles had no area.
-    pub flat: usize,
-    /// How many primitives are of points or lines.
-    pub thin: usize,
-    /// How many have no positions.
-    pub bare: usize,
-    /// How many corners are too few for a triangle more.
-    pub loose: usize,
-    /// Whether there are other shapes to blend with.
+    /// Dropped triangles.
+    pub zero_area: usize,
+    /// Number of primitives of points or lines.
+    pub points_and_lines: usize,
+    /// Number of primitives without positions.
+    pub without_positions: usize,
+    /// Number of corners after the last whole triangle.
+    pub leftover_corners: usize,
+    /// Whether there are morph targets.
     pub morphs: bool,
 }
 
-impl Part {
-    /// Reads a mesh; `declared` counts triangles that are declared in the meshes so far.
-    pub fn read(data: &Data, mesh: u32, declared: &mut u64) -> Result<Part, ShapeError> {
-        let mut part = Part::default();
+impl MeshPart {
+    /// Reads a mesh; `declared` sums the triangles of all meshes.
+    pub fn read(data: &Data, mesh: u32, declared: &mut u64) -> Result<MeshPart, ShapeError> {
+        let mut part = MeshPart::default();
         for (index, primitive) in data.document.meshes[mesh as usize].primitives.iter().enumerate() {
             let at = |field: &str| format!("meshes[{mesh}].primitives[{index}]{field}");
             primitive.extensions.check(data.source, || at(""))?;
             part.morphs |= primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty());
             match primitive.mode.unwrap_or(4) {
-                0..=3 => part.thin += 1,
+                0..=3 => part.points_and_lines += 1,
                 mode @ 4..=6 => part.add(data, primitive, mode, declared, at)?,
                 mode => return Err(malformed(data.source, at(".mode"), "0 to 6", mode)),
             }
@@ -44,7 +45,7 @@ impl Part {
         Ok(part)
     }
 
-    /// The positions where a node puts them.
+    /// Positions in the world of a node.
     pub fn at(&self, world: DAffine3) -> impl Iterator<Item = DVec3> {
         self.positions.iter().map(move |position| world.transform_point3(*position))
     }
@@ -57,9 +58,8 @@ impl Part {
         declared: &mut u64,
         at: impl Fn(&str) -> String,
     ) -> Result<(), ShapeError> {
-        use Component::{F32, I8, I16, U8, U16, U32};
         let Some(position) = primitive.attributes.position else {
-            self.bare += 1; // as the specification asks for
+            self.without_positions += 1; // to be ignored by the specification
             return Ok(());
         };
         let place = || at(".attributes.POSITION");
@@ -69,7 +69,7 @@ impl Part {
         let indices = indices.transpose()?;
         let corners = indices.as_ref().map_or(positions.count, |indices| indices.count);
         let count = if mode == 4 { corners / 3 } else { corners.saturating_sub(2) };
-        self.loose += match mode {
+        self.leftover_corners += match mode {
             4 => corners % 3,
             _ => corners.min(2) * u64::from(count == 0),
         } as usize;
@@ -79,7 +79,7 @@ impl Part {
         let corner = |corner: u64| {
             let Some(indices) = &indices else { return Ok(corner) };
             let [index] = indices.get(corner);
-            if index < positions.count as f64 && index != indices.component.restart() {
+            if index < positions.count as f64 && index != indices.largest_index() {
                 return Ok(index as u64);
             }
             let place = format!("accessors[{}]", primitive.indices.unwrap_or_default());
@@ -96,7 +96,7 @@ impl Part {
             let triangle = [corner(triangle[0])?, corner(triangle[1])?, corner(triangle[2])?];
             let [a, b, c] = triangle.map(|corner| DVec3::from(positions.get(corner)));
             if (b - a).cross(c - a) == DVec3::ZERO {
-                self.flat += 1;
+                self.zero_area += 1;
                 continue;
             }
             let mut kept = |corner: u64, position: DVec3| {

@@ -1,39 +1,38 @@
-//! The nodes of a glTF scene.
+//! Node hierarchy of a glTF scene.
 //!
-//! Role: where each mesh stands, and all of them together. Invariant: a node is visited once; a mirrored mesh keeps its
-//! outside outside.
+//! Invariant: a node is visited once; mirrored meshes are reversed so that they stay wound outward.
 
 use super::buffer::Data;
 use super::document::{Document, Node, entry, malformed};
-use super::primitive::Part;
+use super::primitive::MeshPart;
 use crate::error::ShapeError;
 use crate::source::Source;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
-/// How far the length of a rotation may be from 1: numbers of three digits.
+/// Tolerance of the length of a rotation: numbers of three digits.
 const MAX_LENGTH_ERROR: f64 = 0.01;
 
 /// All triangles of a scene.
-pub struct Found {
+pub struct SceneMesh {
     pub positions: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
-    /// How many triangles had no area.
-    pub flat: usize,
+    /// Dropped triangles.
+    pub zero_area: usize,
     pub notes: Vec<String>,
 }
 
-/// Nodes to visit, the next one last.
+/// Stack of nodes to visit.
 struct Visits<'a, 's> {
     source: &'a Source<'s>,
     document: &'a Document<'a>,
-    /// Each with where its parent is.
+    /// Nodes with the transforms of their parents.
     nodes: Vec<(u32, DAffine3)>,
-    /// Whether a node has been in `nodes`.
+    /// Whether each node was ever in `nodes`.
     named: Vec<bool>,
 }
 
 impl Visits<'_, '_> {
-    /// Adds nodes so that the first is visited next; an error where one is there for the second time.
+    /// Pushes nodes, the first one on top; a repeated node is an error.
     fn add(&mut self, nodes: &[u32], parent: DAffine3, place: impl Fn(usize) -> String) -> Result<(), ShapeError> {
         let before = self.nodes.len();
         for (at, &node) in nodes.iter().enumerate() {
@@ -47,7 +46,7 @@ impl Visits<'_, '_> {
         Ok(())
     }
 
-    /// Adds the nodes of the scene that the document names, else of its first, else all that are no child of another.
+    /// Pushes the roots of the default scene, else of the first, else all nodes without a parent.
     fn begin(&mut self) -> Result<(), ShapeError> {
         let (source, document) = (self.source, self.document);
         if document.scene.is_some() || !document.scenes.is_empty() {
@@ -69,12 +68,12 @@ impl Visits<'_, '_> {
     }
 }
 
-/// The triangles of the scene that the document names, else of its first, else of all nodes.
-pub fn read(data: &Data) -> Result<Found, ShapeError> {
+/// Reads the triangles of the default scene, else of the first, else of all nodes.
+pub fn read(data: &Data) -> Result<SceneMesh, ShapeError> {
     let (source, document) = (data.source, data.document);
     let mut visits = Visits { source, document, nodes: Vec::new(), named: vec![false; document.nodes.len()] };
     visits.begin()?;
-    let mut parts: Vec<Option<Part>> = document.meshes.iter().map(|_| None).collect();
+    let mut parts: Vec<Option<MeshPart>> = document.meshes.iter().map(|_| None).collect();
     let (mut shown, mut declared, mut counts) = (Vec::new(), 0, [0; 7]);
     let (mut triangles, mut positions) = (0, 0);
     counts[6] = document.animations.len();
@@ -92,13 +91,19 @@ pub fn read(data: &Data) -> Result<Found, ShapeError> {
         let slot = &mut parts[mesh as usize];
         let part = match slot {
             Some(part) => part,
-            None => slot.insert(Part::read(data, mesh, &mut declared)?),
+            None => slot.insert(MeshPart::read(data, mesh, &mut declared)?),
         };
         (triangles, positions) = (triangles + part.triangles.len(), positions + part.positions.len());
         source.check_triangles(triangles as u64)?;
         source.check_positions("vertices", &part.at(world).collect::<Vec<_>>())?;
         shown.push((mesh, world));
-        let left_out = [part.thin, part.bare, part.loose, usize::from(node.skin.is_some()), usize::from(part.morphs)];
+        let left_out = [
+            part.points_and_lines,
+            part.without_positions,
+            part.leftover_corners,
+            usize::from(node.skin.is_some()),
+            usize::from(part.morphs),
+        ];
         counts.iter_mut().zip(left_out).for_each(|(count, more)| *count += more);
     }
     let texts = [
@@ -110,10 +115,10 @@ pub fn read(data: &Data) -> Result<Found, ShapeError> {
         "hidden nodes are left out, with all below them",
         "animations are not played, nodes stand where they are at rest",
     ];
-    let mut found = Found {
+    let mut found = SceneMesh {
         positions: Vec::with_capacity(positions),
         triangles: Vec::with_capacity(triangles),
-        flat: 0,
+        zero_area: 0,
         notes: Vec::new(),
     };
     for (mesh, world) in shown {
@@ -124,20 +129,20 @@ pub fn read(data: &Data) -> Result<Found, ShapeError> {
     Ok(found)
 }
 
-impl Found {
-    /// Adds a mesh at a place.
-    fn add(&mut self, part: &Part, world: DAffine3) {
+impl SceneMesh {
+    /// Adds a mesh with a transform.
+    fn add(&mut self, part: &MeshPart, world: DAffine3) {
         let (first, mirrored) = (self.positions.len() as u32, world.matrix3.determinant() < 0.0);
         self.positions.extend(part.at(world));
         self.triangles.extend(part.triangles.iter().map(|triangle| {
             let [a, b, c] = triangle.map(|corner| first + corner);
             if mirrored { [a, c, b] } else { [a, b, c] }
         }));
-        self.flat += part.flat;
+        self.zero_area += part.zero_area;
     }
 }
 
-/// From a node's own coordinates to those of its parent.
+/// Transform from a node to its parent.
 fn local(data: &Data, index: u32, node: &Node) -> Result<DAffine3, ShapeError> {
     let refuse = |field: &str, expected, found: String| {
         Err(malformed(data.source, format!("nodes[{index}].{field}"), expected, found))

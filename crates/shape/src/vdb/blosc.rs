@@ -1,30 +1,28 @@
-//! Blosc chunks, as OpenVDB packs the values of a node.
+//! Decompression of Blosc chunks in OpenVDB nodes.
 //!
-//! Role: a chunk into the bytes that it was made of. Invariant: what comes out has the length that the caller asked for, and
-//! memory is taken for that length only. Source: F. Alted, "Blosc Header Format" and the sources of C-Blosc 1.21.
+//! Invariant: the output has the requested length, and memory is allocated for no more. Source: F. Alted, "Blosc Header
+//! Format", and the sources of C-Blosc 1.21.
 
-/// Most bytes of a value whose bytes are compressed one by one, and fewest values for which they are.
+/// Values are split by bytes if they have at most `MAX_SPLITS` bytes and a block has at least `MIN_SPLIT` values.
 const MAX_SPLITS: usize = 16;
 const MIN_SPLIT: usize = 128;
-/// Flags of the header; its highest three bits are the codec.
+/// Flags of the header; the highest three bits are the codec.
 const SHUFFLED: u8 = 1;
 const COPIED: u8 = 2;
 const BITS_SHUFFLED: u8 = 4;
 const WHOLE: u8 = 16;
-/// How far back the short form of a BloscLZ match reaches.
+/// Longest distance in the short form of a BloscLZ match.
 const NEAR: usize = 8191;
 
-/// Why a chunk cannot be unpacked.
+/// Error of a chunk.
 pub(super) enum Fault {
-    /// It breaks its format.
     Damaged(&'static str),
-    /// It uses a part of it that is not read.
     Unsupported(String),
 }
 
 use Fault::{Damaged, Unsupported};
 
-/// The `bytes` bytes that are in `chunk`.
+/// Decompresses a chunk to `bytes` bytes.
 pub(super) fn decode(chunk: &[u8], bytes: usize) -> Result<Vec<u8>, Fault> {
     let (header, data) = chunk.split_first_chunk::<16>().ok_or(Damaged("its Blosc header is cut off"))?;
     let [version, _, flags, width, ..] = *header;
@@ -61,13 +59,13 @@ pub(super) fn decode(chunk: &[u8], bytes: usize) -> Result<Vec<u8>, Fault> {
     Ok(decoded)
 }
 
-/// The 32 bits at `at`.
+/// 32-bit integer at `at`.
 fn number(bytes: &[u8], at: usize) -> Result<usize, Fault> {
     let chunk = bytes.get(at..).and_then(|rest| rest.first_chunk());
     chunk.map(|chunk| u32::from_le_bytes(*chunk) as usize).ok_or(Damaged("a number of it is cut off"))
 }
 
-/// A block of `size` bytes that was compressed in equal parts.
+/// Decompresses a block that consists of equally long parts.
 fn parts_of(mut packed: &[u8], codec: u8, parts: usize, size: usize) -> Result<Vec<u8>, Fault> {
     if !size.is_multiple_of(parts) {
         return Err(Damaged("its blocks do not split into whole values"));
@@ -97,12 +95,12 @@ fn parts_of(mut packed: &[u8], codec: u8, parts: usize, size: usize) -> Result<V
     Ok(unpacked)
 }
 
-/// Appends the `size` bytes that `packed` is in BloscLZ.
+/// Appends `size` bytes decompressed from BloscLZ.
 fn blosclz(packed: &[u8], size: usize, unpacked: &mut Vec<u8>) -> Result<(), Fault> {
     const CUT: Fault = Damaged("a block of BloscLZ in it is cut off");
     let start = unpacked.len();
     let mut input = packed.iter().copied();
-    let mut control = input.next().map(|byte| usize::from(byte) & 31); // the first one is of literals
+    let mut control = input.next().map(|byte| usize::from(byte) & 31); // the first control byte is always literals
     while let Some(code) = control {
         if code < 32 {
             for _ in 0..=code {
@@ -128,7 +126,7 @@ fn blosclz(packed: &[u8], size: usize, unpacked: &mut Vec<u8>) -> Result<(), Fau
                 return Err(Damaged("a block of BloscLZ in it is too long"));
             }
             for at in from..from + length {
-                unpacked.push(unpacked[at]); // it may read what it has just written
+                unpacked.push(unpacked[at]); // ranges may overlap
             }
         }
         control = input.next().map(usize::from);
@@ -136,7 +134,7 @@ fn blosclz(packed: &[u8], size: usize, unpacked: &mut Vec<u8>) -> Result<(), Fau
     if unpacked.len() == start + size { Ok(()) } else { Err(Damaged("a block of BloscLZ in it is of another length")) }
 }
 
-/// Appends values whose first bytes come first, then all second bytes, and so on.
+/// Appends values whose bytes are stored in planes.
 fn unshuffle(bytes: &[u8], width: usize, values: &mut Vec<u8>) {
     let count = bytes.len() / width;
     values.extend((0..count * width).map(|at| bytes[at % width * count + at / width]));
@@ -149,14 +147,14 @@ mod tests {
     use base64::Engine;
     use base64::engine::general_purpose::STANDARD;
 
-    /// 340 numbers that compress well, and not at all at their end, as floats.
+    /// 340 floats, of which only the last 40 do not compress.
     fn numbers() -> Vec<u8> {
         let smooth = (0..300).map(|index| (index / 7) as f32 * 0.25);
         let rough = (0..40_u32).map(|index| f32::from_bits(index.wrapping_mul(2_654_435_769) >> 2));
         smooth.chain(rough).flat_map(f32::to_le_bytes).collect()
     }
 
-    /// Those numbers as C-Blosc 1.21 packs them: by BloscLZ and LZ4, each with its bytes shuffled and not.
+    /// The numbers compressed by C-Blosc 1.21: BloscLZ and LZ4, each with and without shuffle.
     const PACKED: [&str; 4] = [
         "AgEBBFAFAABQBQAAlgEAABQAAAAyAAAAIwAAAADg/yEDH27cSrknlQNy4E68K5kHdeRSwC6dC3nnVsQyoA9961nIBjakEoHvXcsyAAAAIwAAAADg/yEDH968m3lYNhXz0bCObUsqCObFo4JgPx372riXdVQyEO/NBqyKaUclBOLKAAAAJwAAAAAAAACAgACgDQBAgACAEwGAoIAAAMCAAADggACgKQAQgAAAIIAAADCAAIA9AUBQgAAAYIAAAHCAAKBTAIiAAACQgAAAmIAAgGcBoKiAAACwgAAAuIAAgHwBwMiAAADQgAAA2IAAgJEB4OiAAADwgAAA+IAAoKcABIAAAAiAAAAMgACAuwEQFIAAABiAAAAcgACA0AEgJIAAAChgAB8AjRupN8VT4W78ihimNMJQ3Wv5hxWjMb5M2mj2hBKgLQe7Sddl84EPnEQAAAAnAAAAAAAAAD6AAAA/4CAAAEDgngAAQeBCAB8AJw82HgUtFDwjCzMaAikROCAHLxc+Jg01HAQrEzsiCgcxGQAoDzcfBg==",
         "AgEABFAFAABQBQAAawIAABQAAABNAAAAIwAAAADgEQMBgD7gEQMBAD/gEQMBQD/gEQMBgD/gEQMBoD/gEQMBwD/gEQMB4D/gEQMBAEDgEQMBEEDgEQMBIEDgEQMBMEDgEQMBQEBRAAAAIwAAQEDgDQMBUEDgEQMBYEDgEQMBcEDgEQMBgEDgEQMBiEDgEQMBkEDgEQMBmEDgEQMBoEDgEQMBqEDgEQMBsEDgEQMBuEDgEQMFwEAAAMBAVQAAACMAAMBA4AkDAchA4BEDAdBA4BEDAdhA4BEDAeBA4BEDAehA4BEDAfBA4BEDAfhA4BEDAQBB4BEDAQRB4BEDAQhB4BEDAQxB4BEDCRBBAAAQQQAAEEFUAQAAAAAQQQAAEEEAABBBAAAQQQAAFEEAABRBAAAUQQAAFEEAABRBAAAUQQAAFEEAABhBAAAYQQAAGEEAABhBAAAYQQAAGEEAABhBAAAcQQAAHEEAABxBAAAcQQAAHEEAABxBAAAcQQAAIEEAACBBAAAgQQAAIEEAACBBAAAgQQAAIEEAACRBAAAkQQAAJEEAACRBAAAkQQAAJEEAACRBAAAoQQAAKEEAAChBAAAoQQAAKEEAAChBAAAAAG7ejSfcvBsPSpupNrl5Nx4nWMUFlTZTLQMV4RRy82484NH8I06wigu8jhgzK22mGplLNAIHKsIpdQhQEeTm3ThSxWsgwKP5By6Chy+dYBUXCz+jPnkdMSbn+74NVtpMNcS42hwyl2gEoHX2Kw9UhBN9MhI76xCgIlnvLQrIzbsxNqxJGaSK1wASaWUogUfzD+8lgTddBA8fy+KcBg==",

@@ -1,91 +1,88 @@
-//! The tree of an OpenVDB grid: root, nodes of 32^3 and 16^3 children, leaves of 8^3 voxels.
+//! Tree of an OpenVDB grid: root, nodes of 32^3 and 16^3 children, leaves of 8^3 voxels.
 //!
-//! Role: where values are, and then the values in their places of a dense box. Invariant: what is kept of a tree is smaller
-//! than 100 times its bytes in the file. Source: K. Museth, "VDB: High-Resolution Sparse Volumes with Dynamic Topology",
-//! ACM Trans. Graph. 32(3), 2013, and OpenVDB 10, `tree/RootNode.h`, `InternalNode.h`, `LeafNode.h`.
+//! Role: reads the topology, then fills a dense box. Invariant: the tree in memory is smaller than 100 times its bytes in the
+//! file. Source: K. Museth, "VDB: High-Resolution Sparse Volumes with Dynamic Topology", ACM Trans. Graph. 32(3), 2013, and
+//! OpenVDB 10, `tree/RootNode.h`, `InternalNode.h`, `LeafNode.h`.
 
-use super::super::error::{Location, ShapeError, quoted};
-use super::super::source::Source;
-use super::values::{Coding, NODE_MASKS, count, is_on};
+use super::values::{NODE_MASKS, ValueEncoding, count, is_on};
+use crate::error::{Location, ShapeError, quoted};
+use crate::source::Source;
 use glam::{I64Vec3, IVec3};
 use std::collections::HashSet;
 
-/// Voxels along a child of the root.
+/// Side of a child of the root, in voxels.
 const ROOT_CHILD: i32 = 4096;
-/// How many voxels from the origin they begin at most: sums of places stay far from the ends of 32 bits.
+/// Farthest origin of a child of the root. Higher: sums of coordinates overflow 32 bits.
 const FARTHEST: i32 = 1 << 30;
-/// Voxels of a leaf and along it.
+/// Voxels of a leaf, and its side.
 const LEAF_VOXELS: usize = 512;
 const LEAF: i32 = 8;
-/// What is read here, for messages.
+/// Nouns for messages.
 const TREE: &str = "nodes of a tree";
 const LEAVES: &str = "a leaf of a tree";
 
 /// A tree without the values of its leaves.
 #[derive(Default)]
 pub(super) struct Tree {
-    /// First voxel and active voxels of each leaf, in the order of the file.
+    /// Origin and active mask of each leaf, in the order of the file.
     leaves: Vec<(IVec3, [u8; LEAF_VOXELS / 8])>,
-    /// Boxes of one value that is not the background.
+    /// Constant boxes with another value than the background.
     tiles: Vec<Tile>,
-    /// First and last corner of the box around the active voxels.
+    /// First and last active voxel of the bounding box.
     pub active: Option<[IVec3; 2]>,
 }
 
-/// A box of one value.
+/// A constant box.
 struct Tile {
     min: IVec3,
     max: IVec3,
     value: f32,
 }
 
-/// A part of the grid with all its values, x fastest.
+/// Dense box of the grid, x fastest.
 pub(super) struct Dense<'a> {
-    /// Its first voxel.
     pub min: I64Vec3,
-    /// Voxels along it.
     pub size: [u32; 3],
-    /// Their values.
     pub values: &'a mut [f32],
 }
 
 impl Tree {
-    /// Reads all but the values of the leaves, and the background into `coding`.
-    pub fn read(source: &mut Source, coding: &mut Coding) -> Result<Tree, ShapeError> {
+    /// Reads the topology, and the background into `encoding`.
+    pub fn read(source: &mut Source, encoding: &mut ValueEncoding) -> Result<Tree, ShapeError> {
         let place = Location::Byte(source.offset);
-        let buffers = u32::from_le_bytes(source.array(TREE)?);
+        let buffers = source.u32(TREE)?;
         if buffers != 1 {
             return Err(source.malformed_at(place, "a tree with 1 buffer", buffers.to_string()));
         }
-        coding.background = coding.value(source)?;
-        let [tiles, children] = [u32::from_le_bytes(source.array(TREE)?), u32::from_le_bytes(source.array(TREE)?)];
+        encoding.background = encoding.value(source)?;
+        let [tiles, children] = [source.u32(TREE)?, source.u32(TREE)?];
         let (mut tree, mut seen) = (Tree::default(), HashSet::new());
         for _ in 0..tiles {
             let min = root_key(source, &mut seen)?;
-            let value = coding.value(source)?;
+            let value = encoding.value(source)?;
             let is_active = source.array::<1>(TREE)?[0] != 0;
-            tree.add(Tile { min, max: min + (ROOT_CHILD - 1), value }, is_active, coding);
+            tree.add(Tile { min, max: min + (ROOT_CHILD - 1), value }, is_active, encoding);
         }
         for _ in 0..children {
             let min = root_key(source, &mut seen)?;
-            tree.node(source, coding, min, 5)?;
+            tree.node(source, encoding, min, 5)?;
         }
         Ok(tree)
     }
 
-    /// Reads a node of 2^`log` children along each axis, and what is below it.
-    fn node(&mut self, source: &mut Source, coding: &Coding, min: IVec3, log: u32) -> Result<(), ShapeError> {
+    /// Reads a node of 2^`log` children along each axis and its descendants.
+    fn node(&mut self, source: &mut Source, encoding: &ValueEncoding, min: IVec3, log: u32) -> Result<(), ShapeError> {
         let (places, child) = (1 << (3 * log), if log == 5 { ROOT_CHILD >> log } else { LEAF });
         let children = source.block(places as u64 / 8, TREE)?;
         let active = source.block(places as u64 / 8, TREE)?;
-        let is_packed = coding.version < NODE_MASKS; // only of what is no child
-        let values = coding.values(source, &active, if is_packed { places - count(&children) } else { places })?;
+        let is_packed = encoding.version < NODE_MASKS; // values of children are left out
+        let values = encoding.values(source, &active, if is_packed { places - count(&children) } else { places })?;
         let corner = |place: usize| {
             let part = |shift: u32| (place >> shift & ((1 << log) - 1)) as i32;
             min + child * IVec3::new(part(2 * log), part(log), part(0))
         };
         let mut next = 0;
-        let mut run: Option<(Tile, bool)> = None; // tiles that continue each other along z are one
+        let mut run: Option<(Tile, bool)> = None; // adjacent equal tiles along z are merged
         for place in 0..places {
             if is_on(&children, place) {
                 continue;
@@ -103,14 +100,14 @@ impl Tree {
                 }
                 _ => {
                     let ended = run.replace((Tile { min, max: min + (child - 1), value }, is_active));
-                    ended.into_iter().for_each(|(tile, was_active)| self.add(tile, was_active, coding));
+                    ended.into_iter().for_each(|(tile, was_active)| self.add(tile, was_active, encoding));
                 }
             }
         }
-        run.into_iter().for_each(|(tile, was_active)| self.add(tile, was_active, coding));
+        run.into_iter().for_each(|(tile, was_active)| self.add(tile, was_active, encoding));
         for place in (0..places).filter(|place| is_on(&children, *place)) {
             match log {
-                5 => self.node(source, coding, corner(place), 4)?,
+                5 => self.node(source, encoding, corner(place), 4)?,
                 _ => self.leaf(source, corner(place))?,
             }
         }
@@ -127,23 +124,23 @@ impl Tree {
         Ok(())
     }
 
-    fn add(&mut self, tile: Tile, is_active: bool, coding: &Coding) {
+    fn add(&mut self, tile: Tile, is_active: bool, encoding: &ValueEncoding) {
         if is_active {
             self.include(tile.min, tile.max);
         }
-        if tile.value != coding.background {
+        if tile.value != encoding.background {
             self.tiles.push(tile);
         }
     }
 
-    /// Makes the active box contain the one from `min` to `max`.
+    /// Extends the active box.
     fn include(&mut self, min: IVec3, max: IVec3) {
         let [low, high] = self.active.unwrap_or([min, max]);
         self.active = Some([low.min(min), high.max(max)]);
     }
 
-    /// Reads the values of the leaves and writes all that are in `dense`, which is full of the background.
-    pub fn fill(&self, source: &mut Source, coding: &Coding, mut dense: Dense) -> Result<(), ShapeError> {
+    /// Reads the values of the leaves and writes them and the tiles into `dense`, which is filled with the background.
+    pub fn fill(&self, source: &mut Source, encoding: &ValueEncoding, mut dense: Dense) -> Result<(), ShapeError> {
         for tile in &self.tiles {
             dense.rows(tile.min, tile.max, |row, _| row.fill(tile.value));
         }
@@ -153,13 +150,13 @@ impl Tree {
                 let found = "another one".into();
                 return Err(source.malformed_at(place, "the same mask of a leaf as in the tree", found));
             }
-            let buffers = if coding.version < NODE_MASKS { source.array::<13>(LEAVES)?[12] } else { 1 };
-            let values = coding.values(source, mask, LEAF_VOXELS)?;
+            let buffers = if encoding.version < NODE_MASKS { source.array::<13>(LEAVES)?[12] } else { 1 };
+            let values = encoding.values(source, mask, LEAF_VOXELS)?;
             for _ in 1..buffers {
-                coding.skip(source, LEAF_VOXELS)?;
+                encoding.skip(source, LEAF_VOXELS)?;
             }
             dense.rows(*min, min + (LEAF - 1), |row, first| {
-                // Here x is the slowest.
+                // In a leaf x is the slowest axis.
                 let [x, y, z] = (first - min.as_i64vec3()).to_array().map(|part| part as usize);
                 let of_row = values[64 * x + 8 * y + z..].iter().step_by(64);
                 row.iter_mut().zip(of_row).for_each(|(voxel, value)| *voxel = *value);
@@ -169,7 +166,7 @@ impl Tree {
     }
 }
 
-/// The first voxel of a child or tile of the root, each of which is there once.
+/// Origin of a child or tile of the root; each may occur once.
 fn root_key(source: &mut Source, seen: &mut HashSet<IVec3>) -> Result<IVec3, ShapeError> {
     let place = Location::Byte(source.offset);
     let mut part = || source.array(TREE).map(i32::from_le_bytes);
@@ -183,7 +180,7 @@ fn root_key(source: &mut Source, seen: &mut HashSet<IVec3>) -> Result<IVec3, Sha
 }
 
 impl Dense<'_> {
-    /// Calls `with` each row of voxels that is in the box from `min` to `max` too, and with its first voxel.
+    /// Calls `with` for each row of voxels in the box from `min` to `max`, with the first voxel of the row.
     fn rows(&mut self, min: IVec3, max: IVec3, mut with: impl FnMut(&mut [f32], I64Vec3)) {
         let size = I64Vec3::from(self.size.map(i64::from));
         let from = (min.as_i64vec3() - self.min).max(I64Vec3::ZERO);

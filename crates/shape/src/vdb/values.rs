@@ -1,64 +1,59 @@
-//! The values of a node of an OpenVDB tree.
+//! Values of a node of an OpenVDB tree.
 //!
-//! Role: what is stored of them into all of them. Invariant: memory is taken for the places of the node only, whatever
-//! length the file declares. Source: OpenVDB 10, `io/Compression.h`.
+//! Invariant: memory is allocated only for the values of one node, whatever length the file declares. Source: OpenVDB 10,
+//! `io/Compression.h`.
 
-use super::super::error::{Found, Location, ShapeError};
-use super::super::source::{Source, read_block};
 use super::blosc::{self, Fault};
+use crate::SampleType;
+use crate::error::{Found, Location, ShapeError};
+use crate::source::{Source, read_block};
 use flate2::bufread::ZlibDecoder;
 use half::f16;
 use std::io;
 
-/// Since this version each node says which of its values are stored.
+/// Version since which nodes store only some of their values.
 pub(super) const NODE_MASKS: u32 = 222;
-/// Flags of the compression of a grid.
+/// Compression flags of a grid.
 pub(super) const ZIP: u32 = 1;
 pub(super) const ACTIVE_ONLY: u32 = 2;
 const BLOSC: u32 = 4;
-/// All flags that are known.
 pub(super) const KNOWN_FLAGS: u32 = ZIP | ACTIVE_ONLY | BLOSC;
-/// The code of a node that stores all of its values.
+/// Node code: all values are stored.
 const ALL: u8 = 6;
-/// What is read here, for messages.
+/// Noun for messages.
 const WHAT: &str = "values of a node";
 
-/// How the values of a grid are stored.
+/// Encoding of the values of a grid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Coding {
-    /// Version of the file.
+pub(super) struct ValueEncoding {
     pub version: u32,
-    /// Whether a value is of 64 bits.
-    pub is_double: bool,
-    /// Whether values of nodes are stored in 16 bits.
+    /// F32 or F64.
+    pub kind: SampleType,
+    /// Whether nodes store 16-bit floats.
     pub is_half: bool,
-    /// How they are compressed.
+    /// Compression flags.
     pub flags: u32,
-    /// Value where the tree has none.
     pub background: f32,
 }
 
-/// Whether place `index` is in `mask`.
+/// Whether bit `index` of `mask` is set.
 pub(super) fn is_on(mask: &[u8], index: usize) -> bool {
     mask.get(index / 8).is_some_and(|byte| byte >> (index % 8) & 1 == 1)
 }
 
-/// How many places are in `mask`.
+/// Number of set bits.
 pub(super) fn count(mask: &[u8]) -> usize {
     mask.iter().map(|byte| byte.count_ones() as usize).sum()
 }
 
-impl Coding {
-    /// One value, as it stands beside the nodes.
+impl ValueEncoding {
+    /// Reads one value outside of a node.
     pub fn value(&self, source: &mut Source) -> Result<f32, ShapeError> {
-        Ok(if self.is_double {
-            f64::from_le_bytes(source.array(WHAT)?) as f32
-        } else {
-            f32::from_le_bytes(source.array(WHAT)?)
-        })
+        let bytes = source.block(self.kind.bytes(), WHAT)?;
+        Ok(self.kind.value(&bytes, false) as f32)
     }
 
-    /// The values of a node of `places`, of which those in `active` are active.
+    /// Reads the values of a node of `places` values with an active mask.
     pub fn values(&self, source: &mut Source, active: &[u8], places: usize) -> Result<Vec<f32>, ShapeError> {
         let place = Location::Byte(source.offset);
         let code = if self.version < NODE_MASKS { ALL } else { source.array::<1>(WHAT)?[0] };
@@ -83,36 +78,33 @@ impl Coding {
         Ok((0..places).map(value).collect())
     }
 
-    /// Goes over values that are stored as they are or as zip.
+    /// Skips values stored plain or in zip.
     pub fn skip(&self, source: &mut Source, places: usize) -> Result<(), ShapeError> {
-        Coding { flags: self.flags & ZIP, ..*self }.stored(source, places).map(drop)
+        ValueEncoding { flags: self.flags & ZIP, ..*self }.stored(source, places).map(drop)
     }
 
-    /// The next `places` values of the file.
+    /// Reads `places` stored values.
     fn stored(&self, source: &mut Source, places: usize) -> Result<Vec<f32>, ShapeError> {
-        let floats = |bytes: Vec<u8>| bytes.as_chunks().0.iter().map(|&value| f32::from_le_bytes(value)).collect();
-        Ok(match (self.is_half, self.is_double) {
-            (true, _) if places == 0 => Vec::new(), // not even the length of nothing is stored
-            (true, _) => {
-                let bytes = self.data(source, 2 * places)?;
-                bytes.as_chunks().0.iter().map(|&value| f16::from_le_bytes(value).to_f32()).collect()
-            }
-            (false, false) => floats(self.data(source, 4 * places)?),
-            (false, true) => {
-                let bytes = self.data(source, 8 * places)?;
-                bytes.as_chunks().0.iter().map(|&value| f64::from_le_bytes(value) as f32).collect()
-            }
-        })
+        if self.is_half && places == 0 {
+            return Ok(Vec::new()); // the length is left out too
+        }
+        if self.is_half {
+            let bytes = self.data(source, 2 * places)?;
+            return Ok(bytes.as_chunks().0.iter().map(|&value| f16::from_le_bytes(value).to_f32()).collect());
+        }
+        let mut values = Vec::with_capacity(places);
+        self.kind.append(&self.data(source, self.kind.bytes() as usize * places)?, false, None, &mut values);
+        Ok(values)
     }
 
-    /// `bytes` bytes that may be compressed.
+    /// Reads `bytes` bytes, decompressed.
     fn data(&self, source: &mut Source, bytes: usize) -> Result<Vec<u8>, ShapeError> {
         if self.flags & (ZIP | BLOSC) == 0 {
             return source.block(bytes as u64, WHAT);
         }
         let place = Location::Byte(source.offset);
         let length = i64::from_le_bytes(source.array(WHAT)?);
-        // Compressed data is never longer than its values by more than a header; a negative length is of plain values.
+        // Compressed data exceeds its values by a header at most; a negative length marks plain values.
         let is_plain = length <= 0;
         if is_plain && length.unsigned_abs() != bytes as u64 || length > 2 * bytes as i64 + 1024 {
             return Err(source.malformed_at(place, "the length of the values of a node", format!("{length} bytes")));
@@ -121,22 +113,18 @@ impl Coding {
         if is_plain {
             return Ok(packed);
         }
-        let damaged = |decoded, reason| {
-            let file = source.file.clone();
-            ShapeError::Packed { file, offset, decoded, reason }
-        };
         if self.flags & BLOSC != 0 {
             return blosc::decode(&packed, bytes).map_err(|fault| match fault {
-                Fault::Damaged(what) => damaged(0, io::Error::other(what)),
+                Fault::Damaged(what) => source.packed(offset, 0, io::Error::other(what)),
                 Fault::Unsupported(found) => {
-                    let (file, place) = (source.file.clone(), Location::Byte(offset));
                     let remedy = "save it with the compression of OpenVDB itself (zip, or Blosc with LZ4)";
-                    ShapeError::Unsupported { file, place, what: "Blosc", found, remedy }
+                    source.unsupported(Location::Byte(offset), "Blosc", found, remedy)
                 }
             });
         }
-        let mut data = vec![0; bytes + 1]; // one more shows whether there is more
-        let found = read_block(&mut ZlibDecoder::new(&packed[..]), &mut data).map_err(|reason| damaged(0, reason))?;
+        let mut data = vec![0; bytes + 1]; // one more to detect surplus data
+        let found = read_block(&mut ZlibDecoder::new(&packed[..]), &mut data)
+            .map_err(|reason| source.packed(offset, 0, reason))?;
         data.truncate(bytes);
         if found == bytes {
             return Ok(data);

@@ -1,25 +1,23 @@
-//! Volumes as OpenVDB.
+//! Writer of OpenVDB: a dense volume as one grid of floats of version 224, in zip.
 //!
-//! Role: a dense volume as one grid of floats of version 224, its values in zip. Invariant: active is what differs from the
-//! background, and the box of the volume is in the metadata, so that all of it is read back bit for bit. Source: as for what
-//! reads it, and OpenVDB 10, `tree/InternalNode.h` and `tree/LeafNode.h`.
+//! Invariant: voxels that differ from the background are active, and the box of the volume is in the metadata, so that the
+//! volume is read back bit for bit. Source: OpenVDB 10, `io/Archive.cc`, `tree/InternalNode.h` and `tree/LeafNode.h`.
 
-use super::super::values::LEVEL;
-use super::super::{Content, Volume};
-use super::head::{CONTENT, CORNERS, SIGNED_DISTANCE};
+use super::header::{MAGIC, WRITTEN};
+use super::metadata::{CONTENT, CORNERS, SIGNED_DISTANCE};
 use super::values::{ACTIVE_ONLY, ZIP};
-use super::{MAGIC, WRITTEN};
+use crate::write_values::LEVEL;
+use crate::{Content, Volume};
 use flate2::{Compress, FlushCompress};
 use rayon::prelude::*;
 use std::io::{self, Write};
 
-/// Places of a node along each side as a power of two, and voxels along a place: of the root, as it is read here, of the nodes
-/// below it, and of leaves.
+/// Children along a side as a power of two, and side of a child in voxels: children of the root, nodes below them, leaves.
 const LEVELS: [(u32, u32); 3] = [(5, 128), (4, 8), (3, 1)];
-/// Voxels along a child of the root.
+/// Side of a child of the root, in voxels.
 const ROOT_CHILD: u32 = 4096;
 
-/// A file, or a part of one.
+/// Buffer of a part of a file.
 #[derive(Default)]
 struct Bytes(Vec<u8>);
 
@@ -45,12 +43,12 @@ impl Bytes {
     }
 }
 
-/// Writes a volume whose number of values has been checked. Takes memory for the packed values, twice.
-pub(in super::super) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result<()> {
+/// Writes a volume whose number of values has been checked. Takes memory for twice the compressed values.
+pub(crate) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result<()> {
     let tree = Tree { volume, background: background(volume) }.root()?;
     let mut file = Bytes(MAGIC.to_vec());
-    [WRITTEN, 10, 0].into_iter().for_each(|number| file.u32(number)); // and the version of the library
-    file.0.push(1); // the places of grids are told
+    [WRITTEN, 10, 0].into_iter().for_each(|number| file.u32(number)); // with the version of the library
+    file.0.push(1); // with offsets
     file.0.extend(b"00000000-0000-0000-0000-000000000000");
     file.u32(0);
     file.u32(1);
@@ -66,7 +64,7 @@ pub(in super::super) fn write(volume: &Volume, to: &mut dyn Write) -> io::Result
     [&file.0, &grid.0, &tree.topology, &tree.leaves].iter().try_for_each(|part| to.write_all(part))
 }
 
-/// The value where the tree has none: of a distance the largest one, at least a voxel, else the first value.
+/// Background: the largest distance, at least a voxel; for scalars the first value.
 fn background(volume: &Volume) -> f32 {
     match volume.content {
         Content::Scalar => volume.values.first().copied().unwrap_or_default(),
@@ -96,7 +94,7 @@ fn about(volume: &Volume, name: &str) -> Bytes {
         let scale = [steps.x_axis.x, steps.y_axis.y, steps.z_axis.z];
         let is_uniform = scale == [scale[0]; 3];
         grid.text(if is_uniform { "UniformScaleTranslateMap" } else { "ScaleTranslateMap" });
-        // Kept by OpenVDB for its operators: the inverse, its square, and its half.
+        // Stored by OpenVDB for its operators: the inverse, its square, and its half.
         let inverse = scale.map(|scale| 1.0 / scale);
         let (squares, halves) = (inverse.map(|inverse| inverse * inverse), inverse.map(|inverse| 0.5 * inverse));
         grid.doubles([origin, scale, scale, inverse, squares, halves].as_flattened());
@@ -110,22 +108,21 @@ fn about(volume: &Volume, name: &str) -> Bytes {
     grid
 }
 
-/// The tree of a volume whose first voxel is that of the tree.
+/// Tree of a volume whose first voxel is the origin.
 struct Tree<'a> {
     volume: &'a Volume,
     background: f32,
 }
 
-/// A node of the tree with all below it.
+/// Encoded node with its descendants.
 struct Node {
-    /// All but the values of its leaves.
+    /// Everything but the values of leaves.
     topology: Vec<u8>,
-    /// Masks and values of its leaves.
+    /// Masks and values of leaves.
     leaves: Vec<u8>,
 }
 
 impl Tree<'_> {
-    /// The root with all below it.
     fn root(&self) -> io::Result<Node> {
         let (mut children, mut below, mut leaves) = (0, Vec::new(), Vec::new());
         for min in self.corners([0; 3], u32::MAX, ROOT_CHILD) {
@@ -145,8 +142,7 @@ impl Tree<'_> {
         Ok(Node { topology: root.0, leaves })
     }
 
-    /// First voxels of the boxes of `step` voxels a side that have a part in the volume and in the box of `side` voxels that
-    /// begins at `min`: x is the slowest.
+    /// Origins of the boxes of side `step` that overlap the volume and the box of side `side` at `min`; x is the slowest axis.
     fn corners(&self, min: [u32; 3], side: u32, step: u32) -> impl Iterator<Item = [u32; 3]> + use<> {
         let along = |axis: usize| {
             (min[axis]..self.volume.size[axis].min(min[axis].saturating_add(side))).step_by(step as usize)
@@ -158,7 +154,7 @@ impl Tree<'_> {
         })
     }
 
-    /// A child of the root, whose own children are made side by side.
+    /// A child of the root; its children are encoded in parallel.
     fn upper(&self, min: [u32; 3]) -> io::Result<Option<Node>> {
         let corners: Vec<_> = self.children(min, 0).collect();
         let nodes: Vec<_> = corners
@@ -168,19 +164,18 @@ impl Tree<'_> {
         Ok(joined(min, 0, nodes))
     }
 
-    /// A node whose children are leaves.
     fn lower(&self, min: [u32; 3], packer: &mut Compress) -> io::Result<Option<Node>> {
         let leaves = self.children(min, 1).map(|corner| Ok((corner, self.leaf(corner, packer)?)));
         Ok(joined(min, 1, leaves.collect::<io::Result<_>>()?))
     }
 
-    /// Where the children of a node of a level begin.
+    /// Origins of the children of a node.
     fn children(&self, min: [u32; 3], level: usize) -> impl Iterator<Item = [u32; 3]> + use<> {
         let (log, step) = LEVELS[level];
         self.corners(min, step << log, step)
     }
 
-    /// A leaf; none where all is background.
+    /// A leaf; `None` if all voxels are background.
     fn leaf(&self, min: [u32; 3], packer: &mut Compress) -> io::Result<Option<Node>> {
         let [nx, ny, _] = self.volume.size.map(|n| n as usize);
         let (mut mask, mut values) = (vec![0; 64], Vec::with_capacity(2048));
@@ -197,13 +192,13 @@ impl Tree<'_> {
             return Ok(None);
         }
         let mut leaves = mask.clone();
-        leaves.push(0); // what is not active is background
+        leaves.push(0); // inactive voxels are background
         pack(&values, packer, &mut leaves)?;
         Ok(Some(Node { topology: mask, leaves }))
     }
 }
 
-/// The node of a level that begins at `min` and has these children; none where all is background.
+/// The node of a level at `min` with these children; `None` if all are background.
 fn joined(min: [u32; 3], level: usize, children: Vec<([u32; 3], Option<Node>)>) -> Option<Node> {
     let mut mask = vec![0; 1 << (3 * LEVELS[level].0 - 3)];
     let (mut below, mut leaves) = (Vec::new(), Vec::new());
@@ -213,12 +208,12 @@ fn joined(min: [u32; 3], level: usize, children: Vec<([u32; 3], Option<Node>)>) 
         below.extend(child.topology);
         leaves.extend(child.leaves);
     }
-    // No place without a child is active; all of these are background, and none of their values is stored.
+    // Places without a child are inactive background, whose values are not stored.
     let active = vec![0; mask.len()];
     (!below.is_empty()).then(|| Node { topology: [&mask, &active, &[0; 1 + 8][..], &below].concat(), leaves })
 }
 
-/// Appends values in zip behind their length, or as they are behind its negative where they are no longer.
+/// Appends zip after its length, or plain values after their negative length if zip is not shorter.
 fn pack(values: &[u8], packer: &mut Compress, to: &mut Vec<u8>) -> io::Result<()> {
     let start = to.len();
     to.extend([0; 8]);
@@ -235,7 +230,7 @@ fn pack(values: &[u8], packer: &mut Compress, to: &mut Vec<u8>) -> io::Result<()
     Ok(())
 }
 
-/// Where a corner is in the node that begins at `min`.
+/// Index of a corner in the node at `min`.
 fn place(min: [u32; 3], corner: [u32; 3], (log, step): (u32, u32)) -> usize {
     let [x, y, z] = std::array::from_fn(|axis| ((corner[axis] - min[axis]) / step) as usize);
     x << (2 * log) | y << log | z

@@ -1,42 +1,36 @@
-//! Files that hold the data of a header, one after another along the slowest axes.
+//! Data files of a header, one after another along the slowest axes.
 //!
-//! Role: names in a list or by numbers, as NRRD and MetaImage write them. Invariant: as many files as hold the declared
-//! samples in equal parts; no name is made before its file is opened.
+//! Invariant: the files hold equal parts of the samples; numbered names are formatted one at a time.
 
 use super::error::{Location, ShapeError, quoted};
 use super::source::Source;
 
-/// What is asked of the names.
 const EXPECTED: &str =
     "a file, `LIST` and then a file on each line, or `NAME%03d.raw FIRST LAST STEP`: one for each slice";
 
-/// Files beside a header.
-pub(super) enum Files {
-    /// By their names.
+/// Data files in NRRD's or MetaImage's notation.
+pub(super) enum DataFiles {
     Named(Vec<String>),
-    /// By numbers.
     Numbered {
-        /// What is before and behind the number.
+        /// Text before and after the number.
         name: [String; 2],
-        /// Digits, at least, filled up with zeros or spaces.
+        /// Minimal number of digits, and the character that pads them.
         digits: (usize, char),
-        /// The first number, and from each to the next.
         first: i64,
         step: i64,
-        /// How many.
         count: u64,
     },
 }
 
-impl Files {
-    /// The files that `value` says, at the current line of a header; the names of a list are the lines that follow.
-    pub fn read(value: &str, size: [u32; 3], source: &mut Source) -> Result<Files, ShapeError> {
+impl DataFiles {
+    /// Parses `value` at the current line of a header; the names of a `LIST` are on the following lines.
+    pub fn read(value: &str, size: [u32; 3], source: &mut Source) -> Result<DataFiles, ShapeError> {
         let (at, words) = (source.line, value.split_whitespace().collect::<Vec<_>>());
         let (files, dimensions) = match words[..] {
-            ["LIST", ref rest @ ..] if rest.len() < 2 => (Files::list(source)?, rest.first().copied()),
-            _ => match Files::numbered(&words) {
+            ["LIST", ref rest @ ..] if rest.len() < 2 => (DataFiles::list(source)?, rest.first().copied()),
+            _ => match DataFiles::numbered(&words) {
                 Some((files, dimensions)) => (files, dimensions),
-                None => return Ok(Files::Named(vec![value.to_owned()])),
+                None => return Ok(DataFiles::Named(vec![value.to_owned()])),
             },
         };
         let [_, y, z] = size.map(u64::from);
@@ -53,8 +47,7 @@ impl Files {
         Ok(files)
     }
 
-    /// The names on the lines up to the end.
-    fn list(source: &mut Source) -> Result<Files, ShapeError> {
+    fn list(source: &mut Source) -> Result<DataFiles, ShapeError> {
         let (mut names, mut line) = (Vec::new(), Vec::new());
         while source.next_line(&mut line)? {
             let name = String::from_utf8_lossy(line.trim_ascii());
@@ -62,11 +55,11 @@ impl Files {
                 names.push(name.into_owned());
             }
         }
-        Ok(Files::Named(names))
+        Ok(DataFiles::Named(names))
     }
 
-    /// `NAME%03d.raw FIRST LAST STEP`, and behind it the dimensions of a file.
-    fn numbered<'a>(words: &[&'a str]) -> Option<(Files, Option<&'a str>)> {
+    /// Parses `NAME%03d.raw FIRST LAST STEP`, optionally followed by the dimensions of a file.
+    fn numbered<'a>(words: &[&'a str]) -> Option<(DataFiles, Option<&'a str>)> {
         let number = |word: &&str| word.parse::<i64>().is_ok();
         let numbers = words.iter().rev().take_while(|word| number(word)).count().min(4);
         let (name, numbers) = words.split_at_checked(words.len() - numbers)?;
@@ -86,22 +79,20 @@ impl Files {
         let count = u64::try_from(steps + 1).ok()?;
         let fill = if width.starts_with('0') { '0' } else { ' ' };
         let name = [before.to_owned(), behind.to_owned()];
-        Some((Files::Numbered { name, digits: (digits, fill), first, step, count }, dimensions.first().copied()))
+        Some((DataFiles::Numbered { name, digits: (digits, fill), first, step, count }, dimensions.first().copied()))
     }
 
-    /// How many files there are.
     pub fn count(&self) -> u64 {
         match self {
-            Files::Named(names) => names.len() as u64,
-            Files::Numbered { count, .. } => *count,
+            DataFiles::Named(names) => names.len() as u64,
+            DataFiles::Numbered { count, .. } => *count,
         }
     }
 
-    /// Name of the file with this index.
     pub fn name(&self, index: u64) -> String {
         match self {
-            Files::Named(names) => names[index as usize].clone(),
-            Files::Numbered { name: [before, behind], digits: (digits, fill), first, step, .. } => {
+            DataFiles::Named(names) => names[index as usize].clone(),
+            DataFiles::Numbered { name: [before, behind], digits: (digits, fill), first, step, .. } => {
                 let number = (i128::from(*first) + i128::from(*step) * i128::from(index)).to_string();
                 let more = digits.saturating_sub(number.len());
                 format!("{before}{}{number}{behind}", fill.to_string().repeat(more))

@@ -1,17 +1,16 @@
-//! Shapes that a program has made itself, with what every shape must have.
+//! Checked construction of meshes and volumes in memory.
 
 use super::{Content, MAX_COORDINATE, Mesh, ShapeError, Volume};
 use glam::{Mat3, Vec3};
 
-/// How the input of an object begins that was in memory; the hash of its contents follows.
+/// Prefix of the input name of an object in memory; the hash of its contents follows.
 pub const MEMORY: &str = "memory:";
 
 impl Mesh {
-    /// The mesh of these triangles, counterclockwise seen from outside, without those of zero area.
+    /// Mesh of triangles, counterclockwise seen from outside; those of zero area are dropped.
     ///
     /// # Errors
-    /// [`ShapeError::Contents`]: a coordinate that is not finite or beyond [`MAX_COORDINATE`], or a corner that names no
-    /// position.
+    /// [`ShapeError::Contents`]: a coordinate is not finite or beyond [`MAX_COORDINATE`], or a corner is out of range.
     pub fn new(positions: &[Vec3], triangles: Vec<[u32; 3]>) -> Result<Mesh, ShapeError> {
         let far = positions.iter().position(|at| !(at.abs().max_element() <= MAX_COORDINATE && at.is_finite()));
         if let Some(index) = far {
@@ -25,11 +24,10 @@ impl Mesh {
 }
 
 impl Volume {
-    /// A volume of samples, x fastest; `steps` has one column for each axis of the grid: the world step to the next sample.
+    /// Volume of samples, x fastest; `steps` has one column per grid axis, the world step to the next sample.
     ///
     /// # Errors
-    /// [`ShapeError::Contents`]: a value or place that is not finite, steps that span no space, or as many values as do not
-    /// fill the size.
+    /// [`ShapeError::Contents`]: a value or the origin is not finite, the steps are singular, or the number of values is wrong.
     pub fn new(
         size: [u32; 3],
         origin: Vec3,

@@ -1,55 +1,52 @@
-//! Packed streams.
+//! Decompression of gzip, zlib and bzip2 streams, and hexadecimal digits.
 //!
-//! Role: what gzip, zlib, bzip2 or hexadecimal digits hold, as a stream of bytes. Invariant: the sum of every part is checked,
-//! and what stands behind the last one is zeros or an error; behind zlib, which has no parts, anything.
+//! Invariant: the checksum of every member is checked. After the last member of gzip or bzip2 only zeros may follow, after
+//! zlib anything.
 
 use bzip2::bufread::BzDecoder;
 use flate2::bufread::{GzDecoder, ZlibDecoder};
 use std::cell::Cell;
 use std::io::{self, BufRead, ErrorKind, Read};
 
-/// First bytes of gzip and of bzip2, and half of the first one of zlib.
+/// First bytes of gzip, low half of the first byte of zlib, and first byte of bzip2.
 pub(super) const GZIP: [u8; 3] = [0x1f, 0x8b, 8];
 pub(super) const ZLIB: u8 = 8;
 const BZIP2: u8 = b'B';
 
-/// One packed part.
-enum Part<R> {
+/// Decoder of one member.
+enum Decoder<R> {
     Gzip(Box<GzDecoder<R>>),
     Zlib(ZlibDecoder<R>),
     Bzip2(BzDecoder<R>),
 }
 
-/// Packed parts, one behind the other.
-pub(super) struct Unpacked<'a, R> {
-    /// None once all has been read.
-    part: Option<Part<R>>,
-    /// Counts the zeros behind them.
+/// Decoder of consecutive members.
+pub(super) struct Decompressor<'a, R> {
+    /// `None` at the end.
+    decoder: Option<Decoder<R>>,
+    /// Number of zeros after the last member.
     padding: &'a Cell<u64>,
 }
 
-impl<'a, R: BufRead> Unpacked<'a, R> {
-    /// Parts of gzip.
-    pub fn gzip(reader: R, padding: &'a Cell<u64>) -> Unpacked<'a, R> {
-        Unpacked { part: Some(Part::Gzip(Box::new(GzDecoder::new(reader)))), padding }
+impl<'a, R: BufRead> Decompressor<'a, R> {
+    pub fn gzip(reader: R, padding: &'a Cell<u64>) -> Decompressor<'a, R> {
+        Decompressor { decoder: Some(Decoder::Gzip(Box::new(GzDecoder::new(reader)))), padding }
     }
 
-    /// One part of zlib.
-    pub fn zlib(reader: R, padding: &'a Cell<u64>) -> Unpacked<'a, R> {
-        Unpacked { part: Some(Part::Zlib(ZlibDecoder::new(reader))), padding }
+    pub fn zlib(reader: R, padding: &'a Cell<u64>) -> Decompressor<'a, R> {
+        Decompressor { decoder: Some(Decoder::Zlib(ZlibDecoder::new(reader))), padding }
     }
 
-    /// Parts of bzip2.
-    pub fn bzip2(reader: R, padding: &'a Cell<u64>) -> Unpacked<'a, R> {
-        Unpacked { part: Some(Part::Bzip2(BzDecoder::new(reader))), padding }
+    pub fn bzip2(reader: R, padding: &'a Cell<u64>) -> Decompressor<'a, R> {
+        Decompressor { decoder: Some(Decoder::Bzip2(BzDecoder::new(reader))), padding }
     }
 
-    /// The part behind one that has ended.
-    fn next(&mut self, part: Part<R>) -> io::Result<Option<Part<R>>> {
-        let (mut reader, mark) = match part {
-            Part::Gzip(part) => (part.into_inner(), Some(GZIP[0])),
-            Part::Bzip2(part) => (part.into_inner(), Some(BZIP2)),
-            Part::Zlib(part) => (part.into_inner(), None),
+    /// Decoder of the member after one that has ended.
+    fn next(&mut self, decoder: Decoder<R>) -> io::Result<Option<Decoder<R>>> {
+        let (mut reader, mark) = match decoder {
+            Decoder::Gzip(decoder) => (decoder.into_inner(), Some(GZIP[0])),
+            Decoder::Bzip2(decoder) => (decoder.into_inner(), Some(BZIP2)),
+            Decoder::Zlib(decoder) => (decoder.into_inner(), None),
         };
         loop {
             let rest = reader.fill_buf()?;
@@ -66,32 +63,32 @@ impl<'a, R: BufRead> Unpacked<'a, R> {
             }
         }
         Ok(Some(match mark {
-            Some(BZIP2) => Part::Bzip2(BzDecoder::new(reader)),
-            _ => Part::Gzip(Box::new(GzDecoder::new(reader))),
+            Some(BZIP2) => Decoder::Bzip2(BzDecoder::new(reader)),
+            _ => Decoder::Gzip(Box::new(GzDecoder::new(reader))),
         }))
     }
 }
 
-impl<R: BufRead> Read for Unpacked<'_, R> {
+impl<R: BufRead> Read for Decompressor<'_, R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         loop {
-            let read = match &mut self.part {
+            let read = match &mut self.decoder {
                 None => return Ok(0),
-                Some(Part::Gzip(part)) => part.read(buffer)?,
-                Some(Part::Zlib(part)) => part.read(buffer)?,
-                Some(Part::Bzip2(part)) => part.read(buffer)?,
+                Some(Decoder::Gzip(decoder)) => decoder.read(buffer)?,
+                Some(Decoder::Zlib(decoder)) => decoder.read(buffer)?,
+                Some(Decoder::Bzip2(decoder)) => decoder.read(buffer)?,
             };
             if read > 0 || buffer.is_empty() {
                 return Ok(read);
             }
-            if let Some(ended) = self.part.take() {
-                self.part = self.next(ended)?;
+            if let Some(ended) = self.decoder.take() {
+                self.decoder = self.next(ended)?;
             }
         }
     }
 }
 
-/// Bytes that are written as two hexadecimal digits each, between white space.
+/// Bytes as pairs of hexadecimal digits, with white space between digits.
 pub(super) struct Hex<R>(pub R);
 
 impl<R: BufRead> Read for Hex<R> {
@@ -108,7 +105,6 @@ impl<R: BufRead> Read for Hex<R> {
 }
 
 impl<R: BufRead> Hex<R> {
-    /// The next digit, if there is one.
     fn digit(&mut self) -> io::Result<Option<u8>> {
         loop {
             let Some(&byte) = self.0.fill_buf()?.first() else { return Ok(None) };

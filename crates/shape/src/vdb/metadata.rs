@@ -1,56 +1,54 @@
-//! What stands before the tree of an OpenVDB grid.
+//! Descriptor, metadata and transform of an OpenVDB grid.
 //!
-//! Role: descriptor, metadata and transform of a grid. Invariant: a transform that is not linear is refused, and what is not
-//! known by name is gone over by its length. Source: OpenVDB 10, `io/GridDescriptor.cc`, `MetaMap.cc`, `math/Maps.h`.
+//! Invariant: a nonlinear transform is refused; unknown metadata is skipped by its length. Source: OpenVDB 10,
+//! `io/GridDescriptor.cc`, `MetaMap.cc`, `math/Maps.h`.
 
-use super::super::error::{Location, ShapeError, quoted};
-use super::super::source::Source;
+use crate::error::{Location, ShapeError, quoted};
+use crate::source::Source;
 use glam::{DMat3, DVec3, IVec3};
 
-/// The longest name, in bytes: longer, and it is no name.
+/// Longest name, in bytes.
 const MAX_NAME: u32 = 4096;
-/// Names of metadata of a volume that was written here: its first and last voxel, and what its values are.
+/// Metadata keys of files of this program: first and last voxel, and meaning of the values.
 pub(super) const CORNERS: [&str; 2] = ["hypertexture_min", "hypertexture_max"];
 pub(super) const CONTENT: &str = "hypertexture_content";
 pub(super) const SIGNED_DISTANCE: &str = "signed distance";
-/// The end of the type of a grid whose values are stored in 16 bits.
+/// Suffix of the type of a grid stored in 16 bits.
 const HALF: &str = "_HalfFloat";
 
-/// What is said of a grid before its content.
+/// Description of a grid before its content.
 pub(super) struct Descriptor {
-    /// Its name, with a number in brackets where several have it.
+    /// Name, with a number in brackets if several grids share it.
     pub name: String,
-    /// Bytes of the name without that number.
+    /// Length of the name without the number.
     pub base: usize,
-    /// Type of its tree.
+    /// Type of the tree.
     pub kind: String,
-    /// Whether its values are stored in 16 bits.
+    /// Whether values are stored in 16 bits.
     pub is_half: bool,
-    /// Whether it has the tree of another grid.
+    /// Whether the grid shares the tree of another grid.
     pub is_instance: bool,
-    /// Where its leaves and the next grid begin, and where the latter is said in the file.
+    /// Offsets of the leaves and of the next grid, and the place of the latter in the file.
     pub blocks: u64,
     pub end: u64,
     pub place: Location,
 }
 
-/// What the metadata of a grid says that has a part in the volume.
 #[derive(Default)]
 pub(super) struct Metadata {
-    /// What the values mean.
     pub class: String,
     /// Whether values are stored in 16 bits.
     pub is_half: bool,
-    /// Whether values are distances everywhere.
+    /// Whether values are signed distances everywhere.
     pub is_distance: bool,
-    /// First and last voxel, where the box is told.
+    /// First and last voxel, in files of this program.
     pub corners: [Option<IVec3>; 2],
 }
 
-/// A name, or a text no longer than one.
+/// Reads a length and a string.
 fn name(source: &mut Source, what: &str) -> Result<String, ShapeError> {
     let place = Location::Byte(source.offset);
-    let length = u32::from_le_bytes(source.array(what)?);
+    let length = source.u32(what)?;
     if length > MAX_NAME {
         return Err(source.malformed_at(place, "a name of at most 4096 bytes", format!("{length} bytes")));
     }
@@ -66,7 +64,7 @@ impl Descriptor {
         let place = Location::Byte(source.offset);
         let mut offset = || source.array("the offsets of a grid").map(u64::from_le_bytes);
         let [_, blocks, end] = [offset()?, offset()?, offset()?];
-        // Behind the name stands a number where several grids have it.
+        // A separator and a number follow a name that several grids share.
         let (name, base) = match unique.split_once('\u{1e}') {
             Some((base, number)) => (format!("{base}[{number}]"), base.len()),
             None => (unique.clone(), unique.len()),
@@ -79,7 +77,7 @@ impl Metadata {
     pub fn read(source: &mut Source) -> Result<Metadata, ShapeError> {
         const WHAT: &str = "metadata";
         let mut metadata = Metadata::default();
-        let entries = u32::from_le_bytes(source.array(WHAT)?);
+        let entries = source.u32(WHAT)?;
         for _ in 0..entries {
             let (key, kind) = (name(source, WHAT)?, name(source, WHAT)?);
             match (&*key, &*kind) {
@@ -94,7 +92,7 @@ impl Metadata {
                     metadata.corners[usize::from(key == CORNERS[1])] = Some(IVec3::new(x, y, z));
                 }
                 _ => {
-                    let length = u32::from_le_bytes(source.array(WHAT)?);
+                    let length = source.u32(WHAT)?;
                     source.skip(u64::from(length), WHAT)?;
                 }
             }
@@ -103,7 +101,7 @@ impl Metadata {
     }
 }
 
-/// The world position of voxel (0, 0, 0), and the way to the next one on each axis.
+/// World position of voxel (0, 0, 0), and the step along each axis.
 pub(super) fn transform(source: &mut Source) -> Result<(DVec3, DMat3), ShapeError> {
     const WHAT: &str = "a transform";
     let place = Location::Byte(source.offset);
@@ -125,7 +123,7 @@ pub(super) fn transform(source: &mut Source) -> Result<(DVec3, DMat3), ShapeErro
             Ok((origin, DMat3::from_diagonal(scale)))
         }
         "AffineMap" | "UnitaryMap" => {
-            // Four rows: where each axis leads to, and where the first voxel is.
+            // Four rows: the three axes and the origin.
             let mut rows = [[0.0; 4]; 4];
             for part in rows.as_flattened_mut() {
                 *part = f64::from_le_bytes(source.array(WHAT)?);
@@ -138,10 +136,8 @@ pub(super) fn transform(source: &mut Source) -> Result<(DVec3, DMat3), ShapeErro
             Ok((origin, DMat3::from_cols(x, y, z)))
         }
         _ => {
-            let found = quoted(kind.as_bytes());
             let remedy = "resample the grid to a linear transform (scale, translation or affine)";
-            let file = source.file.clone();
-            Err(ShapeError::Unsupported { file, place, what: "the transform", found, remedy })
+            Err(source.unsupported(place, "the transform", quoted(kind.as_bytes()), remedy))
         }
     }
 }
