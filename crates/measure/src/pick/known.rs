@@ -3,7 +3,7 @@
 use super::ErrorBound;
 use super::candidates;
 use super::sample::Sample;
-use crate::compare::{CompareError, Stage};
+use crate::compare::{CompareError, Session};
 use crate::metric::{ABOVE, Errors, Metric};
 use crate::reference::{ReferenceError, UNSEEN, computed_together, reference_pixels, truth_of};
 use crate::statistics::largest;
@@ -57,7 +57,7 @@ struct Pixel {
 
 impl Known {
     /// By the f64 reference of a scene, in no pixel so far; each will be known with an error of about `own`.
-    pub(super) fn by_reference(stage: Stage<'_>, scene: &Scene, own: f64) -> Result<Known, ReferenceError> {
+    pub(super) fn by_reference(stage: Session<'_>, scene: &Scene, own: f64) -> Result<Known, ReferenceError> {
         let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
         let (size, side) = (scene.image.size, computed_together(scene));
         let squares = size.map(|pixels| (pixels as usize).div_ceil(side)).iter().product();
@@ -78,7 +78,7 @@ impl Known {
     /// Looks at more pixels, by the scores of their squares, until they are about as many as that.
     pub(super) fn look(
         &mut self,
-        stage: Stage<'_>,
+        stage: Session<'_>,
         scores: &[f64],
         pixels: usize,
         progress: &(dyn Fn(f32) + Sync),
@@ -117,7 +117,7 @@ impl Known {
     /// By the scene drawn with ever more samples, where it has no reference: in every pixel.
     pub(super) fn by_finer_picture(
         painter: &mut Painter<'_>,
-        stage: Stage<'_>,
+        stage: Session<'_>,
         scene: &Scene,
         (metric, error): (Metric, f64),
     ) -> Result<Known, CompareError> {

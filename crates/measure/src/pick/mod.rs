@@ -16,7 +16,7 @@ mod sample;
 mod search;
 mod store;
 
-use crate::compare::{CompareError, Failure, Stage};
+use crate::compare::{CompareError, Failure, Session};
 use crate::metric::Metric;
 use crate::reference::ReferenceError;
 use crate::statistics::rounded_up;
@@ -172,7 +172,7 @@ fn known(error: f64, own: f64) -> String {
 /// # Errors
 /// As [`pick`].
 pub fn remembered(
-    stage: Stage<'_>,
+    stage: Session<'_>,
     scene: &Scene,
     bound: ErrorBound,
     progress: &(dyn Fn(f32) + Sync),
@@ -200,7 +200,7 @@ pub fn remembered(
 /// # Errors
 /// The scene cannot be drawn, or no settings keep the bound.
 pub fn pick(
-    stage: Stage<'_>,
+    stage: Session<'_>,
     scene: &Scene,
     bound: ErrorBound,
     progress: &(dyn Fn(f32) + Sync),
@@ -210,7 +210,7 @@ pub fn pick(
 
 /// Adds to a bound that cannot be kept one that can: it is tried. Beside it, what is picked within that.
 fn advise(
-    stage: Stage<'_>,
+    stage: Session<'_>,
     scene: &Scene,
     refused: PickError,
     progress: &(dyn Fn(f32) + Sync),
@@ -238,7 +238,7 @@ fn advise(
 
 /// [`pick`] without advice.
 fn within(
-    stage: Stage<'_>,
+    stage: Session<'_>,
     scene: &Scene,
     bound: ErrorBound,
     progress: &(dyn Fn(f32) + Sync),
@@ -256,7 +256,7 @@ fn within(
 
 /// The fastest of the settings whose programs are linked ahead.
 fn fastest(
-    stage: Stage<'_>,
+    stage: Session<'_>,
     scene: &Scene,
     bound: ErrorBound,
     ahead: &Ahead<'_>,
@@ -322,7 +322,7 @@ fn fastest(
 
 /// Whole pictures, and what is known of them.
 struct Whole<'a> {
-    stage: Stage<'a>,
+    stage: Session<'a>,
     bound: ErrorBound,
     known: Option<Known>,
 }

@@ -6,7 +6,7 @@ use super::ahead::Ahead;
 use super::known::{Known, draw};
 use super::{CARE, ErrorBound, PATIENCE, PickError, SAMPLES, Verified, candidates, rules};
 use crate::compare::candidates::{Candidate, Curve};
-use crate::compare::{CompareError, Stage};
+use crate::compare::{CompareError, Session};
 use crate::reference::ReferenceError;
 use crate::worker::Painter;
 use hypertexture::render::{Frame, RenderError};
@@ -80,7 +80,7 @@ pub(super) struct Search<'a> {
 
 impl<'a> Search<'a> {
     pub(super) fn new(
-        stage: Stage<'a>,
+        stage: Session<'a>,
         scene: &Scene,
         bound: ErrorBound,
         ahead: &'a Ahead<'a>,

@@ -1,7 +1,7 @@
 //! What was picked, kept on disk: by scene, bound, device and driver.
 
 use super::{ErrorBound, Pick, PickError, Verified};
-use crate::compare::Stage;
+use crate::compare::Session;
 use hypertexture::output::shard;
 use hypertexture::scene::{self, Scene};
 use serde::{Deserialize, Serialize};
@@ -13,7 +13,7 @@ const VERSION: u32 = 9;
 const KIND: Kind = Kind { ends: &["pick"], limit: 16 << 20 };
 
 /// The key of a pick: the hash of what it depends on.
-pub(super) fn key(stage: Stage<'_>, scene: &Scene, bound: ErrorBound) -> Result<blake3::Hash, PickError> {
+pub(super) fn key(stage: Session<'_>, scene: &Scene, bound: ErrorBound) -> Result<blake3::Hash, PickError> {
     let info = stage.gpu.info();
     let mut hash = blake3::Hasher::new();
     hash.update(&VERSION.to_le_bytes()).update(&bound.error.to_le_bytes());
