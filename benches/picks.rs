@@ -18,7 +18,7 @@ use hypertexture::render::{Renderer, Subject};
 use hypertexture::scene::Scene;
 use hypertexture::shader::{self, Library};
 use measure::compare::candidates::{Sweep, candidates};
-use measure::compare::{Row, Settings, Stage, compare};
+use measure::compare::{Row, Session, Settings, compare};
 use measure::metric::{Errors, Metric};
 use measure::pick::{ErrorBound, PickError, pick};
 use measure::reference::{TOLERANCE, reference, truth_of};
@@ -41,11 +41,12 @@ fn main() {
         let mut scene = random_scene(&mut random);
         scene.image.size = [64, 64];
         let subject = Subject::load(&scene, &library, &|_| ()).unwrap();
-        let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        let session = Session { gpu: &gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
         let truth = |scene: &Scene| reference(&library, scene, &subject, TOLERANCE, &|_| (), &|| false);
-        let mut refer = |scene: &Scene| truth(scene).map(Arc::new).map_err(|error| error.to_string());
+        let mut compute_reference = |scene: &Scene| truth(scene).map(Arc::new).map_err(|error| error.to_string());
         let sweep = of_own_truth(&scene, &library);
-        let found = compare(stage, &scene, &Settings { sweep, repeat: 6 }, &mut refer, &|_| (), &|_| ()).unwrap();
+        let found =
+            compare(session, &scene, &Settings { sweep, repeat: 6 }, &mut compute_reference, &|_| (), &|_| ()).unwrap();
         let rows: Vec<&Row> = found.rows.iter().filter(|row| row.truth.is_own).collect();
         let errors = rows.iter().map(|row| row.metrics.errors.rmse).filter(|rmse| *rmse > 0.0);
         let [least, most] = [errors.clone().fold(1.0, f64::min), errors.fold(0.0, f64::max).min(0.1)];
@@ -54,7 +55,7 @@ fn main() {
         let fastest = fits.min_by(|a, b| a.point().0.total_cmp(&b.point().0)).unwrap();
         let name = fastest.candidate.label();
         print!("{index:3} {error:7.1e} asked, ");
-        match pick(stage, &scene, ErrorBound::new(Metric::Rmse, error).unwrap(), &|_| ()) {
+        match pick(session, &scene, ErrorBound::new(Metric::Rmse, error).unwrap(), &|_| ()) {
             Err(PickError::Bound { found, .. }) => {
                 refused += 1;
                 println!("refused ({found:7.1e}); compare: {name}");

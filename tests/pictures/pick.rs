@@ -4,7 +4,7 @@ use crate::common::{picture, subject, with_gpu};
 use crate::random_scene::{SplitMix, random_scene, within};
 use hypertexture::scene::{Scene, preset};
 use hypertexture::shader;
-use measure::compare::Stage;
+use measure::compare::Session;
 use measure::metric::Metric;
 use measure::pick::{ErrorBound, PickError, pick};
 use measure::reference::{reference_pixels, truth_of};
@@ -46,8 +46,8 @@ fn no_pick_breaks_its_bound_on_random_scenes() {
             }
             let bound = ErrorBound::new(Metric::Rmse, error).unwrap();
             let subject = subject(&scene, &library);
-            let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
-            match pick(stage, &scene, bound, &|_| ()) {
+            let session = Session { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+            match pick(session, &scene, bound, &|_| ()) {
                 Ok(pick) => {
                     let found = rmse(gpu, &pick.scene);
                     let (stated, pixels) = (pick.verified.error, pick.verified.pixels[0]);
@@ -101,8 +101,8 @@ fn a_smaller_bound_is_no_cheaper_and_an_impossible_one_says_what_is_nearest() {
         let mut scene = preset("noisy_sphere").unwrap();
         scene.image.size = [48, 48];
         let subject = subject(&scene, &library);
-        let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
-        let pick = |metric, error| pick(stage, &scene, ErrorBound::new(metric, error).unwrap(), &|_| ());
+        let session = Session { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        let pick = |metric, error| pick(session, &scene, ErrorBound::new(metric, error).unwrap(), &|_| ());
         let [loose, tight] = [0.05, 0.002].map(|error| pick(Metric::Rmse, error).unwrap());
         assert!(loose.scene.quality.samples < tight.scene.quality.samples, "{} {}", loose.settings, tight.settings);
         assert!(tight.verified.error <= 0.002 && tight.verified.pixels[0] > 900);

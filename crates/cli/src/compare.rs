@@ -10,7 +10,7 @@ use hypertexture::render::{Subject, watch};
 use hypertexture::scene::{Scene, to_text};
 use measure::compare::candidates::{Sweep, candidates};
 use measure::compare::report::{self, Environment, Report};
-use measure::compare::{Comparison, Forecast, Settings, Stage, compare, paper};
+use measure::compare::{Comparison, Forecast, Session, Settings, compare, paper};
 use measure::reference::{Reference, TOLERANCE, reference};
 use measure::worker::{Load, Worker};
 use std::error::Error;
@@ -109,24 +109,24 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     make_folder(&command.output)?;
     let stop = || flag.load(Ordering::Relaxed);
     let worker = Worker::new(&start(options)?, &library, Load::Scene(to_text(&scene)));
-    let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &stop };
+    let session = Session { gpu: &gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &stop };
     let environment = Environment::of(&gpu);
     let title = title(command);
     let report = announced(quiet, "compare", |progress| -> Result<Report, Box<dyn Error>> {
         progress(0.0);
-        let mut refer = |scene: &Scene| truth(stage, scene);
+        let mut compute_reference = |scene: &Scene| truth(session, scene);
         let part = |fraction: f32| progress(CANDIDATES * fraction);
         let forecast = |forecast: Forecast| {
             if !quiet {
                 say(&format!("{forecast}\n"));
             }
         };
-        let mut comparison = compare(stage, &scene, &settings, &mut refer, &forecast, &part)?;
+        let mut comparison = compare(session, &scene, &settings, &mut compute_reference, &forecast, &part)?;
         let mut failures = Vec::new();
         let part = |fraction: f32| progress(CANDIDATES + (1.0 - CANDIDATES) * fraction);
-        let table = paper::table(stage, &comparison, !command.thorough, &mut failures, &part);
-        let crops = paper::figure(stage, &comparison, &mut failures);
-        let pictures = report::pictures(stage, &comparison, &mut failures);
+        let table = paper::table(session, &comparison, !command.thorough, &mut failures, &part);
+        let crops = paper::figure(session, &comparison, &mut failures);
+        let pictures = report::pictures(session, &comparison, &mut failures);
         comparison.failures.extend(failures);
         let comparison = Comparison { partial: comparison.partial || stop(), ..comparison };
         let environment = Environment { load_after: report::load(), ..environment };
@@ -198,7 +198,7 @@ fn conclude(report: &Report, page: &Path, quiet: bool) -> Result<(), Box<dyn Err
 }
 
 /// The exact picture of a scene.
-pub(super) fn truth(stage: Stage<'_>, scene: &Scene) -> Result<Arc<Reference>, String> {
-    let found = reference(stage.library, scene, stage.subject, TOLERANCE, &|_| (), stage.stop);
+pub(super) fn truth(session: Session<'_>, scene: &Scene) -> Result<Arc<Reference>, String> {
+    let found = reference(session.library, scene, session.subject, TOLERANCE, &|_| (), session.stop);
     found.map(Arc::new).map_err(|error| error.to_string())
 }

@@ -9,7 +9,7 @@ use hypertexture::render::Subject;
 use hypertexture::scene::{Scene, preset};
 use hypertexture::shader::shipped;
 use measure::compare::candidates::Sweep;
-use measure::compare::{Settings, Stage, compare};
+use measure::compare::{Session, Settings, compare};
 use measure::reference::Reference;
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;
@@ -187,9 +187,9 @@ fn each_call_of_a_comparison_may_fail_and_costs_it_a_candidate_at_most() {
     };
     let run = |left: usize| {
         let gpu = Gpu::new(&Options { validation: true, ..Options::from_env() }).unwrap();
-        let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        let session = Session { gpu: &gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
         fail_after(left);
-        let found = compare(stage, &scene, &settings, &mut { dark }, &|_| (), &|_| ());
+        let found = compare(session, &scene, &settings, &mut { dark }, &|_| (), &|_| ());
         (found, stop())
     };
     let (whole, (calls, _)) = run(usize::MAX);

@@ -8,7 +8,7 @@ use hypertexture::gpu::{Gpu, Options};
 use hypertexture::render::Subject;
 use hypertexture::render::variant::Variant;
 use hypertexture::scene::Scene;
-use measure::compare::Stage;
+use measure::compare::Session;
 use measure::compare::paper::measure::replay;
 use measure::compare::paper::numbers::EFFECTS;
 use measure::compare::paper::replay::{Plan, SLICES, paper_quality};
@@ -40,11 +40,11 @@ pub fn run(command: &Compare, options: &Options, quiet: bool) -> Result<(), Box<
     let stop = || flag.load(Ordering::Relaxed);
     let object = Box::new(first.object.clone());
     let worker = Worker::new(&start(options)?, &library, Load::Object { object, margin, closest });
-    let stage = Stage { gpu: &gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &stop };
+    let session = Session { gpu: &gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &stop };
     let (environment, object) = (Environment::of(&gpu), file_name(command.input()));
     let replay = announced(quiet, "paper", |progress| {
         progress(0.0);
-        replay(stage, plan, &mut |scene: &Scene| truth(stage, scene), &|part| progress(part))
+        replay(session, plan, &mut |scene: &Scene| truth(session, scene), &|part| progress(part))
     });
     let environment = Environment { load_after: load(), ..environment };
     let report = Replayed { object, environment, replay };

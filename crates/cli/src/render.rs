@@ -15,7 +15,7 @@ use hypertexture::output::{self, PROGRAM};
 use hypertexture::render::{Renderer, Subject, check_depth, ignored, watch};
 use hypertexture::scene::{self, Pass, Scene};
 use hypertexture::shader::Library;
-use measure::compare::{Failure, Stage};
+use measure::compare::{Failure, Session};
 use measure::metric::Metric;
 use measure::pick::{ErrorBound, Pick, Verified, remembered};
 use measure::predict::{Estimate, Prediction, predict};
@@ -231,8 +231,8 @@ fn draw(
     let mut add = |name: &str, value: Value| drop(object.insert(name.into(), value));
     if let Some(bound) = *bound {
         let worker = Worker::new(&start(options)?, library, Load::Scene(scene::to_text(&scene)));
-        let stage = Stage { gpu, library, subject, worker: Some(&worker), stop: &|| false };
-        let pick = announced(quiet, "fastest settings", |progress| remembered(stage, &scene, bound, progress))?;
+        let session = Session { gpu, library, subject, worker: Some(&worker), stop: &|| false };
+        let pick = announced(quiet, "fastest settings", |progress| remembered(session, &scene, bound, progress))?;
         tell(&explain(&pick, bound));
         add("settings", settings(&pick, bound));
         (scene, drawn) = (pick.scene, pick.picture);

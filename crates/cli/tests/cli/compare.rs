@@ -8,7 +8,7 @@ use hypertexture::render::render;
 use hypertexture::scene::{self, Integration, Pass, Reach, Repeat, Scene, preset};
 use hypertexture::shader;
 use measure::compare::candidates::Sweep;
-use measure::compare::{Settings, Stage, compare};
+use measure::compare::{Session, Settings, compare};
 use measure::reference::Reference;
 use std::collections::{BTreeSet, HashMap};
 use std::fs;
@@ -94,7 +94,7 @@ fn m56_a_comparison_writes_its_report_and_repeats_every_digit_of_its_errors() {
     for part in [
         "fire on sphere",
         "fastest candidate",
-        "Truth 0, the scene's own: procedural turbulence that repeats after 4 cells of the first octave",
+        "GroundTruth 0, the scene's own: procedural turbulence that repeats after 4 cells of the first octave",
         "with a tolerance",
         "<svg",
         "Along the front",
@@ -138,12 +138,12 @@ fn errors_are_those_against_the_reference_and_a_missing_reference_is_a_failure()
         let subject = crate::common::subject(&scene, &library);
         let sweep = Sweep { quick: true, samples: Some(vec![16]), ..Sweep::default() };
         let settings = Settings { sweep, repeat: 2 };
-        let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
-        let mut refer = |scene: &Scene| match scene.effect.turbulence_repeat {
+        let session = Session { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        let mut compute_reference = |scene: &Scene| match scene.effect.turbulence_repeat {
             Repeat::TurbulenceBlock => Ok(Arc::new(plain(scene, if scene.effect.octaves == 4 { 0.75 } else { 0.0 }))),
             _ => Err("not today".into()),
         };
-        let found = compare(stage, &scene, &settings, &mut refer, &|_| (), &|_| ()).unwrap();
+        let found = compare(session, &scene, &settings, &mut compute_reference, &|_| (), &|_| ()).unwrap();
         assert!(found.rows.len() >= 4 && !found.failures.is_empty());
         assert_eq!(found.rows.len() + found.failures.len(), found.planned);
         assert!(!found.partial && found.failures.iter().all(|failure| failure.message == "no reference: not today"));
@@ -174,8 +174,8 @@ fn a_quick_sweep_goes_on_along_the_front_unless_its_samples_are_given() {
         (scene.effect.noise, scene.effect.octaves) = ("procedural".into(), 2);
         // Dense around a core: of 128 samples the error is 0.02.
         (scene.object.inner_iso, scene.effect.opacity_rate) = (0.0, 150.0);
-        let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
-        let mut refer = |scene: &Scene| {
+        let session = Session { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        let mut compute_reference = |scene: &Scene| {
             let mut fine = scene.clone();
             (fine.quality.pass, fine.quality.samples) = (Pass::Slices, 8192);
             let frame = render(gpu, &library, &fine, &subject).map_err(|error| error.to_string())?;
@@ -184,7 +184,9 @@ fn a_quick_sweep_goes_on_along_the_front_unless_its_samples_are_given() {
         };
         let mut most = |samples: Option<Vec<u32>>| {
             let sweep = Sweep { quick: true, samples, strategies: strategies.clone(), filters: false };
-            let found = compare(stage, &scene, &Settings { sweep, repeat: 1 }, &mut refer, &|_| (), &|_| ()).unwrap();
+            let found =
+                compare(session, &scene, &Settings { sweep, repeat: 1 }, &mut compute_reference, &|_| (), &|_| ())
+                    .unwrap();
             assert_eq!(found.rows.len(), found.planned, "{:?}", found.failures);
             let samples = found.rows.iter().map(|row| row.candidate.samples());
             let errors = found.rows.iter().map(|row| row.metrics.errors.rmse);
@@ -207,9 +209,10 @@ fn more_samples_of_segments_turn_the_normals_less() {
         (scene.object.input, scene.image.size) = ("torus".into(), [48, 48]);
         let subject = crate::common::subject(&scene, &library);
         let sweep = Sweep { samples: Some(vec![16, 128]), ..Sweep::default() };
-        let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
-        let mut refer = |scene: &Scene| Ok(Arc::new(dark(scene)));
-        let found = compare(stage, &scene, &Settings { sweep, repeat: 1 }, &mut refer, &|_| (), &|_| ()).unwrap();
+        let session = Session { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        let mut compute_reference = |scene: &Scene| Ok(Arc::new(dark(scene)));
+        let found =
+            compare(session, &scene, &Settings { sweep, repeat: 1 }, &mut compute_reference, &|_| (), &|_| ()).unwrap();
         let angle = |integration, samples| {
             let is = |c: &measure::compare::candidates::Candidate| {
                 (c.curve().pass, c.curve().integration, c.samples()) == (Pass::March, integration, samples)

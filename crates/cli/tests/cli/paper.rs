@@ -8,7 +8,7 @@ use hypertexture::render::render;
 use hypertexture::render::variant::Variant;
 use hypertexture::scene::{Order, Pass, Proxy, Quality, Scene, TargetFormat, preset};
 use hypertexture::shader;
-use measure::compare::Stage;
+use measure::compare::Session;
 use measure::compare::paper::Cell;
 use measure::compare::paper::measure::replay;
 use measure::compare::paper::replay::{Plan, paper_quality};
@@ -142,8 +142,8 @@ fn m57_every_window_is_drawn_with_its_sampling_and_what_fails_is_one_cell() {
         effects[2].effect.medium = "no_such_medium".into();
         let plan = Plan { effects, scale: 0.04, quick: false, repeat: 1, error_size: [8, 8] };
         let subject = subject(&scene, &library);
-        let stage = Stage { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
-        let found = replay(stage, plan, &mut |scene| Ok(Arc::new(dark(scene))), &|_| ());
+        let session = Session { gpu, library: &library, subject: &subject, worker: None, stop: &|| false };
+        let found = replay(session, plan, &mut |scene| Ok(Arc::new(dark(scene))), &|_| ());
         let most = gpu.sample_counts(Format::Rgba8Unorm).into_iter().filter(|&count| count <= 8).max().unwrap();
         for (sheet, place) in found.sheets.iter().zip(0..) {
             for (row, number) in sheet.rows.iter().zip(0..) {

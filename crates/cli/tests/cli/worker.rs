@@ -12,7 +12,7 @@ use hypertexture::scene::{Integration, Pass, Scene, preset, to_text};
 use hypertexture::shader;
 use hypertexture_cli::gallery;
 use measure::compare::candidates::Sweep;
-use measure::compare::{Settings, Stage, compare};
+use measure::compare::{Session, Settings, compare};
 use measure::metric::Metric;
 use measure::pick::{ErrorBound, pick};
 use measure::reference::Reference;
@@ -109,9 +109,10 @@ fn a_driver_that_crashes_or_hangs_on_a_candidate_costs_the_comparison_that_one()
         let sweep =
             Sweep { quick: true, samples: Some(vec![16, 17]), strategies: Some(strategies.into()), filters: false };
         let worker = Worker::new(&start, &library, Load::Scene(to_text(&scene)));
-        let stage = Stage { gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &|| false };
+        let session = Session { gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &|| false };
         let found =
-            compare(stage, &scene, &Settings { sweep, repeat: 3 }, &mut |scene| dark(scene), &|_| (), &|_| ()).unwrap();
+            compare(session, &scene, &Settings { sweep, repeat: 3 }, &mut |scene| dark(scene), &|_| (), &|_| ())
+                .unwrap();
         let labels = |how: &str| -> Vec<&str> {
             let failed = found.failures.iter().filter(|failure| failure.message.contains(how));
             failed.map(|failure| failure.label.as_str()).collect()
@@ -140,8 +141,8 @@ fn a_driver_that_crashes_on_a_way_costs_the_pick_that_one() {
     let subject = subject(&scene, &library);
     with_gpu(|gpu| {
         let worker = Worker::new(&start, &library, Load::Scene(to_text(&scene)));
-        let stage = Stage { gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &|| false };
-        let picked = pick(stage, &scene, ErrorBound::new(Metric::Rmse, 0.05).unwrap(), &|_| ()).unwrap();
+        let session = Session { gpu, library: &library, subject: &subject, worker: Some(&worker), stop: &|| false };
+        let picked = pick(session, &scene, ErrorBound::new(Metric::Rmse, 0.05).unwrap(), &|_| ()).unwrap();
         assert_eq!(picked.scene.quality.pass, Pass::Slices, "{}", picked.settings);
         assert!(picked.verified.error <= 0.05);
         assert!(!picked.failures.is_empty());

@@ -130,7 +130,12 @@ impl Curve {
             TargetFormat::Float32 => ", 32-bit float",
         });
         let filter = if self.filter == Filter::Exact { ", exact filter" } else { "" };
-        format!("{}{block}, {}, {}{target}{filter}", self.strategy, pass_name(self.pass), rule_name(self.integration))
+        format!(
+            "{}{block}, {}, {}{target}{filter}",
+            self.strategy,
+            pass_name(self.pass),
+            integration_name(self.integration)
+        )
     }
 }
 
@@ -143,7 +148,7 @@ pub fn pass_name(pass: Pass) -> &'static str {
 }
 
 /// A integration as scene files spell it.
-pub fn rule_name(integration: Integration) -> &'static str {
+pub fn integration_name(integration: Integration) -> &'static str {
     match integration {
         Integration::Point => "point",
         Integration::Segment => "segment",

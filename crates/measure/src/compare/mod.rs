@@ -14,6 +14,7 @@ mod answers;
 pub mod candidates;
 #[doc(hidden)] // for the tests of this crate
 pub mod front;
+mod ground_truths;
 pub mod metrics;
 mod normals;
 #[doc(hidden)] // for the tests of this crate
@@ -24,14 +25,14 @@ mod ssim;
 mod theory;
 #[doc(hidden)] // for the tests of this crate
 pub mod timing;
-mod truths;
 
-pub use truths::Truth;
+pub use ground_truths::GroundTruth;
 
 use crate::metric::{Errors, NotFinite};
 use crate::reference::Reference;
 use crate::worker::{Painter, Worker};
 use candidates::{Candidate, Sweep};
+use ground_truths::GroundTruths;
 use hypertexture::gpu::Gpu;
 use hypertexture::render::{Frame, RenderError, Subject};
 use hypertexture::scene::{Color, Scene, SceneError};
@@ -44,7 +45,6 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use support::random::SplitMix;
 use timing::{FEWEST_RUNS, Run, Spread, interleave};
-use truths::Truths;
 
 /// Background of a scene that has none, where a person looks at the picture: that of the gallery.
 pub const BACKGROUND: Color = Color([24, 26, 31]);
@@ -98,7 +98,7 @@ pub struct Row {
     /// What was drawn.
     pub candidate: Candidate,
     /// The truth of its scene.
-    pub truth: Arc<Truth>,
+    pub truth: Arc<GroundTruth>,
     /// How far it is from the truth.
     pub metrics: Metrics,
     /// How far its surface is turned from that of many samples, where the scene has a surface.
@@ -171,7 +171,7 @@ pub struct Comparison {
 #[derive(Clone, Debug)]
 pub struct Group {
     /// The truth.
-    pub truth: Arc<Truth>,
+    pub truth: Arc<GroundTruth>,
     /// Its rows.
     pub rows: Vec<usize>,
     /// Those that none other of them beats, by rising time.
@@ -231,11 +231,11 @@ impl fmt::Display for Forecast {
 }
 
 /// Computes the reference of a scene.
-pub type Refer<'a> = dyn FnMut(&Scene) -> Result<Arc<Reference>, String> + 'a;
+pub type ComputeReference<'a> = dyn FnMut(&Scene) -> Result<Arc<Reference>, String> + 'a;
 
 /// All that pictures are made with.
 #[derive(Clone, Copy)]
-pub struct Stage<'a> {
+pub struct Session<'a> {
     /// The device.
     pub gpu: &'a Gpu,
     /// The modules.
@@ -248,39 +248,39 @@ pub struct Stage<'a> {
     pub stop: &'a (dyn Fn() -> bool + Sync),
 }
 
-impl<'a> Stage<'a> {
+impl<'a> Session<'a> {
     /// Whoever draws a candidate.
     pub fn painter(&self) -> Painter<'a> {
         Painter::new(self.gpu, self.library, self.subject, self.worker)
     }
 }
 
-/// Draws, measures and times every candidate for a scene; `refer` gives the truth of a scene. A quick sweep without
+/// Draws, measures and times every candidate for a scene; `compute_reference` gives the truth of a scene. A quick sweep without
 /// samples of its own goes on with more of them along the front. `forecast` hears once, behind the first candidate, how
 /// long it will take. Stopped, it keeps the candidates that were timed.
 ///
 /// # Errors
 /// The scene has no candidate. What goes wrong with one of several is a [`Failure`].
 pub fn compare(
-    stage: Stage<'_>,
+    session: Session<'_>,
     scene: &Scene,
     settings: &Settings,
-    refer: &mut Refer<'_>,
+    compute_reference: &mut ComputeReference<'_>,
     forecast: &dyn Fn(Forecast),
     progress: &dyn Fn(f32),
 ) -> Result<Comparison, CompareError> {
     let (began, in_truths) = (Instant::now(), Cell::new(Duration::ZERO));
-    let mut refer = |scene: &Scene| {
+    let mut compute_reference = |scene: &Scene| {
         let start = Instant::now();
-        let found = refer(scene);
+        let found = compute_reference(scene);
         in_truths.set(in_truths.get() + start.elapsed());
         found
     };
     let mut waiting: Vec<(usize, Candidate)> =
-        candidates::candidates(scene, stage.library, &settings.sweep)?.into_iter().enumerate().collect();
+        candidates::candidates(scene, session.library, &settings.sweep)?.into_iter().enumerate().collect();
     let mut random = SplitMix(SEED);
     random.shuffle(&mut waiting); // so that a batch holds a bit of everything
-    let mut normals = Normals::new(stage, scene);
+    let mut normals = Normals::new(session, scene);
     let mut rows: Vec<(usize, Row)> = Vec::new();
     let mut comparison = Comparison {
         scene: scene.clone(),
@@ -289,16 +289,16 @@ pub fn compare(
         planned: waiting.len(),
         partial: false,
     };
-    let mut truths = Truths::new(scene, stage.library)?;
+    let mut truths = GroundTruths::new(scene, session.library)?;
     let goes_on = settings.sweep.quick && settings.sweep.samples.is_none();
     let mut swept: Option<Instant> = None;
     let mut is_first = true;
-    while !(stage.stop)() {
+    while !(session.stop)() {
         if waiting.is_empty() {
             if !goes_on || swept.get_or_insert_with(Instant::now).elapsed() > refine::BUDGET {
                 break;
             }
-            waiting = refine::finer(&rows, stage.library);
+            waiting = refine::finer(&rows, session.library);
             waiting.retain(|(_, next)| comparison.failures.iter().all(|failure| failure.label != next.label()));
             comparison.planned += waiting.len();
             if waiting.is_empty() {
@@ -308,22 +308,22 @@ pub fn compare(
         let planned = comparison.planned;
         let mut batch: Vec<(usize, Row, Painter<'_>)> = Vec::new();
         let mut bytes = 0;
-        while bytes < BATCH_BYTES && batch.len() < BATCH && !(stage.stop)() {
+        while bytes < BATCH_BYTES && batch.len() < BATCH && !(session.stop)() {
             let Some((index, candidate)) = waiting.pop() else { break };
-            let mut renderer = stage.painter();
+            let mut renderer = session.painter();
             let label = candidate.label();
-            match first(stage.library, candidate, &mut renderer, &mut truths, &mut refer) {
+            match first(session.library, candidate, &mut renderer, &mut truths, &mut compute_reference) {
                 Ok(mut row) => {
                     bytes += row.first.measurements.device_bytes;
                     row.normals = normals.angles(&row.candidate.scene);
                     batch.push((index, row, renderer));
                 }
-                Err(_) if (stage.stop)() => {} // whatever it was in the middle of
+                Err(_) if (session.stop)() => {} // whatever it was in the middle of
                 Err(message) => comparison.failures.push(Failure { label, message }),
             }
             if std::mem::take(&mut is_first) {
                 let scenes = waiting.iter().map(|(_, candidate)| &candidate.scene);
-                let (candidates, truths) = (waiting.len() + 1, truths.count(stage.library, scenes));
+                let (candidates, truths) = (waiting.len() + 1, truths.count(session.library, scenes));
                 let full = usize::from(!settings.sweep.quick);
                 let runs = Duration::from_secs_f64(1e-3 * (REPEAT_MS[full] + WARM_MS[full]));
                 let each = began.elapsed().saturating_sub(in_truths.get()) + runs;
@@ -336,10 +336,10 @@ pub fn compare(
         let done = (planned - waiting.len()) as f32 / planned as f32;
         let share = 0.5 * batch.len() as f32 / planned as f32;
         let within = |fraction: f32| progress(done - share * (1.0 - fraction));
-        comparison.failures.extend(time(&mut batch, settings, &mut random, stage, &within));
+        comparison.failures.extend(time(&mut batch, settings, &mut random, session, &within));
         rows.extend(batch.into_iter().filter(|(_, row, _)| !row.runs.is_empty()).map(|(index, row, _)| (index, row)));
     }
-    comparison.partial = (stage.stop)();
+    comparison.partial = (session.stop)();
     rows.sort_by_key(|(index, row)| (*index, row.candidate.samples()));
     comparison.rows = rows.into_iter().map(|(_, row)| row).collect();
     Ok(comparison)
@@ -350,10 +350,11 @@ fn first(
     library: &Library,
     candidate: Candidate,
     renderer: &mut Painter<'_>,
-    truths: &mut Truths,
-    refer: &mut Refer<'_>,
+    truths: &mut GroundTruths,
+    compute_reference: &mut ComputeReference<'_>,
 ) -> Result<Row, String> {
-    let truth = truths.of(library, &candidate.scene, refer).map_err(|reason| format!("no reference: {reason}"))?;
+    let truth =
+        truths.of(library, &candidate.scene, compute_reference).map_err(|reason| format!("no reference: {reason}"))?;
     let reference = &truth.reference;
     let first = renderer.render(&candidate.scene).map_err(|error| error.to_string())?;
     if reference.size != first.size {
@@ -362,7 +363,7 @@ fn first(
     let background = candidate.scene.image.background.unwrap_or(BACKGROUND);
     let mut metrics = Metrics::of(&first.pixels, reference, background);
     if let Some(own) = own_octaves(library, &candidate)? {
-        let own = own.map(|own| truths.of(library, &own, refer)).transpose();
+        let own = own.map(|own| truths.of(library, &own, compute_reference)).transpose();
         let own = own.map_err(|reason| format!("no reference of its octaves: {reason}"))?;
         metrics.own_rmse = own.map(|own| Errors::between(&first.pixels, &own.reference.pixels).rmse);
     }
@@ -396,10 +397,10 @@ fn time(
     batch: &mut [(usize, Row, Painter<'_>)],
     settings: &Settings,
     random: &mut SplitMix,
-    stage: Stage<'_>,
+    session: Session<'_>,
     progress: &dyn Fn(f32),
 ) -> Vec<Failure> {
-    let (stop, on_processor) = (stage.stop, stage.gpu.info().cpu);
+    let (stop, on_processor) = (session.stop, session.gpu.info().cpu);
     let full = usize::from(!settings.sweep.quick);
     let fit = |ms: f64, row: &Row| (ms / row.first.measurements.gpu_ms.max(1e-3)) as usize;
     let fewest = FEWEST_RUNS.min(settings.repeat);

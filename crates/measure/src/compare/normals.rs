@@ -1,6 +1,6 @@
 //! Normals of the hard surface, as candidates see them.
 
-use super::Stage;
+use super::Session;
 use super::metrics::{Angles, normal_angles};
 use crate::worker::Painter;
 use hypertexture::render::Frame;
@@ -19,8 +19,8 @@ pub(super) struct Normals<'a> {
 
 impl<'a> Normals<'a> {
     /// Those of a scene, against many samples.
-    pub(super) fn new(stage: Stage<'a>, scene: &Scene) -> Normals<'a> {
-        let mut renderer = stage.painter();
+    pub(super) fn new(session: Session<'a>, scene: &Scene) -> Normals<'a> {
+        let mut renderer = session.painter();
         let mut look = look(scene);
         let quality = &mut look.quality;
         (quality.pass, quality.integration, quality.samples) = (Pass::March, Integration::Segment, NORMAL_SAMPLES);

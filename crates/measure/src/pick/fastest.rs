@@ -4,7 +4,7 @@ use super::bound::{ErrorBound, Pick, PickError, Verified};
 use super::search::{Search, Trial};
 use super::whole::{MOST_PIXELS, Whole};
 use super::{candidates, store};
-use crate::compare::{Failure, Stage};
+use crate::compare::{Failure, Session};
 use crate::statistics::rounded_up;
 use hypertexture::render::Frame;
 use hypertexture::scene::Scene;
@@ -20,19 +20,19 @@ const ADVISED_TIMES: usize = 4;
 /// # Errors
 /// As [`pick`].
 pub fn remembered(
-    stage: Stage<'_>,
+    session: Session<'_>,
     scene: &Scene,
     bound: ErrorBound,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Pick, PickError> {
-    let key = store::key(stage, scene, bound)?;
+    let key = store::key(session, scene, bound)?;
     if let Some(pick) = store::load(key) {
         return Ok(pick);
     }
-    let picked = within(stage, scene, bound, progress).or_else(|error| {
-        let (error, advised) = advise(stage, scene, error, progress)?;
+    let picked = within(session, scene, bound, progress).or_else(|error| {
+        let (error, advised) = advise(session, scene, error, progress)?;
         if let Some((bound, pick)) = advised {
-            store::save(store::key(stage, scene, bound)?, &pick);
+            store::save(store::key(session, scene, bound)?, &pick);
         }
         Err(error)
     });
@@ -48,17 +48,17 @@ pub fn remembered(
 /// # Errors
 /// The scene cannot be drawn, or no settings keep the bound.
 pub fn pick(
-    stage: Stage<'_>,
+    session: Session<'_>,
     scene: &Scene,
     bound: ErrorBound,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Pick, PickError> {
-    within(stage, scene, bound, progress).or_else(|error| Err(advise(stage, scene, error, progress)?.0))
+    within(session, scene, bound, progress).or_else(|error| Err(advise(session, scene, error, progress)?.0))
 }
 
 /// Adds to a bound that cannot be kept one that can: it is tried. Beside it, what is picked within that.
 fn advise(
-    stage: Stage<'_>,
+    session: Session<'_>,
     scene: &Scene,
     refused: PickError,
     progress: &(dyn Fn(f32) + Sync),
@@ -71,7 +71,7 @@ fn advise(
         if !bound.error.is_finite() {
             break;
         }
-        match within(stage, scene, bound, progress) {
+        match within(session, scene, bound, progress) {
             Ok(pick) => {
                 advised = Some((bound, pick));
                 break;
@@ -86,14 +86,14 @@ fn advise(
 
 /// [`pick`] without advice.
 fn within(
-    stage: Stage<'_>,
+    session: Session<'_>,
     scene: &Scene,
     bound: ErrorBound,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Pick, PickError> {
-    let families = candidates::families(scene, stage.library, bound.error, stage.gpu.info().filters_by_few_bits())?;
-    let mut search = Search::new(stage, scene, bound, &families, &|done| progress(0.2 * done))?;
-    let mut whole = Whole::new(stage, bound);
+    let families = candidates::families(scene, session.library, bound.error, session.gpu.info().filters_by_few_bits())?;
+    let mut search = Search::new(session, scene, bound, &families, &|done| progress(0.2 * done))?;
+    let mut whole = Whole::new(session, bound);
     let mut best: Option<((usize, Trial), Verified, Frame)> = None;
     let mut nearest: Option<((usize, Trial), Verified)> = None;
     for round in 0..2 * VERIFIED {
@@ -106,7 +106,7 @@ fn within(
         let candidate = search.candidate(next);
         let (verified, expected, frame) = match whole.verify(&mut search, &candidate.scene, MOST_PIXELS, &share) {
             Ok(verified) => verified,
-            Err(_) if (stage.stop)() => return Err(PickError::Stopped),
+            Err(_) if (session.stop)() => return Err(PickError::Stopped),
             Err(error) => {
                 search.fail(next, error);
                 continue;

@@ -3,7 +3,7 @@
 use super::bound::ErrorBound;
 use super::candidates;
 use super::sample::Sample;
-use crate::compare::{CompareError, Stage};
+use crate::compare::{CompareError, Session};
 use crate::metric::{ABOVE, Errors, Metric};
 use crate::reference::{ReferenceError, UNSEEN, computed_together, reference_pixels, truth_of};
 use crate::statistics::largest;
@@ -57,8 +57,8 @@ struct Pixel {
 
 impl ReferenceSample {
     /// An empty sample of the f64 reference of a scene, with a tolerance of about `own`.
-    pub(super) fn by_reference(stage: Stage<'_>, scene: &Scene, own: f64) -> Result<ReferenceSample, ReferenceError> {
-        let truth = truth_of(scene, stage.library).map_err(VariantError::from)?;
+    pub(super) fn by_reference(session: Session<'_>, scene: &Scene, own: f64) -> Result<ReferenceSample, ReferenceError> {
+        let truth = truth_of(scene, session.library).map_err(VariantError::from)?;
         let (size, side) = (scene.image.size, computed_together(scene));
         let squares = size.map(|pixels| (pixels as usize).div_ceil(side)).iter().product();
         let tolerance = own.clamp(TOLERANCES[0], TOLERANCES[1]);
@@ -78,7 +78,7 @@ impl ReferenceSample {
     /// Adds pixels by the scores of their squares, up to about `pixels`.
     pub(super) fn look(
         &mut self,
-        stage: Stage<'_>,
+        session: Session<'_>,
         scores: &[f64],
         pixels: usize,
         progress: &(dyn Fn(f32) + Sync),
@@ -100,7 +100,7 @@ impl ReferenceSample {
         if places.is_empty() {
             return Ok(());
         }
-        let light = reference_pixels(stage.library, truth, stage.subject, &places, *tolerance, progress, stage.stop)?;
+        let light = reference_pixels(session.library, truth, session.subject, &places, *tolerance, progress, session.stop)?;
         let known = light.pixels.iter().zip(light.estimate.iter().zip(&light.open));
         for ((square, [x, y]), (light, (estimate, open))) in found.into_iter().zip(known) {
             self.looked.push(Pixel {
@@ -117,14 +117,14 @@ impl ReferenceSample {
     /// All pixels of the scene drawn with ever more samples, in place of a reference.
     pub(super) fn by_finer_picture(
         painter: &mut Painter<'_>,
-        stage: Stage<'_>,
+        session: Session<'_>,
         scene: &Scene,
         ErrorBound { metric, error }: ErrorBound,
     ) -> Result<ReferenceSample, CompareError> {
-        let filter = Filter::precise(stage.gpu.info().filters_by_few_bits());
+        let filter = Filter::precise(session.gpu.info().filters_by_few_bits());
         let mut draw = |samples| -> Result<Frame, CompareError> {
             let mut drawn = Err(CompareError::Nothing);
-            for finest in candidates::finest(scene, stage.library, samples, filter)? {
+            for finest in candidates::finest(scene, session.library, samples, filter)? {
                 drawn = painter.render(&finest).map_err(CompareError::from);
                 if drawn.is_ok() {
                     break;

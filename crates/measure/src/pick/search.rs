@@ -4,7 +4,7 @@ use super::bound::{ErrorBound, PickError, Verified};
 use super::candidates::{Families, with_samples};
 use super::reference_sample::{ReferenceSample, draw};
 use crate::compare::candidates::{Candidate, Curve};
-use crate::compare::{CompareError, Stage};
+use crate::compare::{CompareError, Session};
 use crate::reference::ReferenceError;
 use crate::worker::Painter;
 use hypertexture::render::{Frame, RenderError};
@@ -87,13 +87,13 @@ pub(super) struct Search<'a> {
 
 impl<'a> Search<'a> {
     pub(super) fn new(
-        stage: Stage<'a>,
+        session: Session<'a>,
         scene: &Scene,
         bound: ErrorBound,
         families: &Families,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<Search<'a>, PickError> {
-        let (began, mut painter, mut failed) = (Instant::now(), stage.painter(), Vec::new());
+        let (began, mut painter, mut failed) = (Instant::now(), session.painter(), Vec::new());
         let first = families.kept.iter().find_map(|family| {
             let candidate = with_samples(family, 64);
             let scene = small(&candidate.scene);
@@ -108,16 +108,16 @@ impl<'a> Search<'a> {
         let Some((look, frame)) = first else {
             return Err(failed.into_iter().next().map_or(CompareError::Nothing.into(), |(_, error)| error.into()));
         };
-        let by_reference = ReferenceSample::by_reference(stage, &look, OWN * bound.error).and_then(|mut sample| {
+        let by_reference = ReferenceSample::by_reference(session, &look, OWN * bound.error).and_then(|mut sample| {
             let scores = sample.scores(&frame, &frame, bound);
-            sample.look(stage, &scores, PIXELS, progress).map(|()| sample)
+            sample.look(session, &scores, PIXELS, progress).map(|()| sample)
         });
         let (sample, unverified) = match by_reference {
             Ok(sample) => (sample, None),
             Err(ReferenceError::Render(error)) => return Err(error.into()),
             Err(ReferenceError::Stopped) => return Err(PickError::Stopped),
             Err(why) => {
-                (ReferenceSample::by_finer_picture(&mut painter, stage, &small(scene), bound)?, Some(why.to_string()))
+                (ReferenceSample::by_finer_picture(&mut painter, session, &small(scene), bound)?, Some(why.to_string()))
             }
         };
         let method = |candidate: &Candidate| Method {
@@ -128,7 +128,7 @@ impl<'a> Search<'a> {
             has_failed: failed.iter().any(|(failed, _)| failed.curve() == candidate.curve()),
         };
         let methods = families.kept.iter().map(method).collect();
-        Ok(Search { began, painter, library: stage.library, bound, sample, methods, failed, unverified })
+        Ok(Search { began, painter, library: session.library, bound, sample, methods, failed, unverified })
     }
 
     /// The method and the samples to draw whole next: the fastest that should keep the bound, if it should be faster than the best

@@ -1,7 +1,7 @@
 //! What was picked, kept on disk: by scene, bound, device and driver.
 
 use super::bound::{ErrorBound, Pick, PickError, Verified};
-use crate::compare::Stage;
+use crate::compare::Session;
 use hypertexture::output::shard;
 use hypertexture::scene::{self, Scene};
 use serde::{Deserialize, Serialize};
@@ -13,12 +13,12 @@ const VERSION: u32 = 10;
 const KIND: Kind = Kind { ends: &["pick"], limit: 16 << 20 };
 
 /// The key of a pick: the hash of what it depends on.
-pub(super) fn key(stage: Stage<'_>, scene: &Scene, bound: ErrorBound) -> Result<blake3::Hash, PickError> {
-    let info = stage.gpu.info();
+pub(super) fn key(session: Session<'_>, scene: &Scene, bound: ErrorBound) -> Result<blake3::Hash, PickError> {
+    let info = session.gpu.info();
     let mut hash = blake3::Hasher::new();
     hash.update(&VERSION.to_le_bytes()).update(&bound.error.to_le_bytes());
     hash.update(format!("{}\n{}\n{}\n", bound.metric, info.name, info.driver).as_bytes());
-    hash.update(shard::identity_of_texts(scene, stage.library, stage.subject)?.as_bytes());
+    hash.update(shard::identity_of_texts(scene, session.library, session.subject)?.as_bytes());
     Ok(hash.finalize())
 }
 

@@ -3,7 +3,7 @@
 use super::bound::{ErrorBound, Verified};
 use super::reference_sample::{ReferenceSample, draw};
 use super::search::Search;
-use crate::compare::Stage;
+use crate::compare::Session;
 use crate::metric::Metric;
 use crate::reference::ReferenceError;
 use hypertexture::render::{Frame, RenderError};
@@ -23,14 +23,14 @@ const AGAIN_MS: f64 = 200.0;
 
 /// Draws whole pictures and bounds their errors.
 pub(super) struct Whole<'a> {
-    stage: Stage<'a>,
+    session: Session<'a>,
     bound: ErrorBound,
     sample: Option<ReferenceSample>,
 }
 
 impl<'a> Whole<'a> {
-    pub(super) fn new(stage: Stage<'a>, bound: ErrorBound) -> Whole<'a> {
-        Whole { stage, bound, sample: None }
+    pub(super) fn new(session: Session<'a>, bound: ErrorBound) -> Whole<'a> {
+        Whole { session, bound, sample: None }
     }
 
     /// Draws a scene and looks at pixels until they show whether it keeps the bound: `most` of them, or all where the metric
@@ -42,7 +42,7 @@ impl<'a> Whole<'a> {
         most: usize,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<(Verified, f64, Frame), RenderError> {
-        let Whole { stage, bound, sample } = self;
+        let Whole { session, bound, sample } = self;
         let ErrorBound { metric, error } = *bound;
         let (frame, mut ms) = draw(&mut search.painter, scene, 1.0)?;
         if frame.pixels.as_flattened().iter().any(|channel| !channel.is_finite()) {
@@ -50,9 +50,9 @@ impl<'a> Whole<'a> {
         }
         let sample = match (&mut *sample, search.unverified.is_none()) {
             (Some(sample), _) => sample,
-            (none, true) => none.insert(ReferenceSample::by_reference(*stage, scene, OWN * error).map_err(ended)?),
+            (none, true) => none.insert(ReferenceSample::by_reference(*session, scene, OWN * error).map_err(ended)?),
             (none, false) => none.insert(
-                ReferenceSample::by_finer_picture(&mut search.painter, *stage, scene, *bound)
+                ReferenceSample::by_finer_picture(&mut search.painter, *session, scene, *bound)
                     .map_err(|error| RenderError::Worker(error.to_string()))?,
             ),
         };
@@ -70,7 +70,7 @@ impl<'a> Whole<'a> {
             ms = ms.min(draw(&mut search.painter, scene, 1.0)?.1); // a first run is slower
         }
         let mut scores = Vec::new();
-        for other in OTHER_SAMPLES.iter().filter_map(|times| with_samples(scene, *times, stage.library)) {
+        for other in OTHER_SAMPLES.iter().filter_map(|times| with_samples(scene, *times, session.library)) {
             let other = draw(&mut search.painter, &other, 1.0)?.0;
             let by_other = sample.scores(&frame, &other, *bound);
             scores.resize(by_other.len(), 0.0);
@@ -79,7 +79,7 @@ impl<'a> Whole<'a> {
         let most = if matches!(metric, Metric::Max | Metric::P999) { usize::MAX } else { most };
         let mut pixels = PIXELS;
         loop {
-            sample.look(*stage, &scores, pixels, progress).map_err(ended)?;
+            sample.look(*session, &scores, pixels, progress).map_err(ended)?;
             let verified = verified(sample, Some(&scores), ms);
             // The part of the pixels that were not looked at goes down with their number at most.
             let squares = [verified.found, verified.error].map(|error| error * error);

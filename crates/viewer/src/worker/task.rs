@@ -6,7 +6,7 @@ use hypertexture::output::sequence::{Frames, Sequence, frame_path};
 use hypertexture::output::{self, Depth, Provenance};
 use hypertexture::render::{Frame, RenderError, Renderer};
 use hypertexture::scene::Scene;
-use measure::compare::Stage;
+use measure::compare::Session;
 use measure::pick::{ErrorBound, PickError, pick};
 use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
@@ -97,8 +97,8 @@ impl RenderThread {
             leave_where(self.stops());
             (self.tell)(Event::Picking(done));
         };
-        let stage = Stage { gpu: &self.gpu, library, subject, worker: None, stop: &|| false };
-        let found = match unless_stopped(|| pick(stage, scene, bound, &progress)) {
+        let session = Session { gpu: &self.gpu, library, subject, worker: None, stop: &|| false };
+        let found = match unless_stopped(|| pick(session, scene, bound, &progress)) {
             Some(Ok(found)) => Event::Picked(Some(Box::new(found))),
             Some(Err(PickError::Render(error))) => return Err(error),
             Some(Err(error)) => Event::Failed(error.to_string()),

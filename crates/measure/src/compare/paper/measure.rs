@@ -8,7 +8,7 @@ use super::replay::{Bump, Errors, Plan, Replay, Sampling, Shot, WINDOWS};
 use super::{CELL_MS, Cell, LONGEST_MS};
 use crate::compare::metrics::{Metrics, normal_angles};
 use crate::compare::timing::{Spread, interleave};
-use crate::compare::{BACKGROUND, BATCH_BYTES, Refer, Stage, Truths, run};
+use crate::compare::{BACKGROUND, BATCH_BYTES, ComputeReference, GroundTruths, Session, run};
 use crate::worker::Painter;
 use hypertexture::scene::{ParameterValue, Scene, TargetFormat};
 use support::random::SplitMix;
@@ -17,10 +17,15 @@ use support::random::SplitMix;
 const BUMPS: [f32; 6] = [0.0, 0.8, 1.6, 3.2, 6.4, 20.0];
 
 /// Times everything that is planned, holds one picture of each row against its reference, and sweeps k of Eq. 7.
-pub fn replay(stage: Stage<'_>, plan: Plan, refer: &mut Refer<'_>, progress: &dyn Fn(f32)) -> Replay {
+pub fn replay(
+    session: Session<'_>,
+    plan: Plan,
+    compute_reference: &mut ComputeReference<'_>,
+    progress: &dyn Fn(f32),
+) -> Replay {
     /// Part of the progress that is timing.
     const TIMING: f32 = 0.7;
-    let sampling = Sampling::of_device(stage.gpu, plan.effects[0].quality.target);
+    let sampling = Sampling::of_device(session.gpu, plan.effects[0].quality.target);
     let mut replay = Replay::planned(plan, sampling);
     for (number, window) in WINDOWS.into_iter().enumerate() {
         let drawn = (replay.plan.pixels(window), replay.sampling.of(window.sampling));
@@ -30,42 +35,42 @@ pub fn replay(stage: Stage<'_>, plan: Plan, refer: &mut Refer<'_>, progress: &dy
         };
         let group: Vec<usize> = (0..replay.shots.len()).filter(|&index| of_window(&replay.shots[index])).collect();
         let share = TIMING / WINDOWS.len() as f32;
-        time(stage, &mut replay, group, &|part| progress(share * (number as f32 + part)));
+        time(session, &mut replay, group, &|part| progress(share * (number as f32 + part)));
     }
-    replay.bumps = bumps(stage, &replay.plan).unwrap_or_else(|reason| {
+    replay.bumps = bumps(session, &replay.plan).unwrap_or_else(|reason| {
         replay.bump_failure = Some(format!("Eq. 7: {reason}"));
         Vec::new()
     });
-    let mut truths = Truths::default();
+    let mut truths = GroundTruths::default();
     let rows: usize = replay.sheets.iter().map(|sheet| sheet.rows.len()).sum();
     let size = replay.plan.error_size;
     let mut done = 0;
     for row in replay.sheets.iter_mut().flat_map(|sheet| &mut sheet.rows) {
-        if (stage.stop)() {
+        if (session.stop)() {
             break;
         }
-        row.errors = Some(errors(stage, &row.scene, size, &mut truths, refer));
+        row.errors = Some(errors(session, &row.scene, size, &mut truths, compute_reference));
         done += 1;
         progress(TIMING + (1.0 - TIMING) * done as f32 / rows as f32);
     }
-    replay.partial = (stage.stop)();
+    replay.partial = (session.stop)();
     replay
 }
 
 /// Times a group of shots, their runs interleaved, as many together as memory allows.
-fn time(stage: Stage<'_>, replay: &mut Replay, group: Vec<usize>, progress: &dyn Fn(f32)) {
+fn time(session: Session<'_>, replay: &mut Replay, group: Vec<usize>, progress: &dyn Fn(f32)) {
     let all = group.len().max(1) as f32;
     let mut waiting = group.into_iter().peekable();
-    while waiting.peek().is_some() && !(stage.stop)() {
+    while waiting.peek().is_some() && !(session.stop)() {
         let (mut batch, mut bytes): (Vec<(usize, Painter<'_>, f64)>, u64) = (Vec::new(), 0);
-        while bytes < BATCH_BYTES && !(stage.stop)() {
+        while bytes < BATCH_BYTES && !(session.stop)() {
             let Some(index) = waiting.next() else { break };
             if let Some(ms) = replay.expected(index).filter(|&ms| ms > LONGEST_MS) {
                 replay.shots[index].cell = Cell::Scaled(ms);
                 continue;
             }
             let shot = &mut replay.shots[index];
-            let mut renderer = stage.painter();
+            let mut renderer = session.painter();
             match renderer.render(&shot.scene) {
                 Ok(frame) => {
                     bytes += frame.measurements.device_bytes;
@@ -83,7 +88,7 @@ fn time(stage: Stage<'_>, replay: &mut Replay, group: Vec<usize>, progress: &dyn
         for place in interleave(&runs, &mut SplitMix(waiting.len() as u64)) {
             let (index, renderer, _) = &mut batch[place];
             let shot = &mut replay.shots[*index];
-            if (stage.stop)() || shot.cell == Cell::Failed {
+            if (session.stop)() || shot.cell == Cell::Failed {
                 continue;
             }
             match run(renderer, &shot.scene) {
@@ -107,28 +112,29 @@ fn fail(shot: &mut Shot, reason: &str) {
 
 /// The error of a scene's slices, of one sample per pixel.
 fn errors(
-    stage: Stage<'_>,
+    session: Session<'_>,
     scene: &Scene,
     size: [u32; 2],
-    truths: &mut Truths,
-    refer: &mut Refer<'_>,
+    truths: &mut GroundTruths,
+    compute_reference: &mut ComputeReference<'_>,
 ) -> Result<Errors, String> {
     let mut scene = scene.clone();
     scene.image.size = size;
-    let truth = truths.of(stage.library, &scene, refer).map_err(|reason| format!("no reference: {reason}"))?;
-    let mut renderer = stage.painter();
+    let truth =
+        truths.of(session.library, &scene, compute_reference).map_err(|reason| format!("no reference: {reason}"))?;
+    let mut renderer = session.painter();
     let frame = renderer.render(&scene).map_err(|error| error.to_string())?;
     let metrics = Metrics::of(&frame.pixels, &truth.reference, scene.image.background.unwrap_or(BACKGROUND));
     Ok(Errors { rmse: metrics.errors.rmse, flip: metrics.flip })
 }
 
 /// Bump mapping by rising k, with the angles that it turns the normals by.
-fn bumps(stage: Stage<'_>, plan: &Plan) -> Result<Vec<Bump>, String> {
+fn bumps(session: Session<'_>, plan: &Plan) -> Result<Vec<Bump>, String> {
     let place = EFFECTS.iter().position(|row| row.0 == "bump").expect("the table has a row of bump mapping");
     let mut lit = plan.effects[place].clone();
     lit.image.size = plan.error_size.map(|side| 2 * side);
     lit.quality.target = TargetFormat::Float32;
-    let mut renderer = stage.painter();
+    let mut renderer = session.painter();
     let mut draw = |scene: &Scene| renderer.render(scene).map_err(|error| error.to_string());
     let mut flat = Scene { parameters: Default::default(), ..lit.clone() };
     flat.effect.surface = "normals".into();
@@ -141,5 +147,5 @@ fn bumps(stage: Stage<'_>, plan: &Plan) -> Result<Vec<Bump>, String> {
         let angles = normal_angles(&draw(&scene)?.pixels, &flat.pixels).ok_or("the picture shows no surface")?;
         Ok(Bump { k, angle: angles.mean, frame })
     };
-    BUMPS.into_iter().map(bump).take_while(|_| !(stage.stop)()).collect()
+    BUMPS.into_iter().map(bump).take_while(|_| !(session.stop)()).collect()
 }

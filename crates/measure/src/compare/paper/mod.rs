@@ -12,7 +12,7 @@ pub mod numbers;
 pub mod replay;
 
 use super::timing::{FEWEST_RUNS, Spread, interleave};
-use super::{Comparison, Failure, Stage, run};
+use super::{Comparison, Failure, Session, run};
 use crate::worker::Painter;
 use hypertexture::gpu::Format;
 use hypertexture::render::Frame;
@@ -98,8 +98,8 @@ pub struct Crop {
 }
 
 /// The scene of a row: its strategy, on slices of 8 bits.
-fn paper_scene(comparison: &Comparison, stage: &Stage<'_>, module: &str) -> Option<(usize, Scene)> {
-    if !stage.library.modules("turbulence").contains(&module) {
+fn paper_scene(comparison: &Comparison, session: &Session<'_>, module: &str) -> Option<(usize, Scene)> {
+    if !session.library.modules("turbulence").contains(&module) {
         return None;
     }
     let is_paper = |index: &usize| {
@@ -121,33 +121,33 @@ fn paper_scene(comparison: &Comparison, stage: &Stage<'_>, module: &str) -> Opti
 /// Replays Table 3 with the strategies of the comparison; `None` if it has none of them. Quick: its first column alone. A
 /// cell that cannot be drawn is missing, and told.
 pub fn table(
-    stage: Stage<'_>,
+    session: Session<'_>,
     comparison: &Comparison,
     quick: bool,
     failures: &mut Vec<Failure>,
     progress: &dyn Fn(f32),
 ) -> Option<Table> {
-    let scenes = TABLE_3.map(|(_, module, _)| paper_scene(comparison, &stage, module));
+    let scenes = TABLE_3.map(|(_, module, _)| paper_scene(comparison, &session, module));
     let slices = scenes.iter().flatten().map(|(_, scene)| scene.quality.samples).max()?;
     let mut fail = |row: usize, [width, height]: [u32; 2], error: &dyn ToString| {
         let label = format!("Table 3, {}, {width} x {height}", TABLE_3[row].0);
         failures.push(Failure { label, message: error.to_string() });
     };
-    let counts = stage.gpu.sample_counts(Format::Rgba8Unorm);
-    let counts = if stage.gpu.info().sample_shading { counts } else { vec![1] };
+    let counts = session.gpu.sample_counts(Format::Rgba8Unorm);
+    let counts = if session.gpu.info().sample_shading { counts } else { vec![1] };
     let sampling = counts.into_iter().filter(|&count| count <= 8).max().unwrap_or(1);
     let mut rows = [[Cell::Missing; 4]; 4];
     let columns = if quick { 1 } else { COLUMNS.len() };
     for (column, (size, smooth)) in COLUMNS.into_iter().enumerate().take(columns) {
         let mut cells: Vec<(usize, Scene, Painter<'_>, f64)> = Vec::new();
         for (row, (_, scene)) in scenes.iter().enumerate().filter_map(|(row, found)| Some((row, found.as_ref()?))) {
-            if (stage.stop)() {
+            if (session.stop)() {
                 return None;
             }
             let mut scene = scene.clone();
             scene.image.size = size;
             if smooth {
-                (scene.quality.msaa, scene.quality.anisotropy) = (sampling, stage.gpu.info().max_anisotropy.min(8.0));
+                (scene.quality.msaa, scene.quality.anisotropy) = (sampling, session.gpu.info().max_anisotropy.min(8.0));
             }
             let samples = f64::from(size[0] * size[1] * scene.quality.msaa) / f64::from(300 * 300);
             let expected = match rows[row][0] {
@@ -158,7 +158,7 @@ pub fn table(
                 rows[row][column] = Cell::Scaled(expected);
                 continue;
             }
-            let mut renderer = stage.painter();
+            let mut renderer = session.painter();
             match run(&mut renderer, &scene) {
                 Ok(first) => cells.push((row, scene, renderer, first.gpu_ms)),
                 Err(error) => fail(row, size, &error),
@@ -170,7 +170,7 @@ pub fn table(
         let mut times: Vec<Vec<f64>> = vec![Vec::new(); cells.len()];
         let mut failed: Vec<usize> = Vec::new();
         for index in interleave(&runs, &mut SplitMix(column as u64)) {
-            if (stage.stop)() {
+            if (session.stop)() {
                 return None;
             }
             if failed.contains(&index) {
@@ -206,14 +206,14 @@ fn hold(scene: &mut Scene, octaves: u32, library: &Library) {
 
 /// The pictures of Fig. 8 that the library has modules for, close to the object, if the scene has turbulence at all. One
 /// that cannot be drawn is missing, and told.
-pub fn figure(stage: Stage<'_>, comparison: &Comparison, failures: &mut Vec<Failure>) -> Vec<Crop> {
+pub fn figure(session: Session<'_>, comparison: &Comparison, failures: &mut Vec<Failure>) -> Vec<Crop> {
     let mut crops = Vec::new();
     for (module, octaves, caption) in FIGURE_8 {
-        let Some((_, mut scene)) = paper_scene(comparison, &stage, module) else { continue };
-        if (stage.stop)() {
+        let Some((_, mut scene)) = paper_scene(comparison, &session, module) else { continue };
+        if (session.stop)() {
             break;
         }
-        hold(&mut scene, octaves, stage.library);
+        hold(&mut scene, octaves, session.library);
         scene.image.size = [CROP; 2];
         scene.camera.zoom *= CLOSER;
         scene.quality.target = TargetFormat::Float32; // as it looks, not as 8 bits lose it
@@ -227,7 +227,7 @@ pub fn figure(stage: Stage<'_>, comparison: &Comparison, failures: &mut Vec<Fail
                 )
             }
         };
-        match stage.painter().render(&scene) {
+        match session.painter().render(&scene) {
             Ok(frame) => crops.push(Crop { caption, drawn, frame }),
             Err(error) => failures.push(Failure { label: format!("Fig. 8, {caption}"), message: error.to_string() }),
         }

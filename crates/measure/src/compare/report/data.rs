@@ -2,7 +2,7 @@
 
 use super::{Report, scene_text};
 use crate::compare::answers::answers;
-use crate::compare::candidates::{Curve, pass_name, rule_name};
+use crate::compare::candidates::{Curve, integration_name, pass_name};
 use crate::compare::front::{Order, order};
 use crate::compare::metrics::FLIP;
 use crate::compare::theory::theory;
@@ -50,7 +50,7 @@ pub fn candidates(report: &Report) -> String {
             candidate.strategy.clone(),
             block,
             pass_name(curve.pass).into(),
-            rule_name(curve.integration).into(),
+            integration_name(curve.integration).into(),
             target_name(curve.target).into(),
             candidate.samples().to_string(),
             candidate.octaves().map_or(String::new(), |[held, _]| held.to_string()),

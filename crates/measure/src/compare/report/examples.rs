@@ -4,7 +4,7 @@ use super::{Environment, Report};
 use crate::compare::candidates::{Sweep, candidates};
 use crate::compare::metrics::Metrics;
 use crate::compare::timing::Run;
-use crate::compare::{Comparison, Row, Truth};
+use crate::compare::{Comparison, GroundTruth, Row};
 use crate::metric::Errors;
 use crate::reference::Reference;
 use hypertexture::render::Frame;
@@ -22,7 +22,7 @@ pub fn report() -> Report {
         let estimate = vec![1e-7; 64];
         let reference = Reference { size: [8, 8], pixels: vec![[0.0; 4]; 64], estimate, open: vec![1e-3; 64] };
         let pattern = if is_own { "own" } else { "other" }.to_string();
-        Arc::new(Truth { pattern, is_own, reference: reference.into() })
+        Arc::new(GroundTruth { pattern, is_own, reference: reference.into() })
     };
     let truths = [truth(false), truth(true)];
     let row = |candidate: crate::compare::candidates::Candidate| {

@@ -19,7 +19,7 @@ pub use environment::{Environment, load};
 
 use super::candidates::Curve;
 use super::paper::{Crop, Table};
-use super::{CompareError, Comparison, Failure, Group, Stage};
+use super::{CompareError, Comparison, Failure, Group, Session};
 use chart::{Chart, Line, Marker, Point};
 use hypertexture::output::OutputError;
 use hypertexture::render::Frame;
@@ -90,7 +90,7 @@ pub fn file_name(path: &str) -> String {
 }
 
 /// Renders pictures of the fronts once more, those at their ends and some between; what cannot be drawn again is told.
-pub fn pictures(stage: Stage<'_>, comparison: &Comparison, failures: &mut Vec<Failure>) -> Vec<(usize, Frame)> {
+pub fn pictures(session: Session<'_>, comparison: &Comparison, failures: &mut Vec<Failure>) -> Vec<(usize, Frame)> {
     let chosen = comparison.groups().into_iter().flat_map(|Group { truth, front, .. }| {
         let count = front.len().min(PICTURES[usize::from(!truth.is_own)]);
         (0..count).map(move |place| front[place * (front.len() - 1) / (count - 1).max(1)])
@@ -100,7 +100,7 @@ pub fn pictures(stage: Stage<'_>, comparison: &Comparison, failures: &mut Vec<Fa
         let fail = |error: hypertexture::render::RenderError| {
             failures.push(Failure { label: candidate.label(), message: error.to_string() });
         };
-        stage.painter().render(&candidate.scene).map_err(fail).ok().map(|frame| (index, frame))
+        session.painter().render(&candidate.scene).map_err(fail).ok().map(|frame| (index, frame))
     };
     chosen.filter_map(draw).collect()
 }

@@ -1,8 +1,8 @@
-//! Truths: what candidates are held against, each computed once.
+//! GroundTruths: what candidates are held against, each computed once.
 //!
 //! Candidates of one noise pattern have one truth. Those of another pattern are of another picture: no front holds both.
 
-use super::Refer;
+use super::ComputeReference;
 use crate::reference::{Reference, truth_of};
 use hypertexture::noise::Period;
 use hypertexture::render::variant::Variant;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// The exact picture that candidates of one noise pattern approximate.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Truth {
+pub struct GroundTruth {
     /// The noise pattern in words.
     pub pattern: String,
     /// Whether it is that of the scene that is compared.
@@ -21,7 +21,7 @@ pub struct Truth {
     pub reference: Arc<Reference>,
 }
 
-impl Truth {
+impl GroundTruth {
     /// Root mean square of its own error, as far as samples say.
     pub fn error(&self) -> f64 {
         self.reference.error()
@@ -40,15 +40,15 @@ impl Truth {
 
 /// The truths that were asked for so far.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Truths {
+pub(super) struct GroundTruths {
     own: Option<Scene>,
-    known: Vec<(Scene, Result<Arc<Truth>, String>)>,
+    known: Vec<(Scene, Result<Arc<GroundTruth>, String>)>,
 }
 
-impl Truths {
+impl GroundTruths {
     /// None yet, of a scene and its candidates.
-    pub(super) fn new(scene: &Scene, library: &Library) -> Result<Truths, LibraryError> {
-        Ok(Truths { own: Some(truth_of(scene, library)?), known: Vec::new() })
+    pub(super) fn new(scene: &Scene, library: &Library) -> Result<GroundTruths, LibraryError> {
+        Ok(GroundTruths { own: Some(truth_of(scene, library)?), known: Vec::new() })
     }
 
     /// How many truths there are with those of more scenes.
@@ -63,13 +63,22 @@ impl Truths {
     }
 
     /// The truth of a scene, whatever its quality.
-    pub(super) fn of(&mut self, library: &Library, scene: &Scene, refer: &mut Refer<'_>) -> Result<Arc<Truth>, String> {
+    pub(super) fn of(
+        &mut self,
+        library: &Library,
+        scene: &Scene,
+        compute_reference: &mut ComputeReference<'_>,
+    ) -> Result<Arc<GroundTruth>, String> {
         let truth = truth_of(scene, library).map_err(|error| error.to_string())?;
         if let Some((_, known)) = self.known.iter().find(|(known, _)| *known == truth) {
             return known.clone();
         }
-        let found = refer(&truth).map(|reference| {
-            Arc::new(Truth { pattern: pattern(&truth, library), is_own: self.own.as_ref() == Some(&truth), reference })
+        let found = compute_reference(&truth).map(|reference| {
+            Arc::new(GroundTruth {
+                pattern: pattern(&truth, library),
+                is_own: self.own.as_ref() == Some(&truth),
+                reference,
+            })
         });
         self.known.push((truth, found.clone()));
         found
@@ -111,19 +120,19 @@ mod tests {
     #[test]
     fn a_truth_is_computed_once_for_all_qualities() {
         let mut asked = 0;
-        let mut refer = |scene: &Scene| {
+        let mut compute_reference = |scene: &Scene| {
             asked += 1;
             Ok(blank(scene))
         };
         let library = shader::shipped();
         let mut scene = preset("fire").unwrap();
-        let mut truths = Truths::new(&scene, &library).unwrap();
+        let mut truths = GroundTruths::new(&scene, &library).unwrap();
         for samples in [8, 16, 32] {
             scene.quality.samples = samples;
-            assert!(truths.of(&library, &scene, &mut refer).unwrap().is_own);
+            assert!(truths.of(&library, &scene, &mut compute_reference).unwrap().is_own);
         }
         scene.effect.turbulence = "procedural".into();
-        assert!(!truths.of(&library, &scene, &mut refer).unwrap().is_own);
+        assert!(!truths.of(&library, &scene, &mut compute_reference).unwrap().is_own);
         assert_eq!(asked, 2);
         let failed = truths.of(&library, &preset("lit").unwrap(), &mut |_| Err("no such function".into()));
         assert_eq!(failed.unwrap_err(), "no such function");
@@ -156,7 +165,7 @@ mod tests {
     fn the_error_of_a_truth_is_told_without_and_with_what_is_left_open() {
         let reference =
             Reference { size: [2, 1], pixels: vec![[0.0; 4]; 2], estimate: vec![0.3, 0.4], open: vec![0.0, 0.9] };
-        let truth = Truth { pattern: String::new(), is_own: true, reference: reference.into() };
+        let truth = GroundTruth { pattern: String::new(), is_own: true, reference: reference.into() };
         assert!((truth.error() - (0.25f64 / 2.0).sqrt()).abs() < 1e-15);
         assert!((truth.bound() - (1.09f64 / 2.0).sqrt()).abs() < 1e-15, "no pixel is off by more than 1");
         assert_eq!(truth.proven(), 0.5);
