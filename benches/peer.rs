@@ -1,4 +1,7 @@
-//! The fire ball of PH 2.4 by our rays against a renderer that was written by hand for it alone.
+//! The fire ball of PH 2.4 by rays against a renderer written by hand for it: run with `cargo bench --bench peer`.
+//!
+//! `HYPERTEXTURE_PEER` names the executable of the peer. Times are milliseconds on the device, median (lowest-highest), of
+//! runs in turns.
 //!
 //! The contract, in the peer's units: a unit cube seen from the front in parallel projection, 1 / STEPS between samples;
 //! density linear in the squared radius from 1 at 0.25 to 0 at 0.45, at x (1 + turbulence(4 x)); opacity
@@ -6,23 +9,29 @@
 //! The outer radius is 1 in object units, so one of them is 0.45 of the peer's: every length is divided by 0.45, and
 //! every number per length is multiplied by it.
 
-use crate::bench::Spread;
-use crate::{REPEATS, common};
-use hypertexture::gpu::Gpu;
+#![expect(clippy::unwrap_used, reason = "a bench stops where something is not as described")]
+
+#[path = "common/mod.rs"]
+mod bench;
+#[path = "../tests/common/mod.rs"]
+mod common;
+
+use bench::Spread;
 use hypertexture::render::Renderer;
 use hypertexture::scene::{EmptySpace, ParameterValue, Pass, Projection, Scene};
 use hypertexture::shader::{self, Library};
 use std::process::{Command, Stdio};
 
+const REPEATS: usize = 5;
 /// Pixels along a side.
 const SIDE: u32 = 256;
 const STEPS: u32 = 256;
 const OCTAVES: u32 = 8;
-/// Object units in the peer's.
+/// Length of an object unit in the units of the peer.
 const UNIT: f32 = 0.45;
 
-/// Turbulence only ever adds, so that nothing is outside the ball, and no noise is asked for there: as the peer does it.
-/// Nor is any octave once the sum has left the ball, as its second mode does it.
+/// Warp that evaluates no noise outside of the ball, which turbulence only shrinks, and no octave once the sum has left the
+/// ball, as the second mode of the peer does.
 const WARP: &str = "\
     // @param fire_frequency = 1 in [0.1, 20]: Turbulence cells per object unit.\n\
     #include <turbulence>\n\
@@ -37,7 +46,7 @@ const WARP: &str = "\
 const MEDIUM: &str = "vec3 medium(Sample s, float density) {\n\
     return vec3(0.9, 0.1, 0.0) + density * vec3(0.1, 0.8, 0.2);\n}\n";
 
-/// A sample in the ball adds 1 to the red of its pixel: it has that over what comes through to it.
+/// Classification that adds 1 to the red of a pixel for each sample in the ball, divided by the transmittance in front of it.
 const COUNTED: &str = "\
     #include \"sample.glsl\"\n\
     #include <opacity>\n\
@@ -76,13 +85,13 @@ fn contract(turbulence: &str) -> Scene {
     scene
 }
 
-/// A number of the peer's line of JSON.
+/// Number in the peer's line of JSON.
 fn number(line: &str, key: &str) -> f64 {
     let (_, rest) = line.split_once(&format!("\"{key}\":")).unwrap_or_else(|| panic!("no {key} in: {line}"));
     rest.split([',', '}']).next().unwrap().trim().parse().unwrap()
 }
 
-/// Milliseconds and samples of one picture by the peer.
+/// Milliseconds and samples of a picture by the peer.
 fn peer(path: &str, mode: &str) -> (f64, f64) {
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let size = SIDE.to_string();
@@ -93,11 +102,11 @@ fn peer(path: &str, mode: &str) -> (f64, f64) {
     (number(&line, "median_ms"), number(&line, "samples"))
 }
 
-/// Prints the table.
-pub fn compare(gpu: &Gpu) {
-    println!("\nFire ball, {SIDE} x {SIDE}, {STEPS} steps, {OCTAVES} octaves, ms: ours against one written by hand");
+fn main() {
+    let gpu = bench::open();
+    println!("Fire ball, {SIDE} x {SIDE}, {STEPS} steps, {OCTAVES} octaves, ms: ours against one written by hand");
     let Some(path) = std::env::var("HYPERTEXTURE_PEER").ok().filter(|path| !path.is_empty()) else {
-        println!("left out: HYPERTEXTURE_PEER names no executable to compare with");
+        println!("skipped: HYPERTEXTURE_PEER names no executable");
         return;
     };
     let library = library();
@@ -105,10 +114,10 @@ pub fn compare(gpu: &Gpu) {
     let subject = common::subject(&ours[0], &library);
     let counts = ours.clone().map(|mut scene| {
         scene.effect.classify = "counted".into();
-        let frame = common::picture(gpu, &library, &scene, &subject);
+        let frame = common::picture(&gpu, &library, &scene, &subject);
         frame.pixels.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>()
     });
-    let mut renderers = [0, 1, 2].map(|_| Renderer::new(gpu, &library, &subject));
+    let mut renderers = [0, 1, 2].map(|_| Renderer::new(&gpu, &library, &subject));
     let (mut times, mut samples) = ([const { Vec::new() }; 5], [counts[0], counts[1], counts[2], 0.0, 0.0]);
     for _ in 0..REPEATS {
         for (index, scene) in ours.iter().enumerate() {
