@@ -42,7 +42,6 @@ use args::{Arguments, Command};
 use compare::Failed;
 use progress::{announced, with_progress};
 use sequence::Interrupted;
-use verify::Disagreement;
 #[cfg(feature = "viewer")]
 use view::NoWindow;
 
@@ -70,8 +69,6 @@ const NUMBERS: [(&str, &str); 3] = [
 ];
 /// Exit code of anything that the person at the keyboard can mend.
 const BAD_INPUT: u8 = 2;
-/// Exit code of `verify` where a device or a picture is not as it must be.
-const DISAGREES: u8 = 1;
 
 /// Exit code of a program that was interrupted, as shells have it: 128 and the number of SIGINT.
 pub const INTERRUPTED: u8 = 130;
@@ -122,10 +119,6 @@ pub fn main() -> ExitCode {
         Err(error) if error.is::<NoWindow>() => {
             complain(&format!("error: {error}"));
             ExitCode::from(viewer::NO_WINDOW)
-        }
-        Err(error) if error.is::<Disagreement>() => {
-            complain(&error.to_string());
-            ExitCode::from(DISAGREES)
         }
         Err(error) => {
             complain(&format!("error: {error}{}", flag_of(&*error)));
